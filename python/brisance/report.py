@@ -1,0 +1,321 @@
+"""Writes one self-contained HTML page about a run.
+
+Usage: python3 report.py DIR        (the output folder of a run; the page is DIR/report.html)
+
+Exit status: 0 done, 2 wrong usage, 5 a file or a Python package is missing.
+"""
+import html
+import os
+import sys
+from pathlib import Path
+
+GEOMETRIES = {"cartesian3d": "3D", "planar2d": "planar 2D", "axisymmetric2d": "axisymmetric 2D",
+              "planar1d": "planar 1D", "cylindrical1d": "cylindrical 1D", "spherical1d": "spherical 1D"}
+ROUND_OFF = 1e-10
+SMALL_DRIFT = 1e-6
+KB_TITLE = "Kingery-Bulmash"
+
+
+def text(value):
+    return html.escape(str(value))
+
+
+def number(value, digits=4, padded=False):
+    """A number for people: no exponent where it can be avoided, a dash where there is none.
+
+    `padded` keeps trailing zeros, so that the numbers of a column have equal precision.
+    """
+    if value is None:
+        return "–"
+    if value == 0:
+        return "0"
+    if 1e-3 <= abs(value) < 10.0 ** max(digits, 5):
+        plain = f"{value:{'#' if padded else ''}.{digits}g}".rstrip(".")
+        return plain if "e" not in plain else f"{value:.0f}"
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    if "." in mantissa:
+        mantissa = mantissa.rstrip("0").rstrip(".")
+    return f"{mantissa}·10<sup>{int(exponent)}</sup>".replace("<sup>-", "<sup>−")
+
+
+def duration(seconds):
+    if seconds < 90:
+        return f"{seconds:.3g} s"
+    minutes, rest = divmod(int(round(seconds)), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"
+
+
+def badge(kind, words):
+    return f'<span class="badge {kind}">{text(words)}</span>'
+
+
+def table(head, rows, groups=None):
+    """A table from cells that are HTML already; a cell may be (class, content)."""
+    def cell(tag, content):
+        kind, content = content if isinstance(content, tuple) else ("", content)
+        if content == "–":
+            kind += " absent"
+        return f'<{tag} class="{kind.strip()}">{content}</{tag}>' if kind.strip() else f"<{tag}>{content}</{tag}>"
+
+    top = ""
+    if groups:
+        top = "<tr class='groups'>" + "".join(f'<th colspan="{span}">{words}</th>' for words, span in groups) + "</tr>"
+    body = "".join("<tr>" + "".join(cell("td", c) for c in row) + "</tr>\n" for row in rows)
+    return (f'<div class="scroll"><table><thead>{top}<tr>{"".join(cell("th", h) for h in head)}</tr></thead>'
+            f"<tbody>{body}</tbody></table></div>")
+
+
+def pairs(rows):
+    """A table of names and plain-text values."""
+    body = "".join(f'<tr><td>{text(name)}</td><td class="text">{text(value)}</td></tr>' for name, value in rows)
+    return f'<table class="pairs"><tbody>{body}</tbody></table>'
+
+
+def figure(image, caption):
+    return f"<figure>{image}<figcaption>{caption}</figcaption></figure>" if image else ""
+
+
+def status_badge(log):
+    if log["status"] == "done":
+        return badge("good", "completed")
+    if log["status"] == "running":
+        return badge("warn", "not finished")
+    return badge("bad" if log["exit_code"] not in (0, 3) else "warn", "stopped")
+
+
+def facts(log):
+    domain = log["domain"]
+    resolved = [n for n in domain["cells"] if n > 1] or [1]
+    size = [high - low for low, high, n in zip(domain["lower"], domain["upper"], domain["cells"]) if n > 1]
+    entries = [
+        ("simulated time", f"{number(log['time'] * 1e3)} ms", f"of {number(log['end_time'] * 1e3)} ms"),
+        ("steps", f"{log['step']:,}", ""),
+        ("grid", " × ".join(str(n) for n in resolved), GEOMETRIES[domain["geometry"]]),
+        ("cells", f"{domain['cell_count']:,}", f"in {log['blocks']} blocks"),
+        ("cell size", f"{number(domain['cell_size'] * 1e3)} mm", ""),
+        ("domain", " × ".join(number(s) for s in size) + " m", ""),
+        ("wall-clock time", duration(log["wall_seconds"]), f"on {log['machine']['threads']} threads"),
+        ("speed", f"{log['cell_updates_per_second'] / 1e6:.3g} million", "cells/s"),
+    ]
+    cells = "".join(f"<div><dt>{name}</dt><dd>{value} <small>{small}</small></dd></div>"
+                    for name, value, small in entries)
+    return f'<dl class="facts">{cells}</dl>'
+
+
+def setup_table(log):
+    boundary = log["domain"]["boundary"]
+    directions = {"axisymmetric2d": "rz"}.get(log["domain"]["geometry"], "xyz")
+    names = [f"{d} {side}" for d in directions for side in ("low", "high")]
+    resolved = sum(n > 1 for n in log["domain"]["cells"])
+    if log["domain"]["geometry"] in ("spherical1d", "cylindrical1d"):
+        names = ["r low", "r high"]
+    faces = ", ".join(f"{name}: {kind}" for name, kind in zip(names, boundary[:2 * resolved]))
+    ambient = log["ambient"]
+    rows = [
+        ("gas scheme", f"{log['scheme']}, Courant number {log['courant']:g}"),
+        ("ambient", f"{ambient['fluid']}, {ambient['pressure'] * 1e-3:.6g} kPa, {ambient['density']:.4g} kg/m³"),
+        ("boundaries", faces),
+        ("obstacles, gauges, field dumps", f"{log['obstacles']}, {log['gauges']}, {log['dumps']}"),
+        ("end", log["end_reason"] or "the run has not written its end"),
+    ]
+    return pairs(rows)
+
+
+def charge_section(log):
+    if not log["charges"]:
+        return "<p>No charge.</p>"
+    rows = []
+    for charge in log["charges"]:
+        asked, realised = charge["asked_mass"], charge["realised_mass"]
+        error = abs(realised - asked) / asked if asked else None
+        centre = ", ".join(number(x) for x in charge["centre"]) if "centre" in charge else "–"
+        rows.append([text(charge["explosive"]), f"({centre})", text(charge.get("detonation", "–")), number(asked, 7),
+                     number(realised, 7), number(error, 2), number(charge["realised_energy"] * 1e-6),
+                     number(charge["cells_per_radius"], 3)])
+    sources = "; ".join(sorted({f"{c['explosive']}: {c['source']}" for c in log["charges"] if c.get("source")}))
+    note = f'<p class="note">Constants: {text(sources)}.</p>' if sources else ""
+    return table(["explosive", "centre [m]", "detonation", "mass asked [kg]", "mass on the grid [kg]", "relative error",
+                  "energy [MJ]", "cells per radius"], rows) + note
+
+
+def gauge_table(run):
+    with_reference = any(v is not None for g in run.summary["gauges"] for v in g["kingery_bulmash"].values())
+    quantities = [("peak_overpressure", 1e-3, "peak overpressure [kPa]"), ("arrival_time", 1e3, "arrival [ms]"),
+                  ("positive_duration", 1e3, "positive duration [ms]"),
+                  ("positive_impulse", 1.0, "positive impulse [Pa s]")]
+    head = ["gauge", "R [m]", "Z [m/kg<sup>1/3</sup>]"]
+    groups = [("", 3)]
+    for _, _, name in quantities:
+        head += ["run", "KB", "ratio"] if with_reference else [name]
+        groups.append((name, 3))
+    rows = []
+    for gauge in run.summary["gauges"]:
+        arrived = gauge["arrival_time"] is not None
+        row = [text(gauge["name"]), number(gauge["distance"], 4, True), number(gauge["scaled_distance"], 3, True)]
+        for key, factor, _ in quantities:
+            value = gauge[key] * factor if arrived and gauge[key] is not None else None
+            mark = "*" if key == "positive_impulse" and value and not gauge["positive_phase_complete"] else ""
+            row.append(number(value, 4, True) + mark)
+            if with_reference:
+                reference, ratio = gauge["kingery_bulmash"][key], gauge["ratio"][key]
+                row.append(number(None if reference is None else reference * factor, 4, True))
+                row.append(("ratio", "–" if ratio is None else f"{ratio:.3f}"))
+        rows.append(row)
+    out = table(head, rows, groups if with_reference else None)
+    if any(g["positive_impulse"] and not g["positive_phase_complete"] for g in run.summary["gauges"]):
+        out += '<p class="note">* The record ends within the positive phase: the impulse is that up to its end.</p>'
+    return out, with_reference
+
+
+def verdict(error):
+    if error is None:
+        return badge("bad", "not a number")
+    if error <= ROUND_OFF:
+        return badge("good", "conserved to round-off")
+    if error <= SMALL_DRIFT:
+        return badge("warn", "drifts slightly")
+    return badge("bad", "not conserved")
+
+
+def audit_section(log):
+    audit = log["audit"]
+    rows = []
+
+    def account(name, unit, initial, outflow, guards, current, error):
+        rows.append([f"{name} [{unit}]", number(initial, 6), number(outflow, 6), number(guards, 3), number(current, 6),
+                     number(error, 2), ("text", verdict(error))])
+
+    masses = zip(audit["initial"]["mass"], audit["outflow"]["mass"], audit["current"]["mass"],
+                 audit["relative_error"]["mass"])
+    names = ("mass of the ambient fluid", "mass of the second fluid")
+    for (initial, outflow, current, error), name in zip(masses, names):
+        if initial or outflow or current:
+            # The guards' mass is one figure for both fluids; it stands with the first.
+            guards = audit["guard_mass"] if name.endswith("ambient fluid") else None
+            account(name, "kg", initial, outflow, guards, current, error)
+    account("energy", "J", audit["initial"]["energy"], audit["outflow"]["energy"], audit["guard_energy"],
+            audit["current"]["energy"], audit["relative_error"]["energy"])
+    lifted = audit["guarded_cells"]
+    guards = (badge("good", "no guard acted") if lifted == 0 else badge("warn", "guards acted"))
+    words = ("Density and internal energy stayed positive everywhere by themselves." if lifted == 0 else
+             f"In {lifted:,} cell updates density or internal energy had to be lifted to its floor; what that added is "
+             "listed above.")
+    per_metre = {"planar2d": "Sums count per metre of depth.", "planar1d": "Sums count per square metre.",
+                 "cylindrical1d": "Sums count per metre of length."}.get(log["domain"]["geometry"], "")
+    return (table(["account", "initial", "flowed out", "added by guards", "now", "relative error", ("text", "verdict")],
+                  rows)
+            + f'<p class="note">Initial less outflow plus guards must equal the present content. {per_metre}</p>'
+            + f"<p>{guards} {words}</p>")
+
+
+def deck_section(deck):
+    lines = []
+    for line in deck.splitlines():
+        escaped = text(line)
+        stripped = line.strip()
+        if stripped.startswith("#"):
+            escaped = f'<span class="comment">{escaped}</span>'
+        elif stripped.startswith("["):
+            escaped = f'<span class="table">{escaped}</span>'
+        lines.append(escaped)
+    return f"<pre>{chr(10).join(lines)}</pre>"
+
+
+def sections(run, figures):
+    """Titles and contents of the page, in order; those with nothing to show are left out."""
+    log = run.log
+    yield "Calculation", facts(log) + setup_table(log)
+    if log["charges"]:
+        yield "Charge", charge_section(log)
+    if run.summary["gauges"]:
+        results, with_reference = gauge_table(run)
+        burst = run.summary["burst"]
+        note = (f'<p class="note">KB: {KB_TITLE} values for a {text(burst)} burst of the charge\'s mass of TNT, '
+                "incident wave. They describe an undisturbed wave in free air or over open, rigid ground: in front of or behind "
+                "obstacles the ratio is no measure of quality.</p>" if with_reference else "")
+        yield "Gauges", results + note + figure(
+            figures.gauge_histories(run),
+            "Overpressure (blue, left axis) and running impulse (orange, right axis) at the gauges"
+            + (f". {KB_TITLE}: diamond for arrival and peak, tick for the end of the positive phase, "
+               "dashed line for the impulse." if with_reference else "."))
+    yield "Scaled distance", figure(figures.scaled_distance(run), "Results of the gauges against scaled distance"
+                                    + (f" with the {KB_TITLE} curves." if run.curve is not None else "."))
+    yield "Overpressure field", figure(
+        figures.pressure_slices(run),
+        "Overpressure at several times, colours logarithmic on both sides of the ambient state (white); "
+        "obstacles grey.")
+    yield "Profiles", figure(figures.profiles(run), "Profiles at several times.")
+    peaks = figures.peak_map(run) or figures.peak_profile(run)
+    yield "Peak values", figure(peaks, "Largest overpressure that each place has seen"
+                                + ("; contours in kPa, circles: gauges." if run.dimensions > 1
+                                   else ", and largest running impulse."))
+    yield "Conservation", audit_section(log)
+    versions, machine = log["versions"], log["machine"]
+    yield "Cost and versions", figure(figures.timings(run), "Wall-clock time by phase.") + pairs([
+        ("Brisance", versions["brisance"]), ("compiler", versions["compiler"]),
+        ("compiler options", versions["compiler_flags"]), ("HDF5", versions["hdf5"]),
+        ("processor", f"{machine['processor']}, {machine['cores']} cores, {machine['threads']} threads used"),
+        ("started (UTC)", log["started_at"].replace("T", " ").rstrip("Z"))])
+    yield "Deck", deck_section(log["deck"])
+
+
+def page(run, figures):
+    log = run.log
+    title = log["title"] or log["deck_path"] or "Brisance run"
+    style = (Path(__file__).parent / "report.css").read_text(encoding="utf-8")
+    shown = [(name, content) for name, content in sections(run, figures) if content]
+    body = "\n".join(f'<section><h2><span class="number">{n}</span>{name}</h2>\n{content}</section>'
+                     for n, (name, content) in enumerate(shown, 1))
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{text(title)}</title>
+<style>
+{style}</style>
+</head>
+<body>
+<header><div>
+<h1>{text(title)}</h1>
+<p>Blast calculation with Brisance {text(log['versions']['brisance'])} &nbsp;·&nbsp; {text(log['started_at'][:10])}
+&nbsp;
+{status_badge(log)}</p>
+</div></header>
+<main>
+{body}
+<footer>Written by <code>brisance report</code>. All numbers come from run.json, summary.json, the gauges' CSV files and
+the field dumps in the run's output folder.</footer>
+</main>
+</body>
+</html>
+"""
+
+
+def main(arguments):
+    if len(arguments) != 1 or arguments[0] in ("-h", "--help"):
+        print(__doc__, file=sys.stderr)
+        return 2
+    # Run by its path, the script must still find the package that it belongs to.
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+    try:
+        from brisance import figures, results
+    except ImportError as missing:
+        print(f"the Python package {missing.name} is missing; on Debian: "
+              "apt install python3-numpy python3-h5py python3-matplotlib", file=sys.stderr)
+        return 5
+    folder = Path(arguments[0])
+    try:
+        content = page(results.Run(folder), figures)
+        temporary = folder / "report.html.part"
+        temporary.write_text(content, encoding="utf-8")
+        os.replace(temporary, folder / "report.html")
+    except OSError as problem:
+        print(problem, file=sys.stderr)
+        return 5
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,30 @@
+/// The run loop: steps, output times, and the end in all its forms. Prints nothing.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/error.hpp"
+#include "output/writer.hpp"
+#include "run/world.hpp"
+
+namespace brisance::app {
+
+/// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end. Times closer than
+/// 1e-9 of the end time are one.
+[[nodiscard]] std::vector<double> dump_times(run::Output const& output, double end_time);
+
+/// How a run ended.
+struct Ending {
+  ExitCode code = ExitCode::done;
+  std::string reason;  ///< one line for people
+};
+
+/// Runs the world to its end, until `stop` is set or until something fails, and writes what there is. `after_step` is called after every
+/// step. Numerical and output failures end in the result; other errors are thrown.
+[[nodiscard]] Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const& stop,
+                           std::function<void(run::World const&)> const& after_step);
+
+}  // namespace brisance::app

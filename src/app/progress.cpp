@@ -1,0 +1,61 @@
+#include "app/progress.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/text.hpp"
+
+namespace brisance::app {
+
+double part_done(run::World const& world) {
+  double const by_time = world.clock.time / world.setup.end.time;
+  double const by_steps =
+      world.setup.end.steps > 0 ? static_cast<double>(world.clock.step) / static_cast<double>(world.setup.end.steps) : 0.0;
+  return std::clamp(std::max(by_time, by_steps), 0.0, 1.0);
+}
+
+bool Progress::due(double done, Clock::time_point now) const {
+  using namespace std::chrono_literals;
+  if (terminal_) return now - since_ >= 200ms;
+  return now - since_ >= 10s || (done - done_ >= 0.1 && now - since_ >= 1s);
+}
+
+void Progress::step(run::World const& world) {
+  ++steps_;
+  active_updates_ += static_cast<double>(world.active_cells());
+  auto const now = Clock::now();
+  double const done = part_done(world);
+  if (!due(done, now)) return;
+
+  double const seconds = std::chrono::duration<double>(now - since_).count();
+  double const all_updates = static_cast<double>(steps_) * static_cast<double>(world.setup.domain.cell_count());
+  int awake = 0;
+  for (int b = 0; b < world.grid.block_count(); ++b) awake += world.gas->awake(b) ? 1 : 0;
+  double const left = done > done_ ? (1.0 - done) * seconds / (done - done_) : 0.0;
+  show(fmt::format("{:5.1f} %  t {}  step {}  dt {}  {:.1f} Mcells/s ({:.1f} with sleeping)  {} of {} blocks awake  about {} left",
+                   100.0 * done, quantity(world.clock.time, "s"), world.clock.step, quantity(world.clock.dt, "s", 3),
+                   active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, world.grid.block_count(),
+                   wall_time(left)));
+  since_ = now;
+  done_ = done;
+  steps_ = 0;
+  active_updates_ = 0.0;
+}
+
+void Progress::show(std::string const& line) {
+  if (terminal_) {
+    fmt::print(out_, "\r{:<{}}", line, shown_);
+    shown_ = line.size();
+  } else {
+    fmt::print(out_, "{}\n", line);
+  }
+  std::fflush(out_);
+}
+
+void Progress::end() {
+  if (terminal_ && shown_ > 0) fmt::print(out_, "\n");
+  shown_ = 0;
+}
+
+}  // namespace brisance::app

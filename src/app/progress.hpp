@@ -1,0 +1,40 @@
+/// The progress line of a run.
+#pragma once
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+#include "run/world.hpp"
+
+namespace brisance::app {
+
+/// Writes how far a run has come: on a terminal one line that renews itself, elsewhere a line every ten seconds or ten per cent.
+class Progress {
+ public:
+  Progress(std::FILE* out, bool terminal) : out_(out), terminal_(terminal) {}
+
+  /// To be called after every step.
+  void step(run::World const& world);
+  /// Ends the line.
+  void end();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] bool due(double done, Clock::time_point now) const;
+  void show(std::string const& line);
+
+  std::FILE* out_;
+  bool terminal_;
+  std::size_t shown_ = 0;  ///< characters on the terminal's line
+  // What happened since the last line.
+  Clock::time_point since_ = Clock::now();
+  double done_ = 0.0;  ///< part of the run, 0 to 1
+  long steps_ = 0;
+  double active_updates_ = 0.0;
+};
+
+/// Part of the run that is done, 0 to 1, by time or by steps.
+[[nodiscard]] double part_done(run::World const& world);
+
+}  // namespace brisance::app

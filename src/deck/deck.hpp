@@ -1,0 +1,41 @@
+/// Reading of decks: one TOML file describes a case. Only this folder knows TOML.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "run/case.hpp"
+
+namespace brisance::deck {
+
+/// One error in a deck, with its place.
+struct Diagnostic {
+  std::string file;
+  int line = 1;
+  int column = 1;
+  std::string key;      ///< e.g. "charge[1].mass"; empty for errors of the TOML syntax
+  std::string message;  ///< the value, what is allowed and what to do
+};
+
+/// "file:line:column: error: key: message"
+[[nodiscard]] std::string format(Diagnostic const& diagnostic);
+
+/// Outcome of reading a deck: a case, or all its errors in the order of the text.
+struct Result {
+  std::optional<run::Case> case_;
+  std::vector<Diagnostic> errors;
+  std::vector<std::string> warnings;  ///< of a deck without errors; complete lines in the format of errors
+};
+
+/// Reads a deck from a file. A file that cannot be read throws IoError; everything else ends in `Result::errors`.
+[[nodiscard]] Result read_file(std::string const& path);
+
+/// Reads a deck from memory; `name` stands for the file in messages. Does not throw on any text.
+[[nodiscard]] Result read_text(std::string_view text, std::string_view name);
+
+/// Reference manual of the deck in Markdown, made from the schema (docs/deck.md).
+[[nodiscard]] std::string reference_manual();
+
+}  // namespace brisance::deck

@@ -1,0 +1,49 @@
+/// The library of materials: the files of materials/, embedded in the program at build time.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "material/explosive.hpp"
+
+namespace brisance::deck {
+
+class Section;
+
+template <class Material>
+struct Named {
+  Material material;
+  std::vector<std::string> aliases;
+};
+
+struct Library {
+  std::vector<Named<material::Explosive>> explosives;  ///< in alphabetical order
+  std::vector<Named<material::Fluid>> fluids;          ///< in alphabetical order
+
+  /// By name or alias, case aside; null when unknown.
+  [[nodiscard]] material::Explosive const* explosive(std::string_view name) const;
+  [[nodiscard]] material::Fluid const* fluid(std::string_view name) const;
+  /// All names, without the aliases.
+  [[nodiscard]] std::vector<std::string> explosive_names() const;
+  [[nodiscard]] std::vector<std::string> fluid_names() const;
+};
+
+/// The embedded library, read once. A file of it that does not fit the schema throws InputError.
+[[nodiscard]] Library const& library();
+
+/// Material from a table that the schema has checked; nothing when one of its values was wrong.
+[[nodiscard]] std::optional<material::Explosive> build_explosive(Section const& section, std::string const& name);
+[[nodiscard]] std::optional<material::Fluid> build_fluid(Section const& section, std::string const& name);
+
+/// For `brisance info`: all materials in one table each, and how to see more.
+[[nodiscard]] std::string describe_library();
+
+/// All parameters of a material with unit, meaning and source. Throws InputError with the nearest names for an unknown one.
+[[nodiscard]] std::string describe_material(std::string const& name);
+
+/// For `brisance info`: geometries, boundaries, shapes, equations of state with their parameters, schemes, fields.
+[[nodiscard]] std::string describe_models();
+
+}  // namespace brisance::deck

@@ -1,0 +1,130 @@
+/// The reference manual of the deck, printed from the schema.
+#include <fmt/format.h>
+
+#include "deck/deck.hpp"
+#include "deck/schema.hpp"
+
+namespace brisance::deck {
+
+namespace {
+
+std::string type_text(Key const& key) {
+  switch (key.type) {
+    case Type::number: return "quantity";
+    case Type::integer: return "whole number";
+    case Type::boolean: return "boolean";
+    case Type::text: return "string";
+    case Type::name: return "name";
+    case Type::word: return "word";
+    case Type::words: return "list of words";
+    case Type::names: return "list of strings";
+    case Type::numbers: return "list of quantities";
+    case Type::integers: return "list of whole numbers";
+    case Type::point: return "point";
+    case Type::table: return "table";
+    case Type::tables: return "list of tables";
+    case Type::named: return "named tables";
+  }
+  return {};
+}
+
+std::string allowed_text(Key const& key) {
+  switch (key.type) {
+    case Type::number:
+    case Type::integer:
+    case Type::numbers:
+    case Type::integers:
+    case Type::point: return range_text(key);
+    case Type::word:
+    case Type::words: return fmt::format("`{}`", fmt::join(key.choices, "`, `"));
+    case Type::boolean: return "`true`, `false`";
+    case Type::name: return "letters, digits and . _ - +";
+    default: return "";
+  }
+}
+
+std::string default_text(Key const& key) {
+  if (key.needed) return "**required**";
+  if (!key.fallback_note.empty()) return key.fallback_note;
+  if (auto const* v = std::get_if<double>(&key.fallback)) return fmt::format("{:g}", *v);
+  if (auto const* v = std::get_if<long>(&key.fallback)) return fmt::format("{}", *v);
+  if (auto const* v = std::get_if<bool>(&key.fallback)) return *v ? "`true`" : "`false`";
+  if (auto const* v = std::get_if<std::string>(&key.fallback)) return v->empty() ? "empty" : fmt::format("`{}`", *v);
+  return "none";
+}
+
+std::string rows(std::vector<Key> const& keys) {
+  std::string out = "| key | type | allowed | default | meaning | example |\n|---|---|---|---|---|---|\n";
+  for (auto const& key : keys) {
+    out += fmt::format("| `{}` | {} | {} | {} | {} | `{} = {}` |\n", key.name, type_text(key), allowed_text(key), default_text(key),
+                       key.explanation, key.name, key.sample);
+  }
+  return out;
+}
+
+std::string table_text(std::string const& heading, Table const& table) {
+  std::string out = fmt::format("\n## `{}`\n\n{}\n\n{}", heading, table.meaning, rows(table.keys));
+  for (auto const& [word, keys] : table.variants) {
+    out += fmt::format("\nFurther keys with `{} = \"{}\"`:\n\n{}", table.selector, word, rows(keys));
+  }
+  for (auto const& key : table.keys) {
+    if (key.table == nullptr) continue;
+    out += fmt::format("\n### `{}` of `{}`\n\n{}\n\n{}", key.name, heading, key.table->meaning, rows(key.table->keys));
+  }
+  return out;
+}
+
+constexpr std::string_view introduction = R"(# Deck reference
+
+This page is printed from the program's schema by `brisance info --deck-reference`; edit the schema, not this file.
+
+A deck is one TOML file that describes one calculation. Unknown keys are errors, and all errors of a deck are reported in one go.
+The shortest useful deck:
+
+```toml
+[domain]
+size = [4, 4, 4]
+cell = "40 mm"
+[boundaries]
+z_low = "wall"
+[[charge]]
+mass = "20 kg"
+position = [2, 2, 2]
+[[gauge]]
+point = [4, 2, 1]
+[end]
+time = "5 ms"
+```
+
+- A **quantity** is a number in SI units or a string with a unit, as in `"12.5 kg"`, `"20 us"`, `"25 MPa"`, `"50 mm"`, `"15 degC"`. The
+  units are those of UDUNITS; the dimension is checked. The ranges below are in SI units.
+- A **point** is a list with one quantity per resolved direction: three in cartesian3d, two in planar2d and axisymmetric2d, one in
+  the 1D geometries, where the brackets may be left out. Directions that are not resolved may be written as 0.
+- Positions in tables of messages are counted from 1: `charge[2].mass` is the mass of the second `[[charge]]`.
+- Extents must be whole numbers of cells, to 1 part in a million.
+- A deck may have at most 1 MiB, 2^31 cells, 100 charges, 1000 obstacles and 100000 gauges.
+- In planar2d and cylindrical1d masses and energies are per metre of the direction that is not resolved (`"10 kg"` and `"10 kg/m"`
+  mean the same), in planar1d per square metre. In axisymmetric2d and spherical1d they are those of the whole body.
+)";
+
+}  // namespace
+
+std::string reference_manual() {
+  std::string out(introduction);
+  Table const& deck = deck_schema();
+  std::vector<Key> plain;
+  for (auto const& key : deck.keys) {
+    if (key.table == nullptr) plain.push_back(key);
+  }
+  out += "\n## Keys at the top of the deck\n\n" + rows(plain);
+  for (auto const& key : deck.keys) {
+    if (key.table == nullptr) continue;
+    std::string heading = fmt::format("[{}]", key.name);
+    if (key.type == Type::tables) heading = fmt::format("[[{}]]", key.name);
+    if (key.type == Type::named) heading = fmt::format("[{}.{}]", key.name, key.choices.empty() ? "NAME" : "FACE");
+    out += table_text(heading, *key.table);
+  }
+  return out;
+}
+
+}  // namespace brisance::deck

@@ -1,0 +1,589 @@
+#include "deck/reader.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <sstream>
+#include <tuple>
+
+#include "core/parameter.hpp"
+#include "core/units.hpp"
+
+namespace brisance::deck {
+
+namespace {
+
+constexpr std::size_t largest_deck = 1U << 20U;   ///< bytes
+constexpr std::size_t longest_list = 10000;       ///< elements
+constexpr int most_key_parts = 32;                ///< parts of one dotted key
+
+Place place_in(toml::source_region const& source, Place fallback) {
+  if (source.begin.line == 0) return fallback;
+  return {static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
+}
+
+/// At most `limit` bytes, control characters replaced, never cut inside a UTF-8 character.
+std::string shortened(std::string_view text, std::size_t limit = 60) {
+  std::string out(text.substr(0, limit));
+  if (text.size() > limit) {
+    while (!out.empty() && (static_cast<unsigned char>(out.back()) & 0xC0U) == 0x80U) out.pop_back();
+    if (!out.empty() && static_cast<unsigned char>(out.back()) >= 0xC0U) out.pop_back();
+    out += "...";
+  }
+  for (char& c : out) {
+    if (static_cast<unsigned char>(c) < 0x20U || c == 0x7f) c = '?';
+  }
+  return out;
+}
+
+std::string show(toml::node const& node) {
+  if (auto const* s = node.as_string()) return '"' + shortened(s->get()) + '"';
+  if (auto const* i = node.as_integer()) return fmt::format("{}", i->get());
+  if (auto const* f = node.as_floating_point()) return fmt::format("{}", f->get());
+  if (auto const* b = node.as_boolean()) return b->get() ? "true" : "false";
+  if (auto const* a = node.as_array()) {
+    std::string out = "[";
+    for (std::size_t i = 0; i < a->size(); ++i) {
+      if (i > 0) out += ", ";
+      if (out.size() > 60) return out + "...]";
+      out += (*a)[i].is_array() ? "[...]" : show((*a)[i]);
+    }
+    return out + "]";
+  }
+  if (node.is_table()) return "{...}";
+  std::ostringstream date;
+  node.visit([&](auto const& n) {
+    if constexpr (toml::is_chronological<decltype(n)>) date << n.get();
+  });
+  return date.str();
+}
+
+std::string kind_of(toml::node const& node) {
+  if (node.is_string()) return "is a string";
+  if (node.is_integer()) return "is a whole number";
+  if (node.is_floating_point()) return "is a number";
+  if (node.is_boolean()) return "is a boolean";
+  if (node.is_array()) return "is a list";
+  if (node.is_table()) return "is a table";
+  return "is a date or time";
+}
+
+/// toml++ builds one nested table per part of a dotted key and frees them recursively. Nothing in a deck has more than a few parts.
+std::optional<Place> overlong_key(std::string_view text) {
+  Place place;
+  Place start;
+  int dots = 0;
+  bool part_is_empty = true;
+  for (char const c : text) {
+    if (c == '.') {
+      if (part_is_empty) dots = 0;
+      if (dots == 0) start = place;
+      part_is_empty = true;
+      if (++dots > most_key_parts) return start;
+    } else if (c == '=' || c == ',' || c == '[' || c == ']' || c == '{' || c == '}' || c == '#' || c == '\n') {
+      dots = 0;
+      part_is_empty = true;
+    } else if (c != ' ' && c != '\t') {
+      part_is_empty = false;
+    }
+    if (c == '\n') {
+      ++place.line;
+      place.column = 1;
+    } else {
+      ++place.column;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Reads the tables of one text.
+class Walker {
+ public:
+  explicit Walker(Report& report) : report_(report) {}
+
+  Section section(toml::table const& source, Table const& table, std::string path, Place place) {
+    Section out;
+    out.table = &table;
+    out.path = std::move(path);
+    out.place = place;
+    std::vector<Key> const* further = variant(source, table);
+    std::vector<std::string> names;
+    for (auto const* keys : {&table.keys, further}) {
+      if (keys == nullptr) continue;
+      for (auto const& key : *keys) names.push_back(key.name);
+    }
+    for (auto const& [toml_key, node] : source) {
+      std::string_view const name = toml_key.str();
+      Place const key_place = place_in(toml_key.source(), place);
+      Key const* key = find(table, further, name);
+      if (key == nullptr) {
+        // Keys of a model that was misspelt itself cannot be judged.
+        if (!table.variants.empty() && further == nullptr && table.find(name) != nullptr) continue;
+        report_.error(key_place, joined(out.path, shortened(name)), unknown_key(out, table, further, names, name, node));
+        out.meant.push_back(nearest(name, names));
+        continue;
+      }
+      Place const value_place = node.is_table() || key->type == Type::tables ? key_place : place_in(node.source(), key_place);
+      out.entries.emplace(name, entry(*key, node, joined(out.path, name), value_place));
+    }
+    for (auto const* keys : {&table.keys, further}) {
+      if (keys == nullptr) continue;
+      for (auto const& key : *keys) {
+        bool const misspelt = std::find(out.meant.begin(), out.meant.end(), key.name) != out.meant.end();
+        if (key.needed && !out.given(key.name) && !misspelt) missing(key, out);
+      }
+    }
+    return out;
+  }
+
+ private:
+  static std::string joined(std::string const& path, std::string_view key) {
+    return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+  }
+
+  static Key const* find(Table const& table, std::vector<Key> const* further, std::string_view name) {
+    for (auto const* keys : {&table.keys, further}) {
+      if (keys == nullptr) continue;
+      for (auto const& key : *keys) {
+        if (key.name == name) return &key;
+      }
+    }
+    return nullptr;
+  }
+
+  /// The further keys that the table's selector (an equation of state) asks for; null when the word is not valid.
+  static std::vector<Key> const* variant(toml::table const& source, Table const& table) {
+    if (table.variants.empty()) return nullptr;
+    std::string chosen;
+    for (auto const& key : table.keys) {
+      if (key.name == table.selector) chosen = std::get<std::string>(key.fallback);
+    }
+    if (auto const* node = source.get(table.selector)) chosen = node->value<std::string>().value_or("");
+    auto const found = table.variants.find(chosen);
+    return found == table.variants.end() ? nullptr : &found->second;
+  }
+
+  static std::string unknown_key(Section const& section, Table const& table, std::vector<Key> const* further,
+                                 std::vector<std::string> const& names, std::string_view name, toml::node const& node) {
+    std::string const where = section.path.empty() ? "at the top of the deck" : "in " + section.path;
+    if (further != nullptr && table.find(name) != nullptr) {
+      return fmt::format("unknown key \"{}\" (value {}) {}: it belongs to another equation of state; allowed keys: {}",
+                         shortened(name), show(node), where, fmt::join(names, ", "));
+    }
+    return fmt::format("unknown key \"{}\" (value {}) {}; {}", shortened(name), show(node), where,
+                       suggestion(name, names, "allowed keys"));
+  }
+
+  void missing(Key const& key, Section const& out) {
+    if (key.type == Type::table) {
+      report_.error(out.place, joined(out.path, key.name),
+                    fmt::format("the table [{}] is missing; write for example [{}] with {}", joined(out.path, key.name),
+                                joined(out.path, key.name), key.sample));
+      return;
+    }
+    std::string const range = ranged(key) ? fmt::format(" ({})", range_text(key)) : "";
+    report_.error(out.place, joined(out.path, key.name),
+                  fmt::format("the key \"{}\" is missing: {}; expected {}{}; write for example {}", key.name,
+                              lowered(key.explanation), expectation(key), range, example(key)));
+  }
+
+  static std::string lowered(std::string text) {
+    // Not the first letter of an abbreviation.
+    if (text.size() > 1 && std::islower(static_cast<unsigned char>(text[1])) != 0) text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
+    return text;
+  }
+
+  static bool ranged(Key const& key) {
+    return key.type == Type::number || key.type == Type::integer || key.type == Type::point || key.type == Type::numbers ||
+           key.type == Type::integers;
+  }
+
+  static std::string example(Key const& key) { return fmt::format("{} = {}", key.name, key.sample); }
+
+  void wrong_type(Key const& key, toml::node const& node, std::string const& path, Place place) {
+    std::string const range = ranged(key) ? fmt::format(", {}", range_text(key)) : "";
+    report_.error(place, path,
+                  fmt::format("{} {}, expected {}{}; write for example {}", show(node), kind_of(node), expectation(key), range,
+                              example(key)));
+  }
+
+  /// One quantity: an element of a list or a value of its own. Reports what is wrong with it.
+  std::optional<double> quantity(Key const& key, toml::node const& node, std::string const& path, Place place,
+                                 std::string* unit = nullptr) {
+    double value = 0.0;
+    if (auto const* s = node.as_string()) {
+      units::Quantity const read = units::parse(s->get(), key.unit);
+      if (read.value) {
+        value = *read.value;
+        if (unit != nullptr) *unit = key.unit;
+      } else {
+        bool converted = false;
+        for (auto const& other : key.also_unit) {
+          units::Quantity const again = units::parse(s->get(), other);
+          if (!again.value) continue;
+          value = *again.value;
+          if (unit != nullptr) *unit = other;
+          converted = true;
+        }
+        if (!converted) {
+          report_.error(place, path,
+                        fmt::format("{}; allowed: {}; write for example {}", read.problem, range_text(key), example(key)));
+          return std::nullopt;
+        }
+      }
+    } else if (auto const* f = node.as_floating_point()) {
+      value = f->get();
+    } else if (auto const* i = node.as_integer()) {
+      value = static_cast<double>(i->get());
+    } else {
+      wrong_type(key, node, path, place);
+      return std::nullopt;
+    }
+    if (!std::isfinite(value)) {
+      report_.error(place, path, fmt::format("{} is not a finite number; allowed: {}; write for example {}", show(node),
+                                             range_text(key), example(key)));
+      return std::nullopt;
+    }
+    if (value < key.minimum || value > key.maximum) {
+      report_.error(place, path, fmt::format("{} is out of range; allowed: {}; write for example {}", show(node), range_text(key),
+                                             example(key)));
+      return std::nullopt;
+    }
+    return value;
+  }
+
+  std::optional<long> whole(Key const& key, toml::node const& node, std::string const& path, Place place) {
+    auto const* i = node.as_integer();
+    if (i == nullptr) {
+      wrong_type(key, node, path, place);
+      return std::nullopt;
+    }
+    auto const value = static_cast<double>(i->get());
+    if (value < key.minimum || value > key.maximum) {
+      report_.error(place, path, fmt::format("{} is out of range; allowed: {}; write for example {}", show(node), range_text(key),
+                                             example(key)));
+      return std::nullopt;
+    }
+    return static_cast<long>(i->get());
+  }
+
+  std::optional<std::string> one_of(Key const& key, toml::node const& node, std::string const& path, Place place) {
+    auto const* s = node.as_string();
+    if (s == nullptr) {
+      wrong_type(key, node, path, place);
+      return std::nullopt;
+    }
+    if (std::find(key.choices.begin(), key.choices.end(), s->get()) != key.choices.end()) return s->get();
+    std::string const near = nearest(s->get(), key.choices);
+    report_.error(place, path,
+                  fmt::format("{} is not known; {}allowed: {}", show(node),
+                              near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), quoted_list(key.choices)));
+    return std::nullopt;
+  }
+
+  /// The list's elements, or nothing when it is no list or too long (reported).
+  toml::array const* list(Key const& key, toml::node const& node, std::string const& path, Place place) {
+    auto const* array = node.as_array();
+    if (array == nullptr) {
+      wrong_type(key, node, path, place);
+      return nullptr;
+    }
+    if (array->size() > longest_list) {
+      report_.error(place, path, fmt::format("the list has {} elements; allowed: at most {}", array->size(), longest_list));
+      return nullptr;
+    }
+    return array;
+  }
+
+  template <class T, class Read>
+  void read_list(Entry& out, Key const& key, toml::node const& node, std::string const& path, Read read_element) {
+    auto const* array = list(key, node, path, out.place);
+    if (array == nullptr) return;
+    std::vector<T> values;
+    out.valid = true;
+    for (auto const& element : *array) {
+      out.elements_shown.push_back(show(element));
+      auto const v = read_element(element, place_in(element.source(), out.place));
+      if (v) {
+        values.push_back(*v);
+      } else {
+        out.valid = false;
+      }
+    }
+    out.value = std::move(values);
+  }
+
+  template <class T>
+  static void accept(Entry& out, std::optional<T> const& value) {
+    if (!value) return;
+    out.value = *value;
+    out.valid = true;
+  }
+
+  Entry entry(Key const& key, toml::node const& node, std::string const& path, Place place) {
+    Entry out;
+    out.place = place;
+    out.shown = show(node);
+    switch (key.type) {
+      case Type::number: accept(out, quantity(key, node, path, place, &out.unit)); break;
+      case Type::integer: accept(out, whole(key, node, path, place)); break;
+      case Type::boolean:
+        if (auto const* b = node.as_boolean()) {
+          out.value = b->get();
+          out.valid = true;
+        } else {
+          wrong_type(key, node, path, place);
+        }
+        break;
+      case Type::text:
+      case Type::name: string(out, key, node, path); break;
+      case Type::word: accept(out, one_of(key, node, path, place)); break;
+      case Type::words:
+        read_list<std::string>(out, key, node, path,
+                               [&](toml::node const& e, Place at) { return one_of(key, e, path, at); });
+        break;
+      case Type::names:
+        read_list<std::string>(out, key, node, path, [&](toml::node const& e, Place at) {
+          auto const text = e.value<std::string>();
+          if (!text) wrong_type(key, e, path, at);
+          return text;
+        });
+        break;
+      case Type::numbers:
+        read_list<double>(out, key, node, path, [&](toml::node const& e, Place at) { return quantity(key, e, path, at); });
+        break;
+      case Type::integers:
+        read_list<double>(out, key, node, path, [&](toml::node const& e, Place at) {
+          auto const v = whole(key, e, path, at);
+          return v ? std::optional<double>(static_cast<double>(*v)) : std::nullopt;
+        });
+        break;
+      case Type::point: point(out, key, node, path); break;
+      case Type::table:
+        if (auto const* t = node.as_table()) {
+          out.value = std::vector<Section>{section(*t, *key.table, path, place)};
+          out.valid = true;
+        } else {
+          wrong_type(key, node, path, place);
+        }
+        break;
+      case Type::tables: tables(out, key, node, path); break;
+      case Type::named: named(out, key, node, path); break;
+    }
+    return out;
+  }
+
+  void string(Entry& out, Key const& key, toml::node const& node, std::string const& path) {
+    auto const* s = node.as_string();
+    if (s == nullptr) {
+      wrong_type(key, node, path, out.place);
+      return;
+    }
+    std::string const& text = s->get();
+    auto const plain = [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '_' || c == '-' || c == '+';
+    };
+    if (key.type == Type::name && (text.empty() || text.size() > 64 || !std::all_of(text.begin(), text.end(), plain))) {
+      report_.error(out.place, path,
+                    fmt::format("{} is not allowed, expected {}, 1 to 64 of them; write for example {}", show(node),
+                                expectation(key), example(key)));
+      return;
+    }
+    out.value = text;
+    out.valid = true;
+  }
+
+  /// A point may be one number where one direction is resolved; the count is checked when the geometry is known.
+  void point(Entry& out, Key const& key, toml::node const& node, std::string const& path) {
+    if (node.is_number() || node.is_string()) {
+      if (auto const v = quantity(key, node, path, out.place)) {
+        out.value = std::vector<double>{*v};
+        out.valid = true;
+      }
+      out.elements_shown = {show(node)};
+      return;
+    }
+    auto const* array = node.as_array();
+    if (array == nullptr) {
+      wrong_type(key, node, path, out.place);
+      return;
+    }
+    if (array->empty() || array->size() > 3) {
+      report_.error(out.place, path,
+                    fmt::format("{} has {} elements, expected {}; write for example {}", show(node), array->size(),
+                                expectation(key), example(key)));
+      return;
+    }
+    // A direction that is not resolved may be written as 0, also where 0 is out of the range.
+    read_list<double>(out, key, node, path, [&](toml::node const& e, Place at) {
+      auto const number = e.value<double>();
+      if (number && *number == 0.0 && &e != array->get(0)) return std::optional<double>(0.0);
+      return quantity(key, e, path, at);
+    });
+  }
+
+  void tables(Entry& out, Key const& key, toml::node const& node, std::string const& path) {
+    auto const* array = node.as_array();
+    if (node.is_table() && path.find('.') == std::string::npos) {
+      report_.error(out.place, path, fmt::format("[{}] is a single table, expected an array of tables; write [[{}]]", path, path));
+      return;
+    }
+    if (array == nullptr) {
+      report_.error(out.place, path,
+                    fmt::format("{} {}, expected an array of tables; write {}", show(node), kind_of(node),
+                                key.sample.empty() ? fmt::format("[[{}]]", path) : fmt::format("for example {}", example(key))));
+      return;
+    }
+    if (array->size() > longest_list) {
+      report_.error(out.place, path, fmt::format("there are {} tables; allowed: at most {}", array->size(), longest_list));
+      return;
+    }
+    std::vector<Section> sections;
+    out.valid = true;
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      toml::node const& element = (*array)[i];
+      Place const place = place_in(element.source(), out.place);
+      std::string const element_path = fmt::format("{}[{}]", path, i + 1);
+      if (auto const* t = element.as_table()) {
+        sections.push_back(section(*t, *key.table, element_path, place));
+      } else {
+        report_.error(place, element_path, fmt::format("{} {}, expected a table", show(element), kind_of(element)));
+        out.valid = false;
+      }
+    }
+    out.value = std::move(sections);
+  }
+
+  void named(Entry& out, Key const& key, toml::node const& node, std::string const& path) {
+    auto const* table = node.as_table();
+    if (table == nullptr) {
+      wrong_type(key, node, path, out.place);
+      return;
+    }
+    std::vector<Section> sections;
+    out.valid = true;
+    for (auto const& [name, element] : *table) {
+      Place const place = place_in(name.source(), out.place);
+      std::string const element_path = joined(path, shortened(name.str()));
+      if (!key.choices.empty() && std::find(key.choices.begin(), key.choices.end(), name.str()) == key.choices.end()) {
+        report_.error(place, element_path,
+                      fmt::format("unknown name \"{}\"; {}", shortened(name.str()),
+                                  suggestion(name.str(), key.choices, "allowed names")));
+        out.valid = false;
+        continue;
+      }
+      if (auto const* t = element.as_table()) {
+        sections.push_back(section(*t, *key.table, element_path, place));
+        sections.back().name = name.str();
+      } else {
+        report_.error(place, element_path,
+                      fmt::format("{} {}, expected a table; write [{}.NAME]", show(element), kind_of(element), path));
+        out.valid = false;
+      }
+    }
+    out.value = std::move(sections);
+  }
+
+  Report& report_;
+};
+
+}  // namespace
+
+// --- Section -------------------------------------------------------------------------------------------------------------------
+
+bool Section::broken(std::string_view key) const {
+  auto const found = entries.find(key);
+  return found != entries.end() && !found->second.valid;
+}
+
+Place Section::place_of(std::string_view key) const {
+  auto const found = entries.find(key);
+  return found == entries.end() ? place : found->second.place;
+}
+
+std::string Section::shown(std::string_view key) const {
+  auto const found = entries.find(key);
+  return found == entries.end() ? "" : found->second.shown;
+}
+
+std::string Section::path_of(std::string_view key) const {
+  return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+}
+
+template <class T>
+T const* Section::value(std::string_view key) const {
+  auto const found = entries.find(key);
+  return found == entries.end() || !found->second.valid ? nullptr : std::get_if<T>(&found->second.value);
+}
+
+template <class T>
+std::optional<T> Section::value_or_default(std::string_view key) const {
+  auto const found = entries.find(key);
+  if (found != entries.end()) {
+    T const* const v = value<T>(key);
+    return v == nullptr ? std::nullopt : std::optional<T>(*v);
+  }
+  Key const* const declared = table->find(key);
+  T const* const v = declared == nullptr ? nullptr : std::get_if<T>(&declared->fallback);
+  return v == nullptr ? std::nullopt : std::optional<T>(*v);
+}
+
+std::optional<double> Section::number(std::string_view key) const { return value_or_default<double>(key); }
+std::optional<long> Section::integer(std::string_view key) const { return value_or_default<long>(key); }
+std::optional<bool> Section::boolean(std::string_view key) const { return value_or_default<bool>(key); }
+std::optional<std::string> Section::text(std::string_view key) const { return value_or_default<std::string>(key); }
+std::vector<double> const* Section::numbers(std::string_view key) const { return value<std::vector<double>>(key); }
+std::vector<std::string> const* Section::strings(std::string_view key) const { return value<std::vector<std::string>>(key); }
+std::vector<Section> const* Section::sections(std::string_view key) const { return value<std::vector<Section>>(key); }
+Section const* Section::section(std::string_view key) const {
+  auto const* all = sections(key);
+  return all == nullptr || all->empty() ? nullptr : all->data();
+}
+
+// --- Report --------------------------------------------------------------------------------------------------------------------
+
+std::string format(Diagnostic const& d) {
+  return d.key.empty() ? fmt::format("{}:{}:{}: error: {}", d.file, d.line, d.column, d.message)
+                       : fmt::format("{}:{}:{}: error: {}: {}", d.file, d.line, d.column, d.key, d.message);
+}
+
+void Report::error(Place place, std::string key, std::string message) {
+  errors_.push_back({file_, place.line, place.column, std::move(key), std::move(message)});
+}
+
+void Report::warning(Place place, std::string const& key, std::string const& message) {
+  warnings_.push_back(fmt::format("{}:{}:{}: warning: {}: {}", file_, place.line, place.column, key, message));
+}
+
+std::vector<Diagnostic> Report::errors() const {
+  auto sorted = errors_;
+  std::stable_sort(sorted.begin(), sorted.end(), [](Diagnostic const& a, Diagnostic const& b) {
+    return std::tie(a.line, a.column) < std::tie(b.line, b.column);
+  });
+  return sorted;
+}
+
+std::optional<Section> read(std::string_view text, Table const& schema, Report& report) {
+  if (text.size() > largest_deck) {
+    report.error({}, "", fmt::format("the deck has {} bytes; allowed: at most {}", text.size(), largest_deck));
+    return std::nullopt;
+  }
+  if (auto const place = overlong_key(text)) {
+    report.error(*place, "", fmt::format("a key with more than {} parts; no key of a deck has more than a few", most_key_parts));
+    return std::nullopt;
+  }
+  toml::table root;
+  try {
+    root = toml::parse(text);
+  } catch (toml::parse_error const& error) {
+    report.error(place_in(error.source(), {}), "",
+                 fmt::format("this is not valid TOML: {}; correct this first, the rest was not read", shortened(error.description(), 300)));
+    return std::nullopt;
+  }
+  return Walker(report).section(root, schema, "", {});
+}
+
+}  // namespace brisance::deck

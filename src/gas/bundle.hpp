@@ -1,0 +1,187 @@
+/// A bundle: the rows or columns of a block that one sweep kernel works on at a time, gathered into contiguous arrays that stay in
+/// the nearest caches.
+///
+/// Cells of all bundles are numbered so that the neighbours of cell q along the sweep are q - stride and q + stride:
+///   sweep along x: whole rows, stride 1, each row with its ghost cells; several rows follow each other;
+///   sweep along y or z: `stride` columns side by side, x fastest, layer after layer.
+/// Face q lies between cells q and q + stride. At the ends of rows the arrays hold pairs of cells that are no neighbours; what is computed
+/// there is never used.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "gas/components.hpp"
+#include "grid/exchange.hpp"
+#include "grid/grid.hpp"
+
+namespace brisance::gas {
+
+/// Cells of a block with ghost cells on the resolved directions, for data that is known everywhere from the start.
+struct PaddedBox {
+  Index3 pad{0, 0, 0};
+  Index3 n{1, 1, 1};  ///< with padding
+
+  PaddedBox() = default;
+  PaddedBox(grid::Block const& block, int dimensions) {
+    for (int d = 0; d < 3; ++d) {
+      pad[d] = d < dimensions ? grid::ghost_layers : 0;
+      n[d] = block.n[d] + 2 * pad[d];
+    }
+  }
+  [[nodiscard]] int count() const { return n[0] * n[1] * n[2]; }
+  [[nodiscard]] int offset(int i, int j, int k) const { return i + pad[0] + n[0] * (j + pad[1] + n[1] * (k + pad[2])); }
+};
+
+/// Where the cells of one bundle lie in their block.
+struct BundleLayout {
+  int direction = 0;
+  int stride = 1;       ///< distance of neighbours
+  int length = 0;       ///< cells along the sweep, ghosts not counted
+  int rows = 1;         ///< x: number of rows; else 1
+  int total = 0;        ///< cells in the bundle, ghosts counted
+  int first = 0;        ///< x: first row (j + ny k); y, z: first column
+  int plane = 0;        ///< y: index k
+
+  /// Cells from q0 = begin(r), q1 = q0 + count() are the block's own; r in [0, rows).
+  [[nodiscard]] int begin(int r) const {
+    return direction == 0 ? r * (length + 2 * grid::ghost_layers) + grid::ghost_layers : grid::ghost_layers * stride;
+  }
+  [[nodiscard]] int count() const { return length * stride; }
+};
+
+/// The arrays of a bundle.
+class BundleArrays {
+ public:
+  /// Room for `names` arrays of bundles of at most `capacity` cells and strides of at most `max_stride`.
+  BundleArrays(int names, int capacity, int max_stride) : margin_((max_stride + 15) / 8 * 8) {
+    // Distances that are no multiple of 4096 bytes keep the arrays in different cache sets.
+    pitch_ = (capacity + 7) / 8 * 8 + 2 * margin_;
+    if (pitch_ % 64 == 0) pitch_ += 8;
+    data_ = Buffer(static_cast<std::size_t>(pitch_) * names);
+  }
+  [[nodiscard]] double* operator[](int name) { return data_.data() + static_cast<std::size_t>(pitch_) * name + margin_; }
+
+ private:
+  int margin_;
+  int pitch_ = 0;
+  Buffer data_;
+};
+
+/// Number of bundles in a block for a sweep, and the layout of each. `cells` is the wanted size of a bundle.
+class Bundles {
+ public:
+  Bundles(grid::Block const& block, int direction, int cells) : block_(&block), direction_(direction) {
+    int const with_ghosts = block.n[direction] + 2 * grid::ghost_layers;
+    if (direction == 0) {
+      lines_ = block.n[1] * block.n[2];
+    } else {
+      lines_ = direction == 1 ? block.n[0] : block.n[0] * block.n[1];
+      planes_ = direction == 1 ? block.n[2] : 1;
+    }
+    width_ = std::clamp(cells / with_ghosts, 1, lines_);
+    if (direction != 0 && lines_ > 8) width_ = std::max(8, width_ / 8 * 8);
+    width_ = std::min(width_, lines_);
+    per_plane_ = (lines_ + width_ - 1) / width_;
+  }
+  [[nodiscard]] int count() const { return per_plane_ * planes_; }
+  [[nodiscard]] int capacity() const { return width_ * (block_->n[direction_] + 2 * grid::ghost_layers); }
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] BundleLayout layout(int index) const {
+    BundleLayout b;
+    b.direction = direction_;
+    b.length = block_->n[direction_];
+    b.plane = index / per_plane_;
+    b.first = index % per_plane_ * width_;
+    int const width = std::min(width_, lines_ - b.first);
+    b.rows = direction_ == 0 ? width : 1;
+    b.stride = direction_ == 0 ? 1 : width;
+    b.total = width * (b.length + 2 * grid::ghost_layers);
+    return b;
+  }
+
+ private:
+  grid::Block const* block_;
+  int direction_;
+  int lines_ = 1;
+  int planes_ = 1;
+  int width_ = 1;
+  int per_plane_ = 1;
+};
+
+/// Copies one component of a bundle from the block and its ghost slabs (null slabs: the ghost cells are left alone).
+inline void load(BundleLayout const& b, grid::Block const& block, double const* from, double const* low, double const* high,
+                 double* to) {
+  constexpr int g = grid::ghost_layers;
+  if (b.direction == 0) {
+    for (int r = 0; r < b.rows; ++r) {
+      double* row = to + r * (b.length + 2 * g);
+      int const line = b.first + r;
+      for (int l = 0; l < g; ++l) {
+        row[l] = low[g * line + l];
+        row[g + b.length + l] = high[g * line + l];
+      }
+      std::copy_n(from + static_cast<std::ptrdiff_t>(line) * b.length, b.length, row + g);
+    }
+    return;
+  }
+  int const nx = block.n[0];
+  int const layer = b.direction == 1 ? nx : nx * block.n[1];
+  double const* start = from + b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(nx) * block.n[1] * b.plane : 0);
+  std::ptrdiff_t const slab = b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(nx) * g * b.plane : 0);
+  for (int l = 0; l < g; ++l) {
+    std::copy_n(low + slab + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + l * b.stride);
+    std::copy_n(high + slab + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + (g + b.length + l) * b.stride);
+  }
+  for (int l = 0; l < b.length; ++l) {
+    std::copy_n(start + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + (g + l) * b.stride);
+  }
+}
+
+/// Calls visit(q, offset, count) for every run of the block's own cells that is contiguous in the bundle and in the block.
+template <class Visit>
+void for_each_run(BundleLayout const& b, grid::Block const& block, Visit&& visit) {
+  constexpr int g = grid::ghost_layers;
+  if (b.direction == 0) {
+    for (int r = 0; r < b.rows; ++r) visit(r * (b.length + 2 * g) + g, (b.first + r) * b.length, b.length);
+    return;
+  }
+  int const nx = block.n[0];
+  int const layer = b.direction == 1 ? nx : nx * block.n[1];
+  int const start = b.first + (b.direction == 1 ? nx * block.n[1] * b.plane : 0);
+  for (int l = 0; l < b.length; ++l) visit((g + l) * b.stride, start + layer * l, b.stride);
+}
+
+/// Copies data known with padding into a bundle.
+template <class T, class Convert>
+void load_padded(BundleLayout const& b, grid::Block const& block, PaddedBox const& box, T const* from, Convert&& convert, double* to) {
+  constexpr int g = grid::ghost_layers;
+  for (int line = 0; line < (b.direction == 0 ? b.rows : b.stride); ++line) {
+    for (int l = -g; l < b.length + g; ++l) {
+      int i = 0;
+      int j = 0;
+      int k = 0;
+      int q = 0;
+      if (b.direction == 0) {
+        i = l;
+        j = (b.first + line) % block.n[1];
+        k = (b.first + line) / block.n[1];
+        q = line * (b.length + 2 * g) + g + l;
+      } else if (b.direction == 1) {
+        i = b.first + line;
+        j = l;
+        k = b.plane;
+        q = (g + l) * b.stride + line;
+      } else {
+        i = (b.first + line) % block.n[0];
+        j = (b.first + line) / block.n[0];
+        k = l;
+        q = (g + l) * b.stride + line;
+      }
+      to[q] = convert(from[box.offset(i, j, k)]);
+    }
+  }
+}
+
+}  // namespace brisance::gas

@@ -1,0 +1,234 @@
+#include "gas/gas.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "core/timer.hpp"
+
+namespace brisance::gas {
+
+namespace {
+
+grid::ExchangeRules exchange_rules(std::array<double, two_fluid_components> const& quiescent,
+                                   std::array<std::array<double, two_fluid_components>, 6> const& inflow, int components) {
+  grid::ExchangeRules rules;
+  rules.mirrored_component = {momentum_x, momentum_y, momentum_z};
+  rules.quiescent.assign(quiescent.begin(), quiescent.begin() + components);
+  for (int face = 0; face < 6; ++face) rules.inflow[face].assign(inflow[face].begin(), inflow[face].begin() + components);
+  return rules;
+}
+
+std::array<double, two_fluid_components> conserved_of(Fluids const& fluids, MixtureState const& s) {
+  std::array<double, two_fluid_components> u{};
+  double const alpha = fluids.two ? s.volume_fraction : 0.0;
+  u[density] = (1.0 - alpha) * s.ambient_density;
+  u[second_density] = alpha * s.second_density;
+  u[volume_fraction] = alpha;
+  double const rho = u[density] + u[second_density];
+  for (int d = 0; d < 3; ++d) u[momentum_x + d] = rho * s.velocity[d];
+  u[energy] = mixture(fluids, u[density], u[second_density], alpha).rho_e(s.pressure) + 0.5 * rho * dot(s.velocity, s.velocity);
+  return u;
+}
+
+}  // namespace
+
+Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, MixtureState const& quiescent,
+         std::array<MixtureState, 6> const& inflow)
+    : grid_(&grid),
+      fluids_(fluids),
+      options_(options),
+      quiescent_(quiescent),
+      fields_(grid, fluids.two ? two_fluid_components : single_fluid_components),
+      exchange_(grid, fields_.components(),
+                [&] {
+                  std::array<std::array<double, two_fluid_components>, 6> outside;
+                  for (int face = 0; face < 6; ++face) outside[face] = conserved_of(fluids, inflow[face]);
+                  return exchange_rules(conserved_of(fluids, quiescent), outside, fluids.two ? two_fluid_components : single_fluid_components);
+                }()),
+      awake_(static_cast<std::size_t>(grid.block_count()), 1),
+      blocks_(static_cast<std::size_t>(grid.block_count())) {
+  auto const u = conserved(quiescent);
+  for (int b = 0; b < grid.block_count(); ++b) {
+    for (int c = 0; c < components(); ++c) std::fill_n(fields_.at(b, c), grid.blocks()[b].cell_count(), u[c]);
+    if (options_.peak_fields) peaks_.emplace_back(static_cast<std::size_t>(grid.blocks()[b].cell_count()) * peak_count);
+  }
+}
+
+std::array<double, two_fluid_components> Gas::conserved(MixtureState const& state) const { return conserved_of(fluids_, state); }
+
+void Gas::set(int block, int offset, MixtureState const& state) {
+  auto const u = conserved(state);
+  for (int c = 0; c < components(); ++c) fields_.at(block, c)[offset] = u[c];
+}
+
+void Gas::set_conserved(int block, int offset, double ambient, double second, Vec3 const& momentum, double total_energy,
+                        double fraction) {
+  fields_.at(block, density)[offset] = ambient;
+  for (int d = 0; d < 3; ++d) fields_.at(block, momentum_x + d)[offset] = momentum[d];
+  fields_.at(block, energy)[offset] = total_energy;
+  if (fluids_.two) {
+    fields_.at(block, second_density)[offset] = second;
+    fields_.at(block, volume_fraction)[offset] = fraction;
+  }
+}
+
+void Gas::set_obstacles(int block, std::vector<std::uint8_t> solid) { blocks_[block].solid = std::move(solid); }
+
+bool Gas::is_obstacle(int block, int i, int j, int k) const {
+  if (blocks_[block].solid.empty()) return false;
+  return blocks_[block].solid[PaddedBox(grid_->blocks()[block], grid_->domain().dimensions()).offset(i, j, k)] != 0;
+}
+
+void Gas::set_lighting(int block, std::vector<double> times) { blocks_[block].lighting = std::move(times); }
+
+void Gas::set_burn(double detonation_speed, double end_time) {
+  detonation_speed_ = detonation_speed;
+  burn_end_ = end_time;
+}
+
+double Gas::burn_fraction_at(double lighting_time) const {
+  double const F = (time_at_step_end_ - lighting_time) * detonation_speed_ / (1.5 * grid_->domain().h);
+  return std::min(1.0, std::max(F, smallest_burn_fraction));
+}
+
+double Gas::burn_fraction(int block, int i, int j, int k) const {
+  if (blocks_[block].lighting.empty() || !burning()) return 1.0;
+  PaddedBox const box(grid_->blocks()[block], grid_->domain().dimensions());
+  return burn_fraction_at(blocks_[block].lighting[box.offset(i, j, k)]);
+}
+
+void Gas::start(double time) {
+  time_ = time;
+  time_at_step_end_ = time;
+  auto const quiet = conserved(quiescent_);
+  parallel_for(grid_->block_count(), [&](int b, int) {
+    bool quiescent = options_.sleep;
+    for (int c = 0; c < components() && quiescent; ++c) {
+      double const* u = fields_.at(b, c);
+      quiescent = std::all_of(u, u + grid_->blocks()[b].cell_count(), [value = quiet[c]](double x) { return x == value; });
+    }
+    awake_[b] = quiescent ? 0 : 1;
+  });
+  prepare_workspaces();
+  measure_all();
+}
+
+void Gas::prepare_workspaces() {
+  int capacity = 0;
+  int width = 1;
+  for (grid::Block const& block : grid_->blocks()) {
+    for (int d = 0; d < grid_->domain().dimensions(); ++d) {
+      Bundles const bundles(block, d, options_.bundle_cells);
+      capacity = std::max(capacity, bundles.capacity());
+      width = std::max(width, d == 0 ? 1 : bundles.width());
+    }
+  }
+  workspaces_.clear();
+  for (int t = 0; t < threads(); ++t) workspaces_.emplace_back(array_count, capacity, width);
+}
+
+Primitive Gas::to_primitive(double const* u, double F) const {
+  double const rho1 = fluids_.two ? u[second_density] : 0.0;
+  double const alpha = fluids_.two ? std::clamp(u[volume_fraction], 0.0, 1.0) : 0.0;
+  Mixture const m = mixture(fluids_, u[density], rho1, alpha, F);
+  Primitive w;
+  w.density = u[density] + rho1;
+  for (int d = 0; d < 3; ++d) w.velocity[d] = u[momentum_x + d] / w.density;
+  w.pressure = m.pressure(u[energy] - 0.5 * w.density * dot(w.velocity, w.velocity));
+  w.volume_fraction = alpha;
+  w.mass_fraction = rho1 / w.density;
+  w.sound_speed = std::sqrt(std::max(0.0, m.bulk_modulus(w.pressure)) / w.density);
+  return w;
+}
+
+Primitive Gas::primitive(int block, int i, int j, int k) const {
+  int const at = grid_->blocks()[block].offset(i, j, k);
+  std::array<double, two_fluid_components> u{};
+  for (int c = 0; c < components(); ++c) u[c] = fields_.at(block, c)[at];
+  return to_primitive(u.data(), burn_fraction(block, i, j, k));
+}
+
+std::vector<Primitive> Gas::gather(std::vector<Index3> const& cells) const {
+  std::vector<double> const values = exchange_.gather(fields_, cells);
+  std::vector<Primitive> result;
+  result.reserve(cells.size());
+  for (std::size_t n = 0; n < cells.size(); ++n) {
+    int const b = grid_->block_of(cells[n]);
+    Index3 const& o = grid_->blocks()[b].origin;
+    double const F = burn_fraction(b, cells[n][0] - o[0], cells[n][1] - o[1], cells[n][2] - o[2]);
+    result.push_back(to_primitive(values.data() + n * components(), F));
+  }
+  return result;
+}
+
+double const* Gas::peak_overpressure(int block) const {
+  return options_.peak_fields ? peaks_[block].data() + static_cast<std::size_t>(peak_pressure) * grid_->blocks()[block].cell_count() : nullptr;
+}
+
+double const* Gas::peak_impulse(int block) const {
+  return options_.peak_fields ? peaks_[block].data() + static_cast<std::size_t>(largest_impulse) * grid_->blocks()[block].cell_count() : nullptr;
+}
+
+Account Gas::account() const {
+  Account sum;
+  for (BlockData const& block : blocks_) {
+    for (int c = 0; c < two_fluid_components; ++c) sum.outflow[c] += block.account.outflow[c];
+    sum.guarded_cells += block.account.guarded_cells;
+    sum.fallback_faces += block.account.fallback_faces;
+    sum.guard_mass += block.account.guard_mass;
+    sum.guard_energy += block.account.guard_energy;
+  }
+  return sum;
+}
+
+void Gas::report_not_a_number(int b, int direction) const {
+  grid::Block const& block = grid_->blocks()[b];
+  int const at = blocks_[b].not_a_number;
+  Index3 const cell{block.origin[0] + at % block.n[0], block.origin[1] + at / block.n[0] % block.n[1],
+                    block.origin[2] + at / (block.n[0] * block.n[1])};
+  Vec3 const x = grid_->domain().centre(cell);
+  throw NumericalError(fmt::format(
+      "the state of the cell at ({:.6g}, {:.6g}, {:.6g}) m became not a number at t = {:.6g} s in the sweep along {}; "
+      "remedies: a smaller numerics.courant, numerics.scheme = \"muscl_hancock\", a finer or coarser domain.cell near the charge",
+      x[0], x[1], x[2], time_, "xyz"[direction]));
+}
+
+void Gas::advance(double dt, bool reverse) {
+  int const dims = grid_->domain().dimensions();
+  time_at_step_end_ = time_ + dt;
+  for (int pass = 0; pass < dims; ++pass) {
+    int const direction = reverse ? dims - 1 - pass : pass;
+    bool const last = pass == dims - 1;
+    {
+      PhaseTimer const timer(timings_["exchange"]);
+      exchange_.fill(fields_, direction, awake_);
+    }
+    PhaseTimer const timer(timings_["sweeps"]);
+    SweepContext context;
+    context.fluids = &fluids_;
+    context.direction = direction;
+    context.dt = dt;
+    context.h = grid_->domain().h;
+    context.beta = options_.beta;
+    context.density_floor = options_.density_floor;
+    context.pressure_floor = options_.pressure_floor;
+    context.viscosity = options_.viscosity;
+    context.shock_sensor = options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && dims > 1;
+    context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
+    parallel_for(grid_->block_count(), [&](int b, int thread) {
+      if (awake_[b]) sweep_block(b, context, last, workspaces_[thread]);
+    });
+    for (int b = 0; b < grid_->block_count(); ++b) {
+      if (blocks_[b].not_a_number >= 0) report_not_a_number(b, direction);
+    }
+  }
+  time_ += dt;
+  fastest_signal_ = 0.0;
+  for (BlockData const& block : blocks_) fastest_signal_ = std::max(fastest_signal_, block.signal);
+}
+
+}  // namespace brisance::gas

@@ -1,0 +1,159 @@
+/// The gas region: conserved fields in blocks, advanced by dimensionally split sweeps. [Cui14] Sec. 2.1, Eqs. (1)-(9).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gas/bundle.hpp"
+#include "gas/closure.hpp"
+#include "gas/kernels.hpp"
+#include "grid/exchange.hpp"
+#include "grid/fields.hpp"
+#include "grid/grid.hpp"
+
+namespace brisance::gas {
+
+enum class Scheme { muscl_hancock, lax_wendroff };
+
+struct Options {
+  Scheme scheme = Scheme::muscl_hancock;
+  double beta = 1.5;             ///< limiter, 1 to 2
+  bool carbuncle_cure = true;    ///< HLL at faces near detected shocks; muscl_hancock in 2D and 3D
+  double density_floor = 1e-6;   ///< [kg/m3]
+  double pressure_floor = 1e-3;  ///< [Pa]
+  double viscosity = 0.0;        ///< lax_wendroff: constant eta; 0: [Cui14] Eq. (5)
+  bool sleep = true;             ///< skip quiescent blocks
+  bool peak_fields = false;      ///< keep peak overpressure and impulse per cell
+  int bundle_cells = 0;          ///< cells per bundle; 0: chosen by the machine's caches
+};
+
+/// State of a cell as people think of it.
+struct Primitive {
+  double density = 0.0;          ///< of the mixture [kg/m3]
+  Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s]
+  double pressure = 0.0;         ///< [Pa]
+  double volume_fraction = 0.0;  ///< of the second fluid
+  double mass_fraction = 0.0;    ///< of the second fluid
+  double sound_speed = 0.0;      ///< [m/s]
+};
+
+/// A mixture given by its primitive state; the fluids' own densities are free.
+struct MixtureState {
+  double ambient_density = 1.225;  ///< density of the ambient fluid itself [kg/m3]
+  double second_density = 0.0;     ///< density of the second fluid itself [kg/m3]
+  double volume_fraction = 0.0;    ///< of the second fluid
+  Vec3 velocity{0.0, 0.0, 0.0};
+  double pressure = 101325.0;
+};
+
+/// Guards and boundary flows since the start, summed over blocks in fixed order.
+struct Account {
+  std::array<double, two_fluid_components> outflow{};  ///< of each component through the domain's faces, integrated [unit m3]
+  long guarded_cells = 0;
+  long fallback_faces = 0;
+  double guard_mass = 0.0;    ///< [kg]
+  double guard_energy = 0.0;  ///< [J]
+};
+
+class Gas {
+ public:
+  /// All cells are filled with `quiescent` (the ambient state). `inflow` gives the state outside each inflow face.
+  Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, MixtureState const& quiescent,
+      std::array<MixtureState, 6> const& inflow = {});
+
+  [[nodiscard]] int components() const { return fields_.components(); }
+  [[nodiscard]] Fluids const& fluids() const { return fluids_; }
+  [[nodiscard]] Options const& options() const { return options_; }
+  [[nodiscard]] grid::Grid const& grid() const { return *grid_; }
+  /// The conserved fields; after changing them call `start()`.
+  [[nodiscard]] grid::Fields& fields() { return fields_; }
+  [[nodiscard]] grid::Fields const& fields() const { return fields_; }
+
+  /// Sets one cell of one block.
+  void set(int block, int offset, MixtureState const& state);
+  /// Sets one cell from conserved quantities per volume: partial densities, momentum, total energy, volume fraction.
+  void set_conserved(int block, int offset, double ambient, double second, Vec3 const& momentum, double total_energy,
+                     double volume_fraction);
+  /// Conserved components of a state, in component order.
+  [[nodiscard]] std::array<double, two_fluid_components> conserved(MixtureState const& state) const;
+
+  /// Marks obstacle cells of a block (1: solid), with `PaddedBox` padding.
+  void set_obstacles(int block, std::vector<std::uint8_t> solid);
+  [[nodiscard]] bool is_obstacle(int block, int i, int j, int k) const;
+
+  /// Programmed burn: lighting times of a block's cells [s] with `PaddedBox` padding; minus infinity where nothing burns.
+  void set_lighting(int block, std::vector<double> times);
+  /// Speed of the detonation [m/s] for the burn fraction, and the time after which everything is burnt.
+  void set_burn(double detonation_speed, double end_time);
+  [[nodiscard]] bool burning() const { return time_ < burn_end_; }
+  /// Burn fraction F of a cell, [Cui14] Eq. (53): min(1, (t - t_L) D / (1.5 h)), 0 before lighting.
+  [[nodiscard]] double burn_fraction(int block, int i, int j, int k) const;
+
+  /// Ends the initial phase: finds the quiescent blocks and the first wave speeds.
+  void start(double time = 0.0);
+
+  /// Largest |u_d| + c over the resolved directions and all cells [m/s].
+  [[nodiscard]] double fastest_signal() const { return fastest_signal_; }
+
+  /// One step of length dt: a sweep in each resolved direction, x first or last. A pair of steps with `reverse` false and true is the Strang
+  /// splitting of [Cui14] Eq. (6) over 2 dt. Throws NumericalError when a cell holds something that is no number.
+  void advance(double dt, bool reverse);
+  [[nodiscard]] double time() const { return time_; }
+
+  [[nodiscard]] Primitive primitive(int block, int i, int j, int k) const;
+  /// The same for any cell of the domain, wherever it lies.
+  [[nodiscard]] std::vector<Primitive> gather(std::vector<Index3> const& cells) const;
+  /// Peak fields of a block, x fastest: peak overpressure [Pa], largest running impulse [Pa s]. Empty without `peak_fields`.
+  [[nodiscard]] double const* peak_overpressure(int block) const;
+  [[nodiscard]] double const* peak_impulse(int block) const;
+
+  [[nodiscard]] bool awake(int block) const { return awake_[block] != 0; }
+  [[nodiscard]] Account account() const;
+  /// Wall-clock seconds spent in exchange and in sweeps.
+  [[nodiscard]] std::map<std::string, double> const& timings() const { return timings_; }
+
+ private:
+  struct BlockData {
+    std::vector<std::uint8_t> solid;
+    std::vector<double> lighting;
+    Account account;
+    double signal = 0.0;
+    int not_a_number = -1;  ///< offset of a cell that is no number
+  };
+  enum Peak : int { peak_pressure, running_impulse, largest_impulse, peak_count };
+
+  void sweep_block(int block, SweepContext const& context, bool last, BundleArrays& arrays);
+  void load_bundle(int block, BundleLayout const& layout, SweepContext& context, BundleArrays& arrays) const;
+  static void update(BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
+  void store(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
+  void account_boundaries(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
+  /// Guards, wave speed and peak fields of the bundle's own cells after the last sweep of a step.
+  void measure(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays, GuardCount& guards);
+  void measure_all();
+  void prepare_workspaces();
+  [[noreturn]] void report_not_a_number(int block, int direction) const;
+  [[nodiscard]] Primitive to_primitive(double const* components, double F) const;
+  [[nodiscard]] double burn_fraction_at(double lighting_time) const;
+
+  grid::Grid const* grid_;
+  Fluids fluids_;
+  Options options_;
+  MixtureState quiescent_;
+  grid::Fields fields_;
+  grid::Exchange exchange_;
+  std::vector<std::uint8_t> awake_;
+  std::vector<BlockData> blocks_;
+  std::vector<Buffer> peaks_;
+  std::vector<BundleArrays> workspaces_;
+  std::map<std::string, double> timings_;
+  double time_ = 0.0;
+  double time_at_step_end_ = 0.0;
+  double fastest_signal_ = 0.0;
+  double detonation_speed_ = 0.0;
+  double burn_end_ = 0.0;
+};
+
+}  // namespace brisance::gas

@@ -1,0 +1,75 @@
+/// What the sweep kernels share: the arrays of a bundle and the constants of a sweep.
+#pragma once
+
+#include <array>
+
+#include "gas/bundle.hpp"
+#include "gas/closure.hpp"
+
+namespace brisance::gas {
+
+/// Names of the arrays of a bundle.
+inline constexpr int a_state = 0;           ///< the conserved components, in component order
+inline constexpr int a_u = 8;               ///< velocity along the sweep [m/s]
+inline constexpr int a_v = 9;               ///< transverse velocities
+inline constexpr int a_w = 10;
+inline constexpr int a_p = 11;              ///< pressure [Pa]
+inline constexpr int a_xi = 12;             ///< closure sums, see closure.hpp
+inline constexpr int a_B = 13;
+inline constexpr int a_H = 14;
+inline constexpr int a_burn = 15;           ///< burn fraction F; only while something burns
+inline constexpr int a_solid = 16;          ///< 1 in obstacle cells; only in blocks with obstacles
+inline constexpr int a_area_high = 17;      ///< dt A/V at the high and low face; only along a radius
+inline constexpr int a_area_low = 18;
+inline constexpr int a_expansion = 19;      ///< dt/2 (A_high - A_low)/V, signed like the radius
+inline constexpr int a_p_half = 20;         ///< cell pressure at half time; only along a radius
+inline constexpr int a_left = 21;           ///< state at the cell's high face, the left one of that face; nine values
+inline constexpr int a_right = a_left + 9;  ///< state at the cell's low face, the right one of that face
+inline constexpr int a_flux = a_right + 9;  ///< fluxes through the cell's high face, in component order
+inline constexpr int a_face_speed = a_flux + 8;
+inline constexpr int a_scratch = a_face_speed + 1;
+inline constexpr int array_count = a_scratch + 3;
+
+/// Order within a_left and a_right.
+inline constexpr int f_density = 0;
+inline constexpr int f_u = 1;
+inline constexpr int f_v = 2;
+inline constexpr int f_w = 3;
+inline constexpr int f_p = 4;
+inline constexpr int f_rho_e = 5;
+inline constexpr int f_c = 6;
+inline constexpr int f_second = 7;
+inline constexpr int f_alpha = 8;
+
+/// Constants of one sweep.
+struct SweepContext {
+  Fluids const* fluids = nullptr;
+  int direction = 0;
+  double dt = 0.0;
+  double h = 1.0;
+  double beta = 1.5;             ///< limiter
+  double density_floor = 1e-6;   ///< guards
+  double pressure_floor = 1e-3;
+  double viscosity = 0.0;        ///< lax-wendroff eta; 0: [Cui14] Eq. (5)
+  bool shock_sensor = false;
+  bool two = false;              ///< kernels for two fluids
+  bool radial = false;
+  bool solid = false;
+  bool burning = false;
+
+  [[nodiscard]] int normal() const { return momentum_x + direction; }
+  [[nodiscard]] int transverse1() const { return momentum_x + (direction + 1) % 3; }
+  [[nodiscard]] int transverse2() const { return momentum_x + (direction + 2) % 3; }
+};
+
+/// What happened to the cells of a bundle.
+struct GuardCount {
+  long cells = 0;
+  double mass = 0.0;    ///< added, per cell volume of 1
+  double energy = 0.0;
+  long fallback_faces = 0;  ///< lax-wendroff faces that fell back to Rusanov's flux
+  bool not_a_number = false;
+  int first_bad = -1;   ///< bundle index of the first cell that is not a number
+};
+
+}  // namespace brisance::gas

@@ -1,0 +1,164 @@
+/// From conserved to primitive variables in a bundle, with the guards that keep density and internal energy positive.
+#pragma once
+
+#include <cmath>
+#include <variant>
+
+#include "gas/kernels.hpp"
+
+namespace brisance::gas {
+
+/// Closure sums of `n` cells.
+inline void closure_row(SweepContext const& s, int n, double const* rho0, double const* rho1, double const* alpha, double const* F,
+                        double* xi, double* B, double* H) {
+  std::fill_n(xi, n, 0.0);
+  std::fill_n(B, n, 0.0);
+  std::fill_n(H, n, 0.0);
+  std::visit([&](auto const& eos) { add_fluid_row(eos, n, alpha, true, rho0, nullptr, 0.0, xi, B, H); }, s.fluids->ambient);
+  std::visit([&](auto const& eos) { add_fluid_row(eos, n, alpha, false, rho1, F, s.fluids->ambient_pressure, xi, B, H); },
+             s.fluids->second);
+}
+
+/// Closure sums where the ambient fluid is alone.
+inline void closure_row_single(SweepContext const& s, int n, double const* rho, double* xi, double* B, double* H) {
+  std::visit([&](auto const& eos) {
+    double const x = 1.0 / eos.gruneisen();
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) {
+      double const f = eos.reference(rho[q]);
+      xi[q] = x;
+      B[q] = -x * f;
+      H[q] = x * (eos.rho_d_reference(rho[q]) - f);
+    }
+  }, s.fluids->ambient);
+}
+
+/// Is cell q of the bundle one of the block's own (and not a ghost cell)?
+inline bool is_own(BundleLayout const& b, int q) {
+  constexpr int g = grid::ghost_layers;
+  int const layer = b.direction == 0 ? q % (b.length + 2 * g) : q / b.stride;
+  return layer >= g && layer < g + b.length;
+}
+
+/// Is the cell above the floors of density and of stiffness, xi rho c^2 = p (xi + 1) + H? False for anything that is no number.
+[[nodiscard]] inline bool is_sound(SweepContext const& s, double rho, double p, double xi, double H) {
+  return (rho >= s.density_floor * 0.999999) & (p * (xi + 1.0) + H >= 0.999999 * s.pressure_floor * (xi + 1.0));
+}
+
+/// Lifts one cell to the floors. Returns false when it holds something that is no number.
+inline bool lift_cell(SweepContext const& s, BundleArrays& a, int q, GuardCount& added) {
+  double rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
+  double const E = a[energy][q];
+  double const mx = a[momentum_x][q];
+  double const my = a[momentum_y][q];
+  double const mz = a[momentum_z][q];
+  if (!std::isfinite(rho + E + mx + my + mz)) return false;
+  if (rho < s.density_floor) {
+    added.mass += s.density_floor - rho;
+    a[density][q] += s.density_floor - rho;
+    rho = s.density_floor;
+  }
+  double const xi = a[a_xi][q];
+  double const B = a[a_B][q];
+  double const H = a[a_H][q];
+  double const kinetic = 0.5 * (mx * mx + my * my + mz * mz) / rho;
+  double const p = (E - kinetic - B) / xi;
+  if (!std::isfinite(p)) return false;
+  if (!is_sound(s, rho, p, xi, H)) {
+    double const lifted = (s.pressure_floor - H / (xi + 1.0)) * xi + B + kinetic;
+    added.energy += lifted - E;
+    a[energy][q] = lifted;
+  }
+  return true;
+}
+
+/// Lifts the cells [begin, begin + n) of a bundle whose closure sums are known to the floors, and counts the block's own.
+inline void guard(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int begin, int n, GuardCount& guards) {
+  double const* const rho0 = a[density];
+  double const* const rho1 = a[second_density];
+  double const* const E = a[energy];
+  double const* const mx = a[momentum_x];
+  double const* const my = a[momentum_y];
+  double const* const mz = a[momentum_z];
+  double const* const xi = a[a_xi];
+  double const* const B = a[a_B];
+  double const* const H = a[a_H];
+  bool const two = s.two;
+  auto const sound = [&](int q) {
+    double const rho = two ? rho0[q] + rho1[q] : rho0[q];
+    double const p = (E[q] - 0.5 * (mx[q] * mx[q] + my[q] * my[q] + mz[q] * mz[q]) / rho - B[q]) / xi[q];
+    return is_sound(s, rho, p, xi[q], H[q]);
+  };
+  long bad = 0;
+  BRISANCE_VECTOR_LOOP
+  for (int q = begin; q < begin + n; ++q) bad += sound(q) ? 0 : 1;
+  if (bad == 0) return;
+  for (int q = begin; q < begin + n; ++q) {
+    if (sound(q)) continue;
+    GuardCount added;
+    bool const finite = lift_cell(s, a, q, added);
+    if (!is_own(b, q)) continue;
+    if (!finite && !guards.not_a_number) guards.first_bad = q;
+    guards.not_a_number = guards.not_a_number || !finite;
+    ++guards.cells;
+    guards.mass += added.mass;
+    guards.energy += added.energy;
+  }
+}
+
+template <bool Two>
+void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
+  int const n = b.total;
+  double* const rho0 = a[density];
+  double* const rho1 = a[second_density];
+  double* const alpha = a[volume_fraction];
+  double* const E = a[energy];
+  double const* const mu = a[s.normal()];
+  double const* const mv = a[s.transverse1()];
+  double const* const mw = a[s.transverse2()];
+  double* const u = a[a_u];
+  double* const v = a[a_v];
+  double* const w = a[a_w];
+  double* const p = a[a_p];
+  double* const xi = a[a_xi];
+  double* const B = a[a_B];
+  double* const H = a[a_H];
+
+  if constexpr (Two) {
+    // The Godunov scheme keeps 0 <= alpha <= 1 up to round-off, lax-wendroff overshoots. A volume fraction may be cut; a partial
+    // density may not, for that would be mass.
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) alpha[q] = std::min(std::max(alpha[q], 0.0), 1.0);
+    closure_row(s, n, rho0, rho1, alpha, s.burning ? a[a_burn] : nullptr, xi, B, H);
+  } else {
+    closure_row_single(s, n, rho0, xi, B, H);
+  }
+
+  guard(s, b, a, 0, n, guards);
+  BRISANCE_VECTOR_LOOP
+  for (int q = 0; q < n; ++q) {
+    double const r = 1.0 / (Two ? rho0[q] + rho1[q] : rho0[q]);
+    u[q] = mu[q] * r;
+    v[q] = mv[q] * r;
+    w[q] = mw[q] * r;
+    double const rho_e = E[q] - 0.5 * (mu[q] * u[q] + mv[q] * v[q] + mw[q] * w[q]);
+    p[q] = (rho_e - B[q]) / xi[q];
+  }
+
+  if (s.shock_sensor) {
+    // A cell remembers a shock for the next sweeps, whatever their direction, because the carbuncle grows along the shock.
+    double* const sensor = a[shock];
+    double* const found = a[a_scratch];
+    int const st = b.stride;
+    BRISANCE_VECTOR_LOOP
+    for (int q = st; q < n - st; ++q) {
+      double const jump = std::abs(p[q + st] - p[q - st]);
+      double const least = std::min(p[q - st], std::min(p[q], p[q + st]));
+      bool const shocked = (jump > 0.5 * std::abs(least)) & (u[q - st] > u[q + st]);
+      double const kept = sensor[q] > 0.3 ? 0.5 * sensor[q] : 0.0;
+      found[q] = shocked ? 1.0 : kept;
+    }
+  }
+}
+
+}  // namespace brisance::gas

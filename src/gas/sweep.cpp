@@ -1,0 +1,272 @@
+/// One sweep over one block: load a bundle, primitives, face fluxes, update, measure.
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.hpp"
+#include "gas/gas.hpp"
+#include "gas/primitives.hpp"
+#include "gas/schemes/lax_wendroff.hpp"
+#include "gas/schemes/muscl_hancock.hpp"
+
+namespace brisance::gas {
+
+void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, BundleArrays& a) const {
+  grid::Block const& block = grid_->blocks()[b];
+  BlockData const& data = blocks_[b];
+  int const slab = block.cell_count() / block.n[s.direction] * grid::ghost_layers;
+  double const* low = exchange_.ghosts(b, 0);
+  double const* high = exchange_.ghosts(b, 1);
+  auto const load_component = [&](int c) {
+    load(layout, block, fields_.at(b, c), low + static_cast<std::size_t>(c) * slab, high + static_cast<std::size_t>(c) * slab, a[a_state + c]);
+  };
+  for (int c = density; c <= energy; ++c) load_component(c);
+  if (s.shock_sensor) load_component(shock);
+  s.two = fluids_.two;
+  if (s.two) {
+    load_component(volume_fraction);
+    // Rows without the second fluid cost what a single fluid costs. Faces of such a row carry none of it, also seen from the other side.
+    s.two = count_above(a[volume_fraction], layout.total, vanishing_fraction) > 0;
+    if (s.two) load_component(second_density);
+  }
+  int const dims = grid_->domain().dimensions();
+  s.solid = !data.solid.empty();
+  if (s.solid) {
+    load_padded(layout, block, PaddedBox(block, dims), data.solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; }, a[a_solid]);
+  }
+  s.burning = s.two && !data.lighting.empty() && burning();
+  if (s.burning) {
+    load_padded(layout, block, PaddedBox(block, dims), data.lighting.data(), [this](double t) { return burn_fraction_at(t); }, a[a_burn]);
+  }
+  if (s.radial) {
+    grid::Domain const& domain = grid_->domain();
+    for (int r = 0; r < layout.rows; ++r) {
+      int const row = layout.begin(r);
+      for (int l = -grid::ghost_layers; l < layout.length + grid::ghost_layers; ++l) {
+        // Beyond the axis the radius is negative and so is the velocity: their ratio is that of the image.
+        int const i = block.origin[0] + l;
+        double const volume = std::abs(domain.cell_volume(i));
+        bool const beyond = domain.face_radius(i) + 0.5 * domain.h < 0.0;
+        double const high_area = std::abs(domain.radial_area(i + 1));
+        double const low_area = std::abs(domain.radial_area(i));
+        a[a_area_high][row + l] = s.dt * high_area / volume;
+        a[a_area_low][row + l] = s.dt * low_area / volume;
+        double const expansion = 0.5 * s.dt * std::abs(high_area - low_area) / volume;
+        a[a_expansion][row + l] = beyond ? -expansion : expansion;
+      }
+    }
+  }
+}
+
+void Gas::update(BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
+  int const st = layout.stride;
+  double const lambda = s.dt / s.h;
+  double const* const solid = a[a_solid];
+  auto const advance_component = [&](int c) {
+    double* const u = a[a_state + c];
+    double const* const flux = a[a_flux + c];
+    for (int r = 0; r < layout.rows; ++r) {
+      int const begin = layout.begin(r);
+      int const end = begin + layout.count();
+      if (!s.radial && !s.solid) {
+        BRISANCE_VECTOR_LOOP
+        for (int q = begin; q < end; ++q) u[q] -= lambda * (flux[q] - flux[q - st]);
+        continue;
+      }
+      double const* const high = a[a_area_high];
+      double const* const low = a[a_area_low];
+      // The pressure in the flux acts on the difference to the cell's own: uniform pressure then leaves a ring or shell exactly at rest.
+      double const* const own = a[a_p_half];
+      double const with_pressure = c == s.normal() ? 1.0 : 0.0;
+      BRISANCE_VECTOR_LOOP
+      for (int q = begin; q < end; ++q) {
+        double const p = s.radial ? with_pressure * own[q] : 0.0;
+        double const change = s.radial ? high[q] * (flux[q] - p) - low[q] * (flux[q - st] - p) : lambda * (flux[q] - flux[q - st]);
+        double const fluid = s.solid ? 1.0 - solid[q] : 1.0;
+        u[q] -= fluid * change;
+      }
+    }
+  };
+  if (s.two) {
+    // d(alpha)/dt + u d(alpha)/dx = 0, as a flux minus alpha times the divergence of the face velocities [JohnsenColonius06].
+    double* const alpha = a[volume_fraction];
+    double const* const flux = a[a_flux + volume_fraction];
+    double const* const speed = a[a_face_speed];
+    double const* const high = a[a_area_high];
+    double const* const low = a[a_area_low];
+    for (int r = 0; r < layout.rows; ++r) {
+      int const begin = layout.begin(r);
+      int const end = begin + layout.count();
+      BRISANCE_VECTOR_LOOP
+      for (int q = begin; q < end; ++q) {
+        double const above = s.radial ? high[q] : lambda;
+        double const below = s.radial ? low[q] : lambda;
+        double const fluid = s.solid ? 1.0 - solid[q] : 1.0;
+        alpha[q] -= fluid * (above * (flux[q] - alpha[q] * speed[q]) - below * (flux[q - st] - alpha[q] * speed[q - st]));
+      }
+    }
+    advance_component(second_density);
+  }
+  for (int c = density; c <= energy; ++c) advance_component(c);
+}
+
+void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
+  grid::Block const& block = grid_->blocks()[b];
+  for_each_run(layout, block, [&](int q, int offset, int count) {
+    for (int c = density; c <= energy; ++c) std::copy_n(a[a_state + c] + q, count, fields_.at(b, c) + offset);
+    if (s.shock_sensor) std::copy_n(a[a_scratch] + q, count, fields_.at(b, shock) + offset);
+    if (s.two) {
+      std::copy_n(a[second_density] + q, count, fields_.at(b, second_density) + offset);
+      std::copy_n(a[volume_fraction] + q, count, fields_.at(b, volume_fraction) + offset);
+    }
+  });
+}
+
+void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
+  grid::Block const& block = grid_->blocks()[b];
+  grid::Domain const& domain = grid_->domain();
+  for (int side = 0; side < 2; ++side) {
+    if (block.neighbour[2 * s.direction + side] != grid::no_neighbour) continue;
+    double const sign = side == 0 ? -1.0 : 1.0;
+    int const lines = s.direction == 0 ? layout.rows : layout.stride;
+    for (int line = 0; line < lines; ++line) {
+      // Face below the first or above the last of the block's own cells.
+      int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
+      q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
+      int const i = s.direction == 0 ? block.origin[0] + (side == 0 ? 0 : block.n[0]) : block.origin[0] + (layout.first + line) % block.n[0];
+      double const area = domain.face_area(s.direction, i);
+      auto& outflow = blocks_[b].account.outflow;
+      for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
+      if (s.two) outflow[second_density] += sign * area * s.dt * a[a_flux + second_density][q];
+    }
+  }
+}
+
+void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a, GuardCount& guards) {
+  grid::Block const& block = grid_->blocks()[b];
+  int const dims = grid_->domain().dimensions();
+  bool const two = s.two;
+  double fastest = 0.0;
+  for (int r = 0; r < layout.rows; ++r) {
+    int const begin = layout.begin(r);
+    int const n = layout.count();
+    double const* const rho0 = a[density] + begin;
+    double const* const rho1 = a[second_density] + begin;
+    double const* const E = a[energy] + begin;
+    double const* const mx = a[momentum_x] + begin;
+    double const* const my = a[momentum_y] + begin;
+    double const* const mz = a[momentum_z] + begin;
+    double* const xi = a[a_xi] + begin;
+    double* const B = a[a_B] + begin;
+    double* const H = a[a_H] + begin;
+    double* const p = a[a_p] + begin;
+    double* const signal = a[a_scratch] + begin;
+    if (two) {
+      closure_row(s, n, rho0, rho1, a[volume_fraction] + begin, s.burning ? a[a_burn] + begin : nullptr, xi, B, H);
+    } else {
+      closure_row_single(s, n, rho0, xi, B, H);
+    }
+    double const use_y = dims > 1 ? 1.0 : 0.0;
+    double const use_z = dims > 2 ? 1.0 : 0.0;
+    // The step may not end with a cell below the floors either: gauges and dumps would show it.
+    guard(s, layout, a, begin, n, guards);
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) {
+      double const rho = two ? rho0[q] + rho1[q] : rho0[q];
+      double const inverse = 1.0 / rho;
+      double const rho_e = E[q] - 0.5 * (mx[q] * mx[q] + my[q] * my[q] + mz[q] * mz[q]) * inverse;
+      p[q] = (rho_e - B[q]) / xi[q];
+      double const c = std::sqrt(std::max(0.0, p[q] + (p[q] + H[q]) / xi[q]) * inverse);
+      double const flow = std::max(std::abs(mx[q]), std::max(use_y * std::abs(my[q]), use_z * std::abs(mz[q]))) * inverse;
+      signal[q] = flow + c;
+    }
+    fastest = std::max(fastest, largest_of(signal, n));
+  }
+  blocks_[b].signal = std::max(blocks_[b].signal, fastest);
+  if (!options_.peak_fields || s.dt <= 0.0) return;
+  int const cells = block.cell_count();
+  double* const peak = peaks_[b].data() + static_cast<std::ptrdiff_t>(peak_pressure) * cells;
+  double* const running = peaks_[b].data() + static_cast<std::ptrdiff_t>(running_impulse) * cells;
+  double* const largest = peaks_[b].data() + static_cast<std::ptrdiff_t>(largest_impulse) * cells;
+  double const ambient = quiescent_.pressure;
+  double const* const p = a[a_p];
+  double const dt = s.dt;
+  for_each_run(layout, block, [&](int q, int offset, int count) {
+    BRISANCE_VECTOR_LOOP
+    for (int n = 0; n < count; ++n) {
+      double const over = p[q + n] - ambient;
+      peak[offset + n] = std::max(peak[offset + n], over);
+      running[offset + n] += over * dt;
+      largest[offset + n] = std::max(largest[offset + n], running[offset + n]);
+    }
+  });
+}
+
+void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays& a) {
+  grid::Block const& block = grid_->blocks()[b];
+  BlockData& data = blocks_[b];
+  if (last) data.signal = 0.0;
+  bool const at_boundary = block.neighbour[2 * sweep.direction] == grid::no_neighbour || block.neighbour[2 * sweep.direction + 1] == grid::no_neighbour;
+  Bundles const bundles(block, sweep.direction, options_.bundle_cells);
+  for (int index = 0; index < bundles.count(); ++index) {
+    BundleLayout const layout = bundles.layout(index);
+    SweepContext s = sweep;
+    load_bundle(b, layout, s, a);
+    GuardCount guards;
+    if (s.two) primitives<true>(s, layout, a, guards);
+    else primitives<false>(s, layout, a, guards);
+    if (options_.scheme == Scheme::muscl_hancock) {
+      if (s.two) muscl_hancock<true>(s, layout, a);
+      else muscl_hancock<false>(s, layout, a);
+    } else {
+      if (s.two) lax_wendroff<true>(s, layout, a, guards);
+      else lax_wendroff<false>(s, layout, a, guards);
+    }
+    if (at_boundary) account_boundaries(b, layout, s, a);
+    update(layout, s, a);
+    if (last) measure(b, layout, s, a, guards);
+    store(b, layout, s, a);
+    if (guards.cells + guards.fallback_faces > 0) {
+      double const volume = grid_->domain().cell_volume(block.origin[0]);
+      data.account.guarded_cells += guards.cells;
+      data.account.fallback_faces += guards.fallback_faces;
+      data.account.guard_mass += guards.mass * volume;
+      data.account.guard_energy += guards.energy * volume;
+      if (guards.not_a_number) {
+        for_each_run(layout, block, [&](int q, int offset, int count) {
+          if (guards.first_bad >= q && guards.first_bad < q + count) data.not_a_number = offset + guards.first_bad - q;
+        });
+      }
+    }
+  }
+}
+
+void Gas::measure_all() {
+  SweepContext context;
+  context.fluids = &fluids_;
+  context.h = grid_->domain().h;
+  parallel_for(grid_->block_count(), [&](int b, int thread) {
+    grid::Block const& block = grid_->blocks()[b];
+    BundleArrays& a = workspaces_[thread];
+    blocks_[b].signal = 0.0;
+    PaddedBox const box(block, grid_->domain().dimensions());
+    Bundles const bundles(block, 0, options_.bundle_cells);
+    for (int index = 0; index < bundles.count(); ++index) {
+      BundleLayout const layout = bundles.layout(index);
+      SweepContext s = context;
+      s.two = fluids_.two;
+      s.burning = s.two && !blocks_[b].lighting.empty() && burning();
+      for_each_run(layout, block, [&](int q, int offset, int count) {
+        for (int c = 0; c < components(); ++c) std::copy_n(fields_.at(b, c) + offset, count, a[a_state + c] + q);
+      });
+      if (s.burning) {
+        load_padded(layout, block, box, blocks_[b].lighting.data(), [this](double t) { return burn_fraction_at(t); }, a[a_burn]);
+      }
+      GuardCount ignored;
+      measure(b, layout, s, a, ignored);
+    }
+  });
+  fastest_signal_ = 0.0;
+  for (BlockData const& block : blocks_) fastest_signal_ = std::max(fastest_signal_, block.signal);
+}
+
+}  // namespace brisance::gas

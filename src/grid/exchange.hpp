@@ -1,0 +1,56 @@
+/// Exchange between blocks: the only way by which data of one block reaches another. Message passing can stand behind the same
+/// three functions.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "grid/fields.hpp"
+#include "grid/grid.hpp"
+
+namespace brisance::grid {
+
+/// Layers of ghost cells that every block sees across each face.
+inline constexpr int ghost_layers = 2;
+
+/// What the ghost cells outside the domain and the sleeping blocks need to know of the data.
+struct ExchangeRules {
+  /// Per direction the component that changes sign in a mirror (the momentum along it).
+  std::array<int, 3> mirrored_component{-1, -1, -1};
+  /// Per face the values of all components outside an inflow boundary.
+  std::array<std::vector<double>, 6> inflow;
+  /// Values of all components in a quiescent cell.
+  std::vector<double> quiescent;
+};
+
+class Exchange {
+ public:
+  Exchange(Grid const& grid, int components, ExchangeRules rules);
+
+  /// Fills the ghost layers of every block that is awake on both faces of `direction`, and wakes the sleeping blocks that get to
+  /// see anything but quiescent cells. `awake` has one entry per block.
+  void fill(Fields const& fields, int direction, std::vector<std::uint8_t>& awake);
+
+  /// Ghost cells of a block beyond its low (side 0) or high (side 1) face, as last filled: per component an array like the
+  /// block's own, x fastest, with `ghost_layers` cells in the direction of the fill.
+  [[nodiscard]] double const* ghosts(int block, int side) const { return slabs_[2 * block + side].data(); }
+
+  /// Values of all components in the given cells (domain indices), cell by cell.
+  [[nodiscard]] std::vector<double> gather(Fields const& fields, std::vector<Index3> const& cells) const;
+
+ private:
+  void fill_side(Fields const& fields, int block, int direction, int side);
+  /// Could a sleeping block see anything but quiescent cells across its two faces of `direction`?
+  [[nodiscard]] bool anything_to_see(Block const& block, int direction) const;
+  [[nodiscard]] bool slab_is_quiescent(int block, int direction, int side) const;
+
+  Grid const* grid_;
+  int components_;
+  ExchangeRules rules_;
+  std::vector<Buffer> slabs_;
+  std::vector<std::uint8_t> was_awake_;
+};
+
+}  // namespace brisance::grid

@@ -1,0 +1,94 @@
+/// The geometry of a calculation: how many directions are resolved and what a cell's volume and face areas are.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/vec.hpp"
+
+namespace brisance::grid {
+
+/// Resolved directions and symmetry. In the curvilinear geometries x is the radius; in `axisymmetric2d` y is the axis.
+enum class Geometry { cartesian3d, planar2d, axisymmetric2d, planar1d, cylindrical1d, spherical1d };
+
+/// Number of resolved directions, 1 to 3.
+[[nodiscard]] constexpr int dimensions(Geometry g) {
+  switch (g) {
+    case Geometry::cartesian3d: return 3;
+    case Geometry::planar2d:
+    case Geometry::axisymmetric2d: return 2;
+    default: return 1;
+  }
+}
+
+/// Exponent m of the radial metric r^m along x: 0 plane, 1 cylinder, 2 sphere.
+[[nodiscard]] constexpr int radial_exponent(Geometry g) {
+  switch (g) {
+    case Geometry::axisymmetric2d:
+    case Geometry::cylindrical1d: return 1;
+    case Geometry::spherical1d: return 2;
+    default: return 0;
+  }
+}
+
+/// What happens at one face of the domain.
+enum class Boundary { outflow, wall, symmetry, inflow, periodic };
+
+/// The six faces in the order x low, x high, y low, y high, z low, z high: `2 * direction + side`.
+enum class Face : int { x_low, x_high, y_low, y_high, z_low, z_high };
+
+/// A box of uniform cubic cells of size h. Directions that are not resolved have one cell.
+struct Domain {
+  Geometry geometry = Geometry::cartesian3d;
+  Vec3 lower{0.0, 0.0, 0.0};  ///< low corner [m]
+  double h = 1.0;             ///< cell size [m]
+  Index3 cells{1, 1, 1};      ///< cells per direction
+  std::array<Boundary, 6> boundary{Boundary::outflow, Boundary::outflow, Boundary::outflow,
+                                   Boundary::outflow, Boundary::outflow, Boundary::outflow};
+
+  [[nodiscard]] int dimensions() const { return grid::dimensions(geometry); }
+  [[nodiscard]] long cell_count() const { return static_cast<long>(cells[0]) * cells[1] * cells[2]; }
+  [[nodiscard]] double upper(int d) const { return lower[d] + h * cells[d]; }
+  [[nodiscard]] Vec3 centre(Index3 const& i) const {
+    return {lower[0] + (i[0] + 0.5) * h, lower[1] + (i[1] + 0.5) * h, lower[2] + (i[2] + 0.5) * h};
+  }
+  [[nodiscard]] double face_radius(int i) const { return lower[0] + i * h; }
+
+  /// r^m of the radial face between cells i - 1 and i, in the units of `cell_volume` [m2].
+  [[nodiscard]] double radial_area(int i) const { return face_area(0, i); }
+
+  /// Area of the face between cells i - 1 and i along x, or of a face along y or z of cells with first index i [m2].
+  [[nodiscard]] double face_area(int direction, int i) const {
+    double const a = face_radius(i);
+    switch (geometry) {
+      case Geometry::cartesian3d: return h * h;
+      case Geometry::planar2d: return h;
+      case Geometry::planar1d: return 1.0;
+      case Geometry::axisymmetric2d:
+        return direction == 0 ? 2.0 * std::numbers::pi * a * h
+                              : std::numbers::pi * (face_radius(i + 1) * face_radius(i + 1) - a * a);
+      case Geometry::cylindrical1d: return 2.0 * std::numbers::pi * a;
+      case Geometry::spherical1d: return 4.0 * std::numbers::pi * a * a;
+    }
+    return 0.0;
+  }
+
+  /// Volume of cells with first index i [m3]. Planar geometries count 1 m in each unresolved direction; the
+  /// curvilinear ones count the whole ring, tube (per metre) or shell.
+  [[nodiscard]] double cell_volume(int i) const {
+    double const a = face_radius(i);
+    double const b = face_radius(i + 1);
+    switch (geometry) {
+      case Geometry::cartesian3d: return h * h * h;
+      case Geometry::planar2d: return h * h;
+      case Geometry::planar1d: return h;
+      case Geometry::axisymmetric2d: return std::numbers::pi * (b * b - a * a) * h;
+      case Geometry::cylindrical1d: return std::numbers::pi * (b * b - a * a);
+      case Geometry::spherical1d: return 4.0 / 3.0 * std::numbers::pi * (b * b * b - a * a * a);
+    }
+    return 0.0;
+  }
+};
+
+}  // namespace brisance::grid

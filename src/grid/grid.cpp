@@ -1,0 +1,119 @@
+#include "grid/grid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/error.hpp"
+
+namespace brisance::grid {
+
+namespace {
+
+constexpr int default_block_cells(int dimensions) { return dimensions == 3 ? 32 : dimensions == 2 ? 64 : 1024; }
+
+/// Fewer cells than this in a resolved direction leave no room for the ghost layers of a neighbour.
+constexpr int minimum_cells = 4;
+
+/// Morton key of a block position: neighbours in space stay near each other in the list.
+std::uint64_t morton(Index3 const& p) {
+  std::uint64_t key = 0;
+  for (int bit = 0; bit < 21; ++bit) {
+    for (int d = 0; d < 3; ++d) {
+      key |= static_cast<std::uint64_t>((static_cast<unsigned>(p[d]) >> bit) & 1U) << (3 * bit + d);
+    }
+  }
+  return key;
+}
+
+}  // namespace
+
+Grid::Grid(Domain const& domain, int block_cells) : domain_(domain) {
+  int const dims = domain.dimensions();
+  int const target = std::max(block_cells > 0 ? block_cells : default_block_cells(dims), minimum_cells);
+  std::array<std::vector<int>, 3> start;
+  for (int d = 0; d < 3; ++d) {
+    int const n = domain.cells[d];
+    if (d < dims && n < minimum_cells) {
+      throw InputError(fmt::format("the domain has {} cell(s) in direction {}, at least {} are needed", n, "xyz"[d], minimum_cells));
+    }
+    int const parts = d < dims ? (n + target - 1) / target : 1;
+    parts_[d] = parts;
+    part_of_cell_[d].resize(static_cast<std::size_t>(n));
+    start[d].resize(static_cast<std::size_t>(parts) + 1);
+    for (int part = 0; part <= parts; ++part) start[d][part] = static_cast<int>(static_cast<long>(n) * part / parts);
+    for (int part = 0; part < parts; ++part) {
+      std::fill(part_of_cell_[d].begin() + start[d][part], part_of_cell_[d].begin() + start[d][part + 1], part);
+    }
+  }
+
+  std::vector<Index3> positions;
+  for (int k = 0; k < parts_[2]; ++k) {
+    for (int j = 0; j < parts_[1]; ++j) {
+      for (int i = 0; i < parts_[0]; ++i) positions.push_back({i, j, k});
+    }
+  }
+  std::stable_sort(positions.begin(), positions.end(),
+                   [](Index3 const& a, Index3 const& b) { return morton(a) < morton(b); });
+
+  auto const flat = [this](Index3 const& p) { return p[0] + parts_[0] * (p[1] + parts_[1] * p[2]); };
+  block_of_part_.resize(positions.size());
+  for (int b = 0; b < static_cast<int>(positions.size()); ++b) block_of_part_[flat(positions[b])] = b;
+
+  blocks_.resize(positions.size());
+  for (int b = 0; b < block_count(); ++b) {
+    Block& block = blocks_[b];
+    Index3 const& p = positions[b];
+    for (int d = 0; d < 3; ++d) {
+      block.origin[d] = start[d][p[d]];
+      block.n[d] = start[d][p[d] + 1] - start[d][p[d]];
+      for (int side = 0; side < 2; ++side) {
+        int const face = 2 * d + side;
+        Index3 q = p;
+        q[d] += side == 0 ? -1 : 1;
+        if (q[d] < 0 || q[d] >= parts_[d]) {
+          if (d >= dims || domain.boundary[face] != Boundary::periodic) {
+            block.neighbour[face] = no_neighbour;
+            continue;
+          }
+          q[d] = (q[d] + parts_[d]) % parts_[d];
+        }
+        block.neighbour[face] = block_of_part_[flat(q)];
+      }
+    }
+  }
+}
+
+int Grid::block_of(Index3 const& cell) const {
+  Index3 p{};
+  for (int d = 0; d < 3; ++d) p[d] = part_of_cell_[d][cell[d]];
+  return block_of_part_[p[0] + parts_[0] * (p[1] + parts_[1] * p[2])];
+}
+
+Index3 Grid::cell_at(Vec3 const& x) const {
+  Index3 cell{0, 0, 0};
+  for (int d = 0; d < domain_.dimensions(); ++d) {
+    double const s = std::floor((x[d] - domain_.lower[d]) / domain_.h);
+    cell[d] = static_cast<int>(std::clamp(s, 0.0, static_cast<double>(domain_.cells[d] - 1)));
+  }
+  return cell;
+}
+
+Index3 image_cell(Domain const& domain, Index3 const& cell) {
+  Index3 image = cell;
+  for (int d = 0; d < 3; ++d) {
+    int const n = domain.cells[d];
+    int const side = image[d] < 0 ? 0 : image[d] >= n ? 1 : -1;
+    if (side < 0) continue;
+    switch (domain.boundary[2 * d + side]) {
+      case Boundary::periodic: image[d] = ((image[d] % n) + n) % n; break;
+      case Boundary::wall:
+      case Boundary::symmetry: image[d] = std::clamp(side == 0 ? -1 - image[d] : 2 * n - 1 - image[d], 0, n - 1); break;
+      default: image[d] = std::clamp(image[d], 0, n - 1); break;
+    }
+  }
+  return image;
+}
+
+}  // namespace brisance::grid

@@ -1,0 +1,23 @@
+/// Ideal gas, [Cui14] Eq. (55): p = (gamma - 1) rho e.
+#pragma once
+
+#include <array>
+
+#include "core/parameter.hpp"
+
+namespace brisance::material {
+
+struct IdealGas {
+  double gamma = 1.4;  ///< ratio of specific heats
+
+  static constexpr const char* name = "ideal_gas";
+  static constexpr auto parameters() {
+    return std::array{Parameter<IdealGas>{"gamma", "1", &IdealGas::gamma, 1.0001, 10.0, "ratio of specific heats"}};
+  }
+
+  [[nodiscard]] double gruneisen() const { return gamma - 1.0; }
+  [[nodiscard]] double reference(double /*rho*/) const { return 0.0; }
+  [[nodiscard]] double rho_d_reference(double /*rho*/) const { return 0.0; }
+};
+
+}  // namespace brisance::material

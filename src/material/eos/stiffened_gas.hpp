@@ -1,0 +1,26 @@
+/// Stiffened gas (water and other liquids at shock pressures): p = (gamma - 1) rho e - gamma p_inf.
+#pragma once
+
+#include <array>
+
+#include "core/parameter.hpp"
+
+namespace brisance::material {
+
+struct StiffenedGas {
+  double gamma = 4.4;
+  double p_inf = 6.0e8;  ///< [Pa]
+
+  static constexpr const char* name = "stiffened_gas";
+  static constexpr auto parameters() {
+    return std::array{
+        Parameter<StiffenedGas>{"gamma", "1", &StiffenedGas::gamma, 1.0001, 20.0, "exponent gamma"},
+        Parameter<StiffenedGas>{"p_inf", "Pa", &StiffenedGas::p_inf, 0.0, 1e12, "stiffening pressure"}};
+  }
+
+  [[nodiscard]] double gruneisen() const { return gamma - 1.0; }
+  [[nodiscard]] double reference(double /*rho*/) const { return -gamma * p_inf; }
+  [[nodiscard]] double rho_d_reference(double /*rho*/) const { return 0.0; }
+};
+
+}  // namespace brisance::material

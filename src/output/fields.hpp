@@ -1,0 +1,59 @@
+/// Field dumps: one HDF5 file per dump and one XDMF index, `fields.xmf2`, that ParaView opens as a time series.
+///
+/// Layout of a dump `fields/fields_NNNNNN.h5`: attributes of the root (time [s], step, geometry, origin [m], spacing
+/// [m], cells) and one dataset per field, /cells/NAME, shape (nz, ny, nx) or (nz, ny, nx, 3), with attributes `unit`
+/// and `meaning`. Directions that are not resolved have one cell.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "grid/grid.hpp"
+
+namespace brisance::output {
+
+/// A field as it is written.
+struct FieldSpec {
+  std::string name;
+  std::string unit;
+  int components = 1;  ///< 1 or 3
+  std::string meaning;
+};
+
+struct FieldOptions {
+  bool single_precision = true;
+  int compression = 1;  ///< gzip level 0 (none) to 9, after byte shuffling
+};
+
+/// Values of a field in one block: x fastest, components interleaved.
+using BlockValues = std::function<void(int block, std::string const& field, std::vector<double>& out)>;
+
+class FieldSeries {
+ public:
+  /// Writes into `folder` (which exists). Nothing is created before the first dump.
+  FieldSeries(std::filesystem::path folder, FieldOptions options);
+
+  /// Writes one dump and brings the index up to date. Both appear under their final names only when they are complete.
+  /// Throws IoError.
+  void dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
+            BlockValues const& values);
+
+  [[nodiscard]] int count() const { return count_; }
+
+  /// Bytes of one dump without compression.
+  [[nodiscard]] static double bytes_per_dump(grid::Domain const& domain, std::vector<FieldSpec> const& fields,
+                                             bool single_precision);
+
+ private:
+  std::filesystem::path folder_;
+  FieldOptions options_;
+  int count_ = 0;
+  std::string entries_;  ///< the index's <Grid> elements so far
+};
+
+/// Name of a geometry in output files: as in decks.
+[[nodiscard]] std::string geometry_name(grid::Geometry geometry);
+
+}  // namespace brisance::output

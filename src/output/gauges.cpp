@@ -1,0 +1,305 @@
+#include "output/gauges.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "detonation/shape.hpp"
+#include "output/json.hpp"
+
+namespace brisance::output {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double foot_fraction = 0.01;    // of the record's peak: below it nothing has arrived
+constexpr double front_end_drop = 0.01;   // of the reached pressure
+constexpr double front_end_slope = 0.05;  // of the front's steepest rise
+constexpr double arrival_fraction = 0.5;  // of the front's height
+
+/// Time at which the straight line through samples i - 1 and i takes `value`.
+double crossing(std::vector<double> const& t, std::vector<double> const& p, std::size_t i, double value) {
+  return t[i - 1] + (t[i] - t[i - 1]) * (value - p[i - 1]) / (p[i] - p[i - 1]);
+}
+
+/// Height of the front whose foot is sample `foot`.
+double front_height(std::vector<double> const& t, std::vector<double> const& p, std::size_t foot) {
+  double height = p[foot];
+  double steepest = foot > 0 ? (p[foot] - p[foot - 1]) / (t[foot] - t[foot - 1]) : 0.0;
+  for (std::size_t i = foot + 1; i < p.size(); ++i) {
+    double const slope = (p[i] - p[i - 1]) / (t[i] - t[i - 1]);
+    if (p[i] < (1.0 - front_end_drop) * height || slope < front_end_slope * steepest) break;
+    height = std::max(height, p[i]);
+    steepest = std::max(steepest, slope);
+  }
+  return height;
+}
+
+/// The charge whose centre is nearest to x, or null.
+run::Charge const* nearest_charge(run::Case const& setup, Vec3 const& x) {
+  run::Charge const* nearest = nullptr;
+  for (auto const& charge : setup.charges)
+    if (nearest == nullptr || norm(x - detonation::centre(charge.shape)) < norm(x - detonation::centre(nearest->shape)))
+      nearest = &charge;
+  return nearest;
+}
+
+std::optional<double> ratio(std::optional<double> value, std::optional<double> reference) {
+  if (!value || !reference || *reference == 0.0) return std::nullopt;
+  return *value / *reference;
+}
+
+/// The incident quantities under the names that the gauges' results have.
+nlohmann::json blast_json(empirical::Blast const& blast) {
+  return {{"peak_overpressure", json_or_null(blast.incident_overpressure)},
+          {"arrival_time", json_or_null(blast.arrival)},
+          {"positive_duration", json_or_null(blast.duration)},
+          {"positive_impulse", json_or_null(blast.incident_impulse)}};
+}
+
+std::string cell(std::optional<double> value) { return value ? fmt::format("{:.8g}", *value) : ""; }
+
+/// Text as one CSV field (RFC 4180).
+std::string quoted(std::string const& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string out = "\"";
+  for (char const c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+/// The empirical curve for plots: logarithmically spaced distances over the whole range of the fits.
+nlohmann::json empirical_curve(run::Case const& setup) {
+  auto const& charge = setup.charges.front();
+  double const unit = std::cbrt(charge.mass * charge.explosive.tnt_equivalent_pressure);
+  constexpr int points = 81;
+  constexpr double nearest = 0.05;  // scaled distances [m/kg^(1/3)]
+  constexpr double farthest = 40.0;
+  nlohmann::json rows = nlohmann::json::array();
+  for (int i = 0; i < points; ++i) {
+    double const z = nearest * std::pow(farthest / nearest, double(i) / (points - 1));
+    auto const blast = empirical_blast(setup, z * unit);
+    if (!blast.incident_overpressure) continue;
+    nlohmann::json row = blast_json(blast);
+    row["scaled_distance"] = z;
+    row["distance"] = z * unit;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::string burst_name(run::Burst burst) {
+  switch (burst) {
+    case run::Burst::none: return "none";
+    case run::Burst::spherical: return "spherical";
+    case run::Burst::hemispherical: return "hemispherical";
+  }
+  return "";
+}
+
+/// The fits describe one charge in the open or on open ground, in air.
+bool empirical_applies(run::Case const& setup) {
+  return setup.burst != run::Burst::none && setup.charges.size() == 1 &&
+         std::holds_alternative<material::IdealGas>(setup.ambient.fluid.eos);
+}
+
+}  // namespace
+
+BlastWave analyse_blast(std::vector<double> const& t, std::vector<double> const& p) {
+  BlastWave wave;
+  std::size_t const n = std::min(t.size(), p.size());
+  if (n == 0) return wave;
+  auto const largest = std::size_t(std::max_element(p.begin(), p.begin() + std::ptrdiff_t(n)) - p.begin());
+  wave.peak_overpressure = p[largest];
+  wave.peak_time = t[largest];
+  if (!(wave.peak_overpressure > 0.0)) return wave;
+
+  std::size_t foot = 0;
+  while (p[foot] < foot_fraction * wave.peak_overpressure) ++foot;
+  double const level = arrival_fraction * front_height(t, p, foot);
+  std::size_t front = foot;
+  while (p[front] < level) ++front;
+  wave.arrival_time = front == 0 ? t[0] : crossing(t, p, front, level);
+
+  // The positive phase holds the whole front, also its foot.
+  std::size_t begin = front;
+  while (begin > 0 && p[begin - 1] > 0.0) --begin;
+  if (begin > 0) {
+    double const start = crossing(t, p, begin, 0.0);
+    wave.positive_impulse += 0.5 * p[begin] * (t[begin] - start);
+  }
+  for (std::size_t i = begin + 1; i < n; ++i) {
+    if (p[i] <= 0.0) {
+      double const end = crossing(t, p, i, 0.0);
+      wave.positive_impulse += 0.5 * p[i - 1] * (end - t[i - 1]);
+      wave.positive_duration = end - *wave.arrival_time;
+      break;
+    }
+    wave.positive_impulse += 0.5 * (p[i - 1] + p[i]) * (t[i] - t[i - 1]);
+  }
+  return wave;
+}
+
+empirical::Blast empirical_blast(run::Case const& setup, double distance) {
+  if (!empirical_applies(setup)) return {};
+  auto const& charge = setup.charges.front();
+  auto const& air = setup.ambient;
+  empirical::Atmosphere const atmosphere{air.state.pressure,
+                                         material::sound_speed(air.fluid.eos, air.state.density, air.state.pressure)};
+  auto const burst =
+      setup.burst == run::Burst::spherical ? empirical::Burst::spherical : empirical::Burst::hemispherical;
+  auto const by_pressure =
+      empirical::kingery_bulmash(charge.mass * charge.explosive.tnt_equivalent_pressure, distance, burst, atmosphere);
+  auto blast =
+      empirical::kingery_bulmash(charge.mass * charge.explosive.tnt_equivalent_impulse, distance, burst, atmosphere);
+  blast.scaled_distance = by_pressure.scaled_distance;
+  blast.incident_overpressure = by_pressure.incident_overpressure;
+  blast.reflected_overpressure = by_pressure.reflected_overpressure;
+  blast.dynamic_pressure = by_pressure.dynamic_pressure;
+  blast.shock_speed = by_pressure.shock_speed;
+  if (blast.arrival && charge.detonation == run::Detonation::programmed && !charge.initiation.empty()) {
+    auto const first = std::ranges::min_element(charge.initiation, {}, &run::InitiationPoint::delay);
+    *blast.arrival += first->delay;
+  }
+  return blast;
+}
+
+std::vector<double> running_impulse(std::vector<double> const& t, std::vector<double> const& p) {
+  std::vector<double> sum(t.size(), 0.0);
+  for (std::size_t i = 1; i < t.size(); ++i) sum[i] = sum[i - 1] + 0.5 * (p[i - 1] + p[i]) * (t[i] - t[i - 1]);
+  return sum;
+}
+
+std::string sanitised(std::string const& name) {
+  std::string out;
+  for (char const c : name) {
+    bool const safe = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' || c == '.';
+    out += safe ? c : '_';
+  }
+  if (out.empty() || out.front() == '.') out.insert(0, 1, '_');
+  return out;
+}
+
+GaugeFiles::GaugeFiles(fs::path const& folder, std::vector<run::GaugeHistory> const& gauges, double ambient_pressure)
+    : ambient_pressure_(ambient_pressure) {
+  if (gauges.empty()) return;
+  std::error_code error;
+  fs::create_directories(folder / "gauges", error);
+  if (error) throw_io_error("create", folder / "gauges", error.value());
+  std::set<std::string> taken;
+  for (auto const& history : gauges) {
+    std::string const base = sanitised(history.gauge.name);
+    std::string name = base;
+    for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", base, i);
+    names_.push_back("gauges/" + name + ".csv");
+    streams_.push_back({AppendedFile(folder / names_.back())});
+    streams_.back().file.append(
+        "time [s],pressure [Pa],overpressure [Pa],density [kg/m3],velocity_x [m/s],velocity_y [m/s],velocity_z [m/s],"
+        "dynamic_pressure [Pa],impulse [Pa s]\n");
+  }
+}
+
+void GaugeFiles::append(std::vector<run::GaugeHistory> const& gauges) {
+  for (std::size_t g = 0; g < streams_.size(); ++g) {
+    auto& stream = streams_[g];
+    auto const& records = gauges[g].records;
+    std::string text;
+    for (std::size_t i = stream.written; i < records.size(); ++i) {
+      auto const& r = records[i];
+      double const overpressure = r.pressure - ambient_pressure_;
+      if (i > 0) {
+        auto const& before = records[i - 1];
+        stream.impulse += 0.5 * (before.pressure - ambient_pressure_ + overpressure) * (r.time - before.time);
+      }
+      double const dynamic_pressure = 0.5 * r.density * dot(r.velocity, r.velocity);
+      fmt::format_to(std::back_inserter(text),
+                     "{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g}\n", r.time, r.pressure,
+                     overpressure, r.density, r.velocity[0], r.velocity[1], r.velocity[2], dynamic_pressure,
+                     stream.impulse);
+    }
+    stream.written = records.size();
+    if (!text.empty()) stream.file.append(text);
+  }
+}
+
+std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::GaugeHistory> const& gauges) {
+  std::vector<GaugeSummary> summaries;
+  std::vector<double> time;
+  std::vector<double> overpressure;
+  for (auto const& history : gauges) {
+    time.clear();
+    overpressure.clear();
+    for (auto const& record : history.records) {
+      time.push_back(record.time);
+      overpressure.push_back(record.pressure - setup.ambient.state.pressure);
+    }
+    GaugeSummary summary{history.gauge.name, history.gauge.position, analyse_blast(time, overpressure), {}, {}, {}};
+    if (auto const* charge = nearest_charge(setup, history.gauge.position)) {
+      double const distance = norm(history.gauge.position - detonation::centre(charge->shape));
+      summary.distance = distance;
+      summary.scaled_distance = distance / std::cbrt(charge->mass * charge->explosive.tnt_equivalent_pressure);
+      if (distance > 0.0) summary.empirical = empirical_blast(setup, distance);
+    }
+    summaries.push_back(std::move(summary));
+  }
+  return summaries;
+}
+
+void write_summary(fs::path const& folder, run::Case const& setup, std::vector<GaugeSummary> const& summaries,
+                   std::vector<std::string> const& files) {
+  std::string csv =
+      "gauge,x [m],y [m],z [m],distance [m],scaled_distance [m/kg^(1/3)],peak_overpressure [Pa],time_of_peak [s],"
+      "arrival_time [s],positive_duration [s],positive_impulse [Pa s],positive_phase_complete,"
+      "KB_peak_overpressure [Pa],KB_arrival_time [s],KB_positive_duration [s],KB_positive_impulse [Pa s],"
+      "ratio_peak_overpressure,ratio_arrival_time,ratio_positive_duration,ratio_positive_impulse\n";
+  nlohmann::json gauges = nlohmann::json::array();
+  for (std::size_t g = 0; g < summaries.size(); ++g) {
+    auto const& s = summaries[g];
+    auto const& w = s.wave;
+    auto const& e = s.empirical;
+    bool const complete = w.positive_duration.has_value();
+    auto const ratio_peak =
+        ratio(w.arrival_time ? std::optional(w.peak_overpressure) : std::nullopt, e.incident_overpressure);
+    auto const ratio_arrival = ratio(w.arrival_time, e.arrival);
+    auto const ratio_duration = ratio(w.positive_duration, e.duration);
+    // An impulse that the record cuts off cannot be compared.
+    auto const ratio_impulse = ratio(complete ? std::optional(w.positive_impulse) : std::nullopt, e.incident_impulse);
+    csv += fmt::format("{},{:.8g},{:.8g},{:.8g},{},{},{:.8g},{:.8g},{},{},{:.8g},{},{},{},{},{},{},{},{},{}\n",
+                       quoted(s.name), s.position[0], s.position[1], s.position[2], cell(s.distance),
+                       cell(s.scaled_distance), w.peak_overpressure, w.peak_time, cell(w.arrival_time),
+                       cell(w.positive_duration), w.positive_impulse, complete ? "yes" : "no",
+                       cell(e.incident_overpressure), cell(e.arrival), cell(e.duration), cell(e.incident_impulse),
+                       cell(ratio_peak), cell(ratio_arrival), cell(ratio_duration), cell(ratio_impulse));
+    gauges.push_back({{"name", s.name},
+                      {"file", g < files.size() ? files[g] : ""},
+                      {"position", s.position},
+                      {"distance", json_or_null(s.distance)},
+                      {"scaled_distance", json_or_null(s.scaled_distance)},
+                      {"peak_overpressure", json_or_null(w.peak_overpressure)},
+                      {"time_of_peak", json_or_null(w.peak_time)},
+                      {"arrival_time", json_or_null(w.arrival_time)},
+                      {"positive_duration", json_or_null(w.positive_duration)},
+                      {"positive_impulse", json_or_null(w.positive_impulse)},
+                      {"positive_phase_complete", complete},
+                      {"kingery_bulmash", blast_json(e)},
+                      {"ratio",
+                       {{"peak_overpressure", json_or_null(ratio_peak)},
+                        {"arrival_time", json_or_null(ratio_arrival)},
+                        {"positive_duration", json_or_null(ratio_duration)},
+                        {"positive_impulse", json_or_null(ratio_impulse)}}}});
+  }
+  replace_file(folder / "summary.csv", csv);
+
+  nlohmann::json summary{{"units", "SI: m, s, Pa, Pa s, m/kg^(1/3)"},
+                         {"burst", burst_name(setup.burst)},
+                         {"ambient_pressure", setup.ambient.state.pressure},
+                         {"gauges", std::move(gauges)}};
+  if (empirical_applies(setup)) summary["kingery_bulmash_curve"] = empirical_curve(setup);
+  replace_file(folder / "summary.json", summary.dump(2) + "\n");
+}
+
+}  // namespace brisance::output

@@ -1,0 +1,90 @@
+/// Gauge histories: one CSV file per gauge while the run lasts, and what an engineer reads off them at its end.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "empirical/kingery_bulmash.hpp"
+#include "output/file.hpp"
+#include "run/world.hpp"
+
+namespace brisance::output {
+
+/// The blast parameters of one overpressure history.
+struct BlastWave {
+  double peak_overpressure = 0.0;  ///< largest overpressure of the whole record [Pa]
+  double peak_time = 0.0;          ///< when [s]
+  /// Arrival of the first shock [s]; absent when nothing arrived.
+  std::optional<double> arrival_time;
+  /// From the arrival to the first return to ambient pressure [s]; absent when the record ends before.
+  std::optional<double> positive_duration;
+  /// Integral of the overpressure over the positive phase, or over what the record holds of it [Pa s].
+  double positive_impulse = 0.0;
+};
+
+/// Reads the blast parameters off a history (times [s] rising, overpressures [Pa]); linear between the samples.
+///
+/// Arrival. A captured shock is a steep ramp over a few cells whose middle is the best estimate of where the front is,
+/// while its foot runs ahead by an amount that depends on the cell size. The first rise above 1 % of the record's peak
+/// starts the first front; the front ends where the pressure falls by 1 % of what it has reached, or rises at less than
+/// 5 % of the front's steepest rate. The arrival is where the pressure passes half of the front's height. Later,
+/// stronger shocks (reflections) do not move it.
+[[nodiscard]] BlastWave analyse_blast(std::vector<double> const& time, std::vector<double> const& overpressure);
+
+/// Kingery-Bulmash values at `distance` [m] from the case's charge in its ambient air: pressures by the explosive's TNT
+/// equivalent for pressure, times and impulses by that for impulse; arrival counts from the start of the calculation.
+/// All absent unless the case names the burst type, has one charge, and the ambient fluid is an ideal gas.
+[[nodiscard]] empirical::Blast empirical_blast(run::Case const& setup, double distance);
+
+/// A gauge's results beside the empirical ones.
+struct GaugeSummary {
+  std::string name;
+  Vec3 position{0.0, 0.0, 0.0};
+  BlastWave wave;
+  std::optional<double> distance;         ///< to the centre of the nearest charge [m]
+  std::optional<double> scaled_distance;  ///< distance / cube root of its mass of TNT [m/kg^(1/3)]
+  empirical::Blast empirical;
+};
+
+/// Running integral of a history by the trapezoidal rule [Pa s].
+[[nodiscard]] std::vector<double> running_impulse(std::vector<double> const& time,
+                                                  std::vector<double> const& overpressure);
+
+/// A name that is safe as a file name: letters, digits, '.', '-' and '_' stay, everything else becomes '_'.
+[[nodiscard]] std::string sanitised(std::string const& name);
+
+/// The growing CSV files `gauges/NAME.csv`.
+class GaugeFiles {
+ public:
+  /// Creates the files of all gauges with their headers. `ambient_pressure` [Pa] is what overpressure counts from.
+  GaugeFiles(std::filesystem::path const& folder, std::vector<run::GaugeHistory> const& gauges,
+             double ambient_pressure);
+
+  /// Appends the records that came since the last call.
+  void append(std::vector<run::GaugeHistory> const& gauges);
+
+  /// Path of each gauge's file, relative to the output folder.
+  [[nodiscard]] std::vector<std::string> const& names() const { return names_; }
+
+ private:
+  struct Stream {
+    AppendedFile file;
+    std::size_t written = 0;
+    double impulse = 0.0;
+  };
+  double ambient_pressure_;
+  std::vector<std::string> names_;
+  std::vector<Stream> streams_;
+};
+
+/// Summaries of all gauges of a case. The empirical values are given for a single charge whose case names the burst
+/// type.
+[[nodiscard]] std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::GaugeHistory> const& gauges);
+
+/// Writes `summary.csv` and `summary.json`.
+void write_summary(std::filesystem::path const& folder, run::Case const& setup,
+                   std::vector<GaugeSummary> const& summaries, std::vector<std::string> const& files);
+
+}  // namespace brisance::output

@@ -1,0 +1,29 @@
+/// The run log: what ran, on what, how far it came, where the time went, and whether the books balance.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "run/world.hpp"
+
+namespace brisance::output {
+
+struct RunStatus {
+  std::string status;      ///< "running", "done" or "stopped"
+  std::string end_reason;  ///< one line for people; empty while running
+  int exit_code = 0;
+  std::string started_at;     ///< UTC, ISO 8601
+  double wall_seconds = 0.0;  ///< since the start
+  int dumps = 0;
+};
+
+/// Versions of the program, the compiler and the libraries.
+[[nodiscard]] nlohmann::json versions();
+
+/// Processor model, number of cores and threads. Names neither host nor user.
+[[nodiscard]] nlohmann::json machine();
+
+/// The run log of the present state.
+[[nodiscard]] nlohmann::json run_log(run::World const& world, RunStatus const& status);
+
+}  // namespace brisance::output

@@ -1,0 +1,100 @@
+#include "output/writer.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "output/file.hpp"
+#include "output/folder.hpp"
+#include "output/run_log.hpp"
+
+namespace brisance::output {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Part of their uncompressed size that the dumps are expected to take at least: the estimate must not refuse a run
+/// that fits.
+constexpr double expected_compression = 0.5;
+
+double expected_bytes(run::Case const& setup, int compression) {
+  double const dump = FieldSeries::bytes_per_dump(setup.domain, dumped_fields(setup), setup.output.single_precision);
+  return dump * static_cast<double>(expected_dumps(setup)) * (compression > 0 ? expected_compression : 1.0);
+}
+
+/// Prepares the folder before the members that write into it are built.
+fs::path prepared(fs::path folder, run::Case const& setup, WriterOptions const& options) {
+  prepare_folder(folder, options.force, expected_bytes(setup, options.compression));
+  return folder;
+}
+
+}  // namespace
+
+std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
+  std::vector<std::string> names = setup.output.fields;
+  auto const add = [&names](char const* name) {
+    if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
+  };
+  if (setup.output.peak_fields) {
+    add("peak_overpressure");
+    add("impulse");
+  }
+  if (!setup.obstacles.empty()) add("obstacle");
+
+  std::vector<FieldSpec> specs;
+  for (auto const& name : names) {
+    auto const& known = run::known_fields();
+    auto const found = std::ranges::find(known, name, &run::FieldInfo::name);
+    if (found == known.end()) throw InputError("unknown field \"" + name + "\"");
+    specs.push_back({found->name, found->unit, found->components, found->meaning});
+  }
+  return specs;
+}
+
+long expected_dumps(run::Case const& setup) {
+  long dumps = 2 + static_cast<long>(setup.output.field_times.size());
+  if (setup.output.field_interval > 0.0) dumps += std::lround(std::floor(setup.end.time / setup.output.field_interval));
+  return dumps;
+}
+
+Writer::Writer(run::World const& world, fs::path folder, WriterOptions const& options)
+    : folder_(prepared(std::move(folder), world.setup, options)),
+      fields_(dumped_fields(world.setup)),
+      series_(folder_, {world.setup.output.single_precision, options.compression}),
+      gauges_(folder_, world.gauges, world.setup.ambient.state.pressure),
+      begin_(std::chrono::steady_clock::now()),
+      started_at_(fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))) {
+  replace_file(folder_ / "deck.toml", world.setup.deck_text);
+  write_log(world, "running", "", 0);
+}
+
+void Writer::dump_fields(run::World const& world) {
+  series_.dump(world.clock.time, world.clock.step, world.grid, fields_,
+               [&world](int block, std::string const& field, std::vector<double>& out) {
+                 run::block_field(world, block, field, out);
+               });
+  write_log(world, "running", "", 0);
+}
+
+void Writer::append_gauges(run::World const& world) { gauges_.append(world.gauges); }
+
+void Writer::finish(run::World const& world, std::string const& end_reason, int exit_code) {
+  append_gauges(world);
+  write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names());
+  write_log(world, exit_code == 0 ? "done" : "stopped", end_reason, exit_code);
+}
+
+void Writer::write_log(run::World const& world, std::string const& status, std::string const& end_reason,
+                       int exit_code) {
+  double const wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  auto const log = run_log(world, {status, end_reason, exit_code, started_at_, wall, series_.count()});
+  // A deck or a title may hold bytes that are not UTF-8: they are replaced, the log stays valid JSON.
+  replace_file(folder_ / "run.json", log.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace brisance::output

@@ -1,0 +1,61 @@
+/// Everything that a run leaves in its output folder:
+///
+///     run.json            run log: versions, machine, steps, timings, audit, charges; rewritten during the run
+///     deck.toml           the deck as read
+///     fields.xmf2         index of the field dumps, opens in ParaView; fields/fields_NNNNNN.h5
+///     gauges/NAME.csv     histories, growing during the run
+///     summary.csv, .json  peaks, arrivals, durations, impulses of the gauges beside Kingery-Bulmash
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "output/fields.hpp"
+#include "output/gauges.hpp"
+#include "run/world.hpp"
+
+namespace brisance::output {
+
+struct WriterOptions {
+  bool force = false;   ///< replace the results of an earlier run
+  int compression = 1;  ///< gzip level of the fields, 0 to 9
+};
+
+class Writer {
+ public:
+  /// Prepares the folder and writes the deck and the first run log. Throws IoError.
+  Writer(run::World const& world, std::filesystem::path folder, WriterOptions const& options = {});
+
+  /// Writes one field dump and brings the run log up to date.
+  void dump_fields(run::World const& world);
+
+  /// Appends what the gauges recorded since the last call.
+  void append_gauges(run::World const& world);
+
+  /// Writes the rest of the gauges, the summary and the last run log. `end_reason` is one line for people.
+  void finish(run::World const& world, std::string const& end_reason, int exit_code);
+
+  [[nodiscard]] std::filesystem::path const& folder() const { return folder_; }
+  [[nodiscard]] int dump_count() const { return series_.count(); }
+
+ private:
+  void write_log(run::World const& world, std::string const& status, std::string const& end_reason, int exit_code);
+
+  std::filesystem::path folder_;
+  std::vector<FieldSpec> fields_;
+  FieldSeries series_;
+  GaugeFiles gauges_;
+  std::chrono::steady_clock::time_point begin_;
+  std::string started_at_;
+};
+
+/// The fields that the dumps of a case hold: the asked ones, the peak fields where asked, the obstacle mask where there
+/// are obstacles. Throws InputError for an unknown name.
+[[nodiscard]] std::vector<FieldSpec> dumped_fields(run::Case const& setup);
+
+/// Number of dumps that a case will write, the first and the last included.
+[[nodiscard]] long expected_dumps(run::Case const& setup);
+
+}  // namespace brisance::output

@@ -1,0 +1,39 @@
+/// One step of the calculation. The coupled step of [Cui14] Sec. 3.5 grows from here.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/timer.hpp"
+#include "run/world.hpp"
+
+namespace brisance::run {
+
+double stable_step(World const& w) {
+  double signal = w.gas->fastest_signal();
+  // A burning charge releases its pressure within the step; the detonation front itself is the fastest thing to come.
+  if (w.gas->burning()) signal = std::max(signal, w.setup.charges.front().explosive.detonation_speed);
+  // A diaphragm that has just been removed moves faster than either side's sound: start gently.
+  double const ramp = std::min(1.0, 0.1 * static_cast<double>(w.clock.step + 1));
+  return ramp * w.setup.numerics.courant * w.setup.domain.h / signal;
+}
+
+double advance(World& w, double latest) {
+  double const stable = stable_step(w);                                   // (1)
+  if (!std::isfinite(stable) || stable <= 1e-14 * std::max(w.setup.end.time, 1e-12)) {
+    throw NumericalError(fmt::format("the time step vanished (dt = {:.3g} s at t = {:.6g} s, step {}); the state has lost its meaning", stable,
+                                     w.clock.time, w.clock.step));
+  }
+  double const left = latest - w.clock.time;
+  bool const arrives = left <= stable;
+  double const dt = arrives ? left : left < 2.0 * stable ? 0.5 * left : stable;  // no sliver before an output time
+  w.gas->advance(dt, w.clock.step % 2 == 1);                              // (8) Eq. (6)
+  w.clock.time = arrives ? latest : w.clock.time + dt;
+  w.clock.dt = dt;
+  ++w.clock.step;
+  for (auto const& [phase, seconds] : w.gas->timings()) w.timings[phase] = seconds;
+  return dt;
+}
+
+}  // namespace brisance::run

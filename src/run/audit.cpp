@@ -1,0 +1,62 @@
+/// Conservation audit: what is in the domain, what left it, what the guards added.
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.hpp"
+#include "run/world.hpp"
+
+namespace brisance::run {
+
+std::array<double, 3> Audit::relative_error() const {
+  auto const error = [](double before, double out, double added, double now) {
+    double const scale = std::max({std::abs(before), std::abs(out), std::abs(now), 1e-300});
+    return std::abs(before - out + added - now) / scale;
+  };
+  return {error(initial.mass[0], outflow.mass[0], guard_mass, current.mass[0]),
+          error(initial.mass[1], outflow.mass[1], 0.0, current.mass[1]),
+          error(initial.energy, outflow.energy, guard_energy, current.energy)};
+}
+
+Totals World::totals() const {
+  // One sum per block, then over blocks in order: the same bits for any number of threads.
+  std::vector<Totals> parts(static_cast<std::size_t>(grid.block_count()));
+  bool const two = gas->fluids().two;
+  parallel_for(grid.block_count(), [&](int b, int) {
+    grid::Block const& block = grid.blocks()[b];
+    Totals& sum = parts[b];
+    for (int k = 0; k < block.n[2]; ++k) {
+      for (int j = 0; j < block.n[1]; ++j) {
+        for (int i = 0; i < block.n[0]; ++i) {
+          int const at = block.offset(i, j, k);
+          double const volume = setup.domain.cell_volume(block.origin[0] + i);
+          sum.mass[0] += volume * gas->fields().at(b, gas::density)[at];
+          if (two) sum.mass[1] += volume * gas->fields().at(b, gas::second_density)[at];
+          for (int d = 0; d < 3; ++d) sum.momentum[d] += volume * gas->fields().at(b, gas::momentum_x + d)[at];
+          sum.energy += volume * gas->fields().at(b, gas::energy)[at];
+        }
+      }
+    }
+  });
+  Totals total;
+  for (Totals const& part : parts) {
+    total.mass[0] += part.mass[0];
+    total.mass[1] += part.mass[1];
+    total.momentum = total.momentum + part.momentum;
+    total.energy += part.energy;
+  }
+  return total;
+}
+
+void World::update_audit() {
+  audit.current = totals();
+  gas::Account const account = gas->account();
+  audit.outflow.mass = {account.outflow[gas::density], account.outflow[gas::second_density]};
+  for (int d = 0; d < 3; ++d) audit.outflow.momentum[d] = account.outflow[gas::momentum_x + d];
+  audit.outflow.energy = account.outflow[gas::energy];
+  audit.guarded_cells = account.guarded_cells;
+  audit.fallback_faces = account.fallback_faces;
+  audit.guard_mass = account.guard_mass;
+  audit.guard_energy = account.guard_energy;
+}
+
+}  // namespace brisance::run

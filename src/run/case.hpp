@@ -1,0 +1,113 @@
+/// A case: everything that defines one calculation, as plain data in SI units. The deck reader builds it, `World` runs it.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/vec.hpp"
+#include "detonation/charge.hpp"
+#include "detonation/shape.hpp"
+#include "grid/geometry.hpp"
+#include "material/explosive.hpp"
+
+namespace brisance::run {
+
+/// State of a fluid at rest or in uniform motion.
+struct FluidState {
+  double density = 1.225;      ///< [kg/m3]
+  double pressure = 101325.0;  ///< [Pa]
+  Vec3 velocity{0.0, 0.0, 0.0};
+};
+
+struct Ambient {
+  material::Fluid fluid;
+  FluidState state;
+};
+
+/// A region filled with another state, and optionally with the second fluid, at the start. Later regions overwrite earlier ones.
+struct Region {
+  detonation::Shape shape;
+  FluidState state;
+  bool second_fluid = false;  ///< filled with `Case::second_fluid` instead of the ambient fluid
+  /// Set when the region is filled with an explosive's products or another named fluid.
+  std::string fluid_name;
+};
+
+enum class Detonation { instantaneous, programmed };
+
+using detonation::InitiationPoint;
+
+/// A charge. `mass` is that of the whole body; where symmetry planes pass through its centre only a part lies in the domain.
+struct Charge {
+  material::Explosive explosive;
+  detonation::Shape shape;
+  double mass = 0.0;  ///< [kg]
+  Detonation detonation = Detonation::programmed;
+  std::vector<InitiationPoint> initiation;  ///< at least one for programmed burn
+};
+
+/// One gauge point. Lines and planes of the deck arrive here as their points.
+struct Gauge {
+  std::string name;
+  Vec3 position{0.0, 0.0, 0.0};
+};
+
+struct Obstacle {
+  std::string name;
+  detonation::Shape shape;
+};
+
+using gas::Scheme;
+
+struct Numerics {
+  Scheme scheme = Scheme::muscl_hancock;
+  double courant = 0.8;
+  int block_cells = 0;             ///< cells per block and direction; 0: chosen by dimension
+  bool sleep = true;               ///< quiescent blocks are skipped
+  double limiter_beta = 1.5;       ///< generalised monotonised-central limiter, 1 (minmod) to 2
+  bool carbuncle_cure = true;      ///< blend to HLL along detected shocks
+  double density_floor = 1e-6;     ///< guard [kg/m3]
+  double pressure_floor = 1e-3;    ///< guard [Pa]
+  double viscosity = 0.0;          ///< lax-wendroff: constant eta; 0: eta of [Cui14] Eq. (5) with |u| + c
+};
+
+struct Output {
+  double field_interval = 0.0;      ///< [s]; 0: none but the last
+  std::vector<double> field_times;  ///< extra times [s]
+  double gauge_interval = 0.0;      ///< [s]; 0: every step
+  bool peak_fields = true;          ///< peak overpressure and impulse per cell
+  bool single_precision = true;     ///< fields in float
+  std::vector<std::string> fields{"pressure", "density", "velocity", "products"};
+};
+
+struct End {
+  double time = 0.0;     ///< [s]
+  long steps = 0;        ///< 0: no limit
+};
+
+/// How the Kingery-Bulmash values beside the gauges are to be taken.
+enum class Burst { none, spherical, hemispherical };
+
+struct Case {
+  std::string title;
+  std::string deck_path;  ///< as given
+  std::string deck_text;  ///< as read
+  grid::Domain domain;
+  std::array<FluidState, 6> inflow;  ///< used on faces whose boundary is inflow
+  Ambient ambient;
+  /// The second fluid: products of the charges' explosive, or the fluid of a region. Absent: single-fluid run.
+  std::optional<material::Fluid> second_fluid;
+  std::vector<Region> regions;
+  std::vector<Charge> charges;
+  std::vector<Gauge> gauges;
+  std::vector<Obstacle> obstacles;
+  Numerics numerics;
+  Output output;
+  End end;
+  Burst burst = Burst::none;
+};
+
+}  // namespace brisance::run

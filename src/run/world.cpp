@@ -1,0 +1,235 @@
+#include "run/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.hpp"
+#include "core/timer.hpp"
+
+namespace brisance::run {
+
+namespace {
+
+gas::Fluids fluids_of(Case const& c) {
+  gas::Fluids fluids;
+  fluids.ambient = c.ambient.fluid.eos;
+  fluids.ambient_pressure = c.ambient.state.pressure;
+  if (!c.charges.empty()) {
+    fluids.two = true;
+    fluids.second = c.charges.front().explosive.products;
+  } else if (c.second_fluid) {
+    fluids.two = true;
+    fluids.second = c.second_fluid->eos;
+  }
+  return fluids;
+}
+
+gas::Options options_of(Case const& c) {
+  gas::Options o;
+  o.scheme = c.numerics.scheme;
+  o.beta = c.numerics.limiter_beta;
+  o.carbuncle_cure = c.numerics.carbuncle_cure;
+  o.density_floor = c.numerics.density_floor;
+  o.pressure_floor = c.numerics.pressure_floor;
+  o.viscosity = c.numerics.viscosity;
+  o.sleep = c.numerics.sleep;
+  o.peak_fields = c.output.peak_fields;
+  return o;
+}
+
+gas::MixtureState ambient_mixture(FluidState const& state) {
+  gas::MixtureState m;
+  m.ambient_density = state.density;
+  m.pressure = state.pressure;
+  m.velocity = state.velocity;
+  return m;
+}
+
+template <class Visit>
+void for_each_cell(grid::Grid const& grid, Visit&& visit) {
+  for (int b = 0; b < grid.block_count(); ++b) {
+    grid::Block const& block = grid.blocks()[b];
+    for (int k = 0; k < block.n[2]; ++k) {
+      for (int j = 0; j < block.n[1]; ++j) {
+        for (int i = 0; i < block.n[0]; ++i) {
+          visit(b, block.offset(i, j, k), Index3{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
+        }
+      }
+    }
+  }
+}
+
+void place_regions(Case const& c, grid::Grid const& grid, gas::Gas& gas) {
+  for (Region const& region : c.regions) {
+    gas::MixtureState state = ambient_mixture(region.state);
+    if (region.second_fluid) {
+      state.volume_fraction = 1.0;
+      state.second_density = region.state.density;
+      state.ambient_density = c.ambient.state.density;
+    }
+    for_each_cell(grid, [&](int b, int offset, Index3 const& cell) {
+      if (detonation::contains(region.shape, grid.domain(), grid.domain().centre(cell))) gas.set(b, offset, state);
+    });
+  }
+}
+
+void place_obstacles(Case const& c, grid::Grid const& grid, gas::Gas& gas, gas::MixtureState const& ambient) {
+  if (c.obstacles.empty()) return;
+  grid::Domain const& domain = grid.domain();
+  for (int b = 0; b < grid.block_count(); ++b) {
+    grid::Block const& block = grid.blocks()[b];
+    gas::PaddedBox const box(block, domain.dimensions());
+    std::vector<std::uint8_t> solid(static_cast<std::size_t>(box.count()), 0);
+    bool any = false;
+    for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
+      for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
+        for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
+          Vec3 const x = domain.centre(grid::image_cell(domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k}));
+          bool const inside = std::any_of(c.obstacles.begin(), c.obstacles.end(), [&](Obstacle const& o) {
+            return detonation::contains(o.shape, domain, x);
+          });
+          if (!inside) continue;
+          solid[box.offset(i, j, k)] = 1;
+          any = true;
+          bool const own = i >= 0 && j >= 0 && k >= 0 && i < block.n[0] && j < block.n[1] && k < block.n[2];
+          if (own) gas.set(b, block.offset(i, j, k), ambient);
+        }
+      }
+    }
+    if (any) gas.set_obstacles(b, std::move(solid));
+  }
+}
+
+double equivalent_radius(double volume, int dimensions) {
+  switch (dimensions) {
+    case 1: return 0.5 * volume;
+    case 2: return std::sqrt(volume / std::numbers::pi);
+    default: return std::cbrt(0.75 * volume / std::numbers::pi);
+  }
+}
+
+}  // namespace
+
+World::World(Case c)
+    : setup(std::move(c)),
+      grid(setup.domain, setup.numerics.block_cells),
+      gas([&] {
+        std::array<gas::MixtureState, 6> inflow;
+        for (int face = 0; face < 6; ++face) inflow[face] = ambient_mixture(setup.inflow[face]);
+        return std::make_unique<gas::Gas>(grid, fluids_of(setup), options_of(setup), ambient_mixture(setup.ambient.state), inflow);
+      }()) {
+  gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
+  place_regions(setup, grid, *gas);
+
+  std::vector<detonation::BurningCharge> burning;
+  int number = 0;
+  for (Charge const& charge : setup.charges) {
+    ++number;
+    std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
+    double const density = charge.explosive.density();
+    detonation::FilledCells const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what);
+    detonation::place_charge(*gas, filled, charge.explosive, ambient);
+    if (charge.detonation == Detonation::programmed) burning.push_back({charge.shape, charge.initiation});
+
+    ChargeReport report;
+    report.explosive = charge.explosive.name;
+    report.asked_mass = charge.mass;
+    double mass = 0.0;
+    for (Index3 const& cell : filled.cells) {
+      int const b = grid.block_of(cell);
+      Index3 const& o = grid.blocks()[b].origin;
+      int const at = grid.blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
+      mass += gas->fields().at(b, gas::second_density)[at] * setup.domain.cell_volume(cell[0]);
+    }
+    report.realised_mass = mass * filled.images;
+    report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
+    int const round = grid::dimensions(setup.domain.geometry) + grid::radial_exponent(setup.domain.geometry);
+    report.cells_per_radius = equivalent_radius(report.realised_mass / density, std::min(round, 3)) / setup.domain.h;
+    charges.push_back(report);
+  }
+  if (!burning.empty()) detonation::set_programmed_burn(*gas, burning, setup.charges.front().explosive.detonation_speed);
+  place_obstacles(setup, grid, *gas, ambient);
+
+  gas->start();
+  for (Gauge const& gauge : setup.gauges) gauges.push_back({gauge, {}});
+  audit.initial = totals();
+  audit.current = audit.initial;
+}
+
+bool World::finished() const {
+  bool const time_over = clock.time >= setup.end.time * (1.0 - 1e-12);
+  return time_over || (setup.end.steps > 0 && clock.step >= setup.end.steps);
+}
+
+long World::active_cells() const {
+  long count = 0;
+  for (int b = 0; b < grid.block_count(); ++b) {
+    if (gas->awake(b)) count += grid.blocks()[b].cell_count();
+  }
+  return count;
+}
+
+std::vector<FieldInfo> const& known_fields() {
+  static std::vector<FieldInfo> const fields{
+      {"pressure", "Pa", 1, "absolute pressure"},
+      {"overpressure", "Pa", 1, "pressure above ambient"},
+      {"density", "kg/m3", 1, "density of the mixture"},
+      {"velocity", "m/s", 3, "velocity"},
+      {"energy", "J/m3", 1, "total energy per volume"},
+      {"sound_speed", "m/s", 1, "frozen sound speed of the mixture"},
+      {"mach", "1", 1, "Mach number"},
+      {"products", "1", 1, "mass fraction of the second fluid (detonation products)"},
+      {"volume_fraction", "1", 1, "volume fraction of the second fluid"},
+      {"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
+      {"peak_overpressure", "Pa", 1, "largest overpressure so far"},
+      {"impulse", "Pa s", 1, "largest running overpressure impulse so far"},
+      {"obstacle", "1", 1, "1 in rigid obstacles"},
+  };
+  return fields;
+}
+
+void block_field(World const& w, int b, std::string const& name, std::vector<double>& out) {
+  auto const& fields = known_fields();
+  auto const info = std::find_if(fields.begin(), fields.end(), [&](FieldInfo const& f) { return f.name == name; });
+  if (info == fields.end()) throw InputError(fmt::format("there is no field \"{}\"", name));
+  grid::Block const& block = w.grid.blocks()[b];
+  out.assign(static_cast<std::size_t>(block.cell_count()) * info->components, 0.0);
+  if (name == "peak_overpressure" || name == "impulse") {
+    double const* peak = name == "impulse" ? w.gas->peak_impulse(b) : w.gas->peak_overpressure(b);
+    if (peak != nullptr) std::copy_n(peak, block.cell_count(), out.begin());
+    return;
+  }
+  auto const value = [&](gas::Primitive const& s) {
+    if (name == "pressure") return s.pressure;
+    if (name == "overpressure") return s.pressure - w.setup.ambient.state.pressure;
+    if (name == "density") return s.density;
+    if (name == "sound_speed") return s.sound_speed;
+    if (name == "mach") return norm(s.velocity) / s.sound_speed;
+    if (name == "products") return s.mass_fraction;
+    return s.volume_fraction;
+  };
+  for (int k = 0; k < block.n[2]; ++k) {
+    for (int j = 0; j < block.n[1]; ++j) {
+      for (int i = 0; i < block.n[0]; ++i) {
+        int const at = block.offset(i, j, k);
+        if (name == "obstacle") {
+          out[at] = w.gas->is_obstacle(b, i, j, k) ? 1.0 : 0.0;
+        } else if (name == "burn_fraction") {
+          out[at] = w.gas->burn_fraction(b, i, j, k);
+        } else if (name == "energy") {
+          out[at] = w.gas->fields().at(b, gas::energy)[at];
+        } else if (name == "velocity") {
+          Vec3 const v = w.gas->primitive(b, i, j, k).velocity;
+          std::copy(v.begin(), v.end(), out.begin() + 3L * at);
+        } else {
+          out[at] = value(w.gas->primitive(b, i, j, k));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace brisance::run

@@ -1,0 +1,114 @@
+/// The world: the whole state of one calculation.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gas/gas.hpp"
+#include "grid/grid.hpp"
+#include "run/case.hpp"
+
+namespace brisance::run {
+
+struct Clock {
+  double time = 0.0;  ///< [s]
+  double dt = 0.0;    ///< length of the last step [s]
+  long step = 0;
+};
+
+/// Sums over the domain. Planar geometries count per metre of each unresolved direction.
+struct Totals {
+  std::array<double, 2> mass{0.0, 0.0};  ///< ambient fluid, second fluid [kg]
+  Vec3 momentum{0.0, 0.0, 0.0};          ///< [kg m/s]
+  double energy = 0.0;                   ///< internal + kinetic, chemical energy of unburnt explosive included [J]
+};
+
+/// What must stay constant, and what changed it. At any time: current = initial - outflow + guards (+ round-off).
+struct Audit {
+  Totals initial;
+  Totals current;
+  Totals outflow;             ///< left through the domain's faces since the start; momentum includes the pressure impulse
+  long fallback_faces = 0;    ///< lax-wendroff faces that fell back to the first-order flux
+  long guarded_cells = 0;     ///< cell updates in which density or internal energy had to be lifted to its floor
+  double guard_mass = 0.0;    ///< mass that the guards added [kg]
+  double guard_energy = 0.0;  ///< energy that the guards added [J]
+
+  /// |initial - outflow + guards - current| relative to the largest of the terms; index 0, 1: fluids, 2: energy.
+  [[nodiscard]] std::array<double, 3> relative_error() const;
+};
+
+/// What became of one charge on the grid.
+struct ChargeReport {
+  std::string explosive;
+  double asked_mass = 0.0;       ///< whole body [kg]
+  double realised_mass = 0.0;    ///< whole body, symmetry images counted [kg]
+  double realised_energy = 0.0;  ///< E0 of the realised volume [J]
+  double cells_per_radius = 0.0; ///< (volume of the part in the domain as an equivalent radius) / h
+};
+
+struct GaugeRecord {
+  double time = 0.0;
+  double pressure = 0.0;  ///< [Pa]
+  double density = 0.0;   ///< [kg/m3]
+  Vec3 velocity{0.0, 0.0, 0.0};
+};
+
+struct GaugeHistory {
+  Gauge gauge;
+  std::vector<GaugeRecord> records;
+};
+
+/// Wall-clock seconds per phase of the step and of the output.
+using Timings = std::map<std::string, double>;
+
+/// A field that can be written: `block_field` fills it.
+struct FieldInfo {
+  std::string name;  ///< as named in decks, e.g. "pressure"
+  std::string unit;  ///< "Pa"
+  int components;    ///< 1 or 3
+  std::string meaning;
+};
+
+/// All fields that a run can write: pressure, overpressure, density, velocity, energy, sound_speed, mach, products (mass fraction of
+/// the second fluid), volume_fraction, burn_fraction, peak_overpressure, impulse (largest running overpressure impulse), obstacle.
+[[nodiscard]] std::vector<FieldInfo> const& known_fields();
+
+class World {
+ public:
+  /// Builds the initial state. Throws InputError where the case cannot be realised (charge over a symmetry plane, ...).
+  explicit World(Case setup);
+  World(World const&) = delete;
+  World& operator=(World const&) = delete;
+
+  Case setup;
+  grid::Grid grid;
+  std::unique_ptr<gas::Gas> gas;
+  Clock clock;
+  Audit audit;
+  std::vector<ChargeReport> charges;
+  std::vector<GaugeHistory> gauges;
+  Timings timings;
+
+  [[nodiscard]] bool finished() const;
+  /// Number of cells of the blocks that are awake.
+  [[nodiscard]] long active_cells() const;
+  /// Sums over the domain, in a fixed order.
+  [[nodiscard]] Totals totals() const;
+  /// Records every gauge at the present time.
+  void sample_gauges();
+  /// Brings `audit.current`, `audit.outflow` and the guard counts up to date.
+  void update_audit();
+};
+
+/// Values of a field in one block: x fastest, components interleaved; `out` is resized. Throws InputError for an unknown name.
+void block_field(World const& world, int block, std::string const& field, std::vector<double>& out);
+
+/// Largest stable time step of the present state [s].
+[[nodiscard]] double stable_step(World const& world);
+
+/// One step n -> n+1, not beyond `latest` [s]. Returns dt. Throws NumericalError.
+double advance(World& world, double latest);
+
+}  // namespace brisance::run

@@ -1,0 +1,100 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "core/error.hpp"
+#include "deck/library.hpp"
+#include "files.hpp"
+#include "material/chapman_jouguet.hpp"
+
+namespace brisance {
+namespace {
+
+TEST(Library, HoldsEveryMaterialFile) {
+  auto const files = test::files_in(test::root() / "materials", ".toml");
+  EXPECT_EQ(deck::library().explosives.size() + deck::library().fluids.size(), files.size());
+}
+
+TEST(Library, NamesAndAliasesAreUnique) {
+  std::set<std::string> taken;
+  auto const take = [&](std::string name, std::string const& owner) {
+    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    EXPECT_TRUE(taken.insert(name).second) << name << " of " << owner;
+  };
+  auto const all = [&](auto const& materials) {
+    for (auto const& [material, aliases] : materials) {
+      std::set<std::string> own;
+      for (auto name : aliases) {
+        for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        own.insert(name);
+      }
+      std::string lower = material.name;
+      for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      own.insert(lower);
+      for (auto const& name : own) take(name, material.name);
+    }
+  };
+  all(deck::library().explosives);
+  all(deck::library().fluids);
+}
+
+TEST(Library, ExplosivesAreConsistentAndSourced) {
+  ASSERT_FALSE(deck::library().explosives.empty());
+  for (auto const& [explosive, aliases] : deck::library().explosives) {
+    EXPECT_TRUE(material::check(explosive).consistent()) << explosive.name;
+    EXPECT_FALSE(explosive.source.empty()) << explosive.name;
+  }
+  for (auto const& [fluid, aliases] : deck::library().fluids) EXPECT_FALSE(fluid.source.empty()) << fluid.name;
+}
+
+TEST(Library, TheValuesAreThoseOfTheFiles) {
+  auto const* tnt = deck::library().explosive("trinitrotoluene");
+  ASSERT_NE(tnt, nullptr);
+  EXPECT_EQ(tnt->name, "TNT");
+  EXPECT_EQ(tnt->products.rho0, 1630.0);
+  EXPECT_EQ(tnt->products.A, 371.2e9);
+  EXPECT_EQ(tnt->products.B, 3.21e9);
+  EXPECT_EQ(tnt->products.R1, 4.15);
+  EXPECT_EQ(tnt->products.R2, 0.95);
+  EXPECT_EQ(tnt->products.omega, 0.3);
+  EXPECT_EQ(tnt->energy, 6.993e9);
+  EXPECT_EQ(tnt->detonation_speed, 6930.0);
+  EXPECT_EQ(tnt->cj_pressure, 21e9);
+  auto const* water = deck::library().fluid("water");
+  ASSERT_NE(water, nullptr);
+  EXPECT_EQ(std::get<material::StiffenedGas>(water->eos).p_inf, 6e8);
+  auto const* steel = deck::library().fluid("STEEL");
+  ASSERT_NE(steel, nullptr);
+  EXPECT_EQ(std::get<material::MieGruneisen>(steel->eos).S, 1.49);
+  EXPECT_EQ(deck::library().explosive("water"), nullptr);
+}
+
+TEST(Library, Descriptions) {
+  std::string const list = deck::describe_library();
+  for (auto const& name : deck::library().explosive_names()) EXPECT_NE(list.find("  " + name + " "), std::string::npos) << name;
+  for (auto const& name : deck::library().fluid_names()) EXPECT_NE(list.find("  " + name + " "), std::string::npos) << name;
+
+  std::string const tnt = deck::describe_material("tnt");
+  EXPECT_EQ(tnt.substr(0, 15), "TNT: explosive\n");
+  EXPECT_NE(tnt.find("source: " + deck::library().explosive("TNT")->source), std::string::npos);
+  EXPECT_NE(tnt.find("  R1                         4.15         JWL exponent R1\n"), std::string::npos) << tnt;
+  EXPECT_NE(deck::describe_material("air").find("gamma"), std::string::npos);
+
+  std::string const models = deck::describe_models();
+  for (auto const* word : {"muscl-hancock", "lax-wendroff", "stiffened_gas", "mie_gruneisen", "hemisphere", "periodic", "spherical1d",
+                           "peak_overpressure"}) {
+    EXPECT_NE(models.find(word), std::string::npos) << word;
+  }
+}
+
+TEST(Library, UnknownMaterialsNameTheNearest) {
+  try {
+    (void)deck::describe_material("TNTT");
+    FAIL();
+  } catch (InputError const& error) {
+    EXPECT_STREQ(error.what(), "\"TNTT\" is not a known material; did you mean \"TNT\"?");
+  }
+}
+
+}  // namespace
+}  // namespace brisance

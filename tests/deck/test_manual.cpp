@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include "deck/deck.hpp"
+#include "deck/schema.hpp"
+#include "files.hpp"
+
+namespace brisance {
+namespace {
+
+TEST(Manual, TheCommittedPageIsUpToDate) {
+  // Print it anew with: brisance info --deck-reference >docs/deck.md
+  EXPECT_EQ(deck::reference_manual(), test::file_text(test::root() / "docs/deck.md"));
+}
+
+TEST(Manual, ItsShortestDeckIsReadAndShort) {
+  std::string const manual = deck::reference_manual();
+  auto const start = manual.find("```toml\n") + 8;
+  std::string const example = manual.substr(start, manual.find("```", start) - start);
+  EXPECT_LT(std::count(example.begin(), example.end(), '\n'), 15);
+  auto const result = deck::read_text(example, "manual");
+  EXPECT_TRUE(result.case_.has_value()) << (result.errors.empty() ? "" : deck::format(result.errors.front()));
+  EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+}
+
+void check_keys(deck::Table const& table, std::string const& where) {
+  auto const check = [&](deck::Key const& key) {
+    std::string const name = where + "." + key.name;
+    if (key.table != nullptr) {
+      check_keys(*key.table, name);
+      return;
+    }
+    EXPECT_FALSE(key.explanation.empty()) << name;
+    EXPECT_FALSE(key.sample.empty()) << name;
+    if (key.type == deck::Type::number) {
+      EXPECT_LT(key.minimum, key.maximum) << name;
+      if (auto const* value = std::get_if<double>(&key.fallback)) {
+        EXPECT_GE(*value, key.minimum) << name;
+        EXPECT_LE(*value, key.maximum) << name;
+      }
+    }
+    if (key.type == deck::Type::word) {
+      EXPECT_FALSE(key.choices.empty()) << name;
+    }
+  };
+  for (auto const& key : table.keys) check(key);
+  for (auto const& [word, keys] : table.variants) {
+    for (auto const& key : keys) check(key);
+  }
+}
+
+TEST(Manual, EveryKeyIsExplainedAndEveryDefaultAllowed) { check_keys(deck::deck_schema(), "deck"); }
+
+TEST(Schema, NearestNames) {
+  std::vector<std::string> const names{"pressure", "density", "velocity", "TNT", "C-4"};
+  EXPECT_EQ(deck::nearest("presure", names), "pressure");
+  EXPECT_EQ(deck::nearest("PRESSURE", names), "pressure");
+  EXPECT_EQ(deck::nearest("denisty", names), "density");
+  EXPECT_EQ(deck::nearest("tn", names), "TNT");
+  EXPECT_EQ(deck::nearest("c4", names), "C-4");
+  EXPECT_EQ(deck::nearest("temperature", names), "");
+  EXPECT_EQ(deck::nearest("x", names), "");
+}
+
+}  // namespace
+}  // namespace brisance

@@ -1,0 +1,100 @@
+/// What the gas tests share: filling a gas from a function of position, running it, and the error norms.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "gas/gas.hpp"
+#include "grid/grid.hpp"
+
+namespace brisance::test {
+
+using StateAt = std::function<gas::MixtureState(Vec3 const& x)>;
+
+/// A gas on its own grid.
+struct Problem {
+  grid::Domain domain;
+  gas::Fluids fluids;
+  gas::Options options;
+  gas::MixtureState quiescent;
+  double courant = 0.8;
+  int block_cells = 0;
+  std::array<gas::MixtureState, 6> inflow{};
+
+  std::unique_ptr<grid::Grid> grid;
+  std::unique_ptr<gas::Gas> gas;
+  long steps = 0;
+
+  Problem() {
+    fluids.ambient = material::IdealGas{1.4};
+    options.density_floor = 1e-12;
+    options.pressure_floor = 1e-12;
+  }
+
+  /// A cube of n cells per resolved direction and edge `length`, all faces alike.
+  void box(grid::Geometry geometry, int n, double length, grid::Boundary boundary) {
+    domain.geometry = geometry;
+    domain.h = length / n;
+    for (int d = 0; d < 3; ++d) domain.cells[d] = d < domain.dimensions() ? n : 1;
+    domain.boundary.fill(boundary);
+  }
+
+  void fill(StateAt const& state) {
+    grid = std::make_unique<grid::Grid>(domain, block_cells);
+    gas = std::make_unique<gas::Gas>(*grid, fluids, options, quiescent, inflow);
+    for_each_cell([&](int b, int offset, Index3 const& cell) { gas->set(b, offset, state(domain.centre(cell))); });
+    gas->start();
+  }
+
+  /// Calls visit(block, offset, domain index) for every cell.
+  template <class Visit>
+  void for_each_cell(Visit&& visit) const {
+    for (int b = 0; b < grid->block_count(); ++b) {
+      grid::Block const& block = grid->blocks()[b];
+      for (int k = 0; k < block.n[2]; ++k) {
+        for (int j = 0; j < block.n[1]; ++j) {
+          for (int i = 0; i < block.n[0]; ++i) {
+            visit(b, block.offset(i, j, k), Index3{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
+          }
+        }
+      }
+    }
+  }
+
+  void run_to(double end) {
+    while (gas->time() < end * (1.0 - 1e-13)) {
+      double const ramp = std::min(1.0, 0.1 * static_cast<double>(steps + 1));
+      double const dt = std::min(ramp * courant * domain.h / gas->fastest_signal(), end - gas->time());
+      gas->advance(dt, steps % 2 == 1);
+      ++steps;
+    }
+  }
+
+  [[nodiscard]] gas::Primitive at(Index3 const& cell) const { return gas->gather({cell}).front(); }
+
+  /// Cells along x at j = k = 0.
+  [[nodiscard]] std::vector<gas::Primitive> line() const {
+    std::vector<Index3> cells;
+    for (int i = 0; i < domain.cells[0]; ++i) cells.push_back({i, 0, 0});
+    return gas->gather(cells);
+  }
+
+  /// Sum of a conserved component over all cells, times their volume.
+  [[nodiscard]] double total(int component) const {
+    double sum = 0.0;
+    for_each_cell([&](int b, int offset, Index3 const& cell) { sum += gas->fields().at(b, component)[offset] * domain.cell_volume(cell[0]); });
+    return sum;
+  }
+};
+
+inline gas::MixtureState state(double rho, double u, double p) {
+  gas::MixtureState s;
+  s.ambient_density = rho;
+  s.velocity = {u, 0.0, 0.0};
+  s.pressure = p;
+  return s;
+}
+
+}  // namespace brisance::test

@@ -1,0 +1,95 @@
+/// Every equation of state against the thermodynamics that its three functions must fulfil.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/math.hpp"
+#include "material/eos/eos.hpp"
+
+namespace {
+
+using namespace brisance;
+using namespace brisance::material;
+
+struct Sample {
+  char const* name;
+  Eos eos;
+  std::vector<double> densities;
+  double pressure;
+};
+
+std::vector<Sample> samples() {
+  return {{"ideal gas", IdealGas{1.4}, {0.1, 1.225, 50.0}, 1e5},
+          {"JWL", Jwl{}, {0.5, 20.0, 400.0, 1630.0, 2227.0}, 2e10},
+          {"stiffened gas", StiffenedGas{4.4, 6e8}, {900.0, 1000.0, 1500.0}, 1e8},
+          {"Mie-Grueneisen", MieGruneisen{}, {7000.0, 7849.0, 7851.0, 9000.0, 11000.0}, 1e10}};
+}
+
+TEST(Eos, PressureAndEnergyAreInverse) {
+  for (auto const& s : samples()) {
+    for (double rho : s.densities) {
+      double const e = internal_energy(s.eos, rho, s.pressure);
+      EXPECT_NEAR(pressure(s.eos, rho, e), s.pressure, 1e-12 * (s.pressure + bulk_modulus(s.eos, rho, s.pressure)))
+          << s.name;
+    }
+  }
+}
+
+TEST(Eos, BulkModulusIsTheSlopeOfTheIsentrope) {
+  // rho c^2 = rho dp/drho along de = p drho / rho^2. Central difference with 1e-5: truncation and round-off below 1e-7.
+  for (auto const& s : samples()) {
+    for (double rho : s.densities) {
+      double const e = internal_energy(s.eos, rho, s.pressure);
+      double const d = 1e-5;
+      // Second-order energy change: the pressure half-way, so that the difference stays second order.
+      auto const along = [&](double change) {
+        double const half = e + s.pressure * 0.5 * change / rho;
+        double const middle = pressure(s.eos, rho * (1.0 + 0.5 * change), half);
+        return pressure(s.eos, rho * (1.0 + change), e + middle * change / (rho * (1.0 + change)));
+      };
+      double const slope = (along(d) - along(-d)) / (2.0 * d);
+      double const k = bulk_modulus(s.eos, rho, s.pressure);
+      EXPECT_NEAR(slope / k, 1.0, 1e-6) << s.name << " at " << rho;
+      EXPECT_NEAR(sound_speed(s.eos, rho, s.pressure), std::sqrt(k / rho), 1e-12 * std::sqrt(k / rho)) << s.name;
+    }
+  }
+}
+
+TEST(Eos, JwlIsTheFormulaOfThePaper) {
+  // [Cui14] Eq. (54) written out.
+  Jwl const j{};
+  for (double v : {0.6, 1.0, 3.0, 40.0}) {
+    double const energy = 4e9;
+    double const expected = j.A * (1.0 - j.omega / (j.R1 * v)) * std::exp(-j.R1 * v) +
+                            j.B * (1.0 - j.omega / (j.R2 * v)) * std::exp(-j.R2 * v) + j.omega * energy / v;
+    EXPECT_NEAR(pressure(j, j.rho0 / v, energy / j.rho0) / expected, 1.0, 1e-12) << v;
+  }
+}
+
+TEST(Eos, MieGruneisenReturnsItsHugoniot) {
+  // A shock from rest at zero pressure obeys Us = C0 + S up; the cubic of [Cui14] Eq. (66) drops mu^4 and above, that
+  // is, relative to the pressure, terms 4 (S-1)^3 + 3 (S-1)^2 times mu^3.
+  MieGruneisen const m{};
+  for (double mu : {0.01, 0.05, 0.1}) {
+    double const exact = m.rho0 * m.C0 * m.C0 * mu * (1.0 + mu) / std::pow(1.0 - (m.S - 1.0) * mu, 2);
+    double const energy = 0.5 * exact * (1.0 / m.rho0 - 1.0 / (m.rho0 * (1.0 + mu)));
+    double const s = m.S - 1.0;
+    EXPECT_NEAR(pressure(m, m.rho0 * (1.0 + mu), energy) / exact, 1.0,
+                1.5 * (4.0 * s * s * s + 3.0 * s * s) * mu * mu * mu);
+  }
+}
+
+TEST(Eos, ReferenceIsSmoothAcrossTheStressFreeDensity) {
+  MieGruneisen const m{};
+  double const d = 1e-9;
+  EXPECT_NEAR(m.rho_d_reference(m.rho0 * (1.0 + d)) / m.rho_d_reference(m.rho0 * (1.0 - d)), 1.0, 1e-6);
+  EXPECT_NEAR(m.rho_d_reference(m.rho0) / (m.rho0 * m.C0 * m.C0), 1.0, 1e-12);
+}
+
+TEST(Eos, ExponentialIsExactToRoundOff) {
+  for (double x = 0.0; x >= -700.0; x -= 0.37) EXPECT_NEAR(exp_nonpositive(x) / std::exp(x), 1.0, 1e-15) << x;
+  EXPECT_EQ(exp_nonpositive(-1e6), exp_nonpositive(-700.0));
+}
+
+}  // namespace

@@ -1,0 +1,248 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/error.hpp"
+#include "output/gauges.hpp"
+#include "scratch.hpp"
+
+namespace brisance::output::test {
+namespace {
+
+/// The Friedlander wave p = P (1 - s/T) exp(-b s/T), s = t - t_a, for s >= 0.
+struct Friedlander {
+  double arrival = 2e-3;
+  double peak = 1.5e5;
+  double duration = 3e-3;
+  double decay = 1.7;
+
+  [[nodiscard]] double at(double t) const {
+    double const s = (t - arrival) / duration;
+    return s < 0.0 ? 0.0 : peak * (1.0 - s) * std::exp(-decay * s);
+  }
+  /// Closed form of the integral over the positive phase.
+  [[nodiscard]] double impulse() const {
+    return peak * duration * (1.0 / decay - (1.0 - std::exp(-decay)) / (decay * decay));
+  }
+};
+
+struct History {
+  std::vector<double> time;
+  std::vector<double> overpressure;
+};
+
+template <class Wave>
+History sampled(Wave const& wave, double end, double step) {
+  History h;
+  for (int i = 0; i * step <= end; ++i) {
+    h.time.push_back(i * step);
+    h.overpressure.push_back(wave(i * step));
+  }
+  return h;
+}
+
+TEST(BlastWave, FriedlanderGivesItsClosedFormValues) {
+  Friedlander const f;
+  double const step = 1e-6;
+  auto const h = sampled([&](double t) { return f.at(t); }, 8e-3, step);
+  auto const w = analyse_blast(h.time, h.overpressure);
+  EXPECT_NEAR(w.peak_overpressure, f.peak, 2.7 * step / f.duration * f.peak);  // one step's decay
+  EXPECT_NEAR(w.peak_time, f.arrival, step);
+  ASSERT_TRUE(w.arrival_time);
+  EXPECT_NEAR(*w.arrival_time, f.arrival, step);
+  ASSERT_TRUE(w.positive_duration);
+  EXPECT_NEAR(*w.positive_duration, f.duration, step);
+  EXPECT_NEAR(w.positive_impulse, f.impulse(), f.peak * step);  // the jump is known to one step
+}
+
+TEST(BlastWave, SmearedShockArrivesAtItsMiddleWhateverItsWidth) {
+  Friedlander const f;
+  for (double const width : {2e-5, 1e-4}) {
+    // A ramp of the given width, centred at the arrival, in front of the decay.
+    auto const h = sampled(
+        [&](double t) {
+          if (t < f.arrival - 0.5 * width) return 0.0;
+          if (t < f.arrival + 0.5 * width) return f.peak * ((t - f.arrival) / width + 0.5);
+          return f.at(t - 0.5 * width);
+        },
+        8e-3, 1e-6);
+    auto const w = analyse_blast(h.time, h.overpressure);
+    ASSERT_TRUE(w.arrival_time);
+    EXPECT_NEAR(*w.arrival_time, f.arrival, 1.5e-6) << "width " << width;
+  }
+}
+
+TEST(BlastWave, StrongerReflectionDoesNotMoveTheArrival) {
+  Friedlander const incident{2e-3, 1e5, 3e-3, 1.5};
+  // Very soon after the first shock, without a dip to speak of, and much later.
+  for (double const delay : {3e-5, 1e-3}) {
+    Friedlander const reflected{2e-3 + delay, 9e5, 2e-3, 2.5};
+    auto const h = sampled([&](double t) { return incident.at(t) + reflected.at(t); }, 8e-3, 1e-6);
+    auto const w = analyse_blast(h.time, h.overpressure);
+    ASSERT_TRUE(w.arrival_time);
+    EXPECT_NEAR(*w.arrival_time, 2e-3, 1e-6) << "delay " << delay;
+    EXPECT_NEAR(w.peak_time, 2e-3 + delay, 1.1e-6);
+    EXPECT_GT(w.peak_overpressure, 9e5);
+  }
+}
+
+TEST(BlastWave, PlateauBetweenTwoShocksEndsTheFirstFront) {
+  auto const h = sampled([](double t) { return t < 1e-3 ? 0.0 : (t < 1.2e-3 ? 1e5 : 8e5); }, 3e-3, 1e-5);
+  auto const w = analyse_blast(h.time, h.overpressure);
+  ASSERT_TRUE(w.arrival_time);
+  EXPECT_NEAR(*w.arrival_time, 1e-3, 1e-5);
+}
+
+TEST(BlastWave, RecordThatEndsInThePositivePhaseHasNoDuration) {
+  Friedlander const f;
+  auto const h = sampled([&](double t) { return f.at(t); }, f.arrival + 0.5 * f.duration, 1e-6);
+  auto const w = analyse_blast(h.time, h.overpressure);
+  EXPECT_TRUE(w.arrival_time);
+  EXPECT_FALSE(w.positive_duration);
+  EXPECT_GT(w.positive_impulse, 0.5 * f.impulse());
+  EXPECT_LT(w.positive_impulse, f.impulse());
+}
+
+TEST(BlastWave, NothingArrives) {
+  for (auto const& p : {std::vector{0.0, 0.0, 0.0}, std::vector{0.0, -1.0, -2.0}, std::vector<double>{}}) {
+    auto const w = analyse_blast({0.0, 1.0, 2.0}, p);
+    EXPECT_FALSE(w.arrival_time);
+    EXPECT_FALSE(w.positive_duration);
+    EXPECT_EQ(w.positive_impulse, 0.0);
+  }
+}
+
+TEST(BlastWave, RecordThatStartsBehindTheShock) {
+  auto const w = analyse_blast({1.0, 2.0, 3.0}, {4.0, 2.0, -2.0});
+  EXPECT_EQ(w.arrival_time, 1.0);
+  EXPECT_EQ(w.positive_duration, 1.5);
+  EXPECT_EQ(w.positive_impulse, 3.0 + 0.5);
+}
+
+TEST(Gauges, RunningImpulseIsTheTrapezoidSum) {
+  EXPECT_EQ(running_impulse({0.0, 1.0, 3.0}, {0.0, 2.0, 4.0}), (std::vector{0.0, 1.0, 7.0}));
+}
+
+TEST(Gauges, NamesBecomeSafeFileNames) {
+  EXPECT_EQ(sanitised("wall 3/b"), "wall_3_b");
+  EXPECT_EQ(sanitised("../../etc"), "_.._.._etc");
+  EXPECT_EQ(sanitised(""), "_");
+  EXPECT_EQ(sanitised("P-1.5_m"), "P-1.5_m");
+}
+
+run::GaugeHistory history(std::string const& name, Vec3 const& position) { return {{name, position}, {}}; }
+
+TEST(Gauges, CsvGrowsDuringTheRunAndHoldsDerivedQuantities) {
+  ScratchFolder folder;
+  std::vector gauges{history("a b", {}), history("a/b", {})};
+  GaugeFiles files(folder.path(), gauges, 1e5);
+  EXPECT_EQ(files.names(), (std::vector<std::string>{"gauges/a_b.csv", "gauges/a_b_2.csv"}));
+  gauges[0].records.push_back({0.0, 1e5, 1.25, {0.0, 0.0, 0.0}});
+  gauges[0].records.push_back({1e-3, 3e5, 2.0, {3.0, 0.0, 4.0}});
+  files.append(gauges);
+  gauges[0].records.push_back({2e-3, 1e5, 2.0, {0.0, 0.0, 0.0}});
+  files.append(gauges);
+  files.append(gauges);
+  EXPECT_EQ(
+      read_file(folder.path() / "gauges/a_b.csv"),
+      "time [s],pressure [Pa],overpressure [Pa],density [kg/m3],velocity_x [m/s],velocity_y [m/s],velocity_z [m/s],"
+      "dynamic_pressure [Pa],impulse [Pa s]\n"
+      "0,100000,0,1.25,0,0,0,0,0\n"
+      "0.001,300000,200000,2,3,0,4,25,100\n"
+      "0.002,100000,0,2,0,0,0,0,200\n");
+}
+
+/// One charge of TNT at (1, 0, 0) and gauges whose histories are exactly the Kingery-Bulmash values.
+run::Case tnt_case(double mass, run::Burst burst) {
+  run::Case setup;
+  setup.ambient.fluid.eos = material::IdealGas{1.4};
+  setup.ambient.state = {1.225, 101325.0, {0.0, 0.0, 0.0}};
+  run::Charge charge;
+  charge.explosive.name = "TNT";
+  charge.shape = detonation::Sphere{{1.0, 0.0, 0.0}, 0.1};
+  charge.mass = mass;
+  setup.charges.push_back(charge);
+  setup.burst = burst;
+  return setup;
+}
+
+TEST(Summary, DistanceScaledDistanceAndRatioBesideKingeryBulmash) {
+  auto const setup = tnt_case(8.0, run::Burst::hemispherical);
+  auto g = history("g", {1.0, 4.0, 3.0});  // 5 m from the charge, Z = 2.5
+  auto const expected = empirical::kingery_bulmash(8.0, 5.0, empirical::Burst::hemispherical);
+  Friedlander const f{*expected.arrival, 2.0 * *expected.incident_overpressure, 0.5 * *expected.duration, 1.5};
+  for (int i = 0; i < 20000; ++i) g.records.push_back({i * 1e-6, 101325.0 + f.at(i * 1e-6), 1.2, {0.0, 0.0, 0.0}});
+
+  auto const summaries = summarise(setup, {g});
+  ASSERT_EQ(summaries.size(), 1U);
+  EXPECT_DOUBLE_EQ(*summaries[0].distance, 5.0);
+  EXPECT_DOUBLE_EQ(*summaries[0].scaled_distance, 2.5);
+
+  ScratchFolder folder;
+  write_summary(folder.path(), setup, summaries, {"gauges/g.csv"});
+  auto const json = nlohmann::json::parse(read_file(folder.path() / "summary.json"));
+  auto const& entry = json["gauges"][0];
+  EXPECT_EQ(entry["name"], "g");
+  EXPECT_NEAR(entry["ratio"]["peak_overpressure"].get<double>(), 2.0, 2e-3);
+  EXPECT_NEAR(entry["ratio"]["arrival_time"].get<double>(), 1.0, 1e-3);
+  EXPECT_NEAR(entry["ratio"]["positive_duration"].get<double>(), 0.5, 1e-3);
+  EXPECT_GT(json["kingery_bulmash_curve"].size(), 40U);
+
+  std::istringstream csv(read_file(folder.path() / "summary.csv"));
+  std::string header;
+  std::string row;
+  std::getline(csv, header);
+  std::getline(csv, row);
+  EXPECT_EQ(std::ranges::count(header, ','), std::ranges::count(row, ','));
+  EXPECT_TRUE(row.starts_with("g,1,4,3,5,2.5,")) << row;
+}
+
+TEST(Summary, KingeryBulmashIsAbsentWhereItDoesNotApply) {
+  EXPECT_FALSE(empirical_blast(tnt_case(8.0, run::Burst::none), 5.0).incident_overpressure);
+  auto two = tnt_case(8.0, run::Burst::spherical);
+  two.charges.push_back(two.charges.front());
+  EXPECT_FALSE(empirical_blast(two, 5.0).incident_overpressure);
+  auto water = tnt_case(8.0, run::Burst::spherical);
+  water.ambient.fluid.eos = material::StiffenedGas{};
+  EXPECT_FALSE(empirical_blast(water, 5.0).incident_overpressure);
+  EXPECT_TRUE(empirical_blast(tnt_case(8.0, run::Burst::spherical), 5.0).incident_overpressure);
+}
+
+TEST(Summary, TntEquivalentsAndIgnitionDelayEnter) {
+  auto setup = tnt_case(8.0, run::Burst::spherical);
+  auto& explosive = setup.charges.front().explosive;
+  explosive.tnt_equivalent_pressure = 1.3;
+  explosive.tnt_equivalent_impulse = 1.1;
+  setup.charges.front().initiation = {{{0.0, 0.0, 0.0}, 5e-4}, {{0.0, 0.0, 0.0}, 2e-4}};
+  auto const got = empirical_blast(setup, 5.0);
+  double const sound_speed = std::sqrt(1.4 * 101325.0 / 1.225);
+  empirical::Atmosphere const air{101325.0, sound_speed};
+  auto const p = empirical::kingery_bulmash(10.4, 5.0, empirical::Burst::spherical, air);
+  auto const i = empirical::kingery_bulmash(8.8, 5.0, empirical::Burst::spherical, air);
+  EXPECT_DOUBLE_EQ(*got.incident_overpressure, *p.incident_overpressure);
+  EXPECT_DOUBLE_EQ(*got.incident_impulse, *i.incident_impulse);
+  EXPECT_DOUBLE_EQ(*got.arrival, *i.arrival + 2e-4);
+}
+
+TEST(Summary, NearestOfSeveralChargesGivesTheDistance) {
+  auto setup = tnt_case(8.0, run::Burst::none);
+  setup.charges.push_back(setup.charges.front());
+  setup.charges.back().shape = detonation::Sphere{{10.0, 0.0, 0.0}, 0.1};
+  setup.charges.back().mass = 27.0;
+  auto const summaries = summarise(setup, {history("g", {7.0, 0.0, 0.0})});
+  EXPECT_DOUBLE_EQ(*summaries[0].distance, 3.0);
+  EXPECT_DOUBLE_EQ(*summaries[0].scaled_distance, 1.0);
+}
+
+TEST(Summary, WithoutChargeAndWithSpecialNames) {
+  run::Case setup;
+  ScratchFolder folder;
+  write_summary(folder.path(), setup, summarise(setup, {history("a,\"b\"", {})}), {});
+  auto const json = nlohmann::json::parse(read_file(folder.path() / "summary.json"));
+  EXPECT_TRUE(json["gauges"][0]["distance"].is_null());
+  EXPECT_EQ(json["gauges"][0]["name"], "a,\"b\"");
+  EXPECT_NE(read_file(folder.path() / "summary.csv").find("\"a,\"\"b\"\"\","), std::string::npos);
+}
+
+}  // namespace
+}  // namespace brisance::output::test

@@ -1,0 +1,141 @@
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "output/report.hpp"
+#include "output/writer.hpp"
+#include "scratch.hpp"
+
+namespace brisance::output::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+run::Case air_box() {
+  run::Case setup;
+  setup.title = "air at rest";
+  setup.deck_text = "# a deck \xff with a byte that is no UTF-8\n";
+  setup.deck_path = "air.toml";
+  setup.domain.cells = {8, 8, 8};
+  setup.domain.h = 0.1;
+  setup.ambient.fluid.name = "air";
+  setup.ambient.fluid.eos = material::IdealGas{1.4};
+  setup.gauges = {{"g", {0.25, 0.25, 0.25}}};
+  setup.output.fields = {"pressure", "velocity"};
+  setup.end.time = 1e-3;
+  return setup;
+}
+
+TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
+  run::World world(air_box());
+  ScratchFolder scratch;
+  fs::path const folder = scratch.path() / "out";
+  Writer writer(world, folder);
+  EXPECT_EQ(read_file(folder / "deck.toml"), world.setup.deck_text);
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder / "run.json"))["status"], "running");
+
+  writer.dump_fields(world);
+  world.gauges[0].records.push_back({0.0, 101325.0, 1.225, {0.0, 0.0, 0.0}});
+  writer.append_gauges(world);
+  world.timings["sweeps"] = 0.5;
+  world.gauges[0].records.push_back({1e-3, 101325.0, 1.225, {0.0, 0.0, 0.0}});
+  writer.finish(world, "end time reached", 0);
+
+  auto const log = nlohmann::json::parse(read_file(folder / "run.json"));
+  EXPECT_EQ(log["status"], "done");
+  EXPECT_EQ(log["end_reason"], "end time reached");
+  EXPECT_EQ(log["title"], "air at rest");
+  EXPECT_EQ(log["domain"]["cells"], (std::vector{8, 8, 8}));
+  EXPECT_EQ(log["domain"]["geometry"], "cartesian3d");
+  EXPECT_EQ(log["dumps"], 1);
+  EXPECT_EQ(log["timings"]["sweeps"], 0.5);
+  EXPECT_EQ(log["versions"]["brisance"], "0.1.0");
+  EXPECT_FALSE(log["versions"]["compiler"].get<std::string>().empty());
+  EXPECT_FALSE(log["machine"]["processor"].get<std::string>().empty());
+  EXPECT_TRUE(log["audit"]["relative_error"]["energy"].is_number());
+  EXPECT_TRUE(fs::exists(folder / "fields/fields_000000.h5"));
+  EXPECT_TRUE(fs::exists(folder / "summary.csv"));
+  auto const gauge = read_file(folder / "gauges/g.csv");
+  EXPECT_EQ(std::ranges::count(gauge, '\n'), 3) << gauge;
+
+  EXPECT_THROW(Writer(world, folder), IoError);
+  EXPECT_NO_THROW(Writer(world, folder, {true, 1}));
+}
+
+TEST(Writer, StoppedRunSaysSo) {
+  run::World world(air_box());
+  ScratchFolder scratch;
+  Writer writer(world, scratch.path());
+  writer.finish(world, "stopped by the user at 0.5 ms", 3);
+  auto const log = nlohmann::json::parse(read_file(scratch.path() / "run.json"));
+  EXPECT_EQ(log["status"], "stopped");
+  EXPECT_EQ(log["exit_code"], 3);
+}
+
+TEST(Writer, DumpedFieldsAddPeaksAndObstacleMaskOnce) {
+  auto setup = air_box();
+  setup.output.fields = {"pressure", "impulse"};
+  setup.obstacles.push_back({"wall", detonation::Box{}});
+  std::vector<std::string> names;
+  for (auto const& spec : dumped_fields(setup)) names.push_back(spec.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"pressure", "impulse", "peak_overpressure", "obstacle"}));
+  setup.output.fields = {"presure"};
+  EXPECT_THROW((void)dumped_fields(setup), InputError);
+}
+
+TEST(Writer, ExpectedDumpsCountFirstLastIntervalAndExtraTimes) {
+  auto setup = air_box();
+  EXPECT_EQ(expected_dumps(setup), 2);
+  setup.output.field_interval = 2.5e-4;
+  setup.output.field_times = {1e-4, 3e-4};
+  EXPECT_EQ(expected_dumps(setup), 8);
+}
+
+TEST(Report, FolderWithoutRunIsAnError) {
+  ScratchFolder scratch;
+  try {
+    write_report(scratch.path());
+    FAIL();
+  } catch (IoError const& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "\"" + scratch.path().string() + "\" is not the output folder of a run: it holds no run.json");
+  }
+}
+
+class ChosenPython {
+ public:
+  explicit ChosenPython(char const* name) { setenv("BRISANCE_PYTHON", name, 1); }
+  ~ChosenPython() { unsetenv("BRISANCE_PYTHON"); }
+  ChosenPython(ChosenPython const&) = delete;
+  ChosenPython& operator=(ChosenPython const&) = delete;
+};
+
+TEST(Report, MissingInterpreterIsAnErrorThatSaysWhatToDo) {
+  ScratchFolder scratch;
+  replace_file(scratch.path() / "run.json", "{}");
+  ChosenPython const chosen("/nowhere/python3");
+  try {
+    write_report(scratch.path());
+    FAIL();
+  } catch (IoError const& error) {
+    EXPECT_EQ(
+        std::string(error.what()),
+        "cannot start \"/nowhere/python3\", which draws the report: install python3, or name an interpreter in the "
+        "environment variable BRISANCE_PYTHON");
+  }
+}
+
+TEST(Report, IsWrittenForAFinishedRun) {
+  if (std::system(BRISANCE_PYTHON_EXECUTABLE " -c 'import h5py, matplotlib' 2>/dev/null") != 0)
+    GTEST_SKIP() << "python3-h5py or python3-matplotlib is not installed";
+  run::World world(air_box());
+  ScratchFolder scratch;
+  Writer writer(world, scratch.path());
+  writer.dump_fields(world);
+  writer.finish(world, "end time reached", 0);
+  auto const html = read_file(write_report(scratch.path()));
+  EXPECT_NE(html.find("air at rest"), std::string::npos);
+  EXPECT_NE(html.find("</html>"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace brisance::output::test

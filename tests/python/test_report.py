@@ -1,0 +1,153 @@
+"""The report is drawn from made-up output folders of every kind; its parts are checked one by one."""
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SKIPPED = 77  # exit status that ctest takes as "skipped"
+
+try:
+    import h5py  # noqa: F401
+    import matplotlib  # noqa: F401
+except ImportError as missing:
+    print(f"skipped: the Python package {missing.name} is not installed")
+    sys.exit(SKIPPED)
+
+import numpy as np
+
+import synthetic_run
+from brisance import figures, report, results
+
+SCRIPT = Path(report.__file__)
+
+
+class Folders(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.root = Path(cls.scratch.name)
+        for kind in synthetic_run.KINDS:
+            synthetic_run.write(cls.root / kind, kind, dumps=3)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+
+class Pages(Folders):
+    def page(self, kind):
+        done = subprocess.run([sys.executable, SCRIPT, self.root / kind], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, "")
+        return (self.root / kind / "report.html").read_text(encoding="utf-8")
+
+    def titles(self, page):
+        return re.findall(r'<h2><span class="number">\d+</span>(.*?)</h2>', page)
+
+    def test_three_dimensions(self):
+        page = self.page("3d")
+        self.assertEqual(self.titles(page), ["Calculation", "Charge", "Gauges", "Scaled distance", "Overpressure field",
+                                             "Peak values", "Conservation", "Cost and versions", "Deck"])
+        # Histories, scaled distance, slices in two planes (there is an obstacle), peak map, timings.
+        self.assertEqual(page.count("<img "), 6)
+
+    def test_page_needs_no_other_file(self):
+        page = self.page("3d")
+        self.assertEqual(re.findall(r'(?:src|href)="(?!data:)[^"]*"', page), [])
+
+    def test_text_from_the_deck_is_escaped(self):
+        page = self.page("3d")
+        self.assertIn("8 kg TNT on the ground &lt;made-up wave&gt;", page)
+        self.assertIn("# A made-up deck with &lt;angle brackets&gt; &amp; an ampersand", page)
+        self.assertNotIn("<made-up", page)
+
+    def test_two_dimensions(self):
+        self.assertIn("Overpressure field", self.titles(self.page("2d")))
+
+    def test_one_dimension_has_profiles_instead_of_slices(self):
+        titles = self.titles(self.page("1d"))
+        self.assertIn("Profiles", titles)
+        self.assertNotIn("Overpressure field", titles)
+
+    def test_without_charge_gauges_fields_and_end(self):
+        page = self.page("bare")
+        self.assertEqual(self.titles(page), ["Calculation", "Conservation", "Cost and versions", "Deck"])
+        self.assertIn("not finished", page)
+
+    def test_verdicts(self):
+        page = self.page("3d")
+        self.assertEqual(page.count("conserved to round-off"), 2)
+        self.assertEqual(page.count("drifts slightly"), 1)
+        self.assertIn("In 12 cell updates", page)
+
+    def test_gauge_table_holds_values_and_ratios(self):
+        page = self.page("3d")
+        r = float(np.linalg.norm(synthetic_run.KINDS["3d"]["gauges"][0]))
+        self.assertIn(f"<td>{synthetic_run.peak(r) * 1e-3:.0f}</td>", page)
+        self.assertIn(f'<td class="ratio">{1 / 1.06:.3f}</td>', page)
+
+    def test_folder_without_run(self):
+        done = subprocess.run([sys.executable, SCRIPT, self.root], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 5)
+        self.assertIn("it holds no run.json", done.stderr)
+
+    def test_missing_package_is_named(self):
+        hide = "import sys, runpy; sys.modules['h5py'] = None; sys.argv = sys.argv[1:]; " \
+               "runpy.run_path(sys.argv[0], run_name='__main__')"
+        done = subprocess.run([sys.executable, "-c", hide, SCRIPT, self.root / "3d"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 5)
+        self.assertIn("the Python package h5py is missing", done.stderr)
+
+
+class Results(Folders):
+    def test_plane_is_the_right_layer(self):
+        dump = results.Run(self.root / "3d").dumps[-1]
+        x, y = dump.centres(0), dump.centres(1)
+        plane = dump.plane("pressure", 2, 3)
+        z = dump.centres(2)[3]
+        distance = np.sqrt(x[None, :] ** 2 + y[:, None] ** 2 + z ** 2)
+        expected = synthetic_run.AMBIENT + np.maximum(synthetic_run.overpressure(distance, dump.time),
+                                                      -0.6 * synthetic_run.AMBIENT)
+        self.assertEqual(plane.shape, (96, 96))
+        np.testing.assert_allclose(plane, expected, rtol=1e-6)
+
+    def test_layer_is_clamped_to_the_domain(self):
+        dump = results.Run(self.root / "3d").dumps[0]
+        self.assertEqual([dump.layer(2, z) for z in (-1.0, 0.0, 0.13, 99.0)], [0, 0, 1, 63])
+
+    def test_dumps_are_in_order_of_time(self):
+        times = [dump.time for dump in results.Run(self.root / "1d").dumps]
+        self.assertEqual(times, [0.0, 0.01, 0.02])
+
+    def test_cut_off_last_line_of_a_gauge_is_left_out(self):
+        run = results.Run(self.root / "2d")
+        path = self.root / "2d" / run.summary["gauges"][0]["file"]
+        whole = path.read_text()
+        try:
+            path.write_text(whole + "0.03,1013")
+            self.assertEqual(len(results.Run(self.root / "2d").histories["gauge 1"]["time"]), 2001)
+        finally:
+            path.write_text(whole)
+
+
+class Formats(unittest.TestCase):
+    def test_numbers(self):
+        self.assertEqual([report.number(v) for v in (None, 0, 0.5, 12345.0, 1.5e-7, 2e9)],
+                         ["–", "0", "0.5", "12345", "1.5·10<sup>−7</sup>", "2·10<sup>9</sup>"])
+        self.assertEqual([report.number(v, 4, True) for v in (2.5, 1182.0, 12345.6)], ["2.500", "1182", "12346"])
+
+    def test_durations(self):
+        self.assertEqual([report.duration(s) for s in (12.34, 153, 7260)], ["12.3 s", "2 min 33 s", "2 h 01 min"])
+
+    def test_chosen_indices_hold_the_ends(self):
+        self.assertEqual(figures.chosen(3, 6), [0, 1, 2])
+        self.assertEqual(figures.chosen(100, 4), [0, 33, 66, 99])
+
+    def test_nice_ceiling(self):
+        self.assertEqual([figures.nice_ceiling(v) for v in (0.3, 1.0, 1.1, 4.9, 700.0)], [0.5, 1.0, 2.0, 5.0, 1000.0])
+
+
+if __name__ == "__main__":
+    unittest.main()
