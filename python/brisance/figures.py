@@ -77,7 +77,7 @@ def pressure_of(dump):
 # --- gauges
 
 def gauge_histories(run):
-    """Overpressure and running impulse of at most a dozen of the gauges that a shock reached, spread over the distances."""
+    """Overpressure and running impulse at the gauges that a shock reached; of many gauges a dozen at all distances."""
     gauges = [gauge for gauge in run.summary["gauges"]
               if gauge["arrival_time"] is not None and run.histories[gauge["name"]]]
     if not gauges:
@@ -399,9 +399,11 @@ def peak_profile(run):
         ("peak_overpressure", 1e-3, "peak overpressure [kPa]", "peak_overpressure"),
         ("impulse", 1.0, "impulse [Pa s]", "positive_impulse")) if n in dump.fields]
     figure = Figure(figsize=(10.2, 3.5), layout="constrained")
+    # What no wave has reached is left out, and so is the charge itself, whose pressures would take the whole scale.
+    nearest = 0.0 if run.curve is None else run.curve["distance"].min()
+    seen = (dump.line("peak_overpressure") > 1e-5 * run.ambient_pressure) & (distance > nearest)
     for panel, (name, factor, label, key) in zip(np.atleast_1d(figure.subplots(1, len(quantities))), quantities):
         values = dump.line(name) * factor
-        seen = (values > 1e-4 * values.max()) & (distance > 0.0)
         panel.plot(distance[seen], values[seen], color=BLUE, label="this calculation")
         if run.curve is not None and seen.any():
             inside = (run.curve["distance"] >= distance[seen].min()) & (run.curve["distance"] <= distance[seen].max())

@@ -232,13 +232,13 @@ def sections(run, figures):
         results, with_reference = gauge_table(run)
         burst = run.summary["burst"]
         note = (f'<p class="note">KB: {KB_TITLE} values for a {text(burst)} burst of the charge\'s mass of TNT, '
-                "incident wave. They describe an undisturbed wave in free air or over open, rigid ground: in front of or behind "
-                "obstacles the ratio is no measure of quality.</p>" if with_reference else "")
+                "incident wave. They describe an undisturbed wave in free air or over open, rigid ground: in front "
+                "of or behind obstacles the ratio is no measure of quality.</p>" if with_reference else "")
         yield "Gauges", results + note + figure(
             figures.gauge_histories(run),
             "Overpressure (blue, left axis) and running impulse (orange, right axis) at the gauges"
-            + (f". {KB_TITLE}: diamond for arrival and peak, tick for the end of the positive phase, "
-               "dashed line for the impulse." if with_reference else "."))
+            + (f". {KB_TITLE}: diamond for arrival and peak, tick for the end of the positive "
+               "phase, dashed line for the impulse." if with_reference else "."))
     yield "Scaled distance", figure(figures.scaled_distance(run), "Results of the gauges against scaled distance"
                                     + (f" with the {KB_TITLE} curves." if run.curve is not None else "."))
     yield "Overpressure field", figure(

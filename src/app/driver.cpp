@@ -82,7 +82,8 @@ std::string place_in_run(run::World const& world) {
 Ending ending_of(run::World const& world) {
   bool const in_time = world.clock.time >= world.setup.end.time * (1.0 - 1e-12);
   return {ExitCode::done, in_time ? fmt::format("reached the end time {}", quantity(world.setup.end.time, "s"))
-                                  : fmt::format("reached the step limit end.steps = {} {}", world.setup.end.steps, place_in_run(world))};
+                                  : fmt::format("reached the step limit end.steps = {} {}", world.setup.end.steps,
+                                                place_in_run(world))};
 }
 
 }  // namespace
@@ -99,7 +100,8 @@ std::vector<double> dump_times(run::Output const& output, double end_time) {
   }
   std::sort(times.begin(), times.end());
   double const slack = 1e-9 * end_time;
-  times.erase(std::unique(times.begin(), times.end(), [slack](double a, double b) { return b - a <= slack; }), times.end());
+  times.erase(std::unique(times.begin(), times.end(), [slack](double a, double b) { return b - a <= slack; }),
+              times.end());
   times.back() = end_time;
   return times;
 }
@@ -116,7 +118,8 @@ Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const&
       recorder.record();
       after_step(world);
     }
-    ending = world.finished() ? ending_of(world) : Ending{ExitCode::stopped_by_user, "stopped by the user " + place_in_run(world)};
+    ending = world.finished() ? ending_of(world)
+                              : Ending{ExitCode::stopped_by_user, "stopped by the user " + place_in_run(world)};
   } catch (NumericalError const& error) {
     ending = Ending{error.code(), fmt::format("numerical failure {}: {}", place_in_run(world), error.what())};
     sound = false;

@@ -12,8 +12,8 @@
 
 namespace brisance::app {
 
-/// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end. Times closer than
-/// 1e-9 of the end time are one.
+/// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end.
+/// Times closer than 1e-9 of the end time are one.
 [[nodiscard]] std::vector<double> dump_times(run::Output const& output, double end_time);
 
 /// How a run ended.
@@ -22,8 +22,8 @@ struct Ending {
   std::string reason;  ///< one line for people
 };
 
-/// Runs the world to its end, until `stop` is set or until something fails, and writes what there is. `after_step` is called after every
-/// step. Numerical and output failures end in the result; other errors are thrown.
+/// Runs the world to its end, until `stop` is set or until something fails, and writes what there is. `after_step` is
+/// called after every step. Numerical and output failures end in the result; other errors are thrown.
 [[nodiscard]] Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const& stop,
                            std::function<void(run::World const&)> const& after_step);
 

@@ -1,17 +1,30 @@
 #include "app/progress.hpp"
 
-#include <fmt/format.h>
+#include <sys/ioctl.h>
 
 #include <algorithm>
 
+#include "app/print.hpp"
 #include "app/text.hpp"
 
 namespace brisance::app {
 
+namespace {
+
+/// Characters that fit on one line of the terminal.
+std::size_t line_width(std::FILE* out) {
+  winsize size{};
+  bool const known = ioctl(fileno(out), TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+  return known ? size.ws_col - 1U : 79U;
+}
+
+}  // namespace
+
 double part_done(run::World const& world) {
   double const by_time = world.clock.time / world.setup.end.time;
-  double const by_steps =
-      world.setup.end.steps > 0 ? static_cast<double>(world.clock.step) / static_cast<double>(world.setup.end.steps) : 0.0;
+  double const by_steps = world.setup.end.steps > 0
+                              ? static_cast<double>(world.clock.step) / static_cast<double>(world.setup.end.steps)
+                              : 0.0;
   return std::clamp(std::max(by_time, by_steps), 0.0, 1.0);
 }
 
@@ -33,10 +46,10 @@ void Progress::step(run::World const& world) {
   int awake = 0;
   for (int b = 0; b < world.grid.block_count(); ++b) awake += world.gas->awake(b) ? 1 : 0;
   double const left = done > done_ ? (1.0 - done) * seconds / (done - done_) : 0.0;
-  show(fmt::format("{:5.1f} %  t {}  step {}  dt {}  {:.1f} Mcells/s ({:.1f} with sleeping)  {} of {} blocks awake  about {} left",
-                   100.0 * done, quantity(world.clock.time, "s"), world.clock.step, quantity(world.clock.dt, "s", 3),
-                   active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, world.grid.block_count(),
-                   wall_time(left)));
+  show(fmt::format(
+      "{:5.1f} %  t {}  step {}  dt {}  {:.1f} Mcells/s ({:.1f} with sleeping)  {} of {} blocks awake  about {} left",
+      100.0 * done, quantity(world.clock.time, "s"), world.clock.step, quantity(world.clock.dt, "s", 3),
+      active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, world.grid.block_count(), wall_time(left)));
   since_ = now;
   done_ = done;
   steps_ = 0;
@@ -45,16 +58,17 @@ void Progress::step(run::World const& world) {
 
 void Progress::show(std::string const& line) {
   if (terminal_) {
-    fmt::print(out_, "\r{:<{}}", line, shown_);
-    shown_ = line.size();
+    std::string const fitting = line.substr(0, line_width(out_));
+    print(out_, "\r{:<{}}", fitting, shown_);
+    shown_ = fitting.size();
   } else {
-    fmt::print(out_, "{}\n", line);
+    print(out_, "{}\n", line);
   }
   std::fflush(out_);
 }
 
 void Progress::end() {
-  if (terminal_ && shown_ > 0) fmt::print(out_, "\n");
+  if (terminal_ && shown_ > 0) print(out_, "\n");
   shown_ = 0;
 }
 

@@ -9,7 +9,8 @@
 
 namespace brisance::app {
 
-/// Writes how far a run has come: on a terminal one line that renews itself, elsewhere a line every ten seconds or ten per cent.
+/// Writes how far a run has come: on a terminal one line that renews itself, elsewhere a line every ten seconds or ten
+/// per cent.
 class Progress {
  public:
   Progress(std::FILE* out, bool terminal) : out_(out), terminal_(terminal) {}

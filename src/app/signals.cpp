@@ -22,7 +22,8 @@ void on_stop(int /*signal*/) {
   stop = true;
   for (int const other : stopping) std::signal(other, SIG_DFL);
   if (!announce_stop) return;
-  constexpr std::string_view heard = "\nbrisance: stopping after this step and writing the results; once more ends it at once\n";
+  constexpr std::string_view heard =
+      "\nbrisance: stopping after this step and writing the results; once more ends it at once\n";
   [[maybe_unused]] auto const written = write(STDERR_FILENO, heard.data(), heard.size());
 }
 

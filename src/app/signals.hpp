@@ -5,8 +5,8 @@
 
 namespace brisance::app {
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP set `requested()`; a second one has its usual effect. Writing to a closed pipe or
-/// beyond a file size limit returns an error instead of killing the program. One at a time.
+/// While it lives, SIGINT, SIGTERM and SIGHUP set `requested()`; a second one has its usual effect. Writing to a closed
+/// pipe or beyond a file size limit returns an error instead of killing the program. One at a time.
 class StopSignals {
  public:
   /// `announce`: say on stderr that the signal has been heard.

@@ -12,7 +12,8 @@ std::string quantity(double value, std::string_view unit, int digits) {
     double factor;
     char const* text;
   };
-  constexpr std::array prefixes{Prefix{1e9, "G"}, Prefix{1e6, "M"}, Prefix{1e3, "k"}, Prefix{1.0, ""}, Prefix{1e-3, "m"}, Prefix{1e-6, "u"}};
+  constexpr std::array prefixes{Prefix{1e9, "G"}, Prefix{1e6, "M"},  Prefix{1e3, "k"},
+                                Prefix{1.0, ""},  Prefix{1e-3, "m"}, Prefix{1e-6, "u"}};
   if (unit == "1" || unit.empty()) return fmt::format("{:.{}g}", value, digits);
   if (unit == "kg" || value == 0.0 || !std::isfinite(value)) return fmt::format("{:.{}g} {}", value, digits, unit);
   // What rounds up to the next prefix takes it: 999.96 Pa is 1 kPa.

@@ -6,7 +6,8 @@
 
 namespace brisance::app {
 
-/// Value with the SI prefix that keeps it short: quantity(12345.0, "Pa") is "12.35 kPa". No prefix for "kg" and pure numbers.
+/// Value with the SI prefix that keeps it short: quantity(12345.0, "Pa") is "12.35 kPa". No prefix for "kg" and pure
+/// numbers.
 [[nodiscard]] std::string quantity(double value, std::string_view unit, int digits = 4);
 
 /// A duration on the clock: "4.2 s", "3 min 12 s", "5 h 07 min".

@@ -22,6 +22,14 @@ namespace brisance {
   return count;
 }
 
+/// How many of n magnitudes exceed a bound.
+[[nodiscard]] inline long count_beyond(double const* x, int n, double bound) {
+  long count = 0;
+  BRISANCE_VECTOR_LOOP
+  for (int q = 0; q < n; ++q) count += (x[q] > bound) | (x[q] < -bound) ? 1 : 0;
+  return count;
+}
+
 /// Largest of n values, at least 0; NaN is passed over. In lanes, because a plain maximum keeps the loop from being vectorised.
 [[nodiscard]] inline double largest_of(double const* x, int n) {
   constexpr int lanes = 8;

@@ -69,9 +69,7 @@ constexpr std::array dimensions{
     Named{"A", "an electric current"},
 };
 
-UnitPointer parse_unit(std::string const& text) {
-  return UnitPointer(ut_parse(unit_system(), text.c_str(), UT_ASCII));
-}
+UnitPointer parse_unit(std::string const& text) { return UnitPointer(ut_parse(unit_system(), text.c_str(), UT_ASCII)); }
 
 /// Same dimension? Stricter than `ut_are_convertible`, which also takes a quantity and its reciprocal for convertible.
 bool same_dimension(ut_unit const* a, ut_unit const* b) {
@@ -98,8 +96,8 @@ std::string ascii_unit(std::string_view text) {
     std::string_view from;
     std::string_view to;
   };
-  constexpr std::array spellings{Spelling{"\u00b5", "u"}, Spelling{"\u03bc", "u"},     Spelling{"\u00b2", "2"}, Spelling{"\u00b3", "3"},
-                                 Spelling{"\u00b7", "."}, Spelling{"\u00b0", "deg"}};
+  constexpr std::array spellings{Spelling{"\u00b5", "u"}, Spelling{"\u03bc", "u"}, Spelling{"\u00b2", "2"},
+                                 Spelling{"\u00b3", "3"}, Spelling{"\u00b7", "."}, Spelling{"\u00b0", "deg"}};
   std::string out;
   while (!text.empty()) {
     std::string_view to = text.substr(0, 1);
@@ -115,8 +113,9 @@ std::string ascii_unit(std::string_view text) {
   return out;
 }
 
-/// Checks that a unit is a product of powers of named units: `kg m2/s^2`, `J/(kg K)`, `s-1`. UDUNITS also reads time stamps,
-/// logarithmic and shifted units, which are no quantities here, and loses memory at every syntax error; so it gets only this.
+/// Checks that a unit is a product of powers of named units: `kg m2/s^2`, `J/(kg K)`, `s-1`. UDUNITS also reads time
+/// stamps, logarithmic and shifted units, which are no quantities here, and loses memory at every syntax error; so it
+/// gets only this.
 class UnitSyntax {
  public:
   explicit UnitSyntax(std::string_view text) : rest_(text) {}
@@ -226,10 +225,12 @@ Quantity parse(std::string_view text, std::string_view si_unit) {
   }
 
   std::lock_guard const guard(lock());
-  if (unit_system() == nullptr) return failed("the unit table of UDUNITS could not be read; give the number in SI units");
+  if (unit_system() == nullptr)
+    return failed("the unit table of UDUNITS could not be read; give the number in SI units");
   std::string const ascii = ascii_unit(unit);
   UnitPointer const from = UnitSyntax(ascii).valid() ? parse_unit(ascii) : nullptr;
-  if (!from) return failed(fmt::format("{} has the unknown unit {}, expected {}", shown(text), shown(unit), expected(si_unit)));
+  if (!from)
+    return failed(fmt::format("{} has the unknown unit {}, expected {}", shown(text), shown(unit), expected(si_unit)));
   UnitPointer const to = parse_unit(std::string(si_unit));
   if (!to) return failed(fmt::format("the unit {} is not known to UDUNITS", shown(si_unit)));
   if (!same_dimension(from.get(), to.get())) {

@@ -23,18 +23,18 @@ namespace {
 using grid::Boundary;
 using grid::Geometry;
 
-constexpr double most_cells = 2147483648.0;    ///< 2^31
-constexpr double fewest_cells = 4.0;           ///< per direction: the stencil of the schemes
-constexpr double bytes_per_cell = 300.0;       ///< two-fluid state, its copy, peaks: what a run holds per cell, about
+constexpr double most_cells = 2147483648.0;  ///< 2^31
+constexpr double fewest_cells = 4.0;         ///< per direction: the stencil of the schemes
+constexpr double bytes_per_cell = 300.0;     ///< two-fluid state, its copy, peaks: what a run holds per cell, about
 constexpr double most_gauges = 1e5;
 constexpr std::size_t most_charges = 100;
 constexpr std::size_t most_obstacles = 1000;
 constexpr double most_dumps = 1e4;
-constexpr double most_records = 1e7;           ///< per gauge
-constexpr double mass_tolerance = 1e-3;        ///< within which a given mass and a given size agree
-constexpr double cell_tolerance = 1e-6;        ///< relative, of an extent to a whole number of cells
-constexpr double gas_temperature = 288.15;     ///< at which a gas has the density of its table [K]
-constexpr double few_cells = 3.0;              ///< below this a charge radius is called coarse
+constexpr double most_records = 1e7;        ///< per gauge
+constexpr double mass_tolerance = 1e-3;     ///< within which a given mass and a given size agree
+constexpr double cell_tolerance = 1e-6;     ///< relative, of an extent to a whole number of cells
+constexpr double gas_temperature = 288.15;  ///< at which a gas has the density of its table [K]
+constexpr double few_cells = 3.0;           ///< below this a charge radius is called coarse
 constexpr char const* directions = "xyz";
 constexpr std::array<char const*, 6> faces{"x_low", "x_high", "y_low", "y_high", "z_low", "z_high"};
 
@@ -64,9 +64,7 @@ char const* boundary_word(Boundary b) {
 std::string joined(std::vector<std::string> const& words) { return quoted_list(words); }
 
 /// "x", "x and y" or "x, y and z".
-std::string direction_list(int count) {
-  return count == 1 ? "x" : count == 2 ? "x and y" : "x, y and z";
-}
+std::string direction_list(int count) { return count == 1 ? "x" : count == 2 ? "x and y" : "x, y and z"; }
 
 std::string point_text(Vec3 const& p, int dimensions) {
   std::string out = "[";
@@ -101,11 +99,11 @@ class Builder {
   Section const& deck_;
   Report& report_;
   run::Case out_;
-  bool geometry_known_ = false;    ///< without it, nothing about positions can be said
-  bool domain_known_ = false;      ///< extents are known and sound
+  bool geometry_known_ = false;  ///< without it, nothing about positions can be said
+  bool domain_known_ = false;    ///< extents are known and sound
   bool boundaries_known_ = false;
-  bool ambient_known_ = false;     ///< the fluid is known
-  bool products_known_ = true;     ///< false when a charge's explosive was wrong
+  bool ambient_known_ = false;  ///< the fluid is known
+  bool products_known_ = true;  ///< false when a charge's explosive was wrong
   bool end_known_ = false;
   std::vector<material::Explosive> own_explosives_;
   std::vector<material::Fluid> own_fluids_;
@@ -128,7 +126,8 @@ class Builder {
     for (auto const& section : *all) f(section);
   }
 
-  // --- domain ------------------------------------------------------------------------------------------------------------------
+  // --- domain
+  // ------------------------------------------------------------------------------------------------------------------
 
   /// A point or vector: one element per resolved direction; the others may be written as 0.
   std::optional<Vec3> point(Section const& section, std::string_view key) {
@@ -136,15 +135,17 @@ class Builder {
     if (values == nullptr) return std::nullopt;
     auto const count = static_cast<int>(values->size());
     if (count < dims()) {
-      error(section, key, fmt::format("{} has {} element{}, but {} resolves {}: give {} elements", section.shown(key), count,
-                                      count == 1 ? "" : "s", geometry_word(geometry()), direction_list(dims()), dims()));
+      error(section, key,
+            fmt::format("{} has {} element{}, but {} resolves {}: give {} elements", section.shown(key), count,
+                        count == 1 ? "" : "s", geometry_word(geometry()), direction_list(dims()), dims()));
       return std::nullopt;
     }
     Vec3 out{0.0, 0.0, 0.0};
     for (int d = 0; d < count; ++d) {
       if (d >= dims() && (*values)[d] != 0.0) {
-        error(section, key, fmt::format("{} has a value in direction {}, but {} resolves only {}: remove it or write 0",
-                                        section.shown(key), directions[d], geometry_word(geometry()), direction_list(dims())));
+        error(section, key,
+              fmt::format("{} has a value in direction {}, but {} resolves only {}: remove it or write 0",
+                          section.shown(key), directions[d], geometry_word(geometry()), direction_list(dims())));
         return std::nullopt;
       }
       out[d] = (*values)[d];
@@ -176,8 +177,9 @@ class Builder {
       return;
     }
     if (lower && radial() && (*lower)[0] < 0.0) {
-      error(*section, "lower", fmt::format("{} starts at a negative radius; in {} x is the radius: write 0 or more",
-                                           section->shown("lower"), geometry_word(geometry())));
+      error(*section, "lower",
+            fmt::format("{} starts at a negative radius; in {} x is the radius: write 0 or more",
+                        section->shown("lower"), geometry_word(geometry())));
       return;
     }
     if (!h || !lower || (section->given("upper") && !upper) || (section->given("size") && !size)) return;
@@ -189,14 +191,16 @@ class Builder {
     for (int d = 0; d < dims(); ++d) {
       double const extent = upper ? (*upper)[d] - (*lower)[d] : (*size)[d];
       if (upper && size && std::abs(extent - (*size)[d]) > cell_tolerance * std::abs(extent)) {
-        error(*section, "size", fmt::format("{} disagrees with lower and upper in direction {}, which are {:g} m apart: give only "
-                                            "one of size and upper",
-                                            section->shown("size"), directions[d], extent));
+        error(*section, "size",
+              fmt::format("{} disagrees with lower and upper in direction {}, which are {:g} m apart: give only "
+                          "one of size and upper",
+                          section->shown("size"), directions[d], extent));
         return;
       }
       if (extent <= 0.0) {
-        error(*section, key, fmt::format("{} leaves no extent in direction {} ({:g} m): it must be positive", section->shown(key),
-                                         directions[d], extent));
+        error(*section, key,
+              fmt::format("{} leaves no extent in direction {} ({:g} m): it must be positive", section->shown(key),
+                          directions[d], extent));
         sound = false;
         continue;
       }
@@ -206,20 +210,23 @@ class Builder {
       if (whole > most_cells) continue;
       if (std::abs(cells - whole) > cell_tolerance * cells) {
         double const below = std::floor(cells);
-        std::string const nearest_extents =
-            below >= 1.0 ? fmt::format("{:.9g} or {:.9g} m", below * *h, (below + 1.0) * *h) : fmt::format("{:.9g} m", *h);
+        std::string const nearest_extents = below >= 1.0
+                                                ? fmt::format("{:.9g} or {:.9g} m", below * *h, (below + 1.0) * *h)
+                                                : fmt::format("{:.9g} m", *h);
         error(*section, key,
-              fmt::format("{} is not a whole number of cells: {:.9g} m in direction {} are {:.6g} cells of {:.9g} m; make the extent "
+              fmt::format("{} is not a whole number of cells: {:.9g} m in direction {} are {:.6g} cells of {:.9g} m; "
+                          "make the extent "
                           "{}, or change the cell",
                           section->shown(key), extent, directions[d], cells, *h, nearest_extents));
         sound = false;
         continue;
       }
       if (whole < fewest_cells) {
-        error(*section, key, fmt::format("{} gives {:g} cell{} in direction {}; allowed: at least {:g}: make the extent {:.9g} m or more, or "
-                                         "the cell smaller",
-                                         section->shown(key), whole, whole > 1.0 ? "s" : "", directions[d], fewest_cells,
-                                         fewest_cells * *h));
+        error(*section, key,
+              fmt::format(
+                  "{} gives {:g} cell{} in direction {}; allowed: at least {:g}: make the extent {:.9g} m or more, or "
+                  "the cell smaller",
+                  section->shown(key), whole, whole > 1.0 ? "s" : "", directions[d], fewest_cells, fewest_cells * *h));
         sound = false;
         continue;
       }
@@ -228,15 +235,17 @@ class Builder {
     if (!sound) return;
     double const coarser = *h * std::pow(count / most_cells, 1.0 / dims());
     if (count >= most_cells) {
-      error(*section, "cell", fmt::format("{} gives {:.4g} cells; allowed: fewer than 2^31 ({:.4g}); choose a cell above {:.3g} m or a "
-                                          "smaller domain",
-                                          section->shown("cell"), count, most_cells, coarser));
+      error(*section, "cell",
+            fmt::format("{} gives {:.4g} cells; allowed: fewer than 2^31 ({:.4g}); choose a cell above {:.3g} m or a "
+                        "smaller domain",
+                        section->shown("cell"), count, most_cells, coarser));
       return;
     }
     double const memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
     if (memory > 0.0 && count * bytes_per_cell > memory) {
       error(*section, "cell",
-            fmt::format("{} gives {:.4g} cells, which need about {:.3g} GiB; this machine has {:.3g} GiB: choose a cell above {:.3g} m "
+            fmt::format("{} gives {:.4g} cells, which need about {:.3g} GiB; this machine has {:.3g} GiB: choose a "
+                        "cell above {:.3g} m "
                         "or a smaller domain",
                         section->shown("cell"), count, count * bytes_per_cell / 1073741824.0, memory / 1073741824.0,
                         *h * std::pow(count * bytes_per_cell / memory, 1.0 / dims())));
@@ -261,8 +270,9 @@ class Builder {
       bool const given = section != nullptr && section->given(face);
       if (f / 2 >= dims()) {
         if (given) {
-          error(*section, face, fmt::format("{} has no face {}: it resolves only {}; remove the key", geometry_word(geometry()), face,
-                                            direction_list(dims())));
+          error(*section, face,
+                fmt::format("{} has no face {}: it resolves only {}; remove the key", geometry_word(geometry()), face,
+                            direction_list(dims())));
         }
         continue;
       }
@@ -276,13 +286,16 @@ class Builder {
       }
       b = kind(*word);
       if (f == 0 && axis && b != Boundary::symmetry) {
-        error(*section, face, fmt::format("\"{}\" is not possible at radius 0; allowed: \"symmetry\", which is the default there: remove "
-                                          "the key",
-                                          *word));
+        error(
+            *section, face,
+            fmt::format("\"{}\" is not possible at radius 0; allowed: \"symmetry\", which is the default there: remove "
+                        "the key",
+                        *word));
       }
       if (f / 2 == 0 && radial() && b == Boundary::periodic) {
-        error(*section, face, fmt::format("\"periodic\" is not possible along the radius x of {}; choose another boundary",
-                                          geometry_word(geometry())));
+        error(*section, face,
+              fmt::format("\"periodic\" is not possible along the radius x of {}; choose another boundary",
+                          geometry_word(geometry())));
       }
     }
     if (!boundaries_known_) return;
@@ -292,8 +305,8 @@ class Builder {
       if (low == high || (radial() && d == 0)) continue;
       int const other = low ? 2 * d + 1 : 2 * d;
       error(*section, section->given(faces[low ? 2 * d : 2 * d + 1]) ? faces[low ? 2 * d : 2 * d + 1] : "all",
-            fmt::format("\"periodic\" joins both faces of a direction, but {} is \"{}\": make both periodic", faces[other],
-                        boundary_word(out_.domain.boundary[other])));
+            fmt::format("\"periodic\" joins both faces of a direction, but {} is \"{}\": make both periodic",
+                        faces[other], boundary_word(out_.domain.boundary[other])));
     }
     inflow(section);
   }
@@ -305,10 +318,12 @@ class Builder {
       int const f = static_cast<int>(std::find(faces.begin(), faces.end(), given.name) - faces.begin());
       described[f] = true;
       if (f / 2 >= dims() || out_.domain.boundary[f] != Boundary::inflow) {
-        report_.error(given.place, given.path,
-                      fmt::format("the face {} is \"{}\", so that this table is without use: write {} = \"inflow\" in [boundaries] or "
-                                  "remove the table",
-                                  given.name, f / 2 >= dims() ? "not resolved" : boundary_word(out_.domain.boundary[f]), given.name));
+        report_.error(
+            given.place, given.path,
+            fmt::format(
+                "the face {} is \"{}\", so that this table is without use: write {} = \"inflow\" in [boundaries] or "
+                "remove the table",
+                given.name, f / 2 >= dims() ? "not resolved" : boundary_word(out_.domain.boundary[f]), given.name));
         return;
       }
       if (auto const s = state(given, out_.ambient.fluid, out_.ambient.state, "density")) out_.inflow[f] = *s;
@@ -316,11 +331,13 @@ class Builder {
     for (int f = 0; f < 2 * dims(); ++f) {
       if (out_.domain.boundary[f] != Boundary::inflow || described[f]) continue;
       std::string_view const key = section->given(faces[f]) ? faces[f] : "all";
-      error(*section, key, fmt::format("\"inflow\" needs the entering state: add [inflow.{}] with velocity = [...]", faces[f]));
+      error(*section, key,
+            fmt::format("\"inflow\" needs the entering state: add [inflow.{}] with velocity = [...]", faces[f]));
     }
   }
 
-  // --- materials ---------------------------------------------------------------------------------------------------------------
+  // --- materials
+  // ---------------------------------------------------------------------------------------------------------------
 
   void own_materials() {
     each("explosives", [&](Section const& section) {
@@ -332,11 +349,13 @@ class Builder {
       try {
         auto const check = material::check(*explosive);
         if (!check.consistent()) {
-          report_.warning(section.place, section.path,
-                          fmt::format("the constants give a detonation speed of {:.0f} m/s and a Chapman-Jouguet pressure of {:.4g} GPa; "
-                                      "listed are {:.0f} m/s and {:.4g} GPa",
-                                      check.state.speed, check.state.pressure / 1e9, explosive->detonation_speed,
-                                      explosive->cj_pressure / 1e9));
+          report_.warning(
+              section.place, section.path,
+              fmt::format(
+                  "the constants give a detonation speed of {:.0f} m/s and a Chapman-Jouguet pressure of {:.4g} GPa; "
+                  "listed are {:.0f} m/s and {:.4g} GPa",
+                  check.state.speed, check.state.pressure / 1e9, explosive->detonation_speed,
+                  explosive->cj_pressure / 1e9));
         }
       } catch (InputError const& e) {
         report_.error(section.place, section.path, fmt::format("these constants describe no detonation: {}", e.what()));
@@ -381,8 +400,9 @@ class Builder {
   void unknown_material(Section const& section, std::string_view key, std::string const& name, char const* kind,
                         std::vector<std::string> names) {
     if (wrong_materials_.contains(name)) return;  // reported where it is defined
-    error(section, key, fmt::format("{} is not a known {}; {}", section.given(key) ? section.shown(key) : '"' + name + '"', kind,
-                                    suggestion(name, names, fmt::format("known {}s", kind))));
+    error(section, key,
+          fmt::format("{} is not a known {}; {}", section.given(key) ? section.shown(key) : fmt::format("\"{}\"", name),
+                      kind, suggestion(name, names, fmt::format("known {}s", kind))));
   }
 
   std::vector<std::string> fluid_names() const {
@@ -398,26 +418,29 @@ class Builder {
 
   /// The products of an explosive as a fluid; density and pressure are those of an instantaneous detonation.
   static material::Fluid products(material::Explosive const& e) {
-    return {e.name, e.source, e.products, e.density(), material::pressure(e.products, e.density(), e.specific_energy())};
+    return {e.name, e.source, e.products, e.density(),
+            material::pressure(e.products, e.density(), e.specific_energy())};
   }
 
   /// Density, pressure and velocity of a table, with defaults.
   std::optional<run::FluidState> state(Section const& section, material::Fluid const& of, run::FluidState defaults,
                                        std::string_view blamed) {
-    if (section.broken("density") || section.broken("pressure") || section.broken("velocity")) return std::nullopt;
-    defaults.density = section.number("density").value_or(defaults.density);
-    defaults.pressure = section.number("pressure").value_or(defaults.pressure);
     if (geometry_known_ && section.given("velocity")) {
       auto const velocity = point(section, "velocity");
       if (!velocity) return std::nullopt;
       defaults.velocity = *velocity;
     }
+    if (section.broken("density") || section.broken("pressure")) return std::nullopt;
+    defaults.density = section.number("density").value_or(defaults.density);
+    defaults.pressure = section.number("pressure").value_or(defaults.pressure);
     if (!(material::bulk_modulus(of.eos, defaults.density, defaults.pressure) > 0.0)) {
       std::string_view const key = section.given(blamed) ? blamed : "pressure";
-      report_.error(section.place_of(key), section.path_of(key),
-                    fmt::format("{} at {:g} kg/m3 and {:g} Pa has no real sound speed: this state is outside its equation of state; "
-                                "its own density is {:g} kg/m3",
-                                of.name, defaults.density, defaults.pressure, of.density));
+      report_.error(
+          section.place_of(key), section.path_of(key),
+          fmt::format(
+              "{} at {:g} kg/m3 and {:g} Pa has no real sound speed: this state is outside its equation of state; "
+              "its own density is {:g} kg/m3",
+              of.name, defaults.density, defaults.pressure, of.density));
       return std::nullopt;
     }
     return defaults;
@@ -445,25 +468,25 @@ class Builder {
     ambient_known_ = true;
     run::FluidState defaults{found->density, found->pressure, {0.0, 0.0, 0.0}};
     if (section.given("temperature")) {
-      if (section.given("density")) {
-        error(section, "temperature", fmt::format("{} is given beside a density: remove one of the two", section.shown("temperature")));
-        return;
-      }
-      if (!std::holds_alternative<material::IdealGas>(found->eos)) {
-        error(section, "temperature", fmt::format("{} cannot be used: {} is no ideal gas; give its density instead",
-                                                  section.shown("temperature"), found->name));
-        return;
-      }
       auto const temperature = section.number("temperature");
-      if (!temperature || section.broken("pressure")) return;
-      double const p = section.number("pressure").value_or(found->pressure);
-      defaults.density = found->density * (p / found->pressure) * (gas_temperature / *temperature);
+      if (section.given("density")) {
+        error(section, "temperature",
+              fmt::format("{} is given beside a density: remove one of the two", section.shown("temperature")));
+      } else if (!std::holds_alternative<material::IdealGas>(found->eos)) {
+        error(section, "temperature",
+              fmt::format("{} cannot be used: {} is no ideal gas; give its density instead",
+                          section.shown("temperature"), found->name));
+      } else if (temperature) {
+        double const p = section.number("pressure").value_or(found->pressure);
+        defaults.density = found->density * (p / found->pressure) * (gas_temperature / *temperature);
+      }
     }
     auto const s = state(section, *found, defaults, "density");
     if (s) out_.ambient.state = *s;
   }
 
-  // --- shapes ------------------------------------------------------------------------------------------------------------------
+  // --- shapes
+  // ------------------------------------------------------------------------------------------------------------------
 
   [[nodiscard]] std::vector<std::string> possible_shapes(bool charge) const {
     switch (geometry()) {
@@ -471,8 +494,10 @@ class Builder {
       case Geometry::axisymmetric2d: return {"sphere", "hemisphere", "cylinder", "box"};
       case Geometry::planar2d: return {"cylinder", "box"};
       case Geometry::planar1d: return {"box"};
-      case Geometry::cylindrical1d: return charge ? std::vector<std::string>{"cylinder"} : std::vector<std::string>{"cylinder", "box"};
-      case Geometry::spherical1d: return charge ? std::vector<std::string>{"sphere"} : std::vector<std::string>{"sphere", "box"};
+      case Geometry::cylindrical1d:
+        return charge ? std::vector<std::string>{"cylinder"} : std::vector<std::string>{"cylinder", "box"};
+      case Geometry::spherical1d:
+        return charge ? std::vector<std::string>{"sphere"} : std::vector<std::string>{"sphere", "box"};
     }
     return {};
   }
@@ -487,13 +512,16 @@ class Builder {
     auto const possible = possible_shapes(charge);
     std::string const word = section.text("shape").value_or(possible.front());
     if (std::find(possible.begin(), possible.end(), word) == possible.end()) {
-      std::string const disc = word == "sphere" && geometry() == Geometry::planar2d ? " (a \"cylinder\" is a disc here)" : "";
-      error(section, "shape", fmt::format("\"{}\" is not possible in {}; allowed: {}{}", word, geometry_word(geometry()),
-                                          joined(possible), disc));
+      std::string const disc =
+          word == "sphere" && geometry() == Geometry::planar2d ? " (a \"cylinder\" is a disc here)" : "";
+      error(section, "shape",
+            fmt::format("\"{}\" is not possible in {}; allowed: {}{}", word, geometry_word(geometry()),
+                        joined(possible), disc));
       return std::nullopt;
     }
     if (!only_keys_of(section, word)) return std::nullopt;
-    for (auto const* key : {"position", "radius", "length", "axis", "normal", "size", "lower", "upper", "length_to_diameter"}) {
+    for (auto const* key :
+         {"position", "radius", "length", "axis", "normal", "size", "lower", "upper", "length_to_diameter"}) {
       if (section.broken(key)) return std::nullopt;
     }
     Vec3 position{0.0, 0.0, 0.0};
@@ -502,9 +530,10 @@ class Builder {
       if (!p) return std::nullopt;
       position = *p;
       if (word != "box" && radial() && position[0] != 0.0) {
-        error(section, "position", fmt::format("{} does not lie on the axis; a {} in {} is centred at radius 0: write 0 as its first "
-                                               "element, or use a box, which is a ring or shell",
-                                               section.shown("position"), word, geometry_word(geometry())));
+        error(section, "position",
+              fmt::format("{} does not lie on the axis; a {} in {} is centred at radius 0: write 0 as its first "
+                          "element, or use a box, which is a ring or shell",
+                          section.shown("position"), word, geometry_word(geometry())));
         return std::nullopt;
       }
     }
@@ -519,12 +548,15 @@ class Builder {
       normal = {0.0, 0.0, 0.0};
       normal[given[1] - 'x'] = given[0] == '-' ? -1.0 : 1.0;
       if (geometry() == Geometry::axisymmetric2d && given[1] != 'y') {
-        error(section, "normal", fmt::format("\"{}\" is not possible in axisymmetric2d; allowed: \"+y\" or \"-y\", along the axis", given));
+        error(
+            section, "normal",
+            fmt::format("\"{}\" is not possible in axisymmetric2d; allowed: \"+y\" or \"-y\", along the axis", given));
         return std::nullopt;
       }
     }
     bool const half = word == "hemisphere";
-    detonation::Shape const unit = half ? detonation::Shape(detonation::Hemisphere{position, 1.0, normal}) : unit_sphere;
+    detonation::Shape const unit =
+        half ? detonation::Shape(detonation::Hemisphere{position, 1.0, normal}) : unit_sphere;
     double radius = 0.0;
     if (auto const given = section.number("radius")) {
       radius = *given;
@@ -539,9 +571,11 @@ class Builder {
   }
 
   void size_missing(Section const& section, std::string_view key, bool charge, std::string const& example) {
-    report_.error(section.place, section.path_of(key),
-                  charge ? fmt::format("the charge has neither a mass nor a size; write for example mass = \"10 kg\" or {}", example)
-                         : fmt::format("the key \"{}\" is missing; write for example {}", key, example));
+    report_.error(
+        section.place, section.path_of(key),
+        charge
+            ? fmt::format("the charge has neither a mass nor a size; write for example mass = \"10 kg\" or {}", example)
+            : fmt::format("the key \"{}\" is missing; write for example {}", key, example));
   }
 
   /// Are only those size keys given that the shape has?
@@ -556,18 +590,21 @@ class Builder {
     }
     if (word == "box") allowed = {"position", "size", "lower", "upper"};
     bool sound = true;
-    for (std::string const key : {"position", "radius", "length", "axis", "normal", "size", "lower", "upper", "length_to_diameter"}) {
+    for (std::string const key :
+         {"position", "radius", "length", "axis", "normal", "size", "lower", "upper", "length_to_diameter"}) {
       if (!section.given(key) || std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
       auto offered = allowed;
       std::erase_if(offered, [&](std::string const& k) { return section.table->find(k) == nullptr; });
-      error(section, key, fmt::format("{} does not apply to a {} in {}; its keys are {}: remove it or change the shape",
-                                      section.shown(key), word, geometry_word(geometry()), fmt::join(offered, ", ")));
+      error(section, key,
+            fmt::format("{} does not apply to a {} in {}; its keys are {}: remove it or change the shape",
+                        section.shown(key), word, geometry_word(geometry()), fmt::join(offered, ", ")));
       sound = false;
     }
     return sound;
   }
 
-  std::optional<detonation::Shape> cylinder(Section const& section, Vec3 const& position, std::optional<double> volume_asked) {
+  std::optional<detonation::Shape> cylinder(Section const& section, Vec3 const& position,
+                                            std::optional<double> volume_asked) {
     bool const charge = section.table->find("mass") != nullptr;
     Vec3 axis{0.0, 0.0, 1.0};
     if (geometry() == Geometry::axisymmetric2d) axis = {0.0, 1.0, 0.0};
@@ -584,7 +621,8 @@ class Builder {
         size_missing(section, "radius", charge, "radius = \"50 mm\"");
         return std::nullopt;
       }
-      return detonation::Cylinder{position, radius ? *radius : std::sqrt(*volume_asked / volume_of(1.0, 1.0)), 1.0, axis};
+      return detonation::Cylinder{position, radius ? *radius : std::sqrt(*volume_asked / volume_of(1.0, 1.0)), 1.0,
+                                  axis};
     }
     auto const length = section.number("length");
     auto const ratio = section.number("length_to_diameter");
@@ -595,7 +633,8 @@ class Builder {
     }
     if (radius && length) return detonation::Cylinder{position, *radius, *length, axis};
     if (radius && ratio) return detonation::Cylinder{position, *radius, 2.0 * *radius * *ratio, axis};
-    if (volume_asked && radius) return detonation::Cylinder{position, *radius, *volume_asked / volume_of(*radius, 1.0), axis};
+    if (volume_asked && radius)
+      return detonation::Cylinder{position, *radius, *volume_asked / volume_of(*radius, 1.0), axis};
     if (volume_asked && length) {
       return detonation::Cylinder{position, std::sqrt(*volume_asked / volume_of(1.0, *length)), *length, axis};
     }
@@ -603,22 +642,26 @@ class Builder {
       double const r = std::cbrt(*volume_asked / volume_of(1.0, 2.0 * *ratio));
       return detonation::Cylinder{position, r, 2.0 * r * *ratio, axis};
     }
-    report_.error(section.place, section.path_of("length"),
-                  volume_asked
-                      ? "a cylinder of given mass needs its proportions too; write for example length_to_diameter = 1 (or length, or radius)"
-                  : charge ? "a cylinder needs its mass and proportions or its radius and length; write for example mass = \"10 kg\" and "
-                             "length_to_diameter = 1"
-                           : "a cylinder needs radius and length; write for example radius = \"50 mm\" and length = \"0.2 m\"");
+    report_.error(
+        section.place, section.path_of("length"),
+        volume_asked ? "a cylinder of given mass needs its proportions too; write for example length_to_diameter = 1 "
+                       "(or length, or radius)"
+        : charge ? "a cylinder needs its mass and proportions or its radius and length; write for example mass = \"10 "
+                   "kg\" and "
+                   "length_to_diameter = 1"
+                 : "a cylinder needs radius and length; write for example radius = \"50 mm\" and length = \"0.2 m\"");
     return std::nullopt;
   }
 
-  std::optional<detonation::Shape> box(Section const& section, Vec3 const& position, std::optional<double> volume_asked) {
+  std::optional<detonation::Shape> box(Section const& section, Vec3 const& position,
+                                       std::optional<double> volume_asked) {
     bool const charge = section.table->find("mass") != nullptr;
     bool const corners = section.given("lower") || section.given("upper");
     if (corners && (section.given("size") || section.given("position"))) {
       std::string_view const key = section.given("size") ? "size" : "position";
-      error(section, key, fmt::format("{} is given beside lower or upper: a box has either lower and upper or position and size",
-                                      section.shown(key)));
+      error(section, key,
+            fmt::format("{} is given beside lower or upper: a box has either lower and upper or position and size",
+                        section.shown(key)));
       return std::nullopt;
     }
     Vec3 low = position;
@@ -626,8 +669,9 @@ class Builder {
     if (corners) {
       for (auto const* key : {"lower", "upper"}) {
         if (!section.given(key)) {
-          report_.error(section.place, section.path_of(key), "a box has both corners; write for example lower = [2, -1, 0] and "
-                                                             "upper = [3, 1, 2]");
+          report_.error(section.place, section.path_of(key),
+                        "a box has both corners; write for example lower = [2, -1, 0] and "
+                        "upper = [3, 1, 2]");
           return std::nullopt;
         }
       }
@@ -655,15 +699,18 @@ class Builder {
     for (int d = 0; d < dims(); ++d) {
       if (high[d] - low[d] > 0.0) continue;
       std::string_view const key = corners ? "upper" : "size";
-      error(section, key, fmt::format("{} leaves no extent in direction {} ({:g} m): it must be positive", section.shown(key),
-                                      directions[d], high[d] - low[d]));
+      error(section, key,
+            fmt::format("{} leaves no extent in direction {} ({:g} m): it must be positive", section.shown(key),
+                        directions[d], high[d] - low[d]));
       return std::nullopt;
     }
     if (radial() && low[0] < 0.0) {
       std::string_view const key = corners ? "lower" : "position";
-      error(section, key, fmt::format("the box starts at the radius {:g} m; in {} x is the radius: give lower and upper with radii of 0 "
-                                      "or more",
-                                      low[0], geometry_word(geometry())));
+      error(section, key,
+            fmt::format(
+                "the box starts at the radius {:g} m; in {} x is the radius: give lower and upper with radii of 0 "
+                "or more",
+                low[0], geometry_word(geometry())));
       return std::nullopt;
     }
     // One metre thick where a direction is not resolved.
@@ -685,7 +732,8 @@ class Builder {
     for (int d = 0; d < dims(); ++d) {
       if (b.upper[d] > out_.domain.lower[d] && b.lower[d] < out_.domain.upper(d)) continue;
       error(section, place_key(section),
-            fmt::format("the body reaches from {:.6g} to {:.6g} m in direction {} and lies outside the domain ({:.6g} to {:.6g} m): move "
+            fmt::format("the body reaches from {:.6g} to {:.6g} m in direction {} and lies outside the domain ({:.6g} "
+                        "to {:.6g} m): move "
                         "it or remove it",
                         b.lower[d], b.upper[d], directions[d], out_.domain.lower[d], out_.domain.upper(d)));
       return;
@@ -726,7 +774,8 @@ class Builder {
     return std::nullopt;
   }
 
-  // --- charges -----------------------------------------------------------------------------------------------------------------
+  // --- charges
+  // -----------------------------------------------------------------------------------------------------------------
 
   void charges() {
     auto const* all = deck_.sections("charge");
@@ -751,8 +800,8 @@ class Builder {
         auto const common = common_point(placed[i].second, obstacle);
         if (!common) continue;
         error(*placed[i].first, place_key(*placed[i].first),
-              fmt::format("{} reaches into {} around {} m: move one of them", placed[i].first->path, (*bodies)[index].path,
-                          point_text(*common, dims())));
+              fmt::format("{} reaches into {} around {} m: move one of them", placed[i].first->path,
+                          (*bodies)[index].path, point_text(*common, dims())));
       }
     }
   }
@@ -770,29 +819,31 @@ class Builder {
       out_.second_fluid = products(*found);
     } else if (first_explosive != found->name) {
       error(section, "explosive",
-            fmt::format("\"{}\" differs from the first charge's \"{}\": the two-fluid model has one product fluid for all charges; use one "
+            fmt::format("\"{}\" differs from the first charge's \"{}\": the two-fluid model has one product fluid for "
+                        "all charges; use one "
                         "explosive, or convert the mass by its TNT equivalent",
                         found->name, first_explosive));
       products_known_ = false;
     }
 
     auto const mass = section.number("mass");
-    if (section.given("mass") && !mass) return;
-    if (mass && !mass_unit_fits(section)) return;
-    // Without the explosive's density a charge given by its mass has no size yet.
-    if (found == nullptr && mass) return;
+    bool const by_mass = section.given("mass");
+    // Where the mass or the explosive is wrong the size is not known; any size shows the errors of the other keys.
+    bool const size_known = !by_mass || (mass && found != nullptr && mass_unit_fits(section));
     std::optional<double> volume_asked;
-    if (mass) volume_asked = *mass / found->density();
+    if (by_mass) volume_asked = size_known ? *mass / found->density() : 1.0;
     auto const body = shape(section, true, volume_asked);
-    if (!body) return;
+    if (!body || !size_known) return;
     double const volume = detonation::volume(*body, geometry());
     if (found != nullptr) {
       charge.explosive = *found;
       charge.mass = mass.value_or(volume * found->density());
       if (mass && std::abs(volume * found->density() - *mass) > mass_tolerance * *mass) {
-        error(section, "mass",
-              fmt::format("{} disagrees with the size, which holds {:.6g} kg of {} ({:g} kg/m3): give only one of mass and size",
-                          section.shown("mass"), volume * found->density(), found->name, found->density()));
+        error(
+            section, "mass",
+            fmt::format(
+                "{} disagrees with the size, which holds {:.6g} kg of {} ({:g} kg/m3): give only one of mass and size",
+                section.shown("mass"), volume * found->density(), found->name, found->density()));
         return;
       }
     }
@@ -812,8 +863,9 @@ class Builder {
                             : geometry() == Geometry::planar1d                                        ? "kg/m2"
                                                                                                       : "kg";
     if (unit == own) return true;
-    error(section, "mass", fmt::format("{} is given in {}, but a charge in {} has its mass in {}", section.shown("mass"), unit,
-                                       geometry_word(geometry()), own));
+    error(section, "mass",
+          fmt::format("{} is given in {}, but a charge in {} has its mass in {}", section.shown("mass"), unit,
+                      geometry_word(geometry()), own));
     return false;
   }
 
@@ -833,30 +885,36 @@ class Builder {
       Boundary const boundary = out_.domain.boundary[f];
       bool const centred = std::abs(c[d] - plane) <= tiny();
       bool const outwards = half != nullptr && half->normal[d] * (low ? -1.0 : 1.0) > 0.0;
-      std::string const where = fmt::format("the charge reaches {:.4g} m over the face {} ({} = {:.6g} m)", beyond, faces[f],
-                                            directions[d], plane);
+      std::string const where = fmt::format("the charge reaches {:.4g} m over the face {} ({} = {:.6g} m)", beyond,
+                                            faces[f], directions[d], plane);
       if (boundary == Boundary::symmetry) {
         if (centred && !outwards) continue;
         if (outwards) {
           error(section, section.given("normal") ? "normal" : key,
-                fmt::format("{}, to which its flat side looks: turn its normal to \"{}{}\"", where, low ? '+' : '-', directions[d]));
+                fmt::format("{}, to which its flat side looks: turn its normal to \"{}{}\"", where, low ? '+' : '-',
+                            directions[d]));
         } else {
-          error(section, key, fmt::format("{}, which is a symmetry plane, but its centre at {} = {:.6g} m does not lie on it: put the centre "
-                                          "on the plane or the whole charge inside",
-                                          where, directions[d], c[d]));
+          error(section, key,
+                fmt::format(
+                    "{}, which is a symmetry plane, but its centre at {} = {:.6g} m does not lie on it: put the centre "
+                    "on the plane or the whole charge inside",
+                    where, directions[d], c[d]));
         }
         return false;
       }
       bool const ball = std::holds_alternative<detonation::Sphere>(body);
       bool const third = geometry() == Geometry::cartesian3d || (geometry() == Geometry::axisymmetric2d && d == 1);
       if (boundary == Boundary::wall && ball && third) {
-        error(section, key, fmt::format("{}, which is a rigid wall: for a charge on the wall write shape = \"hemisphere\", normal = "
-                                        "\"{}{}\" and {} = {:.6g}, or move it inside",
-                                        where, low ? '+' : '-', directions[d], directions[d], plane));
+        error(section, key,
+              fmt::format("{}, which is a rigid wall: for a charge on the wall write shape = \"hemisphere\", normal = "
+                          "\"{}{}\" and {} = {:.6g}, or move it inside",
+                          where, low ? '+' : '-', directions[d], directions[d], plane));
       } else {
-        error(section, key, fmt::format("{}, which is \"{}\": move the charge inside or enlarge the domain; only a symmetry plane through "
-                                        "its centre may cut a charge",
-                                        where, boundary_word(boundary)));
+        error(section, key,
+              fmt::format(
+                  "{}, which is \"{}\": move the charge inside or enlarge the domain; only a symmetry plane through "
+                  "its centre may cut a charge",
+                  where, boundary_word(boundary)));
       }
       return false;
     }
@@ -869,13 +927,17 @@ class Builder {
     int const m = grid::radial_exponent(geometry());
     double const pi = std::numbers::pi;
     int const solid = geometry() == Geometry::cartesian3d || geometry() == Geometry::axisymmetric2d ? 3 : dims() + m;
-    double const radius = solid == 3 ? std::cbrt(volume / (4.0 / 3.0 * pi)) : solid == 2 ? std::sqrt(volume / pi) : 0.5 * volume;
+    double const radius = solid == 3   ? std::cbrt(volume / (4.0 / 3.0 * pi))
+                          : solid == 2 ? std::sqrt(volume / pi)
+                                       : 0.5 * volume;
     double const cells = radius / out_.domain.h;
     if (cells >= few_cells) return;
-    report_.warning(section.place, section.path,
-                    fmt::format("the charge has only {:.2g} cells per (equivalent) radius of {:.4g} m: expect a weak near field; {:.2g} m "
-                                "cells give {:g}",
-                                cells, radius, radius / few_cells, few_cells));
+    report_.warning(
+        section.place, section.path,
+        fmt::format(
+            "the charge has only {:.2g} cells per (equivalent) radius of {:.4g} m: expect a weak near field; {:.2g} m "
+            "cells give {:g}",
+            cells, radius, radius / few_cells, few_cells));
   }
 
   bool initiation(Section const& section, detonation::Shape const& body, run::Charge& charge) {
@@ -885,8 +947,9 @@ class Builder {
     auto const* points = section.sections("initiation");
     if (charge.detonation == run::Detonation::instantaneous) {
       if (points == nullptr) return true;
-      error(section, "initiation", "an instantaneous detonation has no points of initiation: remove them, or write detonation = "
-                                   "\"programmed\"");
+      error(section, "initiation",
+            "an instantaneous detonation has no points of initiation: remove them, or write detonation = "
+            "\"programmed\"");
       return false;
     }
     if (points == nullptr || points->empty()) {
@@ -912,11 +975,13 @@ class Builder {
         // A point on the surface counts as inside: it is moved towards the middle by a round-off length.
         Vec3 const inward = detonation::centre(body) - p.position;
         double const distance = norm(inward);
-        Vec3 const moved = distance > 0.0 ? p.position + std::min(1.0, 1e-3 * out_.domain.h / distance) * inward : p.position;
+        Vec3 const moved =
+            distance > 0.0 ? p.position + std::min(1.0, 1e-3 * out_.domain.h / distance) * inward : p.position;
         if (!detonation::contains(body, out_.domain, p.position) && !detonation::contains(body, out_.domain, moved)) {
           auto const b = detonation::bounds(body);
-          error(given, "position", fmt::format("{} lies outside the charge, which reaches from {} to {} m: move the point inside",
-                                               given.shown("position"), point_text(b.lower, dims()), point_text(b.upper, dims())));
+          error(given, "position",
+                fmt::format("{} lies outside the charge, which reaches from {} to {} m: move the point inside",
+                            given.shown("position"), point_text(b.lower, dims()), point_text(b.upper, dims())));
           sound = false;
           continue;
         }
@@ -926,7 +991,8 @@ class Builder {
     return sound;
   }
 
-  // --- regions, obstacles, gauges ----------------------------------------------------------------------------------------------
+  // --- regions, obstacles, gauges
+  // ----------------------------------------------------------------------------------------------
 
   void regions() {
     each("region", [&](Section const& section) {
@@ -950,9 +1016,11 @@ class Builder {
         own = found != nullptr ? *found : products(*charged);
         if (!ambient_known_ || own.name != out_.ambient.fluid.name) {
           if (ambient_known_ && products_known_ && out_.second_fluid && out_.second_fluid->name != own.name) {
-            error(section, "fluid", fmt::format("\"{}\" would be a third fluid beside \"{}\" and \"{}\"; a calculation has at most two: use "
-                                                "one of these",
-                                                *name, out_.ambient.fluid.name, out_.second_fluid->name));
+            error(section, "fluid",
+                  fmt::format(
+                      "\"{}\" would be a third fluid beside \"{}\" and \"{}\"; a calculation has at most two: use "
+                      "one of these",
+                      *name, out_.ambient.fluid.name, out_.second_fluid->name));
             return;
           }
           if (products_known_) out_.second_fluid = own;
@@ -999,7 +1067,8 @@ class Builder {
                         static_cast<int>(section.given("plane"));
       if (forms != 1) {
         report_.error(section.place, section.path,
-                      fmt::format("a gauge has exactly one of point, line and plane, this one has {}; write for example point = [2, 0, 1]",
+                      fmt::format("a gauge has exactly one of point, line and plane, this one has {}; write for "
+                                  "example point = [2, 0, 1]",
                                   forms == 0 ? "none" : std::to_string(forms)));
         continue;
       }
@@ -1022,8 +1091,10 @@ class Builder {
 
   bool room_for_gauges(Section const& section, std::string_view key, double count) {
     if (static_cast<double>(out_.gauges.size()) + count <= most_gauges) return true;
-    error(section, key, fmt::format("{:.0f} gauges more make {:.0f} in all; allowed: at most {:.0f}; write field dumps for dense data", count,
-                                    static_cast<double>(out_.gauges.size()) + count, most_gauges));
+    error(
+        section, key,
+        fmt::format("{:.0f} gauges more make {:.0f} in all; allowed: at most {:.0f}; write field dumps for dense data",
+                    count, static_cast<double>(out_.gauges.size()) + count, most_gauges));
     return false;
   }
 
@@ -1053,8 +1124,9 @@ class Builder {
       return;
     }
     if (counts != nullptr && counts->size() != 2) {
-      error(*given, "counts", fmt::format("{} has {} elements, expected two whole numbers; write for example counts = [5, 5]",
-                                          given->shown("counts"), counts->size()));
+      error(*given, "counts",
+            fmt::format("{} has {} elements, expected two whole numbers; write for example counts = [5, 5]",
+                        given->shown("counts"), counts->size()));
       return;
     }
     if (!origin || !edge1 || !edge2 || counts == nullptr) return;
@@ -1085,14 +1157,16 @@ class Builder {
         double const low = out_.domain.lower[d];
         double const high = out_.domain.upper(d);
         if (gauge.position[d] >= low - tiny() && gauge.position[d] <= high + tiny()) continue;
-        error(section, key, fmt::format("gauge {} at {} m lies outside the domain: {} = {:.6g} m, allowed: {:.6g} to {:.6g} m", gauge.name,
-                                        point_text(gauge.position, dims()), directions[d], gauge.position[d], low, high));
+        error(section, key,
+              fmt::format("gauge {} at {} m lies outside the domain: {} = {:.6g} m, allowed: {:.6g} to {:.6g} m",
+                          gauge.name, point_text(gauge.position, dims()), directions[d], gauge.position[d], low, high));
         place_reported = true;
       }
       for (std::size_t k = 0; k < obstacle_shapes_.size() && !place_reported; ++k) {
         if (!well_inside(obstacle_shapes_[k].second, gauge.position)) continue;
-        error(section, key, fmt::format("gauge {} at {} m lies inside obstacle[{}]: move it into the gas", gauge.name,
-                                        point_text(gauge.position, dims()), obstacle_shapes_[k].first + 1));
+        error(section, key,
+              fmt::format("gauge {} at {} m lies inside obstacle[{}]: move it into the gas", gauge.name,
+                          point_text(gauge.position, dims()), obstacle_shapes_[k].first + 1));
         place_reported = true;
       }
     }
@@ -1112,7 +1186,8 @@ class Builder {
     return true;
   }
 
-  // --- the rest ----------------------------------------------------------------------------------------------------------------
+  // --- the rest
+  // ----------------------------------------------------------------------------------------------------------------
 
   void numerics() {
     Section const* section = deck_.section("numerics");
@@ -1128,14 +1203,17 @@ class Builder {
     n.pressure_floor = section->number("pressure_floor").value_or(n.pressure_floor);
     n.viscosity = section->number("viscosity").value_or(n.viscosity);
     if (n.block_cells != 0 && n.block_cells < 4) {
-      error(*section, "block_cells", fmt::format("{} is too small; allowed: 0 (chosen by the program) or 4 to 4096", n.block_cells));
+      error(*section, "block_cells",
+            fmt::format("{} is too small; allowed: 0 (chosen by the program) or 4 to 4096", n.block_cells));
     }
     if (n.scheme == run::Scheme::lax_wendroff) {
       for (auto const* key : {"limiter_beta", "carbuncle_cure"}) {
-        if (section->given(key)) report_.warning(section->place_of(key), section->path_of(key), "has no effect with lax-wendroff");
+        if (section->given(key))
+          report_.warning(section->place_of(key), section->path_of(key), "has no effect with lax-wendroff");
       }
     } else if (section->given("viscosity")) {
-      report_.warning(section->place_of("viscosity"), section->path_of("viscosity"), "has no effect with muscl-hancock");
+      report_.warning(section->place_of("viscosity"), section->path_of("viscosity"),
+                      "has no effect with muscl-hancock");
     }
   }
 
@@ -1168,8 +1246,9 @@ class Builder {
     if (!end_known_) return;
     double const time = out_.end.time;
     if (!o.field_times.empty() && o.field_times.back() > time) {
-      error(*section, "field_times", fmt::format("{:g} s lies after the end of the calculation at {:g} s: remove it or calculate longer",
-                                                 o.field_times.back(), time));
+      error(*section, "field_times",
+            fmt::format("{:g} s lies after the end of the calculation at {:g} s: remove it or calculate longer",
+                        o.field_times.back(), time));
     }
     too_many(*section, "field_interval", o.field_interval, most_dumps, "field dumps");
     too_many(*section, "gauge_interval", o.gauge_interval, most_records, "records per gauge");
@@ -1177,8 +1256,9 @@ class Builder {
 
   void too_many(Section const& section, std::string_view key, double interval, double most, char const* things) {
     if (interval <= 0.0 || out_.end.time / interval <= most) return;
-    error(section, key, fmt::format("{} until {:g} s makes {:.4g} {}; allowed: at most {:g}; write at least {:.3g} s",
-                                    section.shown(key), out_.end.time, out_.end.time / interval, things, most, out_.end.time / most));
+    error(section, key,
+          fmt::format("{} until {:g} s makes {:.4g} {}; allowed: at most {:g}; write at least {:.3g} s",
+                      section.shown(key), out_.end.time, out_.end.time / interval, things, most, out_.end.time / most));
   }
 
   void compare() {
@@ -1191,11 +1271,13 @@ class Builder {
     auto const* charges = deck_.sections("charge");
     bool const one = charges != nullptr && charges->size() == 1;
     if (*word != "auto" && *word != "none" && !one && !deck_.broken("charge")) {
-      error(*section, "burst", fmt::format("\"{}\" needs exactly one charge, there are {}: write \"none\"", *word,
-                                           charges == nullptr ? 0 : charges->size()));
+      error(*section, "burst",
+            fmt::format("\"{}\" needs exactly one charge, there are {}: write \"none\"", *word,
+                        charges == nullptr ? 0 : charges->size()));
     }
     bool const moving = deck_.given("charge") || deck_.given("region") || deck_.given("inflow");
-    if (!moving) report_.warning(deck_.place, "charge", "nothing will happen: there is no charge, no region and no inflow");
+    if (!moving)
+      report_.warning(deck_.place, "charge", "nothing will happen: there is no charge, no region and no inflow");
   }
 
   [[nodiscard]] run::Burst automatic_burst() const {

@@ -59,15 +59,18 @@ std::string words_line(char const* title, std::string_view table, std::string_vi
 }  // namespace
 
 std::string describe_library() {
-  std::string out = "Explosives          density  detonation   CJ pressure  energy   TNT equivalent\n"
-                    "                    kg/m3    speed m/s    GPa          MJ/kg    pressure  impulse\n";
+  std::string out =
+      "Explosives          density  detonation   CJ pressure  energy   TNT equivalent\n"
+      "                    kg/m3    speed m/s    GPa          MJ/kg    pressure  impulse\n";
   for (auto const& [e, aliases] : library().explosives) {
-    out += fmt::format("  {:<18}{:<9.4g}{:<13.4g}{:<13.4g}{:<9.3g}{:<10.3g}{:.3g}\n", e.name, e.density(), e.detonation_speed,
-                       e.cj_pressure / 1e9, e.specific_energy() / 1e6, e.tnt_equivalent_pressure, e.tnt_equivalent_impulse);
+    out += fmt::format("  {:<18}{:<9.4g}{:<13.4g}{:<13.4g}{:<9.3g}{:<10.3g}{:.3g}\n", e.name, e.density(),
+                       e.detonation_speed, e.cj_pressure / 1e9, e.specific_energy() / 1e6, e.tnt_equivalent_pressure,
+                       e.tnt_equivalent_impulse);
   }
   out += "  (An explosive other than TNT with an equivalent of 1 has none on record.)\n";
-  out += "\nFluids              density  pressure     equation\n"
-         "                    kg/m3    kPa          of state\n";
+  out +=
+      "\nFluids              density  pressure     equation\n"
+      "                    kg/m3    kPa          of state\n";
   for (auto const& [f, aliases] : library().fluids) {
     out += fmt::format("  {:<18}{:<9.4g}{:<13.6g}{}\n", f.name, f.density, f.pressure / 1e3, eos_name(f.eos));
   }
@@ -92,7 +95,8 @@ std::string describe_material(std::string const& name) {
     out += std::visit([](auto const& m) { return parameter_lines(m); }, f->eos);
     out += value_line("density", f->density, "kg/m3", "default density");
     out += value_line("pressure", f->pressure, "Pa", "default pressure");
-    return out + value_line("", material::sound_speed(f->eos, f->density, f->pressure), "m/s", "sound speed of this state");
+    return out +
+           value_line("", material::sound_speed(f->eos, f->density, f->pressure), "m/s", "sound speed of this state");
   }
   auto names = all.explosive_names();
   auto const fluids = all.fluid_names();

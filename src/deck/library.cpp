@@ -146,7 +146,8 @@ std::optional<material::Fluid> build_fluid(Section const& section, std::string c
   auto const density = section.number("density");
   auto const pressure = section.number("pressure");
   if (!word || !density || !pressure) return std::nullopt;
-  bool const complete = fill_if<material::IdealGas>(*word, out.eos, section) && fill_if<material::Jwl>(*word, out.eos, section) &&
+  bool const complete = fill_if<material::IdealGas>(*word, out.eos, section) &&
+                        fill_if<material::Jwl>(*word, out.eos, section) &&
                         fill_if<material::StiffenedGas>(*word, out.eos, section) &&
                         fill_if<material::MieGruneisen>(*word, out.eos, section);
   if (!complete) return std::nullopt;

@@ -40,7 +40,8 @@ struct Library {
 /// For `brisance info`: all materials in one table each, and how to see more.
 [[nodiscard]] std::string describe_library();
 
-/// All parameters of a material with unit, meaning and source. Throws InputError with the nearest names for an unknown one.
+/// All parameters of a material with unit, meaning and source. Throws InputError with the nearest names for an unknown
+/// one.
 [[nodiscard]] std::string describe_material(std::string const& name);
 
 /// For `brisance info`: geometries, boundaries, shapes, equations of state with their parameters, schemes, fields.

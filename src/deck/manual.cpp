@@ -56,8 +56,8 @@ std::string default_text(Key const& key) {
 std::string rows(std::vector<Key> const& keys) {
   std::string out = "| key | type | allowed | default | meaning | example |\n|---|---|---|---|---|---|\n";
   for (auto const& key : keys) {
-    out += fmt::format("| `{}` | {} | {} | {} | {} | `{} = {}` |\n", key.name, type_text(key), allowed_text(key), default_text(key),
-                       key.explanation, key.name, key.sample);
+    out += fmt::format("| `{}` | {} | {} | {} | {} | `{} = {}` |\n", key.name, type_text(key), allowed_text(key),
+                       default_text(key), key.explanation, key.name, key.sample);
   }
   return out;
 }

@@ -16,9 +16,9 @@ namespace brisance::deck {
 
 namespace {
 
-constexpr std::size_t largest_deck = 1U << 20U;   ///< bytes
-constexpr std::size_t longest_list = 10000;       ///< elements
-constexpr int most_key_parts = 32;                ///< parts of one dotted key
+constexpr std::size_t largest_deck = 1U << 20U;  ///< bytes
+constexpr std::size_t longest_list = 10000;      ///< elements
+constexpr int most_key_parts = 32;               ///< parts of one dotted key
 
 Place place_in(toml::source_region const& source, Place fallback) {
   if (source.begin.line == 0) return fallback;
@@ -40,7 +40,7 @@ std::string shortened(std::string_view text, std::size_t limit = 60) {
 }
 
 std::string show(toml::node const& node) {
-  if (auto const* s = node.as_string()) return '"' + shortened(s->get()) + '"';
+  if (auto const* s = node.as_string()) return fmt::format("\"{}\"", shortened(s->get()));
   if (auto const* i = node.as_integer()) return fmt::format("{}", i->get());
   if (auto const* f = node.as_floating_point()) return fmt::format("{}", f->get());
   if (auto const* b = node.as_boolean()) return b->get() ? "true" : "false";
@@ -71,7 +71,8 @@ std::string kind_of(toml::node const& node) {
   return "is a date or time";
 }
 
-/// toml++ builds one nested table per part of a dotted key and frees them recursively. Nothing in a deck has more than a few parts.
+/// toml++ builds one nested table per part of a dotted key and frees them recursively. Nothing in a deck has more than
+/// a few parts.
 std::optional<Place> overlong_key(std::string_view text) {
   Place place;
   Place start;
@@ -122,11 +123,13 @@ class Walker {
       if (key == nullptr) {
         // Keys of a model that was misspelt itself cannot be judged.
         if (!table.variants.empty() && further == nullptr && table.find(name) != nullptr) continue;
-        report_.error(key_place, joined(out.path, shortened(name)), unknown_key(out, table, further, names, name, node));
+        report_.error(key_place, joined(out.path, shortened(name)),
+                      unknown_key(out, table, further, names, name, node));
         out.meant.push_back(nearest(name, names));
         continue;
       }
-      Place const value_place = node.is_table() || key->type == Type::tables ? key_place : place_in(node.source(), key_place);
+      Place const value_place =
+          node.is_table() || key->type == Type::tables ? key_place : place_in(node.source(), key_place);
       out.entries.emplace(name, entry(*key, node, joined(out.path, name), value_place));
     }
     for (auto const* keys : {&table.keys, further}) {
@@ -168,7 +171,7 @@ class Walker {
 
   static std::string unknown_key(Section const& section, Table const& table, std::vector<Key> const* further,
                                  std::vector<std::string> const& names, std::string_view name, toml::node const& node) {
-    std::string const where = section.path.empty() ? "at the top of the deck" : "in " + section.path;
+    std::string const where = section.path.empty() ? "at the top of the deck" : fmt::format("in {}", section.path);
     if (further != nullptr && table.find(name) != nullptr) {
       return fmt::format("unknown key \"{}\" (value {}) {}: it belongs to another equation of state; allowed keys: {}",
                          shortened(name), show(node), where, fmt::join(names, ", "));
@@ -192,13 +195,14 @@ class Walker {
 
   static std::string lowered(std::string text) {
     // Not the first letter of an abbreviation.
-    if (text.size() > 1 && std::islower(static_cast<unsigned char>(text[1])) != 0) text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
+    if (text.size() > 1 && std::islower(static_cast<unsigned char>(text[1])) != 0)
+      text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
     return text;
   }
 
   static bool ranged(Key const& key) {
-    return key.type == Type::number || key.type == Type::integer || key.type == Type::point || key.type == Type::numbers ||
-           key.type == Type::integers;
+    return key.type == Type::number || key.type == Type::integer || key.type == Type::point ||
+           key.type == Type::numbers || key.type == Type::integers;
   }
 
   static std::string example(Key const& key) { return fmt::format("{} = {}", key.name, key.sample); }
@@ -206,8 +210,8 @@ class Walker {
   void wrong_type(Key const& key, toml::node const& node, std::string const& path, Place place) {
     std::string const range = ranged(key) ? fmt::format(", {}", range_text(key)) : "";
     report_.error(place, path,
-                  fmt::format("{} {}, expected {}{}; write for example {}", show(node), kind_of(node), expectation(key), range,
-                              example(key)));
+                  fmt::format("{} {}, expected {}{}; write for example {}", show(node), kind_of(node), expectation(key),
+                              range, example(key)));
   }
 
   /// One quantity: an element of a list or a value of its own. Reports what is wrong with it.
@@ -229,8 +233,9 @@ class Walker {
           converted = true;
         }
         if (!converted) {
-          report_.error(place, path,
-                        fmt::format("{}; allowed: {}; write for example {}", read.problem, range_text(key), example(key)));
+          report_.error(
+              place, path,
+              fmt::format("{}; allowed: {}; write for example {}", read.problem, range_text(key), example(key)));
           return std::nullopt;
         }
       }
@@ -243,13 +248,15 @@ class Walker {
       return std::nullopt;
     }
     if (!std::isfinite(value)) {
-      report_.error(place, path, fmt::format("{} is not a finite number; allowed: {}; write for example {}", show(node),
-                                             range_text(key), example(key)));
+      report_.error(place, path,
+                    fmt::format("{} is not a finite number; allowed: {}; write for example {}", show(node),
+                                range_text(key), example(key)));
       return std::nullopt;
     }
     if (value < key.minimum || value > key.maximum) {
-      report_.error(place, path, fmt::format("{} is out of range; allowed: {}; write for example {}", show(node), range_text(key),
-                                             example(key)));
+      report_.error(place, path,
+                    fmt::format("{} is out of range; allowed: {}; write for example {}", show(node), range_text(key),
+                                example(key)));
       return std::nullopt;
     }
     return value;
@@ -263,8 +270,9 @@ class Walker {
     }
     auto const value = static_cast<double>(i->get());
     if (value < key.minimum || value > key.maximum) {
-      report_.error(place, path, fmt::format("{} is out of range; allowed: {}; write for example {}", show(node), range_text(key),
-                                             example(key)));
+      report_.error(place, path,
+                    fmt::format("{} is out of range; allowed: {}; write for example {}", show(node), range_text(key),
+                                example(key)));
       return std::nullopt;
     }
     return static_cast<long>(i->get());
@@ -278,9 +286,10 @@ class Walker {
     }
     if (std::find(key.choices.begin(), key.choices.end(), s->get()) != key.choices.end()) return s->get();
     std::string const near = nearest(s->get(), key.choices);
-    report_.error(place, path,
-                  fmt::format("{} is not known; {}allowed: {}", show(node),
-                              near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), quoted_list(key.choices)));
+    report_.error(
+        place, path,
+        fmt::format("{} is not known; {}allowed: {}", show(node),
+                    near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), quoted_list(key.choices)));
     return std::nullopt;
   }
 
@@ -292,7 +301,8 @@ class Walker {
       return nullptr;
     }
     if (array->size() > longest_list) {
-      report_.error(place, path, fmt::format("the list has {} elements; allowed: at most {}", array->size(), longest_list));
+      report_.error(place, path,
+                    fmt::format("the list has {} elements; allowed: at most {}", array->size(), longest_list));
       return nullptr;
     }
     return array;
@@ -353,7 +363,8 @@ class Walker {
         });
         break;
       case Type::numbers:
-        read_list<double>(out, key, node, path, [&](toml::node const& e, Place at) { return quantity(key, e, path, at); });
+        read_list<double>(out, key, node, path,
+                          [&](toml::node const& e, Place at) { return quantity(key, e, path, at); });
         break;
       case Type::integers:
         read_list<double>(out, key, node, path, [&](toml::node const& e, Place at) {
@@ -428,19 +439,23 @@ class Walker {
   void tables(Entry& out, Key const& key, toml::node const& node, std::string const& path) {
     auto const* array = node.as_array();
     if (node.is_table() && path.find('.') == std::string::npos) {
-      report_.error(out.place, path, fmt::format("[{}] is a single table, expected an array of tables; write [[{}]]", path, path));
+      report_.error(out.place, path,
+                    fmt::format("[{}] is a single table, expected an array of tables; write [[{}]]", path, path));
       return;
     }
     if (array == nullptr) {
-      report_.error(out.place, path,
-                    fmt::format("{} {}, expected an array of tables; write {}", show(node), kind_of(node),
-                                key.sample.empty() ? fmt::format("[[{}]]", path) : fmt::format("for example {}", example(key))));
+      report_.error(
+          out.place, path,
+          fmt::format("{} {}, expected an array of tables; write {}", show(node), kind_of(node),
+                      key.sample.empty() ? fmt::format("[[{}]]", path) : fmt::format("for example {}", example(key))));
       return;
     }
     if (array->size() > longest_list) {
-      report_.error(out.place, path, fmt::format("there are {} tables; allowed: at most {}", array->size(), longest_list));
+      report_.error(out.place, path,
+                    fmt::format("there are {} tables; allowed: at most {}", array->size(), longest_list));
       return;
     }
+    // Wrong elements are reported and left out, so that the others are still checked.
     std::vector<Section> sections;
     out.valid = true;
     for (std::size_t i = 0; i < array->size(); ++i) {
@@ -451,7 +466,6 @@ class Walker {
         sections.push_back(section(*t, *key.table, element_path, place));
       } else {
         report_.error(place, element_path, fmt::format("{} {}, expected a table", show(element), kind_of(element)));
-        out.valid = false;
       }
     }
     out.value = std::move(sections);
@@ -463,6 +477,7 @@ class Walker {
       wrong_type(key, node, path, out.place);
       return;
     }
+    // Wrong elements are reported and left out, so that the others are still checked.
     std::vector<Section> sections;
     out.valid = true;
     for (auto const& [name, element] : *table) {
@@ -472,16 +487,16 @@ class Walker {
         report_.error(place, element_path,
                       fmt::format("unknown name \"{}\"; {}", shortened(name.str()),
                                   suggestion(name.str(), key.choices, "allowed names")));
-        out.valid = false;
         continue;
       }
-      if (auto const* t = element.as_table()) {
+      if (name.str().empty() || name.str().size() > 64) {
+        report_.error(place, element_path, fmt::format("the name has {} bytes; allowed: 1 to 64", name.str().size()));
+      } else if (auto const* t = element.as_table()) {
         sections.push_back(section(*t, *key.table, element_path, place));
         sections.back().name = name.str();
       } else {
         report_.error(place, element_path,
                       fmt::format("{} {}, expected a table; write [{}.NAME]", show(element), kind_of(element), path));
-        out.valid = false;
       }
     }
     out.value = std::move(sections);
@@ -492,7 +507,8 @@ class Walker {
 
 }  // namespace
 
-// --- Section -------------------------------------------------------------------------------------------------------------------
+// --- Section
+// -------------------------------------------------------------------------------------------------------------------
 
 bool Section::broken(std::string_view key) const {
   auto const found = entries.find(key);
@@ -536,14 +552,17 @@ std::optional<long> Section::integer(std::string_view key) const { return value_
 std::optional<bool> Section::boolean(std::string_view key) const { return value_or_default<bool>(key); }
 std::optional<std::string> Section::text(std::string_view key) const { return value_or_default<std::string>(key); }
 std::vector<double> const* Section::numbers(std::string_view key) const { return value<std::vector<double>>(key); }
-std::vector<std::string> const* Section::strings(std::string_view key) const { return value<std::vector<std::string>>(key); }
+std::vector<std::string> const* Section::strings(std::string_view key) const {
+  return value<std::vector<std::string>>(key);
+}
 std::vector<Section> const* Section::sections(std::string_view key) const { return value<std::vector<Section>>(key); }
 Section const* Section::section(std::string_view key) const {
   auto const* all = sections(key);
   return all == nullptr || all->empty() ? nullptr : all->data();
 }
 
-// --- Report --------------------------------------------------------------------------------------------------------------------
+// --- Report
+// --------------------------------------------------------------------------------------------------------------------
 
 std::string format(Diagnostic const& d) {
   return d.key.empty() ? fmt::format("{}:{}:{}: error: {}", d.file, d.line, d.column, d.message)
@@ -572,7 +591,8 @@ std::optional<Section> read(std::string_view text, Table const& schema, Report& 
     return std::nullopt;
   }
   if (auto const place = overlong_key(text)) {
-    report.error(*place, "", fmt::format("a key with more than {} parts; no key of a deck has more than a few", most_key_parts));
+    report.error(*place, "",
+                 fmt::format("a key with more than {} parts; no key of a deck has more than a few", most_key_parts));
     return std::nullopt;
   }
   toml::table root;
@@ -580,7 +600,8 @@ std::optional<Section> read(std::string_view text, Table const& schema, Report& 
     root = toml::parse(text);
   } catch (toml::parse_error const& error) {
     report.error(place_in(error.source(), {}), "",
-                 fmt::format("this is not valid TOML: {}; correct this first, the rest was not read", shortened(error.description(), 300)));
+                 fmt::format("this is not valid TOML: {}; correct this first, the rest was not read",
+                             shortened(error.description(), 300)));
     return std::nullopt;
   }
   return Walker(report).section(root, schema, "", {});

@@ -1,5 +1,5 @@
-/// From TOML text to values: types, units, ranges and unknown keys are checked here against the schema. What the values mean
-/// together is checked in `build.cpp`.
+/// From TOML text to values: types, units, ranges and unknown keys are checked here against the schema. What the values
+/// mean together is checked in `build.cpp`.
 #pragma once
 
 #include <map>
@@ -35,8 +35,9 @@ struct Entry {
   std::vector<std::string> elements_shown;
 };
 
-/// One table as given in the deck. Accessors return the value, else the schema's default, else nothing: either because the key is
-/// absent without a default or because its value was wrong, which has been reported; `broken` tells the two apart.
+/// One table as given in the deck. Accessors return the value, else the schema's default, else nothing: either because
+/// the key is absent without a default or because its value was wrong, which has been reported; `broken` tells the two
+/// apart.
 class Section {
  public:
   Table const* table = nullptr;

@@ -14,9 +14,9 @@ namespace brisance::deck {
 
 namespace {
 
-constexpr double far = 1e6;          ///< largest coordinate [m]
-constexpr double longest = 1e4;      ///< longest time [s]
-constexpr double smallest = 1e-6;    ///< smallest length [m]
+constexpr double far = 1e6;        ///< largest coordinate [m]
+constexpr double longest = 1e4;    ///< longest time [s]
+constexpr double smallest = 1e-6;  ///< smallest length [m]
 
 Key number(std::string name, std::string unit, double minimum, double maximum) {
   Key key;
@@ -78,11 +78,15 @@ std::vector<Key> shape_keys(std::vector<std::string> shapes) {
       word("shape", std::move(shapes))
           .note("`sphere`; in planar2d and cylindrical1d `cylinder`, in planar1d `box`")
           .like("\"sphere\"")
-          .means("Shape. In planar2d a cylinder is a disc and a box a rectangle; in axisymmetric2d a cylinder stands around the "
-                 "axis, a box turned around the axis is a ring; cylindrical1d and spherical1d know the concentric cylinder "
+          .means("Shape. In planar2d a cylinder is a disc and a box a rectangle; in axisymmetric2d a cylinder stands "
+                 "around the "
+                 "axis, a box turned around the axis is a ring; cylindrical1d and spherical1d know the concentric "
+                 "cylinder "
                  "and sphere, and boxes as tubes and shells"),
-      position("position").note("the origin").like("[0, 0, \"1.5 m\"]").means(
-          "Centre of a sphere, cylinder or box; of a hemisphere the centre of its flat face"),
+      position("position")
+          .note("the origin")
+          .like("[0, 0, \"1.5 m\"]")
+          .means("Centre of a sphere, cylinder or box; of a hemisphere the centre of its flat face"),
       number("radius", "m", smallest, far).like("\"50 mm\"").means("Radius of a sphere, hemisphere or cylinder"),
       number("length", "m", smallest, far).like("\"0.2 m\"").means("Length of a cylinder along its axis"),
       word("axis", {"x", "y", "z"})
@@ -93,8 +97,9 @@ std::vector<Key> shape_keys(std::vector<std::string> shapes) {
           .note("`+z`; in axisymmetric2d `+y`")
           .like("\"+z\"")
           .means("Side of its flat face on which a hemisphere lies: `+z` stands on the ground"),
-      typed(Type::point, "size", "m", smallest, far).like("[1, 1, \"20 cm\"]").means(
-          "Edges of a box around `position`; instead of `lower` and `upper`"),
+      typed(Type::point, "size", "m", smallest, far)
+          .like("[1, 1, \"20 cm\"]")
+          .means("Edges of a box around `position`; instead of `lower` and `upper`"),
       position("lower").like("[2, -1, 0]").means("Low corner of a box"),
       position("upper").like("[3, 1, \"2.5 m\"]").means("High corner of a box"),
   };
@@ -111,7 +116,8 @@ Table const& domain_table() {
       {word("geometry", {"cartesian3d", "planar2d", "axisymmetric2d", "planar1d", "cylindrical1d", "spherical1d"})
            .of("cartesian3d")
            .like("\"cartesian3d\"")
-           .means("Resolved directions and symmetry. In axisymmetric2d x is the radius and y the axis; in cylindrical1d and "
+           .means("Resolved directions and symmetry. In axisymmetric2d x is the radius and y the axis; in "
+                  "cylindrical1d and "
                   "spherical1d x is the radius"),
        number("cell", "m", smallest, 1e4).required().like("\"50 mm\"").means("Edge h of the cubic cells"),
        position("lower").note("the origin").like("[0, 0, 0]").means("Low corner"),
@@ -130,17 +136,20 @@ std::vector<std::string> const faces{"x_low", "x_high", "y_low", "y_high", "z_lo
 Table const& boundaries_table() {
   static Table const table = [] {
     std::vector<std::string> const kinds{"outflow", "wall", "symmetry", "inflow", "periodic"};
-    Table t{"What happens at the faces of the domain: `outflow` lets waves out, `wall` is rigid (the ground), `symmetry` is a "
-            "mirror plane, `inflow` holds the state given in `[inflow.FACE]`, `periodic` joins opposite faces.",
-            {},
-            {},
-            {}};
+    Table t{
+        "What happens at the faces of the domain: `outflow` lets waves out, `wall` is rigid (the ground), `symmetry` "
+        "is a "
+        "mirror plane, `inflow` holds the state given in `[inflow.FACE]`, `periodic` joins opposite faces.",
+        {},
+        {},
+        {}};
     t.keys.push_back(word("all", kinds).of("outflow").like("\"outflow\"").means("All faces that are not named"));
     for (auto const& face : faces) {
-      t.keys.push_back(word(face, kinds)
-                           .note(face == "x_low" ? "as `all`; `symmetry` where x is a radius and x_low lies at 0" : "as `all`")
-                           .like("\"symmetry\"")
-                           .means(fmt::format("Face at the {} end of {}", face.substr(2), face.substr(0, 1))));
+      t.keys.push_back(
+          word(face, kinds)
+              .note(face == "x_low" ? "as `all`; `symmetry` where x is a radius and x_low lies at 0" : "as `all`")
+              .like("\"symmetry\"")
+              .means(fmt::format("Face at the {} end of {}", face.substr(2), face.substr(0, 1))));
     }
     return t;
   }();
@@ -148,12 +157,12 @@ Table const& boundaries_table() {
 }
 
 Table const& inflow_table() {
-  static Table const table{"State of the ambient fluid that enters through a face whose boundary is `inflow`.",
-                           {density().note("that of the ambient").means("Density"),
-                            pressure().note("that of the ambient").means("Pressure"),
-                            velocity().required().means("Velocity")},
-                           {},
-                           {}};
+  static Table const table{
+      "State of the ambient fluid that enters through a face whose boundary is `inflow`.",
+      {density().note("that of the ambient").means("Density"), pressure().note("that of the ambient").means("Pressure"),
+       velocity().required().means("Velocity")},
+      {},
+      {}};
   return table;
 }
 
@@ -166,7 +175,8 @@ Table const& ambient_table() {
        number("temperature", "K", 1.0, 1e4)
            .note("288.15 K for air")
            .like("\"15 degC\"")
-           .means("Instead of `density`, for ideal gases: the density follows from that of the fluid's own table, which is "
+           .means("Instead of `density`, for ideal gases: the density follows from that of the fluid's own table, "
+                  "which is "
                   "taken to hold at 288.15 K"),
        velocity().note("at rest").means("Velocity")},
       {},
@@ -185,35 +195,39 @@ Table const& initiation_table() {
 
 Table const& charge_table() {
   static Table const table = [] {
-    Table t{"An explosive charge. Give its `mass` or its size, or both where they agree within 0.1 %. The mass is that of the "
-            "whole body, also where symmetry planes pass through its centre; in planar2d and cylindrical1d it is per metre, in "
-            "planar1d per square metre.",
-            {typed(Type::text, "explosive").of("TNT").like("\"TNT\"").means(
-                 "An explosive of the library or of `[explosives.NAME]`; all charges of a deck have the same"),
-             number("mass", "kg", 1e-12, 1e12)
-                 .or_unit("kg/m")
-                 .or_unit("kg/m2")
-                 .note("from the size")
-                 .like("\"10 kg\"")
-                 .means("Mass of the whole body")},
-            {},
-            {}};
+    Table t{
+        "An explosive charge. Give its `mass` or its size, or both where they agree within 0.1 %. The mass is that of "
+        "the "
+        "whole body, also where symmetry planes pass through its centre; in planar2d and cylindrical1d it is per "
+        "metre, in "
+        "planar1d per square metre.",
+        {typed(Type::text, "explosive")
+             .of("TNT")
+             .like("\"TNT\"")
+             .means("An explosive of the library or of `[explosives.NAME]`; all charges of a deck have the same"),
+         number("mass", "kg", 1e-12, 1e12)
+             .or_unit("kg/m")
+             .or_unit("kg/m2")
+             .note("from the size")
+             .like("\"10 kg\"")
+             .means("Mass of the whole body")},
+        {},
+        {}};
     t.keys = joined(t.keys, shape_keys({"sphere", "hemisphere", "cylinder", "box"}));
-    t.keys = joined(
-        t.keys,
-        {number("length_to_diameter", "1", 1e-3, 1e3)
-             .note("from `length`")
-             .like("1.0")
-             .means("Of a cylinder that is given by its mass; instead of `length` or `radius`"),
-         word("detonation", {"programmed", "instantaneous"})
-             .of("programmed")
-             .like("\"programmed\"")
-             .means("`programmed`: a detonation front runs from the points of initiation at the listed speed; `instantaneous`: "
-                    "the products stand at the charge's density and energy at the start"),
-         nested(Type::tables, "initiation", initiation_table())
-             .note("one point at `position`, at time 0")
-             .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
-             .means("Points of initiation of a programmed detonation")});
+    t.keys = joined(t.keys, {number("length_to_diameter", "1", 1e-3, 1e3)
+                                 .note("from `length`")
+                                 .like("1.0")
+                                 .means("Of a cylinder that is given by its mass; instead of `length` or `radius`"),
+                             word("detonation", {"programmed", "instantaneous"})
+                                 .of("programmed")
+                                 .like("\"programmed\"")
+                                 .means("`programmed`: a detonation front runs from the points of initiation at the "
+                                        "listed speed; `instantaneous`: "
+                                        "the products stand at the charge's density and energy at the start"),
+                             nested(Type::tables, "initiation", initiation_table())
+                                 .note("one point at `position`, at time 0")
+                                 .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
+                                 .means("Points of initiation of a programmed detonation")});
     return t;
   }();
   return table;
@@ -243,10 +257,16 @@ Table const& plane_table() {
 
 Table const& gauge_table() {
   static Table const table{
-      "Gauges record pressure, density and velocity in time: one of `point`, `line` and `plane`. At most 100000 in all.",
-      {typed(Type::name, "name").note("`g1`, `g2`, ...; lines and planes append `-1`, `-2`, ...").like("\"roof\"").means("Name"),
+      "Gauges record pressure, density and velocity in time: one of `point`, `line` and `plane`. At most 100000 in "
+      "all.",
+      {typed(Type::name, "name")
+           .note("`g1`, `g2`, ...; lines and planes append `-1`, `-2`, ...")
+           .like("\"roof\"")
+           .means("Name"),
        position("point").like("[2, 0, 1]").means("One gauge"),
-       nested(Type::table, "line", line_table()).like("{from = [1, 0, 0], to = [5, 0, 0], count = 5}").means("Gauges on a line"),
+       nested(Type::table, "line", line_table())
+           .like("{from = [1, 0, 0], to = [5, 0, 0], count = 5}")
+           .means("Gauges on a line"),
        nested(Type::table, "plane", plane_table())
            .like("{origin = [0, 0, 0], edge1 = [4, 0, 0], edge2 = [0, 4, 0], counts = [5, 5]}")
            .means("Gauges on a plane")},
@@ -256,12 +276,11 @@ Table const& gauge_table() {
 }
 
 Table const& obstacle_table() {
-  static Table const table{
-      "A rigid body inside the gas.",
-      joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
-             shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
-      {},
-      {}};
+  static Table const table{"A rigid body inside the gas.",
+                           joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
+                                  shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
+                           {},
+                           {}};
   return table;
 }
 
@@ -269,9 +288,12 @@ Table const& region_table() {
   static Table const table{
       "A part of the domain with another state or fluid at the start; later regions overwrite earlier ones.",
       joined(shape_keys({"sphere", "hemisphere", "cylinder", "box"}),
-             {typed(Type::text, "fluid").note("that of the ambient").like("\"helium\"").means(
-                  "Fluid. A deck has at most two: that of the ambient and one other, which is the explosive where there are "
-                  "charges"),
+             {typed(Type::text, "fluid")
+                  .note("that of the ambient")
+                  .like("\"helium\"")
+                  .means("Fluid. A deck has at most two: that of the ambient and one other, which is the explosive "
+                         "where there are "
+                         "charges"),
               density().note("that of the ambient, or of the other fluid's table").means("Density"),
               pressure().note("that of the ambient").means("Pressure"),
               velocity().note("that of the ambient").means("Velocity")}),
@@ -287,21 +309,29 @@ Table const& numerics_table() {
       {word("scheme", {"muscl-hancock", "lax-wendroff"})
            .of("muscl-hancock")
            .like("\"muscl-hancock\"")
-           .means("`muscl-hancock`: second-order Godunov scheme with the HLLC solver; `lax-wendroff`: the scheme of [Cui14] with "
+           .means("`muscl-hancock`: second-order Godunov scheme with the HLLC solver; `lax-wendroff`: the scheme of "
+                  "[Cui14] with "
                   "adaptive viscosity"),
        number("courant", "1", 0.01, 1.0).of(n.courant).like("0.8").means("Courant number"),
        typed(Type::integer, "block_cells", "1", 0, 4096)
            .of(0L)
            .like("16")
            .means("Cells per block and direction; 0: chosen by the program"),
-       typed(Type::boolean, "sleep").of(n.sleep).like("true").means("Skip blocks in which nothing happens; the result is the same"),
-       number("limiter_beta", "1", 1.0, 2.0).of(n.limiter_beta).like("1.5").means(
-           "Generalised monotonised-central limiter: 1 is minmod, 2 the steepest"),
+       typed(Type::boolean, "sleep")
+           .of(n.sleep)
+           .like("true")
+           .means("Skip blocks in which nothing happens; the result is the same"),
+       number("limiter_beta", "1", 1.0, 2.0)
+           .of(n.limiter_beta)
+           .like("1.5")
+           .means("Generalised monotonised-central limiter: 1 is minmod, 2 the steepest"),
        typed(Type::boolean, "carbuncle_cure").of(n.carbuncle_cure).like("true").means("Blend to HLL along shocks"),
        number("density_floor", "kg/m3", 1e-12, 1.0).of(n.density_floor).like("1e-6").means("Guard: smallest density"),
        number("pressure_floor", "Pa", 1e-9, 1e4).of(n.pressure_floor).like("1e-3").means("Guard: smallest pressure"),
-       number("viscosity", "1", 0.0, 1.0).of(n.viscosity).like("0.5").means(
-           "lax-wendroff: constant eta of the artificial viscosity; 0: eta of [Cui14] Eq. (5)")},
+       number("viscosity", "1", 0.0, 1.0)
+           .of(n.viscosity)
+           .like("0.5")
+           .means("lax-wendroff: constant eta of the artificial viscosity; 0: eta of [Cui14] Eq. (5)")},
       {},
       {}};
   return table;
@@ -314,20 +344,28 @@ Table const& output_table() {
     for (auto const& field : run::known_fields()) names.push_back(field.name);
     Key fields = typed(Type::words, "fields").like("[\"pressure\", \"velocity\"]").means("Fields to write");
     fields.choices = names;
-    fields.note("`" + fmt::format("{}", fmt::join(o.fields, "`, `")) + "`");
+    fields.note(fmt::format("`{}`", fmt::join(o.fields, "`, `")));
     return Table{"What is written, and when.",
-                 {number("field_interval", "s", 0.0, longest).of(o.field_interval).like("\"0.5 ms\"").means(
-                      "Time between field dumps; 0: none but the last"),
+                 {number("field_interval", "s", 0.0, longest)
+                      .of(o.field_interval)
+                      .like("\"0.5 ms\"")
+                      .means("Time between field dumps; 0: none but the last"),
                   typed(Type::numbers, "field_times", "s", 0.0, longest)
                       .note("none")
                       .like("[\"1 ms\", \"2.5 ms\"]")
                       .means("Further times of field dumps"),
-                  number("gauge_interval", "s", 0.0, longest).of(o.gauge_interval).like("\"10 us\"").means(
-                      "Time between gauge records; 0: every step"),
-                  typed(Type::boolean, "peak_fields").of(o.peak_fields).like("true").means(
-                      "Write peak overpressure and impulse of every cell at the end"),
-                  word("precision", {"single", "double"}).of(o.single_precision ? "single" : "double").like("\"single\"").means(
-                      "Precision of the fields in the files; the calculation is always in double"),
+                  number("gauge_interval", "s", 0.0, longest)
+                      .of(o.gauge_interval)
+                      .like("\"10 us\"")
+                      .means("Time between gauge records; 0: every step"),
+                  typed(Type::boolean, "peak_fields")
+                      .of(o.peak_fields)
+                      .like("true")
+                      .means("Write peak overpressure and impulse of every cell at the end"),
+                  word("precision", {"single", "double"})
+                      .of(o.single_precision ? "single" : "double")
+                      .like("\"single\"")
+                      .means("Precision of the fields in the files; the calculation is always in double"),
                   std::move(fields)},
                  {},
                  {}};
@@ -351,38 +389,48 @@ Table const& compare_table() {
       {word("burst", {"auto", "spherical", "hemispherical", "none"})
            .of("auto")
            .like("\"hemispherical\"")
-           .means("Kind of burst. `auto`: hemispherical for one hemispherical charge that stands on a wall or symmetry plane, "
-                  "spherical for one spherical charge in free air, none for everything else (obstacles, regions, further "
-                  "walls, another ambient fluid)")},
+           .means(
+               "Kind of burst. `auto`: hemispherical for one hemispherical charge that stands on a wall or symmetry "
+               "plane, "
+               "spherical for one spherical charge in free air, none for everything else (obstacles, regions, further "
+               "walls, another ambient fluid)")},
       {},
       {}};
   return table;
 }
 
 Table const& tnt_equivalent_table() {
-  static Table const table{"Mass of TNT with the same effect per mass of the explosive.",
-                           {number("pressure", "1", 0.01, 100.0).of(1.0).like("1.37").means("For peak overpressure"),
-                            number("impulse", "1", 0.01, 100.0).of(1.0).like("1.19").means("For impulse"),
-                            typed(Type::text, "source").of("").like("\"TM 5-855-1\"").means("Source of the two numbers")},
-                           {},
-                           {}};
+  static Table const table{
+      "Mass of TNT with the same effect per mass of the explosive.",
+      {number("pressure", "1", 0.01, 100.0).of(1.0).like("1.37").means("For peak overpressure"),
+       number("impulse", "1", 0.01, 100.0).of(1.0).like("1.19").means("For impulse"),
+       typed(Type::text, "source").of("").like("\"TM 5-855-1\"").means("Source of the two numbers")},
+      {},
+      {}};
   return table;
 }
 
 std::vector<Key> explosive_keys() {
-  return {word("eos", {material::Jwl::name}).of(material::Jwl::name).like("\"jwl\"").means("Equation of state of the products"),
-          number("energy", "J/m3", 1e6, 1e12).required().like("\"6.993 GJ/m3\"").means(
-              "Energy E0 per unit volume of the unreacted explosive"),
-          number("detonation_speed", "m/s", 100.0, 2e4).required().like("6930").means("Chapman-Jouguet detonation speed D"),
-          number("cj_pressure", "Pa", 1e6, 1e12).required().like("\"21 GPa\"").means("Chapman-Jouguet pressure"),
-          nested(Type::table, "tnt_equivalent", tnt_equivalent_table())
-              .note("1")
-              .like("{pressure = 1.37, impulse = 1.19}")
-              .means("TNT equivalents, used for the Kingery-Bulmash comparison")};
+  return {
+      word("eos", {material::Jwl::name})
+          .of(material::Jwl::name)
+          .like("\"jwl\"")
+          .means("Equation of state of the products"),
+      number("energy", "J/m3", 1e6, 1e12)
+          .required()
+          .like("\"6.993 GJ/m3\"")
+          .means("Energy E0 per unit volume of the unreacted explosive"),
+      number("detonation_speed", "m/s", 100.0, 2e4).required().like("6930").means("Chapman-Jouguet detonation speed D"),
+      number("cj_pressure", "Pa", 1e6, 1e12).required().like("\"21 GPa\"").means("Chapman-Jouguet pressure"),
+      nested(Type::table, "tnt_equivalent", tnt_equivalent_table())
+          .note("1")
+          .like("{pressure = 1.37, impulse = 1.19}")
+          .means("TNT equivalents, used for the Kingery-Bulmash comparison")};
 }
 
 std::vector<Key> fluid_keys() {
-  return {word("eos", {material::IdealGas::name, material::StiffenedGas::name, material::MieGruneisen::name, material::Jwl::name})
+  return {word("eos", {material::IdealGas::name, material::StiffenedGas::name, material::MieGruneisen::name,
+                       material::Jwl::name})
               .of(material::IdealGas::name)
               .like("\"ideal_gas\"")
               .means("Equation of state"),
@@ -406,8 +454,8 @@ std::vector<Key> own_keys() {
 }
 
 Table const& explosives_table() {
-  static Table const table{"An explosive of the deck's own, under the name NAME.", joined(explosive_keys(), own_keys()), "eos",
-                           explosive_variants()};
+  static Table const table{"An explosive of the deck's own, under the name NAME.", joined(explosive_keys(), own_keys()),
+                           "eos", explosive_variants()};
   return table;
 }
 
@@ -442,24 +490,20 @@ Table const& deck_schema() {
   static Table const table = [] {
     Key inflow = nested(Type::named, "inflow", inflow_table());
     inflow.choices = faces;
-    return Table{"",
-                 {typed(Type::text, "title").of("").like("\"10 kg of TNT on the ground\"").means("Title of the case"),
-                  nested(Type::table, "domain", domain_table()).required().like("size = [4, 4, 3] and cell = \"50 mm\""),
-                  nested(Type::table, "boundaries", boundaries_table()),
-                  std::move(inflow),
-                  nested(Type::table, "ambient", ambient_table()),
-                  nested(Type::tables, "charge", charge_table()),
-                  nested(Type::tables, "gauge", gauge_table()),
-                  nested(Type::tables, "obstacle", obstacle_table()),
-                  nested(Type::tables, "region", region_table()),
-                  nested(Type::table, "numerics", numerics_table()),
-                  nested(Type::table, "output", output_table()),
-                  nested(Type::table, "end", end_table()).required().like("time = \"10 ms\""),
-                  nested(Type::table, "compare", compare_table()),
-                  nested(Type::named, "explosives", explosives_table()),
-                  nested(Type::named, "fluids", fluids_table())},
-                 {},
-                 {}};
+    return Table{
+        "",
+        {typed(Type::text, "title").of("").like("\"10 kg of TNT on the ground\"").means("Title of the case"),
+         nested(Type::table, "domain", domain_table()).required().like("size = [4, 4, 3] and cell = \"50 mm\""),
+         nested(Type::table, "boundaries", boundaries_table()), std::move(inflow),
+         nested(Type::table, "ambient", ambient_table()), nested(Type::tables, "charge", charge_table()),
+         nested(Type::tables, "gauge", gauge_table()), nested(Type::tables, "obstacle", obstacle_table()),
+         nested(Type::tables, "region", region_table()), nested(Type::table, "numerics", numerics_table()),
+         nested(Type::table, "output", output_table()),
+         nested(Type::table, "end", end_table()).required().like("time = \"10 ms\""),
+         nested(Type::table, "compare", compare_table()), nested(Type::named, "explosives", explosives_table()),
+         nested(Type::named, "fluids", fluids_table())},
+        {},
+        {}};
   }();
   return table;
 }
@@ -517,7 +561,7 @@ std::string quoted_list(std::vector<std::string> const& names) {
   std::string out;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i > 0) out += i + 1 == names.size() ? " or " : ", ";
-    out += '"' + names[i] + '"';
+    out += fmt::format("\"{}\"", names[i]);
   }
   return out;
 }
@@ -532,7 +576,7 @@ std::string suggestion(std::string_view word_, std::vector<std::string> const& n
 std::string range_text(Key const& key) {
   bool const low = key.minimum > -unbounded;
   bool const high = key.maximum < unbounded;
-  std::string const unit = key.unit == "1" ? "" : " " + key.unit;
+  std::string const unit = key.unit == "1" ? "" : fmt::format(" {}", key.unit);
   if (low && high) return fmt::format("{:g} to {:g}{}", key.minimum, key.maximum, unit);
   if (low) return fmt::format("at least {:g}{}", key.minimum, unit);
   if (high) return fmt::format("at most {:g}{}", key.maximum, unit);
@@ -540,7 +584,8 @@ std::string range_text(Key const& key) {
 }
 
 std::string expectation(Key const& key) {
-  std::string const quantity = key.unit == "1" ? "a number" : fmt::format("{} in {}", units::dimension(key.unit), key.unit);
+  std::string const quantity =
+      key.unit == "1" ? "a number" : fmt::format("{} in {}", units::dimension(key.unit), key.unit);
   switch (key.type) {
     case Type::number: return quantity;
     case Type::integer: return "a whole number";

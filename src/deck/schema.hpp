@@ -1,5 +1,5 @@
-/// The schema of decks and material files: every table and key with type, unit, range, default and meaning. It drives reading,
-/// range checks, error messages and the reference manual.
+/// The schema of decks and material files: every table and key with type, unit, range, default and meaning. It drives
+/// reading, range checks, error messages and the reference manual.
 #pragma once
 
 #include <map>
@@ -38,8 +38,8 @@ struct Key {
   std::string unit = "1";  ///< SI
   double minimum = 0.0;
   double maximum = 0.0;
-  Default fallback;                    ///< value of an absent key
-  std::string fallback_note;           ///< for people, where the default is computed or the absence has a meaning
+  Default fallback;           ///< value of an absent key
+  std::string fallback_note;  ///< for people, where the default is computed or the absence has a meaning
   bool needed = false;
   std::string explanation;
   std::string sample;                  ///< right-hand side of an example, as TOML
@@ -47,15 +47,42 @@ struct Key {
   std::vector<std::string> also_unit;  ///< further units accepted, e.g. kg/m for a mass in planar geometry
   Table const* table = nullptr;
 
-  Key& of(double value) { fallback = value; return *this; }
-  Key& of(long value) { fallback = value; return *this; }
-  Key& of(bool value) { fallback = value; return *this; }
-  Key& of(char const* value) { fallback = std::string(value); return *this; }
-  Key& note(std::string text) { fallback_note = std::move(text); return *this; }
-  Key& required() { needed = true; return *this; }
-  Key& means(std::string text) { explanation = std::move(text); return *this; }
-  Key& like(std::string text) { sample = std::move(text); return *this; }
-  Key& or_unit(std::string text) { also_unit.push_back(std::move(text)); return *this; }
+  Key& of(double value) {
+    fallback = value;
+    return *this;
+  }
+  Key& of(long value) {
+    fallback = value;
+    return *this;
+  }
+  Key& of(bool value) {
+    fallback = value;
+    return *this;
+  }
+  Key& of(char const* value) {
+    fallback = std::string(value);
+    return *this;
+  }
+  Key& note(std::string text) {
+    fallback_note = std::move(text);
+    return *this;
+  }
+  Key& required() {
+    needed = true;
+    return *this;
+  }
+  Key& means(std::string text) {
+    explanation = std::move(text);
+    return *this;
+  }
+  Key& like(std::string text) {
+    sample = std::move(text);
+    return *this;
+  }
+  Key& or_unit(std::string text) {
+    also_unit.push_back(std::move(text));
+    return *this;
+  }
 };
 
 struct Table {
@@ -79,7 +106,8 @@ struct Table {
 [[nodiscard]] std::string nearest(std::string_view word, std::vector<std::string> const& names);
 
 /// "did you mean "x"?" or, where nothing is near, "allowed: a, b, c".
-[[nodiscard]] std::string suggestion(std::string_view word, std::vector<std::string> const& names, std::string_view label);
+[[nodiscard]] std::string suggestion(std::string_view word, std::vector<std::string> const& names,
+                                     std::string_view label);
 
 /// `"a", "b" or "c"`
 [[nodiscard]] std::string quoted_list(std::vector<std::string> const& names);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "core/loops.hpp"
 #include "gas/components.hpp"
 #include "grid/exchange.hpp"
 #include "grid/grid.hpp"
@@ -110,6 +111,12 @@ class Bundles {
   int per_plane_ = 1;
 };
 
+/// Copies a short run; a call of the library's copy would cost more than the copying.
+inline void copy_run(double const* from, int count, double* to) {
+  BRISANCE_VECTOR_LOOP
+  for (int n = 0; n < count; ++n) to[n] = from[n];
+}
+
 /// Copies one component of a bundle from the block and its ghost slabs (null slabs: the ghost cells are left alone).
 inline void load(BundleLayout const& b, grid::Block const& block, double const* from, double const* low, double const* high,
                  double* to) {
@@ -122,7 +129,7 @@ inline void load(BundleLayout const& b, grid::Block const& block, double const* 
         row[l] = low[g * line + l];
         row[g + b.length + l] = high[g * line + l];
       }
-      std::copy_n(from + static_cast<std::ptrdiff_t>(line) * b.length, b.length, row + g);
+      copy_run(from + static_cast<std::ptrdiff_t>(line) * b.length, b.length, row + g);
     }
     return;
   }
@@ -131,11 +138,11 @@ inline void load(BundleLayout const& b, grid::Block const& block, double const* 
   double const* start = from + b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(nx) * block.n[1] * b.plane : 0);
   std::ptrdiff_t const slab = b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(nx) * g * b.plane : 0);
   for (int l = 0; l < g; ++l) {
-    std::copy_n(low + slab + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + l * b.stride);
-    std::copy_n(high + slab + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + (g + b.length + l) * b.stride);
+    copy_run(low + slab + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + l * b.stride);
+    copy_run(high + slab + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + (g + b.length + l) * b.stride);
   }
   for (int l = 0; l < b.length; ++l) {
-    std::copy_n(start + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + (g + l) * b.stride);
+    copy_run(start + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + (g + l) * b.stride);
   }
 }
 

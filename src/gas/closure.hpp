@@ -42,10 +42,12 @@ struct Mixture {
   [[nodiscard]] double bulk_modulus(double p) const { return p + (p + H) / xi; }
 };
 
-/// Density of a fluid from its partial density; a fluid that is as good as absent gets a harmless small one.
+/// Density of a fluid from its partial density; a fluid that is as good as absent gets a harmless small one. Lax-Wendroff overshoots the range
+/// of the volume fraction: where it is negative so is the partial density, and their ratio is still the fluid's density.
 [[nodiscard]] inline double phase_density(double partial_density, double alpha) {
-  double const rho = partial_density / std::max(alpha, vanishing_fraction);
-  return alpha > vanishing_fraction ? std::max(rho, 1e-6) : 1e-6;
+  bool const present = std::abs(alpha) > vanishing_fraction;
+  double const rho = partial_density / (present ? alpha : 1.0);
+  return present & (rho > 1e-6) ? rho : 1e-6;
 }
 
 /// Adds one fluid's part.
@@ -93,7 +95,7 @@ void add_fluid_row(E const& eos, int n, double const* alpha, bool complement, do
       BRISANCE_VECTOR_LOOP
       for (int q = 0; q < n; ++q) {
         double const a = complement ? 1.0 - alpha[q] : alpha[q];
-        dense += (a > vanishing_fraction) & (partial[q] > bound * a) ? 1 : 0;
+        dense += phase_density(partial[q], a) > bound ? 1 : 0;
       }
       if (dense == 0) {
         double const x = 1.0 / eos.gruneisen();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -133,7 +134,7 @@ void Gas::prepare_workspaces() {
 
 Primitive Gas::to_primitive(double const* u, double F) const {
   double const rho1 = fluids_.two ? u[second_density] : 0.0;
-  double const alpha = fluids_.two ? std::clamp(u[volume_fraction], 0.0, 1.0) : 0.0;
+  double const alpha = fluids_.two ? u[volume_fraction] : 0.0;
   Mixture const m = mixture(fluids_, u[density], rho1, alpha, F);
   Primitive w;
   w.density = u[density] + rho1;
@@ -200,9 +201,13 @@ void Gas::report_not_a_number(int b, int direction) const {
 void Gas::advance(double dt, bool reverse) {
   int const dims = grid_->domain().dimensions();
   time_at_step_end_ = time_ + dt;
-  for (int pass = 0; pass < dims; ++pass) {
-    int const direction = reverse ? dims - 1 - pass : pass;
-    bool const last = pass == dims - 1;
+  std::vector<int> order;
+  for (int direction : options_.sweep_order) {
+    if (direction < dims) order.push_back(direction);
+  }
+  if (reverse) std::reverse(order.begin(), order.end());
+  for (int direction : order) {
+    bool const last = direction == order.back();
     {
       PhaseTimer const timer(timings_["exchange"]);
       exchange_.fill(fields_, direction, awake_);

@@ -27,7 +27,8 @@ struct Options {
   double viscosity = 0.0;        ///< lax_wendroff: constant eta; 0: [Cui14] Eq. (5)
   bool sleep = true;             ///< skip quiescent blocks
   bool peak_fields = false;      ///< keep peak overpressure and impulse per cell
-  int bundle_cells = 0;          ///< cells per bundle; 0: chosen by the machine's caches
+  Index3 sweep_order{0, 1, 2};   ///< directions in the order of the forward step; those not resolved are skipped
+  int bundle_cells = 320;        ///< cells that a sweep works on at a time; their arrays should stay in the nearest caches
 };
 
 /// State of a cell as people think of it.

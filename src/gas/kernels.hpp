@@ -1,7 +1,7 @@
 /// What the sweep kernels share: the arrays of a bundle and the constants of a sweep.
 #pragma once
 
-#include <array>
+#include <vector>
 
 #include "gas/bundle.hpp"
 #include "gas/closure.hpp"
@@ -27,8 +27,10 @@ inline constexpr int a_left = 21;           ///< state at the cell's high face, 
 inline constexpr int a_right = a_left + 9;  ///< state at the cell's low face, the right one of that face
 inline constexpr int a_flux = a_right + 9;  ///< fluxes through the cell's high face, in component order
 inline constexpr int a_face_speed = a_flux + 8;
-inline constexpr int a_scratch = a_face_speed + 1;
-inline constexpr int array_count = a_scratch + 3;
+inline constexpr int a_sensor = a_face_speed + 1;  ///< the shock sensor's new value
+inline constexpr int a_signal = a_sensor + 1;      ///< |u| + c
+inline constexpr int a_theta = a_signal + 1;       ///< lax-wendroff: theta of [Cui14] Eq. (4)
+inline constexpr int array_count = a_theta + 1;
 
 /// Order within a_left and a_right.
 inline constexpr int f_density = 0;
@@ -62,14 +64,18 @@ struct SweepContext {
   [[nodiscard]] int transverse2() const { return momentum_x + (direction + 2) % 3; }
 };
 
-/// What happened to the cells of a bundle.
+/// One cell that a guard had to lift; densities, per volume.
+struct Lift {
+  int q = 0;            ///< bundle index
+  double mass = 0.0;    ///< added [kg/m3]
+  double energy = 0.0;  ///< added [J/m3]
+  bool finite = true;   ///< false: the cell holds something that is no number
+};
+
+/// What happened to the block's own cells of a bundle.
 struct GuardCount {
-  long cells = 0;
-  double mass = 0.0;    ///< added, per cell volume of 1
-  double energy = 0.0;
+  std::vector<Lift> lifts;
   long fallback_faces = 0;  ///< lax-wendroff faces that fell back to Rusanov's flux
-  bool not_a_number = false;
-  int first_bad = -1;   ///< bundle index of the first cell that is not a number
 };
 
 }  // namespace brisance::gas

@@ -45,17 +45,19 @@ inline bool is_own(BundleLayout const& b, int q) {
   return (rho >= s.density_floor * 0.999999) & (p * (xi + 1.0) + H >= 0.999999 * s.pressure_floor * (xi + 1.0));
 }
 
-/// Lifts one cell to the floors. Returns false when it holds something that is no number.
-inline bool lift_cell(SweepContext const& s, BundleArrays& a, int q, GuardCount& added) {
+/// Lifts one cell to the floors.
+inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
+  Lift lift{q};
   double rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
   double const E = a[energy][q];
   double const mx = a[momentum_x][q];
   double const my = a[momentum_y][q];
   double const mz = a[momentum_z][q];
-  if (!std::isfinite(rho + E + mx + my + mz)) return false;
+  lift.finite = std::isfinite(rho + E + mx + my + mz);
+  if (!lift.finite) return lift;
   if (rho < s.density_floor) {
-    added.mass += s.density_floor - rho;
-    a[density][q] += s.density_floor - rho;
+    lift.mass = s.density_floor - rho;
+    a[density][q] += lift.mass;
     rho = s.density_floor;
   }
   double const xi = a[a_xi][q];
@@ -63,46 +65,22 @@ inline bool lift_cell(SweepContext const& s, BundleArrays& a, int q, GuardCount&
   double const H = a[a_H][q];
   double const kinetic = 0.5 * (mx * mx + my * my + mz * mz) / rho;
   double const p = (E - kinetic - B) / xi;
-  if (!std::isfinite(p)) return false;
-  if (!is_sound(s, rho, p, xi, H)) {
+  lift.finite = std::isfinite(p);
+  if (lift.finite && !is_sound(s, rho, p, xi, H)) {
     double const lifted = (s.pressure_floor - H / (xi + 1.0)) * xi + B + kinetic;
-    added.energy += lifted - E;
+    lift.energy = lifted - E;
     a[energy][q] = lifted;
   }
-  return true;
+  return lift;
 }
 
-/// Lifts the cells [begin, begin + n) of a bundle whose closure sums are known to the floors, and counts the block's own.
-inline void guard(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int begin, int n, GuardCount& guards) {
-  double const* const rho0 = a[density];
-  double const* const rho1 = a[second_density];
-  double const* const E = a[energy];
-  double const* const mx = a[momentum_x];
-  double const* const my = a[momentum_y];
-  double const* const mz = a[momentum_z];
-  double const* const xi = a[a_xi];
-  double const* const B = a[a_B];
-  double const* const H = a[a_H];
-  bool const two = s.two;
-  auto const sound = [&](int q) {
-    double const rho = two ? rho0[q] + rho1[q] : rho0[q];
-    double const p = (E[q] - 0.5 * (mx[q] * mx[q] + my[q] * my[q] + mz[q] * mz[q]) / rho - B[q]) / xi[q];
-    return is_sound(s, rho, p, xi[q], H[q]);
-  };
-  long bad = 0;
-  BRISANCE_VECTOR_LOOP
-  for (int q = begin; q < begin + n; ++q) bad += sound(q) ? 0 : 1;
-  if (bad == 0) return;
+/// Lifts every unsound cell in [begin, begin + n) whose closure sums are known, and remembers the block's own. Seldom called.
+inline void lift_cells(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int begin, int n, GuardCount& guards) {
   for (int q = begin; q < begin + n; ++q) {
-    if (sound(q)) continue;
-    GuardCount added;
-    bool const finite = lift_cell(s, a, q, added);
-    if (!is_own(b, q)) continue;
-    if (!finite && !guards.not_a_number) guards.first_bad = q;
-    guards.not_a_number = guards.not_a_number || !finite;
-    ++guards.cells;
-    guards.mass += added.mass;
-    guards.energy += added.energy;
+    double const rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
+    if (is_sound(s, rho, a[a_p][q], a[a_xi][q], a[a_H][q])) continue;
+    Lift const lift = lift_cell(s, a, q);
+    if (is_own(b, q)) guards.lifts.push_back(lift);
   }
 }
 
@@ -125,30 +103,32 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
   double* const H = a[a_H];
 
   if constexpr (Two) {
-    // The Godunov scheme keeps 0 <= alpha <= 1 up to round-off, lax-wendroff overshoots. A volume fraction may be cut; a partial
-    // density may not, for that would be mass.
-    BRISANCE_VECTOR_LOOP
-    for (int q = 0; q < n; ++q) alpha[q] = std::min(std::max(alpha[q], 0.0), 1.0);
     closure_row(s, n, rho0, rho1, alpha, s.burning ? a[a_burn] : nullptr, xi, B, H);
   } else {
     closure_row_single(s, n, rho0, xi, B, H);
   }
 
-  guard(s, b, a, 0, n, guards);
-  BRISANCE_VECTOR_LOOP
-  for (int q = 0; q < n; ++q) {
-    double const r = 1.0 / (Two ? rho0[q] + rho1[q] : rho0[q]);
-    u[q] = mu[q] * r;
-    v[q] = mv[q] * r;
-    w[q] = mw[q] * r;
-    double const rho_e = E[q] - 0.5 * (mu[q] * u[q] + mv[q] * v[q] + mw[q] * w[q]);
-    p[q] = (rho_e - B[q]) / xi[q];
+  for (bool lifted = false;; lifted = true) {
+    long unsound = 0;
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) {
+      double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
+      double const r = 1.0 / rho;
+      u[q] = mu[q] * r;
+      v[q] = mv[q] * r;
+      w[q] = mw[q] * r;
+      double const rho_e = E[q] - 0.5 * (mu[q] * u[q] + mv[q] * v[q] + mw[q] * w[q]);
+      p[q] = (rho_e - B[q]) / xi[q];
+      unsound += is_sound(s, rho, p[q], xi[q], H[q]) ? 0 : 1;
+    }
+    if (unsound == 0 || lifted) break;
+    lift_cells(s, b, a, 0, n, guards);
   }
 
   if (s.shock_sensor) {
     // A cell remembers a shock for the next sweeps, whatever their direction, because the carbuncle grows along the shock.
     double* const sensor = a[shock];
-    double* const found = a[a_scratch];
+    double* const found = a[a_sensor];
     int const st = b.stride;
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < n - st; ++q) {

@@ -25,7 +25,7 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
   if (s.two) {
     load_component(volume_fraction);
     // Rows without the second fluid cost what a single fluid costs. Faces of such a row carry none of it, also seen from the other side.
-    s.two = count_above(a[volume_fraction], layout.total, vanishing_fraction) > 0;
+    s.two = count_beyond(a[volume_fraction], layout.total, vanishing_fraction) > 0;
     if (s.two) load_component(second_density);
   }
   int const dims = grid_->domain().dimensions();
@@ -42,16 +42,16 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
     for (int r = 0; r < layout.rows; ++r) {
       int const row = layout.begin(r);
       for (int l = -grid::ghost_layers; l < layout.length + grid::ghost_layers; ++l) {
-        // Beyond the axis the radius is negative and so is the velocity: their ratio is that of the image.
-        int const i = block.origin[0] + l;
-        double const volume = std::abs(domain.cell_volume(i));
-        bool const beyond = domain.face_radius(i) + 0.5 * domain.h < 0.0;
-        double const high_area = std::abs(domain.radial_area(i + 1));
-        double const low_area = std::abs(domain.radial_area(i));
+        Index3 const cell{block.origin[0] + l, 0, 0};
+        int const i = grid::image_cell(domain, cell)[0];
+        double const volume = domain.cell_volume(i);
+        double const high_area = domain.radial_area(i + 1);
+        double const low_area = domain.radial_area(i);
         a[a_area_high][row + l] = s.dt * high_area / volume;
         a[a_area_low][row + l] = s.dt * low_area / volume;
-        double const expansion = 0.5 * s.dt * std::abs(high_area - low_area) / volume;
-        a[a_expansion][row + l] = beyond ? -expansion : expansion;
+        // A mirror turns the velocity round, but its image spreads as the original does: the ratio of the two must keep its sign.
+        double const side = grid::is_mirrored(domain, cell) ? -1.0 : 1.0;
+        a[a_expansion][row + l] = side * 0.5 * s.dt * (high_area - low_area) / volume;
       }
     }
   }
@@ -111,14 +111,17 @@ void Gas::update(BundleLayout const& layout, SweepContext const& s, BundleArrays
 
 void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
   grid::Block const& block = grid_->blocks()[b];
-  for_each_run(layout, block, [&](int q, int offset, int count) {
-    for (int c = density; c <= energy; ++c) std::copy_n(a[a_state + c] + q, count, fields_.at(b, c) + offset);
-    if (s.shock_sensor) std::copy_n(a[a_scratch] + q, count, fields_.at(b, shock) + offset);
-    if (s.two) {
-      std::copy_n(a[second_density] + q, count, fields_.at(b, second_density) + offset);
-      std::copy_n(a[volume_fraction] + q, count, fields_.at(b, volume_fraction) + offset);
-    }
-  });
+  auto const store_component = [&](int name, int c) {
+    double const* from = a[name];
+    double* to = fields_.at(b, c);
+    for_each_run(layout, block, [=](int q, int offset, int count) { copy_run(from + q, count, to + offset); });
+  };
+  for (int c = density; c <= energy; ++c) store_component(a_state + c, c);
+  if (s.shock_sensor) store_component(a_sensor, shock);
+  if (s.two) {
+    store_component(second_density, second_density);
+    store_component(volume_fraction, volume_fraction);
+  }
 }
 
 void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
@@ -159,7 +162,7 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
     double* const B = a[a_B] + begin;
     double* const H = a[a_H] + begin;
     double* const p = a[a_p] + begin;
-    double* const signal = a[a_scratch] + begin;
+    double* const signal = a[a_signal] + begin;
     if (two) {
       closure_row(s, n, rho0, rho1, a[volume_fraction] + begin, s.burning ? a[a_burn] + begin : nullptr, xi, B, H);
     } else {
@@ -167,17 +170,22 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
     }
     double const use_y = dims > 1 ? 1.0 : 0.0;
     double const use_z = dims > 2 ? 1.0 : 0.0;
-    // The step may not end with a cell below the floors either: gauges and dumps would show it.
-    guard(s, layout, a, begin, n, guards);
-    BRISANCE_VECTOR_LOOP
-    for (int q = 0; q < n; ++q) {
-      double const rho = two ? rho0[q] + rho1[q] : rho0[q];
-      double const inverse = 1.0 / rho;
-      double const rho_e = E[q] - 0.5 * (mx[q] * mx[q] + my[q] * my[q] + mz[q] * mz[q]) * inverse;
-      p[q] = (rho_e - B[q]) / xi[q];
-      double const c = std::sqrt(std::max(0.0, p[q] + (p[q] + H[q]) / xi[q]) * inverse);
-      double const flow = std::max(std::abs(mx[q]), std::max(use_y * std::abs(my[q]), use_z * std::abs(mz[q]))) * inverse;
-      signal[q] = flow + c;
+    for (bool lifted = false;; lifted = true) {
+      long unsound = 0;
+      BRISANCE_VECTOR_LOOP
+      for (int q = 0; q < n; ++q) {
+        double const rho = two ? rho0[q] + rho1[q] : rho0[q];
+        double const inverse = 1.0 / rho;
+        double const rho_e = E[q] - 0.5 * (mx[q] * mx[q] + my[q] * my[q] + mz[q] * mz[q]) * inverse;
+        p[q] = (rho_e - B[q]) / xi[q];
+        double const c = std::sqrt(std::max(0.0, p[q] + (p[q] + H[q]) / xi[q]) * inverse);
+        double const flow = std::max(std::abs(mx[q]), std::max(use_y * std::abs(my[q]), use_z * std::abs(mz[q]))) * inverse;
+        signal[q] = flow + c;
+        unsound += is_sound(s, rho, p[q], xi[q], H[q]) ? 0 : 1;
+      }
+      // The step may not end with a cell below the floors either: gauges and dumps would show it.
+      if (unsound == 0 || lifted) break;
+      lift_cells(s, layout, a, begin, n, guards);
     }
     fastest = std::max(fastest, largest_of(signal, n));
   }
@@ -225,17 +233,17 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     update(layout, s, a);
     if (last) measure(b, layout, s, a, guards);
     store(b, layout, s, a);
-    if (guards.cells + guards.fallback_faces > 0) {
-      double const volume = grid_->domain().cell_volume(block.origin[0]);
-      data.account.guarded_cells += guards.cells;
-      data.account.fallback_faces += guards.fallback_faces;
-      data.account.guard_mass += guards.mass * volume;
-      data.account.guard_energy += guards.energy * volume;
-      if (guards.not_a_number) {
-        for_each_run(layout, block, [&](int q, int offset, int count) {
-          if (guards.first_bad >= q && guards.first_bad < q + count) data.not_a_number = offset + guards.first_bad - q;
-        });
-      }
+    data.account.fallback_faces += guards.fallback_faces;
+    for (Lift const& lift : guards.lifts) {
+      for_each_run(layout, block, [&](int q, int offset, int count) {
+        if (lift.q < q || lift.q >= q + count) return;
+        int const at = offset + lift.q - q;
+        double const volume = grid_->domain().cell_volume(block.origin[0] + at % block.n[0]);
+        ++data.account.guarded_cells;
+        data.account.guard_mass += lift.mass * volume;
+        data.account.guard_energy += lift.energy * volume;
+        if (!lift.finite && data.not_a_number < 0) data.not_a_number = at;
+      });
     }
   }
 }

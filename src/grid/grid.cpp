@@ -116,4 +116,11 @@ Index3 image_cell(Domain const& domain, Index3 const& cell) {
   return image;
 }
 
+bool is_mirrored(Domain const& domain, Index3 const& cell) {
+  int const side = cell[0] < 0 ? 0 : cell[0] >= domain.cells[0] ? 1 : -1;
+  if (side < 0) return false;
+  Boundary const boundary = domain.boundary[side];
+  return boundary == Boundary::wall || boundary == Boundary::symmetry;
+}
+
 }  // namespace brisance::grid

@@ -48,4 +48,7 @@ class Grid {
 /// The cell inside the domain that a cell outside stands for: its mirror image, its periodic image or the nearest one.
 [[nodiscard]] Index3 image_cell(Domain const& domain, Index3 const& cell);
 
+/// Does that image come from an odd number of mirrors along x?
+[[nodiscard]] bool is_mirrored(Domain const& domain, Index3 const& cell);
+
 }  // namespace brisance::grid

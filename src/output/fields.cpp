@@ -5,12 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstdlib>
 #include <stdexcept>
-#include <string_view>
-#include <utility>
 
+#include "core/error.hpp"
 #include "output/file.hpp"
 
 namespace brisance::output {
@@ -19,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// An HDF5 identifier that closes itself. `close` reports what a destructor cannot.
+/// An HDF5 identifier that closes itself.
 class Handle {
  public:
   using Closer = herr_t (*)(hid_t);
@@ -30,10 +27,6 @@ class Handle {
   Handle(Handle const&) = delete;
   Handle& operator=(Handle const&) = delete;
   operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): passed to the C library
-  [[nodiscard]] bool close() {
-    hid_t const id = std::exchange(id_, hid_t{-1});
-    return closer_(id) >= 0;
-  }
 
  private:
   hid_t id_;
@@ -56,27 +49,13 @@ class QuietHdf5 {
   void* data_ = nullptr;
 };
 
-/// The errno value behind the present HDF5 error. The library keeps it only in the text of its error stack ("errno =
-/// 28, ...").
-int system_error() {
-  int number = EIO;
-  auto const look = [](unsigned, H5E_error2_t const* error, void* found) -> herr_t {
-    std::string_view const text = error->desc != nullptr ? error->desc : "";
-    auto const at = text.find("errno = ");
-    if (at != std::string_view::npos) *static_cast<int*>(found) = std::atoi(text.data() + at + 8);
-    return 0;
-  };
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, look, &number);
-  return number;
-}
-
-/// A dump that is being written. Every call that fails throws an IoError naming the file.
+/// A dump that is being put together in memory, and then written in one go: the HDF5 library cannot be used any more
+/// once a write of its own has failed, so that it must never meet a full disk.
 class DumpFile {
  public:
-  explicit DumpFile(fs::path path)
-      : path_(std::move(path)), file_(create(path_), H5Fclose), cells_(H5Gcreate2(file_, "cells", 0, 0, 0), H5Gclose) {
-    check(static_cast<hid_t>(cells_));
-  }
+  explicit DumpFile(std::size_t expected_bytes)
+      : file_(check(create(expected_bytes)), H5Fclose),
+        cells_(check(H5Gcreate2(file_, "cells", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)), H5Gclose) {}
 
   void attribute(hid_t object, char const* name, std::string const& value) {
     Handle type(check(H5Tcopy(H5T_C_S1)), H5Tclose);
@@ -128,25 +107,26 @@ class DumpFile {
       Handle memory(check(H5Screate_simple(rank, count.data(), nullptr)), H5Sclose);
       check(H5Dwrite(data, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, buffer.data()));
     }
-    // Flushed by name, because a close that fails to write leaves the library with chunks that it retries at every
-    // later call.
-    check(H5Dflush(data));
-    if (!data.close()) fail();
   }
 
-  void close() {
+  /// Throws IoError.
+  void write(fs::path const& path) const {
     check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
-    if (!cells_.close() || !file_.close()) fail();
+    ssize_t const size = check(H5Fget_file_image(file_, nullptr, 0));
+    void* image = nullptr;
+    check(H5Fget_vfd_handle(file_, H5P_DEFAULT, &image));
+    AppendedFile out(path);
+    out.append({*static_cast<char const* const*>(image), std::size_t(size)});
+    out.close();
   }
 
  private:
-  static hid_t create(fs::path const& path) {
+  /// A file that lives in memory and grows by a fraction of the expected size at a time.
+  static hid_t create(std::size_t expected_bytes) {
     Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    // Closing the file closes whatever of it is still open, also on the way out of an error.
-    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-    hid_t const file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
-    if (file < 0) throw_io_error("create", path, system_error());
-    return file;
+    std::size_t const increment = std::clamp(expected_bytes / 8, std::size_t{1} << 16U, std::size_t{1} << 26U);
+    check(H5Pset_fapl_core(access, increment, false));
+    return H5Fcreate("dump", H5F_ACC_TRUNC, H5P_DEFAULT, access);
   }
 
   /// Chunks of at most 64^3 cells; the cache holds a whole field up to 256 MiB, so that each chunk is compressed once
@@ -178,15 +158,13 @@ class DumpFile {
     check(H5Awrite(attr, memory_type, values));
   }
 
+  /// HDF5 marks failure by a negative result. In memory nothing but a lack of it can fail.
   template <class Result>
-  Result check(Result result) {
-    if (result < 0) fail();
+  static Result check(Result result) {
+    if (result < 0) throw IoError("the HDF5 library could not build a field dump; is the memory exhausted?");
     return result;
   }
 
-  [[noreturn]] void fail() { throw_io_error("write", path_, system_error()); }
-
-  fs::path path_;
   Handle file_;
   Handle cells_;
 };
@@ -242,7 +220,7 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
   auto const& domain = grid.domain();
   QuietHdf5 const quiet;
   try {
-    DumpFile file(temporary);
+    DumpFile file(std::size_t(bytes_per_dump(domain, fields, options_.single_precision)));
     file.attribute(file.root(), "time", std::array{time});
     file.attribute(file.root(), "step", std::array{step});
     file.attribute(file.root(), "geometry", geometry_name(domain.geometry));
@@ -250,7 +228,7 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
     file.attribute(file.root(), "spacing", std::array{domain.h});
     file.attribute(file.root(), "cells", std::array<long, 3>{domain.cells[0], domain.cells[1], domain.cells[2]});
     for (auto const& field : fields) file.field(field, grid, options_, values);
-    file.close();
+    file.write(temporary);
   } catch (...) {
     fs::remove(temporary, error);
     throw;

@@ -29,9 +29,14 @@ std::string read_file(fs::path const& path) {
 
 void replace_file(fs::path const& path, std::string_view content) {
   fs::path const temporary = path.string() + ".part";
-  {
+  try {
     AppendedFile file(temporary);
     file.append(content);
+    file.close();
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
   }
   rename_file(temporary, path);
 }
@@ -49,6 +54,10 @@ AppendedFile::AppendedFile(fs::path path) : path_(std::move(path)), file_(std::f
 void AppendedFile::append(std::string_view text) {
   bool const written = std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size();
   if (!written || std::fflush(file_.get()) != 0) throw_io_error("write", path_, errno);
+}
+
+void AppendedFile::close() {
+  if (std::fclose(file_.release()) != 0) throw_io_error("write", path_, errno);
 }
 
 }  // namespace brisance::output

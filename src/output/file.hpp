@@ -28,6 +28,8 @@ class AppendedFile {
   explicit AppendedFile(std::filesystem::path path);
   /// Appends and hands the text to the operating system, so that an interrupted run keeps it.
   void append(std::string_view text);
+  /// Closes the file; some file systems report a failed write only now.
+  void close();
 
  private:
   struct Close {

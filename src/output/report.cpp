@@ -27,8 +27,8 @@ std::string interpreter() {
 
 /// The folder that holds the Python package: the source tree where it still exists, else the installed one.
 fs::path package_folder() {
-  for (fs::path const folder : {BRISANCE_PYTHON_SOURCE_DIR, BRISANCE_PYTHON_INSTALL_DIR})
-    if (fs::exists(folder / "brisance" / "report.py")) return folder;
+  for (auto const* folder : {BRISANCE_PYTHON_SOURCE_DIR, BRISANCE_PYTHON_INSTALL_DIR})
+    if (fs::exists(fs::path(folder) / "brisance" / "report.py")) return folder;
   throw IoError(fmt::format("the report's Python package is in neither \"{}\" nor \"{}\": install Brisance again",
                             BRISANCE_PYTHON_SOURCE_DIR, BRISANCE_PYTHON_INSTALL_DIR));
 }
@@ -43,6 +43,7 @@ constexpr int not_started = 127;
 /// Runs a program (searched for on PATH) and collects what it prints.
 Outcome run_program(std::vector<std::string> arguments) {
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (auto& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
 

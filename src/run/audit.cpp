@@ -23,27 +23,26 @@ Totals World::totals() const {
   bool const two = gas->fluids().two;
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
-    Totals& sum = parts[b];
+    // Rows, then planes, then the block: short sums keep their digits.
     for (int k = 0; k < block.n[2]; ++k) {
+      Totals plane;
       for (int j = 0; j < block.n[1]; ++j) {
+        Totals row;
         for (int i = 0; i < block.n[0]; ++i) {
           int const at = block.offset(i, j, k);
           double const volume = setup.domain.cell_volume(block.origin[0] + i);
-          sum.mass[0] += volume * gas->fields().at(b, gas::density)[at];
-          if (two) sum.mass[1] += volume * gas->fields().at(b, gas::second_density)[at];
-          for (int d = 0; d < 3; ++d) sum.momentum[d] += volume * gas->fields().at(b, gas::momentum_x + d)[at];
-          sum.energy += volume * gas->fields().at(b, gas::energy)[at];
+          row.mass[0] += volume * gas->fields().at(b, gas::density)[at];
+          if (two) row.mass[1] += volume * gas->fields().at(b, gas::second_density)[at];
+          for (int d = 0; d < 3; ++d) row.momentum[d] += volume * gas->fields().at(b, gas::momentum_x + d)[at];
+          row.energy += volume * gas->fields().at(b, gas::energy)[at];
         }
+        plane += row;
       }
+      parts[b] += plane;
     }
   });
   Totals total;
-  for (Totals const& part : parts) {
-    total.mass[0] += part.mass[0];
-    total.mass[1] += part.mass[1];
-    total.momentum = total.momentum + part.momentum;
-    total.energy += part.energy;
-  }
+  for (Totals const& part : parts) total += part;
   return total;
 }
 

@@ -23,6 +23,13 @@ struct Totals {
   std::array<double, 2> mass{0.0, 0.0};  ///< ambient fluid, second fluid [kg]
   Vec3 momentum{0.0, 0.0, 0.0};          ///< [kg m/s]
   double energy = 0.0;                   ///< internal + kinetic, chemical energy of unburnt explosive included [J]
+
+  Totals& operator+=(Totals const& other) {
+    for (int fluid = 0; fluid < 2; ++fluid) mass[fluid] += other.mass[fluid];
+    momentum = momentum + other.momentum;
+    energy += other.energy;
+    return *this;
+  }
 };
 
 /// What must stay constant, and what changed it. At any time: current = initial - outflow + guards (+ round-off).

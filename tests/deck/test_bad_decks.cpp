@@ -62,26 +62,32 @@ time = "1 m"
   auto const result = deck::read_text(deck, "d");
   std::vector<int> lines;
   for (auto const& error : result.errors) lines.push_back(error.line);
-  // The extent of line 2 and the gauge of line 13 are not judged: the misspelt key of line 4 may be what was meant for the size.
+  // The extent of line 2 and the gauge of line 13 are not judged: the misspelt key of line 4 may be what was meant for
+  // the size.
   EXPECT_EQ(lines, (std::vector{4, 6, 8, 10, 11, 15, 17}));
 }
 
 TEST(BadDecks, HugeCountsAreRefusedBeforeAnythingIsAllocated) {
   std::string const head = "[domain]\nsize = [4, 4, 4]\ncell = 0.1\n[end]\ntime = 1\n";
-  auto const line = deck::read_text(head + "[[gauge]]\nline = {from = [0,0,0], to = [1,1,1], count = 9223372036854775807}", "d");
+  auto const line =
+      deck::read_text(head + "[[gauge]]\nline = {from = [0,0,0], to = [1,1,1], count = 9223372036854775807}", "d");
   EXPECT_EQ(all_errors(line),
-            "d:7:47: error: gauge[1].line.count: 9223372036854775807 is out of range; allowed: 2 to 100000; write for example count = 5\n");
+            "d:7:47: error: gauge[1].line.count: 9223372036854775807 is out of range; allowed: 2 to 100000; write for "
+            "example count = 5\n");
   std::string many = head;
   for (int i = 0; i < 3; ++i) many += "[[gauge]]\nline = {from = [0,0,0], to = [1,1,1], count = 60000}\n";
   auto const lines = deck::read_text(many, "d");
   ASSERT_EQ(lines.errors.size(), 2U);
-  EXPECT_EQ(deck::format(lines.errors[0]), "d:9:47: error: gauge[2].line.count: 60000 gauges more make 120000 in all; allowed: at most "
-                                           "100000; write field dumps for dense data");
+  EXPECT_EQ(deck::format(lines.errors[0]),
+            "d:9:47: error: gauge[2].line.count: 60000 gauges more make 120000 in all; allowed: at most "
+            "100000; write field dumps for dense data");
 }
 
 TEST(BadDecks, HostileTextsAreErrors) {
-  EXPECT_EQ(all_errors(deck::read_text(std::string(2U << 20U, '#'), "d")), "d:1:1: error: the deck has 2097152 bytes; allowed: at most 1048576\n");
-  EXPECT_EQ(all_errors(deck::read_text("a = " + std::string(100000, '['), "d")).substr(0, 38), "d:1:261: error: this is not valid TOML");
+  EXPECT_EQ(all_errors(deck::read_text(std::string(2U << 20U, '#'), "d")),
+            "d:1:1: error: the deck has 2097152 bytes; allowed: at most 1048576\n");
+  EXPECT_EQ(all_errors(deck::read_text("a = " + std::string(100000, '['), "d")).substr(0, 38),
+            "d:1:261: error: this is not valid TOML");
   std::string dotted = "a";
   for (int i = 0; i < 100000; ++i) dotted += ".a";
   EXPECT_EQ(all_errors(deck::read_text(dotted + " = 1", "d")),
@@ -90,7 +96,9 @@ TEST(BadDecks, HostileTextsAreErrors) {
   EXPECT_FALSE(deck::read_text(std::string_view("a\0b = 1", 7), "d").errors.empty());
 }
 
-TEST(BadDecks, AMissingFileIsAnInputOutputError) { EXPECT_THROW((void)deck::read_file("/nonexistent/deck.toml"), IoError); }
+TEST(BadDecks, AMissingFileIsAnInputOutputError) {
+  EXPECT_THROW((void)deck::read_file("/nonexistent/deck.toml"), IoError);
+}
 
 }  // namespace
 }  // namespace brisance

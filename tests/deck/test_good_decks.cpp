@@ -41,7 +41,8 @@ TEST(GoodDecks, ExamplesAreReadWithoutWarnings) {
   EXPECT_GE(decks.size(), 4U);
   for (auto const& path : decks) {
     auto const result = deck::read_file(path.string());
-    EXPECT_TRUE(result.case_.has_value()) << path << ": " << (result.errors.empty() ? "" : deck::format(result.errors.front()));
+    EXPECT_TRUE(result.case_.has_value())
+        << path << ": " << (result.errors.empty() ? "" : deck::format(result.errors.front()));
     EXPECT_TRUE(result.warnings.empty()) << path << ": " << (result.warnings.empty() ? "" : result.warnings.front());
   }
 }
@@ -96,8 +97,8 @@ TEST(GoodDecks, EveryKeyArrives) {
   EXPECT_EQ(c.title, "everything");
   EXPECT_EQ(c.domain.cells, (Index3{80, 40, 40}));
   EXPECT_EQ(c.domain.lower, (Vec3{0.0, -1.0, 0.0}));
-  EXPECT_EQ(c.domain.boundary, (std::array{grid::Boundary::symmetry, grid::Boundary::inflow, grid::Boundary::wall, grid::Boundary::outflow,
-                                           grid::Boundary::wall, grid::Boundary::outflow}));
+  EXPECT_EQ(c.domain.boundary, (std::array{grid::Boundary::symmetry, grid::Boundary::inflow, grid::Boundary::wall,
+                                           grid::Boundary::outflow, grid::Boundary::wall, grid::Boundary::outflow}));
   EXPECT_DOUBLE_EQ(c.inflow[1].velocity[0], -10.0);
   EXPECT_DOUBLE_EQ(c.inflow[1].pressure, 1.1e5);
   EXPECT_DOUBLE_EQ(c.inflow[1].density, c.ambient.state.density);
@@ -171,18 +172,21 @@ TEST(GoodDecks, OneDimensionMayDoWithoutBrackets) {
 
 TEST(GoodDecks, MassAndSizeInEveryGeometry) {
   auto const charge = [](std::string const& geometry, std::string const& size, std::string const& more) {
-    return read("[end]\ntime = 1\n[domain]\ngeometry = \"" + geometry + "\"\nsize = " + size + "\ncell = 0.05\n[[charge]]\n" + more)
+    return read("[end]\ntime = 1\n[domain]\ngeometry = \"" + geometry + "\"\nsize = " + size +
+                "\ncell = 0.05\n[[charge]]\n" + more)
         .charges.at(0);
   };
   double const pi = std::numbers::pi;
   double const rho = 1630.0;
   // Whole bodies, per metre in planar2d and cylindrical1d, per square metre in planar1d.
-  EXPECT_NEAR(std::get<Sphere>(charge("spherical1d", "4", "mass = 10").shape).radius, std::cbrt(10.0 / rho / (4.0 / 3.0 * pi)), 1e-14);
-  EXPECT_NEAR(std::get<Cylinder>(charge("cylindrical1d", "4", "mass = \"10 kg/m\"").shape).radius, std::sqrt(10.0 / rho / pi), 1e-14);
+  EXPECT_NEAR(std::get<Sphere>(charge("spherical1d", "4", "mass = 10").shape).radius,
+              std::cbrt(10.0 / rho / (4.0 / 3.0 * pi)), 1e-14);
+  EXPECT_NEAR(std::get<Cylinder>(charge("cylindrical1d", "4", "mass = \"10 kg/m\"").shape).radius,
+              std::sqrt(10.0 / rho / pi), 1e-14);
   auto const slab = std::get<Box>(charge("planar1d", "4", "mass = \"10 kg/m2\"\nposition = 2").shape);
   EXPECT_NEAR(slab.upper[0] - slab.lower[0], 10.0 / rho, 1e-14);
-  EXPECT_NEAR(std::get<Cylinder>(charge("planar2d", "[4, 4]", "mass = \"10 kg\"\nposition = [2, 2]").shape).radius, std::sqrt(10.0 / rho / pi),
-              1e-14);
+  EXPECT_NEAR(std::get<Cylinder>(charge("planar2d", "[4, 4]", "mass = \"10 kg\"\nposition = [2, 2]").shape).radius,
+              std::sqrt(10.0 / rho / pi), 1e-14);
   EXPECT_NEAR(std::get<Sphere>(charge("axisymmetric2d", "[4, 4]", "mass = 10\nposition = [0, 2]").shape).radius,
               std::cbrt(10.0 / rho / (4.0 / 3.0 * pi)), 1e-14);
   auto const cylinder =
@@ -196,10 +200,14 @@ TEST(GoodDecks, MassAndSizeInEveryGeometry) {
 }
 
 TEST(GoodDecks, BoundariesAtTheAxisAreSymmetric) {
-  auto const c = read("[end]\ntime = 1\n[domain]\ngeometry = \"axisymmetric2d\"\nsize = [4, 4]\ncell = 0.05\n[boundaries]\nall = \"wall\"\n");
+  auto const c = read(
+      "[end]\ntime = 1\n[domain]\ngeometry = \"axisymmetric2d\"\nsize = [4, 4]\ncell = 0.05\n[boundaries]\nall = "
+      "\"wall\"\n");
   EXPECT_EQ(c.domain.boundary[0], grid::Boundary::symmetry);
   EXPECT_EQ(c.domain.boundary[1], grid::Boundary::wall);
-  auto const ring = read("[end]\ntime = 1\n[domain]\ngeometry = \"cylindrical1d\"\nlower = 1\nupper = 4\ncell = 0.05\n[boundaries]\nall = \"wall\"\n");
+  auto const ring = read(
+      "[end]\ntime = 1\n[domain]\ngeometry = \"cylindrical1d\"\nlower = 1\nupper = 4\ncell = 0.05\n[boundaries]\nall = "
+      "\"wall\"\n");
   EXPECT_EQ(ring.domain.boundary[0], grid::Boundary::wall);
 }
 
@@ -209,17 +217,20 @@ TEST(GoodDecks, TheBurstIsRecognised) {
   std::string const half = "[[charge]]\nmass = 1\nshape = \"hemisphere\"\nposition = [1, 1, 0]\n";
   EXPECT_EQ(burst(sphere), run::Burst::spherical);
   EXPECT_EQ(burst(half + "[boundaries]\nz_low = \"wall\"\n"), run::Burst::hemispherical);
-  EXPECT_EQ(burst(sphere + "[boundaries]\nz_low = \"wall\"\n"), run::Burst::none);       // a height of burst
-  EXPECT_EQ(burst(sphere + "[boundaries]\nx_low = \"symmetry\"\n"), run::Burst::none);   // two charges, in truth
-  EXPECT_EQ(burst(half), run::Burst::none);                                              // no ground
-  EXPECT_EQ(burst(sphere + "[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nposition = [0.2, 1, 1]\n"), run::Burst::none);
+  EXPECT_EQ(burst(sphere + "[boundaries]\nz_low = \"wall\"\n"), run::Burst::none);      // a height of burst
+  EXPECT_EQ(burst(sphere + "[boundaries]\nx_low = \"symmetry\"\n"), run::Burst::none);  // two charges, in truth
+  EXPECT_EQ(burst(half), run::Burst::none);                                             // no ground
+  EXPECT_EQ(burst(sphere + "[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nposition = [0.2, 1, 1]\n"),
+            run::Burst::none);
   EXPECT_EQ(burst(sphere + "[ambient]\nfluid = \"helium\"\n"), run::Burst::none);
   EXPECT_EQ(burst(sphere + "[compare]\nburst = \"hemispherical\"\n"), run::Burst::hemispherical);
 }
 
 TEST(GoodDecks, OwnFluidAndLibraryNamesAnyCase) {
-  auto const c = read(small_domain + "[[charge]]\nexplosive = \"COMPOSITION-C4\"\nmass = 1\nposition = [1, 1, 1]\n[ambient]\nfluid = \"argon\"\n"
-                                     "temperature = \"576.3 K\"\n[fluids.argon]\ngamma = 1.667\ndensity = 1.69\n");
+  auto const c =
+      read(small_domain +
+           "[[charge]]\nexplosive = \"COMPOSITION-C4\"\nmass = 1\nposition = [1, 1, 1]\n[ambient]\nfluid = \"argon\"\n"
+           "temperature = \"576.3 K\"\n[fluids.argon]\ngamma = 1.667\ndensity = 1.69\n");
   EXPECT_EQ(c.charges[0].explosive.name, "C-4");
   EXPECT_EQ(c.ambient.fluid.name, "argon");
   EXPECT_NEAR(c.ambient.state.density, 0.845, 1e-12);  // twice the temperature of the table
@@ -229,18 +240,24 @@ TEST(GoodDecks, OwnFluidAndLibraryNamesAnyCase) {
 TEST(GoodDecks, WarningsNameWhatIsDoubtful) {
   auto const coarse = deck::read_text(small_domain + "[[charge]]\nmass = \"100 g\"\nposition = [1, 1, 1]\n", "d");
   ASSERT_EQ(coarse.warnings.size(), 1U);
-  EXPECT_EQ(coarse.warnings[0], "d:6:1: warning: charge[1]: the charge has only 0.49 cells per (equivalent) radius of 0.02447 m: expect a weak "
-                                "near field; 0.0082 m cells give 3");
+  EXPECT_EQ(
+      coarse.warnings[0],
+      "d:6:1: warning: charge[1]: the charge has only 0.49 cells per (equivalent) radius of 0.02447 m: expect a weak "
+      "near field; 0.0082 m cells give 3");
   auto const idle = deck::read_text(small_domain, "d");
   ASSERT_EQ(idle.warnings.size(), 1U);
-  EXPECT_EQ(idle.warnings[0], "d:1:1: warning: charge: nothing will happen: there is no charge, no region and no inflow");
-  auto const odd = deck::read_text(small_domain + "[[charge]]\nexplosive = \"TNT\"\nmass = 5\nposition = [1, 1, 1]\n[explosives.TNT]\nrho0 = 1630\n"
-                                                  "A = 371.2e9\nB = 3.21e9\nR1 = 4.15\nR2 = 0.95\nomega = 0.3\nenergy = 6.993e9\n"
-                                                  "detonation_speed = 8000\ncj_pressure = 21e9\n",
-                                   "d");
+  EXPECT_EQ(idle.warnings[0],
+            "d:1:1: warning: charge: nothing will happen: there is no charge, no region and no inflow");
+  auto const odd = deck::read_text(
+      small_domain +
+          "[[charge]]\nexplosive = \"TNT\"\nmass = 5\nposition = [1, 1, 1]\n[explosives.TNT]\nrho0 = 1630\n"
+          "A = 371.2e9\nB = 3.21e9\nR1 = 4.15\nR2 = 0.95\nomega = 0.3\nenergy = 6.993e9\n"
+          "detonation_speed = 8000\ncj_pressure = 21e9\n",
+      "d");
   ASSERT_EQ(odd.warnings.size(), 3U);
   EXPECT_NE(odd.warnings[0].find("the constants give a detonation speed of 69"), std::string::npos) << odd.warnings[0];
-  EXPECT_EQ(odd.warnings[1], "d:10:13: warning: explosives.TNT: replaces the explosive of the same name in the library");
+  EXPECT_EQ(odd.warnings[1],
+            "d:10:13: warning: explosives.TNT: replaces the explosive of the same name in the library");
 }
 
 }  // namespace

@@ -71,8 +71,10 @@ TEST(Library, TheValuesAreThoseOfTheFiles) {
 
 TEST(Library, Descriptions) {
   std::string const list = deck::describe_library();
-  for (auto const& name : deck::library().explosive_names()) EXPECT_NE(list.find("  " + name + " "), std::string::npos) << name;
-  for (auto const& name : deck::library().fluid_names()) EXPECT_NE(list.find("  " + name + " "), std::string::npos) << name;
+  for (auto const& name : deck::library().explosive_names())
+    EXPECT_NE(list.find("  " + name + " "), std::string::npos) << name;
+  for (auto const& name : deck::library().fluid_names())
+    EXPECT_NE(list.find("  " + name + " "), std::string::npos) << name;
 
   std::string const tnt = deck::describe_material("tnt");
   EXPECT_EQ(tnt.substr(0, 15), "TNT: explosive\n");
@@ -81,8 +83,8 @@ TEST(Library, Descriptions) {
   EXPECT_NE(deck::describe_material("air").find("gamma"), std::string::npos);
 
   std::string const models = deck::describe_models();
-  for (auto const* word : {"muscl-hancock", "lax-wendroff", "stiffened_gas", "mie_gruneisen", "hemisphere", "periodic", "spherical1d",
-                           "peak_overpressure"}) {
+  for (auto const* word : {"muscl-hancock", "lax-wendroff", "stiffened_gas", "mie_gruneisen", "hemisphere", "periodic",
+                           "spherical1d", "peak_overpressure"}) {
     EXPECT_NE(models.find(word), std::string::npos) << word;
   }
 }

@@ -1,4 +1,5 @@
-/// libFuzzer entry: no text may crash, hang or throw out of the deck reader, and its outcome is a case or errors, never both.
+/// libFuzzer entry: no text may crash, hang or throw out of the deck reader, and its outcome is a case or errors, never
+/// both.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

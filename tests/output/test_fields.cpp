@@ -56,10 +56,15 @@ std::vector<double> read_dataset(fs::path const& file, char const* name) {
 }
 
 struct Variant {
+  char const* name;
   Index3 cells;
   grid::Geometry geometry;
   FieldOptions options;
 };
+
+std::string name_of(testing::TestParamInfo<Variant> const& info) { return info.param.name; }
+
+void PrintTo(Variant const& variant, std::ostream* out) { *out << variant.name; }
 
 class FieldsRoundTrip : public testing::TestWithParam<Variant> {};
 
@@ -86,12 +91,13 @@ TEST_P(FieldsRoundTrip, EveryCellOfEveryBlockComesBack) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fields, FieldsRoundTrip,
-                         testing::Values(Variant{{9, 6, 5}, grid::Geometry::cartesian3d, {true, 1}},
-                                         Variant{{9, 6, 5}, grid::Geometry::cartesian3d, {false, 0}},
+                         testing::Values(Variant{"single_3d", {9, 6, 5}, grid::Geometry::cartesian3d, {true, 1}},
+                                         Variant{"double_3d", {9, 6, 5}, grid::Geometry::cartesian3d, {false, 0}},
                                          Variant{
-                                             {130, 68, 6}, grid::Geometry::cartesian3d, {false, 4}},  // several chunks
-                                         Variant{{10, 7, 1}, grid::Geometry::axisymmetric2d, {true, 0}},
-                                         Variant{{17, 1, 1}, grid::Geometry::spherical1d, {false, 1}}));
+                                             "several_chunks", {130, 68, 6}, grid::Geometry::cartesian3d, {false, 4}},
+                                         Variant{"axisymmetric", {10, 7, 1}, grid::Geometry::axisymmetric2d, {true, 0}},
+                                         Variant{"spherical", {17, 1, 1}, grid::Geometry::spherical1d, {false, 1}}),
+                         name_of);
 
 TEST(Fields, IndexListsEveryDumpWithItsTime) {
   ScratchFolder folder;
@@ -143,7 +149,7 @@ class ParaView : public testing::TestWithParam<Variant> {};
 TEST_P(ParaView, OpensTheSeriesWithItsTimesWithoutAsking) {
   std::string const pvpython = BRISANCE_PVPYTHON;
   if (pvpython.empty()) GTEST_SKIP() << "pvpython was not found when the tests were configured: ParaView is not tested";
-  auto const& [cells, geometry, options] = GetParam();
+  auto const& [name, cells, geometry, options] = GetParam();
   ScratchFolder folder;
   auto const grid = small_grid(cells, geometry);
   FieldSeries series(folder.path(), options);
@@ -176,9 +182,11 @@ TEST_P(ParaView, OpensTheSeriesWithItsTimesWithoutAsking) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fields, ParaView,
-                         testing::Values(Variant{{9, 6, 5}, grid::Geometry::cartesian3d, {true, 1}},
-                                         Variant{{10, 7, 1}, grid::Geometry::axisymmetric2d, {false, 1}},
-                                         Variant{{17, 1, 1}, grid::Geometry::spherical1d, {true, 0}}));
+                         testing::Values(Variant{"cartesian", {9, 6, 5}, grid::Geometry::cartesian3d, {true, 1}},
+                                         Variant{
+                                             "axisymmetric", {10, 7, 1}, grid::Geometry::axisymmetric2d, {false, 1}},
+                                         Variant{"spherical", {17, 1, 1}, grid::Geometry::spherical1d, {true, 0}}),
+                         name_of);
 
 /// No file of this process may grow beyond the limit while this object lives: what a full disk does to a write.
 class FileSizeLimit {
@@ -201,10 +209,10 @@ class FileSizeLimit {
 };
 
 TEST(Fields, FailedWriteIsAnErrorNamingTheFileAndLeavesTheSeriesIntact) {
-  ScratchFolder folder;
   auto const grid = small_grid({32, 32, 32}, grid::Geometry::cartesian3d, 16);
   for (int const compression : {0, 1}) {
     SCOPED_TRACE(compression);
+    ScratchFolder folder;
     FieldSeries series(folder.path(), {false, compression});
     series.dump(0.0, 0, grid, specs, numbered(grid, 0));
     auto const index = read_file(folder.path() / "fields.xmf2");

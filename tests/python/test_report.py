@@ -9,16 +9,13 @@ from pathlib import Path
 SKIPPED = 77  # exit status that ctest takes as "skipped"
 
 try:
-    import h5py  # noqa: F401
-    import matplotlib  # noqa: F401
+    import numpy as np
+
+    import synthetic_run
+    from brisance import figures, report, results
 except ImportError as missing:
     print(f"skipped: the Python package {missing.name} is not installed")
     sys.exit(SKIPPED)
-
-import numpy as np
-
-import synthetic_run
-from brisance import figures, report, results
 
 SCRIPT = Path(report.__file__)
 

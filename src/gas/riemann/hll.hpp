@@ -22,7 +22,7 @@ struct HllFlux {
   HllFlux flux;
   flux.from_left = SR * (L.u - SL) * r;
   flux.from_right = SL * (SR - R.u) * r;
-  flux.pressure = (SR * L.p - SL * R.p) * r;
+  flux.pressure = L.p - SL * (R.p - L.p) * r;
   flux.work = (SR * L.p * L.u - SL * R.p * R.u) * r;
   return flux;
 }

@@ -26,7 +26,8 @@ struct HllcFlux {
   double const SR = std::max(L.u + L.c, R.u + R.c);
   double const mL = L.rho * (SL - L.u);
   double const mR = R.rho * (SR - R.u);
-  double const SM = (R.p - L.p + mL * L.u - mR * R.u) / (mL - mR);
+  // (pR - pL + mL uL - mR uR) / (mL - mR), written so that mirrored states give exactly 0: nothing leaks through a wall.
+  double const SM = 0.5 * (L.u + R.u) + (0.5 * (mL + mR) * (R.u - L.u) + (L.p - R.p)) / (mR - mL);
   bool const left = SM >= 0.0;
   double const S = left ? SL : SR;
   double const rho = left ? L.rho : R.rho;

@@ -34,8 +34,8 @@ void lax_wendroff(SweepContext const& s, BundleLayout const& b, BundleArrays& a,
   double* const H = a[a_H];
   double const* const solid = a[a_solid];
   double const* const expansion = a[a_expansion];
-  double* const theta = a[a_scratch + 1];
-  double* const signal = a[a_scratch + 2];
+  double* const theta = a[a_theta];
+  double* const signal = a[a_signal];
   // States at half time on the faces, in the arrays of the face states.
   double* const h_rho0 = a[a_left + f_density];
   double* const h_mu = a[a_left + f_u];
@@ -94,8 +94,7 @@ void lax_wendroff(SweepContext const& s, BundleLayout const& b, BundleArrays& a,
     h_E[q] = 0.5 * (E[q] + E[r]) - half * (work_r - work_q) - spread * 0.5 * (work_q + work_r);
     if constexpr (Two) {
       h_rho1[q] = 0.5 * (rho1[q] + rho1[r]) - half * (rho1[r] * u[r] - rho1[q] * u[q]) - spread * 0.5 * (rho1[q] * u[q] + rho1[r] * u[r]);
-      double const carried = 0.5 * (alpha[q] + alpha[r]) - half * 0.5 * (u[q] + u[r]) * (alpha[r] - alpha[q]);
-      h_alpha[q] = std::min(std::max(carried, 0.0), 1.0);
+      h_alpha[q] = 0.5 * (alpha[q] + alpha[r]) - half * 0.5 * (u[q] + u[r]) * (alpha[r] - alpha[q]);
       if (s.burning) h_burn[q] = std::min(a[a_burn][q], a[a_burn][r]);
     }
     // Eq. (5); the sweep moves waves by `courant` cells.
@@ -121,8 +120,7 @@ void lax_wendroff(SweepContext const& s, BundleLayout const& b, BundleArrays& a,
     double const uh = h_mu[q] / safe;
     double const kinetic = 0.5 * (h_mu[q] * h_mu[q] + h_mv[q] * h_mv[q] + h_mw[q] * h_mw[q]) / safe;
     double const ph = (h_E[q] - kinetic - h_B[q]) / h_xi[q];
-    bool const good = (rho > 0.5 * s.density_floor) & (ph * (h_xi[q] + 1.0) + h_H[q] > 0.0) &
-                      (Two ? (h_rho0[q] >= 0.0) & (h_rho1[q] >= 0.0) : true);
+    bool const good = (rho > 0.5 * s.density_floor) & (ph * (h_xi[q] + 1.0) + h_H[q] > 0.0);
     // Rusanov's flux where the half-time state is not physical.
     double const S = std::max(signal[q], signal[r]);
     double const nu = good ? viscous[q] : 0.5 * S;

@@ -1,0 +1,105 @@
+/// Cell updates per second of full 3D steps, beside the memory bandwidth of the machine in the same run.
+///
+///   bench_gas [--benchmark_filter=...]
+///
+/// `cells/s` counts whole steps (three sweeps) of 128^3 cells in wall-clock time, all threads together. Cases: one fluid; two fluids with JWL
+/// products and air mixed everywhere (the dearest cells there are); two fluids of which the products fill a sphere in one corner,
+/// 5 % of the domain, expanded so far that their exponentials matter in the middle only (a blast after some time).
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/parallel.hpp"
+#include "gas/gas.hpp"
+
+namespace {
+
+using namespace brisance;
+
+constexpr int n = 128;
+
+enum Content { one_fluid, mixed_everywhere, products_in_a_corner };
+
+gas::MixtureState content_at(Content content, Vec3 const& x) {
+  gas::MixtureState s;
+  s.pressure = 101325.0 * (1.0 + 0.1 * (std::sin(10.0 * x[0]) + std::sin(7.0 * x[1]) + std::sin(8.0 * x[2])));
+  s.velocity = {30.0 * std::sin(9.0 * x[1]), 20.0 * std::cos(5.0 * x[2]), 10.0};
+  double const r = norm(x);
+  if (content == mixed_everywhere) {
+    s.volume_fraction = 0.5 + 0.4 * std::sin(20.0 * r);
+    s.second_density = 100.0;
+  } else if (content == products_in_a_corner && r < 0.46) {
+    s.volume_fraction = 0.999;
+    s.second_density = r < 0.1 ? 200.0 : 2.0;
+    s.pressure *= r < 0.1 ? 10.0 : 1.0;
+  }
+  return s;
+}
+
+void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int block_cells) {
+  set_threads(static_cast<int>(state.range(0)));
+  grid::Domain domain;
+  domain.cells = {n, n, n};
+  domain.h = 1.0 / n;
+  domain.boundary.fill(grid::Boundary::symmetry);
+  grid::Grid const grid(domain, block_cells);
+  gas::Fluids fluids;
+  fluids.ambient = material::IdealGas{1.4};
+  fluids.second = material::Jwl{};
+  fluids.two = content != one_fluid;
+  fluids.ambient_pressure = 101325.0;
+  gas::Options options;
+  options.scheme = scheme;
+  gas::Gas gas(grid, fluids, options, {});
+  for (int b = 0; b < grid.block_count(); ++b) {
+    grid::Block const& block = grid.blocks()[b];
+    for (int k = 0; k < block.n[2]; ++k) {
+      for (int j = 0; j < block.n[1]; ++j) {
+        for (int i = 0; i < block.n[0]; ++i) {
+          Vec3 const x = domain.centre({block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
+          gas.set(b, block.offset(i, j, k), content_at(content, x));
+        }
+      }
+    }
+  }
+  gas.start();
+  long step = 0;
+  for (auto _ : state) gas.advance(0.5 * domain.h / gas.fastest_signal(), step++ % 2 == 1);
+  double const updates = static_cast<double>(state.iterations()) * n * n * n;
+  state.counters["cells/s"] = benchmark::Counter(updates, benchmark::Counter::kIsRate);
+  state.counters["cells/s/core"] = benchmark::Counter(updates / static_cast<double>(state.range(0)), benchmark::Counter::kIsRate);
+}
+
+/// a = b + s c on arrays far larger than any cache: what the machine's memory gives.
+void memory_bandwidth(benchmark::State& state) {
+  set_threads(static_cast<int>(state.range(0)));
+  constexpr int parts = 64;
+  constexpr long count = 1L << 25;
+  std::vector<double> a(count, 0.0);
+  std::vector<double> b(count, 1.0);
+  std::vector<double> c(count, 2.0);
+  for (auto _ : state) {
+    parallel_for(parts, [&](int part, int) {
+      long const from = count / parts * part;
+      for (long q = from; q < from + count / parts; ++q) a[q] = b[q] + 3.0 * c[q];
+    });
+    benchmark::DoNotOptimize(a.data());
+  }
+  state.counters["bytes/s"] = benchmark::Counter(static_cast<double>(state.iterations()) * count * 24.0, benchmark::Counter::kIsRate);
+}
+
+void threads_of_interest(benchmark::internal::Benchmark* b) {
+  b->Arg(1)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
+}
+
+BENCHMARK(memory_bandwidth)->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock/one_fluid, gas::Scheme::muscl_hancock, one_fluid, 0)->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock/two_fluids_mixed, gas::Scheme::muscl_hancock, mixed_everywhere, 0)->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock/two_fluids_corner, gas::Scheme::muscl_hancock, products_in_a_corner, 0)->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, lax_wendroff/one_fluid, gas::Scheme::lax_wendroff, one_fluid, 0)->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, lax_wendroff/two_fluids_mixed, gas::Scheme::lax_wendroff, mixed_everywhere, 0)->Apply(threads_of_interest);
+
+}  // namespace
+
+BENCHMARK_MAIN();

@@ -1,0 +1,299 @@
+#include "app/check.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "app/driver.hpp"
+#include "app/text.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "gas/components.hpp"
+#include "output/writer.hpp"
+
+namespace brisance::app {
+
+namespace {
+
+constexpr double double_bytes = sizeof(double);
+constexpr double peak_components = 3.0;         // peak overpressure, running and largest impulse
+constexpr double program_bytes = 50e6;          // code, libraries, work arrays of the threads
+constexpr double largest_dump_cache = 268.5e6;  // chunk cache of the field writer
+constexpr double bytes_per_record = 100.0;      // one line of a gauge file
+constexpr double coarse_charge = 5.0;           // cells per charge radius below which the near field is poorly resolved
+constexpr double very_coarse_charge = 3.0;      // below this the deck reader has already warned
+
+double machine_memory() {
+  double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  double limit = 0.0;
+  // In a container the limit is what counts; the file holds "max" where there is none.
+  if (std::ifstream("/sys/fs/cgroup/memory.max") >> limit && limit > 0.0) memory = std::min(memory, limit);
+  return memory;
+}
+
+bool two_fluids(run::Case const& setup) { return !setup.charges.empty() || setup.second_fluid.has_value(); }
+
+double estimated_memory(run::Case const& setup, grid::Grid const& grid) {
+  double const components = two_fluids(setup) ? gas::two_fluid_components : gas::single_fluid_components;
+  double const cells = static_cast<double>(setup.domain.cell_count());
+  double slab_cells = 0.0;
+  for (grid::Block const& block : grid.blocks()) {
+    int face = 0;
+    for (int d = 0; d < setup.domain.dimensions(); ++d) face = std::max(face, block.cell_count() / block.n[d]);
+    slab_cells += 2.0 * grid::ghost_layers * face;
+  }
+  double values = components * (cells + slab_cells);
+  if (setup.output.peak_fields) values += peak_components * cells;
+  return values * double_bytes + std::min(largest_dump_cache, cells * 3.0 * double_bytes) + program_bytes;
+}
+
+/// Radius of the sphere, circle or slab that holds `volume`, as the geometry has it [m].
+double equivalent_radius(double volume, grid::Geometry geometry) {
+  switch (std::min(3, grid::dimensions(geometry) + grid::radial_exponent(geometry))) {
+    case 1: return 0.5 * volume;
+    case 2: return std::sqrt(volume / std::numbers::pi);
+    default: return std::cbrt(0.75 * volume / std::numbers::pi);
+  }
+}
+
+double signal(material::Eos const& eos, run::FluidState const& state) {
+  double speed = 0.0;
+  for (double const u : state.velocity) speed = std::max(speed, std::abs(u));
+  return speed + material::sound_speed(eos, state.density, state.pressure);
+}
+
+/// Estimate of the number of steps: the time step follows the fastest signal. Behind a detonation it starts at the
+/// detonation speed D and falls with the fireball's expansion, s = D / (1 + t / (3 t0))^0.35 with t0 = charge radius /
+/// D; where the radius is resolved, the hot core on the axis holds it near 0.35 D. Both numbers were read off
+/// calculations of TNT in air, and are good to about a factor of two.
+double estimated_steps(run::Case const& setup) {
+  double quiet = signal(setup.ambient.fluid.eos, setup.ambient.state);
+  for (run::Region const& region : setup.regions) {
+    bool const second = region.second_fluid && setup.second_fluid;
+    quiet = std::max(quiet, signal(second ? setup.second_fluid->eos : setup.ambient.fluid.eos, region.state));
+  }
+  for (int face = 0; face < 6; ++face) {
+    if (setup.domain.boundary[face] == grid::Boundary::inflow)
+      quiet = std::max(quiet, signal(setup.ambient.fluid.eos, setup.inflow[face]));
+  }
+  double const end = setup.end.time;
+  double path = quiet * end;  // what the fastest signal travels [m]
+  for (run::Charge const& charge : setup.charges) {
+    double const D = charge.explosive.detonation_speed;
+    double const t0 = equivalent_radius(charge.mass / charge.explosive.density(), setup.domain.geometry) / D;
+    double const core = grid::radial_exponent(setup.domain.geometry) > 0 ? 0.35 * D : 0.0;
+    constexpr int intervals = 400;
+    double sum = 0.0;
+    double before = 0.0;
+    for (int n = 1; n <= intervals; ++n) {
+      double const t = end * std::pow(static_cast<double>(n) / intervals, 4);
+      double const s = D / std::pow(1.0 + 0.5 * (t + before) / (3.0 * t0), 0.35);
+      sum += std::max({quiet, core, s}) * (t - before);
+      before = t;
+    }
+    path = std::max(path, sum);
+  }
+  double const steps = path / (setup.numerics.courant * setup.domain.h) + 5.0;  // 5 for the gentle start
+  return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
+}
+
+run::ChargeReport realised(run::Charge const& charge, grid::Grid const& grid, std::string const& what) {
+  double const density = charge.explosive.density();
+  auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what);
+  double volume = 0.0;
+  for (std::size_t n = 0; n < filled.cells.size(); ++n)
+    volume += filled.fractions[n] * grid.domain().cell_volume(filled.cells[n][0]);
+  run::ChargeReport report;
+  report.explosive = charge.explosive.name;
+  report.asked_mass = charge.mass;
+  report.realised_mass = volume * filled.images * density;
+  report.realised_energy = volume * filled.images * charge.explosive.energy;
+  report.cells_per_radius = equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.domain().h;
+  return report;
+}
+
+char const* boundary_name(grid::Boundary boundary) {
+  switch (boundary) {
+    case grid::Boundary::outflow: return "outflow";
+    case grid::Boundary::wall: return "wall";
+    case grid::Boundary::symmetry: return "symmetry";
+    case grid::Boundary::inflow: return "inflow";
+    case grid::Boundary::periodic: return "periodic";
+  }
+  return "";
+}
+
+constexpr std::array face_names{"x_low", "x_high", "y_low", "y_high", "z_low", "z_high"};
+
+double relative_error(run::ChargeReport const& c) { return (c.realised_mass - c.asked_mass) / c.asked_mass; }
+
+/// Name, role and source of every material of a case.
+struct MaterialLine {
+  std::string name;
+  std::string role;
+  std::string source;
+};
+
+std::vector<MaterialLine> materials_of(run::Case const& setup) {
+  std::vector<MaterialLine> lines{{setup.ambient.fluid.name, "ambient fluid", setup.ambient.fluid.source}};
+  if (setup.second_fluid && setup.charges.empty())
+    lines.push_back({setup.second_fluid->name, "second fluid", setup.second_fluid->source});
+  for (run::Charge const& charge : setup.charges) {
+    bool const known =
+        std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == charge.explosive.name; });
+    if (!known) lines.push_back({charge.explosive.name, "explosive", charge.explosive.source});
+  }
+  return lines;
+}
+
+}  // namespace
+
+Plan plan(run::Case const& setup) {
+  Plan p;
+  grid::Grid const grid(setup.domain, setup.numerics.block_cells);
+  p.cells = static_cast<double>(setup.domain.cell_count());
+  p.blocks = grid.block_count();
+  p.memory_bytes = estimated_memory(setup, grid);
+  p.machine_memory_bytes = machine_memory();
+  p.steps = estimated_steps(setup);
+  int number = 0;
+  for (run::Charge const& charge : setup.charges) {
+    ++number;
+    std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
+    p.charges.push_back(realised(charge, grid, what));
+    double const resolution = p.charges.back().cells_per_radius;
+    if (resolution < coarse_charge && resolution >= very_coarse_charge) {
+      p.warnings.push_back(fmt::format(
+          "{} has only {:.2g} cells per radius: the near field will be coarse; a cell of {} would give {:g}", what,
+          resolution, quantity(setup.domain.h * resolution / coarse_charge, "m", 2), coarse_charge));
+    }
+  }
+  p.dumps = static_cast<long>(dump_times(setup.output, setup.end.time).size());
+  p.dump_bytes =
+      output::FieldSeries::bytes_per_dump(setup.domain, output::dumped_fields(setup), setup.output.single_precision);
+  double const records =
+      setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
+  p.gauge_bytes = records * bytes_per_record * static_cast<double>(setup.gauges.size());
+  if (p.memory_bytes > p.machine_memory_bytes) {
+    p.warnings.push_back(
+        fmt::format("this machine has {} of memory: the case will be refused here", bytes(p.machine_memory_bytes)));
+  }
+  return p;
+}
+
+void refuse_unless_it_fits(Plan const& p) {
+  if (p.memory_bytes <= p.machine_memory_bytes) return;
+  throw InputError(
+      fmt::format("the case needs about {} of memory for its {} cells, and this machine has {}: use larger cells "
+                  "(domain.cell), a smaller "
+                  "domain, or symmetry planes",
+                  bytes(p.memory_bytes), large_count(p.cells), bytes(p.machine_memory_bytes)));
+}
+
+std::string plan_text(run::Case const& setup, Plan const& p) {
+  grid::Domain const& d = setup.domain;
+  int const dims = d.dimensions();
+  std::string out;
+  auto const line = [&out](char const* label, std::string const& text) {
+    out += fmt::format("{:<12} {}\n", label, text);
+  };
+
+  if (!setup.title.empty()) line("title", setup.title);
+  std::string box;
+  std::string cells;
+  for (int k = 0; k < dims; ++k) {
+    box += fmt::format("{}{:g} to {:g}", k == 0 ? "" : " x ", d.lower[k], d.upper(k));
+    cells += fmt::format("{}{}", k == 0 ? "" : " x ", d.cells[k]);
+  }
+  line("domain", fmt::format("{}, {} m", output::geometry_name(d.geometry), box));
+  line("cells", fmt::format("{} = {} of {}, in {} blocks", cells, large_count(p.cells), quantity(d.h, "m"), p.blocks));
+  std::string boundaries;
+  for (int f = 0; f < 2 * dims; ++f)
+    boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", face_names[f], boundary_name(d.boundary[f]));
+  line("boundaries", boundaries);
+  line("scheme", fmt::format("{}, Courant number {:g}, {}",
+                             setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff",
+                             setup.numerics.courant, two_fluids(setup) ? "two fluids" : "one fluid"));
+  line("end", setup.end.steps > 0 ? fmt::format("{}, or {} steps", quantity(setup.end.time, "s"), setup.end.steps)
+                                  : quantity(setup.end.time, "s"));
+  line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
+                            large_count(p.steps), large_count(p.steps * p.cells)));
+  line("memory", fmt::format("about {} of {}", bytes(p.memory_bytes), bytes(p.machine_memory_bytes)));
+
+  out += "\n";
+  line("ambient", fmt::format("{}, {}, {:.4g} kg/m3", setup.ambient.fluid.name,
+                              quantity(setup.ambient.state.pressure, "Pa", 6), setup.ambient.state.density));
+  for (std::size_t n = 0; n < p.charges.size(); ++n) {
+    auto const& c = p.charges[n];
+    auto const& charge = setup.charges[n];
+    auto const x = detonation::centre(charge.shape);
+    line(p.charges.size() == 1 ? "charge" : fmt::format("charge {}", n + 1).c_str(),
+         fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
+                     charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
+    line("", fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
+                         c.realised_mass, relative_error(c)));
+    line("",
+         fmt::format("energy {}, {:.3g} cells per radius", quantity(c.realised_energy, "J", 6), c.cells_per_radius));
+  }
+  if (!setup.regions.empty()) line("regions", fmt::format("{}", setup.regions.size()));
+  if (!setup.obstacles.empty()) line("obstacles", fmt::format("{}", setup.obstacles.size()));
+  for (MaterialLine const& m : materials_of(setup))
+    line("material", fmt::format("{} ({}): {}", m.name, m.role, m.source));
+
+  out += "\n";
+  line("gauges",
+       setup.gauges.empty() ? "none" : fmt::format("{}, about {}", setup.gauges.size(), bytes(p.gauge_bytes)));
+  std::string fields;
+  for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
+  line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
+  for (auto const& w : p.warnings) out += fmt::format("\nwarning: {}\n", w);
+  return out;
+}
+
+nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
+  using nlohmann::json;
+  json charges = json::array();
+  for (auto const& c : p.charges) {
+    charges.push_back({{"explosive", c.explosive},
+                       {"asked_mass", c.asked_mass},
+                       {"realised_mass", c.realised_mass},
+                       {"relative_error", relative_error(c)},
+                       {"realised_energy", c.realised_energy},
+                       {"cells_per_radius", c.cells_per_radius}});
+  }
+  json materials = json::array();
+  for (MaterialLine const& m : materials_of(setup))
+    materials.push_back({{"name", m.name}, {"role", m.role}, {"source", m.source}});
+  json boundaries = json::object();
+  for (int f = 0; f < 2 * setup.domain.dimensions(); ++f)
+    boundaries[face_names[f]] = boundary_name(setup.domain.boundary[f]);
+  json fields = json::array();
+  for (auto const& f : output::dumped_fields(setup)) fields.push_back(f.name);
+  return {{"title", setup.title},
+          {"geometry", output::geometry_name(setup.domain.geometry)},
+          {"cells", setup.domain.cells},
+          {"cell_count", setup.domain.cell_count()},
+          {"cell_size", setup.domain.h},
+          {"blocks", p.blocks},
+          {"boundaries", boundaries},
+          {"memory_bytes", p.memory_bytes},
+          {"machine_memory_bytes", p.machine_memory_bytes},
+          {"end_time", setup.end.time},
+          {"estimated_steps", std::round(p.steps)},
+          {"charges", charges},
+          {"materials", materials},
+          {"gauges", setup.gauges.size()},
+          {"gauge_bytes", p.gauge_bytes},
+          {"obstacles", setup.obstacles.size()},
+          {"fields", fields},
+          {"dumps", p.dumps},
+          {"dump_bytes", p.dump_bytes},
+          {"warnings", p.warnings}};
+}
+
+}  // namespace brisance::app

@@ -1,0 +1,248 @@
+#include "app/commands.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "app/check.hpp"
+#include "app/driver.hpp"
+#include "app/print.hpp"
+#include "app/progress.hpp"
+#include "app/signals.hpp"
+#include "app/text.hpp"
+#include "core/parallel.hpp"
+#include "core/units.hpp"
+#include "deck/deck.hpp"
+#include "deck/library.hpp"
+#include "deck/schema.hpp"
+#include "empirical/kingery_bulmash.hpp"
+#include "output/json.hpp"
+#include "output/report.hpp"
+#include "output/writer.hpp"
+#include "run/world.hpp"
+
+namespace brisance::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double balanced = 1e-10;     // relative error of the audit that is round-off of a long run
+constexpr std::size_t most_rows = 30;  // gauges that the terminal's table shows
+
+/// The deck's case; its errors and warnings go to stderr.
+run::Case load(std::string const& path) {
+  deck::Result result = deck::read_file(path);
+  for (auto const& warning : result.warnings) print(stderr, "{}\n", warning);
+  if (!result.case_) {
+    for (auto const& error : result.errors) print(stderr, "{}\n", deck::format(error));
+    throw InputError(fmt::format("{}: {} error{}", path, result.errors.size(), result.errors.size() == 1 ? "" : "s"));
+  }
+  return std::move(*result.case_);
+}
+
+std::string cell(std::optional<double> value, char const* unit) { return value ? quantity(*value, unit) : "-"; }
+
+std::string ratio(bool known, double value, std::optional<double> const& reference) {
+  return known && reference ? fmt::format("{:.3f}", value / *reference) : "-";
+}
+
+void print_gauges(run::World const& world) {
+  auto const gauges = output::summarise(world.setup, world.gauges);
+  if (gauges.empty()) return;
+  bool const compared = world.setup.burst != run::Burst::none;
+  std::size_t width = 5;
+  for (auto const& g : gauges) width = std::max(width, g.name.size());
+  print(stdout, "\n{:<{}}  {:>10} {:>14} {:>11} {:>13}", "gauge", width, "distance", "peak overpr.", "arrival",
+        "impulse");
+  print(stdout, "{}\n", compared ? "   ratio to Kingery-Bulmash: peak  arrival  impulse" : "");
+  for (std::size_t n = 0; n < std::min(gauges.size(), most_rows); ++n) {
+    auto const& g = gauges[n];
+    bool const arrived = g.wave.arrival_time.has_value();
+    bool const complete = g.wave.positive_duration.has_value();
+    print(stdout, "{:<{}}  {:>10} {:>14} {:>11} {:>12}{}", g.name, width, cell(g.distance, "m"),
+          arrived ? quantity(g.wave.peak_overpressure, "Pa") : "-", cell(g.wave.arrival_time, "s"),
+          arrived ? quantity(g.wave.positive_impulse, "Pa s") : "-", arrived && !complete ? "+" : " ");
+    if (compared) {
+      print(stdout, "  {:>30} {:>8} {:>8}", ratio(arrived, g.wave.peak_overpressure, g.empirical.incident_overpressure),
+            ratio(arrived, g.wave.arrival_time.value_or(0.0), g.empirical.arrival),
+            ratio(complete, g.wave.positive_impulse, g.empirical.incident_impulse));
+    }
+    print(stdout, "\n");
+  }
+  if (gauges.size() > most_rows) print(stdout, "... and {} more in summary.csv\n", gauges.size() - most_rows);
+  bool const cut = std::any_of(gauges.begin(), gauges.end(),
+                               [](auto const& g) { return g.wave.arrival_time && !g.wave.positive_duration; });
+  if (cut) print(stdout, "+: the calculation ended within the positive phase\n");
+}
+
+void print_audit(run::World const& world) {
+  auto const error = world.audit.relative_error();
+  bool const two = world.gas->fluids().two;
+  double const worst = std::max({error[0], two ? error[1] : 0.0, error[2]});
+  std::string const products = two ? fmt::format(", second fluid {:.1e}", error[1]) : "";
+  print(stdout, "\naudit: {} (relative error of the mass: {} {:.1e}{}; of the energy {:.1e})\n",
+        worst <= balanced ? "balanced" : "NOT BALANCED", world.setup.ambient.fluid.name, error[0], products, error[2]);
+  auto const& a = world.audit;
+  if (a.guarded_cells > 0) {
+    print(stdout, "guards: {} cell updates lifted to the floors; they added {:.3g} kg and {:.3g} J\n", a.guarded_cells,
+          a.guard_mass, a.guard_energy);
+  }
+  if (a.fallback_faces > 0) print(stdout, "guards: {} faces fell back to the first-order flux\n", a.fallback_faces);
+}
+
+double si_quantity(char const* option, std::string const& text, char const* unit) {
+  units::Quantity const q = units::parse(text, unit);
+  if (!q.value) throw InputError(fmt::format("{}: {}", option, q.problem));
+  if (!(*q.value > 0.0) || !std::isfinite(*q.value))
+    throw InputError(fmt::format("{}: \"{}\" must be positive", option, text));
+  return *q.value;
+}
+
+}  // namespace
+
+std::string default_output_folder(std::string const& deck) {
+  fs::path const path = fs::absolute(deck).lexically_normal();
+  fs::path const name =
+      path.filename() == "deck.toml" && path.parent_path().has_filename() ? path.parent_path().filename() : path.stem();
+  return name.string() + "-results";
+}
+
+ExitCode run_deck(RunArguments const& arguments) {
+  run::Case setup = load(arguments.deck);
+  set_threads(arguments.threads);
+  Plan const expected = plan(setup);
+  refuse_unless_it_fits(expected);
+  fs::path const folder = arguments.output.empty() ? default_output_folder(arguments.deck) : arguments.output;
+  if (!arguments.quiet) {
+    if (!setup.title.empty()) print(stdout, "{}\n", setup.title);
+    print(stdout, "{} cells, about {} steps, {} thread{}; results go to {}\n", large_count(expected.cells),
+          large_count(expected.steps), threads(), threads() == 1 ? "" : "s", folder.string());
+    for (auto const& charge : expected.charges) {
+      print(stdout, "{}: asked {:.8g} kg, realised {:.8g} kg and {}\n", charge.explosive, charge.asked_mass,
+            charge.realised_mass, quantity(charge.realised_energy, "J"));
+    }
+    for (auto const& warning : expected.warnings) print(stderr, "warning: {}\n", warning);
+    std::fflush(stdout);
+  }
+
+  bool const terminal = isatty(STDERR_FILENO) != 0;
+  StopSignals const signals(terminal && !arguments.quiet);
+  auto const start = std::chrono::steady_clock::now();
+  run::World world(std::move(setup));
+  output::Writer writer(world, folder, {.force = arguments.force});
+  Progress progress(stderr, terminal);
+  bool const show = arguments.progress && !arguments.quiet;
+  Ending const ending = drive(world, writer, StopSignals::requested(), [&](run::World const& w) {
+    if (show) progress.step(w);
+  });
+  if (show) progress.end();
+
+  if (ending.code == ExitCode::numerical_failure || ending.code == ExitCode::io_failure) {
+    print(stderr, "brisance: error: {}\nWhat was written until then is in {}\n", ending.reason, folder.string());
+    return ending.code;
+  }
+  if (arguments.quiet) return ending.code;
+  double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  print(stdout, "{}: {} steps in {}\n", ending.reason, world.clock.step, wall_time(seconds));
+  print_gauges(world);
+  print_audit(world);
+  print(stdout, "\nresults: {}\npictures and comparison: brisance report {}\n", folder.string(), folder.string());
+  return ending.code;
+}
+
+ExitCode check_deck(CheckArguments const& arguments) {
+  run::Case const setup = load(arguments.deck);
+  Plan const p = plan(setup);
+  if (arguments.json) {
+    print(stdout, "{}\n", plan_json(setup, p).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  } else {
+    print(stdout, "{}", plan_text(setup, p));
+  }
+  return ExitCode::done;
+}
+
+ExitCode info(InfoArguments const& arguments) {
+  if (arguments.deck_reference) {
+    print(stdout, "{}", deck::reference_manual());
+  } else if (!arguments.name.empty()) {
+    print(stdout, "{}", deck::describe_material(arguments.name));
+  } else {
+    print(stdout, "{}\n{}", deck::describe_library(), deck::describe_models());
+  }
+  return ExitCode::done;
+}
+
+ExitCode report(std::string const& folder) {
+  print(stdout, "{}\n", output::write_report(folder).string());
+  return ExitCode::done;
+}
+
+ExitCode kb(KbArguments const& arguments) {
+  auto const* explosive = deck::library().explosive(arguments.explosive);
+  if (explosive == nullptr) {
+    throw InputError(
+        fmt::format("--explosive: \"{}\" is not a known explosive; {}", arguments.explosive,
+                    deck::suggestion(arguments.explosive, deck::library().explosive_names(), "known explosives")));
+  }
+  auto const* air = deck::library().fluid("air");
+
+  // The same question as a gauge of a case asks, so that both give the same answer.
+  run::Case setup;
+  setup.ambient.fluid = *air;
+  setup.ambient.state.density = air->density;
+  setup.ambient.state.pressure = air->pressure;
+  run::Charge charge;
+  charge.explosive = *explosive;
+  charge.mass = si_quantity("--charge", arguments.charge, "kg");
+  charge.detonation = run::Detonation::instantaneous;
+  setup.charges.push_back(charge);
+  setup.burst = arguments.burst == "spherical" ? run::Burst::spherical : run::Burst::hemispherical;
+  double const distance = si_quantity("--distance", arguments.distance, "m");
+  auto const blast = output::empirical_blast(setup, distance);
+  double const by_pressure = charge.mass * explosive->tnt_equivalent_pressure;
+  double const by_impulse = charge.mass * explosive->tnt_equivalent_impulse;
+
+  if (arguments.json) {
+    nlohmann::json quantities = nlohmann::json::object();
+    for (auto const& field : empirical::blast_fields) {
+      quantities[std::string(field.key)] = {{"value", output::json_or_null(blast.*field.value)}, {"unit", field.unit}};
+    }
+    nlohmann::json const answer{{"explosive", explosive->name},
+                                {"mass", charge.mass},
+                                {"tnt_mass_for_pressure", by_pressure},
+                                {"tnt_mass_for_impulse", by_impulse},
+                                {"distance", distance},
+                                {"burst", arguments.burst},
+                                {"scaled_distance", blast.scaled_distance},
+                                {"quantities", quantities}};
+    print(stdout, "{}\n", answer.dump(2));
+    return ExitCode::done;
+  }
+
+  print(stdout, "{:g} kg of {}, {} burst, {:g} m: Z = {:.4g} m/kg^(1/3)\n", charge.mass, explosive->name,
+        arguments.burst, distance, blast.scaled_distance);
+  if (explosive->name != "TNT") {
+    bool const unknown = explosive->tnt_equivalent_pressure == 1.0 && explosive->tnt_equivalent_impulse == 1.0;
+    print(stdout, "TNT equivalent: {:g} kg for pressures, {:g} kg for impulses and times{}\n", by_pressure, by_impulse,
+          unknown ? " (none on record: counted as TNT)" : "");
+  }
+  print(stdout, "\n");
+  auto const burst = arguments.burst == "spherical" ? empirical::Burst::spherical : empirical::Burst::hemispherical;
+  for (auto const& field : empirical::blast_fields) {
+    auto const value = blast.*field.value;
+    if (value) {
+      print(stdout, "{:<24} {:>10.4g} {}\n", field.label, *value * field.display_factor, field.display_unit);
+    } else {
+      auto const range = empirical::validity(field, burst);
+      print(stdout, "{:<24} {:>10} (known for Z from {:.3g} to {:.3g})\n", field.label, "-", range.lowest,
+            range.highest);
+    }
+  }
+  return ExitCode::done;
+}
+
+}  // namespace brisance::app

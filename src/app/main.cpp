@@ -1,0 +1,107 @@
+/// The command line.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "app/commands.hpp"
+#include "app/print.hpp"
+
+namespace {
+
+using brisance::ExitCode;
+using brisance::app::print;
+
+constexpr char const* exit_codes =
+    "Exit codes: 0 done, 2 bad input, 3 stopped by the user, 4 numerical failure, 5 input/output failure.\n"
+    "Documentation: README.md and docs/ of the source tree; `brisance COMMAND --help` for one command.";
+
+/// Runs a command and turns every failure into a message and an exit code.
+template <class Command>
+ExitCode guarded(Command const& command) {
+  try {
+    return command();
+  } catch (brisance::Error const& error) {
+    print(stderr, "brisance: error: {}\n", error.what());
+    return error.code();
+  } catch (std::bad_alloc const&) {
+    print(stderr, "brisance: error: out of memory; `brisance check DECK` tells how much a case needs\n");
+    return ExitCode::io_failure;
+  } catch (std::exception const& error) {
+    print(stderr, "brisance: internal error: {}; please report it with the deck\n", error.what());
+    return ExitCode::numerical_failure;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Brisance: explosive blast in air.", "brisance");
+  app.set_version_flag("--version", "brisance " BRISANCE_VERSION);
+  app.require_subcommand(1);
+  app.footer(exit_codes);
+  app.get_formatter()->column_width(34);
+
+  ExitCode code = ExitCode::done;
+
+  brisance::app::RunArguments run_arguments;
+  auto* run = app.add_subcommand("run", "Run a deck");
+  run->add_option("DECK", run_arguments.deck, "the case, a TOML file")->required();
+  run->add_option("--output", run_arguments.output,
+                  "folder for the results; without it NAME-results in the working directory");
+  run->add_option("--threads", run_arguments.threads, "number of threads; without it all cores")
+      ->check(CLI::Range(1, 1024));
+  run->add_flag("--force", run_arguments.force, "replace the results of an earlier run");
+  run->add_flag("--quiet", run_arguments.quiet, "say nothing but errors and warnings of the deck");
+  run->add_flag("!--no-progress", run_arguments.progress, "no progress line");
+  run->footer(
+      "Ctrl-C ends the step, writes what there is and exits with 3; a second Ctrl-C ends at once.\n"
+      "Example: brisance run cases/hemisphere_3d/deck.toml --output burst --threads 2");
+  run->callback([&] { code = guarded([&] { return run_deck(run_arguments); }); });
+
+  brisance::app::CheckArguments check_arguments;
+  auto* check = app.add_subcommand("check", "Validate a deck and say what it will compute");
+  check->add_option("DECK", check_arguments.deck, "the case, a TOML file")->required();
+  check->add_flag("--json", check_arguments.json, "answer in JSON");
+  check->footer("Example: brisance check cases/hemisphere_3d/deck.toml");
+  check->callback([&] { code = guarded([&] { return check_deck(check_arguments); }); });
+
+  brisance::app::InfoArguments info_arguments;
+  auto* info = app.add_subcommand("info", "List materials and models, or all about one material");
+  info->add_option("NAME", info_arguments.name, "an explosive or a fluid");
+  info->add_flag("--deck-reference", info_arguments.deck_reference, "print the reference manual of decks in Markdown");
+  info->footer("Example: brisance info TNT");
+  info->callback([&] { code = guarded([&] { return brisance::app::info(info_arguments); }); });
+
+  std::string report_folder;
+  auto* report = app.add_subcommand("report", "Write the HTML report of a run and print its path");
+  report->add_option("DIR", report_folder, "the results of a run")->required();
+  report->footer("Example: brisance report burst");
+  report->callback([&] { code = guarded([&] { return brisance::app::report(report_folder); }); });
+
+  brisance::app::KbArguments kb_arguments;
+  auto* kb = app.add_subcommand("kb", "Blast parameters after Kingery and Bulmash");
+  kb->add_option("--charge", kb_arguments.charge, "mass of the charge with its unit; a bare number is in kg")
+      ->required();
+  kb->add_option("--distance", kb_arguments.distance, "distance from its centre with its unit; a bare number is in m")
+      ->required();
+  kb->add_option("--burst", kb_arguments.burst, "hemispherical: on the ground; spherical: in free air")
+      ->required()
+      ->check(CLI::IsMember({"hemispherical", "spherical"}));
+  kb->add_option("--explosive", kb_arguments.explosive, "an explosive of `brisance info`; without it TNT");
+  kb->add_flag("--json", kb_arguments.json, "answer in JSON, SI units");
+  kb->footer("Example: brisance kb --charge \"10 kg\" --distance \"5 m\" --burst hemispherical");
+  kb->callback([&] { code = guarded([&] { return brisance::app::kb(kb_arguments); }); });
+
+  try {
+    app.parse(argc, argv);
+  } catch (CLI::ParseError const& error) {
+    code = app.exit(error) == 0 ? ExitCode::done : ExitCode::bad_input;
+  }
+  bool const printed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (!printed && code == ExitCode::done) {
+    print(stderr, "brisance: error: standard output could not be written\n");
+    code = ExitCode::io_failure;
+  }
+  return static_cast<int>(code);
+}

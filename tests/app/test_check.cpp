@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/check.hpp"
+#include "small_case.hpp"
+
+namespace brisance::app {
+namespace {
+
+TEST(Plan, KnowsTheChargeAsTheWorldWillBuildIt) {
+  auto const setup = small_case("[end]\ntime = \"0.2 ms\"\n");
+  Plan const p = plan(setup);
+  run::World const world{run::Case(setup)};
+  ASSERT_EQ(p.charges.size(), 1U);
+  EXPECT_EQ(p.blocks, world.grid.block_count());
+  EXPECT_EQ(p.charges[0].asked_mass, world.charges[0].asked_mass);
+  // Two ways of summing the same cells: round-off.
+  EXPECT_NEAR(p.charges[0].realised_mass, world.charges[0].realised_mass, 1e-13);
+  EXPECT_NEAR(p.charges[0].realised_energy / world.charges[0].realised_energy, 1.0, 1e-13);
+  EXPECT_NEAR(p.charges[0].cells_per_radius / world.charges[0].cells_per_radius, 1.0, 1e-13);
+}
+
+TEST(Plan, CountsDumpsAndWarnsOfCoarseCharges) {
+  auto setup = small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n");
+  EXPECT_EQ(plan(setup).dumps, 5);
+  EXPECT_TRUE(plan(setup).warnings.empty());
+  setup.domain.h = 12.5e-3;  // radius 52.7 mm: 4.2 cells
+  setup.domain.cells[0] = 80;
+  ASSERT_EQ(plan(setup).warnings.size(), 1U);
+  EXPECT_NE(plan(setup).warnings[0].find("4.2 cells per radius"), std::string::npos) << plan(setup).warnings[0];
+}
+
+TEST(Plan, RefusesWhatDoesNotFitIntoTheMachine) {
+  Plan p = plan(small_case("[end]\ntime = \"0.2 ms\"\n"));
+  EXPECT_NO_THROW(refuse_unless_it_fits(p));
+  p.memory_bytes = 2.0 * p.machine_memory_bytes;
+  EXPECT_THROW(refuse_unless_it_fits(p), InputError);
+}
+
+TEST(Plan, MemoryGrowsWithCellsTimesValues) {
+  auto setup = small_case("[end]\ntime = \"0.2 ms\"\n");
+  double const before = plan(setup).memory_bytes;
+  setup.domain.cells[0] += 1'000'000;
+  // 8 components, 3 peak values and 3 of the dump's buffer per cell, and the ghost layers of a thousand blocks.
+  EXPECT_NEAR(plan(setup).memory_bytes - before, 8.0 * 14e6, 2e6);
+}
+
+TEST(Plan, EstimatesTheStepsWithinAFactorOfTwo) {
+  auto const setup = small_case("[end]\ntime = \"0.4 ms\"\n");
+  double const estimate = plan(setup).steps;
+  run::World world{run::Case(setup)};
+  while (!world.finished()) run::advance(world, setup.end.time);
+  auto const steps = static_cast<double>(world.clock.step);
+  EXPECT_GT(estimate, 0.5 * steps);
+  EXPECT_LT(estimate, 2.0 * steps);
+}
+
+TEST(Plan, TextAndJsonTellTheSame) {
+  auto const setup = small_case("[end]\ntime = \"0.2 ms\"\n");
+  Plan const p = plan(setup);
+  auto const json = plan_json(setup, p);
+  EXPECT_EQ(json["cell_count"], 200);
+  EXPECT_EQ(json["boundaries"]["x_high"], "outflow");
+  EXPECT_EQ(json["charges"][0]["explosive"], "TNT");
+  std::string const text = plan_text(setup, p);
+  for (char const* part : {"200 = 200 of 5 mm", "x_high outflow", "mass asked 1 kg, realised 1 kg",
+                           "TNT (explosive): ", "air (ambient fluid): "}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  }
+}
+
+}  // namespace
+}  // namespace brisance::app

@@ -1,0 +1,361 @@
+"""The program as its users see it: exit codes, messages and files.
+
+Usage: BRISANCE=path/to/brisance BRISANCE_SOURCE=path/to/tree python3 test_program.py [CLASS...]
+"""
+import csv
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy
+
+PROGRAM = os.environ["BRISANCE"]
+SOURCE = Path(os.environ["BRISANCE_SOURCE"])
+
+SMALL = """
+title = "small"
+[domain]
+geometry = "spherical1d"
+size = 1
+cell = "5 mm"
+[[charge]]
+mass = "1 kg"
+[[gauge]]
+name = "near"
+point = 0.5
+[output]
+field_interval = "0.1 ms"
+[end]
+time = "0.4 ms"
+"""
+
+# Too long to end before a signal comes.
+LONG = SMALL.replace('"5 mm"', '"0.25 mm"').replace('"0.4 ms"', '"1 s"').replace('"0.1 ms"', '"0.5 s"')
+
+# A charge across several blocks in 3D, with an obstacle and air that is quiet for a while.
+BLAST_3D = """
+[domain]
+size = [1.6, 0.96, 0.96]
+cell = "20 mm"
+[boundaries]
+y_low = "symmetry"
+z_low = "wall"
+[numerics]
+block_cells = 16
+sleep = SLEEP
+scheme = "SCHEME"
+[[charge]]
+mass = "1 kg"
+shape = "hemisphere"
+position = [0.32, 0, 0]
+[[obstacle]]
+shape = "box"
+lower = [0.8, 0, 0]
+upper = [0.9, 0.4, 0.4]
+[[gauge]]
+line = {from = [0.5, 0.3, 0.1], to = [1.5, 0.9, 0.9], count = 3}
+[output]
+precision = "double"
+[end]
+time = "1 s"
+steps = 40
+"""
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = Path(scratch.name)
+
+    def deck(self, text, name="case.toml"):
+        (self.folder / name).write_text(text)
+        return name
+
+    def brisance(self, *arguments, code=0, **options):
+        done = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, capture_output=True, text=True,
+                              timeout=600, **options)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+
+class CommandLine(Case):
+    def test_help_names_commands_and_exit_codes(self):
+        text = self.brisance("--help").stdout
+        for word in ("run", "check", "info", "report", "kb", "0 done, 2 bad input, 3 stopped by the user",
+                     "4 numerical failure, 5 input/output failure"):
+            self.assertIn(word, text)
+
+    def test_every_command_has_an_example(self):
+        for command in ("run", "check", "info", "report", "kb"):
+            self.assertIn(f"Example: brisance {command} ", self.brisance(command, "--help").stdout)
+
+    def test_version(self):
+        self.assertRegex(self.brisance("--version").stdout, r"^brisance \d+\.\d+\.\d+\n$")
+
+    def test_wrong_command_lines_are_bad_input(self):
+        self.brisance(code=2)
+        self.brisance("explode", code=2)
+        self.brisance("run", code=2)
+        self.brisance("run", "a.toml", "--threads", "0", code=2)
+        self.brisance("kb", "--charge", "1 kg", "--distance", "1 m", "--burst", "square", code=2)
+
+    def test_a_full_standard_output_is_an_output_failure(self):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([PROGRAM, "info"], stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 5)
+        self.assertIn("standard output", done.stderr)
+
+
+class KingeryBulmash(Case):
+    def kb(self, *arguments):
+        return json.loads(self.brisance("kb", *arguments, "--json").stdout)
+
+    def test_units_do_not_matter(self):
+        a = self.kb("--charge", "10 kg", "--distance", "5 m", "--burst", "hemispherical")
+        b = self.kb("--charge", "10000 g", "--distance", "500 cm", "--burst", "hemispherical")
+        self.assertAlmostEqual(a["scaled_distance"], 5 / 10 ** (1 / 3), places=3)
+        for name, quantity in a["quantities"].items():
+            self.assertAlmostEqual(quantity["value"] / b["quantities"][name]["value"], 1.0, places=12)
+
+    def test_hopkinson_scaling(self):
+        one = self.kb("--charge", "1 kg", "--distance", "2 m", "--burst", "spherical")["quantities"]
+        eight = self.kb("--charge", "8 kg", "--distance", "4 m", "--burst", "spherical")["quantities"]
+        for name in ("incident_overpressure", "reflected_overpressure", "shock_speed"):
+            self.assertAlmostEqual(eight[name]["value"] / one[name]["value"], 1.0, places=6)
+        for name in ("incident_impulse", "reflected_impulse", "arrival", "duration"):
+            self.assertAlmostEqual(eight[name]["value"] / one[name]["value"], 2.0, places=6)
+
+    def test_values_of_the_published_curves(self):
+        # Rows of the table in tests/empirical/test_kingery_bulmash.cpp, 1 kg of TNT, with its tolerance.
+        names = ("incident_overpressure", "reflected_overpressure", "incident_impulse", "reflected_impulse", "arrival")
+        for burst, distance, *expected in (
+                ("hemispherical", 1, 1356.7e3, 8144.9e3, 236.43, 884.77, 0.46751e-3),
+                ("hemispherical", 10, 14.807e3, 31.544e3, 31.013, 59.327, 21.635e-3),
+                ("spherical", 0.5, 3884.8e3, 30360e3, 141.29, 1454.1, 0.15408e-3),
+                ("spherical", 5, 31.296e3, 70.022e3, 40.619, 83.317, 8.9953e-3)):
+            got = self.kb("--charge", "1 kg", "--distance", f"{distance} m", "--burst", burst)["quantities"]
+            for name, value in zip(names, expected):
+                self.assertAlmostEqual(got[name]["value"] / value, 1.0, delta=5e-5, msg=f"{burst} {distance} {name}")
+
+    def test_other_explosives_count_by_their_tnt_equivalents(self):
+        c4 = self.kb("--charge", "1 kg", "--distance", "3 m", "--burst", "spherical", "--explosive", "C-4")
+        same = self.kb("--charge", f"{c4['tnt_mass_for_pressure']} kg", "--distance", "3 m", "--burst", "spherical")
+        self.assertGreater(c4["tnt_mass_for_pressure"], 1.0)
+        self.assertAlmostEqual(c4["quantities"]["incident_overpressure"]["value"]
+                               / same["quantities"]["incident_overpressure"]["value"], 1.0, places=9)
+
+    def test_outside_the_curves_there_is_no_value(self):
+        far = self.kb("--charge", "1 kg", "--distance", "100 m", "--burst", "spherical")
+        self.assertIsNone(far["quantities"]["incident_overpressure"]["value"])
+
+    def test_bad_values_name_the_option(self):
+        bad = ("--distance", "5 kg", "--burst", "spherical")
+        self.assertIn('--distance: "5 kg" is a mass', self.brisance("kb", "--charge", "1 kg", *bad, code=2).stderr)
+        negative = self.brisance("kb", "--charge=-1 kg", "--distance", "5 m", "--burst", "spherical", code=2)
+        self.assertIn("must be positive", negative.stderr)
+        unknown = self.brisance("kb", "--charge", "1 kg", "--distance", "5 m", "--burst", "spherical", "--explosive",
+                                "TMT", code=2)
+        self.assertIn('did you mean "TNT"?', unknown.stderr)
+
+
+class Info(Case):
+    def test_overview_lists_materials_and_models(self):
+        text = self.brisance("info").stdout
+        for word in ("TNT", "C-4", "air", "water", "spherical1d", "muscl-hancock", "jwl", "peak_overpressure"):
+            self.assertIn(word, text)
+
+    def test_one_material_with_parameters_and_source(self):
+        text = self.brisance("info", "tnt").stdout
+        for word in ("TNT: explosive", "source:", "detonation_speed", "m/s"):
+            self.assertIn(word, text)
+
+    def test_unknown_material(self):
+        self.assertIn('did you mean "TNT"?', self.brisance("info", "TMT", code=2).stderr)
+
+    def test_deck_reference_is_the_documented_one(self):
+        self.assertEqual(self.brisance("info", "--deck-reference").stdout, (SOURCE / "docs/deck.md").read_text())
+
+
+class Check(Case):
+    def test_every_example_deck_is_valid(self):
+        decks = sorted(SOURCE.glob("cases/*/deck.toml"))
+        self.assertGreaterEqual(len(decks), 4)
+        for deck in decks:
+            plan = json.loads(self.brisance("check", deck, "--json").stdout)
+            for charge in plan["charges"]:
+                self.assertLess(abs(charge["relative_error"]), 1e-12, deck)
+            self.assertLess(plan["memory_bytes"], 4e9, deck)
+            self.brisance("check", deck)
+
+    def test_check_promises_what_run_does(self):
+        deck = self.deck(SMALL)
+        plan = json.loads(self.brisance("check", deck, "--json").stdout)
+        self.brisance("run", deck, "--quiet")
+        log = json.loads((self.folder / "case-results/run.json").read_text())
+        self.assertEqual(plan["dumps"], log["dumps"])
+        self.assertEqual(plan["blocks"], log["blocks"])
+        self.assertAlmostEqual(plan["charges"][0]["realised_mass"], log["charges"][0]["realised_mass"], places=12)
+
+    def test_all_errors_of_a_deck_in_one_go(self):
+        bad = self.deck(SMALL.replace("cell =", "cel =").replace("1 kg", "1 m"))
+        text = self.brisance("check", bad, code=2).stderr
+        self.assertIn('case.toml:6:1: error: domain.cel: unknown key "cel"', text)
+        self.assertIn('did you mean "cell"?', text)
+        self.assertIn("case.toml:8:", text)
+        self.assertIn("expected a mass", text)
+        self.assertFalse((self.folder / "case-results").exists())
+
+    def test_a_case_larger_than_the_machine_is_refused_before_it_starts(self):
+        deck = self.deck(SMALL.replace('"spherical1d"', '"cartesian3d"').replace("size = 1", "size = [12, 12, 12]")
+                         .replace('"5 mm"', '"10 mm"').replace("point = 0.5", "point = [5, 5, 5]")
+                         .replace('"1 kg"', '"1 kg"\nposition = [6, 6, 6]'))
+        plan = json.loads(self.brisance("check", deck, "--json").stdout)
+        self.assertEqual(plan["cell_count"], 1728000000)
+        if plan["memory_bytes"] < plan["machine_memory_bytes"]:
+            self.skipTest("this machine could hold the case")
+        self.assertIn("of memory", self.brisance("run", deck, code=2).stderr)
+        self.assertFalse((self.folder / "case-results").exists())
+
+
+class Run(Case):
+    def test_a_run_leaves_everything(self):
+        done = self.brisance("run", self.deck(SMALL), "--output", "out", "--threads", 2)
+        out = self.folder / "out"
+        for name in ("run.json", "deck.toml", "fields.xmf2", "gauges/near.csv", "summary.csv", "summary.json"):
+            self.assertGreater((out / name).stat().st_size, 0, name)
+        self.assertEqual(len(list(out.glob("fields/*.h5"))), 5)
+        self.assertEqual((out / "deck.toml").read_text(), SMALL)
+        log = json.loads((out / "run.json").read_text())
+        self.assertEqual((log["status"], log["exit_code"]), ("done", 0))
+        self.assertEqual(log["time"], 0.4e-3)
+        self.assertLess(max(log["audit"]["relative_error"]["mass"] + [log["audit"]["relative_error"]["energy"]]), 1e-12)
+        for word in ("near", "Kingery-Bulmash", "audit: balanced", "results: out", "brisance report out"):
+            self.assertIn(word, done.stdout)
+
+    def test_quiet_is_quiet(self):
+        done = self.brisance("run", self.deck(SMALL), "--quiet")
+        self.assertEqual((done.stdout, done.stderr), ("", ""))
+
+    def test_results_are_not_overwritten_unless_forced(self):
+        deck = self.deck(SMALL)
+        self.brisance("run", deck, "--quiet")
+        refused = self.brisance("run", deck, code=5)
+        self.assertIn("--force", refused.stderr)
+        self.brisance("run", deck, "--quiet", "--force")
+
+    def test_report(self):
+        self.brisance("run", self.deck(SMALL), "--output", "out", "--quiet")
+        path = self.brisance("report", "out").stdout.strip()
+        page = (self.folder / path).read_text()
+        self.assertIn("near", page)
+        self.assertIn("1 kg", page)
+
+    def test_report_of_nothing(self):
+        self.assertIn("no run.json", self.brisance("report", ".", code=5).stderr)
+
+    def interrupted(self, number):
+        process = subprocess.Popen([PROGRAM, "run", self.deck(LONG), "--output", "out"], cwd=self.folder,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        gauge = self.folder / "out/gauges/near.csv"
+        for _ in range(600):  # until the run has put gauge records on the disk
+            if gauge.exists() and gauge.stat().st_size > 1000:
+                break
+            time.sleep(0.1)
+        process.send_signal(number)
+        text, _ = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 3, text)
+        self.assertRegex(text, r"stopped by the user at t = .*, 0\.\d % of the time, step \d+")
+        log = json.loads((self.folder / "out/run.json").read_text())
+        self.assertEqual((log["status"], log["exit_code"]), ("stopped", 3))
+        rows = list(csv.reader(gauge.open()))
+        self.assertEqual(len(rows), log["step"] + 2)  # head, initial state, one per step
+        self.assertEqual({len(row) for row in rows}, {9})
+        self.assertAlmostEqual(float(rows[-1][0]) / log["time"], 1.0, places=9)
+        last = sorted((self.folder / "out/fields").glob("*.h5"))[-1]
+        with h5py.File(last) as dump:
+            self.assertEqual(dump.attrs["step"], log["step"])
+        self.assertTrue((self.folder / "out/summary.csv").exists())
+
+    def test_sigterm_stops_and_writes(self):
+        self.interrupted(signal.SIGTERM)
+
+    def test_sigint_stops_and_writes(self):
+        self.interrupted(signal.SIGINT)
+
+
+class Failures(Case):
+    def test_missing_deck(self):
+        self.assertIn("none.toml", self.brisance("run", "none.toml", code=5).stderr)
+        self.brisance("check", "none.toml", code=5)
+
+    def test_a_folder_is_no_deck(self):
+        self.brisance("check", ".", code=5)
+
+    def test_bad_deck(self):
+        self.assertIn("case.toml:1:", self.brisance("run", self.deck("x = ["), code=2).stderr)
+
+    def test_output_inside_a_file(self):
+        deck = self.deck(SMALL)
+        self.assertIn("Not a directory", self.brisance("run", deck, "--output", f"{deck}/out", code=5).stderr)
+
+    def test_output_that_cannot_be_created(self):
+        # /proc refuses new folders even to root.
+        self.assertIn("/proc/out", self.brisance("run", self.deck(SMALL), "--output", "/proc/out", code=5).stderr)
+
+    def test_disk_that_fills_up_during_the_run(self):
+        # The size limit of files stands for the full disk: writing beyond it fails in the same way.
+        deck = self.deck(LONG)
+        limited = ["bash", "-c", f"ulimit -f 200; exec '{PROGRAM}' run {deck} --output out"]
+        done = subprocess.run(limited, cwd=self.folder, capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertIn("File too large", done.stderr)
+
+    @unittest.skipUnless(os.geteuid() == 0, "needs root to mount a small disk")
+    def test_disk_that_is_too_small_is_refused_before_the_run(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", disk], capture_output=True)
+        if mounted.returncode != 0:
+            self.skipTest("mounting is not allowed here")
+        self.addCleanup(subprocess.run, ["umount", disk], check=True)
+        deck = self.deck(SMALL.replace('"5 mm"', '"0.5 mm"').replace('"0.1 ms"', '"0.01 ms"'))
+        done = self.brisance("run", deck, "--output", disk / "out", code=5)
+        self.assertIn("not enough space", done.stderr)
+        self.assertNotIn("step", done.stderr)
+
+
+class Determinism(Case):
+    def results(self, name, threads, sleep="true", scheme="muscl-hancock"):
+        deck = self.deck(BLAST_3D.replace("SLEEP", sleep).replace("SCHEME", scheme), f"{name}.toml")
+        self.brisance("run", deck, "--output", name, "--threads", threads, "--quiet")
+        contents = {path.name: path.read_bytes() for path in (self.folder / name / "gauges").iterdir()}
+        for path in sorted((self.folder / name / "fields").iterdir()):
+            with h5py.File(path) as dump:
+                for field, data in dump["cells"].items():
+                    contents[f"{path.name}/{field}"] = data[...].tobytes()
+                    self.assertTrue(numpy.isfinite(data[...]).all())
+        self.assertEqual(len(contents), 3 + 2 * 7)
+        return contents
+
+    def assert_same(self, a, b):
+        self.assertEqual(a.keys(), b.keys())
+        self.assertEqual([name for name in a if a[name] != b[name]], [])
+
+    def test_threads_and_sleep_do_not_change_a_bit(self):
+        for scheme in ("muscl-hancock", "lax-wendroff"):
+            with self.subTest(scheme=scheme):
+                one = self.results(f"{scheme}-1", 1, scheme=scheme)
+                self.assert_same(one, self.results(f"{scheme}-2", 2, scheme=scheme))
+                self.assert_same(one, self.results(f"{scheme}-4", 4, scheme=scheme))
+                self.assert_same(one, self.results(f"{scheme}-awake", 2, "false", scheme))
+
+
+if __name__ == "__main__":
+    unittest.main()

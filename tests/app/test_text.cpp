@@ -1,0 +1,43 @@
+#include <gtest/gtest.h>
+
+#include "app/commands.hpp"
+#include "app/text.hpp"
+
+namespace brisance::app {
+namespace {
+
+TEST(Text, QuantitiesTakeThePrefixThatKeepsThemShort) {
+  EXPECT_EQ(quantity(12345.0, "Pa"), "12.35 kPa");
+  EXPECT_EQ(quantity(101325.0, "Pa", 6), "101.325 kPa");
+  EXPECT_EQ(quantity(0.00123, "s"), "1.23 ms");
+  EXPECT_EQ(quantity(2.5e-9, "s"), "2.5 ns");
+  EXPECT_EQ(quantity(-2e6, "J"), "-2 MJ");
+  EXPECT_EQ(quantity(0.0, "Pa"), "0 Pa");
+  EXPECT_EQ(quantity(1500.0, "kg"), "1500 kg");
+  EXPECT_EQ(quantity(999.96, "Pa"), "1 kPa");
+  EXPECT_EQ(quantity(999.94, "Pa"), "999.9 Pa");
+}
+
+TEST(Text, WallTimesReadLikeAClock) {
+  EXPECT_EQ(wall_time(4.24), "4.2 s");
+  EXPECT_EQ(wall_time(59.4), "59 s");
+  EXPECT_EQ(wall_time(59.6), "1 min 00 s");
+  EXPECT_EQ(wall_time(192.0), "3 min 12 s");
+  EXPECT_EQ(wall_time(18420.0), "5 h 07 min");
+}
+
+TEST(Text, SizesAndCounts) {
+  EXPECT_EQ(bytes(999.0), "999 B");
+  EXPECT_EQ(bytes(1.234e9), "1.23 GB");
+  EXPECT_EQ(bytes(999.9e6), "1 GB");
+  EXPECT_EQ(large_count(6000.0), "6000");
+  EXPECT_EQ(large_count(1.5e6), "1.5 million");
+}
+
+TEST(Text, TheOutputFolderIsNamedAfterTheDeck) {
+  EXPECT_EQ(default_output_folder("somewhere/blast.toml"), "blast-results");
+  EXPECT_EQ(default_output_folder("cases/hemisphere_3d/deck.toml"), "hemisphere_3d-results");
+}
+
+}  // namespace
+}  // namespace brisance::app

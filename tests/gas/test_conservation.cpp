@@ -1,0 +1,123 @@
+/// Closed boxes: nothing may be lost or made, in any geometry, with either scheme.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <numbers>
+
+#include "gas/harness.hpp"
+
+namespace brisance::test {
+namespace {
+
+class Closed : public testing::TestWithParam<std::tuple<gas::Scheme, grid::Geometry, bool>> {};
+
+// A blast of products and air in a box with walls all around, some obstacle cells in it; the waves cross the box several times.
+TEST_P(Closed, MassAndEnergyAreConserved) {
+  auto const [scheme, geometry, obstacle] = GetParam();
+  Problem problem;
+  int const dims = grid::dimensions(geometry);
+  int const n = dims == 1 ? 200 : dims == 2 ? 48 : 24;
+  problem.box(geometry, n, 1.0, grid::Boundary::wall);
+  problem.block_cells = dims == 1 ? 64 : dims == 2 ? 20 : 10;
+  if (grid::radial_exponent(geometry) > 0) problem.domain.boundary[0] = grid::Boundary::symmetry;
+  problem.options.scheme = scheme;
+  problem.options.density_floor = 1e-6;
+  problem.options.pressure_floor = 1.0;
+  problem.fluids.two = true;
+  problem.fluids.second = material::Jwl{};
+  problem.fluids.ambient_pressure = 1e5;
+  problem.fill([&](Vec3 const& x) {
+    gas::MixtureState s = state(1.2, 0.0, 1e5);
+    double r = 0.0;
+    for (int d = 0; d < dims; ++d) r += (x[d] - 0.1) * (x[d] - 0.1);
+    s.second_density = 200.0;
+    bool const inside = r < 0.04;
+    s.volume_fraction = inside ? 1.0 : 0.0;
+    if (inside) s.pressure = 2e7;
+    return s;
+  });
+  if (obstacle) {
+    for (int b = 0; b < problem.grid->block_count(); ++b) {
+      grid::Block const& block = problem.grid->blocks()[b];
+      gas::PaddedBox const box(block, dims);
+      std::vector<std::uint8_t> solid(box.count(), 0);
+      for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
+        for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
+          for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
+            Index3 const cell = grid::image_cell(problem.domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
+            bool const inside = cell[0] > n / 2 && cell[0] < n / 2 + 4 && (dims < 2 || (cell[1] > 2 && cell[1] < n / 2));
+            solid[box.offset(i, j, k)] = inside ? 1 : 0;
+          }
+        }
+      }
+      problem.gas->set_obstacles(b, std::move(solid));
+    }
+    problem.gas->start();
+  }
+  double const air = problem.total(gas::density);
+  double const products = problem.total(gas::second_density);
+  double const energy = problem.total(gas::energy);
+  problem.run_to(5e-3);
+  gas::Account const account = problem.gas->account();
+  double const guard = account.guard_energy / energy;
+  std::printf("%ld steps: air %.1e, products %.1e, energy %.1e, guarded cells %ld (energy %.1e)\n", problem.steps,
+              problem.total(gas::density) / air - 1.0, problem.total(gas::second_density) / products - 1.0,
+              problem.total(gas::energy) / energy - 1.0, account.guarded_cells, guard);
+  EXPECT_NEAR(problem.total(gas::density) / air, 1.0 + account.guard_mass / air, 1e-12);
+  EXPECT_NEAR(problem.total(gas::second_density) / products, 1.0, 1e-12);
+  EXPECT_NEAR(problem.total(gas::energy) / energy, 1.0 + guard, 1e-12);
+  if (scheme == gas::Scheme::muscl_hancock) {
+    EXPECT_EQ(account.guarded_cells, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Boxes, Closed,
+    testing::Combine(testing::Values(gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff),
+                     testing::Values(grid::Geometry::planar1d, grid::Geometry::cylindrical1d, grid::Geometry::spherical1d,
+                                     grid::Geometry::planar2d, grid::Geometry::axisymmetric2d, grid::Geometry::cartesian3d),
+                     testing::Bool()));
+
+// Periodic box: momentum too.
+TEST(Periodic, MomentumIsConserved) {
+  for (gas::Scheme scheme : {gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff}) {
+    Problem problem;
+    problem.box(grid::Geometry::cartesian3d, 24, 1.0, grid::Boundary::periodic);
+    problem.block_cells = 8;
+    problem.options.scheme = scheme;
+    problem.fill([](Vec3 const& x) {
+      gas::MixtureState s = state(1.0, 0.3, norm(x - Vec3{0.4, 0.5, 0.6}) < 0.2 ? 10.0 : 1.0);
+      s.velocity = {0.3, -0.2, 0.5};
+      return s;
+    });
+    std::array<double, 5> before{};
+    for (int c = 0; c < 5; ++c) before[c] = problem.total(c);
+    problem.run_to(0.5);
+    for (int c = 0; c < 5; ++c) EXPECT_NEAR(problem.total(c) / before[c], 1.0, 1e-12) << "component " << c;
+  }
+}
+
+// Gas at rest stays at rest to the last bit, also in rings and shells.
+TEST(Rest, IsExactInEveryGeometry) {
+  for (auto geometry : {grid::Geometry::planar1d, grid::Geometry::cylindrical1d, grid::Geometry::spherical1d, grid::Geometry::axisymmetric2d,
+                        grid::Geometry::cartesian3d}) {
+    for (gas::Scheme scheme : {gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff}) {
+      Problem problem;
+      problem.box(geometry, 16, 1.0, grid::Boundary::wall);
+      problem.options.scheme = scheme;
+      problem.options.sleep = false;
+      problem.quiescent = state(1.225, 0.0, 101325.0);
+      problem.fill([&](Vec3 const&) { return problem.quiescent; });
+      auto const quiet = problem.gas->conserved(problem.quiescent);
+      for (int step = 0; step < 20; ++step) problem.gas->advance(1e-4, step % 2 == 1);
+      int changed = 0;
+      problem.for_each_cell([&](int b, int offset, Index3 const&) {
+        for (int c = 0; c <= gas::energy; ++c) changed += problem.gas->fields().at(b, c)[offset] != quiet[c] ? 1 : 0;
+      });
+      EXPECT_EQ(changed, 0) << "geometry " << static_cast<int>(geometry);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace brisance::test
