@@ -2,9 +2,10 @@
 ///
 ///   bench_gas [--benchmark_filter=...]
 ///
-/// `cells/s` counts whole steps (three sweeps) of 128^3 cells in wall-clock time, all threads together. Cases: one fluid; two fluids with JWL
-/// products and air mixed everywhere (the dearest cells there are); two fluids of which the products fill a sphere in one corner,
-/// 5 % of the domain, expanded so far that their exponentials matter in the middle only (a blast after some time).
+/// `cells/s` counts whole steps (three sweeps) of 128^3 cells in wall-clock time, all threads together. Cases: one
+/// fluid; two fluids with JWL products and air mixed everywhere (the dearest cells there are); two fluids of which the
+/// products fill a sphere in one corner, 5 % of the domain, expanded so far that their exponentials matter in the
+/// middle only (a blast after some time).
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -68,7 +69,8 @@ void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int 
   for (auto _ : state) gas.advance(0.5 * domain.h / gas.fastest_signal(), step++ % 2 == 1);
   double const updates = static_cast<double>(state.iterations()) * n * n * n;
   state.counters["cells/s"] = benchmark::Counter(updates, benchmark::Counter::kIsRate);
-  state.counters["cells/s/core"] = benchmark::Counter(updates / static_cast<double>(state.range(0)), benchmark::Counter::kIsRate);
+  state.counters["cells/s/core"] =
+      benchmark::Counter(updates / static_cast<double>(state.range(0)), benchmark::Counter::kIsRate);
 }
 
 /// a = b + s c on arrays far larger than any cache: what the machine's memory gives.
@@ -86,7 +88,8 @@ void memory_bandwidth(benchmark::State& state) {
     });
     benchmark::DoNotOptimize(a.data());
   }
-  state.counters["bytes/s"] = benchmark::Counter(static_cast<double>(state.iterations()) * count * 24.0, benchmark::Counter::kIsRate);
+  state.counters["bytes/s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * count * 24.0, benchmark::Counter::kIsRate);
 }
 
 void threads_of_interest(benchmark::internal::Benchmark* b) {
@@ -94,11 +97,16 @@ void threads_of_interest(benchmark::internal::Benchmark* b) {
 }
 
 BENCHMARK(memory_bandwidth)->Apply(threads_of_interest);
-BENCHMARK_CAPTURE(gas_step, muscl_hancock/one_fluid, gas::Scheme::muscl_hancock, one_fluid, 0)->Apply(threads_of_interest);
-BENCHMARK_CAPTURE(gas_step, muscl_hancock/two_fluids_mixed, gas::Scheme::muscl_hancock, mixed_everywhere, 0)->Apply(threads_of_interest);
-BENCHMARK_CAPTURE(gas_step, muscl_hancock/two_fluids_corner, gas::Scheme::muscl_hancock, products_in_a_corner, 0)->Apply(threads_of_interest);
-BENCHMARK_CAPTURE(gas_step, lax_wendroff/one_fluid, gas::Scheme::lax_wendroff, one_fluid, 0)->Apply(threads_of_interest);
-BENCHMARK_CAPTURE(gas_step, lax_wendroff/two_fluids_mixed, gas::Scheme::lax_wendroff, mixed_everywhere, 0)->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / one_fluid, gas::Scheme::muscl_hancock, one_fluid, 0)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_mixed, gas::Scheme::muscl_hancock, mixed_everywhere, 0)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_corner, gas::Scheme::muscl_hancock, products_in_a_corner, 0)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, lax_wendroff / one_fluid, gas::Scheme::lax_wendroff, one_fluid, 0)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, lax_wendroff / two_fluids_mixed, gas::Scheme::lax_wendroff, mixed_everywhere, 0)
+    ->Apply(threads_of_interest);
 
 }  // namespace
 

@@ -30,7 +30,8 @@ namespace brisance {
   return count;
 }
 
-/// Largest of n values, at least 0; NaN is passed over. In lanes, because a plain maximum keeps the loop from being vectorised.
+/// Largest of n values, at least 0; NaN is passed over. In lanes, because a plain maximum keeps the loop from being
+/// vectorised.
 [[nodiscard]] inline double largest_of(double const* x, int n) {
   constexpr int lanes = 8;
   std::array<double, lanes> most{};

@@ -9,13 +9,13 @@ namespace brisance {
 void set_threads(int count);
 [[nodiscard]] int threads();
 
-/// Calls body(index, thread) once for every index in [0, count). The order and the distribution over threads are free, so the
-/// body may write only what belongs to its index (or to its thread, as scratch that the result does not depend on).
-/// An exception from a body is rethrown here after all others have ended.
+/// Calls body(index, thread) once for every index in [0, count). The order and the distribution over threads are free,
+/// so the body may write only what belongs to its index (or to its thread, as scratch that the result does not depend
+/// on). An exception from a body is rethrown here after all others have ended.
 void parallel_for(int count, std::function<void(int index, int thread)> const& body);
 
-/// Lets the floating-point unit treat subnormal numbers as zero on this thread while the guard lives: products of many small
-/// fractions at a diffuse interface would otherwise run at a tenth of the speed.
+/// Lets the floating-point unit treat subnormal numbers as zero on this thread while the guard lives: products of many
+/// small fractions at a diffuse interface would otherwise run at a tenth of the speed.
 class FlushSubnormals {
  public:
   FlushSubnormals();

@@ -23,14 +23,16 @@ double symmetry_images(Shape const& shape, grid::Domain const& domain, std::stri
       bool const axis = d == 0 && side == 0 && grid::radial_exponent(domain.geometry) > 0;
       if (axis && std::abs(plane) < slack && std::abs(middle[0]) < slack) continue;  // the volumes count the whole body
       if (domain.boundary[2 * d + side] != grid::Boundary::symmetry) {
-        throw InputError(fmt::format("{} reaches over the {} boundary of the domain ({} = {:.6g} m); move it, enlarge the domain, use a "
-                                     "symmetry plane through its centre, or shape = \"hemisphere\" for a charge on the ground",
-                                     what, side == 0 ? "low" : "high", "xyz"[d], plane));
+        throw InputError(fmt::format(
+            "{} reaches over the {} boundary of the domain ({} = {:.6g} m); move it, enlarge the domain, use a "
+            "symmetry plane through its centre, or shape = \"hemisphere\" for a charge on the ground",
+            what, side == 0 ? "low" : "high", "xyz"[d], plane));
       }
       if (std::abs(middle[d] - plane) > slack) {
-        throw InputError(fmt::format("{} is cut by the symmetry plane {} = {:.6g} m but its centre is at {} = {:.6g} m: it would overlap its "
-                                     "own mirror image; put the centre on the plane or the whole charge inside the domain",
-                                     what, "xyz"[d], plane, "xyz"[d], middle[d]));
+        throw InputError(fmt::format(
+            "{} is cut by the symmetry plane {} = {:.6g} m but its centre is at {} = {:.6g} m: it would overlap its "
+            "own mirror image; put the centre on the plane or the whole charge inside the domain",
+            what, "xyz"[d], plane, "xyz"[d], middle[d]));
       }
       images *= 2.0;
     }
@@ -66,7 +68,8 @@ FilledCells fill_cells(Shape const& shape, grid::Grid const& grid, double volume
     if (filled.fractions[0] > 1.0) throw InputError(fmt::format("{} does not fit into the domain", what));
     return filled;
   }
-  // Scale the partly filled cells; those that become full leave the others to carry on. A body of full cells only is scaled as a whole.
+  // Scale the partly filled cells; those that become full leave the others to carry on. A body of full cells only is
+  // scaled as a whole.
   bool const all = part <= 0.0;
   for (int pass = 0; pass < 50; ++pass) {
     full = 0.0;
@@ -78,7 +81,10 @@ FilledCells fill_cells(Shape const& shape, grid::Grid const& grid, double volume
     double const missing = wanted - full - part;
     if (std::abs(missing) <= 1e-15 * wanted || part <= 0.0) break;
     double const factor = (wanted - full) / part;
-    if (!(factor > 0.0)) throw InputError(fmt::format("{} cannot be resolved: its cells hold {:.3g} times its volume; use a smaller domain.cell", what, (full + part) / wanted));
+    if (!(factor > 0.0))
+      throw InputError(
+          fmt::format("{} cannot be resolved: its cells hold {:.3g} times its volume; use a smaller domain.cell", what,
+                      (full + part) / wanted));
     for (double& f : filled.fractions) {
       if (f < 1.0 || all) f = std::min(1.0, f * factor);
     }
@@ -86,7 +92,8 @@ FilledCells fill_cells(Shape const& shape, grid::Grid const& grid, double volume
   return filled;
 }
 
-void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive, gas::MixtureState const& ambient) {
+void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive,
+                  gas::MixtureState const& ambient) {
   auto const around = gas.conserved(ambient);
   for (std::size_t n = 0; n < filled.cells.size(); ++n) {
     Index3 const& cell = filled.cells[n];
@@ -102,7 +109,8 @@ void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive 
 
 double lighting_time(Vec3 const& x, std::vector<InitiationPoint> const& points, double detonation_speed) {
   double earliest = std::numeric_limits<double>::infinity();
-  for (InitiationPoint const& point : points) earliest = std::min(earliest, point.delay + norm(x - point.position) / detonation_speed);
+  for (InitiationPoint const& point : points)
+    earliest = std::min(earliest, point.delay + norm(x - point.position) / detonation_speed);
   return earliest;
 }
 

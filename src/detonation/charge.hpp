@@ -21,18 +21,23 @@ struct FilledCells {
   double images = 1.0;            ///< how many times symmetry planes show this part
 };
 
-/// How many copies of the part in the domain make the whole body: 2 for every symmetry plane that cuts it. Throws InputError when a symmetry
-/// plane cuts it off centre (it would overlap its own image) or when it reaches over another boundary.
+/// How many copies of the part in the domain make the whole body: 2 for every symmetry plane that cuts it. Throws
+/// InputError when a symmetry plane cuts it off centre (it would overlap its own image) or when it reaches over another
+/// boundary.
 [[nodiscard]] double symmetry_images(Shape const& shape, grid::Domain const& domain, std::string const& what);
 
-/// Cells of a charge. The cells that it fills in part are scaled so that the volume in the domain times `images` is `volume` exactly.
-[[nodiscard]] FilledCells fill_cells(Shape const& shape, grid::Grid const& grid, double volume, std::string const& what);
+/// Cells of a charge. The cells that it fills in part are scaled so that the volume in the domain times `images` is
+/// `volume` exactly.
+[[nodiscard]] FilledCells fill_cells(Shape const& shape, grid::Grid const& grid, double volume,
+                                     std::string const& what);
 
-/// Puts products (unburnt or not: the same mass and energy) into the cells: partial density alpha rho0 and energy alpha E0; the ambient fluid
-/// keeps its state in the rest of the cell.
-void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive, gas::MixtureState const& ambient);
+/// Puts products (unburnt or not: the same mass and energy) into the cells: partial density alpha rho0 and energy alpha
+/// E0; the ambient fluid keeps its state in the rest of the cell.
+void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive,
+                  gas::MixtureState const& ambient);
 
-/// Lighting time of a point: the earliest arrival of a detonation wave from the initiation points, [Cui14] Sec. 4.1 [s].
+/// Lighting time of a point: the earliest arrival of a detonation wave from the initiation points, [Cui14] Sec. 4.1
+/// [s].
 [[nodiscard]] double lighting_time(Vec3 const& x, std::vector<InitiationPoint> const& points, double detonation_speed);
 
 /// One charge as the burn sees it.

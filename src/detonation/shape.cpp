@@ -122,7 +122,9 @@ Vec3 centre(Shape const& shape) {
 
 Box bounds(Shape const& shape) {
   struct Visitor {
-    Box operator()(Everywhere const&) const { return {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}}; }
+    Box operator()(Everywhere const&) const {
+      return {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+    }
     static Box around(Vec3 const& c, Vec3 const& half) { return {c - half, c + half}; }
     Box operator()(Sphere const& s) const { return around(s.centre, {s.radius, s.radius, s.radius}); }
     Box operator()(Hemisphere const& s) const {
@@ -136,7 +138,8 @@ Box bounds(Shape const& shape) {
     Box operator()(Cylinder const& s) const {
       Vec3 half{};
       for (int d = 0; d < 3; ++d) {
-        half[d] = 0.5 * s.length * std::abs(s.axis[d]) + s.radius * std::sqrt(std::max(0.0, 1.0 - s.axis[d] * s.axis[d]));
+        half[d] =
+            0.5 * s.length * std::abs(s.axis[d]) + s.radius * std::sqrt(std::max(0.0, 1.0 - s.axis[d] * s.axis[d]));
       }
       return around(s.centre, half);
     }
@@ -169,7 +172,8 @@ double fill_fraction(Shape const& shape, grid::Domain const& domain, Index3 cons
   }
 
   double const step = domain.h / samples;
-  Vec3 const low{domain.lower[0] + cell[0] * domain.h, domain.lower[1] + cell[1] * domain.h, domain.lower[2] + cell[2] * domain.h};
+  Vec3 const low{domain.lower[0] + cell[0] * domain.h, domain.lower[1] + cell[1] * domain.h,
+                 domain.lower[2] + cell[2] * domain.h};
   double inside = 0.0;
   double all = 0.0;
   long hits = 0;

@@ -1,11 +1,11 @@
-/// A bundle: the rows or columns of a block that one sweep kernel works on at a time, gathered into contiguous arrays that stay in
-/// the nearest caches.
+/// A bundle: the rows or columns of a block that one sweep kernel works on at a time, gathered into contiguous arrays
+/// that stay in the nearest caches.
 ///
 /// Cells of all bundles are numbered so that the neighbours of cell q along the sweep are q - stride and q + stride:
 ///   sweep along x: whole rows, stride 1, each row with its ghost cells; several rows follow each other;
 ///   sweep along y or z: `stride` columns side by side, x fastest, layer after layer.
-/// Face q lies between cells q and q + stride. At the ends of rows the arrays hold pairs of cells that are no neighbours; what is computed
-/// there is never used.
+/// Face q lies between cells q and q + stride. At the ends of rows the arrays hold pairs of cells that are no
+/// neighbours; what is computed there is never used.
 #pragma once
 
 #include <algorithm>
@@ -38,12 +38,12 @@ struct PaddedBox {
 /// Where the cells of one bundle lie in their block.
 struct BundleLayout {
   int direction = 0;
-  int stride = 1;       ///< distance of neighbours
-  int length = 0;       ///< cells along the sweep, ghosts not counted
-  int rows = 1;         ///< x: number of rows; else 1
-  int total = 0;        ///< cells in the bundle, ghosts counted
-  int first = 0;        ///< x: first row (j + ny k); y, z: first column
-  int plane = 0;        ///< y: index k
+  int stride = 1;  ///< distance of neighbours
+  int length = 0;  ///< cells along the sweep, ghosts not counted
+  int rows = 1;    ///< x: number of rows; else 1
+  int total = 0;   ///< cells in the bundle, ghosts counted
+  int first = 0;   ///< x: first row (j + ny k); y, z: first column
+  int plane = 0;   ///< y: index k
 
   /// Cells from q0 = begin(r), q1 = q0 + count() are the block's own; r in [0, rows).
   [[nodiscard]] int begin(int r) const {
@@ -62,7 +62,9 @@ class BundleArrays {
     if (pitch_ % 64 == 0) pitch_ += 8;
     data_ = Buffer(static_cast<std::size_t>(pitch_) * names);
   }
-  [[nodiscard]] double* operator[](int name) { return data_.data() + static_cast<std::size_t>(pitch_) * name + margin_; }
+  [[nodiscard]] double* operator[](int name) {
+    return data_.data() + static_cast<std::size_t>(pitch_) * name + margin_;
+  }
 
  private:
   int margin_;
@@ -118,8 +120,8 @@ inline void copy_run(double const* from, int count, double* to) {
 }
 
 /// Copies one component of a bundle from the block and its ghost slabs (null slabs: the ghost cells are left alone).
-inline void load(BundleLayout const& b, grid::Block const& block, double const* from, double const* low, double const* high,
-                 double* to) {
+inline void load(BundleLayout const& b, grid::Block const& block, double const* from, double const* low,
+                 double const* high, double* to) {
   constexpr int g = grid::ghost_layers;
   if (b.direction == 0) {
     for (int r = 0; r < b.rows; ++r) {
@@ -135,7 +137,8 @@ inline void load(BundleLayout const& b, grid::Block const& block, double const* 
   }
   int const nx = block.n[0];
   int const layer = b.direction == 1 ? nx : nx * block.n[1];
-  double const* start = from + b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(nx) * block.n[1] * b.plane : 0);
+  double const* start =
+      from + b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(nx) * block.n[1] * b.plane : 0);
   std::ptrdiff_t const slab = b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(nx) * g * b.plane : 0);
   for (int l = 0; l < g; ++l) {
     copy_run(low + slab + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + l * b.stride);
@@ -146,7 +149,8 @@ inline void load(BundleLayout const& b, grid::Block const& block, double const* 
   }
 }
 
-/// Calls visit(q, offset, count) for every run of the block's own cells that is contiguous in the bundle and in the block.
+/// Calls visit(q, offset, count) for every run of the block's own cells that is contiguous in the bundle and in the
+/// block.
 template <class Visit>
 void for_each_run(BundleLayout const& b, grid::Block const& block, Visit&& visit) {
   constexpr int g = grid::ghost_layers;
@@ -162,7 +166,8 @@ void for_each_run(BundleLayout const& b, grid::Block const& block, Visit&& visit
 
 /// Copies data known with padding into a bundle.
 template <class T, class Convert>
-void load_padded(BundleLayout const& b, grid::Block const& block, PaddedBox const& box, T const* from, Convert&& convert, double* to) {
+void load_padded(BundleLayout const& b, grid::Block const& block, PaddedBox const& box, T const* from,
+                 Convert&& convert, double* to) {
   constexpr int g = grid::ghost_layers;
   for (int line = 0; line < (b.direction == 0 ? b.rows : b.stride); ++line) {
     for (int l = -g; l < b.length + g; ++l) {

@@ -5,8 +5,9 @@
 ///     rho c^2 = p + (p + H)/xi,   H = sum alpha_k xi_k (rho_k f_k' - f_k),
 /// where c follows from xi rho c^2 = sum alpha_k xi_k rho_k c_k^2.
 ///
-/// Programmed burn, [Cui14] Eq. (52): the second fluid's pressure is p_0 + F (p_E - p_0), F the burn fraction. The offset by the ambient
-/// pressure p_0 keeps unburnt explosive at rest in air at rest; it is 1e-5 of the detonation pressure. In the form above:
+/// Programmed burn, [Cui14] Eq. (52): the second fluid's pressure is p_0 + F (p_E - p_0), F the burn fraction. The
+/// offset by the ambient pressure p_0 keeps unburnt explosive at rest in air at rest; it is 1e-5 of the detonation
+/// pressure. In the form above:
 ///     G_1 -> F G_1,   f_1 -> F f_1 + (1 - F) p_0.
 #pragma once
 
@@ -42,8 +43,9 @@ struct Mixture {
   [[nodiscard]] double bulk_modulus(double p) const { return p + (p + H) / xi; }
 };
 
-/// Density of a fluid from its partial density; a fluid that is as good as absent gets a harmless small one. Lax-Wendroff overshoots the range
-/// of the volume fraction: where it is negative so is the partial density, and their ratio is still the fluid's density.
+/// Density of a fluid from its partial density; a fluid that is as good as absent gets a harmless small one.
+/// Lax-Wendroff overshoots the range of the volume fraction: where it is negative so is the partial density, and their
+/// ratio is still the fluid's density.
 [[nodiscard]] inline double phase_density(double partial_density, double alpha) {
   bool const present = std::abs(alpha) > vanishing_fraction;
   double const rho = partial_density / (present ? alpha : 1.0);
@@ -76,19 +78,22 @@ inline void add_burning_fluid(E const& eos, double alpha, double rho, double F, 
   double const alpha0 = fluids.two ? 1.0 - alpha1 : 1.0;
   std::visit([&](auto const& eos) { add_fluid(eos, alpha0, phase_density(rho0, alpha0), m); }, fluids.ambient);
   if (fluids.two) {
-    std::visit([&](auto const& eos) {
-      add_burning_fluid(eos, alpha1, phase_density(rho1, alpha1), F, fluids.ambient_pressure, m);
-    }, fluids.second);
+    std::visit(
+        [&](auto const& eos) {
+          add_burning_fluid(eos, alpha1, phase_density(rho1, alpha1), F, fluids.ambient_pressure, m);
+        },
+        fluids.second);
   }
   return m;
 }
 
 /// The same for rows of cells: adds one fluid to xi, B, H of n cells. `F` is null where everything is burnt.
 template <class E>
-void add_fluid_row(E const& eos, int n, double const* alpha, bool complement, double const* partial, double const* F, double p0,
-                   double* xi, double* B, double* H) {
+void add_fluid_row(E const& eos, int n, double const* alpha, bool complement, double const* partial, double const* F,
+                   double p0, double* xi, double* B, double* H) {
   if constexpr (requires { eos.negligible_below(); }) {
-    // Where the fluid is thin everywhere its reference curve vanishes in double precision and the fluid is an ideal gas.
+    // Where the fluid is thin everywhere its reference curve vanishes in double precision and the fluid is an ideal
+    // gas.
     if (F == nullptr) {
       double const bound = eos.negligible_below();
       long dense = 0;

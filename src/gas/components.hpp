@@ -1,14 +1,15 @@
 /// The conserved state of a gas cell and its names.
 ///
-/// One fluid: [Cui14] Eqs. (1)-(2). Two fluids: the five-equation model of [Allaire02]; `density` is then the partial density of the
-/// ambient fluid, alpha_0 rho_0, and the second fluid adds its own partial density and its volume fraction.
+/// One fluid: [Cui14] Eqs. (1)-(2). Two fluids: the five-equation model of [Allaire02]; `density` is then the partial
+/// density of the ambient fluid, alpha_0 rho_0, and the second fluid adds its own partial density and its volume
+/// fraction.
 #pragma once
 
 namespace brisance::gas {
 
 /// Order of the components in a cell.
-inline constexpr int density = 0;          ///< alpha_0 rho_0 [kg/m3]
-inline constexpr int momentum_x = 1;       ///< [kg/(m2 s)]; y and z follow
+inline constexpr int density = 0;     ///< alpha_0 rho_0 [kg/m3]
+inline constexpr int momentum_x = 1;  ///< [kg/(m2 s)]; y and z follow
 inline constexpr int momentum_y = 2;
 inline constexpr int momentum_z = 3;
 inline constexpr int energy = 4;           ///< total energy per volume [J/m3]
@@ -19,8 +20,9 @@ inline constexpr int volume_fraction = 7;  ///< alpha_1; two fluids only
 inline constexpr int single_fluid_components = 6;
 inline constexpr int two_fluid_components = 8;
 
-/// Volume fractions below this are treated as zero in the closure and stop being carried through faces, so that the diffuse
-/// interface ends somewhere. It must be small enough for alpha * f(rho) to vanish beside the pressure: f is 1e10 Pa at most.
+/// Volume fractions below this are treated as zero in the closure and stop being carried through faces, so that the
+/// diffuse interface ends somewhere. It must be small enough for alpha * f(rho) to vanish beside the pressure: f is
+/// 1e10 Pa at most.
 inline constexpr double vanishing_fraction = 1e-14;
 
 }  // namespace brisance::gas

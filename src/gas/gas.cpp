@@ -15,11 +15,13 @@ namespace brisance::gas {
 namespace {
 
 grid::ExchangeRules exchange_rules(std::array<double, two_fluid_components> const& quiescent,
-                                   std::array<std::array<double, two_fluid_components>, 6> const& inflow, int components) {
+                                   std::array<std::array<double, two_fluid_components>, 6> const& inflow,
+                                   int components) {
   grid::ExchangeRules rules;
   rules.mirrored_component = {momentum_x, momentum_y, momentum_z};
   rules.quiescent.assign(quiescent.begin(), quiescent.begin() + components);
-  for (int face = 0; face < 6; ++face) rules.inflow[face].assign(inflow[face].begin(), inflow[face].begin() + components);
+  for (int face = 0; face < 6; ++face)
+    rules.inflow[face].assign(inflow[face].begin(), inflow[face].begin() + components);
   return rules;
 }
 
@@ -31,7 +33,8 @@ std::array<double, two_fluid_components> conserved_of(Fluids const& fluids, Mixt
   u[volume_fraction] = alpha;
   double const rho = u[density] + u[second_density];
   for (int d = 0; d < 3; ++d) u[momentum_x + d] = rho * s.velocity[d];
-  u[energy] = mixture(fluids, u[density], u[second_density], alpha).rho_e(s.pressure) + 0.5 * rho * dot(s.velocity, s.velocity);
+  u[energy] =
+      mixture(fluids, u[density], u[second_density], alpha).rho_e(s.pressure) + 0.5 * rho * dot(s.velocity, s.velocity);
   return u;
 }
 
@@ -48,7 +51,8 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, M
                 [&] {
                   std::array<std::array<double, two_fluid_components>, 6> outside;
                   for (int face = 0; face < 6; ++face) outside[face] = conserved_of(fluids, inflow[face]);
-                  return exchange_rules(conserved_of(fluids, quiescent), outside, fluids.two ? two_fluid_components : single_fluid_components);
+                  return exchange_rules(conserved_of(fluids, quiescent), outside,
+                                        fluids.two ? two_fluid_components : single_fluid_components);
                 }()),
       awake_(static_cast<std::size_t>(grid.block_count()), 1),
       blocks_(static_cast<std::size_t>(grid.block_count())) {
@@ -59,7 +63,9 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, M
   }
 }
 
-std::array<double, two_fluid_components> Gas::conserved(MixtureState const& state) const { return conserved_of(fluids_, state); }
+std::array<double, two_fluid_components> Gas::conserved(MixtureState const& state) const {
+  return conserved_of(fluids_, state);
+}
 
 void Gas::set(int block, int offset, MixtureState const& state) {
   auto const u = conserved(state);
@@ -110,7 +116,8 @@ void Gas::start(double time) {
     bool quiescent = options_.sleep;
     for (int c = 0; c < components() && quiescent; ++c) {
       double const* u = fields_.at(b, c);
-      quiescent = std::all_of(u, u + grid_->blocks()[b].cell_count(), [value = quiet[c]](double x) { return x == value; });
+      quiescent =
+          std::all_of(u, u + grid_->blocks()[b].cell_count(), [value = quiet[c]](double x) { return x == value; });
     }
     awake_[b] = quiescent ? 0 : 1;
   });
@@ -167,11 +174,15 @@ std::vector<Primitive> Gas::gather(std::vector<Index3> const& cells) const {
 }
 
 double const* Gas::peak_overpressure(int block) const {
-  return options_.peak_fields ? peaks_[block].data() + static_cast<std::size_t>(peak_pressure) * grid_->blocks()[block].cell_count() : nullptr;
+  return options_.peak_fields
+             ? peaks_[block].data() + static_cast<std::size_t>(peak_pressure) * grid_->blocks()[block].cell_count()
+             : nullptr;
 }
 
 double const* Gas::peak_impulse(int block) const {
-  return options_.peak_fields ? peaks_[block].data() + static_cast<std::size_t>(largest_impulse) * grid_->blocks()[block].cell_count() : nullptr;
+  return options_.peak_fields
+             ? peaks_[block].data() + static_cast<std::size_t>(largest_impulse) * grid_->blocks()[block].cell_count()
+             : nullptr;
 }
 
 Account Gas::account() const {
@@ -194,7 +205,8 @@ void Gas::report_not_a_number(int b, int direction) const {
   Vec3 const x = grid_->domain().centre(cell);
   throw NumericalError(fmt::format(
       "the state of the cell at ({:.6g}, {:.6g}, {:.6g}) m became not a number at t = {:.6g} s in the sweep along {}; "
-      "remedies: a smaller numerics.courant, numerics.scheme = \"muscl_hancock\", a finer or coarser domain.cell near the charge",
+      "remedies: a smaller numerics.courant, numerics.scheme = \"muscl_hancock\", a finer or coarser domain.cell near "
+      "the charge",
       x[0], x[1], x[2], time_, "xyz"[direction]));
 }
 

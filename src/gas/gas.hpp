@@ -28,7 +28,7 @@ struct Options {
   bool sleep = true;             ///< skip quiescent blocks
   bool peak_fields = false;      ///< keep peak overpressure and impulse per cell
   Index3 sweep_order{0, 1, 2};   ///< directions in the order of the forward step; those not resolved are skipped
-  int bundle_cells = 320;        ///< cells that a sweep works on at a time; their arrays should stay in the nearest caches
+  int bundle_cells = 320;  ///< cells that a sweep works on at a time; their arrays should stay in the nearest caches
 };
 
 /// State of a cell as people think of it.
@@ -52,7 +52,8 @@ struct MixtureState {
 
 /// Guards and boundary flows since the start, summed over blocks in fixed order.
 struct Account {
-  std::array<double, two_fluid_components> outflow{};  ///< of each component through the domain's faces, integrated [unit m3]
+  std::array<double, two_fluid_components>
+      outflow{};  ///< of each component through the domain's faces, integrated [unit m3]
   long guarded_cells = 0;
   long fallback_faces = 0;
   double guard_mass = 0.0;    ///< [kg]
@@ -85,7 +86,8 @@ class Gas {
   void set_obstacles(int block, std::vector<std::uint8_t> solid);
   [[nodiscard]] bool is_obstacle(int block, int i, int j, int k) const;
 
-  /// Programmed burn: lighting times of a block's cells [s] with `PaddedBox` padding; minus infinity where nothing burns.
+  /// Programmed burn: lighting times of a block's cells [s] with `PaddedBox` padding; minus infinity where nothing
+  /// burns.
   void set_lighting(int block, std::vector<double> times);
   /// Speed of the detonation [m/s] for the burn fraction, and the time after which everything is burnt.
   void set_burn(double detonation_speed, double end_time);
@@ -99,15 +101,17 @@ class Gas {
   /// Largest |u_d| + c over the resolved directions and all cells [m/s].
   [[nodiscard]] double fastest_signal() const { return fastest_signal_; }
 
-  /// One step of length dt: a sweep in each resolved direction, x first or last. A pair of steps with `reverse` false and true is the Strang
-  /// splitting of [Cui14] Eq. (6) over 2 dt. Throws NumericalError when a cell holds something that is no number.
+  /// One step of length dt: a sweep in each resolved direction, x first or last. A pair of steps with `reverse` false
+  /// and true is the Strang splitting of [Cui14] Eq. (6) over 2 dt. Throws NumericalError when a cell holds something
+  /// that is no number.
   void advance(double dt, bool reverse);
   [[nodiscard]] double time() const { return time_; }
 
   [[nodiscard]] Primitive primitive(int block, int i, int j, int k) const;
   /// The same for any cell of the domain, wherever it lies.
   [[nodiscard]] std::vector<Primitive> gather(std::vector<Index3> const& cells) const;
-  /// Peak fields of a block, x fastest: peak overpressure [Pa], largest running impulse [Pa s]. Empty without `peak_fields`.
+  /// Peak fields of a block, x fastest: peak overpressure [Pa], largest running impulse [Pa s]. Empty without
+  /// `peak_fields`.
   [[nodiscard]] double const* peak_overpressure(int block) const;
   [[nodiscard]] double const* peak_impulse(int block) const;
 
@@ -132,7 +136,8 @@ class Gas {
   void store(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   void account_boundaries(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   /// Guards, wave speed and peak fields of the bundle's own cells after the last sweep of a step.
-  void measure(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays, GuardCount& guards);
+  void measure(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
+               GuardCount& guards);
   void measure_all();
   void prepare_workspaces();
   [[noreturn]] void report_not_a_number(int block, int direction) const;

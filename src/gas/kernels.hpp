@@ -9,17 +9,17 @@
 namespace brisance::gas {
 
 /// Names of the arrays of a bundle.
-inline constexpr int a_state = 0;           ///< the conserved components, in component order
-inline constexpr int a_u = 8;               ///< velocity along the sweep [m/s]
-inline constexpr int a_v = 9;               ///< transverse velocities
+inline constexpr int a_state = 0;  ///< the conserved components, in component order
+inline constexpr int a_u = 8;      ///< velocity along the sweep [m/s]
+inline constexpr int a_v = 9;      ///< transverse velocities
 inline constexpr int a_w = 10;
-inline constexpr int a_p = 11;              ///< pressure [Pa]
-inline constexpr int a_xi = 12;             ///< closure sums, see closure.hpp
+inline constexpr int a_p = 11;   ///< pressure [Pa]
+inline constexpr int a_xi = 12;  ///< closure sums, see closure.hpp
 inline constexpr int a_B = 13;
 inline constexpr int a_H = 14;
-inline constexpr int a_burn = 15;           ///< burn fraction F; only while something burns
-inline constexpr int a_solid = 16;          ///< 1 in obstacle cells; only in blocks with obstacles
-inline constexpr int a_area_high = 17;      ///< dt A/V at the high and low face; only along a radius
+inline constexpr int a_burn = 15;       ///< burn fraction F; only while something burns
+inline constexpr int a_solid = 16;      ///< 1 in obstacle cells; only in blocks with obstacles
+inline constexpr int a_area_high = 17;  ///< dt A/V at the high and low face; only along a radius
 inline constexpr int a_area_low = 18;
 inline constexpr int a_expansion = 19;      ///< dt/2 (A_high - A_low)/V, signed like the radius
 inline constexpr int a_p_half = 20;         ///< cell pressure at half time; only along a radius
@@ -30,7 +30,15 @@ inline constexpr int a_face_speed = a_flux + 8;
 inline constexpr int a_sensor = a_face_speed + 1;  ///< the shock sensor's new value
 inline constexpr int a_signal = a_sensor + 1;      ///< |u| + c
 inline constexpr int a_theta = a_signal + 1;       ///< lax-wendroff: theta of [Cui14] Eq. (4)
-inline constexpr int array_count = a_theta + 1;
+inline constexpr int a_inverse = a_theta + 1;      ///< 1 / density of the mixture
+inline constexpr int a_contact = a_inverse + 1;    ///< 1 where a contact is to be steepened
+inline constexpr int a_keep = a_contact + 1;       ///< 0 where a cell falls back to its own state at its faces
+inline constexpr int a_squeeze = a_keep + 1;       ///< dt/2 div u
+inline constexpr int a_slope = a_squeeze + 1;  ///< limited differences over the cell, in the order of the face values
+inline constexpr int a_viscosity = a_slope;    ///< lax-wendroff, in the place of the slopes: nu h / dt per face
+inline constexpr int a_half_u = a_slope + 1;   ///< velocity and pressure at half time per face
+inline constexpr int a_half_p = a_slope + 2;
+inline constexpr int array_count = a_slope + 9;
 
 /// Order within a_left and a_right.
 inline constexpr int f_density = 0;
@@ -49,12 +57,12 @@ struct SweepContext {
   int direction = 0;
   double dt = 0.0;
   double h = 1.0;
-  double beta = 1.5;             ///< limiter
-  double density_floor = 1e-6;   ///< guards
+  double beta = 1.5;            ///< limiter
+  double density_floor = 1e-6;  ///< guards
   double pressure_floor = 1e-3;
-  double viscosity = 0.0;        ///< lax-wendroff eta; 0: [Cui14] Eq. (5)
+  double viscosity = 0.0;  ///< lax-wendroff eta; 0: [Cui14] Eq. (5)
   bool shock_sensor = false;
-  bool two = false;              ///< kernels for two fluids
+  bool two = false;  ///< kernels for two fluids
   bool radial = false;
   bool solid = false;
   bool burning = false;

@@ -9,28 +9,32 @@
 namespace brisance::gas {
 
 /// Closure sums of `n` cells.
-inline void closure_row(SweepContext const& s, int n, double const* rho0, double const* rho1, double const* alpha, double const* F,
-                        double* xi, double* B, double* H) {
+inline void closure_row(SweepContext const& s, int n, double const* rho0, double const* rho1, double const* alpha,
+                        double const* F, double* xi, double* B, double* H) {
   std::fill_n(xi, n, 0.0);
   std::fill_n(B, n, 0.0);
   std::fill_n(H, n, 0.0);
-  std::visit([&](auto const& eos) { add_fluid_row(eos, n, alpha, true, rho0, nullptr, 0.0, xi, B, H); }, s.fluids->ambient);
-  std::visit([&](auto const& eos) { add_fluid_row(eos, n, alpha, false, rho1, F, s.fluids->ambient_pressure, xi, B, H); },
-             s.fluids->second);
+  std::visit([&](auto const& eos) { add_fluid_row(eos, n, alpha, true, rho0, nullptr, 0.0, xi, B, H); },
+             s.fluids->ambient);
+  std::visit(
+      [&](auto const& eos) { add_fluid_row(eos, n, alpha, false, rho1, F, s.fluids->ambient_pressure, xi, B, H); },
+      s.fluids->second);
 }
 
 /// Closure sums where the ambient fluid is alone.
 inline void closure_row_single(SweepContext const& s, int n, double const* rho, double* xi, double* B, double* H) {
-  std::visit([&](auto const& eos) {
-    double const x = 1.0 / eos.gruneisen();
-    BRISANCE_VECTOR_LOOP
-    for (int q = 0; q < n; ++q) {
-      double const f = eos.reference(rho[q]);
-      xi[q] = x;
-      B[q] = -x * f;
-      H[q] = x * (eos.rho_d_reference(rho[q]) - f);
-    }
-  }, s.fluids->ambient);
+  std::visit(
+      [&](auto const& eos) {
+        double const x = 1.0 / eos.gruneisen();
+        BRISANCE_VECTOR_LOOP
+        for (int q = 0; q < n; ++q) {
+          double const f = eos.reference(rho[q]);
+          xi[q] = x;
+          B[q] = -x * f;
+          H[q] = x * (eos.rho_d_reference(rho[q]) - f);
+        }
+      },
+      s.fluids->ambient);
 }
 
 /// Is cell q of the bundle one of the block's own (and not a ghost cell)?
@@ -40,7 +44,8 @@ inline bool is_own(BundleLayout const& b, int q) {
   return layer >= g && layer < g + b.length;
 }
 
-/// Is the cell above the floors of density and of stiffness, xi rho c^2 = p (xi + 1) + H? False for anything that is no number.
+/// Is the cell above the floors of density and of stiffness, xi rho c^2 = p (xi + 1) + H? False for anything that is no
+/// number.
 [[nodiscard]] inline bool is_sound(SweepContext const& s, double rho, double p, double xi, double H) {
   return (rho >= s.density_floor * 0.999999) & (p * (xi + 1.0) + H >= 0.999999 * s.pressure_floor * (xi + 1.0));
 }
@@ -74,8 +79,10 @@ inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
   return lift;
 }
 
-/// Lifts every unsound cell in [begin, begin + n) whose closure sums are known, and remembers the block's own. Seldom called.
-inline void lift_cells(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int begin, int n, GuardCount& guards) {
+/// Lifts every unsound cell in [begin, begin + n) whose closure sums are known, and remembers the block's own. Seldom
+/// called.
+inline void lift_cells(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int begin, int n,
+                       GuardCount& guards) {
   for (int q = begin; q < begin + n; ++q) {
     double const rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
     if (is_sound(s, rho, a[a_p][q], a[a_xi][q], a[a_H][q])) continue;
@@ -101,6 +108,7 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
   double* const xi = a[a_xi];
   double* const B = a[a_B];
   double* const H = a[a_H];
+  double* const inverse = a[a_inverse];
 
   if constexpr (Two) {
     closure_row(s, n, rho0, rho1, alpha, s.burning ? a[a_burn] : nullptr, xi, B, H);
@@ -114,6 +122,7 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
     for (int q = 0; q < n; ++q) {
       double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
       double const r = 1.0 / rho;
+      inverse[q] = r;
       u[q] = mu[q] * r;
       v[q] = mv[q] * r;
       w[q] = mw[q] * r;
@@ -126,7 +135,8 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
   }
 
   if (s.shock_sensor) {
-    // A cell remembers a shock for the next sweeps, whatever their direction, because the carbuncle grows along the shock.
+    // A cell remembers a shock for the next sweeps, whatever their direction, because the carbuncle grows along the
+    // shock.
     double* const sensor = a[shock];
     double* const found = a[a_sensor];
     int const st = b.stride;
@@ -139,6 +149,50 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
       found[q] = shocked ? 1.0 : kept;
     }
   }
+}
+
+/// Pressure and |u| + c of the cells [begin, begin + n) after an update, with the guards: the step may not end with a
+/// cell below the floors either, for gauges and dumps would show it. Returns the largest signal [m/s].
+template <bool Two>
+double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int begin, int n, int dimensions,
+               GuardCount& guards) {
+  double const* const rho0 = a[density] + begin;
+  double const* const rho1 = a[second_density] + begin;
+  double const* const E = a[energy] + begin;
+  double const* const mx = a[momentum_x] + begin;
+  double const* const my = a[momentum_y] + begin;
+  double const* const mz = a[momentum_z] + begin;
+  double* const xi = a[a_xi] + begin;
+  double* const B = a[a_B] + begin;
+  double* const H = a[a_H] + begin;
+  double* const p = a[a_p] + begin;
+  double* const signal = a[a_signal] + begin;
+  if constexpr (Two) {
+    closure_row(s, n, rho0, rho1, a[volume_fraction] + begin, s.burning ? a[a_burn] + begin : nullptr, xi, B, H);
+  } else {
+    closure_row_single(s, n, rho0, xi, B, H);
+  }
+  double const use_y = dimensions > 1 ? 1.0 : 0.0;
+  double const use_z = dimensions > 2 ? 1.0 : 0.0;
+  for (bool lifted = false;; lifted = true) {
+    long unsound = 0;
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) {
+      double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
+      double const inverse = 1.0 / rho;
+      double const rho_e = E[q] - 0.5 * (mx[q] * mx[q] + my[q] * my[q] + mz[q] * mz[q]) * inverse;
+      p[q] = (rho_e - B[q]) / xi[q];
+      double const c = std::sqrt(std::max(0.0, p[q] + (p[q] + H[q]) / xi[q]) * inverse);
+      double const x = std::abs(mx[q]);
+      double const y = use_y * std::abs(my[q]);
+      double const z = use_z * std::abs(mz[q]);
+      signal[q] = std::max(x, std::max(y, z)) * inverse + c;
+      unsound += is_sound(s, rho, p[q], xi[q], H[q]) ? 0 : 1;
+    }
+    if (unsound == 0 || lifted) break;
+    lift_cells(s, b, a, begin, n, guards);
+  }
+  return largest_of(signal, n);
 }
 
 }  // namespace brisance::gas

@@ -17,25 +17,31 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
   double const* low = exchange_.ghosts(b, 0);
   double const* high = exchange_.ghosts(b, 1);
   auto const load_component = [&](int c) {
-    load(layout, block, fields_.at(b, c), low + static_cast<std::size_t>(c) * slab, high + static_cast<std::size_t>(c) * slab, a[a_state + c]);
+    load(layout, block, fields_.at(b, c), low + static_cast<std::size_t>(c) * slab,
+         high + static_cast<std::size_t>(c) * slab, a[a_state + c]);
   };
   for (int c = density; c <= energy; ++c) load_component(c);
   if (s.shock_sensor) load_component(shock);
   s.two = fluids_.two;
   if (s.two) {
     load_component(volume_fraction);
-    // Rows without the second fluid cost what a single fluid costs. Faces of such a row carry none of it, also seen from the other side.
+    // Rows without the second fluid cost what a single fluid costs. Faces of such a row carry none of it, also seen
+    // from the other side.
     s.two = count_beyond(a[volume_fraction], layout.total, vanishing_fraction) > 0;
     if (s.two) load_component(second_density);
   }
   int const dims = grid_->domain().dimensions();
   s.solid = !data.solid.empty();
   if (s.solid) {
-    load_padded(layout, block, PaddedBox(block, dims), data.solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; }, a[a_solid]);
+    load_padded(
+        layout, block, PaddedBox(block, dims), data.solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; },
+        a[a_solid]);
   }
   s.burning = s.two && !data.lighting.empty() && burning();
   if (s.burning) {
-    load_padded(layout, block, PaddedBox(block, dims), data.lighting.data(), [this](double t) { return burn_fraction_at(t); }, a[a_burn]);
+    load_padded(
+        layout, block, PaddedBox(block, dims), data.lighting.data(), [this](double t) { return burn_fraction_at(t); },
+        a[a_burn]);
   }
   if (s.radial) {
     grid::Domain const& domain = grid_->domain();
@@ -49,7 +55,8 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
         double const low_area = domain.radial_area(i);
         a[a_area_high][row + l] = s.dt * high_area / volume;
         a[a_area_low][row + l] = s.dt * low_area / volume;
-        // A mirror turns the velocity round, but its image spreads as the original does: the ratio of the two must keep its sign.
+        // A mirror turns the velocity round, but its image spreads as the original does: the ratio of the two must keep
+        // its sign.
         double const side = grid::is_mirrored(domain, cell) ? -1.0 : 1.0;
         a[a_expansion][row + l] = side * 0.5 * s.dt * (high_area - low_area) / volume;
       }
@@ -74,20 +81,23 @@ void Gas::update(BundleLayout const& layout, SweepContext const& s, BundleArrays
       }
       double const* const high = a[a_area_high];
       double const* const low = a[a_area_low];
-      // The pressure in the flux acts on the difference to the cell's own: uniform pressure then leaves a ring or shell exactly at rest.
+      // The pressure in the flux acts on the difference to the cell's own: uniform pressure then leaves a ring or shell
+      // exactly at rest.
       double const* const own = a[a_p_half];
       double const with_pressure = c == s.normal() ? 1.0 : 0.0;
       BRISANCE_VECTOR_LOOP
       for (int q = begin; q < end; ++q) {
         double const p = s.radial ? with_pressure * own[q] : 0.0;
-        double const change = s.radial ? high[q] * (flux[q] - p) - low[q] * (flux[q - st] - p) : lambda * (flux[q] - flux[q - st]);
+        double const change =
+            s.radial ? high[q] * (flux[q] - p) - low[q] * (flux[q - st] - p) : lambda * (flux[q] - flux[q - st]);
         double const fluid = s.solid ? 1.0 - solid[q] : 1.0;
         u[q] -= fluid * change;
       }
     }
   };
   if (s.two) {
-    // d(alpha)/dt + u d(alpha)/dx = 0, as a flux minus alpha times the divergence of the face velocities [JohnsenColonius06].
+    // d(alpha)/dt + u d(alpha)/dx = 0, as a flux minus alpha times the divergence of the face velocities
+    // [JohnsenColonius06].
     double* const alpha = a[volume_fraction];
     double const* const flux = a[a_flux + volume_fraction];
     double const* const speed = a[a_face_speed];
@@ -101,7 +111,8 @@ void Gas::update(BundleLayout const& layout, SweepContext const& s, BundleArrays
         double const above = s.radial ? high[q] : lambda;
         double const below = s.radial ? low[q] : lambda;
         double const fluid = s.solid ? 1.0 - solid[q] : 1.0;
-        alpha[q] -= fluid * (above * (flux[q] - alpha[q] * speed[q]) - below * (flux[q - st] - alpha[q] * speed[q - st]));
+        alpha[q] -=
+            fluid * (above * (flux[q] - alpha[q] * speed[q]) - below * (flux[q - st] - alpha[q] * speed[q - st]));
       }
     }
     advance_component(second_density);
@@ -135,7 +146,8 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
       // Face below the first or above the last of the block's own cells.
       int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
       q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
-      int const i = s.direction == 0 ? block.origin[0] + (side == 0 ? 0 : block.n[0]) : block.origin[0] + (layout.first + line) % block.n[0];
+      int const i = s.direction == 0 ? block.origin[0] + (side == 0 ? 0 : block.n[0])
+                                     : block.origin[0] + (layout.first + line) % block.n[0];
       double const area = domain.face_area(s.direction, i);
       auto& outflow = blocks_[b].account.outflow;
       for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
@@ -147,49 +159,11 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
 void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a, GuardCount& guards) {
   grid::Block const& block = grid_->blocks()[b];
   int const dims = grid_->domain().dimensions();
-  bool const two = s.two;
-  double fastest = 0.0;
   for (int r = 0; r < layout.rows; ++r) {
-    int const begin = layout.begin(r);
-    int const n = layout.count();
-    double const* const rho0 = a[density] + begin;
-    double const* const rho1 = a[second_density] + begin;
-    double const* const E = a[energy] + begin;
-    double const* const mx = a[momentum_x] + begin;
-    double const* const my = a[momentum_y] + begin;
-    double const* const mz = a[momentum_z] + begin;
-    double* const xi = a[a_xi] + begin;
-    double* const B = a[a_B] + begin;
-    double* const H = a[a_H] + begin;
-    double* const p = a[a_p] + begin;
-    double* const signal = a[a_signal] + begin;
-    if (two) {
-      closure_row(s, n, rho0, rho1, a[volume_fraction] + begin, s.burning ? a[a_burn] + begin : nullptr, xi, B, H);
-    } else {
-      closure_row_single(s, n, rho0, xi, B, H);
-    }
-    double const use_y = dims > 1 ? 1.0 : 0.0;
-    double const use_z = dims > 2 ? 1.0 : 0.0;
-    for (bool lifted = false;; lifted = true) {
-      long unsound = 0;
-      BRISANCE_VECTOR_LOOP
-      for (int q = 0; q < n; ++q) {
-        double const rho = two ? rho0[q] + rho1[q] : rho0[q];
-        double const inverse = 1.0 / rho;
-        double const rho_e = E[q] - 0.5 * (mx[q] * mx[q] + my[q] * my[q] + mz[q] * mz[q]) * inverse;
-        p[q] = (rho_e - B[q]) / xi[q];
-        double const c = std::sqrt(std::max(0.0, p[q] + (p[q] + H[q]) / xi[q]) * inverse);
-        double const flow = std::max(std::abs(mx[q]), std::max(use_y * std::abs(my[q]), use_z * std::abs(mz[q]))) * inverse;
-        signal[q] = flow + c;
-        unsound += is_sound(s, rho, p[q], xi[q], H[q]) ? 0 : 1;
-      }
-      // The step may not end with a cell below the floors either: gauges and dumps would show it.
-      if (unsound == 0 || lifted) break;
-      lift_cells(s, layout, a, begin, n, guards);
-    }
-    fastest = std::max(fastest, largest_of(signal, n));
+    double const fastest = s.two ? signals<true>(s, layout, a, layout.begin(r), layout.count(), dims, guards)
+                                 : signals<false>(s, layout, a, layout.begin(r), layout.count(), dims, guards);
+    blocks_[b].signal = std::max(blocks_[b].signal, fastest);
   }
-  blocks_[b].signal = std::max(blocks_[b].signal, fastest);
   if (!options_.peak_fields || s.dt <= 0.0) return;
   int const cells = block.cell_count();
   double* const peak = peaks_[b].data() + static_cast<std::ptrdiff_t>(peak_pressure) * cells;
@@ -213,21 +187,28 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
   grid::Block const& block = grid_->blocks()[b];
   BlockData& data = blocks_[b];
   if (last) data.signal = 0.0;
-  bool const at_boundary = block.neighbour[2 * sweep.direction] == grid::no_neighbour || block.neighbour[2 * sweep.direction + 1] == grid::no_neighbour;
+  bool const at_boundary = block.neighbour[2 * sweep.direction] == grid::no_neighbour ||
+                           block.neighbour[2 * sweep.direction + 1] == grid::no_neighbour;
   Bundles const bundles(block, sweep.direction, options_.bundle_cells);
   for (int index = 0; index < bundles.count(); ++index) {
     BundleLayout const layout = bundles.layout(index);
     SweepContext s = sweep;
     load_bundle(b, layout, s, a);
     GuardCount guards;
-    if (s.two) primitives<true>(s, layout, a, guards);
-    else primitives<false>(s, layout, a, guards);
+    if (s.two)
+      primitives<true>(s, layout, a, guards);
+    else
+      primitives<false>(s, layout, a, guards);
     if (options_.scheme == Scheme::muscl_hancock) {
-      if (s.two) muscl_hancock<true>(s, layout, a);
-      else muscl_hancock<false>(s, layout, a);
+      if (s.two)
+        muscl_hancock<true>(s, layout, a);
+      else
+        muscl_hancock<false>(s, layout, a);
     } else {
-      if (s.two) lax_wendroff<true>(s, layout, a, guards);
-      else lax_wendroff<false>(s, layout, a, guards);
+      if (s.two)
+        lax_wendroff<true>(s, layout, a, guards);
+      else
+        lax_wendroff<false>(s, layout, a, guards);
     }
     if (at_boundary) account_boundaries(b, layout, s, a);
     update(layout, s, a);
@@ -267,7 +248,9 @@ void Gas::measure_all() {
         for (int c = 0; c < components(); ++c) std::copy_n(fields_.at(b, c) + offset, count, a[a_state + c] + q);
       });
       if (s.burning) {
-        load_padded(layout, block, box, blocks_[b].lighting.data(), [this](double t) { return burn_fraction_at(t); }, a[a_burn]);
+        load_padded(
+            layout, block, box, blocks_[b].lighting.data(), [this](double t) { return burn_fraction_at(t); },
+            a[a_burn]);
       }
       GuardCount ignored;
       measure(b, layout, s, a, ignored);

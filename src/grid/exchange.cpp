@@ -14,13 +14,15 @@ struct Extent {
   Index3 n;
 };
 
-/// Copies a box of one component, x fastest, into `to` (dense), with cells reversed along `reverse` when it is 0, 1 or 2.
+/// Copies a box of one component, x fastest, into `to` (dense), with cells reversed along `reverse` when it is 0, 1
+/// or 2.
 void copy_box(double const* from, Index3 const& n, Extent const& box, int reverse, double sign, double* to) {
   for (int k = 0; k < box.n[2]; ++k) {
     for (int j = 0; j < box.n[1]; ++j) {
       int const kk = box.lower[2] + (reverse == 2 ? box.n[2] - 1 - k : k);
       int const jj = box.lower[1] + (reverse == 1 ? box.n[1] - 1 - j : j);
-      double const* row = from + static_cast<std::ptrdiff_t>(n[0]) * (jj + static_cast<std::ptrdiff_t>(n[1]) * kk) + box.lower[0];
+      double const* row =
+          from + static_cast<std::ptrdiff_t>(n[0]) * (jj + static_cast<std::ptrdiff_t>(n[1]) * kk) + box.lower[0];
       if (reverse == 0) {
         for (int i = 0; i < box.n[0]; ++i) to[i] = sign * row[box.n[0] - 1 - i];
       } else {
@@ -113,7 +115,8 @@ bool Exchange::slab_is_quiescent(int b, int direction, int side) const {
 bool Exchange::anything_to_see(Block const& block, int direction) const {
   for (int face = 2 * direction; face < 2 * direction + 2; ++face) {
     int const other = block.neighbour[face];
-    if (other != no_neighbour ? was_awake_[other] != 0 : grid_->domain().boundary[face] == Boundary::inflow) return true;
+    if (other != no_neighbour ? was_awake_[other] != 0 : grid_->domain().boundary[face] == Boundary::inflow)
+      return true;
   }
   return false;
 }

@@ -1,5 +1,5 @@
-/// Exchange between blocks: the only way by which data of one block reaches another. Message passing can stand behind the same
-/// three functions.
+/// Exchange between blocks: the only way by which data of one block reaches another. Message passing can stand behind
+/// the same three functions.
 #pragma once
 
 #include <array>
@@ -29,12 +29,12 @@ class Exchange {
  public:
   Exchange(Grid const& grid, int components, ExchangeRules rules);
 
-  /// Fills the ghost layers of every block that is awake on both faces of `direction`, and wakes the sleeping blocks that get to
-  /// see anything but quiescent cells. `awake` has one entry per block.
+  /// Fills the ghost layers of every block that is awake on both faces of `direction`, and wakes the sleeping blocks
+  /// that get to see anything but quiescent cells. `awake` has one entry per block.
   void fill(Fields const& fields, int direction, std::vector<std::uint8_t>& awake);
 
-  /// Ghost cells of a block beyond its low (side 0) or high (side 1) face, as last filled: per component an array like the
-  /// block's own, x fastest, with `ghost_layers` cells in the direction of the fill.
+  /// Ghost cells of a block beyond its low (side 0) or high (side 1) face, as last filled: per component an array like
+  /// the block's own, x fastest, with `ghost_layers` cells in the direction of the fill.
   [[nodiscard]] double const* ghosts(int block, int side) const { return slabs_[2 * block + side].data(); }
 
   /// Values of all components in the given cells (domain indices), cell by cell.

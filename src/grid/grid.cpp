@@ -36,7 +36,8 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain) {
   for (int d = 0; d < 3; ++d) {
     int const n = domain.cells[d];
     if (d < dims && n < minimum_cells) {
-      throw InputError(fmt::format("the domain has {} cell(s) in direction {}, at least {} are needed", n, "xyz"[d], minimum_cells));
+      throw InputError(
+          fmt::format("the domain has {} cell(s) in direction {}, at least {} are needed", n, "xyz"[d], minimum_cells));
     }
     int const parts = d < dims ? (n + target - 1) / target : 1;
     parts_[d] = parts;

@@ -15,7 +15,8 @@ inline constexpr int no_neighbour = -1;
 struct Block {
   Index3 origin{0, 0, 0};  ///< index of its first cell in the domain
   Index3 n{1, 1, 1};       ///< cells per direction
-  /// Neighbouring block across each face (`Face` order; across a periodic face the one on the other side), or `no_neighbour`.
+  /// Neighbouring block across each face (`Face` order; across a periodic face the one on the other side), or
+  /// `no_neighbour`.
   std::array<int, 6> neighbour{};
 
   [[nodiscard]] int cell_count() const { return n[0] * n[1] * n[2]; }
@@ -26,7 +27,8 @@ struct Block {
 class Grid {
  public:
   /// Cuts the domain into blocks of at most `block_cells` per resolved direction, all of nearly equal size.
-  /// `block_cells` = 0 takes 32 in 3D, 64 in 2D, 1024 in 1D. Throws InputError when a resolved direction has fewer than 4 cells.
+  /// `block_cells` = 0 takes 32 in 3D, 64 in 2D, 1024 in 1D. Throws InputError when a resolved direction has fewer than
+  /// 4 cells.
   explicit Grid(Domain const& domain, int block_cells = 0);
 
   [[nodiscard]] Domain const& domain() const { return domain_; }

@@ -18,8 +18,8 @@ struct Explosive {
   double tnt_equivalent_pressure = 1.0;  ///< mass of TNT with the same peak overpressure per mass; 1 when unknown
   double tnt_equivalent_impulse = 1.0;   ///< mass of TNT with the same impulse per mass; 1 when unknown
 
-  [[nodiscard]] double density() const { return products.rho0; }                     ///< [kg/m3]
-  [[nodiscard]] double specific_energy() const { return energy / products.rho0; }    ///< [J/kg]
+  [[nodiscard]] double density() const { return products.rho0; }                   ///< [kg/m3]
+  [[nodiscard]] double specific_energy() const { return energy / products.rho0; }  ///< [J/kg]
 };
 
 /// A fluid that fills a region at rest or in motion: air, water, a gas of the user's own.
@@ -27,8 +27,8 @@ struct Fluid {
   std::string name;
   std::string source;
   Eos eos;
-  double density = 1.225;     ///< default density [kg/m3]
-  double pressure = 101325.0; ///< default pressure [Pa]
+  double density = 1.225;      ///< default density [kg/m3]
+  double pressure = 101325.0;  ///< default pressure [Pa]
 };
 
 }  // namespace brisance::material

@@ -20,15 +20,16 @@ double stable_step(World const& w) {
 }
 
 double advance(World& w, double latest) {
-  double const stable = stable_step(w);                                   // (1)
+  double const stable = stable_step(w);  // (1)
   if (!std::isfinite(stable) || stable <= 1e-14 * std::max(w.setup.end.time, 1e-12)) {
-    throw NumericalError(fmt::format("the time step vanished (dt = {:.3g} s at t = {:.6g} s, step {}); the state has lost its meaning", stable,
-                                     w.clock.time, w.clock.step));
+    throw NumericalError(
+        fmt::format("the time step vanished (dt = {:.3g} s at t = {:.6g} s, step {}); the state has lost its meaning",
+                    stable, w.clock.time, w.clock.step));
   }
   double const left = latest - w.clock.time;
   bool const arrives = left <= stable;
   double const dt = arrives ? left : left < 2.0 * stable ? 0.5 * left : stable;  // no sliver before an output time
-  w.gas->advance(dt, w.clock.step % 2 == 1);                              // (8) Eq. (6)
+  w.gas->advance(dt, w.clock.step % 2 == 1);                                     // (8) Eq. (6)
   w.clock.time = arrives ? latest : w.clock.time + dt;
   w.clock.dt = dt;
   ++w.clock.step;

@@ -1,4 +1,5 @@
-/// A case: everything that defines one calculation, as plain data in SI units. The deck reader builds it, `World` runs it.
+/// A case: everything that defines one calculation, as plain data in SI units. The deck reader builds it, `World` runs
+/// it.
 #pragma once
 
 #include <array>
@@ -27,7 +28,8 @@ struct Ambient {
   FluidState state;
 };
 
-/// A region filled with another state, and optionally with the second fluid, at the start. Later regions overwrite earlier ones.
+/// A region filled with another state, and optionally with the second fluid, at the start. Later regions overwrite
+/// earlier ones.
 struct Region {
   detonation::Shape shape;
   FluidState state;
@@ -40,7 +42,8 @@ enum class Detonation { instantaneous, programmed };
 
 using detonation::InitiationPoint;
 
-/// A charge. `mass` is that of the whole body; where symmetry planes pass through its centre only a part lies in the domain.
+/// A charge. `mass` is that of the whole body; where symmetry planes pass through its centre only a part lies in the
+/// domain.
 struct Charge {
   material::Explosive explosive;
   detonation::Shape shape;
@@ -65,13 +68,13 @@ using gas::Scheme;
 struct Numerics {
   Scheme scheme = Scheme::muscl_hancock;
   double courant = 0.8;
-  int block_cells = 0;             ///< cells per block and direction; 0: chosen by dimension
-  bool sleep = true;               ///< quiescent blocks are skipped
-  double limiter_beta = 1.5;       ///< generalised monotonised-central limiter, 1 (minmod) to 2
-  bool carbuncle_cure = true;      ///< blend to HLL along detected shocks
-  double density_floor = 1e-6;     ///< guard [kg/m3]
-  double pressure_floor = 1e-3;    ///< guard [Pa]
-  double viscosity = 0.0;          ///< lax-wendroff: constant eta; 0: eta of [Cui14] Eq. (5) with |u| + c
+  int block_cells = 0;           ///< cells per block and direction; 0: chosen by dimension
+  bool sleep = true;             ///< quiescent blocks are skipped
+  double limiter_beta = 1.5;     ///< generalised monotonised-central limiter, 1 (minmod) to 2
+  bool carbuncle_cure = true;    ///< blend to HLL along detected shocks
+  double density_floor = 1e-6;   ///< guard [kg/m3]
+  double pressure_floor = 1e-3;  ///< guard [Pa]
+  double viscosity = 0.0;        ///< lax-wendroff: constant eta; 0: eta of [Cui14] Eq. (5) with |u| + c
 };
 
 struct Output {
@@ -84,8 +87,8 @@ struct Output {
 };
 
 struct End {
-  double time = 0.0;     ///< [s]
-  long steps = 0;        ///< 0: no limit
+  double time = 0.0;  ///< [s]
+  long steps = 0;     ///< 0: no limit
 };
 
 /// How the Kingery-Bulmash values beside the gauges are to be taken.

@@ -87,10 +87,10 @@ void place_obstacles(Case const& c, grid::Grid const& grid, gas::Gas& gas, gas::
     for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
       for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
         for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
-          Vec3 const x = domain.centre(grid::image_cell(domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k}));
-          bool const inside = std::any_of(c.obstacles.begin(), c.obstacles.end(), [&](Obstacle const& o) {
-            return detonation::contains(o.shape, domain, x);
-          });
+          Vec3 const x =
+              domain.centre(grid::image_cell(domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k}));
+          bool const inside = std::any_of(c.obstacles.begin(), c.obstacles.end(),
+                                          [&](Obstacle const& o) { return detonation::contains(o.shape, domain, x); });
           if (!inside) continue;
           solid[box.offset(i, j, k)] = 1;
           any = true;
@@ -114,12 +114,11 @@ double equivalent_radius(double volume, int dimensions) {
 }  // namespace
 
 World::World(Case c)
-    : setup(std::move(c)),
-      grid(setup.domain, setup.numerics.block_cells),
-      gas([&] {
+    : setup(std::move(c)), grid(setup.domain, setup.numerics.block_cells), gas([&] {
         std::array<gas::MixtureState, 6> inflow;
         for (int face = 0; face < 6; ++face) inflow[face] = ambient_mixture(setup.inflow[face]);
-        return std::make_unique<gas::Gas>(grid, fluids_of(setup), options_of(setup), ambient_mixture(setup.ambient.state), inflow);
+        return std::make_unique<gas::Gas>(grid, fluids_of(setup), options_of(setup),
+                                          ambient_mixture(setup.ambient.state), inflow);
       }()) {
   gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
   place_regions(setup, grid, *gas);
@@ -150,7 +149,8 @@ World::World(Case c)
     report.cells_per_radius = equivalent_radius(report.realised_mass / density, std::min(round, 3)) / setup.domain.h;
     charges.push_back(report);
   }
-  if (!burning.empty()) detonation::set_programmed_burn(*gas, burning, setup.charges.front().explosive.detonation_speed);
+  if (!burning.empty())
+    detonation::set_programmed_burn(*gas, burning, setup.charges.front().explosive.detonation_speed);
   place_obstacles(setup, grid, *gas, ambient);
 
   gas->start();

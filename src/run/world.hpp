@@ -36,10 +36,10 @@ struct Totals {
 struct Audit {
   Totals initial;
   Totals current;
-  Totals outflow;             ///< left through the domain's faces since the start; momentum includes the pressure impulse
-  long fallback_faces = 0;    ///< lax-wendroff faces that fell back to the first-order flux
-  long guarded_cells = 0;     ///< cell updates in which density or internal energy had to be lifted to its floor
-  double guard_mass = 0.0;    ///< mass that the guards added [kg]
+  Totals outflow;           ///< left through the domain's faces since the start; momentum includes the pressure impulse
+  long fallback_faces = 0;  ///< lax-wendroff faces that fell back to the first-order flux
+  long guarded_cells = 0;   ///< cell updates in which density or internal energy had to be lifted to its floor
+  double guard_mass = 0.0;  ///< mass that the guards added [kg]
   double guard_energy = 0.0;  ///< energy that the guards added [J]
 
   /// |initial - outflow + guards - current| relative to the largest of the terms; index 0, 1: fluids, 2: energy.
@@ -49,10 +49,10 @@ struct Audit {
 /// What became of one charge on the grid.
 struct ChargeReport {
   std::string explosive;
-  double asked_mass = 0.0;       ///< whole body [kg]
-  double realised_mass = 0.0;    ///< whole body, symmetry images counted [kg]
-  double realised_energy = 0.0;  ///< E0 of the realised volume [J]
-  double cells_per_radius = 0.0; ///< (volume of the part in the domain as an equivalent radius) / h
+  double asked_mass = 0.0;        ///< whole body [kg]
+  double realised_mass = 0.0;     ///< whole body, symmetry images counted [kg]
+  double realised_energy = 0.0;   ///< E0 of the realised volume [J]
+  double cells_per_radius = 0.0;  ///< (volume of the part in the domain as an equivalent radius) / h
 };
 
 struct GaugeRecord {
@@ -78,8 +78,9 @@ struct FieldInfo {
   std::string meaning;
 };
 
-/// All fields that a run can write: pressure, overpressure, density, velocity, energy, sound_speed, mach, products (mass fraction of
-/// the second fluid), volume_fraction, burn_fraction, peak_overpressure, impulse (largest running overpressure impulse), obstacle.
+/// All fields that a run can write: pressure, overpressure, density, velocity, energy, sound_speed, mach, products
+/// (mass fraction of the second fluid), volume_fraction, burn_fraction, peak_overpressure, impulse (largest running
+/// overpressure impulse), obstacle.
 [[nodiscard]] std::vector<FieldInfo> const& known_fields();
 
 class World {
@@ -109,7 +110,8 @@ class World {
   void update_audit();
 };
 
-/// Values of a field in one block: x fastest, components interleaved; `out` is resized. Throws InputError for an unknown name.
+/// Values of a field in one block: x fastest, components interleaved; `out` is resized. Throws InputError for an
+/// unknown name.
 void block_field(World const& world, int block, std::string const& field, std::vector<double>& out);
 
 /// Largest stable time step of the present state [s].

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/check.hpp"
+#include "core/error.hpp"
 #include "small_case.hpp"
 
 namespace brisance::app {

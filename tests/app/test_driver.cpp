@@ -112,7 +112,9 @@ TEST(Drive, AnOutputFailureEndsTheRunAtOnce) {
   run::World world(small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n"));
   output::Writer writer(world, scratch.path());
   auto const ending = drive(world, writer, go_on, [&](run::World const& w) {
-    if (w.clock.step == 1) std::filesystem::remove_all(scratch.path());
+    if (w.clock.step > 1) return;
+    std::filesystem::remove_all(scratch.path() / "fields");
+    std::ofstream(scratch.path() / "fields") << "a file where a folder is needed\n";
   });
   EXPECT_EQ(ending.code, ExitCode::io_failure);
   EXPECT_NE(ending.reason.find(scratch.path().string()), std::string::npos) << ending.reason;

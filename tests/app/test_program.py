@@ -5,6 +5,7 @@ Usage: BRISANCE=path/to/brisance BRISANCE_SOURCE=path/to/tree python3 test_progr
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import tempfile
@@ -194,6 +195,13 @@ class Check(Case):
             self.assertLess(plan["memory_bytes"], 4e9, deck)
             self.brisance("check", deck)
 
+    def test_the_decks_of_the_documentation_are_valid(self):
+        for page in ("README.md", "docs/user-guide.md", "docs/deck.md"):
+            decks = re.findall(r"```toml\n(\[domain.*?|title.*?)```", (SOURCE / page).read_text(), re.DOTALL)
+            self.assertGreaterEqual(len(decks), 1, page)
+            for text in decks:
+                self.brisance("check", self.deck(text))
+
     def test_check_promises_what_run_does(self):
         deck = self.deck(SMALL)
         plan = json.loads(self.brisance("check", deck, "--json").stdout)
@@ -212,15 +220,12 @@ class Check(Case):
         self.assertIn("expected a mass", text)
         self.assertFalse((self.folder / "case-results").exists())
 
+    @unittest.skipIf(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") > 150e9, "this machine may hold the case")
     def test_a_case_larger_than_the_machine_is_refused_before_it_starts(self):
-        deck = self.deck(SMALL.replace('"spherical1d"', '"cartesian3d"').replace("size = 1", "size = [12, 12, 12]")
-                         .replace('"5 mm"', '"10 mm"').replace("point = 0.5", "point = [5, 5, 5]")
+        deck = self.deck(SMALL.replace('"spherical1d"', '"cartesian3d"').replace("size = 1", "size = [25, 25, 25]")
+                         .replace('"5 mm"', '"20 mm"').replace("point = 0.5", "point = [5, 5, 5]")
                          .replace('"1 kg"', '"1 kg"\nposition = [6, 6, 6]'))
-        plan = json.loads(self.brisance("check", deck, "--json").stdout)
-        self.assertEqual(plan["cell_count"], 1728000000)
-        if plan["memory_bytes"] < plan["machine_memory_bytes"]:
-            self.skipTest("this machine could hold the case")
-        self.assertIn("of memory", self.brisance("run", deck, code=2).stderr)
+        self.assertIn("this machine has", self.brisance("run", deck, code=2).stderr)
         self.assertFalse((self.folder / "case-results").exists())
 
 
@@ -274,7 +279,7 @@ class Run(Case):
         self.assertRegex(text, r"stopped by the user at t = .*, 0\.\d % of the time, step \d+")
         log = json.loads((self.folder / "out/run.json").read_text())
         self.assertEqual((log["status"], log["exit_code"]), ("stopped", 3))
-        rows = list(csv.reader(gauge.open()))
+        rows = list(csv.reader(gauge.read_text().splitlines()))
         self.assertEqual(len(rows), log["step"] + 2)  # head, initial state, one per step
         self.assertEqual({len(row) for row in rows}, {9})
         self.assertAlmostEqual(float(rows[-1][0]) / log["time"], 1.0, places=9)

@@ -81,10 +81,13 @@ struct Problem {
     return gas->gather(cells);
   }
 
-  /// Sum of a conserved component over all cells, times their volume; in extended precision, for a sum of many cells loses digits.
+  /// Sum of a conserved component over all cells, times their volume; in extended precision, for a sum of many cells
+  /// loses digits.
   [[nodiscard]] double total(int component) const {
     long double sum = 0.0;
-    for_each_cell([&](int b, int offset, Index3 const& cell) { sum += gas->fields().at(b, component)[offset] * domain.cell_volume(cell[0]); });
+    for_each_cell([&](int b, int offset, Index3 const& cell) {
+      sum += gas->fields().at(b, component)[offset] * domain.cell_volume(cell[0]);
+    });
     return static_cast<double>(sum);
   }
 };

@@ -11,7 +11,8 @@ namespace {
 
 class Closed : public testing::TestWithParam<std::tuple<gas::Scheme, grid::Geometry, bool>> {};
 
-// A blast of products and air in a box with walls all around, some obstacle cells in it; the waves cross the box several times.
+// A blast of products and air in a box with walls all around, some obstacle cells in it; the waves cross the box
+// several times.
 TEST_P(Closed, MassAndEnergyAreConserved) {
   auto const [scheme, geometry, obstacle] = GetParam();
   Problem problem;
@@ -44,8 +45,10 @@ TEST_P(Closed, MassAndEnergyAreConserved) {
       for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
         for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
           for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
-            Index3 const cell = grid::image_cell(problem.domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-            bool const inside = cell[0] > n / 2 && cell[0] < n / 2 + 4 && (dims < 2 || (cell[1] > 2 && cell[1] < n / 2));
+            Index3 const cell =
+                grid::image_cell(problem.domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
+            bool const inside =
+                cell[0] > n / 2 && cell[0] < n / 2 + 4 && (dims < 2 || (cell[1] > 2 && cell[1] < n / 2));
             solid[box.offset(i, j, k)] = inside ? 1 : 0;
           }
         }
@@ -71,12 +74,12 @@ TEST_P(Closed, MassAndEnergyAreConserved) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Boxes, Closed,
-    testing::Combine(testing::Values(gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff),
-                     testing::Values(grid::Geometry::planar1d, grid::Geometry::cylindrical1d, grid::Geometry::spherical1d,
-                                     grid::Geometry::planar2d, grid::Geometry::axisymmetric2d, grid::Geometry::cartesian3d),
-                     testing::Bool()));
+INSTANTIATE_TEST_SUITE_P(Boxes, Closed,
+                         testing::Combine(testing::Values(gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff),
+                                          testing::Values(grid::Geometry::planar1d, grid::Geometry::cylindrical1d,
+                                                          grid::Geometry::spherical1d, grid::Geometry::planar2d,
+                                                          grid::Geometry::axisymmetric2d, grid::Geometry::cartesian3d),
+                                          testing::Bool()));
 
 // Periodic box: momentum too.
 TEST(Periodic, MomentumIsConserved) {
@@ -99,8 +102,8 @@ TEST(Periodic, MomentumIsConserved) {
 
 // Gas at rest stays at rest to the last bit, also in rings and shells.
 TEST(Rest, IsExactInEveryGeometry) {
-  for (auto geometry : {grid::Geometry::planar1d, grid::Geometry::cylindrical1d, grid::Geometry::spherical1d, grid::Geometry::axisymmetric2d,
-                        grid::Geometry::cartesian3d}) {
+  for (auto geometry : {grid::Geometry::planar1d, grid::Geometry::cylindrical1d, grid::Geometry::spherical1d,
+                        grid::Geometry::axisymmetric2d, grid::Geometry::cartesian3d}) {
     for (gas::Scheme scheme : {gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff}) {
       Problem problem;
       problem.box(geometry, 16, 1.0, grid::Boundary::wall);

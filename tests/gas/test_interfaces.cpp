@@ -13,7 +13,8 @@ struct Deviation {
   double velocity = 0.0;
 };
 
-Deviation advect(Problem& problem, double p, double rho0, double rho1, double u, gas::Scheme scheme, grid::Geometry geometry) {
+Deviation advect(Problem& problem, double p, double rho0, double rho1, double u, gas::Scheme scheme,
+                 grid::Geometry geometry) {
   int const cells = geometry == grid::Geometry::planar1d ? 200 : 24;
   problem.box(geometry, cells, 1.0, grid::Boundary::periodic);
   problem.fluids.two = true;

@@ -1,5 +1,5 @@
-/// Observed order of accuracy on smooth linear waves, as in [Stone08]: an acoustic and an entropy wave of small amplitude cross a periodic
-/// box once; along x in 1D and 2D-oblique in 3D along the diagonal.
+/// Observed order of accuracy on smooth linear waves, as in [Stone08]: an acoustic and an entropy wave of small
+/// amplitude cross a periodic box once; along x in 1D and 2D-oblique in 3D along the diagonal.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -57,13 +57,14 @@ TEST_P(Order, IsAtLeastOnePointNine) {
   double const b = wave_error(acoustic, geometry, 2 * coarse, scheme);
   double const order = std::log2(a / b);
   std::printf("%s wave, %s, %s: error %.3e at %d, %.3e at %d cells, order %.2f\n", acoustic ? "acoustic" : "entropy",
-              geometry == grid::Geometry::planar1d ? "1D" : "3D", scheme == gas::Scheme::muscl_hancock ? "muscl_hancock" : "lax_wendroff", a,
-              coarse, b, 2 * coarse, order);
+              geometry == grid::Geometry::planar1d ? "1D" : "3D",
+              scheme == gas::Scheme::muscl_hancock ? "muscl_hancock" : "lax_wendroff", a, coarse, b, 2 * coarse, order);
   EXPECT_GE(order, 1.9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Waves, Order,
-                         testing::Combine(testing::Bool(), testing::Values(grid::Geometry::planar1d, grid::Geometry::cartesian3d),
+                         testing::Combine(testing::Bool(),
+                                          testing::Values(grid::Geometry::planar1d, grid::Geometry::cartesian3d),
                                           testing::Values(gas::Scheme::muscl_hancock)));
 
 }  // namespace

@@ -22,7 +22,7 @@ struct Tube {
 struct Errors {
   double l1 = 0.0;
   double relative = 0.0;
-  double over = 0.0;   ///< largest excess of the density over the exact solution's maximum, relative to the jump
+  double over = 0.0;  ///< largest excess of the density over the exact solution's maximum, relative to the jump
   double under = 0.0;
 };
 
@@ -52,24 +52,28 @@ Errors run(Tube const& tube, gas::Scheme scheme, int cells, Problem& problem) {
   return e;
 }
 
-// [Sod78] with the paper's end time, [Cui14] Sec. 5.1. 6.2e-4 is what Athena++ (PLM, HLLC, VL2) reaches at this resolution.
+// [Sod78] with the paper's end time, [Cui14] Sec. 5.1. 6.2e-4 is what Athena++ (PLM, HLLC, VL2) reaches at this
+// resolution.
 TEST(Sod, DefaultSchemeReachesThePublishedError) {
   Problem problem;
-  Errors const e = run({"Sod", {1.0, 0.0, 1.0}, {0.125, 0.0, 0.1}, 0.5, 0.143}, gas::Scheme::muscl_hancock, 1000, problem);
+  Errors const e =
+      run({"Sod", {1.0, 0.0, 1.0}, {0.125, 0.0, 0.1}, 0.5, 0.143}, gas::Scheme::muscl_hancock, 1000, problem);
   std::printf("Sod, 1000 cells, muscl_hancock: L1(rho) %.3e, overshoot %.2e, undershoot %.2e\n", e.l1, e.over, e.under);
   EXPECT_LE(e.l1, 6.2e-4);
   EXPECT_LE(e.over, 0.01);
   EXPECT_LE(e.under, 0.01);
 }
 
-// The face form with eta of Eq. (5) is expected at 1.24e-3 (prototype of the method); cell-wise theta as printed gave 2.79e-3.
+// The face form with eta of Eq. (5) is expected at 1.24e-3 (prototype of the method); cell-wise theta as printed
+// gave 2.79e-3.
 TEST(Sod, LaxWendroffConvergesInItsConservativeForm) {
   Problem fine;
   Problem coarse;
   Tube const tube{"Sod", {1.0, 0.0, 1.0}, {0.125, 0.0, 0.1}, 0.5, 0.143};
   Errors const e = run(tube, gas::Scheme::lax_wendroff, 1000, fine);
   Errors const c = run(tube, gas::Scheme::lax_wendroff, 250, coarse);
-  std::printf("Sod, lax_wendroff: L1(rho) 250 cells %.3e, 1000 cells %.3e, order %.2f\n", c.l1, e.l1, std::log(c.l1 / e.l1) / std::log(4.0));
+  std::printf("Sod, lax_wendroff: L1(rho) 250 cells %.3e, 1000 cells %.3e, order %.2f\n", c.l1, e.l1,
+              std::log(c.l1 / e.l1) / std::log(4.0));
   EXPECT_LE(e.l1, 1.4e-3);
   EXPECT_GE(std::log(c.l1 / e.l1) / std::log(4.0), 0.7);  // shocks and contacts bound the order below 1
 }
@@ -89,8 +93,9 @@ TEST(Toro, AllFiveSurviveWithBothSchemes) {
       Problem problem;
       Errors const e = run(tube, scheme, 400, problem);
       auto const account = problem.gas->account();
-      std::printf("%s, 400 cells, %-14s relative L1(rho) %.2f %%, overshoot %.1f %%, guarded cells %ld, fallback faces %ld\n", tube.title,
-                  name(scheme), 100.0 * e.relative, 100.0 * e.over, account.guarded_cells, account.fallback_faces);
+      std::printf(
+          "%s, 400 cells, %-14s relative L1(rho) %.2f %%, overshoot %.1f %%, guarded cells %ld, fallback faces %ld\n",
+          tube.title, name(scheme), 100.0 * e.relative, 100.0 * e.over, account.guarded_cells, account.fallback_faces);
       for (gas::Primitive const& w : problem.line()) {
         ASSERT_TRUE(std::isfinite(w.density) && std::isfinite(w.pressure)) << tube.title << " " << name(scheme);
         ASSERT_GT(w.density, 0.0);
@@ -109,7 +114,8 @@ struct TwoMaterialErrors {
   double density, velocity, pressure;  ///< L1, relative to the exact solution's largest value
 };
 
-TwoMaterialErrors run_two(Problem& problem, exact::State const& left, exact::State const& right, double time, int cells) {
+TwoMaterialErrors run_two(Problem& problem, exact::State const& left, exact::State const& right, double time,
+                          int cells) {
   problem.box(grid::Geometry::planar1d, cells, 1.0, grid::Boundary::outflow);
   problem.fluids.two = true;
   problem.fluids.ambient_pressure = right.p;
@@ -138,8 +144,8 @@ TwoMaterialErrors run_two(Problem& problem, exact::State const& left, exact::Sta
   return {e.density / rho_max, e.velocity / u_max, e.pressure / p_max};
 }
 
-// TNT products at their initial state against air: the first moments of a free-air burst. Converges to the exact solution at first order
-// (shock and contact); the bounds are 1.3 times what 1000 cells measure.
+// TNT products at their initial state against air: the first moments of a free-air burst. Converges to the exact
+// solution at first order (shock and contact); the bounds are 1.3 times what 1000 cells measure.
 TEST(TwoMaterials, JwlAgainstAir) {
   for (gas::Scheme scheme : schemes) {
     std::array<TwoMaterialErrors, 2> e{};
@@ -150,8 +156,9 @@ TEST(TwoMaterials, JwlAgainstAir) {
       problem.options.pressure_floor = 1.0;
       double const p = material::pressure(problem.fluids.second, 1630.0, 6.993e9 / 1630.0);
       e[level] = run_two(problem, {1630.0, 0.0, p}, {1.225, 0.0, 101325.0}, 4e-5, level == 0 ? 500 : 2000);
-      std::printf("JWL/air, %-14s %d cells: relative L1 rho %.2e u %.2e p %.2e, guarded %ld\n", name(scheme), level == 0 ? 500 : 2000,
-                  e[level].density, e[level].velocity, e[level].pressure, problem.gas->account().guarded_cells);
+      std::printf("JWL/air, %-14s %d cells: relative L1 rho %.2e u %.2e p %.2e, guarded %ld\n", name(scheme),
+                  level == 0 ? 500 : 2000, e[level].density, e[level].velocity, e[level].pressure,
+                  problem.gas->account().guarded_cells);
     }
     EXPECT_LT(e[1].density, 0.5 * e[0].density);
     EXPECT_LT(e[1].velocity, 0.6 * e[0].velocity);
@@ -170,8 +177,9 @@ TEST(TwoMaterials, WaterAgainstAir) {
       problem.options.scheme = scheme;
       problem.options.pressure_floor = 1.0;
       e[level] = run_two(problem, {1000.0, 0.0, 1e9}, {50.0, 0.0, 1e5}, 2.4e-4, level == 0 ? 250 : 1000);
-      std::printf("water/air, %-14s %d cells: relative L1 rho %.2e u %.2e p %.2e, guarded %ld\n", name(scheme), level == 0 ? 250 : 1000,
-                  e[level].density, e[level].velocity, e[level].pressure, problem.gas->account().guarded_cells);
+      std::printf("water/air, %-14s %d cells: relative L1 rho %.2e u %.2e p %.2e, guarded %ld\n", name(scheme),
+                  level == 0 ? 250 : 1000, e[level].density, e[level].velocity, e[level].pressure,
+                  problem.gas->account().guarded_cells);
     }
     EXPECT_LT(e[1].density, 0.5 * e[0].density);
     EXPECT_LT(e[1].pressure, 0.5 * e[0].pressure);

@@ -10,8 +10,9 @@
 namespace brisance::test {
 namespace {
 
-// A plane Mach 6 shock runs along the grid into gas with 1e-3 density noise [Quirk94]. Without a cure the transverse velocity grows to the
-// order of the sound speed; that a run without the cure does grow it shows that the test can fail.
+// A plane Mach 6 shock runs along the grid into gas with 1e-3 density noise [Quirk94]. Without a cure the transverse
+// velocity grows to the order of the sound speed; that a run without the cure does grow it shows that the test can
+// fail.
 double transverse_velocity(bool cure) {
   Problem problem;
   problem.box(grid::Geometry::planar2d, 20, 20.0, grid::Boundary::periodic);
@@ -29,11 +30,13 @@ double transverse_velocity(bool cure) {
   problem.inflow.fill(state(rho, u, p));
   std::mt19937 random(1);
   std::uniform_real_distribution<double> noise(-1e-3, 1e-3);
-  problem.fill([&](Vec3 const& x) { return x[0] < 5.0 ? state(rho, u, p) : state(1.4 * (1.0 + noise(random)), 0.0, 1.0); });
+  problem.fill(
+      [&](Vec3 const& x) { return x[0] < 5.0 ? state(rho, u, p) : state(1.4 * (1.0 + noise(random)), 0.0, 1.0); });
   problem.run_to(100.0);
   double worst = 0.0;
   problem.for_each_cell([&](int b, int offset, Index3 const&) {
-    worst = std::max(worst, std::abs(problem.gas->fields().at(b, gas::momentum_y)[offset] / problem.gas->fields().at(b, gas::density)[offset]));
+    worst = std::max(worst, std::abs(problem.gas->fields().at(b, gas::momentum_y)[offset] /
+                                     problem.gas->fields().at(b, gas::density)[offset]));
   });
   return worst / std::sqrt(g * p / rho);  // of the shocked gas
 }
@@ -41,7 +44,8 @@ double transverse_velocity(bool cure) {
 TEST(Carbuncle, DoesNotGrowAlongAPlaneShock) {
   double const without = transverse_velocity(false);
   double const with = transverse_velocity(true);
-  std::printf("plane Mach 6 shock, 1e-3 noise: transverse velocity / sound speed %.2e with the cure, %.2e without\n", with, without);
+  std::printf("plane Mach 6 shock, 1e-3 noise: transverse velocity / sound speed %.2e with the cure, %.2e without\n",
+              with, without);
   EXPECT_LT(with, 0.01);
   EXPECT_GT(without, 0.02);
 }
@@ -77,9 +81,11 @@ TEST_P(StrongBlast, ShowsNoPeakOnTheAxes) {
     int const zeros = (cell[0] == 0) + (cell[1] == 0) + (cell[2] == 0);
     if (zeros >= 2) on_axis = std::max(on_axis, p);
   });
-  std::printf("blast of pressure ratio 1e5, %s: peak on the axes %.4g, anywhere %.4g, radial reference %.4g; guarded cells %ld\n",
-              GetParam() == gas::Scheme::muscl_hancock ? "muscl_hancock" : "lax_wendroff", on_axis, anywhere, reference,
-              octant.gas->account().guarded_cells);
+  std::printf(
+      "blast of pressure ratio 1e5, %s: peak on the axes %.4g, anywhere %.4g, radial reference %.4g; guarded cells "
+      "%ld\n",
+      GetParam() == gas::Scheme::muscl_hancock ? "muscl_hancock" : "lax_wendroff", on_axis, anywhere, reference,
+      octant.gas->account().guarded_cells);
   if (GetParam() == gas::Scheme::muscl_hancock) {
     EXPECT_LT(on_axis, 1.03 * reference);
     EXPECT_EQ(octant.gas->account().guarded_cells, 0);
@@ -88,7 +94,8 @@ TEST_P(StrongBlast, ShowsNoPeakOnTheAxes) {
 
 INSTANTIATE_TEST_SUITE_P(Schemes, StrongBlast, testing::Values(gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff));
 
-/// Point explosion in an octant, gamma = 1.4, with all the energy in the cells next to the origin. The front is at 1 at t = 1.
+/// Point explosion in an octant, gamma = 1.4, with all the energy in the cells next to the origin. The front is at 1 at
+/// t = 1.
 constexpr double sedov_energy = 0.851072;
 
 void set_up_sedov(Problem& problem, int n) {
@@ -124,18 +131,21 @@ TEST(Sedov, FrontIsWhereItShouldBe) {
   };
   exact::Sedov const solution(3, 1.4, sedov_energy, 1.0);
   double const radius = solution.front_radius(1.0);
-  for (Index3 const& direction : {Index3{1, 0, 0}, Index3{0, 1, 0}, Index3{0, 0, 1}, Index3{1, 1, 0}, Index3{1, 1, 1}}) {
+  for (Index3 const& direction :
+       {Index3{1, 0, 0}, Index3{0, 1, 0}, Index3{0, 0, 1}, Index3{1, 1, 0}, Index3{1, 1, 1}}) {
     double const r = front(direction);
-    std::printf("Sedov, 128^3: front along (%d %d %d) at %.4f, exact %.4f\n", direction[0], direction[1], direction[2], r, radius);
+    std::printf("Sedov, 128^3: front along (%d %d %d) at %.4f, exact %.4f\n", direction[0], direction[1], direction[2],
+                r, radius);
     EXPECT_NEAR(r / radius, 1.0, 0.02);
   }
   double asymmetry = 0.0;
   problem.for_each_cell([&](int b, int offset, Index3 const& cell) {
     double const rho = problem.gas->fields().at(b, gas::density)[offset];
-    if (cell[0] < cell[2]) asymmetry = std::max(asymmetry, std::abs(rho - problem.at({cell[2], cell[1], cell[0]}).density));
+    if (cell[0] < cell[2])
+      asymmetry = std::max(asymmetry, std::abs(rho - problem.at({cell[2], cell[1], cell[0]}).density));
   });
-  // The sweeps follow each other, so exchanging x and z within one run changes the result by the error of the splitting. No bound: it is
-  // shown, and SweepsAreAlike proves that the directions themselves are treated alike.
+  // The sweeps follow each other, so exchanging x and z within one run changes the result by the error of the
+  // splitting. No bound: it is shown, and SweepsAreAlike proves that the directions themselves are treated alike.
   std::printf("Sedov, 128^3: largest density difference under exchange of x and z %.2e\n", asymmetry);
 }
 
@@ -148,7 +158,8 @@ TEST(Sedov, SweepsAreAlike) {
   for (Problem* problem : {&straight, &turned}) {
     problem->block_cells = 16;
     set_up_sedov(*problem, n);
-    for (int step = 0; step < 60; ++step) problem->gas->advance(0.5 * problem->domain.h / problem->gas->fastest_signal(), step % 2 == 1);
+    for (int step = 0; step < 60; ++step)
+      problem->gas->advance(0.5 * problem->domain.h / problem->gas->fastest_signal(), step % 2 == 1);
   }
   double worst = 0.0;
   straight.for_each_cell([&](int b, int offset, Index3 const& cell) {

@@ -1,5 +1,5 @@
-/// HLL approximate Riemann solver [HLL83]: two waves, no contact. It smears contacts and shear layers, which is what cures the carbuncle
-/// along a shock [Quirk94].
+/// HLL approximate Riemann solver [HLL83]: two waves, no contact. It smears contacts and shear layers, which is what
+/// cures the carbuncle along a shock [Quirk94].
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,10 @@
 namespace brisance::gas {
 
 struct HllFlux {
-  double from_left;   ///< the flux of an advected density q is from_left * q_L + from_right * q_R [m/s]
+  double from_left;  ///< the flux of an advected density q is from_left * q_L + from_right * q_R [m/s]
   double from_right;
-  double pressure;    ///< pressure part of the normal momentum flux [Pa]
-  double work;        ///< pressure part of the energy flux [W/m2]
+  double pressure;  ///< pressure part of the normal momentum flux [Pa]
+  double work;      ///< pressure part of the energy flux [W/m2]
 };
 
 [[nodiscard]] inline HllFlux hll(FaceSide const& L, FaceSide const& R) {

@@ -1,7 +1,7 @@
 /// HLLC approximate Riemann solver [Toro94], for one fluid and, with the same waves, for the five-equation model.
 ///
-/// Everything that is carried along with the flow (partial densities, volume fraction, transverse momentum) crosses the face with one
-/// velocity `speed` from the upwind side; only momentum and energy need more.
+/// Everything that is carried along with the flow (partial densities, volume fraction, transverse momentum) crosses the
+/// face with one velocity `speed` from the upwind side; only momentum and energy need more.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,8 @@ struct HllcFlux {
   double const SR = std::max(L.u + L.c, R.u + R.c);
   double const mL = L.rho * (SL - L.u);
   double const mR = R.rho * (SR - R.u);
-  // (pR - pL + mL uL - mR uR) / (mL - mR), written so that mirrored states give exactly 0: nothing leaks through a wall.
+  // (pR - pL + mL uL - mR uR) / (mL - mR), written so that mirrored states give exactly 0: nothing leaks through a
+  // wall.
   double const SM = 0.5 * (L.u + R.u) + (0.5 * (mL + mR) * (R.u - L.u) + (L.p - R.p)) / (mR - mL);
   bool const left = SM >= 0.0;
   double const S = left ? SL : SR;

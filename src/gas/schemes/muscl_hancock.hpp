@@ -1,9 +1,10 @@
-/// MUSCL-Hancock [vanLeer84] with HLLC [Toro94]: piecewise-linear primitive variables, limited, evolved half a step, one Riemann problem per
-/// face. Second order in smooth flow, total-variation bounded at jumps.
+/// MUSCL-Hancock [vanLeer84] with HLLC [Toro94]: piecewise-linear primitive variables, limited, evolved half a step,
+/// one Riemann problem per face. Second order in smooth flow, total-variation bounded at jumps.
 ///
-/// Two fluids: besides the volume fraction the closure sum B is reconstructed and evolved, dB/dt = -u dB/dx + (H - B) du/dx, so that the
-/// energy at a face follows from p, alpha and B without a new evaluation of the equations of state. A contact with uniform p and u, and
-/// uniform density of each fluid, stays uniform: B is then linear in alpha, and the limiter commutes with that.
+/// Two fluids: besides the volume fraction the closure sum B is reconstructed and evolved, dB/dt = -u dB/dx + (H - B)
+/// du/dx, so that the energy at a face follows from p, alpha and B without a new evaluation of the equations of state.
+/// A contact with uniform p and u, and uniform density of each fluid, stays uniform: B is then linear in alpha, and the
+/// limiter commutes with that.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +17,8 @@
 
 namespace brisance::gas {
 
-/// Difference over a cell from the backward and forward differences: generalised monotonised-central limiter [vanLeer77],
-/// minmod for beta = 1, the classical one for beta = 2.
+/// Difference over a cell from the backward and forward differences: generalised monotonised-central limiter
+/// [vanLeer77], minmod for beta = 1, the classical one for beta = 2.
 [[nodiscard]] inline double limited(double backward, double forward, double beta) {
   double const centred = 0.5 * (backward + forward);
   double const bound = beta * std::min(std::abs(backward), std::abs(forward));
@@ -33,165 +34,206 @@ namespace brisance::gas {
   return backward * forward > 0.0 ? std::copysign(size, backward) : 0.0;
 }
 
-/// Face states of every cell from its own and its two neighbours' values.
-template <bool Two, bool Radial, bool Solid>
-void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
+/// Limited difference over every cell. `Sign` is -1 for the velocity along the sweep: beside an obstacle the neighbour
+/// is the cell's own mirror image.
+template <bool Solid, bool Jump, int Sign>
+void differences(SweepContext const& s, BundleLayout const& b, BundleArrays& a, double const* x, double* d) {
+  int const st = b.stride;
+  double const beta = s.beta;
+  double const* const solid = a[a_solid];
+  double const* const contact = a[a_contact];
+  BRISANCE_VECTOR_LOOP
+  for (int q = st; q < b.total - st; ++q) {
+    double back = x[q] - x[q - st];
+    double forth = x[q + st] - x[q];
+    if constexpr (Solid) {
+      double const mirrored = (1.0 - Sign) * x[q];
+      back += solid[q - st] * (mirrored - back);
+      forth -= solid[q + st] * (mirrored + forth);
+    }
+    double slope = limited(back, forth, beta);
+    if constexpr (Jump) slope = contact[q] > 0.5 ? compressed(back, forth) : slope;
+    d[q] = slope;
+  }
+}
+
+/// Marks the cells where the density jumps and the pressure does not. A contact is smeared for good, for nothing in the
+/// flow steepens it again; what jumps with it is kept together by the compressive limiter. Thresholds: contact
+/// steepening of [ColellaWoodward84].
+template <bool Two>
+void find_contacts(BundleLayout const& b, BundleArrays& a) {
+  int const st = b.stride;
   double const* const rho0 = a[density];
   double const* const rho1 = a[second_density];
-  double const* const alpha = a[volume_fraction];
+  double const* const p = a[a_p];
+  double* const contact = a[a_contact];
+  BRISANCE_VECTOR_LOOP
+  for (int q = st; q < b.total - st; ++q) {
+    double const back = Two ? rho0[q - st] + rho1[q - st] : rho0[q - st];
+    double const forth = Two ? rho0[q + st] + rho1[q + st] : rho0[q + st];
+    bool const found = (std::abs(forth - back) > 0.1 * std::min(back, forth)) &
+                       (std::abs(p[q + st] - p[q - st]) < 0.05 * std::min(p[q - st], p[q + st]));
+    contact[q] = found ? 1.0 : 0.0;
+  }
+}
+
+/// Face states of something carried along: x evolves by -u dx, and by -x div u where it is a density.
+template <bool Compressed>
+void carried_to_faces(BundleLayout const& b, BundleArrays& a, double half_lambda, double const* x, int value) {
   double const* const u = a[a_u];
-  double const* const v = a[a_v];
-  double const* const w = a[a_w];
+  double const* const keep = a[a_keep];
+  double const* const squeeze = a[a_squeeze];
+  double const* const d = a[a_slope + value];
+  double* const left = a[a_left + value];
+  double* const right = a[a_right + value];
+  BRISANCE_VECTOR_LOOP
+  for (int q = b.stride; q < b.total - b.stride; ++q) {
+    double change = -half_lambda * u[q] * d[q];
+    if constexpr (Compressed) change -= x[q] * squeeze[q];
+    double const middle = x[q] + keep[q] * change;
+    double const half = 0.5 * keep[q] * d[q];
+    left[q] = middle + half;
+    right[q] = middle - half;
+  }
+}
+
+/// Face states of every cell from its own and its two neighbours' values. In small loops: the compiler then keeps what
+/// each needs in registers.
+template <bool Two, bool Radial, bool Solid>
+void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
+  int const st = b.stride;
+  int const end = b.total - st;
+  double const half_lambda = 0.5 * s.dt / s.h;
+  find_contacts<Two>(b, a);
+  differences<Solid, true, 1>(s, b, a, a[density], a[a_slope + f_density]);
+  differences<Solid, false, -1>(s, b, a, a[a_u], a[a_slope + f_u]);
+  differences<Solid, false, 1>(s, b, a, a[a_v], a[a_slope + f_v]);
+  differences<Solid, false, 1>(s, b, a, a[a_w], a[a_slope + f_w]);
+  differences<Solid, false, 1>(s, b, a, a[a_p], a[a_slope + f_p]);
+  if constexpr (Two) {
+    differences<Solid, true, 1>(s, b, a, a[a_B], a[a_slope + f_rho_e]);
+    differences<Solid, true, 1>(s, b, a, a[second_density], a[a_slope + f_second]);
+    differences<Solid, true, 1>(s, b, a, a[volume_fraction], a[a_slope + f_alpha]);
+  }
+
+  double const* const rho0 = a[density];
+  double const* const rho1 = a[second_density];
+  double const* const u = a[a_u];
   double const* const p = a[a_p];
   double const* const xi = a[a_xi];
   double const* const B = a[a_B];
   double const* const H = a[a_H];
-  double const* const F = a[a_burn];
-  double const* const solid = a[a_solid];
-  double const* const expansion = a[a_expansion];
-  double* const p_half = a[a_p_half];
-  double* const L_rho0 = a[a_left + f_density];
-  double* const L_u = a[a_left + f_u];
-  double* const L_v = a[a_left + f_v];
-  double* const L_w = a[a_left + f_w];
+  double const* const inverse = a[a_inverse];
+  double const* const d_rho0 = a[a_slope + f_density];
+  double const* const d_rho1 = a[a_slope + f_second];
+  double const* const d_u = a[a_slope + f_u];
+  double const* const d_p = a[a_slope + f_p];
+  double const* const d_B = a[a_slope + f_rho_e];
+  double* const keep = a[a_keep];
+  double* const squeeze = a[a_squeeze];
   double* const L_p = a[a_left + f_p];
-  double* const L_e = a[a_left + f_rho_e];
-  double* const L_c = a[a_left + f_c];
-  double* const L_rho1 = a[a_left + f_second];
-  double* const L_alpha = a[a_left + f_alpha];
-  double* const R_rho0 = a[a_right + f_density];
-  double* const R_u = a[a_right + f_u];
-  double* const R_v = a[a_right + f_v];
-  double* const R_w = a[a_right + f_w];
   double* const R_p = a[a_right + f_p];
+  double* const L_u = a[a_left + f_u];
+  double* const R_u = a[a_right + f_u];
+  double* const L_e = a[a_left + f_rho_e];
   double* const R_e = a[a_right + f_rho_e];
-  double* const R_c = a[a_right + f_c];
-  double* const R_rho1 = a[a_right + f_second];
-  double* const R_alpha = a[a_right + f_alpha];
-
-  int const st = b.stride;
-  double const half_lambda = 0.5 * s.dt / s.h;
-  double const beta = s.beta;
-  double const lowest_density = 0.5 * s.density_floor;
-  double const lowest_pressure = 0.5 * s.pressure_floor;
-  bool const burning = s.burning;
-  // What the volume fraction changes in xi; per-cell xi covers the burn fraction.
+  // What the volume fraction changes in xi; the cell's own xi covers the burn fraction.
   double xi_slope = 0.0;
-  if constexpr (Two) xi_slope = 1.0 / material::gruneisen(s.fluids->second) - 1.0 / material::gruneisen(s.fluids->ambient);
+  if constexpr (Two)
+    xi_slope = 1.0 / material::gruneisen(s.fluids->second) - 1.0 / material::gruneisen(s.fluids->ambient);
 
-  BRISANCE_VECTOR_LOOP
-  for (int q = st; q < b.total - st; ++q) {
-    // Limited differences. Beside an obstacle the neighbour is the cell's own mirror image.
-    double const see_back = Solid ? 1.0 - solid[q - st] : 1.0;
-    double const see_forth = Solid ? 1.0 - solid[q + st] : 1.0;
-    auto const difference = [&](double const* x) {
-      return limited(see_back * (x[q] - x[q - st]), see_forth * (x[q + st] - x[q]), beta);
-    };
-    // A contact is smeared for good, for nothing in the flow steepens it again. Where the density jumps and the pressure does not, what jumps
-    // with it is kept together by the compressive limiter, with the thresholds of contact steepening in [ColellaWoodward84].
-    double const rho_back = Two ? rho0[q - st] + rho1[q - st] : rho0[q - st];
-    double const rho_forth = Two ? rho0[q + st] + rho1[q + st] : rho0[q + st];
-    bool const contact = (std::abs(rho_forth - rho_back) > 0.1 * std::min(rho_back, rho_forth)) &
-                         (std::abs(p[q + st] - p[q - st]) < 0.05 * std::min(p[q - st], p[q + st]));
-    auto const jump = [&](double const* x) {
-      double const steep = compressed(see_back * (x[q] - x[q - st]), see_forth * (x[q + st] - x[q]));
-      double const plain = difference(x);
-      return contact ? steep : plain;
-    };
-    double const back_u = Solid ? (solid[q - st] > 0.5 ? 2.0 * u[q] : u[q] - u[q - st]) : u[q] - u[q - st];
-    double const forth_u = Solid ? (solid[q + st] > 0.5 ? -2.0 * u[q] : u[q + st] - u[q]) : u[q + st] - u[q];
-    double const d_u = limited(back_u, forth_u, beta);
-    double const d_rho0 = jump(rho0);
-    double const d_v = difference(v);
-    double const d_w = difference(w);
-    double const d_p = difference(p);
-    double const d_rho1 = Two ? jump(rho1) : 0.0;
-    double const d_alpha = Two ? jump(alpha) : 0.0;
-    double const d_B = Two ? jump(B) : 0.0;
-
-    double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
-    double const modulus = p[q] + (p[q] + H[q]) / xi[q];
-    // Half a step of the primitive equations; `squeeze` is dt/2 div u, with the spreading of a radial flow.
-    double const advance_u = half_lambda * u[q];
-    double const squeeze = half_lambda * d_u + (Radial ? expansion[q] * u[q] : 0.0);
-    double const t_rho0 = -advance_u * d_rho0 - rho0[q] * squeeze;
-    double const t_u = -advance_u * d_u - half_lambda * d_p / rho;
-    double const t_v = -advance_u * d_v;
-    double const t_w = -advance_u * d_w;
-    double const t_p = -advance_u * d_p - modulus * squeeze;
-    double const t_rho1 = Two ? -advance_u * d_rho1 - rho1[q] * squeeze : 0.0;
-    double const t_alpha = Two ? -advance_u * d_alpha : 0.0;
-    double const t_B = Two ? -advance_u * d_B + (H[q] - B[q]) * squeeze : 0.0;
-
-    // Fall back to the cell's own state where a face would be left without density or stiffness, and where the explosive burns:
-    // there the pressure is no function of the neighbours' energy.
-    double const drop_rho = 0.5 * std::abs(d_rho0 + d_rho1);
-    double const xi_low = xi[q] + (Two ? (t_alpha - 0.5 * d_alpha) * xi_slope : 0.0);
-    double const xi_high = xi[q] + (Two ? (t_alpha + 0.5 * d_alpha) * xi_slope : 0.0);
-    double const p_low = p[q] + t_p - 0.5 * d_p;
-    double const p_high = p[q] + t_p + 0.5 * d_p;
-    bool good = (rho + t_rho0 + t_rho1 - drop_rho > lowest_density) &
-                (p_low * (xi_low + 1.0) + H[q] > lowest_pressure * (xi_low + 1.0)) &
-                (p_high * (xi_high + 1.0) + H[q] > lowest_pressure * (xi_high + 1.0));
-    if (Two) {
-      double const burnt = burning ? F[q] : 1.0;
-      double const round_off = -1e-13 * rho;
-      good = good & (burnt >= 1.0) & (rho0[q] + t_rho0 - 0.5 * std::abs(d_rho0) >= round_off) &
-             (rho1[q] + t_rho1 - 0.5 * std::abs(d_rho1) >= round_off);
+  // Half a step of pressure and velocity, and where a cell must fall back to its own state at its faces: where a face
+  // would be left without density or stiffness, and where explosive burns, for there the pressure is no function of the
+  // neighbours' energy.
+  {
+    double const lowest_density = 0.5 * s.density_floor;
+    double const lowest_pressure = 0.5 * s.pressure_floor;
+    double const* const F = a[a_burn];
+    double const* const expansion = a[a_expansion];
+    double* const p_half = a[a_p_half];
+    bool const burning = s.burning;
+    BRISANCE_VECTOR_LOOP
+    for (int q = st; q < end; ++q) {
+      double const advance_u = half_lambda * u[q];
+      double const div = half_lambda * d_u[q] + (Radial ? expansion[q] * u[q] : 0.0);
+      double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
+      double const d_rho = Two ? d_rho0[q] + d_rho1[q] : d_rho0[q];
+      double const modulus = p[q] + (p[q] + H[q]) / xi[q];
+      double const t_rho = -advance_u * d_rho - rho * div;
+      double const t_p = -advance_u * d_p[q] - modulus * div;
+      double const t_u = -advance_u * d_u[q] - half_lambda * d_p[q] * inverse[q];
+      double const drop_p = 0.5 * std::abs(d_p[q]);
+      // xi changes little over a cell, and it stands on both sides.
+      bool good = (rho + t_rho - 0.5 * std::abs(d_rho) > lowest_density) &
+                  ((p[q] + t_p - drop_p) * (xi[q] + 1.0) + H[q] > lowest_pressure * (xi[q] + 1.0));
+      if constexpr (Two) {
+        double const burnt = burning ? F[q] : 1.0;
+        double const round_off = -1e-13 * rho;
+        double const t_rho0 = -advance_u * d_rho0[q] - rho0[q] * div;
+        double const t_rho1 = -advance_u * d_rho1[q] - rho1[q] * div;
+        good = good & (burnt >= 1.0) & (rho0[q] + t_rho0 - 0.5 * std::abs(d_rho0[q]) >= round_off) &
+               (rho1[q] + t_rho1 - 0.5 * std::abs(d_rho1[q]) >= round_off);
+      }
+      double const k = good ? 1.0 : 0.0;
+      keep[q] = k;
+      squeeze[q] = div;
+      double const m_p = p[q] + k * t_p;
+      double const m_u = u[q] + k * t_u;
+      L_p[q] = m_p + 0.5 * k * d_p[q];
+      R_p[q] = m_p - 0.5 * k * d_p[q];
+      L_u[q] = m_u + 0.5 * k * d_u[q];
+      R_u[q] = m_u - 0.5 * k * d_u[q];
+      if (Radial) p_half[q] = m_p;
     }
-    double const keep = good ? 1.0 : 0.0;
-    double const half = 0.5 * keep;
+  }
+  carried_to_faces<true>(b, a, half_lambda, rho0, f_density);
+  carried_to_faces<false>(b, a, half_lambda, a[a_v], f_v);
+  carried_to_faces<false>(b, a, half_lambda, a[a_w], f_w);
 
-    double const m_rho0 = rho0[q] + keep * t_rho0;
-    double const m_u = u[q] + keep * t_u;
-    double const m_v = v[q] + keep * t_v;
-    double const m_w = w[q] + keep * t_w;
-    double const m_p = p[q] + keep * t_p;
-    L_rho0[q] = m_rho0 + half * d_rho0;
-    R_rho0[q] = m_rho0 - half * d_rho0;
-    L_u[q] = m_u + half * d_u;
-    R_u[q] = m_u - half * d_u;
-    L_v[q] = m_v + half * d_v;
-    R_v[q] = m_v - half * d_v;
-    L_w[q] = m_w + half * d_w;
-    R_w[q] = m_w - half * d_w;
-    double const pL = m_p + half * d_p;
-    double const pR = m_p - half * d_p;
-    L_p[q] = pL;
-    R_p[q] = pR;
-    if (Radial) p_half[q] = m_p;
-    if constexpr (Two) {
-      double const m_rho1 = rho1[q] + keep * t_rho1;
-      double const m_alpha = alpha[q] + keep * t_alpha;
-      double const m_B = B[q] + keep * t_B;
-      double const aL = m_alpha + half * d_alpha;
-      double const aR = m_alpha - half * d_alpha;
+  double const* const L_rho0 = a[a_left + f_density];
+  double const* const R_rho0 = a[a_right + f_density];
+  double* const L_c = a[a_left + f_c];
+  double* const R_c = a[a_right + f_c];
+  if constexpr (Two) {
+    carried_to_faces<true>(b, a, half_lambda, rho1, f_second);
+    carried_to_faces<false>(b, a, half_lambda, a[volume_fraction], f_alpha);
+    double const* const alpha = a[volume_fraction];
+    double* const L_rho1 = a[a_left + f_second];
+    double* const R_rho1 = a[a_right + f_second];
+    double* const L_alpha = a[a_left + f_alpha];
+    double* const R_alpha = a[a_right + f_alpha];
+    BRISANCE_VECTOR_LOOP
+    for (int q = st; q < end; ++q) {
+      double const k = keep[q];
+      double const m_B = B[q] + k * (-half_lambda * u[q] * d_B[q] + (H[q] - B[q]) * squeeze[q]);
+      double const xiL = xi[q] + (L_alpha[q] - alpha[q]) * xi_slope;
+      double const xiR = xi[q] + (R_alpha[q] - alpha[q]) * xi_slope;
+      L_e[q] = L_p[q] * xiL + (m_B + 0.5 * k * d_B[q]);
+      R_e[q] = R_p[q] * xiR + (m_B - 0.5 * k * d_B[q]);
       // A fluid that all but vanished is not carried on: the diffuse interface ends here.
-      L_alpha[q] = aL > vanishing_fraction ? aL : 0.0;
-      R_alpha[q] = aR > vanishing_fraction ? aR : 0.0;
-      double const rho1L = aL > vanishing_fraction ? m_rho1 + half * d_rho1 : 0.0;
-      double const rho1R = aR > vanishing_fraction ? m_rho1 - half * d_rho1 : 0.0;
-      L_rho1[q] = rho1L;
-      R_rho1[q] = rho1R;
-      double const xiL = good ? xi_high : xi[q];
-      double const xiR = good ? xi_low : xi[q];
-      L_e[q] = pL * xiL + (m_B + half * d_B);
-      R_e[q] = pR * xiR + (m_B - half * d_B);
-      L_c[q] = std::sqrt((pL * (xiL + 1.0) + H[q]) / (xiL * (L_rho0[q] + rho1L)));
-      R_c[q] = std::sqrt((pR * (xiR + 1.0) + H[q]) / (xiR * (R_rho0[q] + rho1R)));
-    } else {
-      double const cell_xi = xi[q];
-      double const m_B = B[q] + keep * (H[q] - B[q]) * squeeze;
-      L_e[q] = pL * cell_xi + m_B;
-      R_e[q] = pR * cell_xi + m_B;
-      double const r = 1.0 / cell_xi;
-      L_c[q] = std::sqrt((pL + (pL + H[q]) * r) / L_rho0[q]);
-      R_c[q] = std::sqrt((pR + (pR + H[q]) * r) / R_rho0[q]);
+      bool const presentL = L_alpha[q] > vanishing_fraction;
+      bool const presentR = R_alpha[q] > vanishing_fraction;
+      L_alpha[q] = presentL ? L_alpha[q] : 0.0;
+      R_alpha[q] = presentR ? R_alpha[q] : 0.0;
+      L_rho1[q] = presentL ? L_rho1[q] : 0.0;
+      R_rho1[q] = presentR ? R_rho1[q] : 0.0;
+      L_c[q] = std::sqrt((L_p[q] * (xiL + 1.0) + H[q]) / (xiL * (L_rho0[q] + L_rho1[q])));
+      R_c[q] = std::sqrt((R_p[q] * (xiR + 1.0) + H[q]) / (xiR * (R_rho0[q] + R_rho1[q])));
+    }
+  } else {
+    BRISANCE_VECTOR_LOOP
+    for (int q = st; q < end; ++q) {
+      double const m_B = B[q] + keep[q] * (H[q] - B[q]) * squeeze[q];
+      L_e[q] = L_p[q] * xi[q] + m_B;
+      R_e[q] = R_p[q] * xi[q] + m_B;
+      L_c[q] = std::sqrt((L_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * L_rho0[q]));
+      R_c[q] = std::sqrt((R_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * R_rho0[q]));
     }
   }
 
   if constexpr (Solid) {
     // The other side of an obstacle's face is the mirror image of the fluid in front of it.
+    double const* const solid = a[a_solid];
     for (int q = st; q < b.total - 2 * st; ++q) {
       bool const behind = solid[q + st] > 0.5;
       if ((solid[q] > 0.5) == behind) continue;
@@ -199,8 +241,10 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
         double* const left = a[a_left + f];
         double* const right = a[a_right + f];
         double const sign = f == f_u ? -1.0 : 1.0;
-        if (behind) right[q + st] = sign * left[q];
-        else left[q] = sign * right[q + st];
+        if (behind)
+          right[q + st] = sign * left[q];
+        else
+          left[q] = sign * right[q + st];
       }
     }
   }
@@ -211,8 +255,8 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
   return {rho, u, p, rho_e + 0.5 * rho * (u * u + v * v + w * w), c};
 }
 
-/// Beside an obstacle that is one cell thick both faces of the solid cell need a state of their own, so the Riemann problems read the left
-/// state from q and the right state from q + stride: they never collide.
+/// Beside an obstacle that is one cell thick both faces of the solid cell need a state of their own, so the Riemann
+/// problems read the left state from q and the right state from q + stride: they never collide.
 template <bool Two>
 void riemann(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   double const* const L_rho0 = a[a_left + f_density];
@@ -291,11 +335,15 @@ void riemann(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
 template <bool Two>
 void muscl_hancock(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   if (s.radial) {
-    if (s.solid) reconstruct<Two, true, true>(s, b, a);
-    else reconstruct<Two, true, false>(s, b, a);
+    if (s.solid)
+      reconstruct<Two, true, true>(s, b, a);
+    else
+      reconstruct<Two, true, false>(s, b, a);
   } else {
-    if (s.solid) reconstruct<Two, false, true>(s, b, a);
-    else reconstruct<Two, false, false>(s, b, a);
+    if (s.solid)
+      reconstruct<Two, false, true>(s, b, a);
+    else
+      reconstruct<Two, false, false>(s, b, a);
   }
   riemann<Two>(s, b, a);
 }

@@ -10,7 +10,7 @@ namespace brisance::material {
 struct IdealGas {
   double gamma = 1.4;  ///< ratio of specific heats
 
-  static constexpr const char* name = "ideal_gas";
+  static constexpr char const* name = "ideal_gas";
   static constexpr auto parameters() {
     return std::array{Parameter<IdealGas>{"gamma", "1", &IdealGas::gamma, 1.0001, 10.0, "ratio of specific heats"}};
   }

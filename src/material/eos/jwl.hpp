@@ -18,7 +18,7 @@ struct Jwl {
   double R2 = 0.95;
   double omega = 0.30;
 
-  static constexpr const char* name = "jwl";
+  static constexpr char const* name = "jwl";
   static constexpr auto parameters() {
     return std::array{
         Parameter<Jwl>{"rho0", "kg/m3", &Jwl::rho0, 1.0, 1e5, "density of the unreacted explosive"},
@@ -31,16 +31,18 @@ struct Jwl {
   }
 
   [[nodiscard]] double gruneisen() const { return omega; }
+  // Quotients of constants stand in brackets: they leave a loop, a division of a variable would not.
   [[nodiscard]] double reference(double rho) const {
     double const v = rho0 / rho;
-    double const x = omega * rho / rho0;  // omega / V
-    return A * (1.0 - x / R1) * exp_nonpositive(-R1 * v) + B * (1.0 - x / R2) * exp_nonpositive(-R2 * v);
+    double const x = rho * (omega / rho0);  // omega / V
+    return A * (1.0 - x * (1.0 / R1)) * exp_nonpositive(-R1 * v) +
+           B * (1.0 - x * (1.0 / R2)) * exp_nonpositive(-R2 * v);
   }
   [[nodiscard]] double rho_d_reference(double rho) const {
     double const v = rho0 / rho;
-    double const x = omega * rho / rho0;
-    return A * (R1 * v - omega - x / R1) * exp_nonpositive(-R1 * v) +
-           B * (R2 * v - omega - x / R2) * exp_nonpositive(-R2 * v);
+    double const x = rho * (omega / rho0);
+    return A * (R1 * v - omega - x * (1.0 / R1)) * exp_nonpositive(-R1 * v) +
+           B * (R2 * v - omega - x * (1.0 / R2)) * exp_nonpositive(-R2 * v);
   }
 
   /// Density [kg/m3] below which both exponentials are lost beside any pressure in double precision (below exp(-60)):

@@ -15,7 +15,7 @@ struct MieGruneisen {
   double S = 1.49;       ///< slope of the shock velocity against the particle velocity
   double Gamma = 2.17;   ///< Grueneisen coefficient
 
-  static constexpr const char* name = "mie_gruneisen";
+  static constexpr char const* name = "mie_gruneisen";
   static constexpr auto parameters() {
     return std::array{
         Parameter<MieGruneisen>{"rho0", "kg/m3", &MieGruneisen::rho0, 1.0, 1e5, "stress-free density"},
@@ -42,7 +42,8 @@ struct MieGruneisen {
   [[nodiscard]] double hugoniot(double mu) const {
     double const k = rho0 * C0 * C0;
     double const squeezed = mu > 0.0 ? mu : 0.0;
-    return k * (mu + (2.0 * S - 1.0) * squeezed * squeezed + (S - 1.0) * (3.0 * S - 1.0) * squeezed * squeezed * squeezed);
+    return k *
+           (mu + (2.0 * S - 1.0) * squeezed * squeezed + (S - 1.0) * (3.0 * S - 1.0) * squeezed * squeezed * squeezed);
   }
 };
 

@@ -11,11 +11,10 @@ struct StiffenedGas {
   double gamma = 4.4;
   double p_inf = 6.0e8;  ///< [Pa]
 
-  static constexpr const char* name = "stiffened_gas";
+  static constexpr char const* name = "stiffened_gas";
   static constexpr auto parameters() {
-    return std::array{
-        Parameter<StiffenedGas>{"gamma", "1", &StiffenedGas::gamma, 1.0001, 20.0, "exponent gamma"},
-        Parameter<StiffenedGas>{"p_inf", "Pa", &StiffenedGas::p_inf, 0.0, 1e12, "stiffening pressure"}};
+    return std::array{Parameter<StiffenedGas>{"gamma", "1", &StiffenedGas::gamma, 1.0001, 20.0, "exponent gamma"},
+                      Parameter<StiffenedGas>{"p_inf", "Pa", &StiffenedGas::p_inf, 0.0, 1e12, "stiffening pressure"}};
   }
 
   [[nodiscard]] double gruneisen() const { return gamma - 1.0; }
