@@ -32,13 +32,17 @@ void on_stop(int /*signal*/) {
 StopSignals::StopSignals(bool announce) {
   stop = false;
   announce_stop = announce;
-  for (int const signal : stopping) std::signal(signal, on_stop);
-  for (int const signal : ignored) std::signal(signal, SIG_IGN);
+  for (std::size_t n = 0; n < stopping.size(); ++n) {
+    before_[n] = std::signal(stopping[n], on_stop);
+    // nohup ignores the hang-up, and that is to last.
+    if (stopping[n] == SIGHUP && before_[n] == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+  }
+  for (std::size_t n = 0; n < ignored.size(); ++n) before_[stopping.size() + n] = std::signal(ignored[n], SIG_IGN);
 }
 
 StopSignals::~StopSignals() {
-  for (int const signal : stopping) std::signal(signal, SIG_DFL);
-  for (int const signal : ignored) std::signal(signal, SIG_DFL);
+  for (std::size_t n = 0; n < stopping.size(); ++n) std::signal(stopping[n], before_[n]);
+  for (std::size_t n = 0; n < ignored.size(); ++n) std::signal(ignored[n], before_[stopping.size() + n]);
 }
 
 std::atomic<bool> const& StopSignals::requested() { return stop; }

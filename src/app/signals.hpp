@@ -1,6 +1,7 @@
 /// Ctrl-C and its relatives: the first asks the run to stop after its step, the second ends the program at once.
 #pragma once
 
+#include <array>
 #include <atomic>
 
 namespace brisance::app {
@@ -16,6 +17,9 @@ class StopSignals {
   StopSignals& operator=(StopSignals const&) = delete;
 
   [[nodiscard]] static std::atomic<bool> const& requested();
+
+ private:
+  std::array<void (*)(int), 5> before_{};  ///< handlers to restore
 };
 
 }  // namespace brisance::app

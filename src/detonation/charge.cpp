@@ -101,9 +101,20 @@ void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive 
     grid::Block const& block = gas.grid().blocks()[b];
     int const at = block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
     double const alpha = filled.fractions[n];
-    double const rest = 1.0 - alpha;
-    gas.set_conserved(b, at, rest * around[gas::density], alpha * explosive.density(), {0.0, 0.0, 0.0},
-                      alpha * explosive.energy + rest * around[gas::energy], alpha);
+    // Charges may share a cell: each takes its part from what the ambient fluid still has.
+    double const before = gas.fields().at(b, gas::volume_fraction)[at];
+    double const rest = 1.0 - before - alpha;
+    if (rest < -1e-12) {
+      Vec3 const x = gas.grid().domain().centre(cell);
+      throw InputError(
+          fmt::format("charges overlap in the cell at ({:.6g}, {:.6g}, {:.6g}) m; move them apart", x[0], x[1], x[2]));
+    }
+    double const air = std::max(rest, 0.0);
+    double const products = gas.fields().at(b, gas::second_density)[at] + alpha * explosive.density();
+    double const chemical =
+        gas.fields().at(b, gas::energy)[at] - (1.0 - before) * around[gas::energy] + alpha * explosive.energy;
+    gas.set_conserved(b, at, air * around[gas::density], products, {0.0, 0.0, 0.0},
+                      chemical + air * around[gas::energy], before + alpha);
   }
 }
 

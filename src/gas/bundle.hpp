@@ -9,6 +9,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "core/buffer.hpp"
@@ -113,8 +114,16 @@ class Bundles {
   int per_plane_ = 1;
 };
 
-/// Copies a short run; a call of the library's copy would cost more than the copying.
+/// Copies a short run. A call of the library's copy would cost more than the copying, and so would a loop of unknown
+/// length for the eight columns that most bundles have.
 inline void copy_run(double const* from, int count, double* to) {
+  constexpr int usual = 8;
+  if (count == usual) {
+    std::array<double, usual> run;
+    for (int n = 0; n < usual; ++n) run[n] = from[n];
+    for (int n = 0; n < usual; ++n) to[n] = run[n];
+    return;
+  }
   BRISANCE_VECTOR_LOOP
   for (int n = 0; n < count; ++n) to[n] = from[n];
 }

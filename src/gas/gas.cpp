@@ -205,7 +205,7 @@ void Gas::report_not_a_number(int b, int direction) const {
   Vec3 const x = grid_->domain().centre(cell);
   throw NumericalError(fmt::format(
       "the state of the cell at ({:.6g}, {:.6g}, {:.6g}) m became not a number at t = {:.6g} s in the sweep along {}; "
-      "remedies: a smaller numerics.courant, numerics.scheme = \"muscl_hancock\", a finer or coarser domain.cell near "
+      "remedies: a smaller numerics.courant, numerics.scheme = \"muscl-hancock\", a finer or coarser domain.cell near "
       "the charge",
       x[0], x[1], x[2], time_, "xyz"[direction]));
 }

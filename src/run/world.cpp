@@ -130,20 +130,25 @@ World::World(Case c)
     std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
     double const density = charge.explosive.density();
     detonation::FilledCells const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what);
+    // What the cells really hold, not what they were meant to: read before and after.
+    auto const products = [&] {
+      double mass = 0.0;
+      for (Index3 const& cell : filled.cells) {
+        int const b = grid.block_of(cell);
+        Index3 const& o = grid.blocks()[b].origin;
+        int const at = grid.blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
+        mass += gas->fields().at(b, gas::second_density)[at] * setup.domain.cell_volume(cell[0]);
+      }
+      return mass;
+    };
+    double const before = products();
     detonation::place_charge(*gas, filled, charge.explosive, ambient);
     if (charge.detonation == Detonation::programmed) burning.push_back({charge.shape, charge.initiation});
 
     ChargeReport report;
     report.explosive = charge.explosive.name;
     report.asked_mass = charge.mass;
-    double mass = 0.0;
-    for (Index3 const& cell : filled.cells) {
-      int const b = grid.block_of(cell);
-      Index3 const& o = grid.blocks()[b].origin;
-      int const at = grid.blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
-      mass += gas->fields().at(b, gas::second_density)[at] * setup.domain.cell_volume(cell[0]);
-    }
-    report.realised_mass = mass * filled.images;
+    report.realised_mass = (products() - before) * filled.images;
     report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
     int const round = grid::dimensions(setup.domain.geometry) + grid::radial_exponent(setup.domain.geometry);
     report.cells_per_radius = equivalent_radius(report.realised_mass / density, std::min(round, 3)) / setup.domain.h;

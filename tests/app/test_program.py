@@ -265,14 +265,29 @@ class Run(Case):
     def test_report_of_nothing(self):
         self.assertIn("no run.json", self.brisance("report", ".", code=5).stderr)
 
-    def interrupted(self, number):
-        process = subprocess.Popen([PROGRAM, "run", self.deck(LONG), "--output", "out"], cwd=self.folder,
+    def started(self, *before):
+        """A long run that has put gauge records on the disk; `before` are words before the command."""
+        process = subprocess.Popen([*before, PROGRAM, "run", self.deck(LONG), "--output", "out"], cwd=self.folder,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         gauge = self.folder / "out/gauges/near.csv"
-        for _ in range(600):  # until the run has put gauge records on the disk
+        for _ in range(600):
             if gauge.exists() and gauge.stat().st_size > 1000:
-                break
+                return process, gauge
             time.sleep(0.1)
+        process.kill()
+        self.fail(process.communicate())
+
+    def test_nohup_keeps_a_run_alive(self):
+        process, _ = self.started("nohup")
+        process.send_signal(signal.SIGHUP)
+        time.sleep(0.5)
+        self.assertIsNone(process.poll())
+        process.terminate()
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 3)
+
+    def interrupted(self, number):
+        process, gauge = self.started()
         process.send_signal(number)
         text, _ = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 3, text)

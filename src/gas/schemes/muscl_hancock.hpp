@@ -1,4 +1,4 @@
-/// MUSCL-Hancock [vanLeer84] with HLLC [Toro94]: piecewise-linear primitive variables, limited, evolved half a step,
+/// MUSCL-Hancock [VanLeer84] with HLLC [Toro94]: piecewise-linear primitive variables, limited, evolved half a step,
 /// one Riemann problem per face. Second order in smooth flow, total-variation bounded at jumps.
 ///
 /// Two fluids: besides the volume fraction the closure sum B is reconstructed and evolved, dB/dt = -u dB/dx + (H - B)
@@ -18,7 +18,7 @@
 namespace brisance::gas {
 
 /// Difference over a cell from the backward and forward differences: generalised monotonised-central limiter
-/// [vanLeer77], minmod for beta = 1, the classical one for beta = 2.
+/// [VanLeer77], minmod for beta = 1, the classical one for beta = 2.
 [[nodiscard]] inline double limited(double backward, double forward, double beta) {
   double const centred = 0.5 * (backward + forward);
   double const bound = beta * std::min(std::abs(backward), std::abs(forward));

@@ -1,0 +1,106 @@
+// A 3D burst in a closed box of several blocks: the same bits for any number of threads and with or without sleeping
+// blocks, and nothing is lost.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "cases.hpp"
+#include "core/parallel.hpp"
+
+namespace brisance::run {
+namespace {
+
+Case burst(Scheme scheme, bool sleep) {
+  Case c = air_case(grid::Geometry::cartesian3d, {40, 24, 24}, 0.02, grid::Boundary::wall);
+  c.domain.boundary[2] = grid::Boundary::symmetry;
+  c.numerics.scheme = scheme;
+  c.numerics.sleep = sleep;
+  c.numerics.block_cells = 8;
+  Charge charge = tnt_charge(detonation::Sphere{{0.19, 0.0, 0.21}, 0.053}, c.domain.geometry);
+  charge.initiation = {{{0.17, 0.0, 0.21}, 0.0}, {{0.22, 0.01, 0.2}, 3e-6}};
+  c.charges = {charge};
+  c.obstacles = {{"block", detonation::Box{{0.44, 0.0, 0.0}, {0.56, 0.2, 0.3}}}};
+  c.gauges = {{"near", {0.3, 0.1, 0.2}}, {"top", {0.5, 0.11, 0.31}}, {"far", {0.77, 0.4, 0.4}}};
+  return c;
+}
+
+struct Outcome {
+  std::vector<double> fields;  ///< all components of all blocks, then the peak fields
+  std::vector<double> gauges;
+  std::array<double, 3> audit_error{};
+  long fewest_active = 0;
+  long cells = 0;
+  long steps = 0;
+};
+
+Outcome run_burst(Scheme scheme, bool sleep, int thread_count) {
+  set_threads(thread_count);
+  World world(burst(scheme, sleep));
+  Outcome out;
+  out.cells = world.setup.domain.cell_count();
+  out.fewest_active = out.cells;
+  world.sample_gauges();
+  while (world.clock.step < 120) {
+    advance(world, 1.0);
+    world.sample_gauges();
+    out.fewest_active = std::min(out.fewest_active, world.active_cells());
+  }
+  out.steps = world.clock.step;
+  for (int b = 0; b < world.grid.block_count(); ++b) {
+    int const count = world.grid.blocks()[b].cell_count();
+    for (int component = 0; component < world.gas->components(); ++component) {
+      double const* values = world.gas->fields().at(b, component);
+      out.fields.insert(out.fields.end(), values, values + count);
+    }
+    std::vector<double> peak;
+    for (char const* name : {"peak_overpressure", "impulse"}) {
+      block_field(world, b, name, peak);
+      out.fields.insert(out.fields.end(), peak.begin(), peak.end());
+    }
+  }
+  for (GaugeHistory const& gauge : world.gauges) {
+    for (GaugeRecord const& r : gauge.records) {
+      out.gauges.insert(out.gauges.end(), {r.time, r.pressure, r.density, r.velocity[0], r.velocity[1], r.velocity[2]});
+    }
+  }
+  world.update_audit();
+  out.audit_error = world.audit.relative_error();
+  set_threads(0);
+  return out;
+}
+
+bool same_bits(std::vector<double> const& a, std::vector<double> const& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+class Burst3d : public testing::TestWithParam<Scheme> {};
+
+TEST_P(Burst3d, GivesTheSameBitsForAnyNumberOfThreadsAndWithSleepOnAndOff) {
+  Outcome const reference = run_burst(GetParam(), true, 1);
+  EXPECT_LT(reference.fewest_active, reference.cells) << "no block ever slept: the comparison would prove nothing";
+  EXPECT_GT(*std::max_element(reference.gauges.begin(), reference.gauges.end()), 1e6) << "the wave met no gauge";
+  for (int count : {2, 4}) {
+    Outcome const other = run_burst(GetParam(), true, count);
+    EXPECT_TRUE(same_bits(reference.gauges, other.gauges)) << count << " threads";
+    EXPECT_TRUE(same_bits(reference.fields, other.fields)) << count << " threads";
+  }
+  Outcome const awake = run_burst(GetParam(), false, 4);
+  EXPECT_EQ(awake.fewest_active, awake.cells);
+  EXPECT_TRUE(same_bits(reference.gauges, awake.gauges)) << "sleep off";
+  EXPECT_TRUE(same_bits(reference.fields, awake.fields)) << "sleep off";
+}
+
+TEST_P(Burst3d, LosesNothingInAClosedBox) {
+  Outcome const out = run_burst(GetParam(), true, 1);
+  EXPECT_GT(out.steps, 100);
+  for (double error : out.audit_error) EXPECT_LT(error, 1e-12);
+}
+
+std::string scheme_name(testing::TestParamInfo<Scheme> const& info) {
+  return info.param == Scheme::muscl_hancock ? "MusclHancock" : "LaxWendroff";
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, Burst3d, testing::Values(Scheme::muscl_hancock, Scheme::lax_wendroff), scheme_name);
+
+}  // namespace
+}  // namespace brisance::run
