@@ -87,9 +87,10 @@ inline void add_burning_fluid(E const& eos, double alpha, double rho, double F, 
   return m;
 }
 
-/// The same for rows of cells: adds one fluid to xi, B, H of n cells. `F` is null where everything is burnt.
+/// The same for rows of cells: adds one fluid to xi, B, H of n cells. `F` is null where everything is burnt. The model
+/// comes by value: its constants then stay in registers, for no store to the rows can change them.
 template <class E>
-void add_fluid_row(E const& eos, int n, double const* alpha, bool complement, double const* partial, double const* F,
+void add_fluid_row(E const eos, int n, double const* alpha, bool complement, double const* partial, double const* F,
                    double p0, double* xi, double* B, double* H) {
   if constexpr (requires { eos.negligible_below(); }) {
     // Where the fluid is thin everywhere its reference curve vanishes in double precision and the fluid is an ideal

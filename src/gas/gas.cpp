@@ -231,8 +231,8 @@ void Gas::advance(double dt, bool reverse) {
     context.dt = dt;
     context.h = grid_->domain().h;
     context.beta = options_.beta;
-    context.density_floor = options_.density_floor;
-    context.pressure_floor = options_.pressure_floor;
+    context.floors.density = options_.density_floor;
+    context.floors.pressure = options_.pressure_floor;
     context.viscosity = options_.viscosity;
     context.shock_sensor = options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && dims > 1;
     context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;

@@ -51,15 +51,20 @@ inline constexpr int f_c = 6;
 inline constexpr int f_second = 7;
 inline constexpr int f_alpha = 8;
 
+/// Where the guards begin.
+struct Floors {
+  double density = 1e-6;   ///< [kg/m3]
+  double pressure = 1e-3;  ///< [Pa]
+};
+
 /// Constants of one sweep.
 struct SweepContext {
   Fluids const* fluids = nullptr;
   int direction = 0;
   double dt = 0.0;
   double h = 1.0;
-  double beta = 1.5;            ///< limiter
-  double density_floor = 1e-6;  ///< guards
-  double pressure_floor = 1e-3;
+  double beta = 1.5;  ///< limiter
+  Floors floors;
   double viscosity = 0.0;  ///< lax-wendroff eta; 0: [Cui14] Eq. (5)
   bool shock_sensor = false;
   bool two = false;  ///< kernels for two fluids

@@ -24,7 +24,7 @@ inline void closure_row(SweepContext const& s, int n, double const* rho0, double
 /// Closure sums where the ambient fluid is alone.
 inline void closure_row_single(SweepContext const& s, int n, double const* rho, double* xi, double* B, double* H) {
   std::visit(
-      [&](auto const& eos) {
+      [=](auto const eos) {
         double const x = 1.0 / eos.gruneisen();
         BRISANCE_VECTOR_LOOP
         for (int q = 0; q < n; ++q) {
@@ -46,12 +46,13 @@ inline bool is_own(BundleLayout const& b, int q) {
 
 /// Is the cell above the floors of density and of stiffness, xi rho c^2 = p (xi + 1) + H? False for anything that is no
 /// number.
-[[nodiscard]] inline bool is_sound(SweepContext const& s, double rho, double p, double xi, double H) {
-  return (rho >= s.density_floor * 0.999999) & (p * (xi + 1.0) + H >= 0.999999 * s.pressure_floor * (xi + 1.0));
+[[nodiscard]] inline bool is_sound(Floors const floors, double rho, double p, double xi, double H) {
+  return (rho >= 0.999999 * floors.density) & (p * (xi + 1.0) + H >= 0.999999 * floors.pressure * (xi + 1.0));
 }
 
 /// Lifts one cell to the floors.
 inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
+  Floors const floors = s.floors;
   Lift lift{q};
   double rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
   double const E = a[energy][q];
@@ -60,10 +61,10 @@ inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
   double const mz = a[momentum_z][q];
   lift.finite = std::isfinite(rho + E + mx + my + mz);
   if (!lift.finite) return lift;
-  if (rho < s.density_floor) {
-    lift.mass = s.density_floor - rho;
+  if (rho < floors.density) {
+    lift.mass = floors.density - rho;
     a[density][q] += lift.mass;
-    rho = s.density_floor;
+    rho = floors.density;
   }
   double const xi = a[a_xi][q];
   double const B = a[a_B][q];
@@ -71,8 +72,8 @@ inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
   double const kinetic = 0.5 * (mx * mx + my * my + mz * mz) / rho;
   double const p = (E - kinetic - B) / xi;
   lift.finite = std::isfinite(p);
-  if (lift.finite && !is_sound(s, rho, p, xi, H)) {
-    double const lifted = (s.pressure_floor - H / (xi + 1.0)) * xi + B + kinetic;
+  if (lift.finite && !is_sound(floors, rho, p, xi, H)) {
+    double const lifted = (floors.pressure - H / (xi + 1.0)) * xi + B + kinetic;
     lift.energy = lifted - E;
     a[energy][q] = lifted;
   }
@@ -83,9 +84,10 @@ inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
 /// called.
 inline void lift_cells(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int begin, int n,
                        GuardCount& guards) {
+  Floors const floors = s.floors;
   for (int q = begin; q < begin + n; ++q) {
     double const rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
-    if (is_sound(s, rho, a[a_p][q], a[a_xi][q], a[a_H][q])) continue;
+    if (is_sound(floors, rho, a[a_p][q], a[a_xi][q], a[a_H][q])) continue;
     Lift const lift = lift_cell(s, a, q);
     if (is_own(b, q)) guards.lifts.push_back(lift);
   }
@@ -94,6 +96,7 @@ inline void lift_cells(SweepContext const& s, BundleLayout const& b, BundleArray
 template <bool Two>
 void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   int const n = b.total;
+  Floors const floors = s.floors;
   double* const rho0 = a[density];
   double* const rho1 = a[second_density];
   double* const alpha = a[volume_fraction];
@@ -128,7 +131,7 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
       w[q] = mw[q] * r;
       double const rho_e = E[q] - 0.5 * (mu[q] * u[q] + mv[q] * v[q] + mw[q] * w[q]);
       p[q] = (rho_e - B[q]) / xi[q];
-      unsound += is_sound(s, rho, p[q], xi[q], H[q]) ? 0 : 1;
+      unsound += is_sound(floors, rho, p[q], xi[q], H[q]) ? 0 : 1;
     }
     if (unsound == 0 || lifted) break;
     lift_cells(s, b, a, 0, n, guards);
@@ -172,6 +175,7 @@ double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, in
   } else {
     closure_row_single(s, n, rho0, xi, B, H);
   }
+  Floors const floors = s.floors;
   double const use_y = dimensions > 1 ? 1.0 : 0.0;
   double const use_z = dimensions > 2 ? 1.0 : 0.0;
   for (bool lifted = false;; lifted = true) {
@@ -187,7 +191,7 @@ double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, in
       double const y = use_y * std::abs(my[q]);
       double const z = use_z * std::abs(mz[q]);
       signal[q] = std::max(x, std::max(y, z)) * inverse + c;
-      unsound += is_sound(s, rho, p[q], xi[q], H[q]) ? 0 : 1;
+      unsound += is_sound(floors, rho, p[q], xi[q], H[q]) ? 0 : 1;
     }
     if (unsound == 0 || lifted) break;
     lift_cells(s, b, a, begin, n, guards);

@@ -116,7 +116,7 @@ void set_up_sedov(Problem& problem, int n, double source) {
 TEST(Sedov, FrontIsWhereItShouldBe) {
   constexpr int n = 128;
   Problem problem;
-  set_up_sedov(problem, n, 4.0);
+  set_up_sedov(problem, n, 8.0);
   problem.run_to(1.0);
   std::printf("Sedov, 128^3: %ld steps\n", problem.steps);
   // The front: where the density coming from outside passes half of its jump from 1 to 6.

@@ -161,7 +161,7 @@ void lax_wendroff_faces(SweepContext const& s, BundleLayout const& b, BundleArra
     double* const uh = a[a_half_u];
     double* const ph = a[a_half_p];
     double* const face_speed = a[a_face_speed];
-    double const least = 0.5 * s.density_floor;
+    double const least = 0.5 * s.floors.density;
     long fallbacks = 0;
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < n - 2 * st; ++q) {

@@ -146,8 +146,8 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
   // would be left without density or stiffness, and where explosive burns, for there the pressure is no function of the
   // neighbours' energy.
   {
-    double const lowest_density = 0.5 * s.density_floor;
-    double const lowest_pressure = 0.5 * s.pressure_floor;
+    double const lowest_density = 0.5 * s.floors.density;
+    double const lowest_pressure = 0.5 * s.floors.pressure;
     double const* const F = a[a_burn];
     double const* const expansion = a[a_expansion];
     double* const p_half = a[a_p_half];
