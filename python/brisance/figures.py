@@ -104,7 +104,9 @@ def history_panel(panel, gauge, history):
     panel.set_xlim(time[0], time[-1])
     title = gauge["name"]
     if gauge["distance"] is not None:
-        title += f"   R = {gauge['distance']:.4g} m,  Z = {gauge['scaled_distance']:.3g} m/kg$^{{1/3}}$"
+        title += f"   R = {gauge['distance']:.4g} m"
+    if gauge["scaled_distance"] is not None:
+        title += f",  Z = {gauge['scaled_distance']:.3g} m/kg$^{{1/3}}$"
     panel.set_title(title)
 
     impulse = panel.twinx()

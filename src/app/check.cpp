@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "app/driver.hpp"
 #include "app/text.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -26,7 +25,6 @@ constexpr double program_bytes = 50e6;          // code, libraries, work arrays 
 constexpr double largest_dump_cache = 268.5e6;  // chunk cache of the field writer
 constexpr double bytes_per_record = 100.0;      // one line of a gauge file
 constexpr double coarse_charge = 5.0;           // cells per charge radius below which the near field is poorly resolved
-constexpr double very_coarse_charge = 3.0;      // below this the deck reader has already warned
 
 double machine_memory() {
   double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
@@ -167,13 +165,13 @@ Plan plan(run::Case const& setup) {
     std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
     p.charges.push_back(realised(charge, grid, what));
     double const resolution = p.charges.back().cells_per_radius;
-    if (resolution < coarse_charge && resolution >= very_coarse_charge) {
+    if (resolution < coarse_charge) {
       p.warnings.push_back(fmt::format(
           "{} has only {:.2g} cells per radius: the near field will be coarse; a cell of {} would give {:g}", what,
           resolution, quantity(setup.domain.h * resolution / coarse_charge, "m", 2), coarse_charge));
     }
   }
-  p.dumps = static_cast<long>(dump_times(setup.output, setup.end.time).size());
+  p.dumps = static_cast<long>(output::dump_times(setup.output, setup.end.time).size());
   p.dump_bytes =
       output::FieldSeries::bytes_per_dump(setup.domain, output::dumped_fields(setup), setup.output.single_precision);
   double const records =

@@ -203,8 +203,13 @@ ExitCode kb(KbArguments const& arguments) {
   setup.burst = arguments.burst == "spherical" ? run::Burst::spherical : run::Burst::hemispherical;
   double const distance = si_quantity("--distance", arguments.distance, "m");
   auto const blast = output::empirical_blast(setup, distance);
-  double const by_pressure = charge.mass * explosive->tnt_equivalent_pressure;
-  double const by_impulse = charge.mass * explosive->tnt_equivalent_impulse;
+  auto const tnt_mass = [&charge](std::optional<double> equivalent) -> std::optional<double> {
+    if (!equivalent) return std::nullopt;
+    return charge.mass * *equivalent;
+  };
+  auto const by_pressure = tnt_mass(explosive->tnt_equivalent_pressure);
+  auto const by_impulse = tnt_mass(explosive->tnt_equivalent_impulse);
+  auto const scaled_distance = by_pressure ? std::optional(blast.scaled_distance) : std::nullopt;
 
   if (arguments.json) {
     nlohmann::json quantities = nlohmann::json::object();
@@ -213,28 +218,31 @@ ExitCode kb(KbArguments const& arguments) {
     }
     nlohmann::json const answer{{"explosive", explosive->name},
                                 {"mass", charge.mass},
-                                {"tnt_mass_for_pressure", by_pressure},
-                                {"tnt_mass_for_impulse", by_impulse},
+                                {"tnt_mass_for_pressure", output::json_or_null(by_pressure)},
+                                {"tnt_mass_for_impulse", output::json_or_null(by_impulse)},
                                 {"distance", distance},
                                 {"burst", arguments.burst},
-                                {"scaled_distance", blast.scaled_distance},
+                                {"scaled_distance", output::json_or_null(scaled_distance)},
                                 {"quantities", quantities}};
     print(stdout, "{}\n", answer.dump(2));
     return ExitCode::done;
   }
 
-  print(stdout, "{:g} kg of {}, {} burst, {:g} m: Z = {:.4g} m/kg^(1/3)\n", charge.mass, explosive->name,
-        arguments.burst, distance, blast.scaled_distance);
+  print(stdout, "{:g} kg of {}, {} burst, {:g} m{}\n", charge.mass, explosive->name, arguments.burst, distance,
+        scaled_distance ? fmt::format(": Z = {:.4g} m/kg^(1/3)", *scaled_distance) : "");
   if (explosive->name != "TNT") {
-    bool const unknown = explosive->tnt_equivalent_pressure == 1.0 && explosive->tnt_equivalent_impulse == 1.0;
-    print(stdout, "TNT equivalent: {:g} kg for pressures, {:g} kg for impulses and times{}\n", by_pressure, by_impulse,
-          unknown ? " (none on record: counted as TNT)" : "");
+    auto const mass_text = [](std::optional<double> mass) { return mass ? fmt::format("{:g} kg", *mass) : "unknown"; };
+    print(stdout, "TNT equivalent: {} for pressures, {} for impulses and times\n", mass_text(by_pressure),
+          mass_text(by_impulse));
   }
   print(stdout, "\n");
   auto const burst = arguments.burst == "spherical" ? empirical::Burst::spherical : empirical::Burst::hemispherical;
   for (auto const& field : empirical::blast_fields) {
     auto const value = blast.*field.value;
-    if (value) {
+    bool const of_impulse = field.scaling == empirical::Scaling::impulse || field.scaling == empirical::Scaling::time;
+    if (of_impulse ? !by_impulse : !by_pressure) {
+      print(stdout, "{:<24} {:>10} (the TNT equivalent is unknown)\n", field.label, "-");
+    } else if (value) {
       print(stdout, "{:<24} {:>10.4g} {}\n", field.label, *value * field.display_factor, field.display_unit);
     } else {
       auto const range = empirical::validity(field, burst);

@@ -14,14 +14,16 @@ namespace brisance::app {
 
 namespace {
 
-/// Gauge histories reach the disk at least this often, so that a killed run loses little.
+/// Gauge histories reach the disk this often, so that a killed run loses little; less often where that would take more
+/// than a twentieth of the time.
 constexpr std::chrono::seconds append_interval{2};
+constexpr int append_share = 20;
 
 /// The loop's bookkeeping of what has been written when.
 class Recorder {
  public:
   Recorder(run::World& world, output::Writer& writer)
-      : world_(&world), writer_(&writer), dump_times_(dump_times(world.setup.output, world.setup.end.time)) {}
+      : world_(&world), writer_(&writer), dump_times_(output::dump_times(world.setup.output, world.setup.end.time)) {}
 
   /// The time that the next step may not pass [s].
   [[nodiscard]] double next_dump() const {
@@ -34,7 +36,7 @@ class Recorder {
       while (next_dump_ < dump_times_.size() && dump_times_[next_dump_] <= world_->clock.time) ++next_dump_;
       dump();
     }
-    if (std::chrono::steady_clock::now() - appended_ >= append_interval) append();
+    if (std::chrono::steady_clock::now() >= next_append_) append();
   }
 
   /// Whatever of the present state has not been recorded yet.
@@ -60,8 +62,10 @@ class Recorder {
 
   void append() {
     PhaseTimer const timer(world_->timings["output"]);
+    auto const begin = std::chrono::steady_clock::now();
     writer_->append_gauges(*world_);
-    appended_ = std::chrono::steady_clock::now();
+    auto const end = std::chrono::steady_clock::now();
+    next_append_ = end + std::max<std::chrono::steady_clock::duration>(append_interval, append_share * (end - begin));
   }
 
   run::World* world_;
@@ -71,7 +75,7 @@ class Recorder {
   double next_gauge_ = 0.0;
   long dumped_step_ = -1;
   long sampled_step_ = -1;
-  std::chrono::steady_clock::time_point appended_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point next_append_ = std::chrono::steady_clock::now() + append_interval;
 };
 
 std::string place_in_run(run::World const& world) {
@@ -87,24 +91,6 @@ Ending ending_of(run::World const& world) {
 }
 
 }  // namespace
-
-std::vector<double> dump_times(run::Output const& output, double end_time) {
-  std::vector<double> times{0.0, end_time};
-  if (output.field_interval > 0.0) {
-    for (long n = 1; static_cast<double>(n) * output.field_interval < end_time; ++n) {
-      times.push_back(static_cast<double>(n) * output.field_interval);
-    }
-  }
-  for (double const t : output.field_times) {
-    if (t <= end_time) times.push_back(t);
-  }
-  std::sort(times.begin(), times.end());
-  double const slack = 1e-9 * end_time;
-  times.erase(std::unique(times.begin(), times.end(), [slack](double a, double b) { return b - a <= slack; }),
-              times.end());
-  times.back() = end_time;
-  return times;
-}
 
 Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const& stop,
              std::function<void(run::World const&)> const& after_step) {

@@ -4,17 +4,12 @@
 #include <atomic>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "core/error.hpp"
 #include "output/writer.hpp"
 #include "run/world.hpp"
 
 namespace brisance::app {
-
-/// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end.
-/// Times closer than 1e-9 of the end time are one.
-[[nodiscard]] std::vector<double> dump_times(run::Output const& output, double end_time);
 
 /// How a run ended.
 struct Ending {

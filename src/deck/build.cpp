@@ -1,13 +1,11 @@
 /// From checked values to a case: what the values of a deck mean together.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
-#include <numbers>
 #include <set>
-#include <sstream>
 
 #include "core/error.hpp"
 #include "core/parameter.hpp"
@@ -25,7 +23,6 @@ using grid::Geometry;
 
 constexpr double most_cells = 2147483648.0;  ///< 2^31
 constexpr double fewest_cells = 4.0;         ///< per direction: the stencil of the schemes
-constexpr double bytes_per_cell = 300.0;     ///< two-fluid state, its copy, peaks: what a run holds per cell, about
 constexpr double most_gauges = 1e5;
 constexpr std::size_t most_charges = 100;
 constexpr std::size_t most_obstacles = 1000;
@@ -34,7 +31,6 @@ constexpr double most_records = 1e7;        ///< per gauge
 constexpr double mass_tolerance = 1e-3;     ///< within which a given mass and a given size agree
 constexpr double cell_tolerance = 1e-6;     ///< relative, of an extent to a whole number of cells
 constexpr double gas_temperature = 288.15;  ///< at which a gas has the density of its table [K]
-constexpr double few_cells = 3.0;           ///< below this a charge radius is called coarse
 constexpr char const* directions = "xyz";
 constexpr std::array<char const*, 6> faces{"x_low", "x_high", "y_low", "y_high", "z_low", "z_high"};
 
@@ -241,16 +237,6 @@ class Builder {
                         section->shown("cell"), count, most_cells, coarser));
       return;
     }
-    double const memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    if (memory > 0.0 && count * bytes_per_cell > memory) {
-      error(*section, "cell",
-            fmt::format("{} gives {:.4g} cells, which need about {:.3g} GiB; this machine has {:.3g} GiB: choose a "
-                        "cell above {:.3g} m "
-                        "or a smaller domain",
-                        section->shown("cell"), count, count * bytes_per_cell / 1073741824.0, memory / 1073741824.0,
-                        *h * std::pow(count * bytes_per_cell / memory, 1.0 / dims())));
-      return;
-    }
     domain_known_ = true;
   }
 
@@ -398,7 +384,7 @@ class Builder {
   }
 
   void unknown_material(Section const& section, std::string_view key, std::string const& name, char const* kind,
-                        std::vector<std::string> names) {
+                        std::vector<std::string> const& names) {
     if (wrong_materials_.contains(name)) return;  // reported where it is defined
     error(section, key,
           fmt::format("{} is not a known {}; {}", section.given(key) ? section.shown(key) : fmt::format("\"{}\"", name),
@@ -850,7 +836,6 @@ class Builder {
     charge.shape = *body;
     if (domain_known_ && boundaries_known_ && !inside_domain(section, *body)) return;
     placed.emplace_back(&section, *body);
-    coarse(section, volume);
     if (!initiation(section, *body, charge)) return;
     out_.charges.push_back(std::move(charge));
   }
@@ -920,24 +905,6 @@ class Builder {
     }
     // Wholly outside, without crossing: a body beyond the far side was caught above, so nothing is left to check.
     return true;
-  }
-
-  void coarse(Section const& section, double volume) {
-    if (!domain_known_) return;
-    int const m = grid::radial_exponent(geometry());
-    double const pi = std::numbers::pi;
-    int const solid = geometry() == Geometry::cartesian3d || geometry() == Geometry::axisymmetric2d ? 3 : dims() + m;
-    double const radius = solid == 3   ? std::cbrt(volume / (4.0 / 3.0 * pi))
-                          : solid == 2 ? std::sqrt(volume / pi)
-                                       : 0.5 * volume;
-    double const cells = radius / out_.domain.h;
-    if (cells >= few_cells) return;
-    report_.warning(
-        section.place, section.path,
-        fmt::format(
-            "the charge has only {:.2g} cells per (equivalent) radius of {:.4g} m: expect a weak near field; {:.2g} m "
-            "cells give {:g}",
-            cells, radius, radius / few_cells, few_cells));
   }
 
   bool initiation(Section const& section, detonation::Shape const& body, run::Charge& charge) {
@@ -1328,10 +1295,14 @@ Result read_text(std::string_view text, std::string_view name) {
 
 Result read_file(std::string const& path) {
   std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (file) text << file.rdbuf();
-  if (!file) throw IoError(fmt::format("the deck \"{}\" cannot be read", path));
-  return read_text(text.str(), path);
+  std::string text;
+  std::array<char, 65536> part{};
+  while (file.read(part.data(), part.size()), file.gcount() > 0) {
+    text.append(part.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  // A folder opens, but does not read.
+  if (!file.is_open() || file.bad()) throw IoError(fmt::format("the deck \"{}\" cannot be read", path));
+  return read_text(text, path);
 }
 
 }  // namespace brisance::deck

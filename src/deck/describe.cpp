@@ -56,6 +56,10 @@ std::string words_line(char const* title, std::string_view table, std::string_vi
   return fmt::format("{:<12} {}\n", title, fmt::join(t.find(key)->choices, ", "));
 }
 
+std::string equivalent_text(std::optional<double> equivalent) {
+  return equivalent ? fmt::format("{:.3g}", *equivalent) : "-";
+}
+
 }  // namespace
 
 std::string describe_library() {
@@ -63,11 +67,10 @@ std::string describe_library() {
       "Explosives          density  detonation   CJ pressure  energy   TNT equivalent\n"
       "                    kg/m3    speed m/s    GPa          MJ/kg    pressure  impulse\n";
   for (auto const& [e, aliases] : library().explosives) {
-    out += fmt::format("  {:<18}{:<9.4g}{:<13.4g}{:<13.4g}{:<9.3g}{:<10.3g}{:.3g}\n", e.name, e.density(),
-                       e.detonation_speed, e.cj_pressure / 1e9, e.specific_energy() / 1e6, e.tnt_equivalent_pressure,
-                       e.tnt_equivalent_impulse);
+    out += fmt::format("  {:<18}{:<9.4g}{:<13.4g}{:<13.4g}{:<9.3g}{:<10}{}\n", e.name, e.density(), e.detonation_speed,
+                       e.cj_pressure / 1e9, e.specific_energy() / 1e6, equivalent_text(e.tnt_equivalent_pressure),
+                       equivalent_text(e.tnt_equivalent_impulse));
   }
-  out += "  (An explosive other than TNT with an equivalent of 1 has none on record.)\n";
   out +=
       "\nFluids              density  pressure     equation\n"
       "                    kg/m3    kPa          of state\n";
@@ -86,8 +89,14 @@ std::string describe_material(std::string const& name) {
     out += value_line("detonation_speed", e->detonation_speed, "m/s", "Chapman-Jouguet detonation speed D");
     out += value_line("cj_pressure", e->cj_pressure, "Pa", "Chapman-Jouguet pressure");
     out += value_line("", e->specific_energy(), "J/kg", "energy per mass");
-    out += value_line("tnt_equivalent", e->tnt_equivalent_pressure, "1", "mass of TNT with the same peak overpressure");
-    return out + value_line("", e->tnt_equivalent_impulse, "1", "mass of TNT with the same impulse");
+    if (e->tnt_equivalent_pressure) {
+      out +=
+          value_line("tnt_equivalent", *e->tnt_equivalent_pressure, "1", "mass of TNT with the same peak overpressure");
+    }
+    if (e->tnt_equivalent_impulse) {
+      out += value_line("tnt_equivalent", *e->tnt_equivalent_impulse, "1", "mass of TNT with the same impulse");
+    }
+    return out;
   }
   if (auto const* f = all.fluid(name)) {
     std::string out = head(f->name, "fluid", aliases_of(all.fluids, f->name), f->source);

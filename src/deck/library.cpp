@@ -38,6 +38,7 @@ Material const* find(std::vector<Named<Material>> const& all, std::string_view n
 template <class Material>
 std::vector<std::string> names_of(std::vector<Named<Material>> const& all) {
   std::vector<std::string> names;
+  names.reserve(all.size());
   for (auto const& entry : all) names.push_back(entry.material.name);
   return names;
 }
@@ -69,7 +70,7 @@ bool fill_if(std::string const& word, material::Eos& eos, Section const& section
 void check(Report const& report, EmbeddedFile const& file) {
   if (!report.failed()) return;
   std::string message = fmt::format("the material file {} of this build is wrong", file.name);
-  for (auto const& error : report.errors()) message += "\n" + format(error);
+  for (auto const& error : report.errors()) message += fmt::format("\n{}", format(error));
   throw InputError(message);
 }
 
@@ -126,14 +127,13 @@ std::optional<material::Explosive> build_explosive(Section const& section, std::
   out.detonation_speed = *speed;
   out.cj_pressure = *pressure;
   if (section.broken("tnt_equivalent")) return std::nullopt;
+  if (name == "TNT") out.tnt_equivalent_pressure = out.tnt_equivalent_impulse = 1.0;
   if (auto const* equivalent = section.section("tnt_equivalent")) {
-    auto const by_pressure = equivalent->number("pressure");
-    auto const by_impulse = equivalent->number("impulse");
-    if (!by_pressure || !by_impulse) return std::nullopt;
-    out.tnt_equivalent_pressure = *by_pressure;
-    out.tnt_equivalent_impulse = *by_impulse;
+    if (equivalent->broken("pressure") || equivalent->broken("impulse")) return std::nullopt;
+    if (auto const by_pressure = equivalent->number("pressure")) out.tnt_equivalent_pressure = by_pressure;
+    if (auto const by_impulse = equivalent->number("impulse")) out.tnt_equivalent_impulse = by_impulse;
     auto const source = equivalent->text("source").value_or("");
-    if (!source.empty()) out.source += "; TNT equivalent: " + source;
+    if (!source.empty()) out.source += fmt::format("; TNT equivalent: {}", source);
   }
   return out;
 }

@@ -116,7 +116,7 @@ std::string reference_manual() {
   for (auto const& key : deck.keys) {
     if (key.table == nullptr) plain.push_back(key);
   }
-  out += "\n## Keys at the top of the deck\n\n" + rows(plain);
+  out += fmt::format("\n## Keys at the top of the deck\n\n{}", rows(plain));
   for (auto const& key : deck.keys) {
     if (key.table == nullptr) continue;
     std::string heading = fmt::format("[{}]", key.name);

@@ -357,7 +357,7 @@ class Walker {
         break;
       case Type::names:
         read_list<std::string>(out, key, node, path, [&](toml::node const& e, Place at) {
-          auto const text = e.value<std::string>();
+          auto text = e.value<std::string>();
           if (!text) wrong_type(key, e, path, at);
           return text;
         });

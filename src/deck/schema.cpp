@@ -402,8 +402,8 @@ Table const& compare_table() {
 Table const& tnt_equivalent_table() {
   static Table const table{
       "Mass of TNT with the same effect per mass of the explosive.",
-      {number("pressure", "1", 0.01, 100.0).of(1.0).like("1.37").means("For peak overpressure"),
-       number("impulse", "1", 0.01, 100.0).of(1.0).like("1.19").means("For impulse"),
+      {number("pressure", "1", 0.01, 100.0).note("unknown").like("1.37").means("For peak overpressure"),
+       number("impulse", "1", 0.01, 100.0).note("unknown").like("1.19").means("For impulse and times"),
        typed(Type::text, "source").of("").like("\"TM 5-855-1\"").means("Source of the two numbers")},
       {},
       {}};
@@ -423,9 +423,11 @@ std::vector<Key> explosive_keys() {
       number("detonation_speed", "m/s", 100.0, 2e4).required().like("6930").means("Chapman-Jouguet detonation speed D"),
       number("cj_pressure", "Pa", 1e6, 1e12).required().like("\"21 GPa\"").means("Chapman-Jouguet pressure"),
       nested(Type::table, "tnt_equivalent", tnt_equivalent_table())
-          .note("1")
+          .note("unknown")
           .like("{pressure = 1.37, impulse = 1.19}")
-          .means("TNT equivalents, used for the Kingery-Bulmash comparison")};
+          .means(
+              "TNT equivalents for the Kingery-Bulmash comparison, which leaves out what an unknown one decides; those "
+              "of TNT are 1")};
 }
 
 std::vector<Key> fluid_keys() {
@@ -584,8 +586,7 @@ std::string range_text(Key const& key) {
 }
 
 std::string expectation(Key const& key) {
-  std::string const quantity =
-      key.unit == "1" ? "a number" : fmt::format("{} in {}", units::dimension(key.unit), key.unit);
+  std::string quantity = key.unit == "1" ? "a number" : fmt::format("{} in {}", units::dimension(key.unit), key.unit);
   switch (key.type) {
     case Type::number: return quantity;
     case Type::integer: return "a whole number";
@@ -593,11 +594,11 @@ std::string expectation(Key const& key) {
     case Type::text: return "a string";
     case Type::name: return "a name of letters, digits and . _ - +";
     case Type::word: return quoted_list(key.choices);
-    case Type::words: return "a list of words out of " + quoted_list(key.choices);
+    case Type::words: return fmt::format("a list of words out of {}", quoted_list(key.choices));
     case Type::names: return "a list of strings";
-    case Type::numbers: return "a list, each element " + quantity;
+    case Type::numbers: return fmt::format("a list, each element {}", quantity);
     case Type::integers: return "a list of whole numbers";
-    case Type::point: return "a list with one element per resolved direction, each " + quantity;
+    case Type::point: return fmt::format("a list with one element per resolved direction, each {}", quantity);
     case Type::table: return "a table";
     case Type::tables: return "an array of tables";
     case Type::named: return "a table of named tables";

@@ -115,9 +115,7 @@ class DumpFile {
     ssize_t const size = check(H5Fget_file_image(file_, nullptr, 0));
     void* image = nullptr;
     check(H5Fget_vfd_handle(file_, H5P_DEFAULT, &image));
-    AppendedFile out(path);
-    out.append({*static_cast<char const* const*>(image), std::size_t(size)});
-    out.close();
+    write_file(path, {*static_cast<char const* const*>(image), std::size_t(size)});
   }
 
  private:

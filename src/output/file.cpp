@@ -4,13 +4,27 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <memory>
 
 #include "core/error.hpp"
 
 namespace brisance::output {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+void write(fs::path const& path, std::string_view text, char const* mode, std::string_view what) {
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), mode), &std::fclose);
+  if (!file) throw_io_error(what, path, errno);
+  if (std::fwrite(text.data(), 1, text.size(), file.get()) != text.size()) throw_io_error("write", path, errno);
+  // The last of the text goes out now, and some file systems report a failed write only now.
+  if (std::fclose(file.release()) != 0) throw_io_error("write", path, errno);
+}
+
+}  // namespace
 
 void throw_io_error(std::string_view what, fs::path const& path, int error_number) {
   throw IoError(fmt::format("cannot {} \"{}\": {}", what, path.string(), std::strerror(error_number)));
@@ -30,9 +44,7 @@ std::string read_file(fs::path const& path) {
 void replace_file(fs::path const& path, std::string_view content) {
   fs::path const temporary = path.string() + ".part";
   try {
-    AppendedFile file(temporary);
-    file.append(content);
-    file.close();
+    write_file(temporary, content);
   } catch (...) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
@@ -47,17 +59,8 @@ void rename_file(fs::path const& from, fs::path const& to) {
   if (error) throw_io_error("write", to, error.value());
 }
 
-AppendedFile::AppendedFile(fs::path path) : path_(std::move(path)), file_(std::fopen(path_.c_str(), "wb")) {
-  if (!file_) throw_io_error("create", path_, errno);
-}
+void write_file(fs::path const& path, std::string_view content) { write(path, content, "wb", "create"); }
 
-void AppendedFile::append(std::string_view text) {
-  bool const written = std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size();
-  if (!written || std::fflush(file_.get()) != 0) throw_io_error("write", path_, errno);
-}
-
-void AppendedFile::close() {
-  if (std::fclose(file_.release()) != 0) throw_io_error("write", path_, errno);
-}
+void append_to_file(fs::path const& path, std::string_view text) { write(path, text, "ab", "open"); }
 
 }  // namespace brisance::output

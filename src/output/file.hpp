@@ -1,9 +1,7 @@
 /// Files whose every write is checked. All functions throw IoError naming the file and the system's reason.
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 
@@ -21,22 +19,10 @@ void replace_file(std::filesystem::path const& path, std::string_view content);
 /// Renames a finished temporary file to its final name.
 void rename_file(std::filesystem::path const& from, std::filesystem::path const& to);
 
-/// A text file that grows while the run lasts.
-class AppendedFile {
- public:
-  /// Creates the file, empty.
-  explicit AppendedFile(std::filesystem::path path);
-  /// Appends and hands the text to the operating system, so that an interrupted run keeps it.
-  void append(std::string_view text);
-  /// Closes the file; some file systems report a failed write only now.
-  void close();
+/// Creates the file, or empties it, and writes the content.
+void write_file(std::filesystem::path const& path, std::string_view content);
 
- private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::filesystem::path path_;
-  std::unique_ptr<std::FILE, Close> file_;
-};
+/// Appends to a file and closes it, so that an interrupted run keeps the text and any number of files may grow.
+void append_to_file(std::filesystem::path const& path, std::string_view text);
 
 }  // namespace brisance::output

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "detonation/shape.hpp"
+#include "output/file.hpp"
 #include "output/json.hpp"
 
 namespace brisance::output {
@@ -72,10 +73,11 @@ std::string quoted(std::string const& text) {
   return out + "\"";
 }
 
-/// The empirical curve for plots: logarithmically spaced distances over the whole range of the fits.
+/// The empirical curve for plots: logarithmically spaced distances over the whole range of the fits. The explosive's
+/// TNT equivalent for pressure, by which distances scale, must be known.
 nlohmann::json empirical_curve(run::Case const& setup) {
   auto const& charge = setup.charges.front();
-  double const unit = std::cbrt(charge.mass * charge.explosive.tnt_equivalent_pressure);
+  double const unit = std::cbrt(charge.mass * *charge.explosive.tnt_equivalent_pressure);
   constexpr int points = 81;
   constexpr double nearest = 0.05;  // scaled distances [m/kg^(1/3)]
   constexpr double farthest = 40.0;
@@ -152,10 +154,11 @@ empirical::Blast empirical_blast(run::Case const& setup, double distance) {
                                          material::sound_speed(air.fluid.eos, air.state.density, air.state.pressure)};
   auto const burst =
       setup.burst == run::Burst::spherical ? empirical::Burst::spherical : empirical::Burst::hemispherical;
-  auto const by_pressure =
-      empirical::kingery_bulmash(charge.mass * charge.explosive.tnt_equivalent_pressure, distance, burst, atmosphere);
-  auto blast =
-      empirical::kingery_bulmash(charge.mass * charge.explosive.tnt_equivalent_impulse, distance, burst, atmosphere);
+  auto const of_equivalent = [&](std::optional<double> tnt) {
+    return tnt ? empirical::kingery_bulmash(charge.mass * *tnt, distance, burst, atmosphere) : empirical::Blast{};
+  };
+  auto const by_pressure = of_equivalent(charge.explosive.tnt_equivalent_pressure);
+  auto blast = of_equivalent(charge.explosive.tnt_equivalent_impulse);
   blast.scaled_distance = by_pressure.scaled_distance;
   blast.incident_overpressure = by_pressure.incident_overpressure;
   blast.reflected_overpressure = by_pressure.reflected_overpressure;
@@ -196,8 +199,9 @@ GaugeFiles::GaugeFiles(fs::path const& folder, std::vector<run::GaugeHistory> co
     std::string name = base;
     for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", base, i);
     names_.push_back("gauges/" + name + ".csv");
-    streams_.push_back({AppendedFile(folder / names_.back())});
-    streams_.back().file.append(
+    streams_.push_back({folder / names_.back()});
+    write_file(
+        streams_.back().path,
         "time [s],pressure [Pa],overpressure [Pa],density [kg/m3],velocity_x [m/s],velocity_y [m/s],velocity_z [m/s],"
         "dynamic_pressure [Pa],impulse [Pa s]\n");
   }
@@ -222,7 +226,7 @@ void GaugeFiles::append(std::vector<run::GaugeHistory> const& gauges) {
                      stream.impulse);
     }
     stream.written = records.size();
-    if (!text.empty()) stream.file.append(text);
+    if (!text.empty()) append_to_file(stream.path, text);
   }
 }
 
@@ -241,7 +245,9 @@ std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::Gau
     if (auto const* charge = nearest_charge(setup, history.gauge.position)) {
       double const distance = norm(history.gauge.position - detonation::centre(charge->shape));
       summary.distance = distance;
-      summary.scaled_distance = distance / std::cbrt(charge->mass * charge->explosive.tnt_equivalent_pressure);
+      if (auto const tnt = charge->explosive.tnt_equivalent_pressure) {
+        summary.scaled_distance = distance / std::cbrt(charge->mass * *tnt);
+      }
       if (distance > 0.0) summary.empirical = empirical_blast(setup, distance);
     }
     summaries.push_back(std::move(summary));
@@ -298,7 +304,8 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
                          {"burst", burst_name(setup.burst)},
                          {"ambient_pressure", setup.ambient.state.pressure},
                          {"gauges", std::move(gauges)}};
-  if (empirical_applies(setup)) summary["kingery_bulmash_curve"] = empirical_curve(setup);
+  if (empirical_applies(setup) && setup.charges.front().explosive.tnt_equivalent_pressure)
+    summary["kingery_bulmash_curve"] = empirical_curve(setup);
   replace_file(folder / "summary.json", summary.dump(2) + "\n");
 }
 

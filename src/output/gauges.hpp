@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "empirical/kingery_bulmash.hpp"
-#include "output/file.hpp"
 #include "run/world.hpp"
 
 namespace brisance::output {
@@ -34,8 +33,9 @@ struct BlastWave {
 [[nodiscard]] BlastWave analyse_blast(std::vector<double> const& time, std::vector<double> const& overpressure);
 
 /// Kingery-Bulmash values at `distance` [m] from the case's charge in its ambient air: pressures by the explosive's TNT
-/// equivalent for pressure, times and impulses by that for impulse; arrival counts from the start of the calculation.
-/// All absent unless the case names the burst type, has one charge, and the ambient fluid is an ideal gas.
+/// equivalent for pressure, times and impulses by that for impulse, each absent where it is unknown; arrival counts
+/// from the start of the calculation. All absent unless the case names the burst type, has one charge, and the ambient
+/// fluid is an ideal gas.
 [[nodiscard]] empirical::Blast empirical_blast(run::Case const& setup, double distance);
 
 /// A gauge's results beside the empirical ones.
@@ -44,7 +44,7 @@ struct GaugeSummary {
   Vec3 position{0.0, 0.0, 0.0};
   BlastWave wave;
   std::optional<double> distance;         ///< to the centre of the nearest charge [m]
-  std::optional<double> scaled_distance;  ///< distance / cube root of its mass of TNT [m/kg^(1/3)]
+  std::optional<double> scaled_distance;  ///< distance / cube root of its mass of TNT, if known [m/kg^(1/3)]
   empirical::Blast empirical;
 };
 
@@ -70,7 +70,7 @@ class GaugeFiles {
 
  private:
   struct Stream {
-    AppendedFile file;
+    std::filesystem::path path;
     std::size_t written = 0;
     double impulse = 0.0;
   };

@@ -38,6 +38,7 @@ json audit(run::Audit const& a) {
   return {{"initial", totals(a.initial)},
           {"current", totals(a.current)},
           {"outflow", totals(a.outflow)},
+          {"fallback_faces", a.fallback_faces},
           {"guarded_cells", a.guarded_cells},
           {"guard_mass", json_or_null(a.guard_mass)},
           {"guard_energy", json_or_null(a.guard_energy)},
@@ -60,8 +61,8 @@ json charges(run::World const& world) {
       entry["source"] = charge.explosive.source;
       entry["density"] = charge.explosive.density();
       entry["detonation"] = charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous";
-      entry["tnt_equivalent_pressure"] = charge.explosive.tnt_equivalent_pressure;
-      entry["tnt_equivalent_impulse"] = charge.explosive.tnt_equivalent_impulse;
+      entry["tnt_equivalent_pressure"] = json_or_null(charge.explosive.tnt_equivalent_pressure);
+      entry["tnt_equivalent_impulse"] = json_or_null(charge.explosive.tnt_equivalent_impulse);
     }
     out.push_back(std::move(entry));
   }

@@ -24,7 +24,8 @@ constexpr double expected_compression = 0.5;
 
 double expected_bytes(run::Case const& setup, int compression) {
   double const dump = FieldSeries::bytes_per_dump(setup.domain, dumped_fields(setup), setup.output.single_precision);
-  return dump * static_cast<double>(expected_dumps(setup)) * (compression > 0 ? expected_compression : 1.0);
+  return dump * static_cast<double>(dump_times(setup.output, setup.end.time).size()) *
+         (compression > 0 ? expected_compression : 1.0);
 }
 
 /// Prepares the folder before the members that write into it are built.
@@ -56,10 +57,22 @@ std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
   return specs;
 }
 
-long expected_dumps(run::Case const& setup) {
-  long dumps = 2 + static_cast<long>(setup.output.field_times.size());
-  if (setup.output.field_interval > 0.0) dumps += std::lround(std::floor(setup.end.time / setup.output.field_interval));
-  return dumps;
+std::vector<double> dump_times(run::Output const& output, double end_time) {
+  std::vector<double> times{0.0, end_time};
+  if (output.field_interval > 0.0) {
+    for (long n = 1; static_cast<double>(n) * output.field_interval < end_time; ++n) {
+      times.push_back(static_cast<double>(n) * output.field_interval);
+    }
+  }
+  for (double const t : output.field_times) {
+    if (t <= end_time) times.push_back(t);
+  }
+  std::sort(times.begin(), times.end());
+  double const slack = 1e-9 * end_time;
+  times.erase(std::unique(times.begin(), times.end(), [slack](double a, double b) { return b - a <= slack; }),
+              times.end());
+  times.back() = end_time;
+  return times;
 }
 
 Writer::Writer(run::World const& world, fs::path folder, WriterOptions const& options)

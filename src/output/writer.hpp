@@ -55,7 +55,8 @@ class Writer {
 /// are obstacles. Throws InputError for an unknown name.
 [[nodiscard]] std::vector<FieldSpec> dumped_fields(run::Case const& setup);
 
-/// Number of dumps that a case will write, the first and the last included.
-[[nodiscard]] long expected_dumps(run::Case const& setup);
+/// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end.
+/// Times closer than 1e-9 of the end time are one.
+[[nodiscard]] std::vector<double> dump_times(run::Output const& output, double end_time);
 
 }  // namespace brisance::output

@@ -30,6 +30,10 @@ TEST(Plan, CountsDumpsAndWarnsOfCoarseCharges) {
   setup.domain.cells[0] = 80;
   ASSERT_EQ(plan(setup).warnings.size(), 1U);
   EXPECT_NE(plan(setup).warnings[0].find("4.2 cells per radius"), std::string::npos) << plan(setup).warnings[0];
+  setup.domain.h = 50e-3;
+  setup.domain.cells[0] = 20;
+  ASSERT_EQ(plan(setup).warnings.size(), 1U);
+  EXPECT_NE(plan(setup).warnings[0].find("1.1 cells per radius"), std::string::npos) << plan(setup).warnings[0];
 }
 
 TEST(Plan, RefusesWhatDoesNotFitIntoTheMachine) {

@@ -18,25 +18,6 @@ nlohmann::json log_of(Scratch const& scratch) {
   return nlohmann::json::parse(std::ifstream(scratch.path() / "run.json"));
 }
 
-TEST(DumpTimes, HoldStartMultiplesExtraTimesAndEnd) {
-  run::Output output;
-  EXPECT_EQ(dump_times(output, 1.0), (std::vector{0.0, 1.0}));
-  output.field_interval = 0.25;
-  output.field_times = {0.3, 0.5, 2.0};
-  EXPECT_EQ(dump_times(output, 1.0), (std::vector{0.0, 0.25, 0.3, 0.5, 0.75, 1.0}));
-}
-
-// 3 * 0.1 and 0.3 differ in the last bit, and so do 10 * 0.1 and 1: they are one dump, and the last is the end time
-// exactly.
-TEST(DumpTimes, MergeWhatOnlyRoundOffKeepsApart) {
-  run::Output output;
-  output.field_interval = 0.1;
-  output.field_times = {0.3};
-  auto const times = dump_times(output, 1.0);
-  EXPECT_EQ(times.size(), 11U);
-  EXPECT_EQ(times.back(), 1.0);
-}
-
 TEST(Drive, WritesEveryDumpAtItsTimeAndReachesTheEnd) {
   Scratch const scratch;
   run::World world(small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n"));

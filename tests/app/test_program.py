@@ -152,6 +152,16 @@ class KingeryBulmash(Case):
         self.assertAlmostEqual(c4["quantities"]["incident_overpressure"]["value"]
                                / same["quantities"]["incident_overpressure"]["value"], 1.0, places=9)
 
+    def test_an_unknown_tnt_equivalent_leaves_its_quantities_out(self):
+        anfo = ("--charge", "1 kg", "--distance", "3 m", "--burst", "spherical", "--explosive", "ANFO")
+        answer = self.kb(*anfo)
+        self.assertEqual(answer["tnt_mass_for_pressure"], 0.82)
+        self.assertIsNone(answer["tnt_mass_for_impulse"])
+        self.assertIsNotNone(answer["quantities"]["incident_overpressure"]["value"])
+        self.assertIsNone(answer["quantities"]["incident_impulse"]["value"])
+        self.assertIn("TNT equivalent: 0.82 kg for pressures, unknown for impulses and times",
+                      self.brisance("kb", *anfo).stdout)
+
     def test_outside_the_curves_there_is_no_value(self):
         far = self.kb("--charge", "1 kg", "--distance", "100 m", "--burst", "spherical")
         self.assertIsNone(far["quantities"]["incident_overpressure"]["value"])

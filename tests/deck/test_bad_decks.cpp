@@ -100,5 +100,10 @@ TEST(BadDecks, AMissingFileIsAnInputOutputError) {
   EXPECT_THROW((void)deck::read_file("/nonexistent/deck.toml"), IoError);
 }
 
+TEST(BadDecks, AFolderIsAnInputOutputErrorAndAnEmptyFileIsADeckWithErrors) {
+  EXPECT_THROW((void)deck::read_file(testing::TempDir()), IoError);
+  EXPECT_FALSE(deck::read_file((test::root() / "tests/deck/bad/empty.toml").string()).errors.empty());
+}
+
 }  // namespace
 }  // namespace brisance

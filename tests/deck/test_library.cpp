@@ -98,5 +98,17 @@ TEST(Library, UnknownMaterialsNameTheNearest) {
   }
 }
 
+TEST(Library, UnknownTntEquivalentsStayUnknown) {
+  auto const& all = deck::library();
+  for (auto const& [explosive, aliases] : all.explosives) {
+    if (!explosive.name.starts_with("TNT")) continue;
+    EXPECT_EQ(explosive.tnt_equivalent_pressure, 1.0) << explosive.name;
+    EXPECT_EQ(explosive.tnt_equivalent_impulse, 1.0) << explosive.name;
+  }
+  EXPECT_EQ(all.explosive("ANFO")->tnt_equivalent_pressure, 0.82);
+  EXPECT_FALSE(all.explosive("ANFO")->tnt_equivalent_impulse);
+  EXPECT_EQ(all.explosive("C-4")->tnt_equivalent_impulse, 1.19);
+}
+
 }  // namespace
 }  // namespace brisance

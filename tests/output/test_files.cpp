@@ -31,17 +31,15 @@ TEST(Files, ReplacedFileHoldsTheNewContentOnly) {
 TEST(Files, AppendedTextIsInTheFileAtOnce) {
   ScratchFolder folder;
   auto const path = folder.path() / "a.txt";
-  AppendedFile file(path);
-  file.append("one\n");
+  write_file(path, "one\n");
   EXPECT_EQ(read_file(path), "one\n");
-  file.append("two\n");
+  append_to_file(path, "two\n");
   EXPECT_EQ(read_file(path), "one\ntwo\n");
 }
 
 TEST(Files, FullDeviceIsAnErrorNamingFileAndReason) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  AppendedFile file("/dev/full");
-  EXPECT_EQ(io_error([&] { file.append("x"); }), "cannot write \"/dev/full\": No space left on device");
+  EXPECT_EQ(io_error([] { append_to_file("/dev/full", "x"); }), "cannot write \"/dev/full\": No space left on device");
 }
 
 TEST(Files, MissingFileIsAnError) {

@@ -1,8 +1,12 @@
+#include <sys/resource.h>
+
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/error.hpp"
+#include "output/file.hpp"
 #include "output/gauges.hpp"
 #include "scratch.hpp"
 
@@ -152,6 +156,39 @@ TEST(Gauges, CsvGrowsDuringTheRunAndHoldsDerivedQuantities) {
       "0.002,100000,0,2,0,0,0,0,200\n");
 }
 
+/// Lets the process have only `files` files open at a time.
+class OpenFileLimit {
+ public:
+  explicit OpenFileLimit(rlim_t files) {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = files;
+    setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  ~OpenFileLimit() { setrlimit(RLIMIT_NOFILE, &before_); }
+  OpenFileLimit(OpenFileLimit const&) = delete;
+  OpenFileLimit& operator=(OpenFileLimit const&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(Gauges, MoreThanTheSystemLetsOpenAtATime) {
+  ScratchFolder folder;
+  std::vector<run::GaugeHistory> gauges;
+  for (int i = 0; i < 2000; ++i) gauges.push_back(history(std::to_string(i), {}));
+  OpenFileLimit const limit(64);
+  GaugeFiles files(folder.path(), gauges, 1e5);
+  for (double const time : {0.0, 1.0}) {
+    for (auto& gauge : gauges) gauge.records.push_back({time, 1e5, 1.25, {0.0, 0.0, 0.0}});
+    files.append(gauges);
+  }
+  for (auto const& name : files.names()) {
+    auto const text = read_file(folder.path() / name);
+    ASSERT_EQ(std::ranges::count(text, '\n'), 3) << name;
+  }
+}
+
 /// One charge of TNT at (1, 0, 0) and gauges whose histories are exactly the Kingery-Bulmash values.
 run::Case tnt_case(double mass, run::Burst burst) {
   run::Case setup;
@@ -159,6 +196,7 @@ run::Case tnt_case(double mass, run::Burst burst) {
   setup.ambient.state = {1.225, 101325.0, {0.0, 0.0, 0.0}};
   run::Charge charge;
   charge.explosive.name = "TNT";
+  charge.explosive.tnt_equivalent_pressure = charge.explosive.tnt_equivalent_impulse = 1.0;
   charge.shape = detonation::Sphere{{1.0, 0.0, 0.0}, 0.1};
   charge.mass = mass;
   setup.charges.push_back(charge);
@@ -222,6 +260,43 @@ TEST(Summary, TntEquivalentsAndIgnitionDelayEnter) {
   EXPECT_DOUBLE_EQ(*got.incident_overpressure, *p.incident_overpressure);
   EXPECT_DOUBLE_EQ(*got.incident_impulse, *i.incident_impulse);
   EXPECT_DOUBLE_EQ(*got.arrival, *i.arrival + 2e-4);
+}
+
+TEST(Summary, WhatAnUnknownTntEquivalentDecidesIsLeftOut) {
+  auto setup = tnt_case(8.0, run::Burst::spherical);
+  auto& explosive = setup.charges.front().explosive;
+  auto const known = empirical_blast(setup, 5.0);
+  ScratchFolder folder;
+  auto const written = [&] {
+    write_summary(folder.path(), setup, summarise(setup, {history("g", {6.0, 0.0, 0.0})}), {});
+    return nlohmann::json::parse(read_file(folder.path() / "summary.json"));
+  };
+
+  explosive.tnt_equivalent_impulse.reset();
+  auto const pressures = empirical_blast(setup, 5.0);
+  EXPECT_EQ(pressures.incident_overpressure, known.incident_overpressure);
+  EXPECT_EQ(pressures.shock_speed, known.shock_speed);
+  for (auto const& absent :
+       {pressures.incident_impulse, pressures.reflected_impulse, pressures.arrival, pressures.duration}) {
+    EXPECT_FALSE(absent);
+  }
+  auto json = written();
+  EXPECT_TRUE(json["gauges"][0]["scaled_distance"].is_number());
+  EXPECT_TRUE(json["kingery_bulmash_curve"][0]["arrival_time"].is_null());
+
+  explosive.tnt_equivalent_impulse = 1.0;
+  explosive.tnt_equivalent_pressure.reset();
+  auto const impulses = empirical_blast(setup, 5.0);
+  EXPECT_EQ(impulses.incident_impulse, known.incident_impulse);
+  EXPECT_EQ(impulses.arrival, known.arrival);
+  for (auto const& absent : {impulses.incident_overpressure, impulses.reflected_overpressure, impulses.dynamic_pressure,
+                             impulses.shock_speed}) {
+    EXPECT_FALSE(absent);
+  }
+  json = written();
+  EXPECT_TRUE(json["gauges"][0]["distance"].is_number());
+  EXPECT_TRUE(json["gauges"][0]["scaled_distance"].is_null());
+  EXPECT_FALSE(json.contains("kingery_bulmash_curve"));
 }
 
 TEST(Summary, NearestOfSeveralChargesGivesTheDistance) {

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "output/file.hpp"
 #include "output/report.hpp"
 #include "output/writer.hpp"
 #include "scratch.hpp"
@@ -37,6 +38,7 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   world.gauges[0].records.push_back({0.0, 101325.0, 1.225, {0.0, 0.0, 0.0}});
   writer.append_gauges(world);
   world.timings["sweeps"] = 0.5;
+  world.audit.fallback_faces = 7;
   world.gauges[0].records.push_back({1e-3, 101325.0, 1.225, {0.0, 0.0, 0.0}});
   writer.finish(world, "end time reached", 0);
 
@@ -52,6 +54,7 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   EXPECT_FALSE(log["versions"]["compiler"].get<std::string>().empty());
   EXPECT_FALSE(log["machine"]["processor"].get<std::string>().empty());
   EXPECT_TRUE(log["audit"]["relative_error"]["energy"].is_number());
+  EXPECT_EQ(log["audit"]["fallback_faces"], 7);
   EXPECT_TRUE(fs::exists(folder / "fields/fields_000000.h5"));
   EXPECT_TRUE(fs::exists(folder / "summary.csv"));
   auto const gauge = read_file(folder / "gauges/g.csv");
@@ -82,12 +85,23 @@ TEST(Writer, DumpedFieldsAddPeaksAndObstacleMaskOnce) {
   EXPECT_THROW((void)dumped_fields(setup), InputError);
 }
 
-TEST(Writer, ExpectedDumpsCountFirstLastIntervalAndExtraTimes) {
-  auto setup = air_box();
-  EXPECT_EQ(expected_dumps(setup), 2);
-  setup.output.field_interval = 2.5e-4;
-  setup.output.field_times = {1e-4, 3e-4};
-  EXPECT_EQ(expected_dumps(setup), 8);
+TEST(DumpTimes, HoldStartMultiplesExtraTimesAndEnd) {
+  run::Output output;
+  EXPECT_EQ(dump_times(output, 1.0), (std::vector{0.0, 1.0}));
+  output.field_interval = 0.25;
+  output.field_times = {0.3, 0.5, 2.0};
+  EXPECT_EQ(dump_times(output, 1.0), (std::vector{0.0, 0.25, 0.3, 0.5, 0.75, 1.0}));
+}
+
+// 3 * 0.1 and 0.3 differ in the last bit, and so do 10 * 0.1 and 1: they are one dump, and the last is the end time
+// exactly.
+TEST(DumpTimes, MergeWhatOnlyRoundOffKeepsApart) {
+  run::Output output;
+  output.field_interval = 0.1;
+  output.field_times = {0.3};
+  auto const times = dump_times(output, 1.0);
+  EXPECT_EQ(times.size(), 11U);
+  EXPECT_EQ(times.back(), 1.0);
 }
 
 TEST(Report, FolderWithoutRunIsAnError) {

@@ -1,4 +1,5 @@
 """The report is drawn from made-up output folders of every kind; its parts are checked one by one."""
+import json
 import re
 import subprocess
 import sys
@@ -59,6 +60,21 @@ class Pages(Folders):
         self.assertIn("8 kg TNT on the ground &lt;made-up wave&gt;", page)
         self.assertIn("# A made-up deck with &lt;angle brackets&gt; &amp; an ampersand", page)
         self.assertNotIn("<made-up", page)
+
+    def test_unknown_tnt_equivalent(self):
+        path = self.root / "1d/summary.json"
+        known = path.read_text(encoding="utf-8")
+        summary = json.loads(known)
+        summary.pop("kingery_bulmash_curve", None)
+        for gauge in summary["gauges"]:
+            gauge["scaled_distance"] = None
+        path.write_text(json.dumps(summary), encoding="utf-8")
+        try:
+            titles = self.titles(self.page("1d"))
+        finally:
+            path.write_text(known, encoding="utf-8")
+        self.assertIn("Gauges", titles)
+        self.assertNotIn("Scaled distance", titles)
 
     def test_two_dimensions(self):
         self.assertIn("Overpressure field", self.titles(self.page("2d")))

@@ -1,4 +1,5 @@
 // Charges on the grid: the mass that was asked for is there, whatever the grid.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "cases.hpp"
@@ -39,7 +40,7 @@ TEST(ChargeMass, IsExactIn3dForEveryShapeAndNumberOfSymmetryPlanes) {
       middle[d] = 0.0;
     }
     double const images = 1 << planes;
-    std::string const label = std::to_string(planes) + " planes, ";
+    std::string const label = fmt::format("{} planes, ", planes);
     Vec3 const half{0.0511, 0.0623, 0.0717};
     for (auto const& [name, shape] : {std::pair<std::string, Shape>{"sphere", Sphere{middle, radius}},
                                       {"box", Box{middle - half, middle + half}},
@@ -74,7 +75,7 @@ TEST(ChargeMass, IsExactInTwoAndOneDimensions) {
         Shape{Cylinder{{0.0, 0.2009, 0.0}, radius, 0.1127, {0.0, 1.0, 0.0}}},
         Shape{Box{{0.0712, 0.1109, 0.0}, {0.2817, 0.1912, 1.0}}}}) {
     turned.charges = {tnt_charge(shape, turned.domain.geometry)};
-    expect_exact_mass(turned, 1.0, "axisymmetric2d, shape " + std::to_string(shape.index()));
+    expect_exact_mass(turned, 1.0, fmt::format("axisymmetric2d, shape {}", shape.index()));
   }
   turned.domain.boundary[2] = Boundary::symmetry;
   turned.charges = {tnt_charge(Sphere{{0.0, 0.0, 0.0}, radius}, turned.domain.geometry)};

@@ -1,8 +1,10 @@
 // A slab of TNT lit over one face: the detonation runs through it as a plane wave. cases/tnt_slab_1d is the same as a
 // deck.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "cases.hpp"
+#include "core/parallel.hpp"
 #include "material/chapman_jouguet.hpp"
 
 namespace brisance::run {
@@ -24,9 +26,16 @@ Case slab(int cells_per_slab, std::vector<InitiationPoint> initiation) {
   }
   charge.initiation = std::move(initiation);
   c.charges = {charge};
-  for (int n = 1; n < 8; ++n) c.gauges.push_back({"g" + std::to_string(n), {n * thickness / 8.0, 0.0, 0.0}});
+  for (int n = 1; n < 8; ++n) c.gauges.push_back({fmt::format("g{}", n), {n * thickness / 8.0, 0.0, 0.0}});
   return c;
 }
+
+class TntSlab : public testing::Test {
+ protected:
+  // Too few cells to be worth a second thread.
+  TntSlab() { set_threads(1); }
+  ~TntSlab() override { set_threads(0); }
+};
 
 double peak(GaugeHistory const& gauge) {
   return std::max_element(gauge.records.begin(), gauge.records.end(),
@@ -45,7 +54,7 @@ double arrival(GaugeHistory const& gauge) {
   return -1.0;
 }
 
-TEST(TntSlab, RunsAtTheDetonationSpeedWithItsChapmanJouguetPressure) {
+TEST_F(TntSlab, RunsAtTheDetonationSpeedWithItsChapmanJouguetPressure) {
   World world(slab(2000, {{{0.0, 0.0, 0.0}, 0.0}}));
   material::Explosive const& tnt = world.setup.charges[0].explosive;
   double const cj = material::chapman_jouguet(tnt.products, tnt.energy).pressure;
@@ -73,7 +82,7 @@ TEST(TntSlab, RunsAtTheDetonationSpeedWithItsChapmanJouguetPressure) {
   EXPECT_GT(world.clock.step, 1000);
 }
 
-TEST(TntSlab, PeakApproachesTheChapmanJouguetPressureWithTheCellSize) {
+TEST_F(TntSlab, PeakApproachesTheChapmanJouguetPressureWithTheCellSize) {
   double last = 1.0;
   for (int cells : {100, 400, 1600}) {
     World world(slab(cells, {{{0.0, 0.0, 0.0}, 0.0}}));
@@ -86,7 +95,7 @@ TEST(TntSlab, PeakApproachesTheChapmanJouguetPressureWithTheCellSize) {
   }
 }
 
-TEST(TntSlab, TwoInitiationPointsWithADelayLightWhatIsNearestInTime) {
+TEST_F(TntSlab, TwoInitiationPointsWithADelayLightWhatIsNearestInTime) {
   // The second point fires 5 us later: the waves meet where x / D = delay + (L - x) / D, x = 0.1 m + 2.5 us D.
   double const delay = 5e-6;
   World world(slab(400, {{{0.0, 0.0, 0.0}, 0.0}, {{thickness, 0.0, 0.0}, delay}}));
