@@ -2,6 +2,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <exception>
 
 #if defined(__SSE2__)
@@ -21,7 +22,7 @@ int threads() { return requested_threads > 0 ? requested_threads : omp_get_num_p
 void parallel_for(int count, std::function<void(int, int)> const& body) {
   if (count <= 0) return;
   std::exception_ptr failure;
-#pragma omp parallel num_threads(threads()) if (count > 1)
+#pragma omp parallel num_threads(std::min(threads(), count)) if (count > 1)
   {
     FlushSubnormals const flush;
     int const thread = omp_get_thread_num();

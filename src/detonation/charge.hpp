@@ -32,7 +32,8 @@ struct FilledCells {
                                      std::string const& what);
 
 /// Puts products (unburnt or not: the same mass and energy) into the cells: partial density alpha rho0 and energy alpha
-/// E0; the ambient fluid keeps its state in the rest of the cell. The gas must be at rest there. Throws InputError where charges overlap.
+/// E0; the ambient fluid keeps its state in the rest of the cell. The gas must be at rest there. Throws InputError
+/// where charges overlap.
 void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive,
                   gas::MixtureState const& ambient);
 

@@ -89,9 +89,9 @@ inline void add_burning_fluid(E const& eos, double alpha, double rho, double F, 
 
 /// The same for rows of cells: adds one fluid to xi, B, H of n cells. `F` is null where everything is burnt. The model
 /// comes by value: its constants then stay in registers, for no store to the rows can change them.
-template <class E>
-void add_fluid_row(E const eos, int n, double const* alpha, bool complement, double const* partial, double const* F,
-                   double p0, double* xi, double* B, double* H) {
+template <bool Complement, class E>
+void add_fluid_row(E const eos, int n, double const* alpha, double const* partial, double const* F, double p0,
+                   double* xi, double* B, double* H) {
   if constexpr (requires { eos.negligible_below(); }) {
     // Where the fluid is thin everywhere its reference curve vanishes in double precision and the fluid is an ideal
     // gas.
@@ -100,13 +100,13 @@ void add_fluid_row(E const eos, int n, double const* alpha, bool complement, dou
       long dense = 0;
       BRISANCE_VECTOR_LOOP
       for (int q = 0; q < n; ++q) {
-        double const a = complement ? 1.0 - alpha[q] : alpha[q];
+        double const a = Complement ? 1.0 - alpha[q] : alpha[q];
         dense += phase_density(partial[q], a) > bound ? 1 : 0;
       }
       if (dense == 0) {
         double const x = 1.0 / eos.gruneisen();
         BRISANCE_VECTOR_LOOP
-        for (int q = 0; q < n; ++q) xi[q] += (complement ? 1.0 - alpha[q] : alpha[q]) * x;
+        for (int q = 0; q < n; ++q) xi[q] += (Complement ? 1.0 - alpha[q] : alpha[q]) * x;
         return;
       }
     }
@@ -114,7 +114,7 @@ void add_fluid_row(E const eos, int n, double const* alpha, bool complement, dou
   if (F == nullptr) {
     BRISANCE_VECTOR_LOOP
     for (int q = 0; q < n; ++q) {
-      double const a = complement ? 1.0 - alpha[q] : alpha[q];
+      double const a = Complement ? 1.0 - alpha[q] : alpha[q];
       Mixture m{xi[q], B[q], H[q]};
       add_fluid(eos, a, phase_density(partial[q], a), m);
       xi[q] = m.xi;
@@ -124,7 +124,7 @@ void add_fluid_row(E const eos, int n, double const* alpha, bool complement, dou
   } else {
     BRISANCE_VECTOR_LOOP
     for (int q = 0; q < n; ++q) {
-      double const a = complement ? 1.0 - alpha[q] : alpha[q];
+      double const a = Complement ? 1.0 - alpha[q] : alpha[q];
       Mixture m{xi[q], B[q], H[q]};
       add_burning_fluid(eos, a, phase_density(partial[q], a), F[q], p0, m);
       xi[q] = m.xi;

@@ -14,10 +14,10 @@ inline void closure_row(SweepContext const& s, int n, double const* rho0, double
   std::fill_n(xi, n, 0.0);
   std::fill_n(B, n, 0.0);
   std::fill_n(H, n, 0.0);
-  std::visit([&](auto const& eos) { add_fluid_row(eos, n, alpha, true, rho0, nullptr, 0.0, xi, B, H); },
+  std::visit([&](auto const& eos) { add_fluid_row<true>(eos, n, alpha, rho0, nullptr, 0.0, xi, B, H); },
              s.fluids->ambient);
   std::visit(
-      [&](auto const& eos) { add_fluid_row(eos, n, alpha, false, rho1, F, s.fluids->ambient_pressure, xi, B, H); },
+      [&](auto const& eos) { add_fluid_row<false>(eos, n, alpha, rho1, F, s.fluids->ambient_pressure, xi, B, H); },
       s.fluids->second);
 }
 
