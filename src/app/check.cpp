@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "app/text.hpp"
 #include "core/error.hpp"
@@ -51,14 +50,6 @@ double estimated_memory(run::Case const& setup, grid::Grid const& grid) {
 }
 
 /// Radius of the sphere, circle or slab that holds `volume`, as the geometry has it [m].
-double equivalent_radius(double volume, grid::Geometry geometry) {
-  switch (std::min(3, grid::dimensions(geometry) + grid::radial_exponent(geometry))) {
-    case 1: return 0.5 * volume;
-    case 2: return std::sqrt(volume / std::numbers::pi);
-    default: return std::cbrt(0.75 * volume / std::numbers::pi);
-  }
-}
-
 double signal(material::Eos const& eos, run::FluidState const& state) {
   double speed = 0.0;
   for (double const u : state.velocity) speed = std::max(speed, std::abs(u));
@@ -83,7 +74,8 @@ double estimated_steps(run::Case const& setup) {
   double path = quiet * end;  // what the fastest signal travels [m]
   for (run::Charge const& charge : setup.charges) {
     double const D = charge.explosive.detonation_speed;
-    double const t0 = equivalent_radius(charge.mass / charge.explosive.density(), setup.domain.geometry) / D;
+    double const t0 =
+        detonation::equivalent_radius(charge.mass / charge.explosive.density(), setup.domain.geometry) / D;
     double const core = grid::radial_exponent(setup.domain.geometry) > 0 ? 0.35 * D : 0.0;
     constexpr int intervals = 400;
     double sum = 0.0;
@@ -111,19 +103,9 @@ run::ChargeReport realised(run::Charge const& charge, grid::Grid const& grid, st
   report.asked_mass = charge.mass;
   report.realised_mass = volume * filled.images * density;
   report.realised_energy = volume * filled.images * charge.explosive.energy;
-  report.cells_per_radius = equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.domain().h;
+  report.cells_per_radius =
+      detonation::equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.domain().h;
   return report;
-}
-
-char const* boundary_name(grid::Boundary boundary) {
-  switch (boundary) {
-    case grid::Boundary::outflow: return "outflow";
-    case grid::Boundary::wall: return "wall";
-    case grid::Boundary::symmetry: return "symmetry";
-    case grid::Boundary::inflow: return "inflow";
-    case grid::Boundary::periodic: return "periodic";
-  }
-  return "";
 }
 
 constexpr std::array face_names{"x_low", "x_high", "y_low", "y_high", "z_low", "z_high"};
@@ -208,11 +190,11 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     box += fmt::format("{}{:g} to {:g}", k == 0 ? "" : " x ", d.lower[k], d.upper(k));
     cells += fmt::format("{}{}", k == 0 ? "" : " x ", d.cells[k]);
   }
-  line("domain", fmt::format("{}, {} m", output::geometry_name(d.geometry), box));
+  line("domain", fmt::format("{}, {} m", grid::geometry_name(d.geometry), box));
   line("cells", fmt::format("{} = {} of {}, in {} blocks", cells, large_count(p.cells), quantity(d.h, "m"), p.blocks));
   std::string boundaries;
   for (int f = 0; f < 2 * dims; ++f)
-    boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", face_names[f], boundary_name(d.boundary[f]));
+    boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", face_names[f], grid::boundary_name(d.boundary[f]));
   line("boundaries", boundaries);
   line("scheme", fmt::format("{}, Courant number {:g}, {}",
                              setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff",
@@ -269,11 +251,11 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
     materials.push_back({{"name", m.name}, {"role", m.role}, {"source", m.source}});
   json boundaries = json::object();
   for (int f = 0; f < 2 * setup.domain.dimensions(); ++f)
-    boundaries[face_names[f]] = boundary_name(setup.domain.boundary[f]);
+    boundaries[face_names[f]] = grid::boundary_name(setup.domain.boundary[f]);
   json fields = json::array();
   for (auto const& f : output::dumped_fields(setup)) fields.push_back(f.name);
   return {{"title", setup.title},
-          {"geometry", output::geometry_name(setup.domain.geometry)},
+          {"geometry", grid::geometry_name(setup.domain.geometry)},
           {"cells", setup.domain.cells},
           {"cell_count", setup.domain.cell_count()},
           {"cell_size", setup.domain.h},

@@ -109,6 +109,14 @@ double volume(Shape const& shape, grid::Geometry geometry) {
   return std::visit(Visitor{geometry}, shape);
 }
 
+double equivalent_radius(double volume, grid::Geometry geometry) {
+  switch (std::min(3, grid::dimensions(geometry) + grid::radial_exponent(geometry))) {
+    case 1: return 0.5 * volume;
+    case 2: return std::sqrt(volume / pi);
+    default: return std::cbrt(0.75 * volume / pi);
+  }
+}
+
 Vec3 centre(Shape const& shape) {
   struct Visitor {
     Vec3 operator()(Everywhere const&) const { return {0.0, 0.0, 0.0}; }

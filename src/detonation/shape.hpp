@@ -49,6 +49,9 @@ using Shape = std::variant<Everywhere, Sphere, Hemisphere, Cylinder, Box>;
 /// body). The shape is taken whole, also where it reaches over a symmetry plane. Infinite for `Everywhere`.
 [[nodiscard]] double volume(Shape const& shape, grid::Geometry geometry);
 
+/// Radius [m] of the sphere, disc or half slab (whatever is round in the geometry) of the given volume.
+[[nodiscard]] double equivalent_radius(double volume, grid::Geometry geometry);
+
 /// Centre of mass.
 [[nodiscard]] Vec3 centre(Shape const& shape);
 

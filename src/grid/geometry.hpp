@@ -32,8 +32,33 @@ enum class Geometry { cartesian3d, planar2d, axisymmetric2d, planar1d, cylindric
   }
 }
 
+/// Name of a geometry in decks and results.
+[[nodiscard]] constexpr char const* geometry_name(Geometry geometry) {
+  switch (geometry) {
+    case Geometry::cartesian3d: return "cartesian3d";
+    case Geometry::planar2d: return "planar2d";
+    case Geometry::axisymmetric2d: return "axisymmetric2d";
+    case Geometry::planar1d: return "planar1d";
+    case Geometry::cylindrical1d: return "cylindrical1d";
+    case Geometry::spherical1d: return "spherical1d";
+  }
+  return "";
+}
+
 /// What happens at one face of the domain.
 enum class Boundary { outflow, wall, symmetry, inflow, periodic };
+
+/// Name of a boundary in decks and results.
+[[nodiscard]] constexpr char const* boundary_name(Boundary boundary) {
+  switch (boundary) {
+    case Boundary::outflow: return "outflow";
+    case Boundary::wall: return "wall";
+    case Boundary::symmetry: return "symmetry";
+    case Boundary::inflow: return "inflow";
+    case Boundary::periodic: return "periodic";
+  }
+  return "";
+}
 
 /// The six faces in the order x low, x high, y low, y high, z low, z high: `2 * direction + side`.
 enum class Face : int { x_low, x_high, y_low, y_high, z_low, z_high };

@@ -221,7 +221,7 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
     DumpFile file(std::size_t(bytes_per_dump(domain, fields, options_.single_precision)));
     file.attribute(file.root(), "time", std::array{time});
     file.attribute(file.root(), "step", std::array{step});
-    file.attribute(file.root(), "geometry", geometry_name(domain.geometry));
+    file.attribute(file.root(), "geometry", grid::geometry_name(domain.geometry));
     file.attribute(file.root(), "origin", domain.lower);
     file.attribute(file.root(), "spacing", std::array{domain.h});
     file.attribute(file.root(), "cells", std::array<long, 3>{domain.cells[0], domain.cells[1], domain.cells[2]});
@@ -242,18 +242,6 @@ double FieldSeries::bytes_per_dump(grid::Domain const& domain, std::vector<Field
   double components = 0.0;
   for (auto const& field : fields) components += field.components;
   return static_cast<double>(domain.cell_count()) * components * (single_precision ? 4.0 : 8.0);
-}
-
-std::string geometry_name(grid::Geometry geometry) {
-  switch (geometry) {
-    case grid::Geometry::cartesian3d: return "cartesian3d";
-    case grid::Geometry::planar2d: return "planar2d";
-    case grid::Geometry::axisymmetric2d: return "axisymmetric2d";
-    case grid::Geometry::planar1d: return "planar1d";
-    case grid::Geometry::cylindrical1d: return "cylindrical1d";
-    case grid::Geometry::spherical1d: return "spherical1d";
-  }
-  return "";
 }
 
 }  // namespace brisance::output

@@ -53,7 +53,4 @@ class FieldSeries {
   std::string entries_;  ///< the index's <Grid> elements so far
 };
 
-/// Name of a geometry in output files: as in decks.
-[[nodiscard]] std::string geometry_name(grid::Geometry geometry);
-
 }  // namespace brisance::output

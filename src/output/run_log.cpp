@@ -69,21 +69,10 @@ json charges(run::World const& world) {
   return out;
 }
 
-char const* boundary_name(grid::Boundary boundary) {
-  switch (boundary) {
-    case grid::Boundary::outflow: return "outflow";
-    case grid::Boundary::wall: return "wall";
-    case grid::Boundary::symmetry: return "symmetry";
-    case grid::Boundary::inflow: return "inflow";
-    case grid::Boundary::periodic: return "periodic";
-  }
-  return "";
-}
-
 json domain_of(grid::Domain const& d) {
   json boundary = json::array();
-  for (auto const b : d.boundary) boundary.push_back(boundary_name(b));
-  return {{"geometry", geometry_name(d.geometry)},
+  for (auto const b : d.boundary) boundary.push_back(grid::boundary_name(b));
+  return {{"geometry", grid::geometry_name(d.geometry)},
           {"lower", d.lower},
           {"upper", {d.upper(0), d.upper(1), d.upper(2)}},
           {"cell_size", d.h},

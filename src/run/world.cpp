@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/error.hpp"
 #include "core/timer.hpp"
@@ -103,14 +102,6 @@ void place_obstacles(Case const& c, grid::Grid const& grid, gas::Gas& gas, gas::
   }
 }
 
-double equivalent_radius(double volume, int dimensions) {
-  switch (dimensions) {
-    case 1: return 0.5 * volume;
-    case 2: return std::sqrt(volume / std::numbers::pi);
-    default: return std::cbrt(0.75 * volume / std::numbers::pi);
-  }
-}
-
 }  // namespace
 
 World::World(Case c)
@@ -150,8 +141,8 @@ World::World(Case c)
     report.asked_mass = charge.mass;
     report.realised_mass = (products() - before) * filled.images;
     report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
-    int const round = grid::dimensions(setup.domain.geometry) + grid::radial_exponent(setup.domain.geometry);
-    report.cells_per_radius = equivalent_radius(report.realised_mass / density, std::min(round, 3)) / setup.domain.h;
+    report.cells_per_radius =
+        detonation::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / setup.domain.h;
     charges.push_back(report);
   }
   if (!burning.empty())
