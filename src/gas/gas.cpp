@@ -213,6 +213,7 @@ void Gas::report_not_a_number(int b, int direction) const {
 void Gas::advance(double dt, bool reverse) {
   int const dims = grid_->domain().dimensions();
   time_at_step_end_ = time_ + dt;
+  if (static_cast<int>(workspaces_.size()) < threads()) prepare_workspaces();  // more threads than at the start
   std::vector<int> order;
   for (int direction : options_.sweep_order) {
     if (direction < dims) order.push_back(direction);
