@@ -108,8 +108,6 @@ run::ChargeReport realised(run::Charge const& charge, grid::Grid const& grid, st
   return report;
 }
 
-constexpr std::array face_names{"x_low", "x_high", "y_low", "y_high", "z_low", "z_high"};
-
 double relative_error(run::ChargeReport const& c) { return (c.realised_mass - c.asked_mass) / c.asked_mass; }
 
 /// Name, role and source of every material of a case.
@@ -194,7 +192,7 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
   line("cells", fmt::format("{} = {} of {}, in {} blocks", cells, large_count(p.cells), quantity(d.h, "m"), p.blocks));
   std::string boundaries;
   for (int f = 0; f < 2 * dims; ++f)
-    boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", face_names[f], grid::boundary_name(d.boundary[f]));
+    boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", grid::face_names[f], grid::boundary_name(d.boundary[f]));
   line("boundaries", boundaries);
   line("scheme", fmt::format("{}, Courant number {:g}, {}",
                              setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff",
@@ -251,7 +249,7 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
     materials.push_back({{"name", m.name}, {"role", m.role}, {"source", m.source}});
   json boundaries = json::object();
   for (int f = 0; f < 2 * setup.domain.dimensions(); ++f)
-    boundaries[face_names[f]] = grid::boundary_name(setup.domain.boundary[f]);
+    boundaries[grid::face_names[f]] = grid::boundary_name(setup.domain.boundary[f]);
   json fields = json::array();
   for (auto const& f : output::dumped_fields(setup)) fields.push_back(f.name);
   return {{"title", setup.title},

@@ -32,30 +32,6 @@ constexpr double mass_tolerance = 1e-3;     ///< within which a given mass and a
 constexpr double cell_tolerance = 1e-6;     ///< relative, of an extent to a whole number of cells
 constexpr double gas_temperature = 288.15;  ///< at which a gas has the density of its table [K]
 constexpr char const* directions = "xyz";
-constexpr std::array<char const*, 6> faces{"x_low", "x_high", "y_low", "y_high", "z_low", "z_high"};
-
-char const* geometry_word(Geometry g) {
-  switch (g) {
-    case Geometry::cartesian3d: return "cartesian3d";
-    case Geometry::planar2d: return "planar2d";
-    case Geometry::axisymmetric2d: return "axisymmetric2d";
-    case Geometry::planar1d: return "planar1d";
-    case Geometry::cylindrical1d: return "cylindrical1d";
-    case Geometry::spherical1d: return "spherical1d";
-  }
-  return "";
-}
-
-char const* boundary_word(Boundary b) {
-  switch (b) {
-    case Boundary::outflow: return "outflow";
-    case Boundary::wall: return "wall";
-    case Boundary::symmetry: return "symmetry";
-    case Boundary::inflow: return "inflow";
-    case Boundary::periodic: return "periodic";
-  }
-  return "";
-}
 
 std::string joined(std::vector<std::string> const& words) { return quoted_list(words); }
 
@@ -133,7 +109,7 @@ class Builder {
     if (count < dims()) {
       error(section, key,
             fmt::format("{} has {} element{}, but {} resolves {}: give {} elements", section.shown(key), count,
-                        count == 1 ? "" : "s", geometry_word(geometry()), direction_list(dims()), dims()));
+                        count == 1 ? "" : "s", grid::geometry_name(geometry()), direction_list(dims()), dims()));
       return std::nullopt;
     }
     Vec3 out{0.0, 0.0, 0.0};
@@ -141,7 +117,7 @@ class Builder {
       if (d >= dims() && (*values)[d] != 0.0) {
         error(section, key,
               fmt::format("{} has a value in direction {}, but {} resolves only {}: remove it or write 0",
-                          section.shown(key), directions[d], geometry_word(geometry()), direction_list(dims())));
+                          section.shown(key), directions[d], grid::geometry_name(geometry()), direction_list(dims())));
         return std::nullopt;
       }
       out[d] = (*values)[d];
@@ -156,7 +132,7 @@ class Builder {
     if (!word) return;
     for (Geometry const g : {Geometry::cartesian3d, Geometry::planar2d, Geometry::axisymmetric2d, Geometry::planar1d,
                              Geometry::cylindrical1d, Geometry::spherical1d}) {
-      if (*word == geometry_word(g)) out_.domain.geometry = g;
+      if (*word == grid::geometry_name(g)) out_.domain.geometry = g;
     }
     geometry_known_ = true;
     if (section->doubtful()) return;
@@ -175,7 +151,7 @@ class Builder {
     if (lower && radial() && (*lower)[0] < 0.0) {
       error(*section, "lower",
             fmt::format("{} starts at a negative radius; in {} x is the radius: write 0 or more",
-                        section->shown("lower"), geometry_word(geometry())));
+                        section->shown("lower"), grid::geometry_name(geometry())));
       return;
     }
     if (!h || !lower || (section->given("upper") && !upper) || (section->given("size") && !size)) return;
@@ -244,7 +220,7 @@ class Builder {
     Section const* section = deck_.section("boundaries");
     auto const kind = [](std::string const& word) {
       for (Boundary const b : {Boundary::wall, Boundary::symmetry, Boundary::inflow, Boundary::periodic}) {
-        if (word == boundary_word(b)) return b;
+        if (word == grid::boundary_name(b)) return b;
       }
       return Boundary::outflow;
     };
@@ -252,13 +228,13 @@ class Builder {
     Boundary const all = section == nullptr ? Boundary::outflow : kind(section->text("all").value_or("outflow"));
     bool const axis = radial() && out_.domain.lower[0] == 0.0;
     for (int f = 0; f < 6; ++f) {
-      std::string_view const face = faces[f];
+      std::string_view const face = grid::face_names[f];
       bool const given = section != nullptr && section->given(face);
       if (f / 2 >= dims()) {
         if (given) {
           error(*section, face,
-                fmt::format("{} has no face {}: it resolves only {}; remove the key", geometry_word(geometry()), face,
-                            direction_list(dims())));
+                fmt::format("{} has no face {}: it resolves only {}; remove the key", grid::geometry_name(geometry()),
+                            face, direction_list(dims())));
         }
         continue;
       }
@@ -281,7 +257,7 @@ class Builder {
       if (f / 2 == 0 && radial() && b == Boundary::periodic) {
         error(*section, face,
               fmt::format("\"periodic\" is not possible along the radius x of {}; choose another boundary",
-                          geometry_word(geometry())));
+                          grid::geometry_name(geometry())));
       }
     }
     if (!boundaries_known_) return;
@@ -290,9 +266,11 @@ class Builder {
       bool const high = out_.domain.boundary[2 * d + 1] == Boundary::periodic;
       if (low == high || (radial() && d == 0)) continue;
       int const other = low ? 2 * d + 1 : 2 * d;
-      error(*section, section->given(faces[low ? 2 * d : 2 * d + 1]) ? faces[low ? 2 * d : 2 * d + 1] : "all",
-            fmt::format("\"periodic\" joins both faces of a direction, but {} is \"{}\": make both periodic",
-                        faces[other], boundary_word(out_.domain.boundary[other])));
+      error(
+          *section,
+          section->given(grid::face_names[low ? 2 * d : 2 * d + 1]) ? grid::face_names[low ? 2 * d : 2 * d + 1] : "all",
+          fmt::format("\"periodic\" joins both faces of a direction, but {} is \"{}\": make both periodic",
+                      grid::face_names[other], grid::boundary_name(out_.domain.boundary[other])));
     }
     inflow(section);
   }
@@ -301,7 +279,8 @@ class Builder {
     for (auto& state : out_.inflow) state = out_.ambient.state;
     std::array<bool, 6> described{};
     each("inflow", [&](Section const& given) {
-      int const f = static_cast<int>(std::find(faces.begin(), faces.end(), given.name) - faces.begin());
+      int const f = static_cast<int>(std::find(grid::face_names.begin(), grid::face_names.end(), given.name) -
+                                     grid::face_names.begin());
       described[f] = true;
       if (f / 2 >= dims() || out_.domain.boundary[f] != Boundary::inflow) {
         report_.error(
@@ -309,16 +288,18 @@ class Builder {
             fmt::format(
                 "the face {} is \"{}\", so that this table is without use: write {} = \"inflow\" in [boundaries] or "
                 "remove the table",
-                given.name, f / 2 >= dims() ? "not resolved" : boundary_word(out_.domain.boundary[f]), given.name));
+                given.name, f / 2 >= dims() ? "not resolved" : grid::boundary_name(out_.domain.boundary[f]),
+                given.name));
         return;
       }
       if (auto const s = state(given, out_.ambient.fluid, out_.ambient.state, "density")) out_.inflow[f] = *s;
     });
     for (int f = 0; f < 2 * dims(); ++f) {
       if (out_.domain.boundary[f] != Boundary::inflow || described[f]) continue;
-      std::string_view const key = section->given(faces[f]) ? faces[f] : "all";
+      std::string_view const key = section->given(grid::face_names[f]) ? grid::face_names[f] : "all";
       error(*section, key,
-            fmt::format("\"inflow\" needs the entering state: add [inflow.{}] with velocity = [...]", faces[f]));
+            fmt::format("\"inflow\" needs the entering state: add [inflow.{}] with velocity = [...]",
+                        grid::face_names[f]));
     }
   }
 
@@ -501,7 +482,7 @@ class Builder {
       std::string const disc =
           word == "sphere" && geometry() == Geometry::planar2d ? " (a \"cylinder\" is a disc here)" : "";
       error(section, "shape",
-            fmt::format("\"{}\" is not possible in {}; allowed: {}{}", word, geometry_word(geometry()),
+            fmt::format("\"{}\" is not possible in {}; allowed: {}{}", word, grid::geometry_name(geometry()),
                         joined(possible), disc));
       return std::nullopt;
     }
@@ -519,7 +500,7 @@ class Builder {
         error(section, "position",
               fmt::format("{} does not lie on the axis; a {} in {} is centred at radius 0: write 0 as its first "
                           "element, or use a box, which is a ring or shell",
-                          section.shown("position"), word, geometry_word(geometry())));
+                          section.shown("position"), word, grid::geometry_name(geometry())));
         return std::nullopt;
       }
     }
@@ -583,7 +564,7 @@ class Builder {
       std::erase_if(offered, [&](std::string const& k) { return section.table->find(k) == nullptr; });
       error(section, key,
             fmt::format("{} does not apply to a {} in {}; its keys are {}: remove it or change the shape",
-                        section.shown(key), word, geometry_word(geometry()), fmt::join(offered, ", ")));
+                        section.shown(key), word, grid::geometry_name(geometry()), fmt::join(offered, ", ")));
       sound = false;
     }
     return sound;
@@ -696,7 +677,7 @@ class Builder {
             fmt::format(
                 "the box starts at the radius {:g} m; in {} x is the radius: give lower and upper with radii of 0 "
                 "or more",
-                low[0], geometry_word(geometry())));
+                low[0], grid::geometry_name(geometry())));
       return std::nullopt;
     }
     // One metre thick where a direction is not resolved.
@@ -850,7 +831,7 @@ class Builder {
     if (unit == own) return true;
     error(section, "mass",
           fmt::format("{} is given in {}, but a charge in {} has its mass in {}", section.shown("mass"), unit,
-                      geometry_word(geometry()), own));
+                      grid::geometry_name(geometry()), own));
     return false;
   }
 
@@ -871,7 +852,7 @@ class Builder {
       bool const centred = std::abs(c[d] - plane) <= tiny();
       bool const outwards = half != nullptr && half->normal[d] * (low ? -1.0 : 1.0) > 0.0;
       std::string const where = fmt::format("the charge reaches {:.4g} m over the face {} ({} = {:.6g} m)", beyond,
-                                            faces[f], directions[d], plane);
+                                            grid::face_names[f], directions[d], plane);
       if (boundary == Boundary::symmetry) {
         if (centred && !outwards) continue;
         if (outwards) {
@@ -899,7 +880,7 @@ class Builder {
               fmt::format(
                   "{}, which is \"{}\": move the charge inside or enlarge the domain; only a symmetry plane through "
                   "its centre may cut a charge",
-                  where, boundary_word(boundary)));
+                  where, grid::boundary_name(boundary)));
       }
       return false;
     }
@@ -1087,7 +1068,7 @@ class Builder {
     auto const edge2 = point(*given, "edge2");
     auto const* counts = given->numbers("counts");
     if (dims() < 2) {
-      error(section, "plane", fmt::format("{} resolves only x: use a line", geometry_word(geometry())));
+      error(section, "plane", fmt::format("{} resolves only x: use a line", grid::geometry_name(geometry())));
       return;
     }
     if (counts != nullptr && counts->size() != 2) {

@@ -63,6 +63,9 @@ enum class Boundary { outflow, wall, symmetry, inflow, periodic };
 /// The six faces in the order x low, x high, y low, y high, z low, z high: `2 * direction + side`.
 enum class Face : int { x_low, x_high, y_low, y_high, z_low, z_high };
 
+/// Names of the faces in decks and results, in `Face` order.
+inline constexpr std::array<char const*, 6> face_names{"x_low", "x_high", "y_low", "y_high", "z_low", "z_high"};
+
 /// A box of uniform cubic cells of size h. Directions that are not resolved have one cell.
 struct Domain {
   Geometry geometry = Geometry::cartesian3d;

@@ -45,6 +45,12 @@ Deviation advect(Problem& problem, double p, double rho0, double rho1, double u,
   return worst;
 }
 
+void expect_uniform(char const* fluids, Deviation const& d, long steps) {
+  std::printf("%s: pressure %.1e, velocity %.1e after %ld steps\n", fluids, d.pressure, d.velocity, steps);
+  EXPECT_LE(d.pressure, 1e-9);
+  EXPECT_LE(d.velocity, 1e-9);
+}
+
 class Interface : public testing::TestWithParam<std::tuple<gas::Scheme, grid::Geometry>> {};
 
 TEST_P(Interface, IdealInIdealStaysUniform) {
@@ -52,9 +58,7 @@ TEST_P(Interface, IdealInIdealStaysUniform) {
   problem.fluids.second = material::IdealGas{1.667};
   auto const [scheme, geometry] = GetParam();
   Deviation const d = advect(problem, 1e5, 1.2, 0.16, 100.0, scheme, geometry);
-  std::printf("ideal/ideal: pressure %.1e, velocity %.1e after %ld steps\n", d.pressure, d.velocity, problem.steps);
-  EXPECT_LE(d.pressure, 1e-9);
-  EXPECT_LE(d.velocity, 1e-9);
+  expect_uniform("ideal/ideal", d, problem.steps);
 }
 
 // Products expanded to a fifth of their initial density at 5 MPa: both exponentials of the JWL matter.
@@ -63,9 +67,7 @@ TEST_P(Interface, JwlInAirStaysUniform) {
   problem.fluids.second = material::Jwl{};
   auto const [scheme, geometry] = GetParam();
   Deviation const d = advect(problem, 5e6, 50.0, 326.0, 1000.0, scheme, geometry);
-  std::printf("JWL/air: pressure %.1e, velocity %.1e after %ld steps\n", d.pressure, d.velocity, problem.steps);
-  EXPECT_LE(d.pressure, 1e-9);
-  EXPECT_LE(d.velocity, 1e-9);
+  expect_uniform("JWL/air", d, problem.steps);
 }
 
 TEST_P(Interface, WaterInAirStaysUniform) {
@@ -73,9 +75,7 @@ TEST_P(Interface, WaterInAirStaysUniform) {
   problem.fluids.second = material::StiffenedGas{4.4, 6e8};
   auto const [scheme, geometry] = GetParam();
   Deviation const d = advect(problem, 1e7, 50.0, 1000.0, 500.0, scheme, geometry);
-  std::printf("water/air: pressure %.1e, velocity %.1e after %ld steps\n", d.pressure, d.velocity, problem.steps);
-  EXPECT_LE(d.pressure, 1e-9);
-  EXPECT_LE(d.velocity, 1e-9);
+  expect_uniform("water/air", d, problem.steps);
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, Interface,
