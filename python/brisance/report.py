@@ -13,6 +13,9 @@ GEOMETRIES = {"cartesian3d": "3D", "planar2d": "planar 2D", "axisymmetric2d": "a
               "planar1d": "planar 1D", "cylindrical1d": "cylindrical 1D", "spherical1d": "spherical 1D"}
 ROUND_OFF = 1e-10
 SMALL_DRIFT = 1e-6
+# Energy of material points: what the better shape functions reach, and what still gives a usable result.
+FINE_DRIFT = 1e-3
+COARSE_DRIFT = 1e-2
 KB_TITLE = "Kingery-Bulmash"
 
 
@@ -84,18 +87,26 @@ def status_badge(log):
     return badge("bad" if log["exit_code"] not in (0, 3) else "warn", "stopped")
 
 
+def bodies_in_words(points):
+    count = len(points["bodies"])
+    return f"{count} bod{'y' if count == 1 else 'ies'}"
+
+
 def facts(log):
     domain = log["domain"]
     resolved = [n for n in domain["cells"] if n > 1] or [1]
     size = [high - low for low, high, n in zip(domain["lower"], domain["upper"], domain["cells"]) if n > 1]
+    points = log.get("points")
     entries = [
         ("simulated time", f"{number(log['time'] * 1e3)} ms", f"of {number(log['end_time'] * 1e3)} ms"),
         ("steps", f"{log['step']:,}", ""),
         ("grid", " × ".join(str(n) for n in resolved), GEOMETRIES[domain["geometry"]]),
+        ("material points", f"{points['count']:,}", f"in {bodies_in_words(points)}") if points else
         ("cells", f"{domain['cell_count']:,}", f"in {log['blocks']} blocks"),
         ("cell size", f"{number(domain['cell_size'] * 1e3)} mm", ""),
         ("domain", " × ".join(number(s) for s in size) + " m", ""),
         ("wall-clock time", duration(log["wall_seconds"]), f"on {log['machine']['threads']} threads"),
+        ("speed", f"{points['point_updates_per_second'] / 1e6:.3g} million", "points/s") if points else
         ("speed", f"{log['cell_updates_per_second'] / 1e6:.3g} million", "cells/s"),
     ]
     cells = "".join(f"<div><dt>{name}</dt><dd>{value} <small>{small}</small></dd></div>"
@@ -111,6 +122,8 @@ def setup_table(log):
     if log["domain"]["geometry"] in ("spherical1d", "cylindrical1d"):
         names = ["r low", "r high"]
     faces = ", ".join(f"{name}: {kind}" for name, kind in zip(names, boundary[:2 * resolved]))
+    if log.get("points"):
+        return pairs(point_setup(log, faces))
     ambient = log["ambient"]
     rows = [
         ("gas scheme", f"{log['scheme']}, Courant number {log['courant']:g}"),
@@ -120,6 +133,119 @@ def setup_table(log):
         ("end", log["end_reason"] or "the run has not written its end"),
     ]
     return pairs(rows)
+
+
+SHAPES = {"linear": "linear", "gimp": "GIMP (uGIMP)", "cpgimp": "GIMP (cpGIMP)", "bspline": "quadratic B-spline"}
+
+
+def point_setup(log, faces):
+    points = log["points"]
+    transfer = {"flip": "FLIP" + (f", {points['pic_fraction']:g} of PIC" if points["pic_fraction"] else ""),
+                "apic": "APIC", "xpic": f"XPIC({points['xpic_order']})"}[points["transfer"]]
+    force = points["body_force"]
+    acting = [f"{points['constraints']} constraints", f"{points['contacts']} contacts",
+              f"{points['surface_pressures']} surface pressures"]
+    if any(force):
+        acting.append("body force (" + ", ".join(f"{a:g}" for a in force) + ") m/s²")
+    return [
+        ("method", f"material points, {SHAPES[points['shape_function']]}, {points['order'].upper()}, {transfer}"
+                   + (", locking control" if points["locking_control"] else "")
+                   + f", Courant number {log['courant']:g}"),
+        ("bulk viscosity", f"linear {points['linear_viscosity']:g}, quadratic {points['quadratic_viscosity']:g}"),
+        ("boundaries", faces),
+        ("what acts on the bodies", ", ".join(acting)),
+        ("gauges, dumps", f"{points['gauges']}, {log['dumps']}"),
+        ("end", log["end_reason"] or "the run has not written its end"),
+    ]
+
+
+def body_section(run):
+    points = run.points
+    rows = []
+    for body in points["bodies"]:
+        mass, shape = body["mass"], body["geometric_mass"]
+        speed = sum(v * v for v in body["velocity"]) ** 0.5
+        rows.append([text(body["name"]), ("text", text(body["material"]) + (", rigid" if body["rigid"] else "")),
+                     f"{body['points']:,}", number(mass, 6), number(shape, 6),
+                     number(abs(mass - shape) / shape if shape else None, 2), number(speed)])
+    out = table(["body", ("text", "material"), "points", "mass of the points [kg]", "mass of the shape [kg]",
+                 "relative error", "speed at the start [m/s]"], rows)
+    sources = "; ".join(sorted({f"{b['material']}: {b['source']}" for b in points["bodies"] if b["source"]}))
+    per = {"planar2d": "Masses and energies count per metre of depth.",
+           "planar1d": "Masses and energies count per square metre.",
+           "cylindrical1d": "Masses and energies count per metre of length."}.get(run.geometry, "")
+    if sources or per:
+        out += f'<p class="note">{f"Constants: {text(sources)}. " if sources else ""}{per}</p>'
+    if run.bodies:
+        out += body_results(run)
+    return out
+
+
+def body_results(run):
+    rows, seen = [], set()
+    for body in run.bodies:
+        if body["body"] in seen:
+            continue
+        seen.add(body["body"])
+        start, end = body["start"], body["end"]
+        rows.append([text(body["body"])]
+                    + [number(s[key]) for key in ("kinetic_energy", "internal_energy") for s in (start, end)]
+                    + [number(end["plastic_work"]), number(body["peak_displacement"]["value"] * 1e3),
+                       "(" + ", ".join(number(v, 3) for v in end["velocity"][:run.dimensions]) + ")"])
+    return table(["body", "start", "end", "start", "end", "plastic work [J]", "largest displacement [mm]",
+                  "mean velocity at the end [m/s]"], rows,
+                 [("", 1), ("kinetic energy [J]", 2), ("internal energy [J]", 2), ("", 3)])
+
+
+def point_gauge_table(run):
+    rows = []
+    for gauge in run.point_gauges:
+        component = gauge["component_displacement"]
+        name = run.axes["xyz".index(gauge["component"])]
+        final = ", ".join(number(u * 1e3, 3) for u in gauge["final_displacement"][:run.dimensions])
+        rows.append([text(gauge["name"]) + ("*" if gauge["left_the_domain"] else ""), ("text", text(gauge["body"])),
+                     number(gauge["peak_displacement"]["value"] * 1e3, 4, True),
+                     number(gauge["peak_displacement"]["time"] * 1e3, 4, True),
+                     f"{name}: {number(component['value'] * 1e3, 4, True)}", f"({final})",
+                     number(gauge["peak_velocity"]["value"], 4, True),
+                     number(gauge["peak_mises"]["value"] * 1e-6, 4, True), number(gauge["plastic_strain"], 3)])
+    out = table(["gauge", ("text", "on"), "peak [mm]", "at [ms]", "largest component [mm]", "at the end [mm]",
+                 "peak speed [m/s]", "peak Mises [MPa]", "plastic strain"], rows,
+                [("", 2), ("displacement", 4), ("", 3)])
+    if any(gauge["left_the_domain"] for gauge in run.point_gauges):
+        out += '<p class="note">* The point left the domain; its record ends there.</p>'
+    return out
+
+
+def drift_verdict(energy):
+    drift = energy["drift"]
+    if drift is None:
+        return badge("bad", "not a number")
+    if abs(drift) <= FINE_DRIFT:
+        return badge("good", "within 0.1 %")
+    return badge("warn", "within 1 %") if abs(drift) <= COARSE_DRIFT else badge("bad", "more than 1 %")
+
+
+def point_audit_section(points):
+    audit = points["audit"]
+    mass, energy, momentum = audit["mass"], audit["energy"], audit["momentum"]
+    drift = energy["drift"]
+    rows = [["mass [kg]", number(mass["initial"], 6), number(mass["lost"], 6), number(mass["current"], 6),
+             number(mass["relative_error"], 2), ("text", verdict(mass["relative_error"]))],
+            ["energy [J]", number(energy["initial"], 6), number(energy["lost"], 6), number(energy["current"], 6),
+             "–" if drift is None else f"{100 * drift:+.3g} %", ("text", drift_verdict(energy))]]
+    for d, name in enumerate("xyz"):
+        if any(momentum[key][d] for key in ("initial", "lost", "current")):
+            rows.append([f"momentum {name} [kg m/s]"] + [number(momentum[key][d], 6) for key in
+                                                         ("initial", "lost", "current")] + ["–", ("text", "")])
+    work = energy["work"]
+    driven = f"Loads, constraints and body forces did {number(work, 4)} J of work. " if work else ""
+    lost = f"{audit['lost_points']:,} points left the domain. " if audit["lost_points"] else ""
+    return (table(["account", "initial", "left the domain", "now", "change", ("text", "verdict")], rows)
+            + f'<p class="note">{lost}{driven}Points carry their mass, so that it is exact. The energy (kinetic and '
+            "internal) is not conserved by construction: its drift, relative to the largest energy of the run, shows "
+            "how well the motion is resolved. Momentum changes where symmetry planes, walls, loads or constraints act."
+            "</p>")
 
 
 def charge_section(log):
@@ -222,10 +348,9 @@ def deck_section(deck):
     return f"<pre>{chr(10).join(lines)}</pre>"
 
 
-def sections(run, figures):
-    """Titles and contents of the page, in order; those with nothing to show are left out."""
+def gas_sections(run, figures):
+    """What a run of the gas has to show."""
     log = run.log
-    yield "Calculation", facts(log) + setup_table(log)
     if log["charges"]:
         yield "Charge", charge_section(log)
     if run.summary["gauges"]:
@@ -251,6 +376,30 @@ def sections(run, figures):
                                 + ("; contours in kPa, circles: gauges." if run.dimensions > 1
                                    else ", and largest running impulse."))
     yield "Conservation", audit_section(log)
+
+
+def point_sections(run, figures):
+    """What a run of material points has to show."""
+    yield "Bodies", body_section(run)
+    pictures = figures.pictures(run)
+    mirrored = " Mirrored at the axis." if run.geometry == "axisymmetric2d" else ""
+    yield "Pictures", (
+        figure(figures.outer_view(run), "The bodies from outside.")
+        + figure(pictures, "The material points at several times" + (
+            "; the layer of points next to each plane." if run.dimensions == 3 else ".") + mirrored)
+        + figure(figures.profiles(run), "Profiles at several times."))
+    if run.point_gauges:
+        yield "Gauges", point_gauge_table(run) + figure(
+            figures.gauge_histories(run), "Displacement, velocity and stress of the points that the gauges ride on.")
+    yield "Energies", figure(figures.energies(run), "Energies over time.")
+    yield "Conservation", point_audit_section(run.points)
+
+
+def sections(run, figures, point_figures):
+    """Titles and contents of the page, in order; those with nothing to show are left out."""
+    log = run.log
+    yield "Calculation", facts(log) + setup_table(log)
+    yield from point_sections(run, point_figures) if run.points else gas_sections(run, figures)
     versions, machine = log["versions"], log["machine"]
     yield "Cost and versions", figure(figures.timings(run), "Wall-clock time by phase.") + pairs([
         ("Brisance", versions["brisance"]), ("compiler", versions["compiler"]),
@@ -260,11 +409,12 @@ def sections(run, figures):
     yield "Deck", deck_section(log["deck"])
 
 
-def page(run, figures):
+def page(run, figures, point_figures):
     log = run.log
     title = log["title"] or log["deck_path"] or "Brisance run"
+    kind = "Material point" if run.points else "Blast"
     style = (Path(__file__).parent / "report.css").read_text(encoding="utf-8")
-    shown = [(name, content) for name, content in sections(run, figures) if content]
+    shown = [(name, content) for name, content in sections(run, figures, point_figures) if content]
     body = "\n".join(f'<section><h2><span class="number">{n}</span>{name}</h2>\n{content}</section>'
                      for n, (name, content) in enumerate(shown, 1))
     return f"""<!DOCTYPE html>
@@ -279,7 +429,7 @@ def page(run, figures):
 <body>
 <header><div>
 <h1>{text(title)}</h1>
-<p>Blast calculation with Brisance {text(log['versions']['brisance'])} &nbsp;·&nbsp; {text(log['started_at'][:10])}
+<p>{kind} calculation with Brisance {text(log['versions']['brisance'])} &nbsp;·&nbsp; {text(log['started_at'][:10])}
 &nbsp;
 {status_badge(log)}</p>
 </div></header>
@@ -300,14 +450,14 @@ def main(arguments):
     # Run by its path, the script must still find the package that it belongs to.
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
     try:
-        from brisance import figures, results
+        from brisance import figures, point_figures, results
     except ImportError as missing:
         print(f"the Python package {missing.name} is missing; on Debian: "
               "apt install python3-numpy python3-h5py python3-matplotlib", file=sys.stderr)
         return 5
     folder = Path(arguments[0])
     try:
-        content = page(results.Run(folder), figures)
+        content = page(results.Run(folder), figures, point_figures)
         temporary = folder / "report.html.part"
         temporary.write_text(content, encoding="utf-8")
         os.replace(temporary, folder / "report.html")

@@ -53,6 +53,23 @@ class Dump:
         return min(max(index, 0), self.cells[direction] - 1)
 
 
+class PointDump:
+    """One dump of the material points. Values are read when they are asked for."""
+
+    def __init__(self, path):
+        self.path = path
+        with h5py.File(path, "r") as file:
+            self.time = float(file.attrs["time"])
+            self.step = int(file.attrs["step"])
+            self.count = int(file.attrs["count"])
+            self.fields = sorted(file["points"])
+
+    def values(self, field):
+        """All values of a field: (n), (n, 3) or (n, 6)."""
+        with h5py.File(self.path, "r") as file:
+            return file["points"][field][...].astype(float)
+
+
 class Run:
     """A run's folder: log, gauges with their histories and summaries, dumps in order of time."""
 
@@ -65,6 +82,15 @@ class Run:
         self.histories = {gauge["name"]: self._history(gauge["file"]) for gauge in self.summary["gauges"]}
         self.dumps = sorted((Dump(path) for path in self.folder.glob("fields/fields_*.h5")),
                             key=lambda dump: dump.time)
+        # Runs of material points only.
+        self.points = self.log.get("points")
+        self.point_gauges = self.summary.get("point_gauges", [])
+        self.bodies = self.summary.get("bodies", [])
+        self.point_dumps = sorted((PointDump(path) for path in self.folder.glob("points/points_*.h5")),
+                                  key=lambda dump: dump.time)
+        for gauge in self.point_gauges:
+            self.histories[gauge["name"]] = self._history(gauge["file"])
+        self.energies = self._history("energies.csv")
 
     @property
     def geometry(self):

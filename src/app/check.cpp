@@ -6,13 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/text.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "gas/components.hpp"
+#include "output/json.hpp"
+#include "output/run_log.hpp"
 #include "output/writer.hpp"
+#include "shape/placement.hpp"
 
 namespace brisance::app {
 
@@ -23,7 +27,11 @@ constexpr double peak_components = 3.0;         // peak overpressure, running an
 constexpr double program_bytes = 50e6;          // code, libraries, work arrays of the threads
 constexpr double largest_dump_cache = 268.5e6;  // chunk cache of the field writer
 constexpr double bytes_per_record = 100.0;      // one line of a gauge file
-constexpr double coarse_charge = 5.0;           // cells per charge radius below which the near field is poorly resolved
+constexpr double bytes_per_point = 300.0;       // of a metal: its 27 values, and the room that the arrays keep
+constexpr double bytes_per_node = 160.0;        // mass, momentum, force and velocity of a node on one grid field
+constexpr double bytes_per_point_record = 200.0;
+constexpr double coarse_body = 4.0;    // points across a body's shortest side below which it hardly bends
+constexpr double coarse_charge = 5.0;  // cells per charge radius below which the near field is poorly resolved
 
 double machine_memory() {
   double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
@@ -49,7 +57,6 @@ double estimated_memory(run::Case const& setup, grid::Grid const& grid) {
   return values * double_bytes + std::min(largest_dump_cache, cells * 3.0 * double_bytes) + program_bytes;
 }
 
-/// Radius of the sphere, circle or slab that holds `volume`, as the geometry has it [m].
 double signal(material::Eos const& eos, run::FluidState const& state) {
   double speed = 0.0;
   for (double const u : state.velocity) speed = std::max(speed, std::abs(u));
@@ -74,8 +81,7 @@ double estimated_steps(run::Case const& setup) {
   double path = quiet * end;  // what the fastest signal travels [m]
   for (run::Charge const& charge : setup.charges) {
     double const D = charge.explosive.detonation_speed;
-    double const t0 =
-        detonation::equivalent_radius(charge.mass / charge.explosive.density(), setup.domain.geometry) / D;
+    double const t0 = shape::equivalent_radius(charge.mass / charge.explosive.density(), setup.domain.geometry) / D;
     double const core = grid::radial_exponent(setup.domain.geometry) > 0 ? 0.35 * D : 0.0;
     constexpr int intervals = 400;
     double sum = 0.0;
@@ -103,12 +109,126 @@ run::ChargeReport realised(run::Charge const& charge, grid::Grid const& grid, st
   report.asked_mass = charge.mass;
   report.realised_mass = volume * filled.images * density;
   report.realised_energy = volume * filled.images * charge.explosive.energy;
-  report.cells_per_radius =
-      detonation::equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.domain().h;
+  report.cells_per_radius = shape::equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.domain().h;
   return report;
 }
 
 double relative_error(run::ChargeReport const& c) { return (c.realised_mass - c.asked_mass) / c.asked_mass; }
+
+void plan_gas(run::Case const& setup, Plan& p) {
+  grid::Grid const grid(setup.domain, setup.numerics.block_cells);
+  p.blocks = grid.block_count();
+  p.memory_bytes = estimated_memory(setup, grid);
+  p.steps = estimated_steps(setup);
+  int number = 0;
+  for (run::Charge const& charge : setup.charges) {
+    ++number;
+    std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
+    p.charges.push_back(realised(charge, grid, what));
+    double const resolution = p.charges.back().cells_per_radius;
+    if (resolution < coarse_charge) {
+      p.warnings.push_back(fmt::format(
+          "{} has only {:.2g} cells per radius: the near field will be coarse; a cell of {} would give {:g}", what,
+          resolution, quantity(setup.domain.h * resolution / coarse_charge, "m", 2), coarse_charge));
+    }
+  }
+  p.dump_bytes =
+      output::FieldSeries::bytes_per_dump(setup.domain, output::dumped_fields(setup), setup.output.single_precision);
+  double const records =
+      setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
+  p.gauge_bytes = records * bytes_per_record * static_cast<double>(setup.gauges.size());
+}
+
+/// Nodes that carry the points: their cells, with the margins of the patches, once for each grid field.
+double point_memory(run::Points const& points, Plan const& p, int dimensions) {
+  double nodes = 0.0;
+  for (std::size_t b = 0; b < p.bodies.size(); ++b)
+    nodes += static_cast<double>(p.bodies[b].points) / std::pow(points.bodies[b].points_per_direction, dimensions);
+  constexpr double margins = 2.0;  // blocks of 8 cells with two layers around: (12/8)^3 and less
+  double const records = std::min(p.steps, p.gauge_bytes / bytes_per_point_record);
+  return p.points * bytes_per_point + nodes * margins * bytes_per_node + records * sizeof(run::PointRecord) +
+         program_bytes;
+}
+
+double fastest_signal(run::Body const& body) {
+  material::Solid const& solid = body.solid;
+  double const density = body.density.value_or(solid.density);
+  double pressure = material::start_pressure(solid);
+  if (body.density || body.specific_energy)
+    pressure = material::pressure(solid.eos, density, body.specific_energy.value_or(solid.specific_energy));
+  double const sound = body.rigid ? 0.0 : material::sound_speed(solid, density, pressure);
+  double const burn = body.initiation.empty() ? 0.0 : solid.detonation_speed;
+  return std::max(sound, burn) + norm(body.velocity);
+}
+
+/// Steps at the length that the start allows.
+double estimated_point_steps(run::Case const& setup) {
+  double fastest = 0.0;
+  for (run::Body const& body : setup.points.bodies) fastest = std::max(fastest, fastest_signal(body));
+  double const steps =
+      setup.end.time * fastest / (setup.points.options.courant * setup.domain.h) + 5.0;  // 5 for the gentle start
+  return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
+}
+
+/// The bodies as they will be filled. One that could not be kept in memory anyway is not filled but estimated.
+run::BodyReport realised(run::Body const& body, grid::Domain const& domain, double machine_memory_bytes) {
+  run::BodyReport report;
+  report.name = body.name;
+  report.material = body.solid.name;
+  double const density = body.density.value_or(body.solid.density);
+  auto const box = shape::bounds(body.shape);
+  double room = 1.0;  // cells in the box around the part of the body in the domain
+  for (int d = 0; d < domain.dimensions(); ++d)
+    room *= std::max(0.0, std::min(box.upper[d], domain.upper(d)) - std::max(box.lower[d], domain.lower[d])) / domain.h;
+  double const most = room * std::pow(body.points_per_direction, domain.dimensions());
+  if (most * bytes_per_point > 4.0 * machine_memory_bytes) {
+    report.points = static_cast<long>(most);
+    report.mass = report.geometric_mass = std::numeric_limits<double>::quiet_NaN();
+    return report;
+  }
+  auto const placement = shape::place_particles(body.shape, domain, body.points_per_direction);
+  report.points = static_cast<long>(placement.positions.size());
+  for (double const volume : placement.volumes) report.mass += density * volume;
+  report.geometric_mass = density * placement.volume;
+  return report;
+}
+
+double relative_error(run::BodyReport const& b) { return (b.mass - b.geometric_mass) / b.geometric_mass; }
+
+/// Points across the shortest side of a body.
+double points_across(run::Body const& body, grid::Domain const& domain) {
+  auto const box = shape::bounds(body.shape);
+  double across = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    bool const mirrored = domain.boundary[2 * d] == grid::Boundary::symmetry && box.lower[d] <= domain.lower[d];
+    double const size = box.upper[d] - box.lower[d];
+    // A body that reaches over a symmetry plane goes on behind it.
+    across = std::min(across, (mirrored ? 2.0 : 1.0) * size / domain.h * body.points_per_direction);
+  }
+  return across;
+}
+
+void plan_points(run::Case const& setup, Plan& p) {
+  auto const& points = setup.points;
+  p.steps = estimated_point_steps(setup);
+  for (run::Body const& body : points.bodies) {
+    p.bodies.push_back(realised(body, setup.domain, p.machine_memory_bytes));
+    p.points += static_cast<double>(p.bodies.back().points);
+    if (double const across = points_across(body, setup.domain);
+        body.solid.has_deviator() && !body.rigid && across < coarse_body - 0.01) {
+      p.warnings.push_back(
+          fmt::format("body \"{}\" has only {:.2g} points across its shortest side: it will bend and yield poorly; a "
+                      "cell of {} would give {:g}",
+                      body.name, across, quantity(setup.domain.h * across / coarse_body, "m", 2), coarse_body));
+    }
+  }
+  double const records =
+      setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
+  p.gauge_bytes = records * bytes_per_point_record * static_cast<double>(points.gauges.size());
+  p.memory_bytes = point_memory(points, p, setup.domain.dimensions());
+  p.dump_bytes =
+      output::PointSeries::bytes_per_dump(p.points, output::dumped_fields(setup), setup.output.single_precision);
+}
 
 /// Name, role and source of every material of a case.
 struct MaterialLine {
@@ -118,6 +238,15 @@ struct MaterialLine {
 };
 
 std::vector<MaterialLine> materials_of(run::Case const& setup) {
+  if (setup.points.any()) {
+    std::vector<MaterialLine> lines;
+    for (run::Body const& body : setup.points.bodies) {
+      bool const known =
+          std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == body.solid.name; });
+      if (!known) lines.push_back({body.solid.name, "body", body.solid.source});
+    }
+    return lines;
+  }
   std::vector<MaterialLine> lines{{setup.ambient.fluid.name, "ambient fluid", setup.ambient.fluid.source}};
   if (setup.second_fluid && setup.charges.empty())
     lines.push_back({setup.second_fluid->name, "second fluid", setup.second_fluid->source});
@@ -133,30 +262,14 @@ std::vector<MaterialLine> materials_of(run::Case const& setup) {
 
 Plan plan(run::Case const& setup) {
   Plan p;
-  grid::Grid const grid(setup.domain, setup.numerics.block_cells);
   p.cells = static_cast<double>(setup.domain.cell_count());
-  p.blocks = grid.block_count();
-  p.memory_bytes = estimated_memory(setup, grid);
   p.machine_memory_bytes = machine_memory();
-  p.steps = estimated_steps(setup);
-  int number = 0;
-  for (run::Charge const& charge : setup.charges) {
-    ++number;
-    std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
-    p.charges.push_back(realised(charge, grid, what));
-    double const resolution = p.charges.back().cells_per_radius;
-    if (resolution < coarse_charge) {
-      p.warnings.push_back(fmt::format(
-          "{} has only {:.2g} cells per radius: the near field will be coarse; a cell of {} would give {:g}", what,
-          resolution, quantity(setup.domain.h * resolution / coarse_charge, "m", 2), coarse_charge));
-    }
-  }
   p.dumps = static_cast<long>(output::dump_times(setup.output, setup.end.time).size());
-  p.dump_bytes =
-      output::FieldSeries::bytes_per_dump(setup.domain, output::dumped_fields(setup), setup.output.single_precision);
-  double const records =
-      setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
-  p.gauge_bytes = records * bytes_per_record * static_cast<double>(setup.gauges.size());
+  if (setup.points.any()) {
+    plan_points(setup, p);
+  } else {
+    plan_gas(setup, p);
+  }
   if (p.memory_bytes > p.machine_memory_bytes) {
     p.warnings.push_back(
         fmt::format("this machine has {} of memory: the case will be refused here", bytes(p.machine_memory_bytes)));
@@ -167,10 +280,13 @@ Plan plan(run::Case const& setup) {
 void refuse_unless_it_fits(Plan const& p) {
   if (p.memory_bytes <= p.machine_memory_bytes) return;
   throw InputError(
-      fmt::format("the case needs about {} of memory for its {} cells, and this machine has {}: use larger cells "
-                  "(domain.cell), a smaller "
-                  "domain, or symmetry planes",
-                  bytes(p.memory_bytes), large_count(p.cells), bytes(p.machine_memory_bytes)));
+      p.points > 0.0
+          ? fmt::format("the case needs about {} of memory for its {} material points, and this machine has {}: use "
+                        "larger cells (domain.cell), fewer points per cell, or symmetry planes",
+                        bytes(p.memory_bytes), large_count(p.points), bytes(p.machine_memory_bytes))
+          : fmt::format("the case needs about {} of memory for its {} cells, and this machine has {}: use larger cells "
+                        "(domain.cell), a smaller domain, or symmetry planes",
+                        bytes(p.memory_bytes), large_count(p.cells), bytes(p.machine_memory_bytes)));
 }
 
 std::string plan_text(run::Case const& setup, Plan const& p) {
@@ -189,27 +305,56 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     cells += fmt::format("{}{}", k == 0 ? "" : " x ", d.cells[k]);
   }
   line("domain", fmt::format("{}, {} m", grid::geometry_name(d.geometry), box));
-  line("cells", fmt::format("{} = {} of {}, in {} blocks", cells, large_count(p.cells), quantity(d.h, "m"), p.blocks));
+  bool const points = p.points > 0.0;
+  line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.h, "m"),
+                            points ? "" : fmt::format(", in {} blocks", p.blocks)));
   std::string boundaries;
   for (int f = 0; f < 2 * dims; ++f)
     boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", grid::face_names[f], grid::boundary_name(d.boundary[f]));
   line("boundaries", boundaries);
-  line("scheme", fmt::format("{}, Courant number {:g}, {}",
-                             setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff",
-                             setup.numerics.courant, two_fluids(setup) ? "two fluids" : "one fluid"));
+  if (points) {
+    auto const& o = setup.points.options;
+    line("points",
+         fmt::format("{} in {} bod{}", large_count(p.points), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies"));
+    line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", output::name_of(o.shape),
+                               output::name_of(o.order), output::name_of(o.transfer), o.courant));
+  } else {
+    line("scheme", fmt::format("{}, Courant number {:g}, {}",
+                               setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff",
+                               setup.numerics.courant, two_fluids(setup) ? "two fluids" : "one fluid"));
+  }
   line("end", setup.end.steps > 0 ? fmt::format("{}, or {} steps", quantity(setup.end.time, "s"), setup.end.steps)
                                   : quantity(setup.end.time, "s"));
-  line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
-                            large_count(p.steps), large_count(p.steps * p.cells)));
+  if (points) {
+    line("steps", fmt::format("about {} (as long as at the start; {} point updates)", large_count(p.steps),
+                              large_count(p.steps * p.points)));
+  } else {
+    line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
+                              large_count(p.steps), large_count(p.steps * p.cells)));
+  }
   line("memory", fmt::format("about {} of {}", bytes(p.memory_bytes), bytes(p.machine_memory_bytes)));
 
   out += "\n";
-  line("ambient", fmt::format("{}, {}, {:.4g} kg/m3", setup.ambient.fluid.name,
-                              quantity(setup.ambient.state.pressure, "Pa", 6), setup.ambient.state.density));
+  if (!points) {
+    line("ambient", fmt::format("{}, {}, {:.4g} kg/m3", setup.ambient.fluid.name,
+                                quantity(setup.ambient.state.pressure, "Pa", 6), setup.ambient.state.density));
+  }
+  for (std::size_t n = 0; n < p.bodies.size(); ++n) {
+    auto const& b = p.bodies[n];
+    auto const& body = setup.points.bodies[n];
+    auto const& v = body.velocity;
+    line("body", fmt::format("{}: {}, {} points, {} per cell and direction{}{}", b.name, b.material,
+                             large_count(static_cast<double>(b.points)), body.points_per_direction,
+                             norm(v) > 0.0 ? fmt::format(", ({:g}, {:g}, {:g}) m/s", v[0], v[1], v[2]) : "",
+                             body.rigid ? ", rigid" : ""));
+    if (std::isfinite(b.mass))
+      line("", fmt::format("mass of the points {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}", b.mass,
+                           b.geometric_mass, relative_error(b)));
+  }
   for (std::size_t n = 0; n < p.charges.size(); ++n) {
     auto const& c = p.charges[n];
     auto const& charge = setup.charges[n];
-    auto const x = detonation::centre(charge.shape);
+    auto const x = shape::centre(charge.shape);
     line(p.charges.size() == 1 ? "charge" : fmt::format("charge {}", n + 1).c_str(),
          fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
                      charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
@@ -224,8 +369,8 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     line("material", fmt::format("{} ({}): {}", m.name, m.role, m.source));
 
   out += "\n";
-  line("gauges",
-       setup.gauges.empty() ? "none" : fmt::format("{}, about {}", setup.gauges.size(), bytes(p.gauge_bytes)));
+  std::size_t const gauges = points ? setup.points.gauges.size() : setup.gauges.size();
+  line("gauges", gauges == 0 ? "none" : fmt::format("{}, about {}", gauges, bytes(p.gauge_bytes)));
   std::string fields;
   for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
   line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
@@ -243,6 +388,15 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
                        {"relative_error", relative_error(c)},
                        {"realised_energy", c.realised_energy},
                        {"cells_per_radius", c.cells_per_radius}});
+  }
+  json bodies = json::array();
+  for (auto const& b : p.bodies) {
+    bodies.push_back({{"name", b.name},
+                      {"material", b.material},
+                      {"points", b.points},
+                      {"mass", output::json_or_null(b.mass)},
+                      {"geometric_mass", output::json_or_null(b.geometric_mass)},
+                      {"relative_error", output::json_or_null(relative_error(b))}});
   }
   json materials = json::array();
   for (MaterialLine const& m : materials_of(setup))
@@ -264,8 +418,10 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
           {"end_time", setup.end.time},
           {"estimated_steps", std::round(p.steps)},
           {"charges", charges},
+          {"points", p.points},
+          {"bodies", bodies},
           {"materials", materials},
-          {"gauges", setup.gauges.size()},
+          {"gauges", setup.points.any() ? setup.points.gauges.size() : setup.gauges.size()},
           {"gauge_bytes", p.gauge_bytes},
           {"obstacles", setup.obstacles.size()},
           {"fields", fields},

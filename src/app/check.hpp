@@ -17,6 +17,8 @@ struct Plan {
   double machine_memory_bytes = 0.0;  ///< what this machine, or the limit set on this process, has
   double steps = 0.0;                 ///< estimate
   std::vector<run::ChargeReport> charges;
+  std::vector<run::BodyReport> bodies;
+  double points = 0.0;  ///< material points; 0: a calculation of the gas
   long dumps = 0;
   double dump_bytes = 0.0;   ///< of one dump, uncompressed
   double gauge_bytes = 0.0;  ///< of all gauge files, estimate

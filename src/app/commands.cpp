@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -94,6 +95,63 @@ void print_audit(run::World const& world) {
   if (a.fallback_faces > 0) print(stdout, "guards: {} faces fell back to the first-order flux\n", a.fallback_faces);
 }
 
+std::string vector_text(Vec3 const& v, char const* unit, int dimensions) {
+  std::string text;
+  for (int d = 0; d < dimensions; ++d) text += (d == 0 ? "" : ", ") + quantity(v[d], unit);
+  return dimensions == 1 ? text : "(" + text + ")";
+}
+
+void print_points(run::World const& world) {
+  auto const gauges = output::summarise_points(world);
+  auto const bodies = output::summarise_bodies(world);
+  int const dims = world.setup.domain.dimensions();
+  if (!gauges.empty()) {
+    std::size_t width = 5;
+    for (auto const& g : gauges) width = std::max(width, g.name.size());
+    print(stdout, "\n{:<{}}  {:>14} {:>11} {:>15} {:>13} {:>12} {:>10}   {}\n", "gauge", width, "peak displ.", "at",
+          "component", "peak speed", "peak Mises", "pl. strain", "displacement at the end");
+    for (std::size_t n = 0; n < std::min(gauges.size(), most_rows); ++n) {
+      auto const& g = gauges[n];
+      print(stdout, "{:<{}}  {:>14} {:>11} {:>15} {:>13} {:>12} {:>10.3g}   {}{}\n", g.name, width,
+            quantity(g.displacement.value, "m"), quantity(g.displacement.time, "s"),
+            fmt::format("{} {}", "xyz"[g.component], quantity(g.component_displacement.value, "m")),
+            quantity(g.velocity.value, "m/s"), quantity(g.mises.value, "Pa"), g.plastic_strain,
+            vector_text(g.final_displacement, "m", dims), g.lost ? " (left the domain)" : "");
+    }
+    if (gauges.size() > most_rows) print(stdout, "... and {} more in summary.csv\n", gauges.size() - most_rows);
+  }
+  std::size_t width = 4;
+  for (auto const& b : bodies) width = std::max(width, b.body.size());
+  print(stdout, "\n{:<{}}  {:>12} {:>12} {:>12} {:>12} {:>12}   {}\n", "body", width, "mass", "deflection", "kinetic",
+        "internal", "plastic", "mean velocity");
+  std::vector<std::string> shown;
+  for (auto const& b : bodies) {
+    // A body that several gauges watch has one row.
+    if (std::find(shown.begin(), shown.end(), b.body) != shown.end()) continue;
+    shown.push_back(b.body);
+    if (shown.size() > most_rows) continue;
+    Vec3 const v = b.end.mass > 0.0 ? (1.0 / b.end.mass) * b.end.momentum : Vec3{0.0, 0.0, 0.0};
+    print(stdout, "{:<{}}  {:>12} {:>12} {:>12} {:>12} {:>12}   {}\n", b.body, width, quantity(b.end.mass, "kg"),
+          quantity(b.displacement.value, "m"), quantity(b.end.kinetic_energy, "J"),
+          quantity(b.end.internal_energy, "J"), quantity(b.end.plastic_work, "J"), vector_text(v, "m/s", dims));
+  }
+  if (shown.size() > most_rows) print(stdout, "... and {} more in summary.csv\n", shown.size() - most_rows);
+}
+
+void print_point_audit(run::World const& world) {
+  auto const& a = world.audit;
+  auto const energy = world.energy_balance();
+  print(stdout, "\naudit: relative error of the mass {:.1e}; energy {} to {}{}, drift {:+.3g} %\n",
+        a.relative_error()[0], quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"),
+        energy.work != 0.0 ? fmt::format(" by the work {} of outer forces", quantity(energy.work, "J")) : "",
+        100.0 * energy.drift());
+  auto const& lost = world.points->losses();
+  if (lost.points > 0) {
+    print(stdout, "{} points left the domain with {:.4g} kg and {}\n", lost.points, lost.mass,
+          quantity(lost.energy, "J"));
+  }
+}
+
 double si_quantity(char const* option, std::string const& text, char const* unit) {
   units::Quantity const q = units::parse(text, unit);
   if (!q.value) throw InputError(fmt::format("{}: {}", option, q.problem));
@@ -119,8 +177,14 @@ ExitCode run_deck(RunArguments const& arguments) {
   fs::path const folder = arguments.output.empty() ? default_output_folder(arguments.deck) : arguments.output;
   if (!arguments.quiet) {
     if (!setup.title.empty()) print(stdout, "{}\n", setup.title);
-    print(stdout, "{} cells, about {} steps, {} thread{}; results go to {}\n", large_count(expected.cells),
-          large_count(expected.steps), threads(), threads() == 1 ? "" : "s", folder.string());
+    std::string const what = expected.points > 0.0 ? fmt::format("{} material points", large_count(expected.points))
+                                                   : fmt::format("{} cells", large_count(expected.cells));
+    print(stdout, "{}, about {} steps, {} thread{}; results go to {}\n", what, large_count(expected.steps), threads(),
+          threads() == 1 ? "" : "s", folder.string());
+    for (auto const& body : expected.bodies) {
+      print(stdout, "{}: {}, {} points, {:.8g} kg, the shape has {:.8g} kg\n", body.name, body.material, body.points,
+            body.mass, body.geometric_mass);
+    }
     for (auto const& charge : expected.charges) {
       print(stdout, "{}: asked {:.8g} kg, realised {:.8g} kg and {}\n", charge.explosive, charge.asked_mass,
             charge.realised_mass, quantity(charge.realised_energy, "J"));
@@ -148,8 +212,13 @@ ExitCode run_deck(RunArguments const& arguments) {
   if (arguments.quiet) return ending.code;
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(stdout, "{}: {} steps in {}\n", ending.reason, world.clock.step, wall_time(seconds));
-  print_gauges(world);
-  print_audit(world);
+  if (world.points != nullptr) {
+    print_points(world);
+    print_point_audit(world);
+  } else {
+    print_gauges(world);
+    print_audit(world);
+  }
   print(stdout, "\nresults: {}\npictures and comparison: brisance report {}\n", folder.string(), folder.string());
   return ending.code;
 }

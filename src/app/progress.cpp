@@ -36,20 +36,28 @@ bool Progress::due(double done, Clock::time_point now) const {
 
 void Progress::step(run::World const& world) {
   ++steps_;
-  active_updates_ += static_cast<double>(world.active_cells());
+  bool const points = world.points != nullptr;
+  active_updates_ += static_cast<double>(points ? world.points->point_count() : world.active_cells());
   auto const now = Clock::now();
   double const done = part_done(world);
   if (!due(done, now)) return;
 
   double const seconds = std::chrono::duration<double>(now - since_).count();
-  double const all_updates = static_cast<double>(steps_) * static_cast<double>(world.setup.domain.cell_count());
-  int awake = 0;
-  for (int b = 0; b < world.grid.block_count(); ++b) awake += world.gas->awake(b) ? 1 : 0;
   double const left = done > done_ ? (1.0 - done) * seconds / (done - done_) : 0.0;
-  show(fmt::format(
-      "{:5.1f} %  t {}  step {}  dt {}  {:.1f} Mcells/s ({:.1f} with sleeping)  {} of {} blocks awake  about {} left",
-      100.0 * done, quantity(world.clock.time, "s"), world.clock.step, quantity(world.clock.dt, "s", 3),
-      active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, world.grid.block_count(), wall_time(left)));
+  std::string const place =
+      fmt::format("{:5.1f} %  t {}  step {}  dt {}  ", 100.0 * done, quantity(world.clock.time, "s"), world.clock.step,
+                  quantity(world.clock.dt, "s", 3));
+  std::string speed;
+  if (points) {
+    speed = fmt::format("{:.3g} Mpoints/s", active_updates_ / seconds / 1e6);
+  } else {
+    double const all_updates = static_cast<double>(steps_) * static_cast<double>(world.setup.domain.cell_count());
+    int awake = 0;
+    for (int b = 0; b < world.grid.block_count(); ++b) awake += world.gas->awake(b) ? 1 : 0;
+    speed = fmt::format("{:.1f} Mcells/s ({:.1f} with sleeping)  {} of {} blocks awake",
+                        active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, world.grid.block_count());
+  }
+  show(fmt::format("{}{}  about {} left", place, speed, wall_time(left)));
   since_ = now;
   done_ = done;
   steps_ = 0;

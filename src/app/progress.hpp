@@ -32,7 +32,7 @@ class Progress {
   Clock::time_point since_ = Clock::now();
   double done_ = 0.0;  ///< part of the run, 0 to 1
   long steps_ = 0;
-  double active_updates_ = 0.0;
+  double active_updates_ = 0.0;  ///< of cells, or of points
 };
 
 /// Part of the run that is done, 0 to 1, by time or by steps.

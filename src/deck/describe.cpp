@@ -1,10 +1,13 @@
 /// Texts for `brisance info`.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/error.hpp"
 #include "core/parameter.hpp"
 #include "deck/library.hpp"
 #include "deck/schema.hpp"
+#include "run/point_fields.hpp"
 #include "run/world.hpp"
 
 namespace brisance::deck {
@@ -33,8 +36,22 @@ std::string model_lines() {
   return out;
 }
 
-char const* eos_name(material::Eos const& eos) {
-  return std::visit([](auto const& m) { return m.name; }, eos);
+template <class Variant>
+char const* model_name(Variant const& model) {
+  return std::visit([](auto const& m) { return m.name; }, model);
+}
+
+template <class Variant>
+std::string model_text(char const* title, Variant const& model) {
+  return fmt::format("  {:<18} {:>12}\n", title, model_name(model)) +
+         std::visit([](auto const& m) { return parameter_lines(m); }, model);
+}
+
+/// Yield stress at the start [Pa]; 0 without one.
+double yield_of(material::Strength const& strength) {
+  if (auto const* v = std::get_if<material::VonMises>(&strength)) return v->yield;
+  if (auto const* j = std::get_if<material::JohnsonCook>(&strength)) return j->A;
+  return 0.0;
 }
 
 template <class Material>
@@ -75,7 +92,16 @@ std::string describe_library() {
       "\nFluids              density  pressure     equation\n"
       "                    kg/m3    kPa          of state\n";
   for (auto const& [f, aliases] : library().fluids) {
-    out += fmt::format("  {:<18}{:<9.4g}{:<13.6g}{}\n", f.name, f.density, f.pressure / 1e3, eos_name(f.eos));
+    out += fmt::format("  {:<18}{:<9.4g}{:<13.6g}{}\n", f.name, f.density, f.pressure / 1e3, model_name(f.eos));
+  }
+  out +=
+      "\nSolids              density  bulk sound   shear        yield    equation       strength       failure\n"
+      "                    kg/m3    speed m/s    modulus GPa  MPa      of state\n";
+  for (auto const& [s, aliases] : library().solids) {
+    out += fmt::format("  {:<18}{:<9.4g}{:<13.4g}{:<13.4g}{:<9.4g}{:<15}{:<15}{}\n", s.name, s.density,
+                       std::sqrt(material::bulk_modulus(s.eos, s.density, 0.0) / s.density),
+                       material::shear_modulus(s.strength) / 1e9, yield_of(s.strength) / 1e6, model_name(s.eos),
+                       model_name(s.strength), model_name(s.failure));
   }
   return out + "\n\"brisance info NAME\" prints all parameters of a material and their source.\n";
 }
@@ -100,28 +126,49 @@ std::string describe_material(std::string const& name) {
   }
   if (auto const* f = all.fluid(name)) {
     std::string out = head(f->name, "fluid", aliases_of(all.fluids, f->name), f->source);
-    out += fmt::format("  {:<18} {:>12}\n", "eos", eos_name(f->eos));
-    out += std::visit([](auto const& m) { return parameter_lines(m); }, f->eos);
+    out += model_text("eos", f->eos);
     out += value_line("density", f->density, "kg/m3", "default density");
     out += value_line("pressure", f->pressure, "Pa", "default pressure");
     return out +
            value_line("", material::sound_speed(f->eos, f->density, f->pressure), "m/s", "sound speed of this state");
   }
+  if (auto const* s = all.solid(name)) {
+    std::string out = head(s->name, "solid", aliases_of(all.solids, s->name), s->source);
+    out += value_line("density", s->density, "kg/m3", "density at the start");
+    out += model_text("eos", s->eos) + model_text("strength", s->strength) + model_text("failure", s->failure);
+    out += value_line("specific_heat", s->specific_heat, "J/kg/K", "specific heat");
+    out += value_line("temperature", s->temperature, "K", "temperature at the start");
+    out += value_line("taylor_quinney", s->taylor_quinney, "1", "part of the plastic work that heats");
+    if (s->minimum_pressure > -unbounded) {
+      out += value_line("minimum_pressure", s->minimum_pressure, "Pa", "tension cut-off");
+    }
+    return out + value_line("", material::sound_speed(*s, s->density, 0.0), "m/s", "longitudinal sound speed");
+  }
   auto names = all.explosive_names();
-  auto const fluids = all.fluid_names();
-  names.insert(names.end(), fluids.begin(), fluids.end());
+  for (auto const& more : {all.fluid_names(), all.solid_names()}) names.insert(names.end(), more.begin(), more.end());
   throw InputError(fmt::format("\"{}\" is not a known material; {}", name, suggestion(name, names, "known materials")));
 }
 
 std::string describe_models() {
   std::string out = words_line("Geometries", "domain", "geometry") + words_line("Boundaries", "boundaries", "all") +
                     words_line("Shapes", "charge", "shape") + words_line("Detonation", "charge", "detonation") +
-                    words_line("Schemes", "numerics", "scheme");
+                    words_line("Schemes", "numerics", "scheme") +
+                    words_line("Point shapes", "points", "shape_function") +
+                    words_line("Stress order", "points", "stress_order") + words_line("Transfer", "points", "transfer");
   out += "\nEquations of state and their parameters\n";
   out += model_lines<material::IdealGas>() + model_lines<material::Jwl>() + model_lines<material::StiffenedGas>() +
-         model_lines<material::MieGruneisen>();
+         model_lines<material::MieGruneisen>() + model_lines<material::Linear>();
+  out += "\nStrength models and their parameters\n";
+  out += model_lines<material::NoStrength>() + model_lines<material::Elastic>() + model_lines<material::VonMises>() +
+         model_lines<material::JohnsonCook>();
+  out += "\nFailure models and their parameters\n";
+  out += model_lines<material::NoFailure>() + model_lines<material::JohnsonCookFailure>();
   out += "\nFields for output\n";
   for (auto const& field : run::known_fields()) {
+    out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);
+  }
+  out += "\nFields of material points for output\n";
+  for (auto const& field : run::known_point_fields()) {
     out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);
   }
   return out;

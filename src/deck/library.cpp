@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "core/error.hpp"
@@ -67,6 +68,66 @@ bool fill_if(std::string const& word, material::Eos& eos, Section const& section
   return complete;
 }
 
+/// The model of a solid's table [eos], [strength] or [failure]; what the table leaves out is taken from `derived`.
+template <class Variant, class... Models>
+std::optional<Variant> model_of(Section const& section, std::map<std::string_view, double> const& derived) {
+  auto const word = section.text("model");
+  if (!word) return std::nullopt;
+  std::optional<Variant> out;
+  auto const read = [&]<class Model>(Model model) {
+    if (*word != Model::name) return;
+    for (auto const& p : Model::parameters()) {
+      if (section.broken(p.key)) return;
+      auto const value = section.number(p.key);
+      auto const other = derived.find(p.key);
+      if (!value && other == derived.end()) return;
+      model.*p.member = value ? *value : other->second;
+    }
+    out = model;
+  };
+  (read(Models{}), ...);
+  return out;
+}
+
+/// Young's modulus and Poisson's ratio of a solid's table as bulk and shear modulus; both or none of the two are given.
+bool moduli(Section const& section, Report& report, std::map<std::string_view, double>& out) {
+  if (section.broken("E") || section.broken("nu")) return false;
+  auto const E = section.number("E");
+  auto const nu = section.number("nu");
+  if (E.has_value() != nu.has_value()) {
+    report.error(section.place_of(E ? "E" : "nu"), section.path_of(E ? "E" : "nu"),
+                 fmt::format("{} is given without {}: E and nu belong together; write for example {}",
+                             section.shown(E ? "E" : "nu"), E ? "nu" : "E", E ? "nu = 0.33" : "E = \"70 GPa\""));
+    return false;
+  }
+  if (!E) return true;
+  out["K"] = material::bulk_modulus_of(*E, *nu);
+  out["G"] = material::shear_modulus_of(*E, *nu);
+  for (auto const& [table, key] : {std::pair{"eos", "K"}, std::pair{"strength", "G"}}) {
+    auto const* given = section.section(table);
+    if (given == nullptr || !given->given(key)) continue;
+    report.error(given->place_of(key), given->path_of(key),
+                 fmt::format("{} is given beside E and nu, which make it {:.6g} Pa: give only one of the two",
+                             given->shown(key), out[key]));
+    return false;
+  }
+  return true;
+}
+
+/// Is a modulus that is neither given nor derived the reason why a model could not be read? Reports it.
+void missing_modulus(Section const& section, std::string_view key, char const* what,
+                     std::map<std::string_view, double> const& derived, Report& report) {
+  if (section.table->find(key) == nullptr || section.given(key) || derived.contains(key) || section.doubtful()) return;
+  auto const word = section.text("model");
+  if (!word) return;
+  auto const variant = section.table->variants.find(*word);
+  bool const has =
+      std::any_of(variant->second.begin(), variant->second.end(), [&](Key const& k) { return k.name == key; });
+  if (!has) return;
+  report.error(section.place, section.path_of(key),
+               fmt::format("the {} {} is missing: give it here, or E and nu of the solid", what, key));
+}
+
 void check(Report const& report, EmbeddedFile const& file) {
   if (!report.failed()) return;
   std::string message = fmt::format("the material file {} of this build is wrong", file.name);
@@ -84,12 +145,21 @@ Named<Material> named(std::optional<Material> material, Section const& section) 
 Library load() {
   Library out;
   for (auto const& file : embedded_materials()) {
-    // Which of the two schemas holds is known from the text's own `kind`.
+    // Which of the three schemas holds is known from the text's own `kind`.
     Report as_explosive{std::string(file.name)};
     auto const explosive = read(file.text, explosive_file_schema(), as_explosive);
     if (explosive && explosive->text("kind")) {
       check(as_explosive, file);
       out.explosives.push_back(named(build_explosive(*explosive, *explosive->text("name")), *explosive));
+      continue;
+    }
+    Report as_solid{std::string(file.name)};
+    auto const solid = read(file.text, solid_file_schema(), as_solid);
+    if (solid && solid->text("kind")) {
+      check(as_solid, file);
+      auto built = build_solid(*solid, *solid->text("name"), as_solid);
+      check(as_solid, file);
+      out.solids.push_back(named(std::move(built), *solid));
       continue;
     }
     Report as_fluid{std::string(file.name)};
@@ -100,6 +170,7 @@ Library load() {
   auto const by_name = [](auto const& a, auto const& b) { return a.material.name < b.material.name; };
   std::sort(out.explosives.begin(), out.explosives.end(), by_name);
   std::sort(out.fluids.begin(), out.fluids.end(), by_name);
+  std::sort(out.solids.begin(), out.solids.end(), by_name);
   return out;
 }
 
@@ -107,8 +178,10 @@ Library load() {
 
 material::Explosive const* Library::explosive(std::string_view name) const { return find(explosives, name); }
 material::Fluid const* Library::fluid(std::string_view name) const { return find(fluids, name); }
+material::Solid const* Library::solid(std::string_view name) const { return find(solids, name); }
 std::vector<std::string> Library::explosive_names() const { return names_of(explosives); }
 std::vector<std::string> Library::fluid_names() const { return names_of(fluids); }
+std::vector<std::string> Library::solid_names() const { return names_of(solids); }
 
 Library const& library() {
   static Library const loaded = load();
@@ -153,6 +226,74 @@ std::optional<material::Fluid> build_fluid(Section const& section, std::string c
   if (!complete) return std::nullopt;
   out.density = *density;
   out.pressure = *pressure;
+  return out;
+}
+
+std::optional<material::Solid> build_solid(Section const& section, std::string const& name, Report& report) {
+  using namespace material;
+  Solid out;
+  out.name = name;
+  out.source = section.text("source").value_or("");
+  auto const density = section.number("density");
+  if (!density || section.doubtful()) return std::nullopt;
+  out.density = *density;
+  std::map<std::string_view, double> derived{{"rho0", *density}};
+  if (!moduli(section, report, derived)) return std::nullopt;
+  for (auto const& [key, member] :
+       {std::pair{"specific_heat", &Solid::specific_heat}, std::pair{"temperature", &Solid::temperature},
+        std::pair{"taylor_quinney", &Solid::taylor_quinney}, std::pair{"minimum_pressure", &Solid::minimum_pressure}}) {
+    if (section.broken(key)) return std::nullopt;
+    out.*member = section.number(key).value_or(out.*member);
+  }
+  for (auto const* key : {"eos", "strength", "failure"}) {
+    if (section.broken(key)) return std::nullopt;
+  }
+
+  bool const elastic = derived.contains("K");
+  if (auto const* table = section.section("eos")) {
+    auto const eos = model_of<PointEos, Linear, MieGruneisen>(*table, derived);
+    if (!eos) {
+      missing_modulus(*table, "K", "bulk modulus", derived, report);
+      return std::nullopt;
+    }
+    out.eos = *eos;
+  } else if (elastic) {
+    out.eos = Linear{*density, derived["K"]};
+  } else {
+    report.error(
+        section.place, section.path_of("eos"),
+        "the solid has no equation of state; write E = \"70 GPa\" and nu = 0.33, or for example eos = {model = "
+        "\"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}");
+    return std::nullopt;
+  }
+  if (auto const* table = section.section("strength")) {
+    auto const strength = model_of<Strength, NoStrength, Elastic, VonMises, JohnsonCook>(*table, derived);
+    if (!strength) {
+      missing_modulus(*table, "G", "shear modulus", derived, report);
+      return std::nullopt;
+    }
+    out.strength = *strength;
+  } else if (elastic) {
+    out.strength = Elastic{derived["G"]};
+  }
+  if (auto const* table = section.section("failure")) {
+    auto const failure = model_of<Failure, NoFailure, JohnsonCookFailure>(*table, derived);
+    if (!failure) return std::nullopt;
+    out.failure = *failure;
+    if (std::holds_alternative<JohnsonCookFailure>(out.failure) && !out.plastic()) {
+      report.error(table->place, table->path,
+                   "plastic strain makes the damage grow, and this solid has none: give it the strength von_mises or "
+                   "johnson_cook");
+      return std::nullopt;
+    }
+  }
+  if (auto const* jc = std::get_if<JohnsonCook>(&out.strength); jc != nullptr && !(jc->T_melt > jc->T_room)) {
+    Section const& table = *section.section("strength");
+    report.error(
+        table.place_of("T_melt"), table.path_of("T_melt"),
+        fmt::format("{} does not lie above the room temperature T_room, {:g} K", table.shown("T_melt"), jc->T_room));
+    return std::nullopt;
+  }
   return out;
 }
 

@@ -6,10 +6,11 @@
 #include <string_view>
 #include <vector>
 
-#include "material/explosive.hpp"
+#include "material/solid.hpp"
 
 namespace brisance::deck {
 
+class Report;
 class Section;
 
 template <class Material>
@@ -21,13 +22,16 @@ struct Named {
 struct Library {
   std::vector<Named<material::Explosive>> explosives;  ///< in alphabetical order
   std::vector<Named<material::Fluid>> fluids;          ///< in alphabetical order
+  std::vector<Named<material::Solid>> solids;          ///< in alphabetical order
 
   /// By name or alias, case aside; null when unknown.
   [[nodiscard]] material::Explosive const* explosive(std::string_view name) const;
   [[nodiscard]] material::Fluid const* fluid(std::string_view name) const;
+  [[nodiscard]] material::Solid const* solid(std::string_view name) const;
   /// All names, without the aliases.
   [[nodiscard]] std::vector<std::string> explosive_names() const;
   [[nodiscard]] std::vector<std::string> fluid_names() const;
+  [[nodiscard]] std::vector<std::string> solid_names() const;
 };
 
 /// The embedded library, read once. A file of it that does not fit the schema throws InputError.
@@ -36,6 +40,9 @@ struct Library {
 /// Material from a table that the schema has checked; nothing when one of its values was wrong.
 [[nodiscard]] std::optional<material::Explosive> build_explosive(Section const& section, std::string const& name);
 [[nodiscard]] std::optional<material::Fluid> build_fluid(Section const& section, std::string const& name);
+/// The same; what its values mean together is checked here, and reported.
+[[nodiscard]] std::optional<material::Solid> build_solid(Section const& section, std::string const& name,
+                                                         Report& report);
 
 /// For `brisance info`: all materials in one table each, and how to see more.
 [[nodiscard]] std::string describe_library();

@@ -1,6 +1,8 @@
 /// The reference manual of the deck, printed from the schema.
 #include <fmt/format.h>
 
+#include <map>
+
 #include "deck/deck.hpp"
 #include "deck/schema.hpp"
 
@@ -16,6 +18,7 @@ std::string type_text(Key const& key) {
     case Type::text: return "string";
     case Type::name: return "name";
     case Type::word: return "word";
+    case Type::axis: return "word or vector";
     case Type::words: return "list of words";
     case Type::names: return "list of strings";
     case Type::numbers: return "list of quantities";
@@ -36,6 +39,7 @@ std::string allowed_text(Key const& key) {
     case Type::integers:
     case Type::point: return range_text(key);
     case Type::word:
+    case Type::axis:
     case Type::words: return fmt::format("`{}`", fmt::join(key.choices, "`, `"));
     case Type::boolean: return "`true`, `false`";
     case Type::name: return "letters, digits and . _ - +";
@@ -63,13 +67,22 @@ std::string rows(std::vector<Key> const& keys) {
 }
 
 std::string table_text(std::string const& heading, Table const& table) {
-  std::string out = fmt::format("\n## `{}`\n\n{}\n\n{}", heading, table.meaning, rows(table.keys));
+  std::string out = fmt::format("\n{}\n\n{}\n\n{}", heading, table.meaning, rows(table.keys));
   for (auto const& [word, keys] : table.variants) {
+    if (keys.empty()) continue;
     out += fmt::format("\nFurther keys with `{} = \"{}\"`:\n\n{}", table.selector, word, rows(keys));
   }
+  return out;
+}
+
+/// A table of the deck and the tables in it, each of which is explained once, where it comes first.
+std::string deck_table_text(std::string const& name, Table const& table, std::map<Table const*, std::string>& told) {
+  std::string out = table_text(fmt::format("## `{}`", name), table);
   for (auto const& key : table.keys) {
     if (key.table == nullptr) continue;
-    out += fmt::format("\n### `{}` of `{}`\n\n{}\n\n{}", key.name, heading, key.table->meaning, rows(key.table->keys));
+    auto const [first, fresh] = told.try_emplace(key.table, fmt::format("`{}` of `{}`", key.name, name));
+    out += fresh ? table_text(fmt::format("### {}", first->second), *key.table)
+                 : fmt::format("\n### `{}` of `{}`\n\nAs {}.\n", key.name, name, first->second);
   }
   return out;
 }
@@ -102,7 +115,9 @@ time = "5 ms"
   the 1D geometries, where the brackets may be left out. Directions that are not resolved may be written as 0.
 - Positions in tables of messages are counted from 1: `charge[2].mass` is the mass of the second `[[charge]]`.
 - Extents must be whole numbers of cells, to 1 part in a million.
-- A deck may have at most 1 MiB, 2^31 cells, 100 charges, 1000 obstacles and 100000 gauges.
+- A deck may have at most 1 MiB, 2^31 cells, 100 charges, 1000 obstacles, 100 bodies and 100000 gauges.
+- The shape `stl` and the combinations `add`, `cut`, `common` (carried out in this order) are for bodies and for the regions of
+  `[[constraint]]` and `[[surface_pressure]]`.
 - In planar2d and cylindrical1d masses and energies are per metre of the direction that is not resolved (`"10 kg"` and `"10 kg/m"`
   mean the same), in planar1d per square metre. In axisymmetric2d and spherical1d they are those of the whole body.
 )";
@@ -117,12 +132,13 @@ std::string reference_manual() {
     if (key.table == nullptr) plain.push_back(key);
   }
   out += fmt::format("\n## Keys at the top of the deck\n\n{}", rows(plain));
+  std::map<Table const*, std::string> told;
   for (auto const& key : deck.keys) {
     if (key.table == nullptr) continue;
     std::string heading = fmt::format("[{}]", key.name);
     if (key.type == Type::tables) heading = fmt::format("[[{}]]", key.name);
     if (key.type == Type::named) heading = fmt::format("[{}.{}]", key.name, key.choices.empty() ? "NAME" : "FACE");
-    out += table_text(heading, *key.table);
+    out += deck_table_text(heading, *key.table, told);
   }
   return out;
 }

@@ -162,7 +162,8 @@ class Walker {
     if (table.variants.empty()) return nullptr;
     std::string chosen;
     for (auto const& key : table.keys) {
-      if (key.name == table.selector) chosen = std::get<std::string>(key.fallback);
+      auto const* fallback = std::get_if<std::string>(&key.fallback);
+      if (key.name == table.selector && fallback != nullptr) chosen = *fallback;
     }
     if (auto const* node = source.get(table.selector)) chosen = node->value<std::string>().value_or("");
     auto const found = table.variants.find(chosen);
@@ -173,8 +174,9 @@ class Walker {
                                  std::vector<std::string> const& names, std::string_view name, toml::node const& node) {
     std::string const where = section.path.empty() ? "at the top of the deck" : fmt::format("in {}", section.path);
     if (further != nullptr && table.find(name) != nullptr) {
-      return fmt::format("unknown key \"{}\" (value {}) {}: it belongs to another equation of state; allowed keys: {}",
-                         shortened(name), show(node), where, fmt::join(names, ", "));
+      return fmt::format("unknown key \"{}\" (value {}) {}: it belongs to another {}; allowed keys: {}",
+                         shortened(name), show(node), where, table.selector == "eos" ? "equation of state" : "model",
+                         fmt::join(names, ", "));
     }
     return fmt::format("unknown key \"{}\" (value {}) {}; {}", shortened(name), show(node), where,
                        suggestion(name, names, "allowed keys"));
@@ -351,6 +353,7 @@ class Walker {
       case Type::text:
       case Type::name: string(out, key, node, path); break;
       case Type::word: accept(out, one_of(key, node, path, place)); break;
+      case Type::axis: axis(out, key, node, path); break;
       case Type::words:
         read_list<std::string>(out, key, node, path,
                                [&](toml::node const& e, Place at) { return one_of(key, e, path, at); });
@@ -434,6 +437,25 @@ class Walker {
       if (number && *number == 0.0 && &e != array->get(0)) return std::optional<double>(0.0);
       return quantity(key, e, path, at);
     });
+  }
+
+  /// A letter becomes a unit vector.
+  void axis(Entry& out, Key const& key, toml::node const& node, std::string const& path) {
+    if (node.is_string()) {
+      auto const letter = one_of(key, node, path, out.place);
+      if (!letter) return;
+      std::vector<double> unit(3, 0.0);
+      unit[static_cast<std::size_t>((*letter)[0] - 'x')] = 1.0;
+      out.value = unit;
+      out.valid = true;
+      return;
+    }
+    auto const* array = node.as_array();
+    if (array == nullptr || array->size() != 3) {
+      wrong_type(key, node, path, out.place);
+      return;
+    }
+    read_list<double>(out, key, node, path, [&](toml::node const& e, Place at) { return quantity(key, e, path, at); });
   }
 
   void tables(Entry& out, Key const& key, toml::node const& node, std::string const& path) {

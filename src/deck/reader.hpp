@@ -78,6 +78,7 @@ class Report {
   explicit Report(std::string file) : file_(std::move(file)) {}
   void error(Place place, std::string key, std::string message);
   void warning(Place place, std::string const& key, std::string const& message);
+  [[nodiscard]] std::string const& file() const { return file_; }
   [[nodiscard]] bool failed() const { return !errors_.empty(); }
   /// The errors in the order of the text.
   [[nodiscard]] std::vector<Diagnostic> errors() const;

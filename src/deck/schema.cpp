@@ -7,7 +7,8 @@
 
 #include "core/parameter.hpp"
 #include "core/units.hpp"
-#include "material/eos/eos.hpp"
+#include "material/solid.hpp"
+#include "run/point_fields.hpp"
 #include "run/world.hpp"
 
 namespace brisance::deck {
@@ -54,6 +55,13 @@ Key density() { return number("density", "kg/m3", 1e-4, 1e5).like("1.225"); }
 Key pressure() { return number("pressure", "Pa", 1e-3, 1e13).like("\"101.325 kPa\""); }
 Key velocity() { return typed(Type::point, "velocity", "m/s", -1e5, 1e5).like("[340, 0, 0]"); }
 
+Key axis(std::string name) {
+  Key key = typed(Type::axis, std::move(name));
+  key.choices = {"x", "y", "z"};
+  return key;
+}
+Key face_normal(std::string name) { return word(std::move(name), {"+x", "-x", "+y", "-y", "+z", "-z"}); }
+
 /// The parameter table of a model as keys of the schema.
 template <class Model>
 std::vector<Key> parameter_keys() {
@@ -69,6 +77,23 @@ std::vector<Key> parameter_keys() {
       key.of(p.default_value);
     }
     keys.push_back(std::move(key));
+  }
+  return keys;
+}
+
+/// Those of a model of a solid: what the solid's own keys tell may be left out.
+template <class Model>
+std::vector<Key> solid_parameter_keys() {
+  auto keys = parameter_keys<Model>();
+  for (auto& key : keys) {
+    if (key.name == "rho0") {
+      key.needed = false;
+      key.note("the solid's `density`");
+    }
+    if (key.name == "K" || key.name == "G") {
+      key.needed = false;
+      key.note("from the solid's `E` and `nu`");
+    }
   }
   return keys;
 }
@@ -89,11 +114,12 @@ std::vector<Key> shape_keys(std::vector<std::string> shapes) {
           .means("Centre of a sphere, cylinder or box; of a hemisphere the centre of its flat face"),
       number("radius", "m", smallest, far).like("\"50 mm\"").means("Radius of a sphere, hemisphere or cylinder"),
       number("length", "m", smallest, far).like("\"0.2 m\"").means("Length of a cylinder along its axis"),
-      word("axis", {"x", "y", "z"})
+      axis("axis")
           .note("`z`; in axisymmetric2d `y`")
           .like("\"z\"")
-          .means("Direction of a cylinder's axis (in 3D; else it is fixed by the geometry)"),
-      word("normal", {"+x", "-x", "+y", "-y", "+z", "-z"})
+          .means("Direction of a cylinder's axis (in 3D; else it is fixed by the geometry): a letter or, except for a "
+                 "charge, a vector of any length such as [1, 0, 1]"),
+      face_normal("normal")
           .note("`+z`; in axisymmetric2d `+y`")
           .like("\"+z\"")
           .means("Side of its flat face on which a hemisphere lies: `+z` stands on the ground"),
@@ -108,6 +134,44 @@ std::vector<Key> shape_keys(std::vector<std::string> shapes) {
 std::vector<Key> joined(std::vector<Key> first, std::vector<Key> const& second) {
   first.insert(first.end(), second.begin(), second.end());
   return first;
+}
+
+/// Shapes of bodies: those of everything else and meshes.
+std::vector<Key> mesh_shape_keys(std::vector<std::string> shapes) {
+  return joined(
+      shape_keys(std::move(shapes)),
+      {typed(Type::text, "file")
+           .like("\"bracket.stl\"")
+           .means("STL file of shape `stl` (3D only), relative to the deck: a closed surface; `position` moves it"),
+       number("scale", "1", 1e-9, 1e9)
+           .note("1")
+           .like("0.001")
+           .means("Factor on the coordinates of the STL file, 0.001 for a file in mm")});
+}
+
+Table const& part_table() {
+  static Table const table{"A shape that is put together with others.",
+                           mesh_shape_keys({"sphere", "hemisphere", "cylinder", "box", "stl"}),
+                           {},
+                           {}};
+  return table;
+}
+
+/// Those of a body or of a region of material points, with what is added to them, cut out of them and kept of them.
+std::vector<Key> composed_shape_keys() {
+  return joined(mesh_shape_keys({"sphere", "hemisphere", "cylinder", "box", "stl"}),
+                {nested(Type::tables, "add", part_table())
+                     .note("none")
+                     .like("[{shape = \"sphere\", radius = \"5 mm\"}]")
+                     .means("Shapes that are joined to it"),
+                 nested(Type::tables, "cut", part_table())
+                     .note("none")
+                     .like("[{shape = \"cylinder\", radius = \"5 mm\", length = \"1 m\"}]")
+                     .means("Shapes that are then cut out: holes"),
+                 nested(Type::tables, "common", part_table())
+                     .note("none")
+                     .like("[{lower = [0, 0, 0], upper = [1, 1, 1], shape = \"box\"}]")
+                     .means("Shapes outside of which nothing is kept, last of all")});
 }
 
 Table const& domain_table() {
@@ -257,12 +321,14 @@ Table const& plane_table() {
 
 Table const& gauge_table() {
   static Table const table{
-      "Gauges record pressure, density and velocity in time: one of `point`, `line` and `plane`. At most 100000 in "
-      "all.",
+      "Gauges record in time. In the gas: pressure, density and velocity at a `point`, on a `line` or on a `plane`. "
+      "Of material points: `body` alone watches a body as a whole, `body` and `point` ride on the body's point that is "
+      "nearest at the start. At most 100000 in all.",
       {typed(Type::name, "name")
            .note("`g1`, `g2`, ...; lines and planes append `-1`, `-2`, ...")
            .like("\"roof\"")
            .means("Name"),
+       typed(Type::text, "body").like("\"plate\"").means("Name of a body that is watched"),
        position("point").like("[2, 0, 1]").means("One gauge"),
        nested(Type::table, "line", line_table())
            .like("{from = [1, 0, 0], to = [5, 0, 0], count = 5}")
@@ -337,6 +403,183 @@ Table const& numerics_table() {
   return table;
 }
 
+Table const& points_region_table() {
+  static Table const table{"A part of space.", composed_shape_keys(), {}, {}};
+  return table;
+}
+
+Table const& body_table() {
+  static Table const table = [] {
+    Table t{
+        "A body of material points. A deck with bodies is calculated by the material point method alone: it has no "
+        "gas, and charges, regions and obstacles cannot stand beside bodies yet. Bodies move in empty space; the "
+        "domain's faces `wall` and `symmetry` hold them like mirror planes, `outflow` lets them leave, `periodic` "
+        "joins opposite faces.",
+        {typed(Type::name, "name").note("`body-1`, ...").like("\"plate\"").means("Name"),
+         typed(Type::text, "material")
+             .required()
+             .like("\"OFHC-copper\"")
+             .means(
+                 "Name of a solid, explosive or fluid of the library (searched in this order) or of `[solids.NAME]`, "
+                 "`[explosives.NAME]`, `[fluids.NAME]`")},
+        {},
+        {}};
+    t.keys = joined(t.keys, composed_shape_keys());
+    t.keys = joined(
+        t.keys, {typed(Type::integer, "points_per_cell", "1", 1, 8)
+                     .of(2L)
+                     .like("2")
+                     .means("Material points per cell and direction at the start: 2 makes 8 per cell in 3D"),
+                 velocity().note("at rest").means("Velocity at the start"),
+                 typed(Type::boolean, "rigid").of(false).like("true").means("It keeps its velocity, whatever it meets"),
+                 density().note("that of the fluid").means("Density at the start, of fluids only"),
+                 pressure().note("that of the fluid").means("Pressure at the start, of fluids only"),
+                 word("detonation", {"programmed", "instantaneous"})
+                     .of("programmed")
+                     .like("\"programmed\"")
+                     .means("Of explosives, as for charges"),
+                 nested(Type::tables, "initiation", initiation_table())
+                     .note("one point at the middle of the body, at time 0")
+                     .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
+                     .means("Points of initiation of a programmed detonation")});
+    return t;
+  }();
+  return table;
+}
+
+Table const& points_table() {
+  static mpm::Options const o;
+  static Table const table{
+      "The material point method.",
+      {word("shape_function", {"linear", "gimp", "cpgimp", "bspline"})
+           .of("bspline")
+           .like("\"gimp\"")
+           .means("`linear`: tents; `gimp`: points of constant size (uGIMP); `cpgimp`: points that stretch with the "
+                  "material; `bspline`: quadratic"),
+       word("stress_order", {"usf", "usl", "musl"})
+           .of("musl")
+           .like("\"usf\"")
+           .means("When the stress is updated: before the momentum (`usf`), after it (`usl`), or after it with the "
+                  "velocity of the points mapped back to the nodes (`musl`)"),
+       word("transfer", {"flip", "apic", "xpic"})
+           .of("flip")
+           .like("\"apic\"")
+           .means("How the velocity of the points follows that of the nodes"),
+       number("pic_fraction", "1", 0.0, 1.0).of(o.pic_fraction).like("0.01").means("flip: fraction of PIC"),
+       typed(Type::integer, "xpic_order", "1", 1, 10)
+           .of(static_cast<long>(o.xpic_order))
+           .like("2")
+           .means("xpic: its order; 1 is PIC"),
+       typed(Type::boolean, "locking_control")
+           .of(o.locking_control)
+           .like("true")
+           .means("Average the volumetric strain over the points of a body in a cell"),
+       number("linear_viscosity", "1", 0.0, 10.0)
+           .of(o.linear_viscosity)
+           .like("0.06")
+           .means("Linear coefficient of the bulk viscosity"),
+       number("quadratic_viscosity", "1", 0.0, 100.0)
+           .of(o.quadratic_viscosity)
+           .like("1.5")
+           .means("Quadratic coefficient of the bulk viscosity"),
+       number("courant", "1", 0.01, 1.0).of(o.courant).like("0.4").means("Courant number"),
+       typed(Type::point, "body_force", "m/s2", -1e9, 1e9)
+           .note("none")
+           .like("[0, 0, -9.81]")
+           .means("Acceleration of everything, gravity for example"),
+       typed(Type::integer, "block_cells", "1", 0, 4096)
+           .of(static_cast<long>(o.block_cells))
+           .like("8")
+           .means("Cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D")},
+      {},
+      {}};
+  return table;
+}
+
+Table const& constraint_table() {
+  static Table const table = [] {
+    Key held = typed(Type::words, "held")
+                   .note("all resolved directions")
+                   .like("[\"x\", \"y\"]")
+                   .means("fixed, velocity: components of the velocity that are prescribed");
+    held.choices = {"x", "y", "z"};
+    return Table{
+        "The velocity of material points in a part of space is prescribed, by way of the grid nodes there.",
+        {word("kind", {"fixed", "roller", "velocity"})
+             .of("fixed")
+             .like("\"roller\"")
+             .means("`fixed`: at rest; `roller`: no motion along `normal`; `velocity`: moves with `velocity`"),
+         nested(Type::table, "region", points_region_table())
+             .note("everywhere, for the `body`")
+             .like("{shape = \"box\", lower = [0, 0, 0], upper = [0.1, 1, 1]}")
+             .means("Where; `region` or `body` is needed"),
+         word("normal", {"x", "y", "z"})
+             .note("needed by a roller")
+             .like("\"z\"")
+             .means("roller: the direction in which nothing moves"),
+         velocity().note("needed by kind `velocity`").means("velocity: that of the held components"), std::move(held),
+         typed(Type::text, "body").note("all bodies").like("\"plate\"").means("Name of the one body that is held")},
+        {},
+        {}};
+  }();
+  return table;
+}
+
+Table const& contact_table() {
+  static Table const table{
+      "Two bodies that touch, slide and part. Bodies without a contact share the motion of the grid where they meet: "
+      "they stick together.",
+      {typed(Type::names, "bodies").required().like("[\"rod\", \"plate\"]").means("Names of the two bodies"),
+       number("friction", "1", 0.0, 10.0).of(0.0).like("0.2").means("Coulomb's coefficient of friction")},
+      {},
+      {}};
+  return table;
+}
+
+Table const& history_table() {
+  static Table const table{
+      "Pressure in time: linear between the times, none before the first and after the last.",
+      {typed(Type::numbers, "times", "s", 0.0, longest).required().like("[0, \"0.1 ms\"]").means("Times, rising"),
+       typed(Type::numbers, "pressures", "Pa", -1e13, 1e13)
+           .required()
+           .like("[\"2 MPa\", 0]")
+           .means("Pressures at these times")},
+      {},
+      {}};
+  return table;
+}
+
+Table const& surface_pressure_table() {
+  static Table const table{
+      "A pressure on a flat face of a body. The layer of material points below the face takes it.",
+      {typed(Type::text, "body").note("the only body").like("\"plate\"").means("Name of the body"),
+       face_normal("normal").required().like("\"+z\"").means(
+           "Outer normal of the face: `+z` is the upper face, pushed down"),
+       nested(Type::table, "region", points_region_table())
+           .note("everywhere")
+           .like("{shape = \"cylinder\", radius = \"50 mm\", length = 1}")
+           .means("Part of the body that is loaded, on its face or on the region's, whichever lies deeper"),
+       number("thickness", "m", smallest, far)
+           .note("one layer of points")
+           .like("\"1 mm\"")
+           .means("Depth of the layer that takes the pressure, rounded to whole layers of points"),
+       nested(Type::table, "history", history_table())
+           .note("from `pressure`")
+           .like("{times = [0, \"0.1 ms\"], pressures = [\"2 MPa\", 0]}")
+           .means("Pressure in time; instead of `pressure`"),
+       number("pressure", "Pa", -1e13, 1e13)
+           .note("from `history`")
+           .like("\"2 MPa\"")
+           .means("A constant pressure; instead of `history`"),
+       number("duration", "s", 1e-12, longest)
+           .note("to the end")
+           .like("\"0.1 ms\"")
+           .means("How long a constant pressure acts, from the start")},
+      {},
+      {}};
+  return table;
+}
+
 Table const& output_table() {
   static Table const table = [] {
     run::Output const o;
@@ -345,6 +588,11 @@ Table const& output_table() {
     Key fields = typed(Type::words, "fields").like("[\"pressure\", \"velocity\"]").means("Fields to write");
     fields.choices = names;
     fields.note(fmt::format("`{}`", fmt::join(o.fields, "`, `")));
+    Key point_fields = typed(Type::words, "point_fields")
+                           .like("[\"velocity\", \"stress\"]")
+                           .means("Fields of the material points to write, beside position, body and material");
+    for (auto const& field : run::known_point_fields()) point_fields.choices.push_back(field.name);
+    point_fields.note(fmt::format("`{}`", fmt::join(o.point_fields, "`, `")));
     return Table{"What is written, and when.",
                  {number("field_interval", "s", 0.0, longest)
                       .of(o.field_interval)
@@ -366,7 +614,7 @@ Table const& output_table() {
                       .of(o.single_precision ? "single" : "double")
                       .like("\"single\"")
                       .means("Precision of the fields in the files; the calculation is always in double"),
-                  std::move(fields)},
+                  std::move(fields), std::move(point_fields)},
                  {},
                  {}};
   }();
@@ -467,6 +715,75 @@ Table const& fluids_table() {
   return table;
 }
 
+template <class... Models>
+Table model_table(std::string meaning, std::string explanation) {
+  return {std::move(meaning),
+          {word("model", {Models::name...})
+               .required()
+               .like(fmt::format("\"{}\"", [](char const* first, auto const*...) { return first; }(Models::name...)))
+               .means(std::move(explanation))},
+          "model",
+          {{Models::name, solid_parameter_keys<Models>()}...}};
+}
+
+Table const& solid_eos_table() {
+  static Table const table = model_table<material::Linear, material::MieGruneisen>(
+      "Equation of state of a solid: the pressure from density and energy.", "Equation of state");
+  return table;
+}
+Table const& strength_table() {
+  static Table const table =
+      model_table<material::Elastic, material::VonMises, material::JohnsonCook, material::NoStrength>(
+          "Strength of a solid: the rest of the stress.", "Strength model");
+  return table;
+}
+Table const& failure_table() {
+  static Table const table = model_table<material::JohnsonCookFailure, material::NoFailure>(
+      "Failure of a solid: growing damage, at 1 neither shear stress nor tension.", "Failure model");
+  return table;
+}
+
+std::vector<Key> solid_keys() {
+  static material::Solid const s;
+  return {density().required().like("2700").means("Density at the start"),
+          number("E", "Pa", 1.0, 1e13)
+              .note("from `G` and `K`")
+              .like("\"70 GPa\"")
+              .means("Young's modulus; together with `nu` it gives `K` of the linear equation of state and `G` of the "
+                     "strength"),
+          number("nu", "1", -0.9, 0.4999).note("from `G` and `K`").like("0.33").means("Poisson's ratio"),
+          number("specific_heat", "J/kg/K", 0.0, 1e6)
+              .of(s.specific_heat)
+              .like("896")
+              .means("Specific heat; 0: plastic work does not heat"),
+          number("temperature", "K", 0.0, 1e5).of(s.temperature).like("293").means("Temperature at the start"),
+          number("taylor_quinney", "1", 0.0, 1.0)
+              .of(s.taylor_quinney)
+              .like("0.9")
+              .means("Part of the plastic work that heats"),
+          number("minimum_pressure", "Pa", -1e13, 0.0)
+              .note("none")
+              .like("\"-2 GPa\"")
+              .means("Tension cut-off (spall): the pressure never falls below it"),
+          nested(Type::table, "eos", solid_eos_table())
+              .note("`linear` from `E` and `nu`")
+              .like("{model = \"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}")
+              .means("Equation of state"),
+          nested(Type::table, "strength", strength_table())
+              .note("`elastic` where `E` and `nu` are given, else none")
+              .like("{model = \"von_mises\", yield = \"200 MPa\"}")
+              .means("Strength"),
+          nested(Type::table, "failure", failure_table())
+              .note("none")
+              .like("{model = \"johnson_cook\", D1 = 0.54, D2 = 4.89, D3 = -3.03, D4 = 0.014, D5 = 1.12}")
+              .means("Failure")};
+}
+
+Table const& solids_table() {
+  static Table const table{"A solid of the deck's own, under the name NAME.", joined(solid_keys(), own_keys()), {}, {}};
+  return table;
+}
+
 std::vector<Key> file_keys(char const* kind) {
   return {word("kind", {kind}).required().like(fmt::format("\"{}\"", kind)).means("Kind of material"),
           typed(Type::text, "name").required().like("\"TNT\"").means("Name"),
@@ -496,14 +813,25 @@ Table const& deck_schema() {
         "",
         {typed(Type::text, "title").of("").like("\"10 kg of TNT on the ground\"").means("Title of the case"),
          nested(Type::table, "domain", domain_table()).required().like("size = [4, 4, 3] and cell = \"50 mm\""),
-         nested(Type::table, "boundaries", boundaries_table()), std::move(inflow),
-         nested(Type::table, "ambient", ambient_table()), nested(Type::tables, "charge", charge_table()),
-         nested(Type::tables, "gauge", gauge_table()), nested(Type::tables, "obstacle", obstacle_table()),
-         nested(Type::tables, "region", region_table()), nested(Type::table, "numerics", numerics_table()),
+         nested(Type::table, "boundaries", boundaries_table()),
+         std::move(inflow),
+         nested(Type::table, "ambient", ambient_table()),
+         nested(Type::tables, "charge", charge_table()),
+         nested(Type::tables, "gauge", gauge_table()),
+         nested(Type::tables, "obstacle", obstacle_table()),
+         nested(Type::tables, "region", region_table()),
+         nested(Type::tables, "body", body_table()),
+         nested(Type::tables, "constraint", constraint_table()),
+         nested(Type::tables, "contact", contact_table()),
+         nested(Type::tables, "surface_pressure", surface_pressure_table()),
+         nested(Type::table, "points", points_table()),
+         nested(Type::table, "numerics", numerics_table()),
          nested(Type::table, "output", output_table()),
          nested(Type::table, "end", end_table()).required().like("time = \"10 ms\""),
-         nested(Type::table, "compare", compare_table()), nested(Type::named, "explosives", explosives_table()),
-         nested(Type::named, "fluids", fluids_table())},
+         nested(Type::table, "compare", compare_table()),
+         nested(Type::named, "explosives", explosives_table()),
+         nested(Type::named, "fluids", fluids_table()),
+         nested(Type::named, "solids", solids_table())},
         {},
         {}};
   }();
@@ -517,6 +845,11 @@ Table const& explosive_file_schema() {
 
 Table const& fluid_file_schema() {
   static Table const table{"", joined(file_keys("fluid"), fluid_keys()), "eos", fluid_variants()};
+  return table;
+}
+
+Table const& solid_file_schema() {
+  static Table const table{"", joined(file_keys("solid"), solid_keys()), {}, {}};
   return table;
 }
 
@@ -594,6 +927,7 @@ std::string expectation(Key const& key) {
     case Type::text: return "a string";
     case Type::name: return "a name of letters, digits and . _ - +";
     case Type::word: return quoted_list(key.choices);
+    case Type::axis: return fmt::format("{} or a vector of three numbers", quoted_list(key.choices));
     case Type::words: return fmt::format("a list of words out of {}", quoted_list(key.choices));
     case Type::names: return "a list of strings";
     case Type::numbers: return fmt::format("a list, each element {}", quantity);

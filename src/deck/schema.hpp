@@ -18,6 +18,7 @@ enum class Type {
   text,      ///< free string
   name,      ///< string of letters, digits and . _ - + that may become part of a file name
   word,      ///< one of a closed list
+  axis,      ///< one of a closed list of letters, or a vector
   words,     ///< list of words
   names,     ///< list of strings
   numbers,   ///< list of quantities
@@ -101,6 +102,7 @@ struct Table {
 /// Material files.
 [[nodiscard]] Table const& explosive_file_schema();
 [[nodiscard]] Table const& fluid_file_schema();
+[[nodiscard]] Table const& solid_file_schema();
 
 /// The name nearest to `word`, or "" when none is near: at most a third of the letters differ, case aside.
 [[nodiscard]] std::string nearest(std::string_view word, std::vector<std::string> const& names);

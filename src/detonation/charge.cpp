@@ -10,8 +10,8 @@
 
 namespace brisance::detonation {
 
-double symmetry_images(Shape const& shape, grid::Domain const& domain, std::string const& what) {
-  Box const box = bounds(shape);
+double symmetry_images(shape::Shape const& shape, grid::Domain const& domain, std::string const& what) {
+  shape::Box const box = bounds(shape);
   Vec3 const middle = centre(shape);
   double const slack = 1e-6 * domain.h;
   double images = 1.0;
@@ -40,11 +40,11 @@ double symmetry_images(Shape const& shape, grid::Domain const& domain, std::stri
   return images;
 }
 
-FilledCells fill_cells(Shape const& shape, grid::Grid const& grid, double volume, std::string const& what) {
+FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume, std::string const& what) {
   grid::Domain const& domain = grid.domain();
   FilledCells filled;
   filled.images = symmetry_images(shape, domain, what);
-  Box const box = bounds(shape);
+  shape::Box const box = bounds(shape);
   Index3 const low = grid.cell_at(box.lower);
   Index3 const high = grid.cell_at(box.upper);
   double full = 0.0;

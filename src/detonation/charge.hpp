@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "detonation/shape.hpp"
 #include "gas/gas.hpp"
 #include "material/explosive.hpp"
+#include "shape/shape.hpp"
 
 namespace brisance::detonation {
 
@@ -24,11 +24,11 @@ struct FilledCells {
 /// How many copies of the part in the domain make the whole body: 2 for every symmetry plane that cuts it. Throws
 /// InputError when a symmetry plane cuts it off centre (it would overlap its own image) or when it reaches over another
 /// boundary.
-[[nodiscard]] double symmetry_images(Shape const& shape, grid::Domain const& domain, std::string const& what);
+[[nodiscard]] double symmetry_images(shape::Shape const& shape, grid::Domain const& domain, std::string const& what);
 
 /// Cells of a charge. The cells that it fills in part are scaled so that the volume in the domain times `images` is
 /// `volume` exactly.
-[[nodiscard]] FilledCells fill_cells(Shape const& shape, grid::Grid const& grid, double volume,
+[[nodiscard]] FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume,
                                      std::string const& what);
 
 /// Puts products (unburnt or not: the same mass and energy) into the cells: partial density alpha rho0 and energy alpha
@@ -43,7 +43,7 @@ void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive 
 
 /// One charge as the burn sees it.
 struct BurningCharge {
-  Shape shape;
+  shape::Shape shape;
   std::vector<InitiationPoint> initiation;
 };
 

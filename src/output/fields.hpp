@@ -18,7 +18,7 @@ namespace brisance::output {
 struct FieldSpec {
   std::string name;
   std::string unit;
-  int components = 1;  ///< 1 or 3
+  int components = 1;  ///< 1 or 3, of points 6 too: symmetric tensors, xx yy zz xy yz zx
   std::string meaning;
 };
 
@@ -29,6 +29,9 @@ struct FieldOptions {
 
 /// Values of a field in one block: x fastest, components interleaved.
 using BlockValues = std::function<void(int block, std::string const& field, std::vector<double>& out)>;
+
+/// An XDMF index that lists the dumps' <Grid> elements as a time series.
+[[nodiscard]] std::string time_series_index(std::string const& entries);
 
 class FieldSeries {
  public:

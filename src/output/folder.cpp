@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Files that a run leaves in its folder.
-constexpr std::array result_files{"run.json", "deck.toml", "summary.csv", "summary.json", "fields.xmf2", "report.html"};
+constexpr std::array result_files{"run.json",    "deck.toml",   "summary.csv",  "summary.json",
+                                  "fields.xmf2", "points.xmf2", "energies.csv", "report.html"};
 
 bool ends_with_one_of(std::string const& name, std::initializer_list<char const*> endings) {
   for (std::string const ending : endings)
@@ -30,11 +31,13 @@ std::vector<fs::path> earlier_results(fs::path const& folder) {
   std::vector<fs::path> found;
   for (auto const* file : result_files)
     if (fs::exists(folder / file)) found.push_back(folder / file);
-  if (fs::is_directory(folder / "fields"))
-    for (auto const& entry : fs::directory_iterator(folder / "fields"))
-      if (entry.path().filename().string().starts_with("fields_") &&
+  for (std::string const kind : {"fields", "points"}) {
+    if (!fs::is_directory(folder / kind)) continue;
+    for (auto const& entry : fs::directory_iterator(folder / kind))
+      if (entry.path().filename().string().starts_with(kind + "_") &&
           ends_with_one_of(entry.path().string(), {".h5", ".h5.part"}))
         found.push_back(entry.path());
+  }
   if (fs::is_directory(folder / "gauges"))
     for (auto const& entry : fs::directory_iterator(folder / "gauges"))
       if (ends_with_one_of(entry.path().string(), {".csv"})) found.push_back(entry.path());

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "detonation/shape.hpp"
 #include "output/file.hpp"
 #include "output/json.hpp"
+#include "shape/shape.hpp"
 
 namespace brisance::output {
 
@@ -45,7 +45,7 @@ double front_height(std::vector<double> const& t, std::vector<double> const& p, 
 run::Charge const* nearest_charge(run::Case const& setup, Vec3 const& x) {
   run::Charge const* nearest = nullptr;
   for (auto const& charge : setup.charges)
-    if (nearest == nullptr || norm(x - detonation::centre(charge.shape)) < norm(x - detonation::centre(nearest->shape)))
+    if (nearest == nullptr || norm(x - shape::centre(charge.shape)) < norm(x - shape::centre(nearest->shape)))
       nearest = &charge;
   return nearest;
 }
@@ -64,14 +64,6 @@ nlohmann::json blast_json(empirical::Blast const& blast) {
 }
 
 std::string cell(std::optional<double> value) { return value ? fmt::format("{:.8g}", *value) : ""; }
-
-/// Text as one CSV field (RFC 4180).
-std::string quoted(std::string const& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string out = "\"";
-  for (char const c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
-}
 
 /// The empirical curve for plots: logarithmically spaced distances over the whole range of the fits. The explosive's
 /// TNT equivalent for pressure, by which distances scale, must be known.
@@ -187,19 +179,36 @@ std::string sanitised(std::string const& name) {
   return out;
 }
 
-GaugeFiles::GaugeFiles(fs::path const& folder, std::vector<run::GaugeHistory> const& gauges, double ambient_pressure)
-    : ambient_pressure_(ambient_pressure) {
-  if (gauges.empty()) return;
+std::string csv_field(std::string const& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string out = "\"";
+  for (char const c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+std::vector<std::string> gauge_files(fs::path const& folder, std::vector<std::string> const& gauges) {
+  std::vector<std::string> names;
+  if (gauges.empty()) return names;
   std::error_code error;
   fs::create_directories(folder / "gauges", error);
   if (error) throw_io_error("create", folder / "gauges", error.value());
   std::set<std::string> taken;
-  for (auto const& history : gauges) {
-    std::string const base = sanitised(history.gauge.name);
+  for (auto const& gauge : gauges) {
+    std::string const base = sanitised(gauge);
     std::string name = base;
     for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", base, i);
-    names_.push_back("gauges/" + name + ".csv");
-    streams_.push_back({folder / names_.back()});
+    names.push_back("gauges/" + name + ".csv");
+  }
+  return names;
+}
+
+GaugeFiles::GaugeFiles(fs::path const& folder, std::vector<run::GaugeHistory> const& gauges, double ambient_pressure)
+    : ambient_pressure_(ambient_pressure) {
+  std::vector<std::string> wanted;
+  for (auto const& history : gauges) wanted.push_back(history.gauge.name);
+  names_ = gauge_files(folder, wanted);
+  for (auto const& name : names_) {
+    streams_.push_back({folder / name});
     write_file(
         streams_.back().path,
         "time [s],pressure [Pa],overpressure [Pa],density [kg/m3],velocity_x [m/s],velocity_y [m/s],velocity_z [m/s],"
@@ -243,7 +252,7 @@ std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::Gau
     }
     GaugeSummary summary{history.gauge.name, history.gauge.position, analyse_blast(time, overpressure), {}, {}, {}};
     if (auto const* charge = nearest_charge(setup, history.gauge.position)) {
-      double const distance = norm(history.gauge.position - detonation::centre(charge->shape));
+      double const distance = norm(history.gauge.position - shape::centre(charge->shape));
       summary.distance = distance;
       if (auto const tnt = charge->explosive.tnt_equivalent_pressure) {
         summary.scaled_distance = distance / std::cbrt(charge->mass * *tnt);
@@ -275,7 +284,7 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
     // An impulse that the record cuts off cannot be compared.
     auto const ratio_impulse = ratio(complete ? std::optional(w.positive_impulse) : std::nullopt, e.incident_impulse);
     csv += fmt::format("{},{:.8g},{:.8g},{:.8g},{},{},{:.8g},{:.8g},{},{},{:.8g},{},{},{},{},{},{},{},{},{}\n",
-                       quoted(s.name), s.position[0], s.position[1], s.position[2], cell(s.distance),
+                       csv_field(s.name), s.position[0], s.position[1], s.position[2], cell(s.distance),
                        cell(s.scaled_distance), w.peak_overpressure, w.peak_time, cell(w.arrival_time),
                        cell(w.positive_duration), w.positive_impulse, complete ? "yes" : "no",
                        cell(e.incident_overpressure), cell(e.arrival), cell(e.duration), cell(e.incident_impulse),

@@ -55,6 +55,13 @@ struct GaugeSummary {
 /// A name that is safe as a file name: letters, digits, '.', '-' and '_' stay, everything else becomes '_'.
 [[nodiscard]] std::string sanitised(std::string const& name);
 
+/// Makes the folder of the gauges' files and gives each gauge a file of its own: paths relative to the output folder.
+[[nodiscard]] std::vector<std::string> gauge_files(std::filesystem::path const& folder,
+                                                   std::vector<std::string> const& gauges);
+
+/// Text as one CSV field (RFC 4180).
+[[nodiscard]] std::string csv_field(std::string const& text);
+
 /// The growing CSV files `gauges/NAME.csv`.
 class GaugeFiles {
  public:

@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "core/parallel.hpp"
-#include "detonation/shape.hpp"
 #include "output/fields.hpp"
 #include "output/json.hpp"
+#include "shape/shape.hpp"
 
 namespace brisance::output {
 
@@ -57,7 +57,7 @@ json charges(run::World const& world) {
                {"cells_per_radius", json_or_null(report.cells_per_radius)}};
     if (c < world.setup.charges.size()) {
       auto const& charge = world.setup.charges[c];
-      entry["centre"] = detonation::centre(charge.shape);
+      entry["centre"] = shape::centre(charge.shape);
       entry["source"] = charge.explosive.source;
       entry["density"] = charge.explosive.density();
       entry["detonation"] = charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous";
@@ -81,7 +81,96 @@ json domain_of(grid::Domain const& d) {
           {"boundary", std::move(boundary)}};
 }
 
+/// What a run of material points has beside the rest.
+json points(run::World const& world, double wall_seconds) {
+  mpm::Mpm const& p = *world.points;
+  mpm::Options const& o = p.options();
+  json bodies = json::array();
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    auto const& report = world.bodies[b];
+    auto const& body = world.setup.points.bodies[b];
+    bodies.push_back({{"name", report.name},
+                      {"material", report.material},
+                      {"source", body.solid.source},
+                      {"points", report.points},
+                      {"points_per_direction", body.points_per_direction},
+                      {"mass", json_or_null(report.mass)},
+                      {"geometric_mass", json_or_null(report.geometric_mass)},
+                      {"velocity", body.velocity},
+                      {"rigid", body.rigid}});
+  }
+  auto const& a = world.audit;
+  auto const energy = world.energy_balance();
+  auto const& impulse = p.constraint_impulse();
+  double const count = static_cast<double>(p.point_count());
+  double const updates = count * static_cast<double>(world.clock.step);
+  return {{"count", p.point_count()},
+          {"bytes", p.bytes()},
+          {"shape_function", name_of(o.shape)},
+          {"order", name_of(o.order)},
+          {"transfer", name_of(o.transfer)},
+          {"pic_fraction", o.pic_fraction},
+          {"xpic_order", o.xpic_order},
+          {"locking_control", o.locking_control},
+          {"linear_viscosity", o.linear_viscosity},
+          {"quadratic_viscosity", o.quadratic_viscosity},
+          {"body_force", o.body_force},
+          {"constraints", world.setup.points.constraints.size()},
+          {"contacts", world.setup.points.contacts.size()},
+          {"surface_pressures", world.setup.points.pressures.size()},
+          {"gauges", world.point_gauges.size()},
+          {"bodies", std::move(bodies)},
+          {"point_updates_per_second", wall_seconds > 0.0 ? updates / wall_seconds : 0.0},
+          {"audit",
+           {{"mass",
+             {{"initial", json_or_null(a.initial.mass[0])},
+              {"current", json_or_null(a.current.mass[0])},
+              {"lost", json_or_null(a.outflow.mass[0])},
+              {"relative_error", json_or_null(a.relative_error()[0])}}},
+            {"momentum",
+             {{"initial", a.initial.momentum},
+              {"current", a.current.momentum},
+              {"lost", a.outflow.momentum},
+              {"constraint_impulse", impulse}}},
+            {"energy",
+             {{"initial", json_or_null(energy.initial)},
+              {"current", json_or_null(energy.current)},
+              {"lost", json_or_null(energy.lost)},
+              {"largest", json_or_null(energy.largest)},
+              {"drift", json_or_null(energy.drift())},
+              {"work", json_or_null(energy.work)}}},
+            {"lost_points", p.losses().points}}}};
+}
+
 }  // namespace
+
+char const* name_of(mpm::ShapeFunction f) {
+  switch (f) {
+    case mpm::ShapeFunction::linear: return "linear";
+    case mpm::ShapeFunction::gimp: return "gimp";
+    case mpm::ShapeFunction::cpgimp: return "cpgimp";
+    case mpm::ShapeFunction::bspline: return "bspline";
+  }
+  return "";
+}
+
+char const* name_of(mpm::StressOrder o) {
+  switch (o) {
+    case mpm::StressOrder::usf: return "usf";
+    case mpm::StressOrder::usl: return "usl";
+    case mpm::StressOrder::musl: return "musl";
+  }
+  return "";
+}
+
+char const* name_of(mpm::Transfer t) {
+  switch (t) {
+    case mpm::Transfer::flip: return "flip";
+    case mpm::Transfer::apic: return "apic";
+    case mpm::Transfer::xpic: return "xpic";
+  }
+  return "";
+}
 
 json versions() {
   unsigned major = 0;
@@ -102,35 +191,40 @@ json run_log(run::World const& world, RunStatus const& status) {
   double const updates = static_cast<double>(world.setup.domain.cell_count()) * static_cast<double>(world.clock.step);
   json timings = json::object();
   for (auto const& [phase, seconds] : world.timings) timings[phase] = json_or_null(seconds);
-  return {{"title", world.setup.title},
-          {"deck_path", world.setup.deck_path},
-          {"deck", world.setup.deck_text},
-          {"status", status.status},
-          {"end_reason", status.end_reason},
-          {"exit_code", status.exit_code},
-          {"started_at", status.started_at},
-          {"time", world.clock.time},
-          {"end_time", world.setup.end.time},
-          {"step", world.clock.step},
-          {"last_dt", world.clock.dt},
-          {"domain", domain_of(world.setup.domain)},
-          {"blocks", world.grid.block_count()},
-          {"scheme", world.setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff"},
-          {"courant", world.setup.numerics.courant},
-          {"ambient",
-           {{"fluid", world.setup.ambient.fluid.name},
-            {"pressure", world.setup.ambient.state.pressure},
-            {"density", world.setup.ambient.state.density}}},
-          {"charges", charges(world)},
-          {"obstacles", world.setup.obstacles.size()},
-          {"gauges", world.gauges.size()},
-          {"dumps", status.dumps},
-          {"wall_seconds", status.wall_seconds},
-          {"cell_updates_per_second", status.wall_seconds > 0.0 ? updates / status.wall_seconds : 0.0},
-          {"timings", std::move(timings)},
-          {"audit", audit(world.audit)},
-          {"versions", versions()},
-          {"machine", machine()}};
+  bool const gas = world.gas != nullptr;
+  json log{{"title", world.setup.title},
+           {"deck_path", world.setup.deck_path},
+           {"deck", world.setup.deck_text},
+           {"status", status.status},
+           {"end_reason", status.end_reason},
+           {"exit_code", status.exit_code},
+           {"started_at", status.started_at},
+           {"time", world.clock.time},
+           {"end_time", world.setup.end.time},
+           {"step", world.clock.step},
+           {"last_dt", world.clock.dt},
+           {"domain", domain_of(world.setup.domain)},
+           {"blocks", gas ? world.grid.block_count() : world.points->grid().block_count()},
+           {"scheme", !gas                                                        ? "material points"
+                      : world.setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock"
+                                                                                  : "lax-wendroff"},
+           {"courant", gas ? world.setup.numerics.courant : world.setup.points.options.courant},
+           {"ambient",
+            {{"fluid", world.setup.ambient.fluid.name},
+             {"pressure", world.setup.ambient.state.pressure},
+             {"density", world.setup.ambient.state.density}}},
+           {"charges", charges(world)},
+           {"obstacles", world.setup.obstacles.size()},
+           {"gauges", world.gauges.size()},
+           {"dumps", status.dumps},
+           {"wall_seconds", status.wall_seconds},
+           {"cell_updates_per_second", gas && status.wall_seconds > 0.0 ? updates / status.wall_seconds : 0.0},
+           {"timings", std::move(timings)},
+           {"audit", audit(world.audit)},
+           {"versions", versions()},
+           {"machine", machine()}};
+  if (!gas) log["points"] = points(world, status.wall_seconds);
+  return log;
 }
 
 }  // namespace brisance::output

@@ -23,6 +23,11 @@ struct RunStatus {
 /// Processor model, number of cores and threads. Names neither host nor user.
 [[nodiscard]] nlohmann::json machine();
 
+/// The words of decks for the choices of the material point method.
+[[nodiscard]] char const* name_of(mpm::ShapeFunction f);
+[[nodiscard]] char const* name_of(mpm::StressOrder o);
+[[nodiscard]] char const* name_of(mpm::Transfer t);
+
 /// The run log of the present state.
 [[nodiscard]] nlohmann::json run_log(run::World const& world, RunStatus const& status);
 

@@ -11,6 +11,7 @@
 #include "output/file.hpp"
 #include "output/folder.hpp"
 #include "output/run_log.hpp"
+#include "run/point_fields.hpp"
 
 namespace brisance::output {
 
@@ -22,21 +23,44 @@ namespace {
 /// that fits.
 constexpr double expected_compression = 0.5;
 
-double expected_bytes(run::Case const& setup, int compression) {
-  double const dump = FieldSeries::bytes_per_dump(setup.domain, dumped_fields(setup), setup.output.single_precision);
+double expected_bytes(run::World const& world, int compression) {
+  run::Case const& setup = world.setup;
+  auto const fields = dumped_fields(setup);
+  bool const single = setup.output.single_precision;
+  double const dump = world.points != nullptr ? PointSeries::bytes_per_dump(
+                                                    static_cast<double>(world.points->point_count()), fields, single)
+                                              : FieldSeries::bytes_per_dump(setup.domain, fields, single);
   return dump * static_cast<double>(dump_times(setup.output, setup.end.time).size()) *
          (compression > 0 ? expected_compression : 1.0);
 }
 
 /// Prepares the folder before the members that write into it are built.
-fs::path prepared(fs::path folder, run::Case const& setup, WriterOptions const& options) {
-  prepare_folder(folder, options.force, expected_bytes(setup, options.compression));
+fs::path prepared(fs::path folder, run::World const& world, WriterOptions const& options) {
+  prepare_folder(folder, options.force, expected_bytes(world, options.compression));
   return folder;
+}
+
+FieldSpec spec_of(std::string const& name, std::vector<run::FieldInfo> const& known) {
+  auto const found = std::ranges::find(known, name, &run::FieldInfo::name);
+  if (found == known.end()) throw InputError("unknown field \"" + name + "\"");
+  return {found->name, found->unit, found->components, found->meaning};
+}
+
+std::vector<FieldSpec> dumped_point_fields(run::Case const& setup) {
+  std::vector<FieldSpec> specs;
+  auto const& standing = run::standing_point_fields();
+  for (auto const& field : standing) specs.push_back(spec_of(field.name, standing));
+  for (auto const& name : setup.output.point_fields) {
+    bool const already = std::ranges::find(specs, name, &FieldSpec::name) != specs.end();
+    if (!already) specs.push_back(spec_of(name, run::known_point_fields()));
+  }
+  return specs;
 }
 
 }  // namespace
 
 std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
+  if (setup.points.any()) return dumped_point_fields(setup);
   std::vector<std::string> names = setup.output.fields;
   auto const add = [&names](char const* name) {
     if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
@@ -48,12 +72,7 @@ std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
   if (!setup.obstacles.empty()) add("obstacle");
 
   std::vector<FieldSpec> specs;
-  for (auto const& name : names) {
-    auto const& known = run::known_fields();
-    auto const found = std::ranges::find(known, name, &run::FieldInfo::name);
-    if (found == known.end()) throw InputError("unknown field \"" + name + "\"");
-    specs.push_back({found->name, found->unit, found->components, found->meaning});
-  }
+  for (auto const& name : names) specs.push_back(spec_of(name, run::known_fields()));
   return specs;
 }
 
@@ -76,10 +95,12 @@ std::vector<double> dump_times(run::Output const& output, double end_time) {
 }
 
 Writer::Writer(run::World const& world, fs::path folder, WriterOptions const& options)
-    : folder_(prepared(std::move(folder), world.setup, options)),
+    : folder_(prepared(std::move(folder), world, options)),
       fields_(dumped_fields(world.setup)),
       series_(folder_, {world.setup.output.single_precision, options.compression}),
+      points_(folder_, {world.setup.output.single_precision, options.compression}),
       gauges_(folder_, world.gauges, world.setup.ambient.state.pressure),
+      point_gauges_(folder_, world),
       begin_(std::chrono::steady_clock::now()),
       started_at_(fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))) {
   replace_file(folder_ / "deck.toml", world.setup.deck_text);
@@ -87,25 +108,37 @@ Writer::Writer(run::World const& world, fs::path folder, WriterOptions const& op
 }
 
 void Writer::dump_fields(run::World const& world) {
-  series_.dump(world.clock.time, world.clock.step, world.grid, fields_,
-               [&world](int block, std::string const& field, std::vector<double>& out) {
-                 run::block_field(world, block, field, out);
-               });
+  if (world.points != nullptr) {
+    points_.dump(world.clock.time, world.clock.step, world.setup.domain.geometry, world.points->point_count(), fields_,
+                 [&world](std::string const& field, std::vector<double>& out) { run::point_field(world, field, out); });
+  } else {
+    series_.dump(world.clock.time, world.clock.step, world.grid, fields_,
+                 [&world](int block, std::string const& field, std::vector<double>& out) {
+                   run::block_field(world, block, field, out);
+                 });
+  }
   write_log(world, "running", "", 0);
 }
 
-void Writer::append_gauges(run::World const& world) { gauges_.append(world.gauges); }
+void Writer::append_gauges(run::World const& world) {
+  gauges_.append(world.gauges);
+  point_gauges_.append(world);
+}
 
 void Writer::finish(run::World const& world, std::string const& end_reason, int exit_code) {
   append_gauges(world);
-  write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names());
+  if (world.points != nullptr) {
+    write_point_summary(folder_, world, point_gauges_.names());
+  } else {
+    write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names());
+  }
   write_log(world, exit_code == 0 ? "done" : "stopped", end_reason, exit_code);
 }
 
 void Writer::write_log(run::World const& world, std::string const& status, std::string const& end_reason,
                        int exit_code) {
   double const wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  auto const log = run_log(world, {status, end_reason, exit_code, started_at_, wall, series_.count()});
+  auto const log = run_log(world, {status, end_reason, exit_code, started_at_, wall, dump_count()});
   // A deck or a title may hold bytes that are not UTF-8: they are replaced, the log stays valid JSON.
   replace_file(folder_ / "run.json", log.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }

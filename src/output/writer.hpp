@@ -3,10 +3,14 @@
 ///     run.json            run log: versions, machine, steps, timings, audit, charges; rewritten during the run
 ///     deck.toml           the deck as read
 ///     fields.xmf2         index of the field dumps, opens in ParaView; fields/fields_NNNNNN.h5
+///     points.xmf2         index of the dumps of the material points; points/points_NNNNNN.h5
 ///     gauges/NAME.csv     histories, growing during the run
-///     summary.csv, .json  peaks, arrivals, durations, impulses of the gauges beside Kingery-Bulmash
+///     energies.csv        energies of every body, growing during the run
+///     summary.csv, .json  peaks, arrivals, durations, impulses of the gauges beside Kingery-Bulmash; of material
+///                         points the displacements, velocities and energies
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -14,6 +18,8 @@
 
 #include "output/fields.hpp"
 #include "output/gauges.hpp"
+#include "output/point_gauges.hpp"
+#include "output/points.hpp"
 #include "run/world.hpp"
 
 namespace brisance::output {
@@ -28,7 +34,7 @@ class Writer {
   /// Prepares the folder and writes the deck and the first run log. Throws IoError.
   Writer(run::World const& world, std::filesystem::path folder, WriterOptions const& options = {});
 
-  /// Writes one field dump and brings the run log up to date.
+  /// Writes one dump of the gas fields or of the material points and brings the run log up to date.
   void dump_fields(run::World const& world);
 
   /// Appends what the gauges recorded since the last call.
@@ -38,7 +44,7 @@ class Writer {
   void finish(run::World const& world, std::string const& end_reason, int exit_code);
 
   [[nodiscard]] std::filesystem::path const& folder() const { return folder_; }
-  [[nodiscard]] int dump_count() const { return series_.count(); }
+  [[nodiscard]] int dump_count() const { return std::max(series_.count(), points_.count()); }
 
  private:
   void write_log(run::World const& world, std::string const& status, std::string const& end_reason, int exit_code);
@@ -46,13 +52,16 @@ class Writer {
   std::filesystem::path folder_;
   std::vector<FieldSpec> fields_;
   FieldSeries series_;
+  PointSeries points_;
   GaugeFiles gauges_;
+  PointGaugeFiles point_gauges_;
   std::chrono::steady_clock::time_point begin_;
   std::string started_at_;
 };
 
-/// The fields that the dumps of a case hold: the asked ones, the peak fields where asked, the obstacle mask where there
-/// are obstacles. Throws InputError for an unknown name.
+/// The fields that the dumps of a case hold. Of the gas: the asked ones, the peak fields where asked, the obstacle mask
+/// where there are obstacles. Of material points: position, body, material and the asked ones. Throws InputError for an
+/// unknown name.
 [[nodiscard]] std::vector<FieldSpec> dumped_fields(run::Case const& setup);
 
 /// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end.

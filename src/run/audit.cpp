@@ -17,7 +17,23 @@ std::array<double, 3> Audit::relative_error() const {
           error(initial.energy, outflow.energy, guard_energy, current.energy)};
 }
 
+namespace {
+
+Totals totals_of(mpm::Mpm const& points) {
+  Totals total;
+  for (std::size_t body = 0; body < points.bodies().size(); ++body) {
+    mpm::BodySums const sums = points.sums(static_cast<int>(body));
+    total.mass[0] += sums.mass;
+    total.momentum = total.momentum + sums.momentum;
+    total.energy += sums.kinetic_energy + sums.internal_energy;
+  }
+  return total;
+}
+
+}  // namespace
+
 Totals World::totals() const {
+  if (gas == nullptr) return totals_of(*points);
   // One sum per block, then over blocks in order: the same bits for any number of threads.
   std::vector<Totals> parts(static_cast<std::size_t>(grid.block_count()));
   bool const two = gas->fluids().two;
@@ -48,6 +64,13 @@ Totals World::totals() const {
 
 void World::update_audit() {
   audit.current = totals();
+  if (points != nullptr) {
+    mpm::Losses const& lost = points->losses();
+    audit.outflow.mass[0] = lost.mass;
+    audit.outflow.momentum = lost.momentum;
+    audit.outflow.energy = lost.energy;
+  }
+  if (gas == nullptr) return;
   gas::Account const account = gas->account();
   audit.outflow.mass = {account.outflow[gas::density], account.outflow[gas::second_density]};
   for (int d = 0; d < 3; ++d) audit.outflow.momentum[d] = account.outflow[gas::momentum_x + d];

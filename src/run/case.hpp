@@ -10,9 +10,11 @@
 
 #include "core/vec.hpp"
 #include "detonation/charge.hpp"
-#include "detonation/shape.hpp"
 #include "grid/geometry.hpp"
 #include "material/explosive.hpp"
+#include "material/solid.hpp"
+#include "mpm/mpm.hpp"
+#include "shape/shape.hpp"
 
 namespace brisance::run {
 
@@ -31,7 +33,7 @@ struct Ambient {
 /// A region filled with another state, and optionally with the second fluid, at the start. Later regions overwrite
 /// earlier ones.
 struct Region {
-  detonation::Shape shape;
+  shape::Shape shape;
   FluidState state;
   bool second_fluid = false;  ///< filled with `Case::second_fluid` instead of the ambient fluid
   /// Set when the region is filled with an explosive's products or another named fluid.
@@ -46,7 +48,7 @@ using detonation::InitiationPoint;
 /// domain.
 struct Charge {
   material::Explosive explosive;
-  detonation::Shape shape;
+  shape::Shape shape;
   double mass = 0.0;  ///< [kg]
   Detonation detonation = Detonation::programmed;
   std::vector<InitiationPoint> initiation;  ///< at least one for programmed burn
@@ -60,7 +62,41 @@ struct Gauge {
 
 struct Obstacle {
   std::string name;
-  detonation::Shape shape;
+  shape::Shape shape;
+};
+
+/// A body of material points. A deck with bodies is calculated by the material point method alone.
+struct Body {
+  std::string name;
+  material::Solid solid;
+  shape::Shape shape;
+  Vec3 velocity{0.0, 0.0, 0.0};  ///< at the start [m/s]
+  int points_per_direction = 2;  ///< per cell
+  bool rigid = false;            ///< keeps its velocity, whatever it meets
+  /// State at the start where it is not the solid's own: gases.
+  std::optional<double> density;            ///< [kg/m3]
+  std::optional<double> specific_energy;    ///< [J/kg]
+  std::vector<InitiationPoint> initiation;  ///< of explosives; empty: burnt from the start
+};
+
+/// A gauge of the material points: it rides on the point that is nearest to `point` at the start, or, without one,
+/// watches the body as a whole.
+struct PointGauge {
+  std::string name;
+  int body = 0;
+  std::optional<Vec3> point;
+};
+
+/// The structure half of a case.
+struct Points {
+  mpm::Options options;
+  std::vector<Body> bodies;
+  std::vector<mpm::Constraint> constraints;
+  std::vector<mpm::Contact> contacts;
+  std::vector<mpm::SurfacePressure> pressures;
+  std::vector<PointGauge> gauges;
+
+  [[nodiscard]] bool any() const { return !bodies.empty(); }
 };
 
 using gas::Scheme;
@@ -84,6 +120,8 @@ struct Output {
   bool peak_fields = true;          ///< peak overpressure and impulse per cell
   bool single_precision = true;     ///< fields in float
   std::vector<std::string> fields{"pressure", "density", "velocity", "products"};
+  /// Fields of the material points beside position, body and material.
+  std::vector<std::string> point_fields{"velocity", "displacement", "pressure", "mises", "plastic_strain", "damage"};
 };
 
 struct End {
@@ -107,6 +145,7 @@ struct Case {
   std::vector<Charge> charges;
   std::vector<Gauge> gauges;
   std::vector<Obstacle> obstacles;
+  Points points;
   Numerics numerics;
   Output output;
   End end;

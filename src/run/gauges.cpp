@@ -1,9 +1,11 @@
 /// Gauges: linear interpolation between cell centres, so that a gauge between two cells sees the shock between their
-/// times.
+/// times. Gauges of the material points ride on the point itself.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/timer.hpp"
+#include "run/point_fields.hpp"
 #include "run/world.hpp"
 
 namespace brisance::run {
@@ -44,9 +46,73 @@ Stencil stencil_at(grid::Domain const& domain, Vec3 const& x) {
 
 }  // namespace
 
+namespace {
+
+Vec3 vector_at(mpm::PointSet const& set, mpm::Field first, int point) {
+  Vec3 v{0.0, 0.0, 0.0};
+  for (int d = 0; d < 3; ++d) v[d] = set.field(first + d)[point];
+  return v;
+}
+
+double value_at(mpm::PointSet const& set, mpm::Field field, int point) {
+  double const* const values = set.field(field);
+  return values == nullptr ? 0.0 : values[point];
+}
+
+PointRecord record_of(mpm::PointSet const& set, int q, double time) {
+  PointRecord r;
+  r.time = time;
+  r.position = vector_at(set, mpm::Field::position_x, q);
+  r.velocity = vector_at(set, mpm::Field::velocity_x, q);
+  r.pressure = value_at(set, mpm::Field::pressure, q);
+  r.mises = mises_of(set, q);
+  r.density = value_at(set, mpm::Field::density, q);
+  r.plastic_strain = value_at(set, mpm::Field::plastic_strain, q);
+  r.temperature = value_at(set, mpm::Field::temperature, q);
+  r.damage = value_at(set, mpm::Field::damage, q);
+  return r;
+}
+
+constexpr double body_records = 1000.0;  // of a run, about
+
+}  // namespace
+
+void World::sample_points() {
+  int const count = static_cast<int>(bodies.size());
+  double const interval = setup.end.time / body_records;
+  body_histories.resize(bodies.size());
+  double const last = body_histories[0].empty() ? -1.0 : body_histories[0].back().time;
+  bool const due = last < 0.0 || (clock.time > last && (finished() || clock.time >= last + interval * (1.0 - 1e-9)));
+  // The sums of a body are taken once, whoever asks for them.
+  std::vector<std::optional<mpm::BodySums>> sums(bodies.size());
+  auto const sums_of = [&](int body) -> mpm::BodySums const& {
+    if (!sums[body]) sums[body] = points->sums(body);
+    return *sums[body];
+  };
+  for (int body = 0; due && body < count; ++body) body_histories[body].push_back({clock.time, sums_of(body)});
+  for (PointGaugeHistory& history : point_gauges) {
+    int const body = history.gauge.body;
+    if (!history.gauge.point) {
+      history.bodies.push_back({clock.time, sums_of(body)});
+      continue;
+    }
+    if (history.lost) continue;
+    history.place = points->find(body, history.identity, history.place);
+    if (history.place.block < 0) {
+      history.lost = true;
+      continue;
+    }
+    PointRecord record = record_of(points->points(history.place.block, body), history.place.index, clock.time);
+    // Also of points that do not carry their origin: the gauge has seen it.
+    if (!history.points.empty()) record.displacement = record.position - history.points.front().position;
+    history.points.push_back(record);
+  }
+}
+
 void World::sample_gauges() {
-  if (gauges.empty()) return;
+  if (gauges.empty() && points == nullptr) return;
   PhaseTimer const timer(timings["gauges"]);
+  if (points != nullptr) sample_points();
   for (GaugeHistory& history : gauges) {
     Stencil const s = stencil_at(setup.domain, history.gauge.position);
     std::vector<gas::Primitive> const states = gas->gather(s.cells);

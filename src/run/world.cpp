@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "core/timer.hpp"
+#include "run/place_bodies.hpp"
 
 namespace brisance::run {
 
@@ -70,7 +71,7 @@ void place_regions(Case const& c, grid::Grid const& grid, gas::Gas& gas) {
       state.ambient_density = c.ambient.state.density;
     }
     for_each_cell(grid, [&](int b, int offset, Index3 const& cell) {
-      if (detonation::contains(region.shape, grid.domain(), grid.domain().centre(cell))) gas.set(b, offset, state);
+      if (shape::contains(region.shape, grid.domain(), grid.domain().centre(cell))) gas.set(b, offset, state);
     });
   }
 }
@@ -89,7 +90,7 @@ void place_obstacles(Case const& c, grid::Grid const& grid, gas::Gas& gas, gas::
           Vec3 const x =
               domain.centre(grid::image_cell(domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k}));
           bool const inside = std::any_of(c.obstacles.begin(), c.obstacles.end(),
-                                          [&](Obstacle const& o) { return detonation::contains(o.shape, domain, x); });
+                                          [&](Obstacle const& o) { return shape::contains(o.shape, domain, x); });
           if (!inside) continue;
           solid[box.offset(i, j, k)] = 1;
           any = true;
@@ -102,17 +103,16 @@ void place_obstacles(Case const& c, grid::Grid const& grid, gas::Gas& gas, gas::
   }
 }
 
-}  // namespace
-
-World::World(Case c)
-    : setup(std::move(c)), grid(setup.domain, setup.numerics.block_cells), gas([&] {
-        std::array<gas::MixtureState, 6> inflow;
-        for (int face = 0; face < 6; ++face) inflow[face] = ambient_mixture(setup.inflow[face]);
-        return std::make_unique<gas::Gas>(grid, fluids_of(setup), options_of(setup),
-                                          ambient_mixture(setup.ambient.state), inflow);
-      }()) {
+void place_gas(World& w) {
+  Case const& setup = w.setup;
+  std::array<gas::MixtureState, 6> inflow;
+  for (int face = 0; face < 6; ++face) inflow[face] = ambient_mixture(setup.inflow[face]);
+  w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), ambient_mixture(setup.ambient.state),
+                                     inflow);
+  gas::Gas& gas = *w.gas;
+  grid::Grid const& grid = w.grid;
   gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
-  place_regions(setup, grid, *gas);
+  place_regions(setup, grid, gas);
 
   std::vector<detonation::BurningCharge> burning;
   int number = 0;
@@ -128,12 +128,12 @@ World::World(Case c)
         int const b = grid.block_of(cell);
         Index3 const& o = grid.blocks()[b].origin;
         int const at = grid.blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
-        mass += gas->fields().at(b, gas::second_density)[at] * setup.domain.cell_volume(cell[0]);
+        mass += gas.fields().at(b, gas::second_density)[at] * setup.domain.cell_volume(cell[0]);
       }
       return mass;
     };
     double const before = products();
-    detonation::place_charge(*gas, filled, charge.explosive, ambient);
+    detonation::place_charge(gas, filled, charge.explosive, ambient);
     if (charge.detonation == Detonation::programmed) burning.push_back({charge.shape, charge.initiation});
 
     ChargeReport report;
@@ -142,15 +142,24 @@ World::World(Case c)
     report.realised_mass = (products() - before) * filled.images;
     report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
     report.cells_per_radius =
-        detonation::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / setup.domain.h;
-    charges.push_back(report);
+        shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / setup.domain.h;
+    w.charges.push_back(report);
   }
-  if (!burning.empty())
-    detonation::set_programmed_burn(*gas, burning, setup.charges.front().explosive.detonation_speed);
-  place_obstacles(setup, grid, *gas, ambient);
+  if (!burning.empty()) detonation::set_programmed_burn(gas, burning, setup.charges.front().explosive.detonation_speed);
+  place_obstacles(setup, grid, gas, ambient);
 
-  gas->start();
-  for (Gauge const& gauge : setup.gauges) gauges.push_back({gauge, {}});
+  gas.start();
+  for (Gauge const& gauge : setup.gauges) w.gauges.push_back({gauge, {}});
+}
+
+}  // namespace
+
+World::World(Case c) : setup(std::move(c)), grid(setup.domain, setup.numerics.block_cells) {
+  if (setup.points.any()) {
+    place_bodies(*this);
+  } else {
+    place_gas(*this);
+  }
   audit.initial = totals();
   audit.current = audit.initial;
 }
@@ -161,11 +170,27 @@ bool World::finished() const {
 }
 
 long World::active_cells() const {
+  if (gas == nullptr) return 0;
   long count = 0;
   for (int b = 0; b < grid.block_count(); ++b) {
     if (gas->awake(b)) count += grid.blocks()[b].cell_count();
   }
   return count;
+}
+
+EnergyBalance World::energy_balance() const {
+  EnergyBalance balance;
+  balance.initial = audit.initial.energy;
+  balance.current = audit.current.energy;
+  balance.lost = audit.outflow.energy;
+  if (points != nullptr) balance.work = points->outer_work();
+  balance.largest = std::max(std::abs(balance.initial), std::abs(balance.current));
+  for (std::size_t n = 0; !body_histories.empty() && n < body_histories.front().size(); ++n) {
+    double sum = 0.0;
+    for (auto const& history : body_histories) sum += history[n].sums.kinetic_energy + history[n].sums.internal_energy;
+    balance.largest = std::max(balance.largest, std::abs(sum));
+  }
+  return balance;
 }
 
 std::vector<FieldInfo> const& known_fields() {

@@ -67,14 +67,64 @@ struct GaugeHistory {
   std::vector<GaugeRecord> records;
 };
 
+/// What a gauge that rides on a point records.
+struct PointRecord {
+  double time = 0.0;
+  Vec3 position{0.0, 0.0, 0.0};      ///< [m]
+  Vec3 displacement{0.0, 0.0, 0.0};  ///< since the start [m]
+  Vec3 velocity{0.0, 0.0, 0.0};      ///< [m/s]
+  double pressure = 0.0;             ///< mean stress, tension negative [Pa]
+  double mises = 0.0;                ///< equivalent stress [Pa]
+  double density = 0.0;              ///< [kg/m3]
+  double plastic_strain = 0.0;
+  double temperature = 0.0;  ///< [K]
+  double damage = 0.0;
+};
+
+/// What a gauge that watches a body records.
+struct BodyRecord {
+  double time = 0.0;
+  mpm::BodySums sums;
+};
+
+struct PointGaugeHistory {
+  PointGauge gauge;
+  long identity = -1;  ///< of the point that the gauge rides on; -1: it watches the body
+  mpm::Place place;    ///< where that point was last
+  bool lost = false;   ///< the point has left the domain: the record has ended
+  std::vector<PointRecord> points;
+  std::vector<BodyRecord> bodies;
+};
+
+/// What became of one body on the grid.
+struct BodyReport {
+  std::string name;
+  std::string material;
+  long points = 0;
+  double mass = 0.0;            ///< of the points [kg]
+  double geometric_mass = 0.0;  ///< of the shape's part in the domain [kg]
+};
+
+/// Where the energy of the material points stands.
+struct EnergyBalance {
+  double initial = 0.0;  ///< kinetic and internal [J]
+  double current = 0.0;
+  double lost = 0.0;     ///< left through the domain's faces [J]
+  double largest = 0.0;  ///< of the initial energy and all recorded ones [J]
+  double work = 0.0;     ///< done by loads, the body force, and constraints and rigid bodies in motion [J]
+
+  /// (current + lost - work - initial) / largest; 0 where there is no energy.
+  [[nodiscard]] double drift() const { return largest > 0.0 ? (current + lost - work - initial) / largest : 0.0; }
+};
+
 /// Wall-clock seconds per phase of the step and of the output.
 using Timings = std::map<std::string, double>;
 
-/// A field that can be written: `block_field` fills it.
+/// A field that can be written: `block_field` or `point_field` fills it.
 struct FieldInfo {
   std::string name;  ///< as named in decks, e.g. "pressure"
   std::string unit;  ///< "Pa"
-  int components;    ///< 1 or 3
+  int components;    ///< 1, 3, or 6: symmetric tensors, xx yy zz xy yz zx
   std::string meaning;
 };
 
@@ -92,11 +142,17 @@ class World {
 
   Case setup;
   grid::Grid grid;
-  std::unique_ptr<gas::Gas> gas;
+  std::unique_ptr<gas::Gas> gas;     ///< null where the case has bodies
+  std::unique_ptr<mpm::Mpm> points;  ///< null where it has none
   Clock clock;
   Audit audit;
   std::vector<ChargeReport> charges;
+  std::vector<BodyReport> bodies;
   std::vector<GaugeHistory> gauges;
+  std::vector<PointGaugeHistory> point_gauges;
+  /// Sums over each body, about a thousand times in a run: at the start, then whenever the gauges are sampled and the
+  /// next thousandth of the end time or the end itself is reached.
+  std::vector<std::vector<BodyRecord>> body_histories;
   Timings timings;
 
   [[nodiscard]] bool finished() const;
@@ -108,6 +164,11 @@ class World {
   void sample_gauges();
   /// Brings `audit.current`, `audit.outflow` and the guard counts up to date.
   void update_audit();
+  /// The energy of the points as of the last `update_audit`.
+  [[nodiscard]] EnergyBalance energy_balance() const;
+
+ private:
+  void sample_points();
 };
 
 /// Values of a field in one block: x fastest, components interleaved; `out` is resized. Throws InputError for an

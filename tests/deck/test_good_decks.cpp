@@ -1,19 +1,22 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 
 #include "deck/deck.hpp"
 #include "deck/library.hpp"
 #include "files.hpp"
+#include "run/world.hpp"
 
 namespace brisance {
 namespace {
 
-using detonation::Box;
-using detonation::Cylinder;
-using detonation::Hemisphere;
-using detonation::Sphere;
+using shape::Box;
+using shape::Cylinder;
+using shape::Hemisphere;
+using shape::Sphere;
 
 run::Case read(std::string const& text) {
   auto const result = deck::read_text(text, "deck");
@@ -237,6 +240,226 @@ TEST(GoodDecks, OwnFluidAndLibraryNamesAnyCase) {
   EXPECT_DOUBLE_EQ(std::get<material::IdealGas>(c.ambient.fluid.eos).gamma, 1.667);
 }
 
+TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
+  run::Case const c = read_good("all_points.toml");
+  run::Points const& p = c.points;
+  ASSERT_EQ(p.bodies.size(), 5U);
+  run::Body const& plate = p.bodies[0];
+  EXPECT_EQ(plate.name, "plate");
+  EXPECT_EQ(plate.points_per_direction, 3);
+  EXPECT_EQ(plate.velocity, (Vec3{0.0, 0.0, 10.0}));
+  EXPECT_FALSE(plate.rigid);
+  material::Solid const& alu = plate.solid;
+  EXPECT_EQ(alu.name, "alu");
+  EXPECT_EQ(alu.source, "a book");
+  EXPECT_EQ(alu.density, 2700.0);
+  EXPECT_EQ(alu.minimum_pressure, -1e9);
+  EXPECT_EQ(alu.specific_heat, 900.0);
+  EXPECT_EQ(alu.temperature, 300.0);
+  EXPECT_EQ(alu.taylor_quinney, 0.8);
+  // E = 70 GPa and nu = 0.25: K = E / 1.5, G = E / 2.5.
+  EXPECT_DOUBLE_EQ(std::get<material::Linear>(alu.eos).K, 70e9 / 1.5);
+  EXPECT_EQ(std::get<material::Linear>(alu.eos).rho0, 2700.0);
+  auto const& strength = std::get<material::VonMises>(alu.strength);
+  EXPECT_DOUBLE_EQ(strength.G, 70e9 / 2.5);
+  EXPECT_EQ(strength.yield, 200e6);
+  EXPECT_EQ(strength.hardening, 1e9);
+  auto const& failure = std::get<material::JohnsonCookFailure>(alu.failure);
+  EXPECT_EQ(failure.D1, 0.1);
+  EXPECT_EQ(failure.D5, 0.5);
+  // Joined, then cut, then limited.
+  auto const inside = [&](double x, double y, double z) { return shape::contains(plate.shape, {x, y, z}); };
+  EXPECT_TRUE(inside(0.55, 0.4, 0.05));
+  EXPECT_TRUE(inside(0.75, 0.12, 0.14));     // of the ball
+  EXPECT_FALSE(inside(0.75, 0.05, 0.0));     // of the hole
+  EXPECT_FALSE(inside(0.75, 0.101, -0.16));  // of the ball, below the limit
+
+  EXPECT_TRUE(p.bodies[1].rigid);
+  EXPECT_EQ(p.bodies[1].solid.name, "4340-steel");
+  EXPECT_EQ(p.bodies[2].solid.name, "air");
+  EXPECT_EQ(p.bodies[2].density, 2.45);
+  EXPECT_DOUBLE_EQ(p.bodies[2].specific_energy.value(), 2e5 / (0.4 * 2.45));
+  ASSERT_EQ(p.bodies[3].initiation.size(), 1U);
+  EXPECT_EQ(p.bodies[3].initiation[0].position, (Vec3{1.6, 0.0, 0.0}));
+  EXPECT_DOUBLE_EQ(p.bodies[3].initiation[0].delay, 1e-6);
+  EXPECT_EQ(p.bodies[3].solid.detonation_speed, 6930.0);
+  EXPECT_EQ(p.bodies[4].name, "body-5");
+  EXPECT_EQ(p.bodies[4].solid.name, "C-4");
+  EXPECT_TRUE(p.bodies[4].initiation.empty());
+
+  ASSERT_EQ(p.constraints.size(), 3U);
+  EXPECT_EQ(p.constraints[0].held, (std::array{true, true, true}));
+  EXPECT_EQ(p.constraints[0].body, -1);
+  EXPECT_EQ(std::get<Box>(p.constraints[0].region).upper[0], 0.55);
+  EXPECT_EQ(p.constraints[1].held, (std::array{true, false, false}));
+  EXPECT_EQ(p.constraints[1].body, 0);
+  EXPECT_EQ(p.constraints[2].held, (std::array{true, true, false}));
+  EXPECT_EQ(p.constraints[2].velocity, (Vec3{1.0, 2.0, 0.0}));
+  EXPECT_EQ(p.constraints[2].body, 2);
+  EXPECT_TRUE(std::holds_alternative<shape::Everywhere>(p.constraints[2].region));
+
+  ASSERT_EQ(p.contacts.size(), 1U);
+  EXPECT_EQ(p.contacts[0].first, 1);
+  EXPECT_EQ(p.contacts[0].second, 0);
+  EXPECT_EQ(p.contacts[0].friction, 0.3);
+
+  // Layers of points are a third of a cell, 1/60 m thick; 40 mm are two of them, counted from the face at x = 1.
+  ASSERT_EQ(p.pressures.size(), 2U);
+  EXPECT_EQ(p.pressures[0].body, 0);
+  EXPECT_EQ(p.pressures[0].normal, (Vec3{1.0, 0.0, 0.0}));
+  EXPECT_NEAR(p.pressures[0].thickness, 2.0 / 60.0, 1e-12);
+  EXPECT_EQ(p.pressures[0].times, (std::vector{0.0, 1e-3, 2e-3}));
+  EXPECT_EQ(p.pressures[0].pressures, (std::vector{1e6, 0.0, 5.0}));
+  EXPECT_TRUE(shape::contains(p.pressures[0].region, {1.0 - 1.5 / 60.0, 0.4, 0.0}));
+  EXPECT_FALSE(shape::contains(p.pressures[0].region, {1.0 - 2.5 / 60.0, 0.4, 0.0}));
+  EXPECT_NEAR(p.pressures[1].thickness, 1.0 / 60.0, 1e-12);
+  EXPECT_EQ(p.pressures[1].times, (std::vector{0.0, 1e-6}));
+  EXPECT_EQ(p.pressures[1].pressures, (std::vector{2e6, 2e6}));
+  EXPECT_TRUE(shape::contains(p.pressures[1].region, {0.85, 0.25, -0.1 + 0.5 / 60.0}));
+  EXPECT_FALSE(shape::contains(p.pressures[1].region, {0.85, 0.25, -0.1 + 1.5 / 60.0}));
+  EXPECT_FALSE(shape::contains(p.pressures[1].region, {0.7, 0.25, -0.1 + 0.5 / 60.0}));
+
+  ASSERT_EQ(p.gauges.size(), 2U);
+  EXPECT_EQ(p.gauges[0].name, "g1");
+  EXPECT_FALSE(p.gauges[0].point);
+  EXPECT_EQ(p.gauges[1].name, "corner");
+  EXPECT_EQ(p.gauges[1].point, (Vec3{1.0, 0.5, 0.1}));
+  EXPECT_TRUE(c.gauges.empty());
+
+  mpm::Options const& o = p.options;
+  EXPECT_EQ(o.shape, mpm::ShapeFunction::cpgimp);
+  EXPECT_EQ(o.order, mpm::StressOrder::usl);
+  EXPECT_EQ(o.transfer, mpm::Transfer::xpic);
+  EXPECT_EQ(o.xpic_order, 3);
+  EXPECT_TRUE(o.locking_control);
+  EXPECT_EQ(o.linear_viscosity, 0.1);
+  EXPECT_EQ(o.quadratic_viscosity, 2.0);
+  EXPECT_EQ(o.courant, 0.3);
+  EXPECT_EQ(o.body_force, (Vec3{0.0, 0.0, -9.81}));
+  EXPECT_EQ(o.block_cells, 16);
+  EXPECT_EQ(c.output.point_fields, (std::vector<std::string>{"stress", "velocity"}));
+  EXPECT_EQ(c.burst, run::Burst::none);
+}
+
+std::string const ball = "[[body]]\nmaterial = \"RHA\"\nradius = 0.2\nposition = [1, 1, 1]\n";
+
+// The words of the deck and the default values of its manual are those of the method.
+TEST(GoodDecks, DefaultsOfMaterialPoints) {
+  mpm::Options const standard;
+  for (std::string const points : {"", "[points]\n"}) {
+    run::Case const c = read(small_domain + ball + points);
+    mpm::Options const& o = c.points.options;
+    EXPECT_EQ(o.shape, standard.shape);
+    EXPECT_EQ(o.order, standard.order);
+    EXPECT_EQ(o.transfer, standard.transfer);
+    EXPECT_EQ(o.xpic_order, standard.xpic_order);
+    EXPECT_EQ(o.linear_viscosity, standard.linear_viscosity);
+    EXPECT_EQ(o.courant, standard.courant);
+    EXPECT_EQ(c.points.bodies.at(0).name, "body-1");
+    EXPECT_EQ(c.points.bodies.at(0).points_per_direction, 2);
+    EXPECT_EQ(c.output.point_fields, run::Output{}.point_fields);
+  }
+}
+
+TEST(GoodDecks, OwnSolidsFromModuli) {
+  auto const solid = [](std::string const& text) {
+    return read("[solids.own]\ndensity = 1000\n" + text + small_domain +
+                "[[body]]\nmaterial = \"own\"\nradius = 0.2\nposition = [1, 1, 1]\n")
+        .points.bodies.at(0)
+        .solid;
+  };
+  auto const plain = solid("E = 3e9\nnu = 0\n");
+  EXPECT_DOUBLE_EQ(std::get<material::Linear>(plain.eos).K, 1e9);
+  EXPECT_DOUBLE_EQ(std::get<material::Elastic>(plain.strength).G, 1.5e9);
+  auto const given =
+      solid("eos = {model = \"linear\", K = 5e9, rho0 = 900}\nstrength = {model = \"elastic\", G = 2e9}\n");
+  EXPECT_EQ(std::get<material::Linear>(given.eos).K, 5e9);
+  EXPECT_EQ(std::get<material::Linear>(given.eos).rho0, 900.0);
+  EXPECT_EQ(std::get<material::Elastic>(given.strength).G, 2e9);
+  auto const soft = solid("eos = {model = \"mie_gruneisen\", C0 = 1500, S = 2, Gamma = 0.5}\n");
+  EXPECT_EQ(std::get<material::MieGruneisen>(soft.eos).rho0, 1000.0);
+  EXPECT_FALSE(soft.has_deviator());
+  // The rest from E and nu, beside an equation of state of another kind.
+  auto const mixed = solid(
+      "E = 3e9\nnu = 0\neos = {model = \"mie_gruneisen\", C0 = 1500, S = 2, Gamma = 0.5}\n"
+      "strength = {model = \"johnson_cook\", A = 1e6, B = 0, n = 1, C = 0, m = 1, T_melt = 1000}\n");
+  EXPECT_DOUBLE_EQ(std::get<material::JohnsonCook>(mixed.strength).G, 1.5e9);
+  EXPECT_EQ(std::get<material::JohnsonCook>(mixed.strength).T_room, 293.0);
+}
+
+// The points of the layer hold just its volume, wherever the face lies between the points: a free body gains the
+// momentum pressure * area * time.
+TEST(GoodDecks, SurfacePressurePushesWithItsForce) {
+  // Layers of points are 0.05 m thick. On a face of points; 20, 40 and 60 % above one; and from below, on part of it.
+  for (std::string const top : {"0.6", "0.61", "0.62", "0.63"}) {
+    for (std::string const normal : {"+z", "-z"}) {
+      run::World world(
+          read("[end]\ntime = 2e-5\n[domain]\nsize = [1, 1, 1]\ncell = 0.1\n[[body]]\nmaterial = \"6061-T6\"\nshape = "
+               "\"box\"\n"
+               "lower = [0.3, 0.3, 0.3]\nupper = [0.6, 0.6, " +
+               top + "]\n[[surface_pressure]]\nnormal = \"" + normal +
+               "\"\npressure = 1e6\nregion = {shape = \"box\", lower = [0.3, 0.3, 0], upper = [0.6, 0.4, 1]}\n"));
+      double const push = normal == "+z" ? -1.0 : 1.0;
+      while (!world.finished()) run::advance(world, world.setup.end.time);
+      Vec3 const momentum = world.points->sums(0).momentum;
+      // The force goes with the volume of the loaded points, which changes by 1 MPa / K = 1.5e-5 of itself.
+      EXPECT_NEAR(momentum[2], push * 1e6 * 0.03 * 2e-5, 1.5e-5 * 0.6) << top << normal;
+      EXPECT_NEAR(momentum[0], 0.0, 1e-9);
+    }
+  }
+}
+
+TEST(GoodDecks, BodiesTakeSolidsFirst) {
+  auto const name = [](std::string const& material, std::string const& more = "") {
+    return read(more + small_domain + "[[body]]\nmaterial = \"" + material + "\"\nradius = 0.2\nposition = [1, 1, 1]\n")
+        .points.bodies.at(0)
+        .solid;
+  };
+  EXPECT_TRUE(name("rha").has_deviator());
+  EXPECT_TRUE(name("TNT").burns());
+  EXPECT_FALSE(name("water").has_deviator());
+  // An own material of any kind comes before the library.
+  EXPECT_EQ(name("RHA", "[fluids.RHA]\ngamma = 1.4\ndensity = 1\n").density, 1.0);
+}
+
+TEST(GoodDecks, StlFilesAreFoundBesideTheDeck) {
+  auto const folder = std::filesystem::path(testing::TempDir()) / "brisance_stl_deck";
+  std::filesystem::create_directories(folder);
+  // A tetrahedron with edges of 1000 mm along the axes.
+  std::array<std::array<int, 3>, 4> const faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  std::array<char const*, 4> const corners{"0 0 0", "1000 0 0", "0 1000 0", "0 0 1000"};
+  auto const write = [&](std::string const& name, std::size_t count) {
+    std::ofstream file(folder / name);
+    file << "solid t\n";
+    for (std::size_t f = 0; f < count; ++f) {
+      file << "facet normal 0 0 0\nouter loop\n";
+      for (int const corner : faces[f]) file << "vertex " << corners[static_cast<std::size_t>(corner)] << "\n";
+      file << "endloop\nendfacet\n";
+    }
+    file << "endsolid t\n";
+  };
+  write("closed.stl", 4);
+  write("open.stl", 3);
+  auto const deck = [&](std::string const& name) {
+    std::string const path = (folder / "deck.toml").string();
+    std::ofstream(path) << small_domain
+                        << "[[body]]\nmaterial = \"RHA\"\nvelocity = [1, 0, 0]\nshape = \"stl\"\nfile = \"" << name
+                        << "\"\nscale = 0.001\nposition = [0.5, 0.5, 0.5]\n";
+    return deck::read_file(path);
+  };
+  auto const good = deck("closed.stl");
+  ASSERT_TRUE(good.case_) << deck::format(good.errors.at(0));
+  auto const& mesh = std::get<shape::Mesh>(good.case_->points.bodies.at(0).shape);
+  EXPECT_NEAR(mesh.volume(), 1.0 / 6.0, 1e-6);  // single precision of the file
+  EXPECT_NEAR(mesh.lower()[2], 0.5, 1e-6);
+  auto const bad = deck("open.stl");
+  ASSERT_EQ(bad.errors.size(), 1U);
+  EXPECT_EQ(bad.errors[0].key, "body[1].file");
+  EXPECT_EQ(bad.errors[0].line, 10);
+  EXPECT_NE(bad.errors[0].message.find("open.stl"), std::string::npos) << bad.errors[0].message;
+  std::filesystem::remove_all(folder);
+}
+
 // What a machine can hold is for the program to say, and the same deck reads the same everywhere.
 TEST(GoodDecks, SizeUpToTheLimitOfTheIndicesIsRead) {
   run::Case const c = read(
@@ -250,6 +473,37 @@ TEST(GoodDecks, WarningsNameWhatIsDoubtful) {
   ASSERT_EQ(idle.warnings.size(), 1U);
   EXPECT_EQ(idle.warnings[0],
             "d:1:1: warning: charge: nothing will happen: there is no charge, no region and no inflow");
+  auto const warnings = [](std::string const& text) {
+    auto const result = deck::read_text(small_domain + text, "d");
+    EXPECT_TRUE(result.case_) << deck::format(result.errors.at(0));
+    std::string out;
+    for (auto const& warning : result.warnings) out += warning + "\n";
+    return out;
+  };
+  EXPECT_EQ(warnings(ball),
+            "d:6:3: warning: body: nothing will happen: no body moves, burns or is under pressure, and no load or body "
+            "force acts\n");
+  EXPECT_EQ(warnings(ball + "velocity = [1, 0, 0]\n"), "");
+  EXPECT_EQ(warnings(ball + "[points]\nbody_force = [0, 0, -9.81]\n"), "");
+  EXPECT_EQ(warnings(ball + "[[surface_pressure]]\nnormal = \"+z\"\npressure = 1e6\n"), "");
+  EXPECT_EQ(warnings("[[body]]\nmaterial = \"TNT\"\nradius = 0.2\nposition = [1, 1, 1]\n"), "");
+  EXPECT_EQ(warnings("[[body]]\nmaterial = \"air\"\nradius = 0.2\nposition = [1, 1, 1]\n"), "");
+  EXPECT_EQ(
+      warnings(ball + "velocity = [1, 0, 0]\n[points]\npic_fraction = 0.1\ntransfer = \"apic\"\nxpic_order = 3\n" +
+               "[ambient]\n[numerics]\n[output]\nfields = [\"pressure\"]\n"),
+      "d:15:2: warning: ambient: has no effect in a deck with bodies, which has no gas; [points] holds what concerns "
+      "them\n"
+      "d:16:2: warning: numerics: has no effect in a deck with bodies, which has no gas; [points] holds what "
+      "concerns them\n"
+      "d:12:16: warning: points.pic_fraction: has an effect only with transfer = \"flip\"\n"
+      "d:14:14: warning: points.xpic_order: has an effect only with transfer = \"xpic\"\n"
+      "d:18:10: warning: output.fields: has no effect in a deck with bodies, which has no gas\n");
+  std::string const steel = warnings("[[body]]\nmaterial = \"steel\"\nradius = 0.2\nposition = [1, 1, 1]\n");
+  EXPECT_EQ(steel.substr(0, 79), "d:7:12: warning: body[1].material: \"steel\" is a fluid without strength; solids ")
+      << steel;
+  EXPECT_EQ(warnings("[[charge]]\nmass = 1\nposition = [1, 1, 1]\n[points]\n[output]\npoint_fields = []\n"),
+            "d:9:2: warning: points: has no effect in a deck without bodies\n"
+            "d:11:16: warning: output.point_fields: has no effect in a deck without bodies\n");
   auto const odd = deck::read_text(
       small_domain +
           "[[charge]]\nexplosive = \"TNT\"\nmass = 5\nposition = [1, 1, 1]\n[explosives.TNT]\nrho0 = 1630\n"

@@ -12,7 +12,8 @@ namespace {
 
 TEST(Library, HoldsEveryMaterialFile) {
   auto const files = test::files_in(test::root() / "materials", ".toml");
-  EXPECT_EQ(deck::library().explosives.size() + deck::library().fluids.size(), files.size());
+  EXPECT_EQ(deck::library().explosives.size() + deck::library().fluids.size() + deck::library().solids.size(),
+            files.size());
 }
 
 TEST(Library, NamesAndAliasesAreUnique) {
@@ -36,6 +37,7 @@ TEST(Library, NamesAndAliasesAreUnique) {
   };
   all(deck::library().explosives);
   all(deck::library().fluids);
+  all(deck::library().solids);
 }
 
 TEST(Library, ExplosivesAreConsistentAndSourced) {
@@ -45,6 +47,8 @@ TEST(Library, ExplosivesAreConsistentAndSourced) {
     EXPECT_FALSE(explosive.source.empty()) << explosive.name;
   }
   for (auto const& [fluid, aliases] : deck::library().fluids) EXPECT_FALSE(fluid.source.empty()) << fluid.name;
+  ASSERT_GE(deck::library().solids.size(), 6U);
+  for (auto const& [solid, aliases] : deck::library().solids) EXPECT_FALSE(solid.source.empty()) << solid.name;
 }
 
 TEST(Library, TheValuesAreThoseOfTheFiles) {
@@ -67,6 +71,23 @@ TEST(Library, TheValuesAreThoseOfTheFiles) {
   ASSERT_NE(steel, nullptr);
   EXPECT_EQ(std::get<material::MieGruneisen>(steel->eos).S, 1.49);
   EXPECT_EQ(deck::library().explosive("water"), nullptr);
+
+  auto const* copper = deck::library().solid("ofhc");
+  ASSERT_NE(copper, nullptr);
+  EXPECT_EQ(copper->name, "OFHC-copper");
+  EXPECT_EQ(std::get<material::MieGruneisen>(copper->eos).rho0, 8960.0);
+  EXPECT_EQ(std::get<material::JohnsonCook>(copper->strength).B, 292e6);
+  EXPECT_EQ(std::get<material::JohnsonCookFailure>(copper->failure).D3, -3.03);
+  EXPECT_EQ(copper->specific_heat, 383.0);
+  auto const* armour = deck::library().solid("RHA");
+  ASSERT_NE(armour, nullptr);
+  EXPECT_DOUBLE_EQ(std::get<material::JohnsonCook>(armour->strength).G, 210e9 / 2.56);
+  // The straight line from the yield stress to the true stress at the ultimate load.
+  auto const* plate = deck::library().solid("5086-H116");
+  ASSERT_NE(plate, nullptr);
+  double const ultimate = 290e6 * 1.12;
+  double const plastic = std::log(1.12) - ultimate / 71e9;
+  EXPECT_NEAR(std::get<material::VonMises>(plate->strength).hardening, (ultimate - 190e6) / plastic, 1e6);
 }
 
 TEST(Library, Descriptions) {
@@ -76,6 +97,15 @@ TEST(Library, Descriptions) {
   for (auto const& name : deck::library().fluid_names())
     EXPECT_NE(list.find("  " + name + " "), std::string::npos) << name;
 
+  for (auto const& name : deck::library().solid_names())
+    EXPECT_NE(list.find("  " + name + " "), std::string::npos) << name;
+
+  std::string const steel = deck::describe_material("4340-steel");
+  EXPECT_EQ(steel.substr(0, 18), "4340-steel: solid\n");
+  EXPECT_NE(steel.find("  T_melt                     1793 K       melting temperature\n"), std::string::npos) << steel;
+  EXPECT_NE(steel.find("  D3                        -2.12         exponent of triaxiality D3\n"), std::string::npos)
+      << steel;
+
   std::string const tnt = deck::describe_material("tnt");
   EXPECT_EQ(tnt.substr(0, 15), "TNT: explosive\n");
   EXPECT_NE(tnt.find("source: " + deck::library().explosive("TNT")->source), std::string::npos);
@@ -84,7 +114,7 @@ TEST(Library, Descriptions) {
 
   std::string const models = deck::describe_models();
   for (auto const* word : {"muscl-hancock", "lax-wendroff", "stiffened_gas", "mie_gruneisen", "hemisphere", "periodic",
-                           "spherical1d", "peak_overpressure"}) {
+                           "spherical1d", "peak_overpressure", "von_mises", "bspline", "musl", "plastic_strain"}) {
     EXPECT_NE(models.find(word), std::string::npos) << word;
   }
 }

@@ -22,6 +22,19 @@ TEST(Manual, ItsShortestDeckIsReadAndShort) {
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
 }
 
+TEST(Manual, TheDecksOfTheUserGuideAreRead) {
+  std::string const guide = test::file_text(test::root() / "docs/user-guide.md");
+  int count = 0;
+  for (std::size_t at = guide.find("```toml\n"); at != std::string::npos; at = guide.find("```toml\n", at)) {
+    at += 8;
+    auto const result = deck::read_text(guide.substr(at, guide.find("```", at) - at), "guide");
+    EXPECT_TRUE(result.case_) << deck::format(result.errors.front());
+    EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+    ++count;
+  }
+  EXPECT_EQ(count, 2);
+}
+
 void check_keys(deck::Table const& table, std::string const& where) {
   auto const check = [&](deck::Key const& key) {
     std::string const name = where + "." + key.name;

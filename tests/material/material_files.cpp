@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -34,6 +35,7 @@ class Keys {
     for (auto const& item : *array) values.push_back(item.value_exact<std::string>().value());
     return values;
   }
+  bool has(std::string_view key) const { return table_.contains(key); }
   toml::table const* table(std::string_view key) {
     asked_.insert(std::string(key));
     return table_[key].as_table();
@@ -83,6 +85,68 @@ material::Eos read_eos(Keys& keys) {
   if (name == material::MieGruneisen::name) return keys.model<material::MieGruneisen>();
   if (name == material::Jwl::name) return keys.model<material::Jwl>();
   keys.fail("eos", "is unknown");
+}
+
+/// A model of a solid: like model(), but a modulus may be left to E and nu, and rho0 to the density.
+template <class Model>
+Model read_model(Keys& keys, std::map<std::string, double> const& derived) {
+  Model m;
+  for (auto const& parameter : Model::parameters()) {
+    std::string const key(parameter.key);
+    auto const other = derived.find(key);
+    if (other != derived.end() && keys.has(key)) keys.fail(key, "is given twice");
+    m.*parameter.member = other != derived.end() ? other->second : keys.number(key);
+  }
+  return m;
+}
+
+material::Solid read_solid(Keys& keys, std::string const& where) {
+  material::Solid solid;
+  solid.source = keys.text("source");
+  solid.density = keys.number("density");
+  std::map<std::string, double> derived{{"rho0", solid.density}};
+  if (keys.has("E")) {
+    double const E = keys.number("E");
+    double const nu = keys.number("nu");
+    derived["K"] = E / (3.0 * (1.0 - 2.0 * nu));
+    derived["G"] = E / (2.0 * (1.0 + nu));
+    solid.eos = material::Linear{solid.density, derived["K"]};
+  }
+  if (keys.has("specific_heat")) {
+    solid.specific_heat = keys.number("specific_heat");
+    solid.temperature = keys.number("temperature");
+  }
+  if (auto const* table = keys.table("eos")) {
+    Keys eos(*table, where + ": eos");
+    auto const model = eos.text("model");
+    if (model == material::Linear::name) {
+      solid.eos = read_model<material::Linear>(eos, derived);
+    } else if (model == material::MieGruneisen::name) {
+      solid.eos = read_model<material::MieGruneisen>(eos, derived);
+    } else {
+      eos.fail("model", "is unknown");
+    }
+    eos.refuse_others();
+  }
+  if (auto const* table = keys.table("strength")) {
+    Keys strength(*table, where + ": strength");
+    auto const model = strength.text("model");
+    if (model == material::VonMises::name) {
+      solid.strength = read_model<material::VonMises>(strength, derived);
+    } else if (model == material::JohnsonCook::name) {
+      solid.strength = read_model<material::JohnsonCook>(strength, derived);
+    } else {
+      strength.fail("model", "is unknown");
+    }
+    strength.refuse_others();
+  }
+  if (auto const* table = keys.table("failure")) {
+    Keys failure(*table, where + ": failure");
+    if (failure.text("model") != material::JohnsonCookFailure::name) failure.fail("model", "is unknown");
+    solid.failure = failure.model<material::JohnsonCookFailure>();
+    failure.refuse_others();
+  }
+  return solid;
 }
 
 material::Explosive read_explosive(Keys& keys, std::string const& where) {
@@ -138,6 +202,10 @@ MaterialFiles read_material_files() {
       fluid.density = keys.number("density");
       fluid.pressure = keys.number("pressure");
       files.fluids.push_back(fluid);
+    } else if (kind == "solid") {
+      auto solid = read_solid(keys, path.filename().string());
+      solid.name = name;
+      files.solids.push_back(solid);
     } else {
       keys.fail("kind", "is unknown");
     }
@@ -158,6 +226,25 @@ std::vector<std::string> chapman_jouguet_table(std::vector<material::Explosive> 
                   explosive.name.c_str(), explosive.density(), explosive.energy * 1e-9, explosive.detonation_speed,
                   check.state.speed, 100.0 * check.speed_deviation, explosive.cj_pressure * 1e-9,
                   check.state.pressure * 1e-9, 100.0 * check.pressure_deviation);
+    lines.emplace_back(line.data());
+  }
+  return lines;
+}
+
+std::vector<std::string> solid_table(std::vector<material::Solid> const& solids) {
+  std::vector<std::string> lines{
+      "| solid | density kg/m3 | K GPa | G GPa | longitudinal sound speed m/s | strength | yield MPa | failure |",
+      "|---|---|---|---|---|---|---|---|"};
+  for (auto const& solid : solids) {
+    auto const* mises = std::get_if<material::VonMises>(&solid.strength);
+    auto const* cook = std::get_if<material::JohnsonCook>(&solid.strength);
+    double const yield = mises != nullptr ? mises->yield : cook != nullptr ? cook->A : 0.0;
+    std::array<char, 256> line{};
+    std::snprintf(line.data(), line.size(), "| %s | %.0f | %.1f | %.1f | %.0f | `%s` | %.0f | `%s` |",
+                  solid.name.c_str(), solid.density, material::bulk_modulus(solid.eos, solid.density, 0.0) * 1e-9,
+                  material::shear_modulus(solid.strength) * 1e-9, material::sound_speed(solid, solid.density, 0.0),
+                  std::visit([](auto const& m) { return m.name; }, solid.strength), yield * 1e-6,
+                  std::visit([](auto const& m) { return m.name; }, solid.failure));
     lines.emplace_back(line.data());
   }
   return lines;

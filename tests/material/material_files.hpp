@@ -6,13 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "material/explosive.hpp"
+#include "material/solid.hpp"
 
 namespace brisance::test {
 
 struct MaterialFiles {
   std::vector<material::Explosive> explosives;  ///< sorted by file name
   std::vector<material::Fluid> fluids;
+  std::vector<material::Solid> solids;
   std::vector<std::string> names;  ///< every name and alias, lower case, once per file
 };
 
@@ -22,5 +23,8 @@ struct MaterialFiles {
 
 /// The Markdown table of docs/materials.md: listed detonation speed and pressure beside those of the constants.
 [[nodiscard]] std::vector<std::string> chapman_jouguet_table(std::vector<material::Explosive> const& explosives);
+
+/// The Markdown table of the solids in docs/materials.md.
+[[nodiscard]] std::vector<std::string> solid_table(std::vector<material::Solid> const& solids);
 
 }  // namespace brisance::test

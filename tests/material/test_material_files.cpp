@@ -64,6 +64,46 @@ TEST(MaterialFiles, FluidsAtRestHaveTheSoundSpeedOfTheHandbooks) {
   }
 }
 
+TEST(MaterialFiles, SolidsHaveTheElasticityOfTheHandbooks) {
+  // Young's modulus and Poisson's ratio of steel, copper and aluminium of this kind, as every handbook gives them, and
+  // the longitudinal sound speed. The bulk moduli of shock data and the shear moduli come from different sources, hence
+  // the 5 %; Poisson's ratio, which hangs on their difference, is met within 0.03.
+  struct Row {
+    char const* name;
+    double E, nu, speed;
+  };
+  Row const rows[] = {{"RHA", 210e9, 0.28, 5900.0},        {"4340-steel", 207e9, 0.30, 5950.0},
+                      {"1006-steel", 207e9, 0.29, 5900.0}, {"OFHC-copper", 124e9, 0.34, 4700.0},
+                      {"6061-T6", 69e9, 0.33, 6350.0},     {"5086-H116", 71e9, 0.33, 6250.0}};
+  auto const solids = test::read_material_files().solids;
+  EXPECT_EQ(solids.size(), std::size(rows));
+  for (auto const& row : rows) {
+    auto const solid = std::find_if(solids.begin(), solids.end(), [&](auto const& s) { return s.name == row.name; });
+    ASSERT_NE(solid, solids.end()) << row.name;
+    double const K = material::bulk_modulus(solid->eos, solid->density, 0.0);
+    double const G = material::shear_modulus(solid->strength);
+    EXPECT_NEAR(9.0 * K * G / (3.0 * K + G), row.E, 0.05 * row.E) << row.name;
+    EXPECT_NEAR((3.0 * K - 2.0 * G) / (6.0 * K + 2.0 * G), row.nu, 0.03) << row.name;
+    EXPECT_NEAR(material::sound_speed(*solid, solid->density, 0.0), row.speed, 0.05 * row.speed) << row.name;
+  }
+}
+
+TEST(MaterialFiles, JohnsonCookFilesHoldConsistentTemperatures) {
+  int seen = 0;
+  for (auto const& solid : test::read_material_files().solids) {
+    auto const* cook = std::get_if<material::JohnsonCook>(&solid.strength);
+    if (cook == nullptr) continue;
+    ++seen;
+    EXPECT_EQ(cook->T_room, solid.temperature) << solid.name;
+    EXPECT_GT(cook->T_melt, 900.0) << solid.name;
+    EXPECT_TRUE(solid.heats()) << solid.name;
+    // Dulong and Petit: 3 R per mole, 24.9 J/K, within 10 % at room temperature for these metals.
+    double const molar = solid.density > 8500.0 ? 63.55e-3 : solid.density > 7000.0 ? 55.85e-3 : 26.98e-3;
+    EXPECT_NEAR(solid.specific_heat * molar, 24.9, 2.5) << solid.name;
+  }
+  EXPECT_EQ(seen, 5);
+}
+
 TEST(MaterialFiles, DocumentationHoldsTheTableAsComputed) {
   std::ifstream file(BRISANCE_DOCS_DIR "/materials.md");
   std::stringstream text;
@@ -72,6 +112,10 @@ TEST(MaterialFiles, DocumentationHoldsTheTableAsComputed) {
   for (auto const& line : test::chapman_jouguet_table(test::read_material_files().explosives)) table += line + "\n";
   EXPECT_NE(text.str().find(table), std::string::npos) << "docs/materials.md is out of date; the table is now\n"
                                                        << table;
+  std::string solids;
+  for (auto const& line : test::solid_table(test::read_material_files().solids)) solids += line + "\n";
+  EXPECT_NE(text.str().find(solids), std::string::npos) << "docs/materials.md is out of date; the table is now\n"
+                                                        << solids;
 }
 
 }  // namespace

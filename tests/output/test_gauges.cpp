@@ -197,7 +197,7 @@ run::Case tnt_case(double mass, run::Burst burst) {
   run::Charge charge;
   charge.explosive.name = "TNT";
   charge.explosive.tnt_equivalent_pressure = charge.explosive.tnt_equivalent_impulse = 1.0;
-  charge.shape = detonation::Sphere{{1.0, 0.0, 0.0}, 0.1};
+  charge.shape = shape::Sphere{{1.0, 0.0, 0.0}, 0.1};
   charge.mass = mass;
   setup.charges.push_back(charge);
   setup.burst = burst;
@@ -302,7 +302,7 @@ TEST(Summary, WhatAnUnknownTntEquivalentDecidesIsLeftOut) {
 TEST(Summary, NearestOfSeveralChargesGivesTheDistance) {
   auto setup = tnt_case(8.0, run::Burst::none);
   setup.charges.push_back(setup.charges.front());
-  setup.charges.back().shape = detonation::Sphere{{10.0, 0.0, 0.0}, 0.1};
+  setup.charges.back().shape = shape::Sphere{{10.0, 0.0, 0.0}, 0.1};
   setup.charges.back().mass = 27.0;
   auto const summaries = summarise(setup, {history("g", {7.0, 0.0, 0.0})});
   EXPECT_DOUBLE_EQ(*summaries[0].distance, 3.0);

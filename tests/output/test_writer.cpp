@@ -77,7 +77,7 @@ TEST(Writer, StoppedRunSaysSo) {
 TEST(Writer, DumpedFieldsAddPeaksAndObstacleMaskOnce) {
   auto setup = air_box();
   setup.output.fields = {"pressure", "impulse"};
-  setup.obstacles.push_back({"wall", detonation::Box{}});
+  setup.obstacles.push_back({"wall", shape::Box{}});
   std::vector<std::string> names;
   for (auto const& spec : dumped_fields(setup)) names.push_back(spec.name);
   EXPECT_EQ(names, (std::vector<std::string>{"pressure", "impulse", "peak_overpressure", "obstacle"}));

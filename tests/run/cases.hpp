@@ -23,12 +23,12 @@ inline Case air_case(grid::Geometry geometry, Index3 const& cells, double h, gri
 }
 
 /// A charge of the default TNT with the mass that its shape has in the geometry, lit at its centre at time 0.
-inline Charge tnt_charge(detonation::Shape const& shape, grid::Geometry geometry) {
+inline Charge tnt_charge(shape::Shape const& shape, grid::Geometry geometry) {
   Charge charge;
   charge.explosive = *deck::library().explosive("TNT");
   charge.shape = shape;
-  charge.mass = charge.explosive.density() * detonation::volume(shape, geometry);
-  charge.initiation = {{detonation::centre(shape), 0.0}};
+  charge.mass = charge.explosive.density() * shape::volume(shape, geometry);
+  charge.initiation = {{shape::centre(shape), 0.0}};
   return charge;
 }
 

@@ -7,13 +7,13 @@
 namespace brisance::run {
 namespace {
 
-using detonation::Box;
-using detonation::Cylinder;
-using detonation::Hemisphere;
-using detonation::Shape;
-using detonation::Sphere;
 using grid::Boundary;
 using grid::Geometry;
+using shape::Box;
+using shape::Cylinder;
+using shape::Hemisphere;
+using shape::Shape;
+using shape::Sphere;
 
 /// Builds the world and compares the asked mass with the report and with the sum over the grid.
 void expect_exact_mass(Case const& c, double images, std::string const& what) {

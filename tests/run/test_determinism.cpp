@@ -16,10 +16,10 @@ Case burst(Scheme scheme, bool sleep) {
   c.numerics.scheme = scheme;
   c.numerics.sleep = sleep;
   c.numerics.block_cells = 8;
-  Charge charge = tnt_charge(detonation::Sphere{{0.19, 0.0, 0.21}, 0.053}, c.domain.geometry);
+  Charge charge = tnt_charge(shape::Sphere{{0.19, 0.0, 0.21}, 0.053}, c.domain.geometry);
   charge.initiation = {{{0.17, 0.0, 0.21}, 0.0}, {{0.22, 0.01, 0.2}, 3e-6}};
   c.charges = {charge};
-  c.obstacles = {{"block", detonation::Box{{0.44, 0.0, 0.0}, {0.56, 0.2, 0.3}}}};
+  c.obstacles = {{"block", shape::Box{{0.44, 0.0, 0.0}, {0.56, 0.2, 0.3}}}};
   c.gauges = {{"near", {0.3, 0.1, 0.2}}, {"top", {0.5, 0.11, 0.31}}, {"far", {0.77, 0.4, 0.4}}};
   return c;
 }

@@ -72,7 +72,7 @@ TEST(Gauges, BeyondTheLastCentreTakeTheNearestCell) {
 
 TEST(Gauges, LeaveTheInsideOfAnObstacleOut) {
   Case c = air_case(grid::Geometry::planar2d, {20, 20, 1}, 0.05, grid::Boundary::outflow);
-  c.obstacles = {{"block", detonation::Box{{0.5, 0.0, 0.0}, {1.0, 1.0, 1.0}}}};
+  c.obstacles = {{"block", shape::Box{{0.5, 0.0, 0.0}, {1.0, 1.0, 1.0}}}};
   c.gauges = {{"face", {0.5, 0.525, 0.0}}};  // between the last open cell and the first solid one
   World world(c);
   fill_linearly(world);

@@ -18,11 +18,11 @@ Case slab(int cells_per_slab, std::vector<InitiationPoint> initiation) {
   Case c =
       air_case(grid::Geometry::planar1d, {2 * cells_per_slab, 1, 1}, thickness / cells_per_slab, grid::Boundary::wall);
   c.domain.boundary[0] = grid::Boundary::symmetry;
-  Charge charge = tnt_charge(detonation::Box{{0.0, 0.0, 0.0}, {thickness, 1.0, 1.0}}, c.domain.geometry);
+  Charge charge = tnt_charge(shape::Box{{0.0, 0.0, 0.0}, {thickness, 1.0, 1.0}}, c.domain.geometry);
   for (InitiationPoint& point : initiation) {
     // In 1D the wave is plane: only the distance along x counts.
-    point.position[1] = detonation::centre(charge.shape)[1];
-    point.position[2] = detonation::centre(charge.shape)[2];
+    point.position[1] = shape::centre(charge.shape)[1];
+    point.position[2] = shape::centre(charge.shape)[2];
   }
   charge.initiation = std::move(initiation);
   c.charges = {charge};

@@ -1,0 +1,124 @@
+/// What a material point is made of: equation of state, strength and failure compose.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <variant>
+
+#include "core/parameter.hpp"
+#include "material/eos/eos.hpp"
+#include "material/eos/linear.hpp"
+#include "material/explosive.hpp"
+#include "material/failure/failure.hpp"
+#include "material/strength/strength.hpp"
+
+namespace brisance::material {
+
+/// The equations of state of material points: those of the gas cells and the linear one.
+using PointEos = std::variant<Linear, IdealGas, Jwl, StiffenedGas, MieGruneisen>;
+
+/// Pressure [Pa] from density [kg/m3] and specific internal energy [J/kg].
+[[nodiscard]] inline double pressure(PointEos const& eos, double rho, double e) {
+  return std::visit([=](auto const& m) { return pressure(m, rho, e); }, eos);
+}
+/// rho c^2 [Pa], c the bulk sound speed.
+[[nodiscard]] inline double bulk_modulus(PointEos const& eos, double rho, double p) {
+  return std::visit([=](auto const& m) { return bulk_modulus(m, rho, p); }, eos);
+}
+
+/// A material. Gases and detonation products are solids without strength here.
+struct Solid {
+  std::string name;
+  std::string source;       ///< literature source of the constants
+  double density = 7850.0;  ///< at the start, rho0 [kg/m3]
+  PointEos eos;
+  Strength strength;
+  Failure failure;
+  double specific_heat = 0.0;            ///< cp [J/kg/K]; 0: the temperature stays
+  double temperature = 293.0;            ///< at the start [K]
+  double taylor_quinney = 0.9;           ///< part of the plastic work that heats
+  double minimum_pressure = -unbounded;  ///< tension cut-off (spall): the pressure never falls below [Pa]
+  double specific_energy = 0.0;          ///< at the start [J/kg]
+  /// Speed of the programmed burn [m/s]: the pressure is multiplied by the burn fraction. 0: nothing burns.
+  double detonation_speed = 0.0;
+
+  /// Does a point carry deviatoric stress?
+  [[nodiscard]] bool has_deviator() const {
+    return std::visit([](auto const& model) { return model.deviatoric; }, strength);
+  }
+  /// Does a point have plastic strain and plastic work?
+  [[nodiscard]] bool plastic() const {
+    return std::visit([](auto const& model) { return model.plastic; }, strength);
+  }
+  /// Does its temperature change?
+  [[nodiscard]] bool heats() const { return plastic() && specific_heat > 0.0; }
+  /// Does it have damage?
+  [[nodiscard]] bool damages() const {
+    return plastic() && std::visit([](auto const& model) { return model.damages; }, failure);
+  }
+  /// Does it have a burn fraction?
+  [[nodiscard]] bool burns() const { return detonation_speed > 0.0; }
+};
+
+/// Pressure [Pa] at the start: nothing is burnt, the tension cut-off holds.
+[[nodiscard]] inline double start_pressure(Solid const& solid) {
+  double const p = solid.burns() ? 0.0 : pressure(solid.eos, solid.density, solid.specific_energy);
+  return std::max(p, solid.minimum_pressure);
+}
+
+/// Longitudinal sound speed [m/s], rho c^2 = rho c_bulk^2 + 4 G / 3.
+[[nodiscard]] inline double sound_speed(Solid const& solid, double rho, double p) {
+  double const bulk = std::max(bulk_modulus(solid.eos, rho, p), 0.0);
+  return std::sqrt((bulk + 4.0 / 3.0 * shear_modulus(solid.strength)) / rho);
+}
+
+/// Bulk modulus [Pa] of Young's modulus E [Pa] and Poisson's ratio nu.
+[[nodiscard]] inline double bulk_modulus_of(double E, double nu) { return E / (3.0 * (1.0 - 2.0 * nu)); }
+/// Shear modulus [Pa] of Young's modulus E [Pa] and Poisson's ratio nu.
+[[nodiscard]] inline double shear_modulus_of(double E, double nu) { return E / (2.0 * (1.0 + nu)); }
+
+/// A linear elastic solid of density rho [kg/m3], Young's modulus E [Pa] and Poisson's ratio nu.
+[[nodiscard]] inline Solid elastic_solid(double rho, double E, double nu) {
+  Solid solid;
+  solid.name = "elastic";
+  solid.density = rho;
+  solid.eos = Linear{rho, bulk_modulus_of(E, nu)};
+  solid.strength = Elastic{shear_modulus_of(E, nu)};
+  return solid;
+}
+
+/// A linear elastic solid that yields at `yield` [Pa], with plastic modulus `hardening` [Pa] (0: perfectly plastic).
+[[nodiscard]] inline Solid von_mises_solid(double rho, double E, double nu, double yield, double hardening = 0.0) {
+  Solid solid = elastic_solid(rho, E, nu);
+  solid.name = "von_mises";
+  solid.strength = VonMises{shear_modulus_of(E, nu), yield, hardening};
+  return solid;
+}
+
+/// The points of a charge, unburnt at the start. Products carry no tension.
+[[nodiscard]] inline Solid of(Explosive const& explosive) {
+  Solid solid;
+  solid.name = explosive.name;
+  solid.source = explosive.source;
+  solid.density = explosive.density();
+  solid.eos = explosive.products;
+  solid.minimum_pressure = 0.0;
+  solid.specific_energy = explosive.specific_energy();
+  solid.detonation_speed = explosive.detonation_speed;
+  return solid;
+}
+
+/// The points of a fluid at its default state. A fluid carries no tension.
+[[nodiscard]] inline Solid of(Fluid const& fluid) {
+  Solid solid;
+  solid.name = fluid.name;
+  solid.source = fluid.source;
+  solid.density = fluid.density;
+  solid.eos = std::visit([](auto const& model) { return PointEos{model}; }, fluid.eos);
+  solid.minimum_pressure = 0.0;
+  solid.specific_energy = internal_energy(fluid.eos, fluid.density, fluid.pressure);
+  return solid;
+}
+
+}  // namespace brisance::material

@@ -1,0 +1,527 @@
+#include "material/stress.hpp"
+
+#include <cmath>
+#include <type_traits>
+#include <variant>
+
+#include "core/loops.hpp"
+#include "core/math.hpp"
+
+namespace brisance::material {
+
+namespace {
+
+/// Points are taken in chunks that stay in the first cache together with what passes between the stages.
+constexpr int chunk = 128;
+
+/// Every loop runs over a multiple of this many points, so that no point ever meets the scalar rest of a vector loop,
+/// whose rounding differs: the result of a point does not depend on where it stands.
+constexpr int lanes = 8;
+static_assert(chunk % lanes == 0);
+
+/// Arrays in PointArrays.
+constexpr int arrays_of_a_point = 26;
+
+/// The points of a chunk that yield, side by side, in the iteration for their increments of plastic strain.
+struct Yielding {
+  int point[chunk];                     ///< which point of the chunk
+  alignas(64) double mises[chunk];      ///< of the trial [Pa]
+  alignas(64) double ep[chunk];         ///< plastic strain at the start
+  alignas(64) double soft[chunk];       ///< thermal factor of the yield stress
+  alignas(64) double tolerance[chunk];  ///< of consistency [Pa]
+  alignas(64) double u[chunk];          ///< ln of the increment
+  alignas(64) double x[chunk];          ///< increment
+  alignas(64) double hard[chunk];       ///< hardening at the end of the step [Pa]
+};
+
+/// What passes between the stages of a chunk.
+struct Scratch {
+  alignas(64) double work[chunk];         ///< (s0 + s1)/2 : d e [Pa]
+  alignas(64) double floor[chunk];        ///< smallest pressure that the point bears [Pa]
+  alignas(64) double burn[chunk];         ///< burn fraction
+  alignas(64) double trial_work[chunk];   ///< s_trial : d e / 2 [Pa]
+  alignas(64) double mises[chunk];        ///< Mises stress, first of the trial, then of the end [Pa]
+  alignas(64) double increment[chunk];    ///< of equivalent plastic strain
+  alignas(64) double scale[chunk];        ///< s1 = scale * s_trial
+  alignas(64) double temperature[chunk];  ///< at the start of the step [K]
+  alignas(64) double soft[chunk];         ///< thermal factor of the yield stress
+  alignas(64) double slow[chunk];         ///< yield stress at the start of the step, at a low rate [Pa]
+  Yielding yielding;
+};
+
+void fill(double* x, int n, double value) {
+  for (int k = 0; k < n; ++k) x[k] = value;
+}
+
+/// Calls f with every array that is read only.
+template <class F>
+void for_inputs(PointArrays& a, F const f) {
+  for (auto& x : a.strain) f(x);
+  for (auto& x : a.spin) f(x);
+  f(a.volumetric);
+  f(a.burn);
+}
+
+/// Calls f with every array that the step changes.
+template <class F>
+void for_state(PointArrays& a, F const f) {
+  for (auto& x : a.deviator) f(x);
+  for (auto* x : {&a.pressure, &a.viscosity, &a.density, &a.energy, &a.plastic_strain, &a.plastic_work, &a.temperature,
+                  &a.damage, &a.sound_speed}) {
+    f(*x);
+  }
+}
+
+/// The arrays of points `first` to `first + n`.
+PointArrays window(PointArrays const& a, int first, int n) {
+  PointArrays w = a;
+  w.n = n;
+  auto const shift = [first](auto& x) { x = x == nullptr ? nullptr : x + first; };
+  for_inputs(w, shift);
+  for_state(w, shift);
+  return w;
+}
+
+/// Trial deviator: elastic half-increment, rotation, elastic half-increment. Also the parts of the work and the trial
+/// Mises stress.
+void trial_deviator(PointArrays const& a, double G, Scratch& t) {
+  int const n = a.n;
+  double const* const exx = a.strain[0];
+  double const* const eyy = a.strain[1];
+  double const* const ezz = a.strain[2];
+  double const* const exy = a.strain[3];
+  double const* const eyz = a.strain[4];
+  double const* const ezx = a.strain[5];
+  double const* const wx = a.spin[0];
+  double const* const wy = a.spin[1];
+  double const* const wz = a.spin[2];
+  double* const sxx = a.deviator[0];
+  double* const syy = a.deviator[1];
+  double* const szz = a.deviator[2];
+  double* const sxy = a.deviator[3];
+  double* const syz = a.deviator[4];
+  double* const szx = a.deviator[5];
+  double* const start_work = t.work;
+  double* const trial_work = t.trial_work;
+  double* const mises = t.mises;
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) {
+    double const mean = (exx[k] + eyy[k] + ezz[k]) * (1.0 / 3.0);
+    double const dxx = exx[k] - mean;
+    double const dyy = eyy[k] - mean;
+    double const dzz = ezz[k] - mean;
+    double const dxy = exy[k];
+    double const dyz = eyz[k];
+    double const dzx = ezx[k];
+    double const s0 = sxx[k];
+    double const s1 = syy[k];
+    double const s2 = szz[k];
+    double const s3 = sxy[k];
+    double const s4 = syz[k];
+    double const s5 = szx[k];
+    start_work[k] = 0.5 * (s0 * dxx + s1 * dyy + s2 * dzz) + (s3 * dxy + s4 * dyz + s5 * dzx);
+    double const axx = s0 + G * dxx;
+    double const ayy = s1 + G * dyy;
+    double const azz = s2 + G * dzz;
+    double const axy = s3 + G * dxy;
+    double const ayz = s4 + G * dyz;
+    double const azx = s5 + G * dzx;
+
+    // Q = (I - W/2)^-1 (I + W/2) = I + (W + W^2/2) / (1 + w^2/4), W^2 = w w^T - w^2 I.
+    double const x = wx[k];
+    double const y = wy[k];
+    double const z = wz[k];
+    double const w2 = x * x + y * y + z * z;
+    double const f = 1.0 / (1.0 + 0.25 * w2);
+    double const h = 0.5 * f;
+    double const qxx = 1.0 + h * (x * x - w2);
+    double const qyy = 1.0 + h * (y * y - w2);
+    double const qzz = 1.0 + h * (z * z - w2);
+    double const qxy = h * (x * y) - f * z;
+    double const qyx = h * (x * y) + f * z;
+    double const qyz = h * (y * z) - f * x;
+    double const qzy = h * (y * z) + f * x;
+    double const qzx = h * (z * x) - f * y;
+    double const qxz = h * (z * x) + f * y;
+
+    // b = Q a, r = b Q^T
+    double const bxx = qxx * axx + qxy * axy + qxz * azx;
+    double const bxy = qxx * axy + qxy * ayy + qxz * ayz;
+    double const bxz = qxx * azx + qxy * ayz + qxz * azz;
+    double const byx = qyx * axx + qyy * axy + qyz * azx;
+    double const byy = qyx * axy + qyy * ayy + qyz * ayz;
+    double const byz = qyx * azx + qyy * ayz + qyz * azz;
+    double const bzx = qzx * axx + qzy * axy + qzz * azx;
+    double const bzy = qzx * axy + qzy * ayy + qzz * ayz;
+    double const bzz = qzx * azx + qzy * ayz + qzz * azz;
+    double const rxx = bxx * qxx + bxy * qxy + bxz * qxz + G * dxx;
+    double const ryy = byx * qyx + byy * qyy + byz * qyz + G * dyy;
+    double const rzz = bzx * qzx + bzy * qzy + bzz * qzz + G * dzz;
+    double const rxy = bxx * qyx + bxy * qyy + bxz * qyz + G * dxy;
+    double const ryz = byx * qzx + byy * qzy + byz * qzz + G * dyz;
+    double const rzx = bzx * qxx + bzy * qxy + bzz * qxz + G * dzx;
+
+    sxx[k] = rxx;
+    syy[k] = ryy;
+    szz[k] = rzz;
+    sxy[k] = rxy;
+    syz[k] = ryz;
+    szx[k] = rzx;
+    trial_work[k] = 0.5 * (rxx * dxx + ryy * dyy + rzz * dzz) + (rxy * dxy + ryz * dyz + rzx * dzx);
+    double const ss = (rxx * rxx + ryy * ryy + rzz * rzz) + 2.0 * (rxy * rxy + ryz * ryz + rzx * rzx);
+    mises[k] = std::sqrt(1.5 * ss);
+  }
+}
+
+/// s1 = scale * s_trial.
+void scale_deviator(PointArrays const& a, Scratch const& t) {
+  int const n = a.n;
+  double const* const scale = t.scale;
+  for (double* const s : a.deviator) {
+    BRISANCE_VECTOR_LOOP
+    for (int k = 0; k < n; ++k) s[k] *= scale[k];
+  }
+}
+
+/// Increments of plastic strain from the trial Mises stresses, 0 where nothing yields. Returns whether any point
+/// yields.
+bool plastic_increments(VonMises const model, PointArrays const& a, double /*dt*/, Scratch& t) {
+  int const n = a.n;
+  double const* const ep = a.plastic_strain;
+  double const* const mises = t.mises;
+  double* const increment = t.increment;
+  long yielding = 0;
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) {
+    double const x = model.plastic_increment(mises[k], ep[k]);
+    increment[k] = x;
+    yielding += x > 0.0 ? 1 : 0;
+  }
+  return yielding > 0;
+}
+
+/// One Newton step for every point that is not consistent yet; returns how many were not. A point that is consistent
+/// stays as it is, so that its result does not depend on its neighbours. Three short loops: a single one would wait for
+/// the chain of exp, log and exp.
+long newton_step(JohnsonCook const model, int n, double log_rate, Yielding& y) {
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) y.x[k] = exp_bounded(y.u[k]);
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) y.hard[k] = model.hardened(y.ep[k] + y.x[k]);
+  long open = 0;
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) {
+    double const kept = y.u[k];
+    auto const r = model.residual(kept, y.x[k], y.mises[k], y.ep[k], y.hard[k], y.soft[k], log_rate);
+    double const miss = std::abs(r.value);
+    double const bound = y.tolerance[k];
+    double const moved = kept - r.value / r.slope;
+    y.u[k] = miss > bound ? moved : kept;
+    open += miss > bound ? 1 : 0;
+  }
+  return open;
+}
+
+/// Bound of the Newton steps: two million random states, many far beyond any use, needed 3.4 on average, at most 15.
+constexpr int most_newton_steps = 32;
+
+bool plastic_increments(JohnsonCook const model, PointArrays const& a, double dt, Scratch& t) {
+  int const n = a.n;
+  double const* const ep = a.plastic_strain;
+  double const* const temperature = t.temperature;
+  double const* const mises = t.mises;
+  double* const increment = t.increment;
+  double* const soft = t.soft;
+  double* const slow = t.slow;
+  if (count_above(temperature, n, model.T_room) > 0) {
+    BRISANCE_VECTOR_LOOP
+    for (int k = 0; k < n; ++k) soft[k] = model.softening(temperature[k]);
+  } else {
+    fill(soft, n, 1.0);
+  }
+  double const inverse = 1.0 / (3.0 * model.G);
+  long yielding = 0;
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) {
+    double const yield = model.slow_yield_stress(model.hardened(ep[k]), soft[k]);
+    double const excess = mises[k] - yield;
+    slow[k] = yield;
+    // Without hardening and rate the increment would be this one: right of the root.
+    increment[k] = (excess > 0.0 ? excess : 0.0) * inverse;
+    yielding += excess > 0.0 ? 1 : 0;
+  }
+  if (yielding == 0) return false;
+
+  // The yielding points next to each other, filled up to whole vectors with copies of the first.
+  Yielding& y = t.yielding;
+  int m = 0;
+  for (int k = 0; k < n; ++k) {
+    y.point[m] = k;
+    m += increment[k] > 0.0 ? 1 : 0;
+  }
+  int const whole = (m + lanes - 1) / lanes * lanes;
+  for (int j = m; j < whole; ++j) y.point[j] = y.point[0];
+  for (int j = 0; j < whole; ++j) {
+    int const k = y.point[j];
+    y.mises[j] = mises[k];
+    y.ep[j] = ep[k];
+    y.soft[j] = soft[k];
+    y.x[j] = increment[k];
+    y.tolerance[j] = 1e-11 * slow[k] + 1e-13 * mises[k];
+  }
+  BRISANCE_VECTOR_LOOP
+  for (int j = 0; j < whole; ++j) y.u[j] = log_positive(y.x[j]);
+  double const log_rate = -std::log(dt * model.rate0);
+  for (int pass = 0; pass < most_newton_steps; ++pass) {
+    if (newton_step(model, whole, log_rate, y) == 0) break;
+  }
+  BRISANCE_VECTOR_LOOP
+  for (int j = 0; j < whole; ++j) y.x[j] = exp_bounded(y.u[j]);
+  for (int j = 0; j < m; ++j) increment[y.point[j]] = y.x[j];
+  return true;
+}
+
+/// Scales of rate and temperature of the failure model.
+struct Scales {
+  double rate0 = 1.0;
+  double T_room = 0.0;
+  double inverse_span = 0.0;  ///< 1 / (T_melt - T_room) [1/K]; 0: no dependence on temperature
+};
+Scales scales_of(VonMises const& /*model*/) { return {}; }
+Scales scales_of(JohnsonCook const& model) { return {model.rate0, model.T_room, 1.0 / (model.T_melt - model.T_room)}; }
+
+/// Damage by the increments of plastic strain; what has failed loses its deviator and bears no tension.
+template <class Model>
+void damage(Model const model, Scales const scales, PointArrays const& a, double dt, bool yields, Scratch& t) {
+  int const n = a.n;
+  double* const D = a.damage;
+  double const* const p = a.pressure;
+  double const* const mises = t.mises;
+  double const* const temperature = t.temperature;
+  double* const increment = t.increment;
+  double* const scale = t.scale;
+  double* const floor = t.floor;
+  double const per_rate0 = 1.0 / (dt * scales.rate0);
+  if (yields) {
+    BRISANCE_VECTOR_LOOP
+    for (int k = 0; k < n; ++k) {
+      double const before = D[k];
+      double const x = before < 1.0 ? increment[k] : 0.0;
+      double const q = mises[k];
+      double const triaxiality = -p[k] / (q > 1.0 ? q : 1.0);
+      double const r = x * per_rate0;
+      double const log_rate = log_positive(r > 1.0 ? r : 1.0);
+      double const y = (temperature[k] - scales.T_room) * scales.inverse_span;
+      double const above = y > 0.0 ? y : 0.0;
+      double const hot = above < 1.0 ? above : 1.0;
+      double const grown = before + x / model.failure_strain(triaxiality, log_rate, hot);
+      D[k] = grown < 1.0 ? grown : 1.0;
+      increment[k] = x;
+    }
+  }
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) {
+    double const whole = D[k];
+    double const kept = scale[k];
+    double const bound = floor[k];
+    scale[k] = whole < 1.0 ? kept : 0.0;
+    floor[k] = whole < 1.0 ? bound : 0.0;
+  }
+}
+
+/// Plastic strain, work and heat of the step.
+void plastic_flow(PointArrays const& a, double specific_heat, double taylor_quinney, Scratch const& t) {
+  int const n = a.n;
+  double const* const increment = t.increment;
+  double const* const mises = t.mises;
+  double const* const rho = a.density;
+  double const* const volumetric = a.volumetric;
+  double* const ep = a.plastic_strain;
+  double* const plastic_work = a.plastic_work;
+  double* const temperature = a.temperature;
+  if (temperature != nullptr && specific_heat > 0.0) {
+    double const per_work = taylor_quinney / specific_heat;
+    BRISANCE_VECTOR_LOOP
+    for (int k = 0; k < n; ++k) {
+      temperature[k] += per_work * increment[k] * mises[k] * (1.0 + 0.5 * volumetric[k]) / rho[k];
+    }
+  }
+  if (plastic_work != nullptr) {
+    BRISANCE_VECTOR_LOOP
+    for (int k = 0; k < n; ++k) plastic_work[k] += increment[k] * mises[k] * (1.0 + 0.5 * volumetric[k]) / rho[k];
+  }
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) ep[k] += increment[k];
+}
+
+/// The deviator and what depends on it; fills `work` and `floor`.
+void deviator_stage(NoStrength const /*model*/, Solid const& /*solid*/, PointArrays const& a, double /*dt*/,
+                    Scratch& t) {
+  fill(t.work, a.n, 0.0);
+}
+
+void deviator_stage(Elastic const model, Solid const& /*solid*/, PointArrays const& a, double /*dt*/, Scratch& t) {
+  trial_deviator(a, model.G, t);
+  int const n = a.n;
+  double* const work = t.work;
+  double const* const trial_work = t.trial_work;
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) work[k] += trial_work[k];
+}
+
+template <class Plastic>
+void deviator_stage(Plastic const model, Solid const& solid, PointArrays const& a, double dt, Scratch& t) {
+  int const n = a.n;
+  trial_deviator(a, model.G, t);
+  if (a.temperature != nullptr) {
+    for (int k = 0; k < n; ++k) t.temperature[k] = a.temperature[k];
+  } else {
+    fill(t.temperature, n, solid.temperature);
+  }
+  bool const yields = plastic_increments(model, a, dt, t);
+  double* const scale = t.scale;
+  double* const mises = t.mises;
+  double const* const increment = t.increment;
+  if (yields) {
+    double const three_G = 3.0 * model.G;
+    BRISANCE_VECTOR_LOOP
+    for (int k = 0; k < n; ++k) {
+      double const trial = mises[k];
+      double const left = trial - three_G * increment[k];
+      double const end = left > 0.0 ? left : 0.0;
+      scale[k] = end / (trial > 0.0 ? trial : 1.0);
+      mises[k] = end;
+    }
+  } else {
+    fill(scale, n, 1.0);
+  }
+  bool const damages = a.damage != nullptr && solid.damages();
+  if (damages) {
+    std::visit(
+        [&](auto const& failure) {
+          using Model = std::decay_t<decltype(failure)>;
+          if constexpr (Model::damages) damage(failure, scales_of(model), a, dt, yields, t);
+        },
+        solid.failure);
+  }
+  double* const work = t.work;
+  double const* const trial_work = t.trial_work;
+  if (yields || damages) scale_deviator(a, t);
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) work[k] += scale[k] * trial_work[k];
+  if (yields) plastic_flow(a, solid.specific_heat, solid.taylor_quinney, t);
+}
+
+/// Density, viscosity, energy, pressure and sound speed. `least_speed` [m/s] bounds the sound speed of what is not
+/// burnt out from below: the front of a programmed burn runs through points that have no stiffness yet.
+template <class E>
+void pressure_stage(E const eos, PointArrays const& a, StepData const step, double shear, double least_speed,
+                    Scratch const& t) {
+  int const n = a.n;
+  double const* const volumetric = a.volumetric;
+  double const* const work = t.work;
+  double const* const floor = t.floor;
+  double const* const burn = t.burn;
+  double* const density = a.density;
+  double* const energy = a.energy;
+  double* const pressure = a.pressure;
+  double* const viscosity = a.viscosity;
+  double* const sound_speed = a.sound_speed;
+  double const G = eos.gruneisen();
+  double const stiffening = 4.0 / 3.0 * shear;
+  double const linear = step.linear_viscosity * step.length / step.dt;
+  double const quadratic = step.quadratic_viscosity * (step.length / step.dt) * (step.length / step.dt);
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) {
+    double const grown = 1.0 + volumetric[k];
+    double const ratio = grown < 0.1 ? 0.1 : grown;  // this way round NaN stays NaN and is found
+    double const rho0 = density[k];
+    double const e0 = energy[k];
+    double const p0 = pressure[k];
+    double const F = burn[k];
+    double const V0 = 1.0 / rho0;
+    double const V1 = V0 * ratio;
+    double const rho1 = rho0 / ratio;
+    double const dV = V1 - V0;
+
+    double const f = F * eos.reference(rho1);
+    double const df = F * eos.rho_d_reference(rho1);
+    double const g = F * G;
+    double const per_e = g * rho1;  // p1 = f + per_e e1
+
+    // Bulk sound speed for the viscosity: at the new density, before the energy of this step.
+    double const stiff = (1.0 + g) * (f + per_e * e0) + df - f;
+    double const c = std::sqrt((stiff > 0.0 ? stiff : 0.0) * V1);
+    double const closing = ratio < 1.0 ? 1.0 - ratio : 0.0;  // -d dt in compression
+    double const q = rho1 * closing * (linear * c + quadratic * closing);
+
+    double const known = e0 + 0.5 * (V0 + V1) * work[k] - (0.5 * p0 + q) * dV;
+    double const implicit = 1.0 + 0.5 * per_e * dV;
+    double const e_free = (known - 0.5 * f * dV) / (implicit > 0.5 ? implicit : 0.5);
+    double const p_free = f + per_e * e_free;
+    double const bound = floor[k];
+    double const e_cut = known - 0.5 * bound * dV;
+    double const e1 = p_free < bound ? e_cut : e_free;
+    double const p1 = p_free < bound ? bound : p_free;
+
+    double const bulk = (1.0 + g) * p_free + df - f;
+    double const longitudinal = std::sqrt(((bulk > 0.0 ? bulk : 0.0) + stiffening) * V1);
+    density[k] = rho1;
+    energy[k] = e1;
+    pressure[k] = p1;
+    viscosity[k] = q;
+    double const least = F < 1.0 ? least_speed : 0.0;
+    sound_speed[k] = longitudinal > least ? longitudinal : least;
+  }
+}
+
+void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step, Scratch& t) {
+  fill(t.floor, a.n, solid.minimum_pressure);
+  if (a.burn != nullptr) {
+    for (int k = 0; k < a.n; ++k) t.burn[k] = a.burn[k];
+  } else {
+    fill(t.burn, a.n, 1.0);
+  }
+  std::visit([&](auto const& strength) { deviator_stage(strength, solid, a, step.dt, t); }, solid.strength);
+  double const shear = shear_modulus(solid.strength);
+  std::visit([&](auto const& eos) { pressure_stage(eos, a, step, shear, solid.detonation_speed, t); }, solid.eos);
+}
+
+/// The last points, too few for a whole number of vectors: on copies, filled up with more of the first of them.
+void update_rest(Solid const& solid, PointArrays const& a, StepData const& step, Scratch& t) {
+  double copies[arrays_of_a_point][lanes];
+  PointArrays padded = a;
+  padded.n = lanes;
+  int used = 0;
+  auto const copy = [&](auto& x) {
+    if (x == nullptr) return;
+    double* const to = copies[used++];
+    for (int k = 0; k < lanes; ++k) to[k] = x[k < a.n ? k : 0];
+    x = to;
+  };
+  for_inputs(padded, copy);
+  int const first_of_state = used;
+  for_state(padded, copy);
+  update_chunk(solid, padded, step, t);
+  used = first_of_state;
+  PointArrays original = a;
+  for_state(original, [&](double* x) {
+    if (x == nullptr) return;
+    double const* const from = copies[used++];
+    for (int k = 0; k < a.n; ++k) x[k] = from[k];
+  });
+}
+
+}  // namespace
+
+void update_stress(Solid const& solid, PointArrays const& points, StepData const& step) {
+  Scratch scratch;
+  int const whole = points.n / lanes * lanes;
+  for (int first = 0; first < whole; first += chunk) {
+    int const n = whole - first < chunk ? whole - first : chunk;
+    update_chunk(solid, window(points, first, n), step, scratch);
+  }
+  if (whole < points.n) update_rest(solid, window(points, whole, points.n - whole), step, scratch);
+}
+
+}  // namespace brisance::material

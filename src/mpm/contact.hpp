@@ -1,0 +1,82 @@
+/// Contact of bodies that have grid fields of their own, [Bardenhagen01]: where two fields meet in a node and their
+/// surfaces touch there, their velocities are made compatible along the normal, with Coulomb friction across it.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "mpm/workspace.hpp"
+
+namespace brisance::mpm {
+
+/// Unit normal from one field to another at a node, from their sums of volume times gradient of the shape function,
+/// which point out of each. A rigid body alone knows its surface; otherwise the field with the larger sum does, the
+/// other's being cut short at its corners [Lemiale10]; equal ones share. Zero where these know no direction.
+[[nodiscard]] inline Vec3 contact_normal(NodeVelocity const& from, bool rigid_from, NodeVelocity const& to,
+                                         bool rigid_to) {
+  constexpr double alike = 1.0 - 1e-6;  // beyond round-off, so that mirror images choose alike
+  double const a = from[0] * from[0] + from[1] * from[1] + from[2] * from[2];
+  double const b = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
+  double const take_from = rigid_from || (!rigid_to && a >= alike * b) ? 1.0 : 0.0;
+  double const take_to = rigid_to || (!rigid_from && b >= alike * a) ? 1.0 : 0.0;
+  Vec3 n{0.0, 0.0, 0.0};
+  for (int d = 0; d < 3; ++d) n[d] = take_from * from[d] - take_to * to[d];
+  double const length = norm(n);
+  if (!(length > 0.0)) return {0.0, 0.0, 0.0};
+  return (1.0 / length) * n;
+}
+
+/// The nodes of one block. Fields that are not in `present` are left out.
+struct ContactNodes {
+  int nodes = 0;
+  int fields = 0;
+  double mass_floor = 0.0;
+  std::vector<char> const* present = nullptr;
+  std::vector<Law> const* laws = nullptr;
+  std::vector<std::optional<Vec3>> const* rigid = nullptr;
+};
+
+/// Makes the velocities of the fields compatible. `at` gives access to them: mass(f, node), get(f, node),
+/// set(f, node, velocity), gradient(f, node) of the volume, and extent(f, node): how far the field's surface reaches
+/// beyond the node along its outer normal [m].
+template <class Access>
+void make_compatible(ContactNodes const& c, Access&& at) {
+  for (int node = 0; node < c.nodes; ++node) {
+    int met = 0;
+    for (int f = 0; f < c.fields; ++f) met += (*c.present)[f] != 0 && at.mass(f, node) > c.mass_floor ? 1 : 0;
+    if (met < 2) continue;
+    for (int a = 0; a < c.fields; ++a) {
+      if ((*c.present)[a] == 0 || !(at.mass(a, node) > c.mass_floor)) continue;
+      for (int b = a + 1; b < c.fields; ++b) {
+        if ((*c.present)[b] == 0 || !(at.mass(b, node) > c.mass_floor)) continue;
+        Law const law = (*c.laws)[a * c.fields + b];
+        bool const rigid_a = (*c.rigid)[a].has_value();
+        bool const rigid_b = (*c.rigid)[b].has_value();
+        if (rigid_a && rigid_b) continue;
+        double const ma = at.mass(a, node);
+        double const mb = at.mass(b, node);
+        // Shares of the change of the relative velocity.
+        double const share_a = rigid_a ? 0.0 : rigid_b ? 1.0 : mb / (ma + mb);
+        double const share_b = rigid_b ? 0.0 : rigid_a ? 1.0 : ma / (ma + mb);
+        Vec3 const va = at.get(a, node);
+        Vec3 const vb = at.get(b, node);
+        Vec3 const relative = va - vb;
+        Vec3 change = relative;  // glued: all of it goes
+        if (!law.glued) {
+          Vec3 const normal = contact_normal(at.gradient(a, node), rigid_a, at.gradient(b, node), rigid_b);
+          double const closing = dot(relative, normal);
+          bool const touching = at.extent(a, node) + at.extent(b, node) >= 0.0;
+          if (!(closing > 0.0) || !touching) continue;
+          Vec3 const slip = relative - closing * normal;
+          double const speed = norm(slip);
+          double const stopped = speed > 0.0 ? std::min(1.0, law.friction * closing / speed) : 0.0;
+          change = closing * normal + stopped * slip;
+        }
+        at.set(a, node, va - share_a * change);
+        at.set(b, node, vb + share_b * change);
+      }
+    }
+  }
+}
+
+}  // namespace brisance::mpm

@@ -1,0 +1,253 @@
+/// Transfer between points and nodes, point by point: a chunk of points at a time gets its weights in vectorised loops,
+/// then each point adds to or reads its nodes, whose records fill one short vector each.
+#pragma once
+
+#include <array>
+
+#include "core/lanes.hpp"
+#include "core/loops.hpp"
+#include "core/vec.hpp"
+#include "mpm/patches.hpp"
+#include "mpm/points.hpp"
+#include "mpm/shapes/bspline.hpp"
+#include "mpm/shapes/gimp.hpp"
+#include "mpm/shapes/linear.hpp"
+
+namespace brisance::mpm {
+
+inline constexpr int chunk = 64;  ///< points that are worked on together
+
+/// Weights and gradients [1/cell] of a chunk of points.
+template <class S, int D>
+struct Weights {
+  std::array<int, chunk> base;  ///< index of the first node in the patch
+  alignas(64) double w[D][S::support][chunk];
+  alignas(64) double g[D][S::support][chunk];
+};
+
+/// Where the half lengths of a chunk's points come from.
+struct HalfLengths {
+  Vec3 constant{0.0, 0.0, 0.0};                                 ///< [m]
+  std::array<double const*, 3> own{nullptr, nullptr, nullptr};  ///< per point, of the chunk's first point
+};
+
+template <class S, int D>
+void find_weights(Patch const& patch, double h, std::array<double const*, 3> const& position, HalfLengths const& half,
+                  int n, Weights<S, D>& out) {
+  double const inverse_h = 1.0 / h;
+  for (int q = 0; q < n; ++q) out.base[q] = 0;
+  int stride = 1;
+  for (int d = 0; d < D; ++d) {
+    double const* x = position[d];
+    double const origin = patch.first[d];
+    int const cells = patch.cells[d];
+    int const reach = patch.reach;
+    int* base = out.base.data();
+    double* weight[S::support];
+    double* gradient[S::support];
+    for (int s = 0; s < S::support; ++s) {
+      weight[s] = out.w[d][s];
+      gradient[s] = out.g[d][s];
+    }
+    auto const one = [&](int q, double l) __attribute__((always_inline)) {
+      int first = 0;
+      double w[S::support];
+      double g[S::support];
+      S::weights((x[q] - origin) * inverse_h, l, cells, first, w, g);
+      base[q] += stride * (first + reach);
+      for (int s = 0; s < S::support; ++s) {
+        weight[s][q] = w[s];
+        gradient[s][q] = g[s];
+      }
+    };
+    double const* own = half.own[d];
+    if (S::sized && own != nullptr) {
+      BRISANCE_VECTOR_LOOP
+      for (int q = 0; q < n; ++q) one(q, own[q] * inverse_h);
+    } else {
+      double const l = half.constant[d] * inverse_h;
+      BRISANCE_VECTOR_LOOP
+      for (int q = 0; q < n; ++q) one(q, l);
+    }
+    stride *= patch.n[d];
+  }
+}
+
+/// Weights of APIC's affine part [1/cell], in place of the gradients: w (x_I - x)/D with D = sum w (x_I - x)^2, which
+/// conserves angular momentum, [Jiang15]. For tents they are the gradients. Also the distances x_I - x [m] of the first
+/// node of each direction.
+template <class S, int D>
+struct AffineWeights {
+  alignas(64) double g[D][S::support][chunk];
+  alignas(64) double first[D][chunk];
+};
+
+template <class S, int D>
+void find_affine_weights(Patch const& patch, double h, std::array<double const*, 3> const& position, int n,
+                         Weights<S, D> const& weights, AffineWeights<S, D>& out) {
+  for (int d = 0; d < D; ++d) {
+    int const below = d == 0 ? 1 : d == 1 ? patch.n[0] : patch.n[0] * patch.n[1];
+    for (int q = 0; q < n; ++q) {
+      int const i = (weights.base[q] / below) % patch.n[d] - patch.reach;
+      double const first = patch.first[d] + i * h - position[d][q];
+      out.first[d][q] = first;
+      if constexpr (S::support == 2) {
+        for (int s = 0; s < S::support; ++s) out.g[d][s][q] = weights.g[d][s][q];
+      } else {
+        double moment = 0.0;
+        for (int s = 0; s < S::support; ++s) moment += weights.w[d][s][q] * (first + s * h) * (first + s * h);
+        for (int s = 0; s < S::support; ++s) out.g[d][s][q] = weights.w[d][s][q] * (first + s * h) * h / moment;
+      }
+    }
+  }
+}
+
+/// Calls visit(row, w_yz, g_y w_z, w_y g_z) for each row of nodes along x that a point touches.
+template <class S, int D, class Node, class Visit>
+inline __attribute__((always_inline)) void for_rows(Patch const& patch, Weights<S, D> const& k, int q, Node* nodes,
+                                                    Visit&& visit) {
+  Node* first = nodes + k.base[q];
+  if constexpr (D == 1) {
+    visit(first, 1.0, 0.0, 0.0, 0, 0);
+  } else if constexpr (D == 2) {
+    for (int b = 0; b < S::support; ++b) visit(first + b * patch.n[0], k.w[1][b][q], k.g[1][b][q], 0.0, b, 0);
+  } else {
+    int const plane = patch.n[0] * patch.n[1];
+    for (int c = 0; c < S::support; ++c) {
+      double const wz = k.w[2][c][q];
+      double const gz = k.g[2][c][q];
+      for (int b = 0; b < S::support; ++b) {
+        double const wy = k.w[1][b][q];
+        visit(first + b * patch.n[0] + c * plane, wy * wz, k.g[1][b][q] * wz, wy * gz, b, c);
+      }
+    }
+  }
+}
+
+/// momentum += w a, force += w b + g_x cx + g_y cy + g_z cz for one point.
+template <class S, int D>
+inline __attribute__((always_inline)) void add_state(Patch const& patch, Weights<S, D> const& k, int q,
+                                                     NodeState* nodes, Lanes4 const& a, Lanes4 const& b,
+                                                     Lanes4 const& cx, Lanes4 const& cy, Lanes4 const& cz) {
+  for_rows<S, D>(patch, k, q, nodes, [&](NodeState* row, double w, double gy, double gz, int, int) {
+    Lanes4 const m = w * a;
+    Lanes4 t = w * b;
+    if constexpr (D > 1) t += gy * cy;
+    if constexpr (D > 2) t += gz * cz;
+    Lanes4 const u = w * cx;
+    for (int s = 0; s < S::support; ++s) {
+      row[s].momentum += k.w[0][s][q] * m;
+      row[s].force += k.w[0][s][q] * t + k.g[0][s][q] * u;
+    }
+  });
+}
+
+/// force += w b + g_x cx + g_y cy + g_z cz for one point; `part` picks what is written in a node.
+template <class S, int D, class Node, class Part>
+inline __attribute__((always_inline)) void add_with_gradient(Patch const& patch, Weights<S, D> const& k, int q,
+                                                             Node* nodes, Part&& part, Lanes4 const& b,
+                                                             Lanes4 const& cx, Lanes4 const& cy, Lanes4 const& cz) {
+  for_rows<S, D>(patch, k, q, nodes, [&](Node* row, double w, double gy, double gz, int, int) {
+    Lanes4 t = w * b;
+    if constexpr (D > 1) t += gy * cy;
+    if constexpr (D > 2) t += gz * cz;
+    Lanes4 const u = w * cx;
+    for (int s = 0; s < S::support; ++s) part(row[s]) += k.w[0][s][q] * t + k.g[0][s][q] * u;
+  });
+}
+
+/// part(node) += w a for one point.
+template <class S, int D, class Node, class Part>
+inline __attribute__((always_inline)) void add(Patch const& patch, Weights<S, D> const& k, int q, Node* nodes,
+                                               Part&& part, Lanes4 const& a) {
+  for_rows<S, D>(patch, k, q, nodes, [&](Node* row, double w, double, double, int, int) {
+    Lanes4 const t = w * a;
+    for (int s = 0; s < S::support; ++s) part(row[s]) += k.w[0][s][q] * t;
+  });
+}
+
+/// part(node) += w (a + (x_I - x) . (cx, cy, cz)) for one point: APIC.
+template <class S, int D, class Node, class Part>
+inline __attribute__((always_inline)) void add_affine(Patch const& patch, Weights<S, D> const& k,
+                                                      AffineWeights<S, D> const& affine, double h, int q, Node* nodes,
+                                                      Part&& part, Lanes4 const& a, std::array<Lanes4, 3> const& c) {
+  for_rows<S, D>(patch, k, q, nodes, [&](Node* row, double w, double, double, int j, int i) {
+    Lanes4 t = a + affine.first[0][q] * c[0];
+    if constexpr (D > 1) t += (affine.first[1][q] + j * h) * c[1];
+    if constexpr (D > 2) t += (affine.first[2][q] + i * h) * c[2];
+    t *= w;
+    Lanes4 const u = (w * h) * c[0];
+    for (int s = 0; s < S::support; ++s) part(row[s]) += k.w[0][s][q] * (t + static_cast<double>(s) * u);
+  });
+}
+
+/// Sums of w times both halves of the nodes' state at one point.
+template <class S, int D>
+inline __attribute__((always_inline)) void state_at(Patch const& patch, Weights<S, D> const& k, int q,
+                                                    NodeState const* nodes, Lanes4& velocity, Lanes4& change) {
+  Lanes4 v{};
+  Lanes4 c{};
+  for_rows<S, D>(patch, k, q, nodes, [&](NodeState const* row, double w, double, double, int, int) {
+    for (int s = 0; s < S::support; ++s) {
+      double const weight = w * k.w[0][s][q];
+      v += weight * row[s].momentum;
+      c += weight * row[s].force;
+    }
+  });
+  velocity = v;
+  change = c;
+}
+
+/// Sum of w nodes at one point.
+template <class S, int D>
+inline __attribute__((always_inline)) void velocity_at(Patch const& patch, Weights<S, D> const& k, int q,
+                                                       NodeVelocity const* nodes, Lanes4& velocity) {
+  Lanes4 v{};
+  for_rows<S, D>(patch, k, q, nodes, [&](NodeVelocity const* row, double w, double, double, int, int) {
+    Lanes4 r = k.w[0][0][q] * row[0];
+    for (int s = 1; s < S::support; ++s) r += k.w[0][s][q] * row[s];
+    v += w * r;
+  });
+  velocity = v;
+}
+
+/// Value and gradient [1/cell] at one point: out = {value, d/dx, d/dy, d/dz}; `g` are the gradients to use, `part` what
+/// is read of a node.
+template <class S, int D, class Node, class Part>
+inline __attribute__((always_inline)) void value_and_gradient(Patch const& patch, Weights<S, D> const& k,
+                                                              double const (&g)[D][S::support][chunk], int q,
+                                                              Node const* nodes, Part&& part,
+                                                              std::array<Lanes4, 4>& out) {
+  Lanes4 v{};
+  Lanes4 vx{};
+  Lanes4 vy{};
+  Lanes4 vz{};
+  Node const* first = nodes + k.base[q];
+  constexpr int rows = D > 1 ? S::support : 1;
+  constexpr int planes = D > 2 ? S::support : 1;
+  for (int c = 0; c < planes; ++c) {
+    for (int b = 0; b < rows; ++b) {
+      Node const* row = first + b * patch.n[0] + c * patch.n[0] * patch.n[1];
+      Lanes4 r = k.w[0][0][q] * part(row[0]);
+      Lanes4 s = g[0][0][q] * part(row[0]);
+      for (int i = 1; i < S::support; ++i) {
+        r += k.w[0][i][q] * part(row[i]);
+        s += g[0][i][q] * part(row[i]);
+      }
+      double const wy = D > 1 ? k.w[D > 1 ? 1 : 0][b][q] : 1.0;
+      double const wz = D > 2 ? k.w[D > 2 ? 2 : 0][c][q] : 1.0;
+      v += (wy * wz) * r;
+      vx += (wy * wz) * s;
+      if constexpr (D > 1) vy += (g[1][b][q] * wz) * r;
+      if constexpr (D > 2) vz += (wy * g[2][c][q]) * r;
+    }
+  }
+  out = {v, vx, vy, vz};
+}
+
+/// What of a node is read or written.
+inline constexpr auto whole = [](auto& node) -> auto& { return node; };
+inline constexpr auto momentum_of = [](auto& node) -> auto& { return node.momentum; };
+inline constexpr auto force_of = [](auto& node) -> auto& { return node.force; };
+
+}  // namespace brisance::mpm

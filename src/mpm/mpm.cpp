@@ -1,0 +1,447 @@
+#include "mpm/mpm.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "mpm/workspace.hpp"
+
+namespace brisance::mpm {
+
+namespace {
+
+/// Blocks small enough that a patch stays in the cache of a core, and that a small problem has some for every thread.
+int block_cells_of(grid::Domain const& domain, int asked) {
+  if (asked > 0) return asked;
+  switch (domain.dimensions()) {
+    case 3: return 8;
+    case 2: return 32;
+    default: return 256;
+  }
+}
+
+FieldList fields_of(Body const& body, Options const& options) {
+  material::Solid const& solid = body.solid;
+  FieldList fields;
+  for (Field const vector : {Field::position_x, Field::velocity_x, Field::move_x}) fields.add(vector, 3);
+  for (Field const scalar : {Field::mass, Field::density, Field::identity}) fields.add(scalar);
+  if (options.shape == ShapeFunction::cpgimp) fields.add(Field::half_x, 3);
+  if (options.transfer == Transfer::apic) fields.add(Field::affine_xx, 9);
+  if (options.transfer == Transfer::xpic) fields.add(Field::filtered_x, 3);
+  for (Field const scalar : {Field::pressure, Field::viscosity, Field::energy}) fields.add(scalar);
+  if (solid.has_deviator()) {
+    fields.add(Field::deviator_xx, 6);
+    fields.add(Field::origin_x, 3);
+  }
+  if (solid.plastic()) {
+    fields.add(Field::plastic_strain);
+    fields.add(Field::plastic_work);
+  }
+  if (solid.heats()) fields.add(Field::temperature);
+  if (solid.damages()) fields.add(Field::damage);
+  if (solid.burns()) fields.add(Field::lighting_time);
+  return fields;
+}
+
+/// Number of the 27 blocks around a block: offsets -1, 0, 1 per direction.
+int around_index(Index3 const& o) { return (o[0] + 1) + 3 * ((o[1] + 1) + 3 * (o[2] + 1)); }
+
+std::array<int, 27> blocks_around(grid::Grid const& grid, int block) {
+  std::array<int, 27> around{};
+  for (int k = -1; k <= 1; ++k) {
+    for (int j = -1; j <= 1; ++j) {
+      for (int i = -1; i <= 1; ++i) {
+        Index3 const offset{i, j, k};
+        int there = block;
+        for (int d = 0; d < 3 && there != grid::no_neighbour; ++d) {
+          if (offset[d] != 0) there = grid.blocks()[there].neighbour[2 * d + (offset[d] > 0 ? 1 : 0)];
+        }
+        around[around_index(offset)] = there;
+      }
+    }
+  }
+  return around;
+}
+
+/// Is a node in the region or on its surface?
+bool holds_node(shape::Shape const& region, grid::Domain const& domain, Vec3 const& x) {
+  if (shape::contains(region, domain, x)) return true;
+  double const nudge = 1e-6 * domain.h;
+  int const dims = domain.dimensions();
+  for (int sides = 0; sides < (1 << dims); ++sides) {
+    Vec3 y = x;
+    for (int d = 0; d < dims; ++d) y[d] += ((sides >> d) & 1) != 0 ? nudge : -nudge;
+    if (shape::contains(region, domain, y)) return true;
+  }
+  return false;
+}
+
+/// How much of a node belongs to a block: 0 where another block counts it, halves on mirror planes.
+double node_weight(grid::Grid const& grid, int block, Patch const& patch, Index3 const& node) {
+  double weight = 1.0;
+  for (int d = 0; d < patch.dimensions; ++d) {
+    int const i = node[d] - patch.reach;
+    Side const low = beyond(grid, block, d, 0);
+    Side const high = beyond(grid, block, d, 1);
+    bool const low_open = low.block == grid::no_neighbour;
+    bool const high_open = high.block == grid::no_neighbour;
+    if (i < 0 && !low_open) return 0.0;
+    if (i == 0 && low.mirror) weight *= 0.5;
+    if (i == patch.cells[d] && high.mirror) {
+      weight *= 0.5;
+    } else if (i >= patch.cells[d] && !high_open) {
+      return 0.0;
+    }
+  }
+  return weight;
+}
+
+std::vector<double> node_weights(grid::Grid const& grid, int block, Patch const& patch) {
+  std::vector<double> weights;
+  weights.reserve(patch.count());
+  for (int k = 0; k < patch.n[2]; ++k) {
+    for (int j = 0; j < patch.n[1]; ++j) {
+      for (int i = 0; i < patch.n[0]; ++i) weights.push_back(node_weight(grid, block, patch, {i, j, k}));
+    }
+  }
+  return weights;
+}
+
+std::vector<Hold> holds_of(grid::Grid const& grid, int block, Patch const& patch,
+                           std::vector<Constraint> const& constraints, std::vector<int> const& field_of) {
+  std::vector<Hold> holds;
+  for (Constraint const& c : constraints) {
+    for (int k = 0; k < patch.n[2]; ++k) {
+      for (int j = 0; j < patch.n[1]; ++j) {
+        for (int i = 0; i < patch.n[0]; ++i) {
+          if (!holds_node(c.region, grid.domain(), patch.position({i, j, k}, grid.domain().h))) continue;
+          Hold hold;
+          hold.node = patch.index(i, j, k);
+          hold.field = c.body < 0 ? -1 : field_of[c.body];
+          hold.held = c.held;
+          hold.velocity = c.velocity;
+          hold.weight = node_weight(grid, block, patch, {i, j, k});
+          holds.push_back(hold);
+        }
+      }
+    }
+  }
+  return holds;
+}
+
+}  // namespace
+
+Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& options,
+         std::vector<Constraint> const& constraints, std::vector<Contact> const& contacts)
+    : grid_(domain, block_cells_of(domain, options.block_cells)),
+      options_(options),
+      bodies_(std::move(bodies)),
+      next_identity_(bodies_.size(), 0),
+      signals_(grid_.blocks().size(), 0.0),
+      work_(std::make_unique<Workspace>()) {
+  int const body_count = static_cast<int>(bodies_.size());
+  if (body_count == 0) throw InputError("a calculation with material points needs at least one body");
+  if (options_.transfer == Transfer::xpic && options_.xpic_order < 1)
+    throw InputError("the order of XPIC is at least 1");
+
+  // Bodies with a contact and rigid bodies have grid fields of their own; all others share the first.
+  Workspace& w = *work_;
+  w.field_of.assign(bodies_.size(), 0);
+  std::vector<char> own(bodies_.size(), 0);
+  for (Contact const& c : contacts) {
+    if (c.first == c.second || c.first < 0 || c.second < 0 || c.first >= body_count || c.second >= body_count) {
+      throw InputError("a contact joins two different bodies");
+    }
+    own[c.first] = 1;
+    own[c.second] = 1;
+  }
+  for (int b = 0; b < body_count; ++b) {
+    if (bodies_[b].rigid_velocity) own[b] = 1;
+  }
+  bool const any_shared = std::find(own.begin(), own.end(), 0) != own.end();
+  w.fields = any_shared ? 1 : 0;
+  for (int b = 0; b < body_count; ++b) w.field_of[b] = own[b] != 0 ? w.fields++ : 0;
+  w.contact = w.fields > 1;
+  w.rigid.resize(w.fields);
+  for (int b = 0; b < body_count; ++b) {
+    if (bodies_[b].rigid_velocity) w.rigid[w.field_of[b]] = bodies_[b].rigid_velocity;
+  }
+  w.laws.assign(static_cast<std::size_t>(w.fields) * w.fields, Law{});
+  for (Contact const& c : contacts) {
+    int const a = w.field_of[c.first];
+    int const b = w.field_of[c.second];
+    w.laws[a * w.fields + b] = {false, c.friction};
+    w.laws[b * w.fields + a] = {false, c.friction};
+  }
+
+  int const blocks = grid_.block_count();
+  bool const any_rigid =
+      std::any_of(bodies_.begin(), bodies_.end(), [](Body const& b) { return b.rigid_velocity.has_value(); });
+  w.patches = make_patches(grid_, options_.shape == ShapeFunction::linear ? Linear::reach : Gimp::reach);
+  for (int b = 0; b < blocks; ++b) {
+    w.holds.push_back(holds_of(grid_, b, w.patches[b], constraints, w.field_of));
+    w.around.push_back(blocks_around(grid_, b));
+    w.node_weight.emplace_back();
+    if (w.contact) {
+      Patch const& patch = w.patches[b];
+      for (int k = 0; k < patch.n[2]; ++k) {
+        for (int j = 0; j < patch.n[1]; ++j) {
+          for (int i = 0; i < patch.n[0]; ++i) w.node_weight[b].push_back(node_weight(grid_, b, patch, {i, j, k}));
+        }
+      }
+    }
+    w.node_weight.push_back(any_rigid ? node_weights(grid_, b, w.patches[b]) : std::vector<double>{});
+    for (Body const& body : bodies_) {
+      FieldList const fields = fields_of(body, options_);
+      sets_.emplace_back(fields);
+      w.outbox.push_back({PointSet(fields), {}});
+    }
+  }
+  std::size_t const slots = static_cast<std::size_t>(blocks) * w.fields;
+  w.state.resize(slots);
+  w.velocity.resize(slots);
+  w.gradient.resize(slots);
+  w.extent.resize(slots);
+  w.present.assign(slots, 0);
+  w.impulse.assign(blocks, Vec3{0.0, 0.0, 0.0});
+  w.work.assign(blocks, 0.0);
+  w.lost.resize(blocks);
+  w.trouble.resize(blocks);
+}
+
+Mpm::~Mpm() = default;
+
+void Mpm::fill(int body, Filling const& filling) {
+  grid::Domain const& domain = grid_.domain();
+  Body const& b = bodies_.at(body);
+  material::Solid const& solid = b.solid;
+  double const density = filling.density.value_or(solid.density);
+  double const energy = filling.specific_energy.value_or(solid.specific_energy);
+  bool const burns = solid.burns();
+  double const pressure =
+      burns ? 0.0 : std::visit([&](auto const& eos) { return material::pressure(eos, density, energy); }, solid.eos);
+  for (std::size_t n = 0; n < filling.positions.size(); ++n) {
+    Vec3 const& x = filling.positions[n];
+    for (int d = 0; d < domain.dimensions(); ++d) {
+      if (x[d] >= domain.lower[d] && x[d] <= domain.upper(d)) continue;
+      throw InputError(
+          fmt::format("a point of body \"{}\" lies outside the domain: {} = {:.6g} m", b.name, "xyz"[d], x[d]));
+    }
+    PointSet& set = sets_[set_index(grid_.block_of(grid_.cell_at(x)), body)];
+    int const q = set.append();
+    for (int d = 0; d < 3; ++d) {
+      set.field(Field::position_x + d)[q] = x[d];
+      set.field(Field::velocity_x + d)[q] = b.rigid_velocity ? (*b.rigid_velocity)[d] : filling.velocity[d];
+      if (double* origin = set.field(Field::origin_x + d)) origin[q] = x[d];
+      if (double* half = set.field(Field::half_x + d)) half[q] = 0.5 * domain.h / b.points_per_direction;
+    }
+    set.field(Field::mass)[q] = density * filling.volumes[n];
+    set.field(Field::density)[q] = density;
+    set.field(Field::pressure)[q] = pressure;
+    set.field(Field::energy)[q] = energy;
+    set.field(Field::identity)[q] = static_cast<double>(next_identity_[body]++);
+    if (double* temperature = set.field(Field::temperature)) temperature[q] = solid.temperature;
+    if (double* lighting = set.field(Field::lighting_time)) lighting[q] = std::numeric_limits<double>::max();
+  }
+  find_active();
+  update_signals();
+}
+
+void Mpm::load(SurfacePressure const& pressure) {
+  if (pressure.times.size() != pressure.pressures.size() || pressure.times.empty()) {
+    throw InputError("a surface pressure needs as many times as pressures, at least one");
+  }
+  if (!(pressure.thickness > 0.0))
+    throw InputError("a surface pressure needs the thickness of the layer that takes it");
+  work_->loads.push_back({pressure.body, pressure.times, pressure.pressures});
+  int const number = static_cast<int>(work_->loads.size());
+  for (int b = 0; b < grid_.block_count(); ++b) {
+    PointSet& old = sets_[set_index(b, pressure.body)];
+    FieldList fields = old.fields();
+    if (!fields.has(Field::load_x)) {
+      fields.add(Field::load_x, 3);
+      fields.add(Field::load_number);
+      PointSet grown(fields);
+      for (int q = 0; q < old.size(); ++q) {
+        grown.append();
+        for (int f = 0; f < field_count; ++f) {
+          if (double const* from = old.field(static_cast<Field>(f))) grown.field(static_cast<Field>(f))[q] = from[q];
+        }
+      }
+      old = std::move(grown);
+      work_->outbox[set_index(b, pressure.body)].points = PointSet(fields);
+    }
+    for (int q = 0; q < old.size(); ++q) {
+      Vec3 x{0.0, 0.0, 0.0};
+      for (int d = 0; d < 3; ++d) x[d] = old.field(Field::position_x + d)[q];
+      if (!shape::contains(pressure.region, grid_.domain(), x)) continue;
+      for (int d = 0; d < 3; ++d) old.field(Field::load_x + d)[q] = -pressure.normal[d] / pressure.thickness;
+      old.field(Field::load_number)[q] = number;
+    }
+  }
+}
+
+void Mpm::set_lighting(int body, std::function<double(Vec3 const&)> const& lighting_time) {
+  for (int b = 0; b < grid_.block_count(); ++b) {
+    PointSet& set = sets_[set_index(b, body)];
+    double* lighting = set.field(Field::lighting_time);
+    if (lighting == nullptr) continue;
+    for (int q = 0; q < set.size(); ++q) {
+      lighting[q] = lighting_time(
+          {set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]});
+    }
+  }
+}
+
+void Mpm::set_time(double time) { time_ = time; }
+
+void Mpm::find_active() {
+  active_.clear();
+  for (int b = 0; b < grid_.block_count(); ++b) {
+    bool any = false;
+    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) any = any || !points(b, body).empty();
+    if (any) active_.push_back(b);
+  }
+}
+
+void Mpm::update_signals() {
+  parallel_for(grid_.block_count(), [&](int block, int) {
+    double fastest = 0.0;
+    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
+      PointSet const& set = points(block, body);
+      material::Solid const& solid = bodies_[body].solid;
+      for (int q = 0; q < set.size(); ++q) {
+        double const speed = norm(
+            Vec3{set.field(Field::velocity_x)[q], set.field(Field::velocity_y)[q], set.field(Field::velocity_z)[q]});
+        double const sound =
+            bodies_[body].rigid_velocity
+                ? 0.0
+                : std::max(material::sound_speed(solid, set.field(Field::density)[q], set.field(Field::pressure)[q]),
+                           solid.detonation_speed);
+        fastest = std::max(fastest, speed + sound);
+      }
+    }
+    signals_[block] = fastest;
+  });
+  collect_signals();
+}
+
+void Mpm::collect_signals() {
+  fastest_ = 0.0;
+  for (int const block : active_) fastest_ = std::max(fastest_, signals_[block]);
+}
+
+double Mpm::stable_step() const { return options_.courant * grid_.domain().h / fastest_; }
+
+long Mpm::point_count() const {
+  long count = 0;
+  for (PointSet const& set : sets_) count += set.size();
+  return count;
+}
+
+BodySums Mpm::sums(int body) const {
+  int const blocks = grid_.block_count();
+  std::vector<BodySums> parts(blocks);
+  parallel_for(blocks, [&](int block, int) {
+    PointSet const& set = points(block, body);
+    BodySums& s = parts[block];
+    s.points = set.size();
+    for (int q = 0; q < set.size(); ++q) {
+      double const m = set.field(Field::mass)[q];
+      s.mass += m;
+      double square = 0.0;
+      double moved = 0.0;
+      for (int d = 0; d < 3; ++d) {
+        double const v = set.field(Field::velocity_x + d)[q];
+        double const x = set.field(Field::position_x + d)[q];
+        s.momentum[d] += m * v;
+        s.centre[d] += m * x;
+        square += v * v;
+        if (double const* origin = set.field(Field::origin_x + d)) moved += (x - origin[q]) * (x - origin[q]);
+      }
+      s.kinetic_energy += 0.5 * m * square;
+      s.internal_energy += m * set.field(Field::energy)[q];
+      if (double const* work = set.field(Field::plastic_work)) s.plastic_work += m * work[q];
+      if (double const* damage = set.field(Field::damage)) s.damaged_mass += damage[q] >= 1.0 ? m : 0.0;
+      s.largest_displacement = std::max(s.largest_displacement, std::sqrt(moved));
+    }
+  });
+  BodySums total;
+  for (BodySums const& s : parts) {
+    total.points += s.points;
+    total.mass += s.mass;
+    total.momentum = total.momentum + s.momentum;
+    total.centre = total.centre + s.centre;
+    total.kinetic_energy += s.kinetic_energy;
+    total.internal_energy += s.internal_energy;
+    total.plastic_work += s.plastic_work;
+    total.damaged_mass += s.damaged_mass;
+    total.largest_displacement = std::max(total.largest_displacement, s.largest_displacement);
+  }
+  if (total.mass > 0.0) total.centre = (1.0 / total.mass) * total.centre;
+  return total;
+}
+
+Place Mpm::find(int body, long identity, Place hint) const {
+  auto const wanted = static_cast<double>(identity);
+  auto const look = [&](int block) -> Place {
+    PointSet const& set = points(block, body);
+    double const* identities = set.field(Field::identity);
+    for (int q = 0; q < set.size(); ++q) {
+      if (identities[q] == wanted) return {block, q};
+    }
+    return {};
+  };
+  if (hint.block >= 0) {
+    PointSet const& set = points(hint.block, body);
+    if (hint.index < set.size() && set.field(Field::identity)[hint.index] == wanted) return hint;
+    for (int const block : work_->around[hint.block]) {
+      if (block == grid::no_neighbour) continue;
+      Place const place = look(block);
+      if (place.block >= 0) return place;
+    }
+  }
+  for (int block = 0; block < grid_.block_count(); ++block) {
+    Place const place = look(block);
+    if (place.block >= 0) return place;
+  }
+  return {};
+}
+
+long Mpm::nearest(int body, Vec3 const& x) const {
+  double best = std::numeric_limits<double>::infinity();
+  long identity = -1;
+  int const dims = grid_.domain().dimensions();
+  for (int block = 0; block < grid_.block_count(); ++block) {
+    PointSet const& set = points(block, body);
+    for (int q = 0; q < set.size(); ++q) {
+      double square = 0.0;
+      for (int d = 0; d < dims; ++d) {
+        double const distance = set.field(Field::position_x + d)[q] - x[d];
+        square += distance * distance;
+      }
+      auto const candidate = static_cast<long>(set.field(Field::identity)[q]);
+      if (square < best || (square == best && candidate < identity)) {
+        best = square;
+        identity = candidate;
+      }
+    }
+  }
+  return identity;
+}
+
+std::size_t Mpm::bytes() const {
+  std::size_t total = 0;
+  for (PointSet const& set : sets_) total += set.bytes();
+  for (auto const& nodes : work_->state) total += nodes.bytes();
+  for (auto const& nodes : work_->velocity) total += nodes.bytes();
+  for (auto const& nodes : work_->gradient) total += nodes.bytes();
+  for (auto const& nodes : work_->extent) total += nodes.bytes();
+  return total;
+}
+
+}  // namespace brisance::mpm

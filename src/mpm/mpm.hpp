@@ -1,0 +1,225 @@
+/// The material point method, [Cui14] Sec. 2.2: bodies of points that move through a background grid on which the
+/// momentum equation is solved.
+///
+/// One step, `advance`, is four passes over the blocks. Within a pass a block writes only what belongs to it:
+///     map_to_grid       Eqs. (18)-(21)   mass, momentum and forces of the points to their block's patch
+///     integrate         Eqs. (22)-(26)   sum of the patches, new velocity of the nodes, motion of the points, and
+///     their
+///                                        velocity mapped back
+///     update_stress     Eqs. (27)-(30)   strain, spin, density, stress, energy
+///     migrate                            points that left their block move to the next
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "grid/grid.hpp"
+#include "material/solid.hpp"
+#include "mpm/points.hpp"
+#include "shape/shape.hpp"
+
+namespace brisance::mpm {
+
+enum class ShapeFunction {
+  linear,   ///< tents
+  gimp,     ///< points of constant size (uGIMP)
+  cpgimp,   ///< points that stretch with the material
+  bspline,  ///< quadratic
+};
+
+/// When the stress is updated: before the momentum, or after it with the velocity of the nodes or with the velocity of
+/// the points mapped back to the nodes ([Cui14] Eq. (26)).
+enum class StressOrder { usf, usl, musl };
+
+/// How the velocity of the points follows that of the nodes.
+enum class Transfer {
+  flip,  ///< by its increments, [Cui14] Eq. (24), with a fraction of PIC
+  apic,  ///< the nodes' velocity and its gradient, [Jiang15]
+  xpic,  ///< increments without what the grid cannot see, [Hammerquist17]
+};
+
+struct Options {
+  ShapeFunction shape = ShapeFunction::bspline;
+  StressOrder order = StressOrder::musl;
+  Transfer transfer = Transfer::flip;
+  double pic_fraction = 0.0;     ///< of flip, 0 to 1
+  int xpic_order = 2;            ///< of xpic; 1 is PIC
+  bool locking_control = false;  ///< volumetric strain averaged over the points of a body in a cell
+  double linear_viscosity = 0.06;
+  double quadratic_viscosity = 1.5;
+  double courant = 0.4;
+  Vec3 body_force{0.0, 0.0, 0.0};  ///< acceleration of everything [m/s2]
+  int block_cells = 0;             ///< cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D
+};
+
+struct Body {
+  std::string name;
+  material::Solid solid;
+  int points_per_direction = 2;  ///< per cell: gives GIMP points their size
+  /// Set for a rigid body: its velocity, which nothing changes [m/s].
+  std::optional<Vec3> rigid_velocity;
+};
+
+/// What fills (a part of) a body.
+struct Filling {
+  std::vector<Vec3> positions;  ///< [m]
+  std::vector<double> volumes;  ///< [m3], in the convention of `Domain::cell_volume`
+  Vec3 velocity{0.0, 0.0, 0.0};
+  /// State that differs from the solid's own.
+  std::optional<double> density;          ///< [kg/m3]
+  std::optional<double> specific_energy;  ///< [J/kg]
+};
+
+/// Velocity components of the nodes in a part of space are prescribed.
+struct Constraint {
+  shape::Shape region;
+  std::array<bool, 3> held{true, true, true};
+  Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s] of the held components
+  int body = -1;                 ///< only on the grid field of this body; -1: on all
+};
+
+/// What happens where two bodies touch. Bodies without a contact of their own share the velocity of the grid: they
+/// stick together (no slip, no separation).
+struct Contact {
+  int first = 0;  ///< bodies
+  int second = 1;
+  double friction = 0.0;  ///< Coulomb coefficient
+};
+
+/// A pressure that pushes on the points of a body in a part of space, along -`normal`: the outer layer of points of the
+/// given thickness takes it, [Cui14] Eq. (20).
+struct SurfacePressure {
+  int body = 0;
+  shape::Shape region;            ///< of the points at the start that carry it
+  Vec3 normal{0.0, 0.0, 1.0};     ///< outer normal of the loaded face
+  double thickness = 0.0;         ///< of the loaded layer [m]
+  std::vector<double> times;      ///< [s], rising
+  std::vector<double> pressures;  ///< [Pa] at these times; linear between, 0 outside
+};
+
+/// Sums over the points of one body.
+struct BodySums {
+  long points = 0;
+  double mass = 0.0;                  ///< [kg]
+  Vec3 momentum{0.0, 0.0, 0.0};       ///< [kg m/s]
+  Vec3 centre{0.0, 0.0, 0.0};         ///< of mass [m]
+  double kinetic_energy = 0.0;        ///< [J]
+  double internal_energy = 0.0;       ///< [J]
+  double plastic_work = 0.0;          ///< [J]
+  double largest_displacement = 0.0;  ///< [m]; of bodies that know their origin
+  double damaged_mass = 0.0;          ///< mass with damage 1 [kg]
+};
+
+/// What left through free faces of the domain.
+struct Losses {
+  double mass = 0.0;
+  Vec3 momentum{0.0, 0.0, 0.0};
+  double energy = 0.0;
+  long points = 0;
+};
+
+/// Where a point is kept.
+struct Place {
+  int block = -1;
+  int index = -1;
+};
+
+struct Scratch;
+struct Hoops;
+
+class Mpm {
+ public:
+  /// Throws InputError where bodies, contacts or constraints contradict each other.
+  Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& options,
+      std::vector<Constraint> const& constraints = {}, std::vector<Contact> const& contacts = {});
+  ~Mpm();
+  Mpm(Mpm const&) = delete;
+  Mpm& operator=(Mpm const&) = delete;
+
+  /// Adds points to a body. Points outside the domain are refused (InputError).
+  void fill(int body, Filling const& filling);
+  /// Lets a pressure act on the points that lie in its region now.
+  void load(SurfacePressure const& pressure);
+  /// Gives the points of a burning body their lighting times [s].
+  void set_lighting(int body, std::function<double(Vec3 const&)> const& lighting_time);
+  /// Tells where in time the calculation stands [s]; the burn and the loads depend on it.
+  void set_time(double time);
+
+  /// Largest stable step [s] at the given Courant number: courant h / max(sound speed + speed).
+  [[nodiscard]] double stable_step() const;
+  /// One step. Throws NumericalError when a point's state has lost its meaning.
+  void advance(double dt);
+
+  [[nodiscard]] double time() const { return time_; }
+  [[nodiscard]] grid::Grid const& grid() const { return grid_; }
+  [[nodiscard]] Options const& options() const { return options_; }
+  [[nodiscard]] std::vector<Body> const& bodies() const { return bodies_; }
+  [[nodiscard]] long point_count() const;
+  [[nodiscard]] PointSet const& points(int block, int body) const { return sets_[set_index(block, body)]; }
+  [[nodiscard]] PointSet& points(int block, int body) { return sets_[set_index(block, body)]; }
+  /// Sums in a fixed order.
+  [[nodiscard]] BodySums sums(int body) const;
+  [[nodiscard]] Losses const& losses() const { return losses_; }
+  /// Momentum that constraints and rigid bodies gave to the points since the start [kg m/s].
+  [[nodiscard]] Vec3 const& constraint_impulse() const { return constraint_impulse_; }
+  /// Work that constraints, rigid bodies, surface pressures and the body force did on the points since the start [J].
+  [[nodiscard]] double outer_work() const { return outer_work_; }
+  /// The point of a body with the given identity; `hint` is where it was last.
+  [[nodiscard]] Place find(int body, long identity, Place hint = {}) const;
+  /// The point of a body nearest to x [m]: its identity, or -1 for an empty body.
+  [[nodiscard]] long nearest(int body, Vec3 const& x) const;
+  /// Bytes of points and nodes.
+  [[nodiscard]] std::size_t bytes() const;
+  /// Wall-clock seconds per pass.
+  [[nodiscard]] std::map<std::string, double> const& timings() const { return timings_; }
+
+ private:
+  struct Workspace;
+
+  [[nodiscard]] int set_index(int block, int body) const { return block * static_cast<int>(bodies_.size()) + body; }
+  void find_active();
+  void update_signals();
+  void collect_signals();
+  void map_to_grid(bool with_mass, bool with_forces);
+  [[nodiscard]] std::vector<double> load_pressures() const;
+  void map_extents();
+  void filter();
+  void integrate(double dt);
+  void update_stress(double dt);
+  void migrate();
+  void sort(PointSet& set, int block, std::vector<int>& order) const;
+
+  // One block at a time, in a thread's scratch.
+  void clear_velocity(int block);
+  void gather_gradients(int block, Scratch& scratch) const;
+  void gather_extents(int block, Scratch& scratch) const;
+  void gather_velocity(int block, Scratch& scratch) const;
+  void velocity_from_state(int block, Scratch& scratch) const;
+  void constrain_velocity(int block, Scratch& scratch) const;
+  void constrain_state(int block, Scratch& scratch);
+  void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
+  [[nodiscard]] double work_on(int block, int body, std::vector<double> const& pressures) const;
+
+  grid::Grid grid_;
+  Options options_;
+  std::vector<Body> bodies_;
+  std::vector<PointSet> sets_;  ///< block by block, body by body
+  std::vector<long> next_identity_;
+  Losses losses_;
+  Vec3 constraint_impulse_{0.0, 0.0, 0.0};
+  double outer_work_ = 0.0;
+  double fastest_ = 0.0;  ///< fastest signal of all points [m/s]
+  double time_ = 0.0;
+  long step_ = 0;
+  std::map<std::string, double> timings_;
+  std::vector<int> active_;      ///< blocks that hold points
+  std::vector<double> signals_;  ///< fastest signal per block [m/s]
+  std::unique_ptr<Workspace> work_;
+};
+
+}  // namespace brisance::mpm

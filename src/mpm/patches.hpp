@@ -1,0 +1,122 @@
+/// The nodes of the background grid, block by block. Each block has a patch of its own: all nodes that its points can
+/// touch. Points write into the patch of their block only; afterwards every patch sums what all patches hold for its
+/// nodes, always in the same order, so that copies of a node agree and the result does not depend on the threads.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/lanes.hpp"
+#include "core/vec.hpp"
+#include "grid/grid.hpp"
+
+namespace brisance::mpm {
+
+/// Part of a patch that receives from the patch of block `source`: node i of the box gets node `flip * i + shift`
+/// (storage indices, per direction). Where a direction is flipped, the source is the mirror image behind a symmetry
+/// plane and the components along it change their sign.
+struct Link {
+  int source = 0;
+  Index3 lower{0, 0, 0};  ///< box of receiving nodes, inclusive
+  Index3 upper{0, 0, 0};
+  Index3 flip{1, 1, 1};
+  Index3 shift{0, 0, 0};
+  Index3 source_n{1, 1, 1};  ///< nodes of the source's patch
+
+  /// Index of the source's node that stands for the patch's node (i, j, k).
+  [[nodiscard]] int source_index(int i, int j, int k) const {
+    return (flip[0] * i + shift[0]) + source_n[0] * ((flip[1] * j + shift[1]) + source_n[1] * (flip[2] * k + shift[2]));
+  }
+};
+
+/// What lies beyond one side of a block.
+struct Side {
+  int block = grid::no_neighbour;  ///< the block there; with `mirror` the block itself
+  bool mirror = false;
+};
+
+/// Shape of a block's patch.
+struct Patch {
+  Index3 n{1, 1, 1};          ///< nodes per direction
+  Vec3 first{0.0, 0.0, 0.0};  ///< position of node (0, 0, 0) of the cells, that is without the reach [m]
+  Index3 cells{1, 1, 1};
+  int reach = 0;
+  int dimensions = 3;
+  std::vector<Link> links;  ///< of this block and all around it, in a fixed order
+
+  [[nodiscard]] int count() const { return n[0] * n[1] * n[2]; }
+  [[nodiscard]] int index(int i, int j, int k) const { return i + n[0] * (j + n[1] * k); }
+  /// Position of a node, by storage indices [m].
+  [[nodiscard]] Vec3 position(Index3 const& i, double h) const {
+    Vec3 x = first;
+    for (int d = 0; d < dimensions; ++d) x[d] += (i[d] - reach) * h;
+    return x;
+  }
+};
+
+/// Patches of all blocks of a grid for shape functions with the given reach.
+[[nodiscard]] std::vector<Patch> make_patches(grid::Grid const& grid, int reach);
+
+/// What lies beyond a block's low (0) or high (1) side in direction d; symmetry planes and walls mirror.
+[[nodiscard]] Side beyond(grid::Grid const& grid, int block, int d, int side);
+
+/// Three components of a vector and one scalar: momentum or velocity with the mass.
+using NodeVelocity = Lanes4;
+
+/// What the points give a node: momentum [kg m/s] with the mass [kg], and force [N] with the volume [m3]. After
+/// `integrate`: the new velocity with the mass, and the change of the velocity over the step.
+struct alignas(64) NodeState {
+  NodeVelocity momentum;
+  NodeVelocity force;
+};
+
+inline void add_to(NodeVelocity& sum, NodeVelocity const& part) { sum += part; }
+inline void add_to(NodeVelocity& sum, NodeVelocity const& sign, NodeVelocity const& part) { sum += sign * part; }
+inline void add_to(NodeState& sum, NodeState const& part) {
+  sum.momentum += part.momentum;
+  sum.force += part.force;
+}
+inline void add_to(NodeState& sum, NodeVelocity const& sign, NodeState const& part) {
+  sum.momentum += sign * part.momentum;
+  sum.force += sign * part.force;
+}
+
+/// Adds up what the links hold for each node of the patch. `raw(block)` is the array that the points of a block wrote,
+/// or null where that block has none. In a mirror the normal components of the vectors change their sign.
+template <class Record, class Raw>
+void sum_links(Patch const& patch, Record* sum, Raw&& raw) {
+  bool first = true;
+  for (Link const& link : patch.links) {
+    Record const* from = raw(link.source);
+    if (from == nullptr) continue;
+    NodeVelocity sign{1.0, 1.0, 1.0, 1.0};
+    bool mirrored = false;
+    for (int d = 0; d < 3; ++d) {
+      if (link.flip[d] > 0) continue;
+      mirrored = true;
+      sign[d] = -1.0;
+    }
+    if (first) {
+      for (int node = 0; node < patch.count(); ++node) sum[node] = Record{};
+      first = false;
+    }
+    int const width = link.upper[0] - link.lower[0] + 1;
+    for (int k = link.lower[2]; k <= link.upper[2]; ++k) {
+      for (int j = link.lower[1]; j <= link.upper[1]; ++j) {
+        Record* to = sum + patch.index(link.lower[0], j, k);
+        Record const* row = from + link.source_index(link.lower[0], j, k);
+        int const step = link.flip[0];
+        if (mirrored) {
+          for (int i = 0; i < width; ++i) add_to(to[i], sign, row[step * i]);
+        } else {
+          for (int i = 0; i < width; ++i) add_to(to[i], row[i]);
+        }
+      }
+    }
+  }
+  if (first) {
+    for (int node = 0; node < patch.count(); ++node) sum[node] = Record{};
+  }
+}
+
+}  // namespace brisance::mpm

@@ -1,0 +1,51 @@
+#include "mpm/points.hpp"
+
+#include <algorithm>
+
+namespace brisance::mpm {
+
+namespace {
+
+constexpr std::size_t granule = 8;  ///< doubles of a cache line: every field starts on one
+
+}  // namespace
+
+void PointSet::reserve(std::size_t wanted) {
+  if (wanted <= capacity_) return;
+  std::size_t const grown = std::max(wanted, capacity_ + capacity_ / 8 + 2 * granule);
+  std::size_t const capacity = (grown + granule - 1) / granule * granule;
+  Buffer fresh(capacity * static_cast<std::size_t>(fields_.size()));
+  for (int slot = 0; slot < fields_.size(); ++slot) {
+    double const* from = data_.data() + static_cast<std::size_t>(slot) * capacity_;
+    std::copy(from, from + size_, fresh.data() + static_cast<std::size_t>(slot) * capacity);
+  }
+  data_ = std::move(fresh);
+  capacity_ = capacity;
+}
+
+int PointSet::append() {
+  reserve(static_cast<std::size_t>(size_) + 1);
+  for (int slot = 0; slot < fields_.size(); ++slot) data_[static_cast<std::size_t>(slot) * capacity_ + size_] = 0.0;
+  return size_++;
+}
+
+void PointSet::append(PointSet const& from, int index) {
+  reserve(static_cast<std::size_t>(size_) + 1);
+  for (int slot = 0; slot < fields_.size(); ++slot) {
+    data_[static_cast<std::size_t>(slot) * capacity_ + size_] =
+        from.data_[static_cast<std::size_t>(slot) * from.capacity_ + index];
+  }
+  ++size_;
+}
+
+void PointSet::reorder(std::vector<int> const& order) {
+  std::vector<double> scratch(order.size());
+  for (int slot = 0; slot < fields_.size(); ++slot) {
+    double* values = data_.data() + static_cast<std::size_t>(slot) * capacity_;
+    for (std::size_t n = 0; n < order.size(); ++n) scratch[n] = values[order[n]];
+    std::copy(scratch.begin(), scratch.end(), values);
+  }
+  size_ = static_cast<int>(order.size());
+}
+
+}  // namespace brisance::mpm

@@ -1,0 +1,126 @@
+/// Material points: the state they carry, and how they are kept: per block and body one array for each field.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "core/vec.hpp"
+#include "material/solid.hpp"
+
+namespace brisance::mpm {
+
+/// Everything that a point may carry. Vectors and tensors take consecutive fields.
+enum class Field : int {
+  position_x,  ///< [m], 3
+  position_y,
+  position_z,
+  velocity_x,  ///< [m/s], 3
+  velocity_y,
+  velocity_z,
+  mass,       ///< [kg]
+  density,    ///< [kg/m3]
+  pressure,   ///< of the equation of state [Pa]
+  viscosity,  ///< bulk viscosity q [Pa]
+  energy,     ///< specific internal energy [J/kg]
+  identity,   ///< number of the point, counted from 0 in the order of creation
+  move_x,     ///< displacement of the present step [m], 3
+  move_y,
+  move_z,
+  deviator_xx,  ///< deviator of the Cauchy stress [Pa], 6: xx yy zz xy yz zx
+  deviator_yy,
+  deviator_zz,
+  deviator_xy,
+  deviator_yz,
+  deviator_zx,
+  plastic_strain,
+  plastic_work,  ///< [J/kg]
+  temperature,   ///< [K]
+  damage,
+  lighting_time,  ///< when the detonation arrives [s]
+  half_x,         ///< half the point's lengths [m], 3: cpGIMP
+  half_y,
+  half_z,
+  affine_xx,  ///< velocity gradient of APIC [1/s], 9, row by row
+  affine_xy,
+  affine_xz,
+  affine_yx,
+  affine_yy,
+  affine_yz,
+  affine_zx,
+  affine_zy,
+  affine_zz,
+  filtered_x,  ///< velocity that XPIC takes away [m/s], 3
+  filtered_y,
+  filtered_z,
+  load_x,  ///< outer force of a unit of surface pressure per volume [1/m], 3
+  load_y,
+  load_z,
+  load_number,  ///< of the surface pressure that acts on the point; 0: none
+  origin_x,     ///< where the point was at the start [m], 3
+  origin_y,
+  origin_z,
+  count
+};
+
+inline constexpr int field_count = static_cast<int>(Field::count);
+
+using brisance::operator+;  // that of vectors, which the next one would hide
+[[nodiscard]] constexpr Field operator+(Field f, int d) { return static_cast<Field>(static_cast<int>(f) + d); }
+
+/// Which fields the points of a body carry.
+class FieldList {
+ public:
+  void add(Field first, int components = 1) {
+    for (int c = 0; c < components; ++c) {
+      if (slots_[static_cast<int>(first) + c] < 0) slots_[static_cast<int>(first) + c] = size_++;
+    }
+  }
+  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] int slot(Field f) const { return slots_[static_cast<int>(f)]; }  ///< -1: not carried
+  [[nodiscard]] bool has(Field f) const { return slot(f) >= 0; }
+
+ private:
+  std::array<int, field_count> slots_ = [] {
+    std::array<int, field_count> none{};
+    none.fill(-1);
+    return none;
+  }();
+  int size_ = 0;
+};
+
+/// The points of one body in one block: field by field, each field contiguous.
+class PointSet {
+ public:
+  PointSet() = default;
+  explicit PointSet(FieldList const& fields) : fields_(fields) {}
+
+  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] FieldList const& fields() const { return fields_; }
+  /// The values of a field, or null where the points do not carry it.
+  [[nodiscard]] double* field(Field f) {
+    int const slot = fields_.slot(f);
+    return slot < 0 ? nullptr : data_.data() + static_cast<std::size_t>(slot) * capacity_;
+  }
+  [[nodiscard]] double const* field(Field f) const { return const_cast<PointSet*>(this)->field(f); }
+
+  /// Appends a point whose fields are all 0 and returns its index.
+  int append();
+  /// Appends a copy of a point of another set with the same fields.
+  void append(PointSet const& from, int index);
+  /// Puts the points into the given order, which may leave some out.
+  void reorder(std::vector<int> const& order);
+  [[nodiscard]] std::size_t bytes() const { return data_.size() * sizeof(double); }
+
+ private:
+  void reserve(std::size_t wanted);
+
+  FieldList fields_;
+  Buffer data_;
+  std::size_t capacity_ = 0;
+  int size_ = 0;
+};
+
+}  // namespace brisance::mpm

@@ -1,0 +1,472 @@
+/// What happens to the points of one body in one block, for each shape function and dimension: the loops between points
+/// and nodes with the physics in them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/loops.hpp"
+#include "material/stress.hpp"
+#include "mpm/kernels.hpp"
+#include "mpm/mpm.hpp"
+#include "mpm/workspace.hpp"
+
+namespace brisance::mpm {
+
+inline std::array<double const*, 3> constant_at(PointSet const& set, Field first, int begin) {
+  std::array<double const*, 3> out{};
+  for (int d = 0; d < 3; ++d) {
+    double const* values = set.field(first + d);
+    out[d] = values == nullptr ? nullptr : values + begin;
+  }
+  return out;
+}
+
+inline std::array<double*, 3> vector_at(PointSet& set, Field first, int begin) {
+  std::array<double*, 3> out{};
+  for (int d = 0; d < 3; ++d) {
+    double* values = set.field(first + d);
+    out[d] = values == nullptr ? nullptr : values + begin;
+  }
+  return out;
+}
+
+inline HalfLengths half_lengths(PointSet const& set, Body const& body, double h, int begin) {
+  HalfLengths half;
+  double const constant = 0.5 * h / body.points_per_direction;
+  half.constant = {constant, constant, constant};
+  half.own = constant_at(set, Field::half_x, begin);
+  return half;
+}
+
+inline Hoops hoops_of(grid::Geometry geometry) {
+  switch (geometry) {
+    case grid::Geometry::axisymmetric2d:
+    case grid::Geometry::cylindrical1d: return {0.0, 1.0};
+    case grid::Geometry::spherical1d: return {1.0, 1.0};
+    default: return {};
+  }
+}
+
+/// What a pass over one set needs.
+struct SetView {
+  PointSet* set;
+  Body const* body;
+  Patch const* patch;
+  double h;
+};
+
+/// Locking control. Replaces the volumetric strain of each point by that of its cell, and the pressure in the forces by
+/// the cell's mean, both weighted with volume: the two are conjugate, so that the work of the forces and the energy of
+/// the points agree (the B-bar method of finite elements, with the cell as the element, [Hughes80]).
+class CellMeans {
+ public:
+  /// Finds the cell of each point of a set.
+  CellMeans(SetView const& v, Scratch& scratch) : scratch_(&scratch) {
+    PointSet const& set = *v.set;
+    Patch const& patch = *v.patch;
+    scratch.order.assign(set.size(), 0);
+    scratch.cell_sums.assign(static_cast<std::size_t>(patch.cells[0] * patch.cells[1] * patch.cells[2]) * 2, 0.0);
+    double const inverse_h = 1.0 / v.h;
+    int stride = 1;
+    for (int d = 0; d < patch.dimensions; ++d) {
+      double const* x = set.field(Field::position_x + d);
+      for (int q = 0; q < set.size(); ++q) {
+        int const i = static_cast<int>((x[q] - patch.first[d]) * inverse_h);
+        scratch.order[q] += stride * std::clamp(i, 0, patch.cells[d] - 1);
+      }
+      stride *= patch.cells[d];
+    }
+  }
+  void add(int point, double volume, double value) {
+    double* sums = scratch_->cell_sums.data() + 2L * scratch_->order[point];
+    sums[0] += volume;
+    sums[1] += volume * value;
+  }
+  [[nodiscard]] double mean(int point) const {
+    double const* sums = scratch_->cell_sums.data() + 2L * scratch_->order[point];
+    return sums[1] / sums[0];
+  }
+
+ private:
+  Scratch* scratch_;
+};
+
+/// The transfer kernels for one shape function and dimension.
+template <class S, int D>
+struct Kernels {
+  static Weights<S, D> const& weights(SetView const& v, int begin, int n, Weights<S, D>& out) {
+    PointSet const& set = *v.set;
+    find_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin),
+                       half_lengths(set, *v.body, v.h, begin), n, out);
+    return out;
+  }
+
+  template <class Work>
+  static void for_chunks(SetView const& v, Work&& work) {
+    Weights<S, D> k;
+    for (int begin = 0; begin < v.set->size(); begin += chunk) {
+      int const n = std::min(chunk, v.set->size() - begin);
+      weights(v, begin, n, k);
+      work(begin, n, k);
+    }
+  }
+
+  /// Mass, momentum and volume, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20).
+  template <bool with_mass, bool with_forces>
+  static void map_state(SetView const& v, Hoops const& hoops, std::vector<double> const& pressures,
+                        CellMeans const* means, NodeState* nodes) {
+    PointSet& set = *v.set;
+    double const inverse_h = 1.0 / v.h;
+    bool const affine = with_mass && set.field(Field::affine_xx) != nullptr;
+    std::array<double const*, 6> deviator{};
+    for (int c = 0; c < 6 && !v.body->rigid_velocity; ++c) deviator[c] = set.field(Field::deviator_xx + c);
+    double const stressed = v.body->rigid_velocity ? 0.0 : 1.0;
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      double const* mass = set.field(Field::mass) + begin;
+      double const* density = set.field(Field::density) + begin;
+      double const* pressure = set.field(Field::pressure) + begin;
+      double const* viscosity = set.field(Field::viscosity) + begin;
+      auto const velocity = vector_at(set, Field::velocity_x, begin);
+      double const* radius = set.field(Field::position_x) + begin;
+      double const* load_number = set.field(Field::load_number);
+      AffineWeights<S, D> around;
+      if (affine) find_affine_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, around);
+      for (int q = 0; q < n; ++q) {
+        double const m = mass[q];
+        double const volume = m / density[q];
+        Lanes4 const a{m * velocity[0][q], m * velocity[1][q], m * velocity[2][q], m};
+        Lanes4 b{0.0, 0.0, 0.0, volume};
+        Lanes4 cx{};
+        Lanes4 cy{};
+        Lanes4 cz{};
+        if constexpr (with_forces) {
+          double const own = means == nullptr ? pressure[q] + viscosity[q] : means->mean(begin + q);
+          double const p = stressed * own;
+          std::array<double, 6> s{-p, -p, -p, 0.0, 0.0, 0.0};
+          if (deviator[0] != nullptr) {
+            for (int c = 0; c < 6; ++c) s[c] += deviator[c][begin + q];
+          }
+          double const f = -volume * inverse_h;
+          cx = Lanes4{f * s[0], f * s[3], f * s[5], 0.0};
+          cy = Lanes4{f * s[3], f * s[1], f * s[4], 0.0};
+          cz = Lanes4{f * s[5], f * s[4], f * s[2], 0.0};
+          if (hoops.any()) b[0] -= volume * (hoops.yy * s[1] + hoops.zz * s[2]) / radius[q];
+          if (load_number != nullptr && load_number[begin + q] > 0.0) {
+            double const push = volume * pressures[static_cast<std::size_t>(load_number[begin + q]) - 1];
+            for (int d = 0; d < 3; ++d) b[d] += push * set.field(Field::load_x + d)[begin + q];
+          }
+        }
+        if (with_mass && affine) {
+          add_affine<S, D>(*v.patch, k, around, v.h, q, nodes, momentum_of, a, affine_columns(set, begin + q, m));
+          if constexpr (with_forces) add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
+        } else if constexpr (with_mass && with_forces) {
+          add_state<S, D>(*v.patch, k, q, nodes, a, b, cx, cy, cz);
+        } else if constexpr (with_forces) {
+          add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
+        } else {
+          add<S, D>(*v.patch, k, q, nodes, momentum_of, a);
+        }
+      }
+    });
+  }
+
+  /// Momentum that APIC's velocity gradient adds per distance in each direction.
+  static std::array<Lanes4, 3> affine_columns(PointSet& set, int q, double m) {
+    std::array<Lanes4, 3> c{};
+    for (int j = 0; j < D; ++j) {
+      for (int i = 0; i < 3; ++i) c[j][i] = m * set.field(Field::affine_xx + (3 * i + j))[q];
+    }
+    return c;
+  }
+
+  /// Momentum and mass of a vector that the points carry: their velocity mapped back, [Cui14] Eq. (26).
+  static void map_velocity(SetView const& v, Field vector, NodeVelocity* nodes) {
+    PointSet& set = *v.set;
+    bool const affine = vector == Field::velocity_x && set.field(Field::affine_xx) != nullptr;
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      double const* mass = set.field(Field::mass) + begin;
+      auto const u = vector_at(set, vector, begin);
+      AffineWeights<S, D> around;
+      if (affine) find_affine_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, around);
+      for (int q = 0; q < n; ++q) {
+        double const m = mass[q];
+        Lanes4 const a{m * u[0][q], m * u[1][q], m * u[2][q], m};
+        if (affine) {
+          add_affine<S, D>(*v.patch, k, around, v.h, q, nodes, whole, a, affine_columns(set, begin + q, m));
+        } else {
+          add<S, D>(*v.patch, k, q, nodes, whole, a);
+        }
+      }
+    });
+  }
+
+  /// XPIC: takes from `filtered` what the nodes see of it.
+  static void filter(SetView const& v, NodeVelocity const* nodes) {
+    PointSet& set = *v.set;
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      auto const u = vector_at(set, Field::filtered_x, begin);
+      for (int q = 0; q < n; ++q) {
+        Lanes4 seen;
+        velocity_at<S, D>(*v.patch, k, q, nodes, seen);
+        for (int d = 0; d < 3; ++d) u[d][q] -= seen[d];
+      }
+    });
+  }
+
+  /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity.
+  static void move(SetView const& v, Options const& options, double dt, NodeState const* nodes) {
+    PointSet& set = *v.set;
+    double const h = v.h;
+    double const pic = options.transfer == Transfer::flip ? options.pic_fraction : 0.0;
+    bool const affine = set.field(Field::affine_xx) != nullptr;
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      auto const u = vector_at(set, Field::velocity_x, begin);
+      auto const way = vector_at(set, Field::move_x, begin);
+      if (v.body->rigid_velocity) {
+        for (int d = 0; d < 3; ++d) {
+          for (int q = 0; q < n; ++q) way[d][q] = dt * u[d][q];
+        }
+        return;
+      }
+      alignas(64) double fresh[3][chunk];
+      alignas(64) double change[3][chunk];
+      if (affine) {
+        AffineWeights<S, D> around;
+        find_affine_weights<S, D>(*v.patch, h, constant_at(set, Field::position_x, begin), n, k, around);
+        double const inverse_h = 1.0 / h;
+        for (int q = 0; q < n; ++q) {
+          std::array<Lanes4, 4> sum;
+          value_and_gradient<S, D>(*v.patch, k, around.g, q, nodes, momentum_of, sum);
+          for (int i = 0; i < 3; ++i) {
+            fresh[i][q] = sum[0][i];
+            for (int j = 0; j < D; ++j) {
+              set.field(Field::affine_xx + (3 * i + j))[begin + q] = sum[1 + j][i] * inverse_h;
+            }
+          }
+        }
+        for (int d = 0; d < 3; ++d) {
+          for (int q = 0; q < n; ++q) {
+            u[d][q] = fresh[d][q];
+            way[d][q] = dt * fresh[d][q];
+          }
+        }
+        return;
+      }
+      for (int q = 0; q < n; ++q) {
+        Lanes4 velocity;
+        Lanes4 added;
+        state_at<S, D>(*v.patch, k, q, nodes, velocity, added);
+        for (int d = 0; d < 3; ++d) {
+          fresh[d][q] = velocity[d];
+          change[d][q] = added[d];
+        }
+      }
+      auto const filtered = vector_at(set, Field::filtered_x, begin);
+      for (int d = 0; d < 3; ++d) {
+        double* to = u[d];
+        double* x = way[d];
+        double const* f = fresh[d];
+        double const* c = change[d];
+        BRISANCE_VECTOR_LOOP
+        for (int q = 0; q < n; ++q) {
+          to[q] = (1.0 - pic) * (to[q] + c[q]) + pic * f[q];
+          x[q] = dt * f[q];
+        }
+        if (double const* noise = filtered[d]) {
+          for (int q = 0; q < n; ++q) to[q] -= noise[q];
+        }
+      }
+    });
+  }
+
+  /// Strain and spin increments of a chunk, [Cui14] Eqs. (27)-(28), in rows of `chunk`: 0-5 strain, 6-8 spin, 9 volume.
+  static void strain(SetView const& v, Hoops const& hoops, double dt, int begin, int n, Weights<S, D> const& k,
+                     NodeVelocity const* nodes, double (&out)[10][chunk]) {
+    PointSet const& set = *v.set;
+    double const scale = dt / v.h;
+    double const* radius = set.field(Field::position_x) + begin;
+    alignas(64) double l[3][3][chunk];  // dv_i/dx_j dt
+    for (int q = 0; q < n; ++q) {
+      std::array<Lanes4, 4> sum;
+      value_and_gradient<S, D>(*v.patch, k, k.g, q, nodes, whole, sum);
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) l[i][j][q] = scale * sum[1 + j][i];
+      }
+      if (hoops.any()) {
+        double const stretch = dt * sum[0][0] / radius[q];
+        l[1][1][q] += hoops.yy * stretch;
+        l[2][2][q] += hoops.zz * stretch;
+      }
+    }
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) {
+      out[0][q] = l[0][0][q];
+      out[1][q] = l[1][1][q];
+      out[2][q] = l[2][2][q];
+      out[3][q] = 0.5 * (l[0][1][q] + l[1][0][q]);
+      out[4][q] = 0.5 * (l[1][2][q] + l[2][1][q]);
+      out[5][q] = 0.5 * (l[2][0][q] + l[0][2][q]);
+      out[6][q] = 0.5 * (l[2][1][q] - l[1][2][q]);
+      out[7][q] = 0.5 * (l[0][2][q] - l[2][0][q]);
+      out[8][q] = 0.5 * (l[1][0][q] - l[0][1][q]);
+      out[9][q] = l[0][0][q] + l[1][1][q] + l[2][2][q];
+    }
+  }
+
+  /// Burn fraction at the end of the step, [Cui14] Eqs. (52)-(53).
+  static void burn(SetView const& v, double time, int begin, int n, double (&out)[chunk]) {
+    double const* lighting = v.set->field(Field::lighting_time) + begin;
+    double const rate = v.body->solid.detonation_speed / (1.5 * v.h);
+    for (int q = 0; q < n; ++q) out[q] = std::clamp((time - lighting[q]) * rate, 0.0, 1.0);
+  }
+
+  /// Stress of a chunk from its strain. Returns the fastest signal [m/s].
+  static double stress(SetView const& v, Options const& options, double time, double dt, int begin, int n,
+                       double const (&e)[10][chunk], double const* volumetric) {
+    PointSet& set = *v.set;
+    auto const at = [&](Field f) {
+      double* values = set.field(f);
+      return values == nullptr ? nullptr : values + begin;
+    };
+    alignas(64) double sound[chunk];
+    alignas(64) double burnt[chunk];
+    material::PointArrays arrays{};
+    arrays.n = n;
+    for (int c = 0; c < 6; ++c) {
+      arrays.strain[c] = e[c];
+      arrays.deviator[c] = at(Field::deviator_xx + c);
+    }
+    for (int d = 0; d < 3; ++d) arrays.spin[d] = e[6 + d];
+    arrays.volumetric = volumetric;
+    if (set.field(Field::lighting_time) != nullptr) {
+      burn(v, time + dt, begin, n, burnt);
+      arrays.burn = burnt;
+    }
+    arrays.pressure = at(Field::pressure);
+    arrays.viscosity = at(Field::viscosity);
+    arrays.density = at(Field::density);
+    arrays.energy = at(Field::energy);
+    arrays.plastic_strain = at(Field::plastic_strain);
+    arrays.plastic_work = at(Field::plastic_work);
+    arrays.temperature = at(Field::temperature);
+    arrays.damage = at(Field::damage);
+    arrays.sound_speed = sound;
+    material::update_stress(v.body->solid, arrays, {dt, v.h, options.linear_viscosity, options.quadratic_viscosity});
+    for (int d = 0; d < D; ++d) {
+      double* half = at(Field::half_x + d);
+      if (half == nullptr) continue;
+      double const* stretch = e[d];
+      for (int q = 0; q < n; ++q) half[q] *= 1.0 + stretch[q];
+    }
+    auto const u = vector_at(set, Field::velocity_x, begin);
+    double const* ux = u[0];
+    double const* uy = u[1];
+    double const* uz = u[2];
+    double const detonation = set.field(Field::lighting_time) == nullptr ? 0.0 : v.body->solid.detonation_speed;
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) {
+      double const c = sound[q] > detonation ? sound[q] : detonation;
+      sound[q] = c + std::sqrt(ux[q] * ux[q] + uy[q] * uy[q] + uz[q] * uz[q]);
+    }
+    return largest_of(sound, n);
+  }
+
+  /// Strain and stress of a set, [Cui14] Eqs. (27)-(30). Returns the fastest signal [m/s].
+  static double update(SetView const& v, Options const& options, Hoops const& hoops, double time, double dt,
+                       NodeVelocity const* nodes, Scratch& scratch) {
+    double fastest = 0.0;
+    if (!options.locking_control) {
+      for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+        alignas(64) double e[10][chunk];
+        strain(v, hoops, dt, begin, n, k, nodes, e);
+        fastest = std::max(fastest, stress(v, options, time, dt, begin, n, e, e[9]));
+      });
+      return fastest;
+    }
+    PointSet const& set = *v.set;
+    int const points = set.size();
+    double const* mass = set.field(Field::mass);
+    double const* density = set.field(Field::density);
+    scratch.strain.resize(static_cast<std::size_t>((points + chunk - 1) / chunk) * 10 * chunk);
+    auto* stored = reinterpret_cast<double(*)[10][chunk]>(scratch.strain.data());
+    CellMeans means(v, scratch);
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      auto& e = stored[begin / chunk];
+      strain(v, hoops, dt, begin, n, k, nodes, e);
+      for (int q = 0; q < n; ++q) means.add(begin + q, mass[begin + q] / density[begin + q], e[9][q]);
+    });
+    for (int begin = 0; begin < points; begin += chunk) {
+      int const n = std::min(chunk, points - begin);
+      auto& e = stored[begin / chunk];
+      for (int q = 0; q < n; ++q) e[9][q] = means.mean(begin + q);
+      fastest = std::max(fastest, stress(v, options, time, dt, begin, n, e, e[9]));
+    }
+    return fastest;
+  }
+
+  /// Gradient of the volume at the nodes: contact normals.
+  static void map_gradient(SetView const& v, NodeVelocity* nodes) {
+    PointSet const& set = *v.set;
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      double const* mass = set.field(Field::mass) + begin;
+      double const* density = set.field(Field::density) + begin;
+      for (int q = 0; q < n; ++q) {
+        double const f = mass[q] / density[q] / v.h;
+        add_with_gradient<S, D>(*v.patch, k, q, nodes, whole, Lanes4{}, Lanes4{f, 0.0, 0.0, 0.0},
+                                Lanes4{0.0, f, 0.0, 0.0}, Lanes4{0.0, 0.0, f, 0.0});
+      }
+    });
+  }
+
+  /// How far the points reach beyond the nodes along the normals given there (zero: none wanted).
+  static void map_extent(SetView const& v, Vec3 const* normals, double* extents) {
+    PointSet const& set = *v.set;
+    Patch const& patch = *v.patch;
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      for (int q = 0; q < n; ++q) {
+        double const volume = set.field(Field::mass)[begin + q] / set.field(Field::density)[begin + q];
+        double const half = 0.5 * std::pow(volume, 1.0 / D);
+        int const rows = D > 1 ? S::support : 1;
+        int const planes = D > 2 ? S::support : 1;
+        for (int c = 0; c < planes; ++c) {
+          for (int b = 0; b < rows; ++b) {
+            for (int a = 0; a < S::support; ++a) {
+              int const node = k.base[q] + patch.index(a, b, c);
+              Vec3 const& normal = normals[node];
+              if (normal[0] == 0.0 && normal[1] == 0.0 && normal[2] == 0.0) continue;
+              Index3 const i{node % patch.n[0], (node / patch.n[0]) % patch.n[1], node / (patch.n[0] * patch.n[1])};
+              Vec3 const at = patch.position(i, v.h);
+              double reach = half;
+              for (int d = 0; d < D; ++d) reach += normal[d] * (set.field(Field::position_x + d)[begin + q] - at[d]);
+              extents[node] = std::max(extents[node], reach);
+            }
+          }
+        }
+      }
+    });
+  }
+};
+
+/// Calls call(Kernels<S, D>) for the shape function and dimension of a calculation.
+template <class Call>
+void with_kernels(ShapeFunction shape, int dimensions, Call&& call) {
+  auto const with_shape = [&]<class S>(S) {
+    if (dimensions == 1) {
+      call(Kernels<S, 1>{});
+    } else if (dimensions == 2) {
+      call(Kernels<S, 2>{});
+    } else {
+      call(Kernels<S, 3>{});
+    }
+  };
+  switch (shape) {
+    case ShapeFunction::linear: with_shape(Linear{}); break;
+    case ShapeFunction::bspline: with_shape(BSpline{}); break;
+    default: with_shape(Gimp{});
+  }
+}
+
+}  // namespace brisance::mpm

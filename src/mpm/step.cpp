@@ -1,0 +1,537 @@
+/// The passes of one step over the blocks; see `mpm.hpp`.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "core/timer.hpp"
+#include "mpm/contact.hpp"
+#include "mpm/mpm.hpp"
+#include "mpm/set_kernels.hpp"
+#include "mpm/workspace.hpp"
+
+namespace brisance::mpm {
+
+namespace {
+
+double amplitude(ActiveLoad const& load, double time) {
+  if (time < load.times.front() || time > load.times.back()) return 0.0;
+  for (std::size_t n = 1; n < load.times.size(); ++n) {
+    if (time > load.times[n]) continue;
+    double const s = (time - load.times[n - 1]) / (load.times[n] - load.times[n - 1]);
+    return (1.0 - s) * load.pressures[n - 1] + s * load.pressures[n];
+  }
+  return load.pressures.back();
+}
+
+/// Mean of pressure and bulk viscosity over each cell of a set.
+CellMeans mean_pressures(SetView const& v, Scratch& scratch) {
+  PointSet const& set = *v.set;
+  double const* mass = set.field(Field::mass);
+  double const* density = set.field(Field::density);
+  double const* pressure = set.field(Field::pressure);
+  double const* viscosity = set.field(Field::viscosity);
+  CellMeans means(v, scratch);
+  for (int q = 0; q < set.size(); ++q) means.add(q, mass[q] / density[q], pressure[q] + viscosity[q]);
+  return means;
+}
+
+}  // namespace
+
+void Mpm::advance(double dt) {
+  if (static_cast<int>(work_->scratch.size()) < threads()) work_->scratch.resize(threads());
+  for (Scratch& scratch : work_->scratch) {
+    scratch.state.resize(work_->fields);
+    scratch.velocity.resize(work_->fields);
+    scratch.gradient.resize(work_->fields);
+    scratch.extent.resize(work_->fields);
+    scratch.present.resize(work_->fields);
+  }
+  bool const first = options_.order == StressOrder::usf;
+  if (first) {
+    map_to_grid(true, false);
+    update_stress(dt);
+    // Points that stretched with the stress weigh on their nodes anew.
+    map_to_grid(options_.shape == ShapeFunction::cpgimp, true);
+  } else {
+    map_to_grid(true, true);
+  }
+  if (options_.transfer == Transfer::xpic) filter();
+  integrate(dt);
+  if (!first) update_stress(dt);
+  collect_signals();
+  time_ += dt;
+  ++step_;
+  migrate();
+}
+
+void Mpm::map_to_grid(bool with_mass, bool with_forces) {
+  PhaseTimer const timer(timings_["points to grid"]);
+  Workspace& w = *work_;
+  int const bodies = static_cast<int>(bodies_.size());
+  double const h = grid_.domain().h;
+  Hoops const hoops = hoops_of(grid_.domain().geometry);
+  std::vector<double> const pressures = load_pressures();
+  if (with_mass) std::fill(w.present.begin(), w.present.end(), 0);
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
+    int const block = active_[n];
+    Patch const& patch = w.patches[block];
+    for (int body = 0; body < bodies; ++body) {
+      PointSet& set = points(block, body);
+      if (set.empty()) continue;
+      int const slot = w.slot(block, w.field_of[body]);
+      NodeState* nodes = w.state[slot].get(patch.count());
+      NodeVelocity* gradient = w.contact ? w.gradient[slot].get(patch.count()) : nullptr;
+      if (w.present[slot] == 0) {
+        std::fill(nodes, nodes + patch.count(), NodeState{});
+        if (gradient != nullptr) std::fill(gradient, gradient + patch.count(), NodeVelocity{});
+        w.present[slot] = 1;
+      }
+      SetView const view{&set, &bodies_[body], &patch, h};
+      std::optional<CellMeans> means;
+      if (with_forces && options_.locking_control) means = mean_pressures(view, w.scratch[thread]);
+      CellMeans const* mean = means ? &*means : nullptr;
+      with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
+        if (with_mass && with_forces) {
+          kernels.template map_state<true, true>(view, hoops, pressures, mean, nodes);
+        } else if (with_mass) {
+          kernels.template map_state<true, false>(view, hoops, pressures, mean, nodes);
+        } else {
+          kernels.template map_state<false, true>(view, hoops, pressures, mean, nodes);
+        }
+        if (with_mass && gradient != nullptr) kernels.map_gradient(view, gradient);
+      });
+    }
+  });
+  if (with_mass && w.contact) map_extents();
+}
+
+std::vector<double> Mpm::load_pressures() const {
+  std::vector<double> pressures;
+  for (ActiveLoad const& load : work_->loads) pressures.push_back(amplitude(load, time_));
+  return pressures;
+}
+
+double Mpm::work_on(int block, int body, std::vector<double> const& pressures) const {
+  PointSet const& set = points(block, body);
+  if (bodies_[body].rigid_velocity) return 0.0;
+  Vec3 const& g = options_.body_force;
+  double const* load_number = set.field(Field::load_number);
+  double const* mass = set.field(Field::mass);
+  double work = 0.0;
+  if (dot(g, g) > 0.0) {
+    for (int d = 0; d < 3; ++d) {
+      double const* move = set.field(Field::move_x + d);
+      for (int q = 0; q < set.size(); ++q) work += mass[q] * g[d] * move[q];
+    }
+  }
+  if (load_number != nullptr) {
+    for (int q = 0; q < set.size(); ++q) {
+      if (load_number[q] <= 0.0) continue;
+      double const push =
+          mass[q] / set.field(Field::density)[q] * pressures[static_cast<std::size_t>(load_number[q]) - 1];
+      for (int d = 0; d < 3; ++d) work += push * set.field(Field::load_x + d)[q] * set.field(Field::move_x + d)[q];
+    }
+  }
+  return work;
+}
+
+void Mpm::map_extents() {
+  Workspace& w = *work_;
+  int const bodies = static_cast<int>(bodies_.size());
+  double const h = grid_.domain().h;
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
+    int const block = active_[n];
+    Patch const& patch = w.patches[block];
+    Scratch& scratch = w.scratch[thread];
+    gather_gradients(block, scratch);
+    for (int f = 0; f < w.fields; ++f) {
+      int const slot = w.slot(block, f);
+      if (w.present[slot] == 0) continue;
+      std::vector<Vec3> normals(patch.count(), Vec3{0.0, 0.0, 0.0});
+      bool any = false;
+      for (int node = 0; node < patch.count(); ++node) {
+        NodeVelocity others{};
+        bool met = false;
+        bool rigid = false;
+        for (int g = 0; g < w.fields; ++g) {
+          if (g == f || scratch.present[g] == 0) continue;
+          NodeVelocity const& gradient = scratch.gradient[g].data()[node];
+          others += gradient;
+          rigid = rigid || w.rigid[g].has_value();
+          met = met || gradient[0] != 0.0 || gradient[1] != 0.0 || gradient[2] != 0.0;
+        }
+        if (!met) continue;
+        normals[node] = contact_normal(scratch.gradient[f].data()[node], w.rigid[f].has_value(), others, rigid);
+        any = true;
+      }
+      double* extents = w.extent[slot].get(patch.count());
+      std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
+      if (!any) continue;
+      for (int body = 0; body < bodies; ++body) {
+        PointSet& set = points(block, body);
+        if (set.empty() || w.field_of[body] != f) continue;
+        SetView const view{&set, &bodies_[body], &patch, h};
+        with_kernels(options_.shape, patch.dimensions,
+                     [&](auto kernels) { kernels.map_extent(view, normals.data(), extents); });
+      }
+    }
+  });
+}
+
+void Mpm::gather_gradients(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  Patch const& patch = w.patches[block];
+  for (int f = 0; f < w.fields; ++f) {
+    auto const raw = [&](int source) {
+      int const slot = w.slot(source, f);
+      return w.present[slot] == 0 ? nullptr : w.gradient[slot].data();
+    };
+    scratch.present[f] = 0;
+    for (Link const& link : patch.links)
+      if (w.present[w.slot(link.source, f)] != 0) scratch.present[f] = 1;
+    if (scratch.present[f] != 0) sum_links(patch, scratch.gradient[f].get(patch.count()), raw);
+  }
+}
+
+void Mpm::filter() {
+  PhaseTimer const timer(timings_["filter"]);
+  Workspace& w = *work_;
+  int const bodies = static_cast<int>(bodies_.size());
+  double const h = grid_.domain().h;
+  auto const each_set = [&](int block, auto&& work) {
+    for (int body = 0; body < bodies; ++body) {
+      PointSet& set = points(block, body);
+      if (set.empty()) continue;
+      SetView const view{&set, &bodies_[body], &w.patches[block], h};
+      with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) { work(body, view, kernels); });
+    }
+  };
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
+    for (int body = 0; body < bodies; ++body) {
+      PointSet& set = points(active_[n], body);
+      if (set.empty()) continue;
+      for (int d = 0; d < 3; ++d) {
+        double const* v = set.field(Field::velocity_x + d);
+        std::copy(v, v + set.size(), set.field(Field::filtered_x + d));
+      }
+    }
+  });
+  for (int pass = 0; pass < options_.xpic_order; ++pass) {
+    parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
+      int const block = active_[n];
+      clear_velocity(block);
+      each_set(block, [&](int body, SetView const& view, auto kernels) {
+        kernels.map_velocity(view, Field::filtered_x, w.velocity[w.slot(block, w.field_of[body])].data());
+      });
+    });
+    parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
+      int const block = active_[n];
+      Scratch& scratch = w.scratch[thread];
+      gather_velocity(block, scratch);
+      each_set(block, [&](int body, SetView const& view, auto kernels) {
+        kernels.filter(view, scratch.velocity[w.field_of[body]].data());
+      });
+    });
+  }
+}
+
+void Mpm::clear_velocity(int block) {
+  Workspace& w = *work_;
+  int const count = w.patches[block].count();
+  for (int f = 0; f < w.fields; ++f) {
+    int const slot = w.slot(block, f);
+    if (w.present[slot] == 0) continue;
+    NodeVelocity* nodes = w.velocity[slot].get(count);
+    std::fill(nodes, nodes + count, NodeVelocity{});
+  }
+}
+
+void Mpm::gather_velocity(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  Patch const& patch = w.patches[block];
+  int const count = patch.count();
+  for (int f = 0; f < w.fields; ++f) {
+    scratch.present[f] = 0;
+    for (Link const& link : patch.links)
+      if (w.present[w.slot(link.source, f)] != 0) scratch.present[f] = 1;
+    if (scratch.present[f] == 0) continue;
+    NodeVelocity* nodes = scratch.velocity[f].get(count);
+    sum_links(patch, nodes, [&](int source) {
+      int const slot = w.slot(source, f);
+      return w.present[slot] == 0 ? nullptr : w.velocity[slot].data();
+    });
+    double const floor = w.mass_floor;
+    for (int node = 0; node < count; ++node) {
+      double const m = nodes[node][3];
+      double const inverse = m > floor ? 1.0 / m : 0.0;
+      nodes[node] *= NodeVelocity{inverse, inverse, inverse, 1.0};
+    }
+  }
+}
+
+void Mpm::constrain_velocity(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  int const count = w.patches[block].count();
+  for (int f = 0; f < w.fields; ++f) {
+    if (scratch.present[f] == 0 || !w.rigid[f]) continue;
+    NodeVelocity* nodes = scratch.velocity[f].data();
+    for (int node = 0; node < count; ++node) {
+      for (int d = 0; d < 3; ++d) nodes[node][d] = (*w.rigid[f])[d];
+    }
+  }
+  if (w.contact) {
+    struct Access {
+      Scratch* s;
+      double mass(int f, int node) const { return s->velocity[f].data()[node][3]; }
+      Vec3 get(int f, int node) const {
+        NodeVelocity const& v = s->velocity[f].data()[node];
+        return {v[0], v[1], v[2]};
+      }
+      void set(int f, int node, Vec3 const& v) const {
+        for (int d = 0; d < 3; ++d) s->velocity[f].data()[node][d] = v[d];
+      }
+      NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
+      double extent(int f, int node) const { return s->extent[f].data()[node]; }
+    };
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid}, Access{&scratch});
+  }
+  for (Hold const& hold : w.holds[block]) {
+    for (int f = 0; f < w.fields; ++f) {
+      if (scratch.present[f] == 0 || w.rigid[f] || (hold.field >= 0 && hold.field != f)) continue;
+      NodeVelocity& v = scratch.velocity[f].data()[hold.node];
+      for (int d = 0; d < 3; ++d) {
+        if (hold.held[d]) v[d] = hold.velocity[d];
+      }
+    }
+  }
+}
+
+void Mpm::gather_extents(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  Patch const& patch = w.patches[block];
+  for (int f = 0; f < w.fields; ++f) {
+    if (scratch.present[f] == 0) continue;
+    double* extents = scratch.extent[f].get(patch.count());
+    std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
+    for (Link const& link : patch.links) {
+      int const slot = w.slot(link.source, f);
+      if (w.present[slot] == 0) continue;
+      double const* from = w.extent[slot].data();
+      for (int k = link.lower[2]; k <= link.upper[2]; ++k) {
+        for (int j = link.lower[1]; j <= link.upper[1]; ++j) {
+          for (int i = link.lower[0]; i <= link.upper[0]; ++i) {
+            double& to = extents[patch.index(i, j, k)];
+            to = std::max(to, from[link.source_index(i, j, k)]);
+          }
+        }
+      }
+    }
+  }
+}
+
+void Mpm::integrate(double dt) {
+  PhaseTimer const timer(timings_["momentum and motion"]);
+  Workspace& w = *work_;
+  int const bodies = static_cast<int>(bodies_.size());
+  double const h = grid_.domain().h;
+  bool const map_back = options_.order == StressOrder::musl;
+  bool const strain_here = options_.order == StressOrder::usl;
+  Hoops const hoops = hoops_of(grid_.domain().geometry);
+  std::vector<double> const pressures = load_pressures();
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
+    int const block = active_[n];
+    Patch const& patch = w.patches[block];
+    int const count = patch.count();
+    Scratch& scratch = w.scratch[thread];
+    Vec3 const force = options_.body_force;
+    for (int f = 0; f < w.fields; ++f) {
+      scratch.present[f] = 0;
+      for (Link const& link : patch.links)
+        if (w.present[w.slot(link.source, f)] != 0) scratch.present[f] = 1;
+      if (scratch.present[f] == 0) continue;
+      NodeState* nodes = scratch.state[f].get(count);
+      sum_links(patch, nodes, [&](int source) {
+        int const slot = w.slot(source, f);
+        return w.present[slot] == 0 ? nullptr : w.state[slot].data();
+      });
+      // Eq. (22): from mass, momentum and force to the new velocity and its change.
+      double const floor = w.mass_floor;
+      Lanes4 const gravity{dt * force[0], dt * force[1], dt * force[2], 0.0};
+      for (int node = 0; node < count; ++node) {
+        NodeState& r = nodes[node];
+        double const m = r.momentum[3];
+        double const inverse = m > floor ? 1.0 / m : 0.0;
+        double const push = dt * inverse;
+        r.force = r.force * Lanes4{push, push, push, 1.0} + gravity;
+        r.momentum = r.momentum * Lanes4{inverse, inverse, inverse, 1.0} + r.force * Lanes4{1.0, 1.0, 1.0, 0.0};
+      }
+    }
+    if (w.contact) {
+      gather_gradients(block, scratch);
+      gather_extents(block, scratch);
+    }
+    constrain_state(block, scratch);
+
+    if (map_back) clear_velocity(block);
+    for (int body = 0; body < bodies; ++body) {
+      PointSet& set = points(block, body);
+      if (set.empty()) continue;
+      int const f = w.field_of[body];
+      SetView const view{&set, &bodies_[body], &patch, h};
+      with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
+        kernels.move(view, options_, dt, scratch.state[f].data());
+        w.work[block] += work_on(block, body, pressures);
+        if (map_back) kernels.map_velocity(view, Field::velocity_x, w.velocity[w.slot(block, f)].data());
+      });
+    }
+    if (!strain_here) return;
+    for (int f = 0; f < w.fields; ++f) {
+      if (scratch.present[f] == 0) continue;
+      NodeState const* from = scratch.state[f].data();
+      NodeVelocity* to = scratch.velocity[f].get(count);
+      for (int node = 0; node < count; ++node) to[node] = from[node].momentum;
+    }
+    signals_[block] = 0.0;
+    for (int body = 0; body < bodies; ++body) update_set(block, body, hoops, dt, scratch);
+  });
+}
+
+void Mpm::constrain_state(int block, Scratch& scratch) {
+  Workspace& w = *work_;
+  int const count = w.patches[block].count();
+  for (int f = 0; f < w.fields; ++f) {
+    if (scratch.present[f] == 0 || !w.rigid[f]) continue;
+    Vec3 const& v = *w.rigid[f];
+    NodeState* nodes = scratch.state[f].data();
+    for (int node = 0; node < count; ++node) {
+      NodeState& r = nodes[node];
+      r.momentum = Lanes4{v[0], v[1], v[2], r.momentum[3]};
+      r.force = Lanes4{0.0, 0.0, 0.0, r.force[3]};
+    }
+  }
+  Given given;
+  if (w.contact) {
+    struct Access {
+      Scratch* s;
+      std::vector<std::optional<Vec3>> const* rigid;
+      double const* weights;  ///< of the nodes; null: nobody wants to know what rigid bodies give
+      Given* given;
+      double mass(int f, int node) const { return s->state[f].data()[node].momentum[3]; }
+      Vec3 get(int f, int node) const {
+        Lanes4 const& v = s->state[f].data()[node].momentum;
+        return {v[0], v[1], v[2]};
+      }
+      void set(int f, int node, Vec3 const& v) const {
+        NodeState& r = s->state[f].data()[node];
+        for (int d = 0; d < 3; ++d) {
+          double const change = v[d] - r.momentum[d];
+          r.force[d] += change;
+          r.momentum[d] = v[d];
+          if (weights == nullptr) continue;
+          // Between two bodies that are not rigid these cancel.
+          double const impulse = weights[node] * r.momentum[3] * change;
+          given->impulse[d] += impulse;
+          if (Vec3 const* pusher = rigid_at(node)) given->work += impulse * (*pusher)[d];
+        }
+      }
+      /// Velocity of the rigid body that reaches the node, or null.
+      Vec3 const* rigid_at(int node) const {
+        for (std::size_t g = 0; g < rigid->size(); ++g) {
+          if ((*rigid)[g] && s->present[g] != 0 && mass(static_cast<int>(g), node) > 0.0) return &*(*rigid)[g];
+        }
+        return nullptr;
+      }
+      NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
+      double extent(int f, int node) const { return s->extent[f].data()[node]; }
+    };
+    double const* weights = w.node_weight[block].empty() ? nullptr : w.node_weight[block].data();
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid},
+                    Access{&scratch, &w.rigid, weights, &given});
+  }
+  for (Hold const& hold : w.holds[block]) {
+    for (int f = 0; f < w.fields; ++f) {
+      if (scratch.present[f] == 0 || w.rigid[f] || (hold.field >= 0 && hold.field != f)) continue;
+      NodeState& r = scratch.state[f].data()[hold.node];
+      double const m = r.momentum[3];
+      if (!(m > w.mass_floor)) continue;
+      for (int d = 0; d < 3; ++d) {
+        if (!hold.held[d]) continue;
+        double const change = hold.velocity[d] - r.momentum[d];
+        given.impulse[d] += hold.weight * m * change;
+        given.work += hold.weight * m * change * hold.velocity[d];
+        r.force[d] += change;
+        r.momentum[d] = hold.velocity[d];
+      }
+    }
+  }
+  w.impulse[block] = given.impulse;
+  w.work[block] = given.work;
+}
+
+void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch) {
+  Workspace& w = *work_;
+  PointSet& set = points(block, body);
+  if (set.empty()) return;
+  double fastest = 0.0;
+  if (bodies_[body].rigid_velocity) {
+    fastest = norm(*bodies_[body].rigid_velocity);
+  } else {
+    SetView const view{&set, &bodies_[body], &w.patches[block], grid_.domain().h};
+    with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
+      fastest = kernels.update(view, options_, hoops, time_, dt, scratch.velocity[w.field_of[body]].data(), scratch);
+    });
+  }
+  signals_[block] = std::max(signals_[block], fastest);
+}
+
+void Mpm::update_stress(double dt) {
+  if (options_.order == StressOrder::usl) return;  // `integrate` did it, while the nodes were at hand
+  PhaseTimer const timer(timings_["strain and stress"]);
+  Workspace& w = *work_;
+  int const bodies = static_cast<int>(bodies_.size());
+  Hoops const hoops = hoops_of(grid_.domain().geometry);
+  bool const first = options_.order == StressOrder::usf;
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
+    int const block = active_[n];
+    Scratch& scratch = w.scratch[thread];
+    if (first) {
+      velocity_from_state(block, scratch);
+    } else {
+      gather_velocity(block, scratch);
+    }
+    if (w.contact) {
+      gather_gradients(block, scratch);
+      gather_extents(block, scratch);
+    }
+    constrain_velocity(block, scratch);
+    signals_[block] = 0.0;
+    for (int body = 0; body < bodies; ++body) update_set(block, body, hoops, dt, scratch);
+  });
+}
+
+void Mpm::velocity_from_state(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  Patch const& patch = w.patches[block];
+  int const count = patch.count();
+  for (int f = 0; f < w.fields; ++f) {
+    scratch.present[f] = 0;
+    for (Link const& link : patch.links)
+      if (w.present[w.slot(link.source, f)] != 0) scratch.present[f] = 1;
+    if (scratch.present[f] == 0) continue;
+    NodeState* nodes = scratch.state[f].get(count);
+    sum_links(patch, nodes, [&](int source) {
+      int const slot = w.slot(source, f);
+      return w.present[slot] == 0 ? nullptr : w.state[slot].data();
+    });
+    NodeVelocity* to = scratch.velocity[f].get(count);
+    for (int node = 0; node < count; ++node) {
+      Lanes4 const& p = nodes[node].momentum;
+      double const inverse = p[3] > w.mass_floor ? 1.0 / p[3] : 0.0;
+      to[node] = p * Lanes4{inverse, inverse, inverse, 1.0};
+    }
+  }
+}
+
+}  // namespace brisance::mpm

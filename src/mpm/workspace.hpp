@@ -1,0 +1,111 @@
+/// What `Mpm` needs beside its points: patches, the nodes' records, constraints, and scratch per thread.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "mpm/kernels.hpp"
+#include "mpm/mpm.hpp"
+#include "mpm/patches.hpp"
+
+namespace brisance::mpm {
+
+/// A node whose velocity is prescribed.
+struct Hold {
+  int node = 0;
+  int field = -1;  ///< grid field; -1: all
+  std::array<bool, 3> held{true, true, true};
+  Vec3 velocity{0.0, 0.0, 0.0};
+  double weight = 1.0;  ///< in sums over the domain: copies of a node count once, those on a mirror half
+};
+
+/// Records of nodes, allocated when they are first needed.
+template <class Record>
+class NodeArray {
+ public:
+  Record* get(int count) {
+    auto const wanted = static_cast<std::size_t>(count) * (sizeof(Record) / sizeof(double));
+    if (buffer_.size() < wanted) buffer_ = Buffer(wanted);
+    return reinterpret_cast<Record*>(buffer_.data());
+  }
+  [[nodiscard]] Record* data() { return reinterpret_cast<Record*>(buffer_.data()); }
+  [[nodiscard]] Record const* data() const { return reinterpret_cast<Record const*>(buffer_.data()); }
+  [[nodiscard]] std::size_t bytes() const { return buffer_.size() * sizeof(double); }
+
+ private:
+  Buffer buffer_;
+};
+
+/// Which of the stresses yy and zz act around the axis: the radial force is -(sum of them)/r.
+struct Hoops {
+  double yy = 0.0;
+  double zz = 0.0;
+  [[nodiscard]] bool any() const { return yy + zz > 0.0; }
+};
+
+/// Law between two grid fields.
+struct Law {
+  bool glued = true;
+  double friction = 0.0;
+};
+
+/// What one thread needs while it works on one block: the summed nodes of each grid field.
+struct Scratch {
+  std::vector<NodeArray<NodeState>> state;
+  std::vector<NodeArray<NodeVelocity>> velocity;
+  std::vector<NodeArray<NodeVelocity>> gradient;  ///< of the volume [m2]: contact
+  std::vector<NodeArray<double>> extent;          ///< contact
+  std::vector<char> present;
+  std::vector<double> strain;     ///< locking control: strain and spin of a whole set
+  std::vector<double> cell_sums;  ///< locking control: volume and volume change per cell
+  std::vector<int> order;
+};
+
+/// Momentum that was given to nodes, and the work that it did.
+struct Given {
+  Vec3 impulse{0.0, 0.0, 0.0};
+  double work = 0.0;
+};
+
+struct Outbox {
+  PointSet points;
+  std::vector<int> destination;  ///< block of each point
+};
+
+/// A surface pressure that acts.
+struct ActiveLoad {
+  int body = 0;
+  std::vector<double> times;
+  std::vector<double> pressures;
+};
+
+struct Mpm::Workspace {
+  std::vector<Patch> patches;
+  int fields = 1;
+  std::vector<int> field_of;                ///< body -> grid field
+  std::vector<std::optional<Vec3>> rigid;   ///< velocity of rigid grid fields
+  std::vector<Law> laws;                    ///< field x field
+  bool contact = false;                     ///< more than one field
+  std::vector<std::vector<Hold>> holds;     ///< per block
+  std::vector<NodeArray<NodeState>> state;  ///< block x field, as the points wrote them
+  std::vector<NodeArray<NodeVelocity>> velocity;
+  std::vector<NodeArray<NodeVelocity>> gradient;
+  std::vector<NodeArray<double>> extent;
+  std::vector<char> present;                     ///< block x field: were written in this step
+  std::vector<Scratch> scratch;                  ///< per thread
+  std::vector<Outbox> outbox;                    ///< block x body
+  std::vector<std::array<int, 27>> around;       ///< blocks around each block
+  std::vector<std::vector<double>> node_weight;  ///< per block, where there are rigid bodies: see `Hold::weight`
+  std::vector<double> work;                      ///< per block: of outer forces in this step
+  std::vector<Vec3> impulse;                     ///< per block: of holds in this step
+  std::vector<Losses> lost;                      ///< per block
+  std::vector<std::string> trouble;              ///< per block: what went wrong
+  std::vector<ActiveLoad> loads;
+  double mass_floor = std::numeric_limits<double>::min();  ///< nodes below it are empty [kg]
+
+  [[nodiscard]] int slot(int block, int field) const { return block * fields + field; }
+};
+
+}  // namespace brisance::mpm

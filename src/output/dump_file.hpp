@@ -1,0 +1,102 @@
+/// HDF5 files that are put together in memory.
+#pragma once
+
+#include <hdf5.h>
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace brisance::output {
+
+/// An HDF5 identifier that closes itself.
+class Handle {
+ public:
+  using Closer = herr_t (*)(hid_t);
+  Handle(hid_t id, Closer closer) : id_(id), closer_(closer) {}
+  ~Handle() {
+    if (id_ >= 0) closer_(id_);
+  }
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), closer_(other.closer_) {}
+  Handle(Handle const&) = delete;
+  Handle& operator=(Handle const&) = delete;
+  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): passed to the C library
+
+ private:
+  hid_t id_;
+  Closer closer_;
+};
+
+/// Keeps the HDF5 library from printing its error stack: errors become exceptions here.
+class QuietHdf5 {
+ public:
+  QuietHdf5() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~QuietHdf5() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  QuietHdf5(QuietHdf5 const&) = delete;
+  QuietHdf5& operator=(QuietHdf5 const&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// A dump that is being put together in memory, and then written in one go: the HDF5 library cannot be used any more
+/// once a write of its own has failed, so that it must never meet a full disk. The same content gives the same bytes.
+class DumpFile {
+ public:
+  /// `group` holds the datasets.
+  DumpFile(std::size_t expected_bytes, char const* group);
+
+  void attribute(hid_t object, char const* name, std::string const& value);
+
+  template <std::size_t N>
+  void attribute(hid_t object, char const* name, std::array<double, N> const& values) {
+    write_attribute(object, name, N, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data());
+  }
+
+  template <std::size_t N>
+  void attribute(hid_t object, char const* name, std::array<long, N> const& values) {
+    write_attribute(object, name, N, H5T_STD_I64LE, H5T_NATIVE_LONG, values.data());
+  }
+
+  [[nodiscard]] hid_t root() const { return file_; }
+
+  /// A dataset: `shape` with the slowest direction first, chunks of at most `edge` in each direction.
+  struct Layout {
+    std::vector<hsize_t> shape;
+    std::vector<hsize_t> edge;
+    hid_t type = H5T_IEEE_F32LE;  ///< in the file
+    int compression = 1;          ///< gzip level, 0: none
+  };
+  class Dataset {
+   public:
+    Dataset(hid_t data, hid_t space) : data_(data, H5Dclose), space_(space, H5Sclose) {}
+    /// Writes a part of it; values in the order of the file.
+    void write(std::vector<hsize_t> const& start, std::vector<hsize_t> const& count, double const* values) const;
+    [[nodiscard]] hid_t id() const { return data_; }
+
+   private:
+    Handle data_;
+    Handle space_;
+  };
+  /// With its attributes `unit` and `meaning`.
+  [[nodiscard]] Dataset dataset(std::string const& name, Layout const& layout, std::string const& unit,
+                                std::string const& meaning);
+
+  /// Throws IoError.
+  void write(std::filesystem::path const& path) const;
+
+ private:
+  void write_attribute(hid_t object, char const* name, std::size_t n, hid_t file_type, hid_t memory_type,
+                       void const* values);
+
+  Handle file_;
+  Handle group_;
+};
+
+}  // namespace brisance::output

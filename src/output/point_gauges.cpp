@@ -1,0 +1,262 @@
+#include "output/point_gauges.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "output/file.hpp"
+#include "output/gauges.hpp"
+#include "output/json.hpp"
+
+namespace brisance::output {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+char const* point_header =
+    "time [s],x [m],y [m],z [m],displacement_x [m],displacement_y [m],displacement_z [m],velocity_x [m/s],"
+    "velocity_y [m/s],velocity_z [m/s],pressure [Pa],mises [Pa],density [kg/m3],plastic_strain [1],temperature [K],"
+    "damage [1]\n";
+char const* body_header =
+    "time [s],mass [kg],momentum_x [kg m/s],momentum_y [kg m/s],momentum_z [kg m/s],centre_x [m],centre_y [m],"
+    "centre_z [m],velocity_x [m/s],velocity_y [m/s],velocity_z [m/s],kinetic_energy [J],internal_energy [J],"
+    "plastic_work [J],largest_displacement [m],damaged_mass [kg]\n";
+
+Vec3 mean_velocity(mpm::BodySums const& s) { return s.mass > 0.0 ? (1.0 / s.mass) * s.momentum : Vec3{0.0, 0.0, 0.0}; }
+
+std::string row(std::initializer_list<double> values) {
+  std::string text;
+  for (double const v : values) fmt::format_to(std::back_inserter(text), "{}{:.10g}", text.empty() ? "" : ",", v);
+  return text + "\n";
+}
+
+std::string row_of(run::PointRecord const& r) {
+  auto const& [x, u, v] = std::tie(r.position, r.displacement, r.velocity);
+  return row({r.time, x[0], x[1], x[2], u[0], u[1], u[2], v[0], v[1], v[2], r.pressure, r.mises, r.density,
+              r.plastic_strain, r.temperature, r.damage});
+}
+
+std::string row_of(run::BodyRecord const& r) {
+  auto const& s = r.sums;
+  Vec3 const v = mean_velocity(s);
+  return row({r.time, s.mass, s.momentum[0], s.momentum[1], s.momentum[2], s.centre[0], s.centre[1], s.centre[2], v[0],
+              v[1], v[2], s.kinetic_energy, s.internal_energy, s.plastic_work, s.largest_displacement, s.damaged_mass});
+}
+
+/// A comma, a quote or a line break would end a column's name.
+std::string column_name(std::string name) {
+  for (char& c : name)
+    if (c == ',' || c == '"' || c == '\n' || c == '\r') c = '_';
+  return name;
+}
+
+void raise(Peak& peak, double value, double time) {
+  if (value > peak.value) peak = {value, time};
+}
+
+nlohmann::json to_json(Peak const& peak) {
+  return {{"value", json_or_null(peak.value)}, {"time", json_or_null(peak.time)}};
+}
+
+nlohmann::json to_json(mpm::BodySums const& s) {
+  return {{"points", s.points},
+          {"mass", json_or_null(s.mass)},
+          {"momentum", s.momentum},
+          {"centre", s.centre},
+          {"velocity", mean_velocity(s)},
+          {"kinetic_energy", json_or_null(s.kinetic_energy)},
+          {"internal_energy", json_or_null(s.internal_energy)},
+          {"plastic_work", json_or_null(s.plastic_work)},
+          {"largest_displacement", json_or_null(s.largest_displacement)},
+          {"damaged_mass", json_or_null(s.damaged_mass)}};
+}
+
+nlohmann::json to_json(PointSummary const& s) {
+  return {{"name", s.name},
+          {"body", s.body},
+          {"position", s.position},
+          {"peak_displacement", to_json(s.displacement)},
+          {"component", std::string(1, "xyz"[s.component])},
+          {"component_displacement", to_json(s.component_displacement)},
+          {"final_displacement", s.final_displacement},
+          {"peak_velocity", to_json(s.velocity)},
+          {"peak_mises", to_json(s.mises)},
+          {"plastic_strain", json_or_null(s.plastic_strain)},
+          {"damage", json_or_null(s.damage)},
+          {"left_the_domain", s.lost}};
+}
+
+nlohmann::json to_json(BodySummary const& s) {
+  return {{"name", s.name},
+          {"body", s.body},
+          {"material", s.material},
+          {"start", to_json(s.start)},
+          {"end", to_json(s.end)},
+          {"peak_displacement", to_json(s.displacement)},
+          {"peak_velocity", to_json(s.velocity)}};
+}
+
+std::string csv_row(PointSummary const& s) {
+  auto const& x = s.position;
+  auto const& u = s.final_displacement;
+  return fmt::format(
+      "{},point,{},{:.8g},{:.8g},{:.8g},{:.8g},{:.8g},{},{:.8g},{:.8g},{:.8g},{:.8g},{:.8g},{:.8g},{:.8g},{:.8g},"
+      ",,,,,\n",
+      csv_field(s.name), csv_field(s.body), x[0], x[1], x[2], s.displacement.value, s.displacement.time,
+      "xyz"[s.component], s.component_displacement.value, u[0], u[1], u[2], s.velocity.value, s.velocity.time,
+      s.mises.value, s.plastic_strain);
+}
+
+std::string csv_row(BodySummary const& s) {
+  auto const& x = s.start.centre;
+  Vec3 const u = s.end.centre - x;
+  return fmt::format(
+      "{},body,{},{:.8g},{:.8g},{:.8g},{:.8g},{:.8g},,,{:.8g},{:.8g},{:.8g},{:.8g},{:.8g},,,{:.8g},{:.8g},{:.8g},"
+      "{:.8g},{:.8g},{:.8g}\n",
+      csv_field(s.name), csv_field(s.body), x[0], x[1], x[2], s.displacement.value, s.displacement.time, u[0], u[1],
+      u[2], s.velocity.value, s.velocity.time, s.start.kinetic_energy, s.end.kinetic_energy, s.start.internal_energy,
+      s.end.internal_energy, s.end.plastic_work, s.end.damaged_mass);
+}
+
+BodySummary summary_of(run::World const& world, int body, std::string const& name,
+                       std::vector<run::BodyRecord> const& records) {
+  BodySummary s;
+  s.name = name;
+  s.body = world.bodies[body].name;
+  s.material = world.bodies[body].material;
+  s.end = world.points->sums(body);
+  s.start = records.empty() ? s.end : records.front().sums;
+  for (run::BodyRecord const& r : records) {
+    raise(s.displacement, r.sums.largest_displacement, r.time);
+    raise(s.velocity, norm(mean_velocity(r.sums)), r.time);
+  }
+  raise(s.displacement, s.end.largest_displacement, world.clock.time);
+  raise(s.velocity, norm(mean_velocity(s.end)), world.clock.time);
+  return s;
+}
+
+}  // namespace
+
+PointSummary summarise_point(run::World const& world, run::PointGaugeHistory const& history) {
+  PointSummary s;
+  s.name = history.gauge.name;
+  s.body = world.bodies[history.gauge.body].name;
+  s.lost = history.lost;
+  if (history.points.empty()) return s;
+  s.position = history.points.front().position;
+  std::array<Peak, 3> components;
+  for (run::PointRecord const& r : history.points) {
+    raise(s.displacement, norm(r.displacement), r.time);
+    for (int d = 0; d < 3; ++d)
+      if (std::abs(r.displacement[d]) > std::abs(components[d].value)) components[d] = {r.displacement[d], r.time};
+    raise(s.velocity, norm(r.velocity), r.time);
+    raise(s.mises, r.mises, r.time);
+    s.plastic_strain = std::max(s.plastic_strain, r.plastic_strain);
+    s.damage = std::max(s.damage, r.damage);
+  }
+  for (int d = 1; d < 3; ++d)
+    if (std::abs(components[d].value) > std::abs(components[s.component].value)) s.component = d;
+  s.component_displacement = components[s.component];
+  s.final_displacement = history.points.back().displacement;
+  return s;
+}
+
+std::vector<PointSummary> summarise_points(run::World const& world) {
+  std::vector<PointSummary> out;
+  for (auto const& history : world.point_gauges)
+    if (history.gauge.point) out.push_back(summarise_point(world, history));
+  return out;
+}
+
+std::vector<BodySummary> summarise_bodies(run::World const& world) {
+  std::vector<BodySummary> out;
+  std::vector<bool> watched(world.bodies.size(), false);
+  for (auto const& history : world.point_gauges) {
+    if (history.gauge.point) continue;
+    out.push_back(summary_of(world, history.gauge.body, history.gauge.name, history.bodies));
+    watched[history.gauge.body] = true;
+  }
+  static std::vector<run::BodyRecord> const none;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (watched[b]) continue;
+    out.push_back(
+        summary_of(world, static_cast<int>(b), "", world.body_histories.empty() ? none : world.body_histories[b]));
+  }
+  return out;
+}
+
+PointGaugeFiles::PointGaugeFiles(fs::path const& folder, run::World const& world) : folder_(folder) {
+  if (world.points == nullptr) return;
+  std::vector<std::string> gauges;
+  for (auto const& history : world.point_gauges) gauges.push_back(history.gauge.name);
+  names_ = gauge_files(folder, gauges);
+  written_.assign(names_.size(), 0);
+  for (std::size_t g = 0; g < names_.size(); ++g)
+    write_file(folder / names_[g], world.point_gauges[g].gauge.point ? point_header : body_header);
+  std::string header = "time [s]";
+  for (auto const& body : world.bodies) {
+    std::string const name = column_name(body.name);
+    header += fmt::format(",{0}: kinetic_energy [J],{0}: internal_energy [J],{0}: plastic_work [J]", name);
+  }
+  write_file(folder / "energies.csv", header + "\n");
+}
+
+void PointGaugeFiles::append(run::World const& world) {
+  for (std::size_t g = 0; g < names_.size(); ++g) {
+    auto const& history = world.point_gauges[g];
+    std::string text;
+    std::size_t const count = history.gauge.point ? history.points.size() : history.bodies.size();
+    for (std::size_t i = written_[g]; i < count; ++i)
+      text += history.gauge.point ? row_of(history.points[i]) : row_of(history.bodies[i]);
+    written_[g] = count;
+    if (!text.empty()) append_to_file(folder_ / names_[g], text);
+  }
+  if (world.body_histories.empty()) return;
+  std::string text;
+  for (std::size_t const count = world.body_histories[0].size(); energies_ < count; ++energies_) {
+    fmt::format_to(std::back_inserter(text), "{:.10g}", world.body_histories[0][energies_].time);
+    for (auto const& history : world.body_histories) {
+      auto const& s = history[energies_].sums;
+      fmt::format_to(std::back_inserter(text), ",{:.10g},{:.10g},{:.10g}", s.kinetic_energy, s.internal_energy,
+                     s.plastic_work);
+    }
+    text += "\n";
+  }
+  if (!text.empty()) append_to_file(folder_ / "energies.csv", text);
+}
+
+void write_point_summary(fs::path const& folder, run::World const& world, std::vector<std::string> const& files) {
+  auto const points = summarise_points(world);
+  auto const bodies = summarise_bodies(world);
+  std::string csv =
+      "gauge,watches,body,x [m],y [m],z [m],peak_displacement [m],time_of_peak [s],component,"
+      "peak_component_displacement [m],final_displacement_x [m],final_displacement_y [m],final_displacement_z [m],"
+      "peak_velocity [m/s],time_of_peak_velocity [s],peak_mises [Pa],plastic_strain,kinetic_energy_start [J],"
+      "kinetic_energy_end [J],internal_energy_start [J],internal_energy_end [J],plastic_work [J],damaged_mass [kg]\n";
+  for (auto const& s : points) csv += csv_row(s);
+  for (auto const& s : bodies) csv += csv_row(s);
+  replace_file(folder / "summary.csv", csv);
+
+  // The files are in the order of the deck's gauges; points and bodies have lists of their own.
+  nlohmann::json point_gauges = nlohmann::json::array();
+  nlohmann::json body_list = nlohmann::json::array();
+  for (auto const& s : points) point_gauges.push_back(to_json(s));
+  for (auto const& s : bodies) body_list.push_back(to_json(s));
+  std::size_t point = 0;
+  std::size_t body = 0;
+  for (std::size_t g = 0; g < files.size(); ++g) {
+    bool const rides = world.point_gauges[g].gauge.point.has_value();
+    (rides ? point_gauges[point++] : body_list[body++])["file"] = files[g];
+  }
+  nlohmann::json const summary{{"units", "SI: m, s, kg, m/s, J, Pa"},
+                               {"gauges", nlohmann::json::array()},
+                               {"burst", "none"},
+                               {"point_gauges", std::move(point_gauges)},
+                               {"bodies", std::move(body_list)}};
+  replace_file(folder / "summary.json", summary.dump(2) + "\n");
+}
+
+}  // namespace brisance::output

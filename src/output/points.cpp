@@ -1,0 +1,119 @@
+#include "output/points.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "core/error.hpp"
+#include "output/dump_file.hpp"
+#include "output/file.hpp"
+
+namespace brisance::output {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Numbers that count, not measure, are written as integers: single precision would round an identity.
+bool counts(FieldSpec const& spec) { return spec.name == "body" || spec.name == "material" || spec.name == "identity"; }
+
+int value_bytes(FieldSpec const& spec, bool single_precision) {
+  if (counts(spec)) return spec.name == "identity" ? 8 : 4;
+  return single_precision ? 4 : 8;
+}
+
+hid_t file_type(FieldSpec const& spec, bool single_precision) {
+  bool const small = value_bytes(spec, single_precision) == 4;
+  if (counts(spec)) return small ? H5T_STD_I32LE : H5T_STD_I64LE;
+  return small ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+}
+
+void write_field(DumpFile& file, FieldSpec const& spec, long count, FieldOptions const& options,
+                 PointValues const& values, std::vector<double>& buffer) {
+  constexpr hsize_t chunk = 65536;
+  DumpFile::Layout layout;
+  layout.shape = {hsize_t(count)};
+  layout.edge = {chunk};
+  if (spec.components > 1) {
+    layout.shape.push_back(hsize_t(spec.components));
+    layout.edge.push_back(hsize_t(spec.components));
+  }
+  layout.type = file_type(spec, options.single_precision);
+  layout.compression = count > 0 ? options.compression : 0;
+  auto const data = file.dataset(spec.name, layout, spec.unit, spec.meaning);
+  buffer.clear();
+  values(spec.name, buffer);
+  if (buffer.size() != std::size_t(count) * spec.components)
+    throw std::logic_error("field \"" + spec.name + "\": wrong number of values");
+  if (count > 0) data.write(std::vector<hsize_t>(layout.shape.size(), 0), layout.shape, buffer.data());
+}
+
+std::string data_item(std::string const& file, FieldSpec const& spec, long count, bool single_precision) {
+  return fmt::format(
+      "          <DataItem Dimensions=\"{}{}\" NumberType=\"{}\" Precision=\"{}\" Format=\"HDF\">{}:/points/{}"
+      "</DataItem>\n",
+      count, spec.components > 1 ? fmt::format(" {}", spec.components) : "", counts(spec) ? "Int" : "Float",
+      value_bytes(spec, single_precision), file, spec.name);
+}
+
+std::string index_entry(std::string const& file, double time, long count, std::vector<FieldSpec> const& fields,
+                        bool single_precision) {
+  std::string out =
+      fmt::format("      <Grid Name=\"points\" GridType=\"Uniform\">\n        <Time Value=\"{}\"/>\n", time);
+  out += fmt::format("        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\"/>\n", count);
+  for (auto const& field : fields) {
+    std::string const item = data_item(file, field, count, single_precision);
+    if (field.name == "position") {
+      out += "        <Geometry GeometryType=\"XYZ\">\n" + item + "        </Geometry>\n";
+      continue;
+    }
+    out += fmt::format("        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n{}        </Attribute>\n",
+                       field.name,
+                       field.components == 1   ? "Scalar"
+                       : field.components == 3 ? "Vector"
+                                               : "Matrix",
+                       item);
+  }
+  return out + "      </Grid>\n";
+}
+
+}  // namespace
+
+PointSeries::PointSeries(fs::path folder, FieldOptions options) : folder_(std::move(folder)), options_(options) {}
+
+void PointSeries::dump(double time, long step, grid::Geometry geometry, long count,
+                       std::vector<FieldSpec> const& fields, PointValues const& values) {
+  std::error_code error;
+  fs::create_directories(folder_ / "points", error);
+  if (error) throw_io_error("create", folder_ / "points", error.value());
+
+  std::string const name = fmt::format("points/points_{:06d}.h5", count_);
+  fs::path const temporary = folder_ / (name + ".part");
+  QuietHdf5 const quiet;
+  try {
+    DumpFile file(std::size_t(bytes_per_dump(static_cast<double>(count), fields, options_.single_precision)), "points");
+    file.attribute(file.root(), "time", std::array{time});
+    file.attribute(file.root(), "step", std::array{step});
+    file.attribute(file.root(), "geometry", grid::geometry_name(geometry));
+    file.attribute(file.root(), "count", std::array{count});
+    std::vector<double> buffer;
+    for (auto const& field : fields) write_field(file, field, count, options_, values, buffer);
+    file.write(temporary);
+  } catch (...) {
+    fs::remove(temporary, error);
+    throw;
+  }
+  rename_file(temporary, folder_ / name);
+  // Readers of XDMF cannot take an empty grid: when all points have left the domain, the index ends before.
+  if (count > 0) entries_ += index_entry(name, time, count, fields, options_.single_precision);
+  replace_file(folder_ / "points.xmf2", time_series_index(entries_));
+  ++count_;
+}
+
+double PointSeries::bytes_per_dump(double points, std::vector<FieldSpec> const& fields, bool single_precision) {
+  double bytes = 0.0;
+  for (auto const& field : fields) bytes += field.components * value_bytes(field, single_precision);
+  return points * bytes;
+}
+
+}  // namespace brisance::output

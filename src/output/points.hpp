@@ -1,0 +1,41 @@
+/// Dumps of the material points: one HDF5 file per dump and one XDMF index, `points.xmf2`, that ParaView opens as a
+/// time series of points.
+///
+/// Layout of a dump `points/points_NNNNNN.h5`: attributes of the root (time [s], step, geometry, count) and one dataset
+/// per field, /points/NAME, shape (n), (n, 3) or (n, 6: xx yy zz xy yz zx), with attributes `unit` and `meaning`. All
+/// datasets have the points in the same order, which changes from dump to dump; `body` and `identity` tell who is who.
+#pragma once
+
+#include <functional>
+
+#include "output/fields.hpp"
+
+namespace brisance::output {
+
+/// Values of a field at all points, components interleaved.
+using PointValues = std::function<void(std::string const& field, std::vector<double>& out)>;
+
+class PointSeries {
+ public:
+  /// Writes into `folder` (which exists). Nothing is created before the first dump.
+  PointSeries(std::filesystem::path folder, FieldOptions options);
+
+  /// Writes one dump of `count` points, whose fields hold "position", and brings the index up to date. Both appear
+  /// under their final names only when they are complete. Throws IoError.
+  void dump(double time, long step, grid::Geometry geometry, long count, std::vector<FieldSpec> const& fields,
+            PointValues const& values);
+
+  [[nodiscard]] int count() const { return count_; }
+
+  /// Bytes of one dump without compression.
+  [[nodiscard]] static double bytes_per_dump(double points, std::vector<FieldSpec> const& fields,
+                                             bool single_precision);
+
+ private:
+  std::filesystem::path folder_;
+  FieldOptions options_;
+  int count_ = 0;
+  std::string entries_;  ///< the index's <Grid> elements so far
+};
+
+}  // namespace brisance::output

@@ -1,0 +1,56 @@
+#include "run/place_bodies.hpp"
+
+#include <fmt/format.h>
+
+#include "core/error.hpp"
+#include "detonation/charge.hpp"
+#include "shape/placement.hpp"
+
+namespace brisance::run {
+
+void place_bodies(World& w) {
+  Points const& p = w.setup.points;
+  std::vector<mpm::Body> bodies;
+  for (Body const& b : p.bodies) {
+    mpm::Body body;
+    body.name = b.name;
+    body.solid = b.solid;
+    if (b.initiation.empty()) body.solid.detonation_speed = 0.0;
+    body.points_per_direction = b.points_per_direction;
+    if (b.rigid) body.rigid_velocity = b.velocity;
+    bodies.push_back(std::move(body));
+  }
+  w.points = std::make_unique<mpm::Mpm>(w.setup.domain, bodies, p.options, p.constraints, p.contacts);
+  for (std::size_t n = 0; n < p.bodies.size(); ++n) {
+    Body const& b = p.bodies[n];
+    int const number = static_cast<int>(n);
+    shape::Placement placement = shape::place_particles(b.shape, w.setup.domain, b.points_per_direction);
+    if (placement.positions.empty()) {
+      throw InputError(fmt::format(
+          "body \"{}\" holds no material point: it lies outside the domain or is much smaller than a cell", b.name));
+    }
+    mpm::Filling filling;
+    filling.positions = std::move(placement.positions);
+    filling.volumes = std::move(placement.volumes);
+    filling.velocity = b.velocity;
+    filling.density = b.density;
+    filling.specific_energy = b.specific_energy;
+    w.points->fill(number, filling);
+    if (!b.initiation.empty()) {
+      double const speed = b.solid.detonation_speed;
+      w.points->set_lighting(number, [&](Vec3 const& x) { return detonation::lighting_time(x, b.initiation, speed); });
+    }
+    mpm::BodySums const sums = w.points->sums(number);
+    w.bodies.push_back(
+        {b.name, b.solid.name, sums.points, sums.mass, placement.volume * b.density.value_or(b.solid.density)});
+  }
+  for (mpm::SurfacePressure const& pressure : p.pressures) w.points->load(pressure);
+  for (PointGauge const& gauge : p.gauges) {
+    PointGaugeHistory history;
+    history.gauge = gauge;
+    if (gauge.point) history.identity = w.points->nearest(gauge.body, *gauge.point);
+    w.point_gauges.push_back(std::move(history));
+  }
+}
+
+}  // namespace brisance::run

@@ -1,0 +1,25 @@
+/// What is written of the material points.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "run/world.hpp"
+
+namespace brisance::run {
+
+/// The fields of the points that a deck may ask for, components 1, 3 or 6.
+[[nodiscard]] std::vector<FieldInfo> const& known_point_fields();
+
+/// What every dump holds beside the asked fields: position, body (its number in the deck, from 0) and material (number
+/// of the first body of the same material).
+[[nodiscard]] std::vector<FieldInfo> const& standing_point_fields();
+
+/// Values of a field of either list at all points, components interleaved: block by block, within a block body by body.
+/// A field that a body does not carry is 0 there. `out` is resized. Throws InputError for an unknown name.
+void point_field(World const& world, std::string const& name, std::vector<double>& out);
+
+/// Equivalent stress (von Mises) of one point [Pa]; 0 without a deviator.
+[[nodiscard]] double mises_of(mpm::PointSet const& set, int point);
+
+}  // namespace brisance::run

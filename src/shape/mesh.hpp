@@ -1,0 +1,49 @@
+/// Closed triangle meshes as solid bodies.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/vec.hpp"
+
+namespace brisance::shape {
+
+/// A stretch of a line along x [m].
+struct Span {
+  double from = 0.0;
+  double to = 0.0;
+};
+
+/// The body that a closed surface of triangles bounds. Copies share the triangles, which never change.
+class Mesh {
+ public:
+  /// Nine coordinates [m] per triangle, corner by corner. Equal corners are welded (exactly, or where that leaves open
+  /// edges within single precision of the coordinates); a surface that is inside out as a whole is turned. Throws
+  /// InputError, with `what` in front of the message, unless every edge is shared by exactly two triangles of one
+  /// orientation, the shells neither overlap nor face against each other, and the volume is not zero.
+  Mesh(std::vector<Vec3> const& corners, std::string const& what);
+
+  [[nodiscard]] std::size_t triangle_count() const;
+  [[nodiscard]] Vec3 const& lower() const;   ///< corners of the axis-aligned box around it [m]
+  [[nodiscard]] Vec3 const& upper() const;   ///< [m]
+  [[nodiscard]] Vec3 const& centre() const;  ///< of mass [m]; exact
+  [[nodiscard]] double volume() const;       ///< [m3]; exact, by the divergence theorem
+  [[nodiscard]] bool contains(Vec3 const& x) const;
+
+  /// The stretches of the line along x through (y, z) that lie inside, in order.
+  void spans(double y, double z, std::vector<Span>& out) const;
+
+  /// May a triangle reach into the box? False is certain: then the box lies inside or outside as a whole.
+  [[nodiscard]] bool touches(Vec3 const& low, Vec3 const& high) const;
+
+  /// Coordinates along a direction where flat faces normal to it lie, and its ends; sorted.
+  [[nodiscard]] std::vector<double> const& faces(int direction) const;
+
+ private:
+  struct Data;
+  std::shared_ptr<Data const> data_;
+};
+
+}  // namespace brisance::shape

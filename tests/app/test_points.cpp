@@ -1,0 +1,125 @@
+// The program's parts on cases of material points.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "../run/points_case.hpp"
+#include "app/check.hpp"
+#include "app/driver.hpp"
+#include "app/progress.hpp"
+#include "core/error.hpp"
+#include "small_case.hpp"
+
+namespace brisance::app {
+namespace {
+
+TEST(PointPlan, KnowsTheBodiesAsTheWorldWillFillThem) {
+  auto setup = run::two_blocks();
+  setup.points.bodies[0].shape = shape::Cylinder{{0.012, 0.012, 0.0}, 0.0093, 1.0, {0.0, 0.0, 1.0}};
+  setup.points.bodies[2].density = 2.0;
+  Plan const p = plan(setup);
+  run::World const world{run::Case(setup)};
+  ASSERT_EQ(p.bodies.size(), 3U);
+  EXPECT_EQ(p.points, static_cast<double>(world.points->point_count()));
+  for (int b = 0; b < 3; ++b) {
+    EXPECT_EQ(p.bodies[b].points, world.bodies[b].points);
+    // Two ways of summing the same points: round-off.
+    EXPECT_NEAR(p.bodies[b].mass / world.bodies[b].mass, 1.0, 1e-13);
+    EXPECT_NEAR(p.bodies[b].geometric_mass / world.bodies[b].geometric_mass, 1.0, 1e-13);
+  }
+}
+
+TEST(PointPlan, StepsAreAsLongAsTheFirst) {
+  auto setup = run::two_blocks();
+  run::World world{run::Case(setup)};
+  double const first = world.points->stable_step();
+  // The steps of the gentle start come on top.
+  EXPECT_NEAR(plan(setup).steps, setup.end.time / first + 5.0, 1e-6 * setup.end.time / first);
+  setup.end.steps = 12;
+  EXPECT_EQ(plan(setup).steps, 12.0);
+  // Explosives: the detonation is faster than the sound.
+  auto const charge = run::charge_slab();
+  run::World const slab{run::Case(charge)};
+  EXPECT_NEAR(plan(charge).steps / (charge.end.time / slab.points->stable_step() + 5.0), 1.0, 1e-6);
+}
+
+TEST(PointPlan, MemoryIsThatOfThePoints) {
+  auto setup = run::two_blocks();
+  double const before = plan(setup).memory_bytes;
+  EXPECT_GT(plan(setup).dump_bytes, 3600 * 12.0);
+  for (auto& body : setup.points.bodies) body.points_per_direction = 8;
+  Plan const p = plan(setup);
+  EXPECT_EQ(p.points, 16.0 * 3600);
+  EXPECT_NEAR(p.memory_bytes - before, 15 * 3600 * 300.0, 1.0);
+  // What the points really take is not more.
+  run::World const world{run::Case(setup)};
+  double taken = 0.0;
+  for (int block = 0; block < world.points->grid().block_count(); ++block)
+    for (int body = 0; body < 3; ++body) taken += static_cast<double>(world.points->points(block, body).bytes());
+  EXPECT_LT(taken, p.points * 300.0);
+  EXPECT_GT(taken, p.points * 100.0);
+}
+
+TEST(PointPlan, WhatCannotFitIsNotFilled) {
+  auto setup = run::two_blocks();
+  setup.domain.geometry = grid::Geometry::cartesian3d;
+  setup.domain.h = 1e-5;
+  setup.domain.cells = {20000, 20000, 20000};
+  setup.points.bodies.resize(1);
+  setup.points.bodies[0].shape = shape::Box{{0.0, 0.0, 0.0}, {0.2, 0.2, 0.2}};
+  Plan const p = plan(setup);
+  EXPECT_GT(p.points, 1e13);
+  EXPECT_THROW(refuse_unless_it_fits(p), InputError);
+  EXPECT_EQ(plan_json(setup, p)["bodies"][0]["mass"], nullptr);
+}
+
+TEST(PointPlan, WarnsOfThinBodies) {
+  auto setup = run::two_blocks();
+  EXPECT_TRUE(plan(setup).warnings.empty());
+  setup.points.bodies[1].shape = shape::Box{{0.03, 0.002, 0.0}, {0.0315, 0.022, 0.0}};
+  ASSERT_EQ(plan(setup).warnings.size(), 1U);
+  EXPECT_NE(plan(setup).warnings[0].find("only 3 points across"), std::string::npos) << plan(setup).warnings[0];
+  // A gas does not bend.
+  setup.points.bodies[2].shape = shape::Box{{0.02, 0.03, 0.0}, {0.0215, 0.04, 0.0}};
+  EXPECT_EQ(plan(setup).warnings.size(), 1U);
+}
+
+TEST(PointPlan, TextAndJsonTellTheSame) {
+  auto const setup = run::two_blocks();
+  Plan const p = plan(setup);
+  auto const json = plan_json(setup, p);
+  EXPECT_EQ(json["points"], 3600.0);
+  EXPECT_EQ(json["bodies"][0]["name"], "left");
+  EXPECT_EQ(json["gauges"], 2);
+  EXPECT_EQ(json["materials"].size(), 2U);
+  std::string const text = plan_text(setup, p);
+  for (char const* part : {"3600 in 3 bodies", "material points, ", "left: copper, 1600 points, 2 per cell",
+                           "(100, 0, 0) m/s", "mass of the points 3.572 kg, of the shape 3.572 kg",
+                           "copper (body): a test", "position, body, material, velocity"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  }
+  EXPECT_EQ(text.find("ambient"), std::string::npos) << "there is no gas";
+}
+
+TEST(PointDriver, RunsToItsEnd) {
+  auto setup = run::two_blocks();
+  setup.end.time = 1e-6;
+  setup.output.field_interval = 0.5e-6;
+  run::World world(std::move(setup));
+  Scratch scratch;
+  output::Writer writer(world, scratch.path());
+  std::atomic<bool> const stop{false};
+  std::FILE* const shown = std::tmpfile();
+  Progress progress(shown, true);
+  auto const ending = drive(world, writer, stop, [&](run::World const& w) { progress.step(w); });
+  std::fclose(shown);
+  EXPECT_EQ(ending.code, ExitCode::done) << ending.reason;
+  EXPECT_EQ(writer.dump_count(), 3);
+  EXPECT_TRUE(std::filesystem::exists(scratch.path() / "points/points_000002.h5"));
+  EXPECT_EQ(world.body_histories[0].back().time, 1e-6);
+  EXPECT_EQ(world.point_gauges[0].points.back().time, 1e-6);
+}
+
+}  // namespace
+}  // namespace brisance::app

@@ -1,0 +1,262 @@
+// Bodies that meet: exact waves, separation, friction, rigid bodies, and the loads and constraints that act on bodies.
+#include "mpm/harness.hpp"
+
+namespace brisance::test {
+namespace {
+
+using grid::Boundary;
+using grid::Geometry;
+
+/// Two bars of unit modulus and density, side by side on a line.
+struct Bars : Problem {
+  double h = 0.01;
+  double gap_at = 1.0;
+  double first_length = 0.0;
+  double second_length = 0.0;
+
+  Bars(ShapeFunction shape, double first, double second, double speed) : first_length(first), second_length(second) {
+    box(Geometry::planar1d, h, {static_cast<int>(std::lround((first + second + 2.0) / h)), 1, 1}, Boundary::outflow);
+    gap_at = 0.5 + first;
+    options.shape = shape;
+    options.linear_viscosity = 0.06;
+    options.quadratic_viscosity = 1.5;
+    add(unit_solid(0.0));
+    add(unit_solid(0.0));
+    contacts.push_back({0, 1, 0.0});
+    start();
+    fill(0, shape::Box{{0.5, -1.0, -1.0}, {gap_at, 1.0, 1.0}}, [=](Vec3 const&) { return Vec3{speed, 0.0, 0.0}; });
+    fill(1, shape::Box{{gap_at, -1.0, -1.0}, {gap_at + second, 1.0, 1.0}});
+  }
+};
+
+class EachShape : public testing::TestWithParam<ShapeFunction> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, EachShape, testing::ValuesIn(all_shapes),
+                         [](auto const& one) { return name_of(one.param); });
+
+// Two equal bars exchange their velocity: contact lasts 2 L/c, the stress meanwhile is rho c v/2, afterwards they part.
+TEST_P(EachShape, EqualBarsExchangeTheirVelocity) {
+  double const v = 1e-3;
+  double const length = 1.0;
+  Bars bars(GetParam(), length, length, v);
+  double const before = bars.energy();
+  double const dt = 0.4 * bars.h;
+  double begin = 0.0;
+  double end = 0.0;
+  double stress = 0.0;
+  double last = 0.0;
+  double const whole = bars.mpm->sums(0).momentum[0];
+  while (bars.mpm->time() < 3.0) {
+    bars.mpm->advance(dt);
+    double const now = bars.mpm->sums(1).momentum[0];
+    double const t = bars.mpm->time();
+    auto const crosses = [&](double level) { return last < level && now >= level; };
+    if (crosses(0.1 * whole)) begin = t - dt * (now - 0.1 * whole) / (now - last);
+    if (crosses(0.9 * whole)) end = t - dt * (now - 0.9 * whole) / (now - last);
+    if (stress == 0.0 && t >= 0.75) {
+      // The middle half of what the two waves have passed.
+      double sum = 0.0;
+      int count = 0;
+      for (int body = 0; body < 2; ++body) {
+        bars.for_each_point(body, [&](mpm::PointSet const& set, int q) {
+          if (std::abs(Problem::position(set, q)[0] - bars.gap_at) > 0.5) return;
+          sum += Problem::stress(set, q)[0];
+          ++count;
+        });
+      }
+      stress = sum / count;
+    }
+    last = now;
+  }
+  auto const first = bars.mpm->sums(0);
+  auto const second = bars.mpm->sums(1);
+  // Momentum goes over at an even rate, so its middle 80 % take 80 % of the time.
+  double const duration = (end - begin) / 0.8;
+  double const left = first.momentum[0] / first.mass / v;
+  double const got = second.momentum[0] / second.mass / v;
+  double const loss = 1.0 - second.kinetic_energy / before;
+  std::printf(
+      "%s: contact %.4f (exact 2), stress %.4f rho c v/2, velocities %.5f %.5f, energy error %.1e, not in motion "
+      "%.4f\n",
+      name_of(GetParam()), duration, -2.0 * stress / v, left, got, bars.energy() / before - 1.0, loss);
+  // The ends of a bar are known to half a point, 0.25 % of L, and so is the time that a wave takes through it.
+  EXPECT_NEAR(duration, 2.0, 0.005);
+  // Behind the front the stress is even but for the oscillations that the viscosity damps.
+  EXPECT_NEAR(-2.0 * stress / v, 1.0, 0.003);
+  // What the front carries beyond the first two cells (2 % of L) comes back too late to be handed over.
+  EXPECT_NEAR(left, 0.0, 0.02);
+  EXPECT_NEAR(got, 1.0, 0.02);
+  EXPECT_LT(loss, 0.04);
+  // The step's own energy error: the work of the contact where the front passes, in 1 of 100 cells.
+  EXPECT_NEAR(bars.energy() / before, 1.0, 0.01);
+  // They are apart and stay so: no force over the gap.
+  double const momentum = second.momentum[0];
+  bars.run(1.0, dt);
+  EXPECT_NEAR(bars.mpm->sums(1).momentum[0] / momentum, 1.0, 1e-12);
+}
+
+// A bar that hits one of twice its length hands over all its momentum and stays behind at rest.
+TEST_P(EachShape, ShortBarStaysBehindTheLongOne) {
+  double const v = 1e-3;
+  Bars bars(GetParam(), 1.0, 2.0, v);
+  double const before = bars.energy();
+  bars.run(4.8, 0.4 * bars.h);
+  auto const first = bars.mpm->sums(0);
+  auto const second = bars.mpm->sums(1);
+  double const rest = first.momentum[0] / first.mass / v;
+  double const got = second.momentum[0] / second.mass / v;
+  std::printf("%s: velocities %.5f %.5f (exact 0, 0.5), energy error %.1e\n", name_of(GetParam()), rest, got,
+              bars.energy() / before - 1.0);
+  // As with equal bars.
+  EXPECT_NEAR(rest, 0.0, 0.02);
+  EXPECT_NEAR(got, 0.5, 0.01);
+  EXPECT_NEAR(bars.energy() / before, 1.0, 0.01);
+  EXPECT_NEAR((first.momentum[0] + second.momentum[0]) / (first.mass * v), 1.0, 1e-12);
+}
+
+// A rigid piston throws a bar off with twice its own velocity and is not slowed down.
+TEST_P(EachShape, RigidPistonThrowsABarOff) {
+  double const v = 1e-3;
+  Problem problem;
+  double const h = 0.01;
+  problem.box(Geometry::planar1d, h, {250, 1, 1}, Boundary::outflow);
+  problem.options.shape = GetParam();
+  problem.options.linear_viscosity = 0.06;
+  problem.options.quadratic_viscosity = 1.5;
+  int const piston = problem.add(unit_solid(0.0));
+  int const bar = problem.add(unit_solid(0.0));
+  problem.bodies[piston].rigid_velocity = Vec3{v, 0.0, 0.0};
+  problem.contacts.push_back({piston, bar, 0.0});
+  problem.start();
+  problem.fill(piston, shape::Box{{0.5, -1.0, -1.0}, {0.6, 1.0, 1.0}});
+  problem.fill(bar, shape::Box{{0.6, -1.0, -1.0}, {1.6, 1.0, 1.0}});
+  problem.run(3.0, 0.4 * h);
+  auto const thrown = problem.mpm->sums(bar);
+  auto const pushed = problem.mpm->sums(piston);
+  double const got = thrown.momentum[0] / thrown.mass / v;
+  double const impulse = problem.mpm->constraint_impulse()[0] / thrown.momentum[0];
+  std::printf("%s: bar %.5f of the piston's velocity (exact 2), impulse booked %.3f of it\n", name_of(GetParam()), got,
+              impulse);
+  // As with equal bars: 2 % of L.
+  EXPECT_NEAR(got, 2.0, 0.04);
+  // Round-off of the sums.
+  EXPECT_NEAR(pushed.centre[0], 0.55 + v * 3.0, 1e-13);
+  EXPECT_NEAR(pushed.momentum[0] / pushed.mass / v, 1.0, 1e-13);
+  EXPECT_NEAR(impulse, 1.0, 1e-12);
+}
+
+/// A block on a rigid floor, under gravity, that moves to the right.
+struct Slider : Problem {
+  double g = 1e-4;
+  double speed = 0.01;
+  double dt = 0.3;
+
+  Slider(ShapeFunction shape, double friction, Boundary side = Boundary::outflow) {
+    box(Geometry::planar2d, 1.0, {24, 8, 1}, side);
+    options.shape = shape;
+    options.block_cells = 8;
+    options.body_force = {0.0, -g, 0.0};
+    add(unit_solid(0.0));
+    add(unit_solid(0.0));
+    bodies[0].rigid_velocity = Vec3{0.0, 0.0, 0.0};
+    contacts.push_back({0, 1, friction});
+    start();
+    fill(0, shape::Box{{0.0, 0.0, -1.0}, {24.0, 2.0, 1.0}});
+    fill(1, shape::Box{{4.0, 2.0, -1.0}, {12.0, 5.0, 1.0}}, [&](Vec3 const&) { return Vec3{speed, 0.0, 0.0}; });
+  }
+  Vec3 mean_velocity() {
+    auto const s = mpm->sums(1);
+    return (1.0 / s.mass) * s.momentum;
+  }
+};
+
+// Friction takes mu times the impulse of the normal force; that is g t but for what the block's bouncing keeps.
+TEST_P(EachShape, BlockSlidesWithCoulombFriction) {
+  double const mu = 0.3;
+  Slider slider(GetParam(), mu);
+  slider.run(200.0, slider.dt);
+  Vec3 const v = slider.mean_velocity();
+  double const slowed = (slider.speed - v[0]) / (mu * (slider.g * 200.0 + v[1]));
+  double const plain = (slider.speed - v[0]) / (mu * slider.g * 200.0);
+  slider.run(300.0, slider.dt);
+  double const end = slider.mean_velocity()[0] / slider.speed;
+  double const sunk = slider.mpm->sums(1).centre[1] - 3.5;
+  std::printf("%s: slowed by %.5f mu N t, %.4f mu g t; after it should stop %.1e of its speed; sunk %.4f h\n",
+              name_of(GetParam()), slowed, plain, end, sunk);
+  // The normals at the block's lower corners, two of 17 nodes, are oblique and take part of the weight.
+  EXPECT_NEAR(slowed, 1.0, 0.03);
+  // The bounce is that of a weight put on at once; it ends anywhere in its period of 4 H/c = 12.
+  EXPECT_NEAR(plain, 1.0, 0.06);
+  // At rest it only vibrates.
+  EXPECT_LT(std::abs(end), 0.02);
+}
+
+TEST_P(EachShape, BlockSlidesOnWithoutFriction) {
+  Slider slider(GetParam(), 0.0);
+  slider.run(200.0, slider.dt);
+  double const kept = slider.mean_velocity()[0] / slider.speed;
+  std::printf("%s: keeps %.6f of its speed without friction\n", name_of(GetParam()), kept);
+  // Nothing acts along the floor but the oblique normals of the corners, left against right.
+  EXPECT_NEAR(kept, 1.0, 0.02);
+}
+
+// A pressure on the face of a plate: p/(rho h) from the first step on.
+TEST_P(EachShape, SurfacePressureAcceleratesAPlate) {
+  Problem problem;
+  double const p = 1e-6;
+  problem.box(Geometry::planar2d, 1.0, {8, 12, 1}, Boundary::outflow);
+  problem.domain.boundary[0] = Boundary::periodic;
+  problem.domain.boundary[1] = Boundary::periodic;
+  problem.options.shape = GetParam();
+  problem.options.block_cells = 4;
+  int const plate = problem.add(unit_solid(0.3));
+  problem.start();
+  problem.fill(plate, shape::Box{{0.0, 4.0, -1.0}, {8.0, 7.0, 1.0}});
+  mpm::SurfacePressure load;
+  load.body = plate;
+  load.region = shape::Box{{-1.0, 6.5, -1.0}, {9.0, 7.5, 1.0}};
+  load.normal = {0.0, 1.0, 0.0};
+  load.thickness = 0.5;
+  load.times = {0.0, 40.0, 80.0};
+  load.pressures = {p, p, 0.0};
+  problem.mpm->load(load);
+  double const dt = 0.25;
+  problem.run(40.0, dt);
+  double const held = problem.mpm->sums(plate).momentum[1] / (-p * 8.0 * 40.0);
+  problem.run(60.0, dt);
+  auto const sums = problem.mpm->sums(plate);
+  double const whole = sums.momentum[1] / (-p * 8.0 * 60.0);
+  std::printf("%s: %.8f of p t, %.8f of the whole impulse, across %.1e\n", name_of(GetParam()), held, whole,
+              sums.momentum[0] / sums.momentum[1]);
+  // The loaded layer carries its present volume: strains of p/E.
+  EXPECT_NEAR(held, 1.0, 2e-6);
+  // On the ramp the pressure is taken at the start of the step: half a step of 60.
+  EXPECT_NEAR(whole, 1.0, 0.5 * dt / 60.0 + 2e-6);
+  EXPECT_NEAR(sums.momentum[0] / sums.momentum[1], 0.0, 1e-12);
+}
+
+// A block that falls on held nodes beside a mirror plane, cut into blocks: nodes on planes and copies count once.
+TEST_P(EachShape, ConstraintImpulseIsTheChangeOfMomentum) {
+  Problem problem;
+  problem.box(Geometry::planar2d, 1.0, {12, 12, 1}, Boundary::outflow);
+  problem.domain.boundary[0] = Boundary::symmetry;
+  problem.options.shape = GetParam();
+  problem.options.block_cells = 4;
+  problem.options.body_force = {0.0, -1e-5, 0.0};
+  problem.constraints.push_back(
+      {shape::Box{{-1.0, -1.0, -1.0}, {13.0, 3.0, 1.0}}, {false, true, false}, {0.0, 1e-4, 0.0}, -1});
+  int const body = problem.add(unit_solid(0.3));
+  problem.start();
+  problem.fill(body, shape::Box{{0.0, 3.5, -1.0}, {6.5, 9.0, 1.0}}, [](Vec3 const&) { return Vec3{0.0, -0.01, 0.0}; });
+  double const before = problem.momentum()[1];
+  double const mass = problem.mpm->sums(body).mass;
+  problem.run(90.0, 0.25);
+  double const change = problem.momentum()[1] - before + mass * 1e-5 * 90.0;
+  double const impulse = problem.mpm->constraint_impulse()[1];
+  std::printf("%s: change of momentum %.6g, impulse error %.1e\n", name_of(GetParam()), change, impulse / change - 1.0);
+  EXPECT_GT(std::abs(change), 0.5 * std::abs(before));  // it did hit
+  EXPECT_NEAR(impulse / change, 1.0, 1e-11);            // sums of 360 steps
+}
+
+}  // namespace
+}  // namespace brisance::test

@@ -1,0 +1,134 @@
+"""Reports of runs of material points, from made-up output folders."""
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SKIPPED = 77  # exit status that ctest takes as "skipped"
+
+try:
+    import numpy as np
+
+    import synthetic_points
+    from brisance import point_figures, report, results
+except ImportError as missing:
+    print(f"skipped: the Python package {missing.name} is not installed")
+    sys.exit(SKIPPED)
+
+SCRIPT = Path(report.__file__)
+
+
+class Folders(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.root = Path(cls.scratch.name)
+        for kind in synthetic_points.KINDS:
+            synthetic_points.write(cls.root / kind, kind, dumps=3)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+
+class Pages(Folders):
+    def page(self, kind):
+        done = subprocess.run([sys.executable, SCRIPT, self.root / kind], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, "")
+        return (self.root / kind / "report.html").read_text(encoding="utf-8")
+
+    def titles(self, page):
+        return re.findall(r'<h2><span class="number">\d+</span>(.*?)</h2>', page)
+
+    def test_axisymmetric(self):
+        page = self.page("2d")
+        self.assertEqual(self.titles(page), ["Calculation", "Bodies", "Pictures", "Gauges", "Energies", "Conservation",
+                                             "Cost and versions", "Deck"])
+        # Mises, plastic strain, pressure, speed; gauges, energies, timings.
+        self.assertEqual(page.count("<img "), 7)
+        for part in ("Made-up &lt;points&gt;", "quadratic B-spline, MUSL, XPIC(2), locking control", "2,000",
+                     "body force (0, -9.81, 0) m/s²", "Mirrored at the axis", "drift", "-0.2 %", "within 1 %",
+                     "copper: a handbook", "z: -2.9"):
+            self.assertIn(part, page)
+        self.assertNotIn("Overpressure field", page)
+
+    def test_three_dimensions_have_an_outer_view_and_two_planes(self):
+        page = self.page("3d")
+        # Outer view, two planes of bodies and four quantities, gauges, energies, timings.
+        self.assertEqual(page.count("<img "), 1 + 2 * 5 + 3)
+        self.assertIn("block &lt;beside&gt;", page)
+
+    def test_one_dimension_has_profiles(self):
+        page = self.page("1d")
+        self.assertIn("Profiles at several times", page)
+        self.assertIn("17 points left the domain", page)
+        self.assertIn("* The point left the domain", page)
+
+    def test_without_dumps_gauges_and_end(self):
+        page = self.page("bare")
+        self.assertEqual(self.titles(page), ["Calculation", "Bodies", "Conservation", "Cost and versions", "Deck"])
+        self.assertIn("not finished", page)
+
+
+class Verdicts(unittest.TestCase):
+    def test_of_the_drift(self):
+        verdict = {drift: report.drift_verdict({"drift": drift})
+                   for drift in (None, 5e-4, -5e-4, 5e-3, -5e-2)}
+        self.assertIn("not a number", verdict[None])
+        self.assertIn("within 0.1 %", verdict[5e-4])
+        self.assertIn("within 0.1 %", verdict[-5e-4])
+        self.assertIn("within 1 %", verdict[5e-3])
+        self.assertIn("more than 1 %", verdict[-5e-2])
+
+
+class Figures(Folders):
+    def test_symmetry_planes_are_shown(self):
+        run = results.Run(self.root / "3d")
+        flat = point_figures.Flat(run, 1)
+        dump = run.point_dumps[0]
+        layer = dump.values("position")[flat.chosen(dump), 1]
+        self.assertEqual(set(np.round(layer, 7)), {0.00025})
+        self.assertEqual(len(layer), dump.count // 12)
+        self.assertEqual(flat.title, "symmetry plane y = 0 m")
+
+    def test_mirrored_at_the_axis(self):
+        flat = point_figures.Flat(results.Run(self.root / "2d"))
+        self.assertAlmostEqual(flat.low[0], -flat.high[0])
+        # Radius 6 mm, 1.3 times that at the foot.
+        self.assertGreater(flat.high[0], 7e-3)
+
+    def test_prefixes(self):
+        self.assertEqual([point_figures.scaled(v, "m") for v in (2.0, 0.02, 3e-5, 0.0)],
+                         [(1.0, "m"), (1000.0, "mm"), (1e6, "µm"), (1.0, "m")])
+
+    def test_nearest_points_hide_those_behind(self):
+        axes = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+        points = np.array([[0.5, 0.5, 0.2], [0.5, 0.5, 0.9], [0.5, 0.5, 0.1]])
+        for order in ([0, 1, 2], [2, 1, 0], [1, 0, 2]):
+            values, _, inside = point_figures.splat(points[order], points[order, 2], 0.1, np.zeros(2), np.ones(2), axes)
+            self.assertTrue(inside.any())
+            self.assertFalse(inside.all())
+            self.assertEqual(set(values[inside]), {0.9})
+
+    def test_picture_of_many_points_fills_gaps(self):
+        class Panel:
+            def imshow(self, mean, **_):
+                self.mean = mean
+
+        flat = point_figures.Flat(results.Run(self.root / "2d"))
+        x, y = np.meshgrid(np.arange(20.0), np.arange(20.0))
+        points = np.stack([x.ravel(), y.ravel()], axis=1)
+        kept = points[~((points == [7.0, 7.0]).all(axis=1))]
+        flat.size, flat.low, flat.high = 1.0 / 1.02, np.full(2, -0.5), np.full(2, 25.5)
+        panel = Panel()
+        flat._image(panel, kept, kept[:, 0], None, None)
+        self.assertFalse(panel.mean.mask[7, 7])
+        self.assertAlmostEqual(panel.mean[7, 7], 7.0)
+        self.assertTrue(panel.mean.mask[24, 24])
+
+
+if __name__ == "__main__":
+    unittest.main()
