@@ -361,6 +361,7 @@ void Builder::constraint(Section const& section) {
     sound = false;
   }
   std::vector<std::string> held;
+  held.reserve(3);
   for (int d = 0; d < dims(); ++d) held.emplace_back(1, directions[d]);
   std::string_view key = "held";
   if (*kind == "roller") {
@@ -634,6 +635,11 @@ void Builder::nothing_moves() {
     start.density = b.density.value_or(start.density);
     start.specific_energy = b.specific_energy.value_or(start.specific_energy);
     moving = moving || moves(b.velocity) || start.burns() || material::start_pressure(start) != 0.0;
+    if (start.burns() && p.options.order == mpm::StressOrder::usf) {
+      report_.warning(
+          deck_.place_of("points"), "points.stress_order",
+          fmt::format("\"usf\" is unstable where an explosive such as \"{}\" detonates; use \"musl\"", b.name));
+    }
   }
   if (moving) return;
   report_.warning(deck_.place_of("body"), "body",

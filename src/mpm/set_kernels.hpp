@@ -159,13 +159,13 @@ struct Kernels {
             for (int d = 0; d < 3; ++d) b[d] += push * set.field(Field::load_x + d)[begin + q];
           }
         }
-        if (with_mass && affine) {
+        if constexpr (!with_mass) {
+          add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
+        } else if (affine) {
           add_affine<S, D>(*v.patch, k, around, v.h, q, nodes, momentum_of, a, affine_columns(set, begin + q, m));
           if constexpr (with_forces) add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
-        } else if constexpr (with_mass && with_forces) {
-          add_state<S, D>(*v.patch, k, q, nodes, a, b, cx, cy, cz);
         } else if constexpr (with_forces) {
-          add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
+          add_state<S, D>(*v.patch, k, q, nodes, a, b, cx, cy, cz);
         } else {
           add<S, D>(*v.patch, k, q, nodes, momentum_of, a);
         }

@@ -26,7 +26,7 @@ template <class Record>
 class NodeArray {
  public:
   Record* get(int count) {
-    auto const wanted = static_cast<std::size_t>(count) * (sizeof(Record) / sizeof(double));
+    auto const wanted = static_cast<std::size_t>(count) * sizeof(Record) / sizeof(double);
     if (buffer_.size() < wanted) buffer_ = Buffer(wanted);
     return reinterpret_cast<Record*>(buffer_.data());
   }

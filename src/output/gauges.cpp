@@ -205,6 +205,7 @@ std::vector<std::string> gauge_files(fs::path const& folder, std::vector<std::st
 GaugeFiles::GaugeFiles(fs::path const& folder, std::vector<run::GaugeHistory> const& gauges, double ambient_pressure)
     : ambient_pressure_(ambient_pressure) {
   std::vector<std::string> wanted;
+  wanted.reserve(gauges.size());
   for (auto const& history : gauges) wanted.push_back(history.gauge.name);
   names_ = gauge_files(folder, wanted);
   for (auto const& name : names_) {

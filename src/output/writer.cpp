@@ -49,6 +49,7 @@ FieldSpec spec_of(std::string const& name, std::vector<run::FieldInfo> const& kn
 std::vector<FieldSpec> dumped_point_fields(run::Case const& setup) {
   std::vector<FieldSpec> specs;
   auto const& standing = run::standing_point_fields();
+  specs.reserve(standing.size() + setup.output.point_fields.size());
   for (auto const& field : standing) specs.push_back(spec_of(field.name, standing));
   for (auto const& name : setup.output.point_fields) {
     bool const already = std::ranges::find(specs, name, &FieldSpec::name) != specs.end();
@@ -72,6 +73,7 @@ std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
   if (!setup.obstacles.empty()) add("obstacle");
 
   std::vector<FieldSpec> specs;
+  specs.reserve(names.size());
   for (auto const& name : names) specs.push_back(spec_of(name, run::known_fields()));
   return specs;
 }

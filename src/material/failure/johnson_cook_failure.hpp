@@ -1,8 +1,8 @@
 /// Johnson-Cook failure [JohnsonCook85]: damage grows by d ep / ef,
 ///     ef = (D1 + D2 exp(D3 sigma*)) (1 + D4 ln r) (1 + D5 T*),   sigma* = -p / q,
-/// with p the pressure and q the Mises stress. sigma* is limited to 1.5, where the range of the fit ends [JohnsonCook85].
-/// The scales of r and T* (rate0, T_room, T_melt) are those of the Johnson-Cook strength of the same solid, for the D
-/// are fitted together with them; with any other strength rate0 = 1 /s and T* = 0.
+/// with p the pressure and q the Mises stress. sigma* is limited to 1.5, where the range of the fit ends
+/// [JohnsonCook85]. The scales of r and T* (rate0, T_room, T_melt) are those of the Johnson-Cook strength of the same
+/// solid, for the D are fitted together with them; with any other strength rate0 = 1 /s and T* = 0.
 #pragma once
 
 #include <array>

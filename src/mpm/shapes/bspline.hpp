@@ -13,7 +13,8 @@ struct BSpline {
   static void weights(double u, double /*half*/, int cells, int& first, double (&w)[support], double (&g)[support]) {
     double const last = cells;
     double const inside = u > 0.0 ? u : 0.0;
-    auto nearest = static_cast<double>(static_cast<int>(inside + 0.5));
+    double const shifted = inside + 0.5;
+    auto nearest = static_cast<double>(static_cast<int>(shifted));
     nearest = nearest < last ? nearest : last;
     double const d = inside - nearest;  // -1/2 to 1/2
     first = static_cast<int>(nearest) - 1;
