@@ -433,7 +433,7 @@ def validate(names, run, target, built_from):
             figure.savefig(target / f"{figure_name}.png", dpi=120, facecolor="white")
             plt.close(figure)
         values |= {"commit": built_from or commit(), "seconds": f"{run.seconds:.0f}", "machine": machine(),
-                   "threads": str(run.threads)}
+                   "threads": f"{run.threads} thread" + ("" if run.threads == 1 else "s")}
         parts[name] = re.sub(r"@(\w+)@", lambda m: values[m.group(1)].rstrip("\n"), template[name])
     text = head + "".join(f"<!-- part {name} -->\n{parts[name]}" for name in template if name in parts)
     page.write_text(text)

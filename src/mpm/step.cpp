@@ -182,16 +182,8 @@ void Mpm::map_extents() {
 
 void Mpm::gather_gradients(int block, Scratch& scratch) const {
   Workspace const& w = *work_;
-  Patch const& patch = w.patches[block];
   for (int f = 0; f < w.fields; ++f) {
-    auto const raw = [&](int source) {
-      int const slot = w.slot(source, f);
-      return w.present[slot] == 0 ? nullptr : w.gradient[slot].data();
-    };
-    scratch.present[f] = 0;
-    for (Link const& link : patch.links)
-      if (w.present[w.slot(link.source, f)] != 0) scratch.present[f] = 1;
-    if (scratch.present[f] != 0) sum_links(patch, scratch.gradient[f].get(patch.count()), raw);
+    scratch.present[f] = w.gather(w.gradient, block, f, scratch.gradient[f]) ? 1 : 0;
   }
 }
 
@@ -250,18 +242,11 @@ void Mpm::clear_velocity(int block) {
 
 void Mpm::gather_velocity(int block, Scratch& scratch) const {
   Workspace const& w = *work_;
-  Patch const& patch = w.patches[block];
-  int const count = patch.count();
+  int const count = w.patches[block].count();
   for (int f = 0; f < w.fields; ++f) {
-    scratch.present[f] = 0;
-    for (Link const& link : patch.links)
-      if (w.present[w.slot(link.source, f)] != 0) scratch.present[f] = 1;
+    scratch.present[f] = w.gather(w.velocity, block, f, scratch.velocity[f]) ? 1 : 0;
     if (scratch.present[f] == 0) continue;
-    NodeVelocity* nodes = scratch.velocity[f].get(count);
-    sum_links(patch, nodes, [&](int source) {
-      int const slot = w.slot(source, f);
-      return w.present[slot] == 0 ? nullptr : w.velocity[slot].data();
-    });
+    NodeVelocity* nodes = scratch.velocity[f].data();
     double const floor = w.mass_floor;
     for (int node = 0; node < count; ++node) {
       double const m = nodes[node][3];
@@ -347,15 +332,9 @@ void Mpm::integrate(double dt) {
     Scratch& scratch = w.scratch[thread];
     Vec3 const force = options_.body_force;
     for (int f = 0; f < w.fields; ++f) {
-      scratch.present[f] = 0;
-      for (Link const& link : patch.links)
-        if (w.present[w.slot(link.source, f)] != 0) scratch.present[f] = 1;
+      scratch.present[f] = w.gather(w.state, block, f, scratch.state[f]) ? 1 : 0;
       if (scratch.present[f] == 0) continue;
-      NodeState* nodes = scratch.state[f].get(count);
-      sum_links(patch, nodes, [&](int source) {
-        int const slot = w.slot(source, f);
-        return w.present[slot] == 0 ? nullptr : w.state[slot].data();
-      });
+      NodeState* nodes = scratch.state[f].data();
       // Eq. (22): from mass, momentum and force to the new velocity and its change.
       double const floor = w.mass_floor;
       Lanes4 const gravity{dt * force[0], dt * force[1], dt * force[2], 0.0};
@@ -513,18 +492,11 @@ void Mpm::update_stress(double dt) {
 
 void Mpm::velocity_from_state(int block, Scratch& scratch) const {
   Workspace const& w = *work_;
-  Patch const& patch = w.patches[block];
-  int const count = patch.count();
+  int const count = w.patches[block].count();
   for (int f = 0; f < w.fields; ++f) {
-    scratch.present[f] = 0;
-    for (Link const& link : patch.links)
-      if (w.present[w.slot(link.source, f)] != 0) scratch.present[f] = 1;
+    scratch.present[f] = w.gather(w.state, block, f, scratch.state[f]) ? 1 : 0;
     if (scratch.present[f] == 0) continue;
-    NodeState* nodes = scratch.state[f].get(count);
-    sum_links(patch, nodes, [&](int source) {
-      int const slot = w.slot(source, f);
-      return w.present[slot] == 0 ? nullptr : w.state[slot].data();
-    });
+    NodeState const* nodes = scratch.state[f].data();
     NodeVelocity* to = scratch.velocity[f].get(count);
     for (int node = 0; node < count; ++node) {
       Lanes4 const& p = nodes[node].momentum;

@@ -1,6 +1,7 @@
 /// What `Mpm` needs beside its points: patches, the nodes' records, constraints, and scratch per thread.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <vector>
@@ -106,6 +107,20 @@ struct Mpm::Workspace {
   double mass_floor = std::numeric_limits<double>::min();  ///< nodes below it are empty [kg]
 
   [[nodiscard]] int slot(int block, int field) const { return block * fields + field; }
+
+  /// Sums what the points of all blocks around wrote for the nodes of a block. False, and nothing done, where the field
+  /// has no points there.
+  template <class Record>
+  bool gather(std::vector<NodeArray<Record>> const& raw, int block, int field, NodeArray<Record>& sum) const {
+    Patch const& patch = patches[block];
+    auto const is_present = [&](Link const& link) { return present[slot(link.source, field)] != 0; };
+    if (!std::any_of(patch.links.begin(), patch.links.end(), is_present)) return false;
+    sum_links(patch, sum.get(patch.count()), [&](int source) {
+      int const from = slot(source, field);
+      return present[from] == 0 ? nullptr : raw[from].data();
+    });
+    return true;
+  }
 };
 
 }  // namespace brisance::mpm

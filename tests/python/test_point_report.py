@@ -1,8 +1,5 @@
 """Reports of runs of material points, from made-up output folders."""
-import re
-import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
@@ -11,6 +8,7 @@ SKIPPED = 77  # exit status that ctest takes as "skipped"
 try:
     import numpy as np
 
+    import report_folders
     import synthetic_points
     from brisance import point_figures, report, results
 except ImportError as missing:
@@ -20,29 +18,11 @@ except ImportError as missing:
 SCRIPT = Path(report.__file__)
 
 
-class Folders(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.scratch = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.scratch.name)
-        for kind in synthetic_points.KINDS:
-            synthetic_points.write(cls.root / kind, kind, dumps=3)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.scratch.cleanup()
+class Folders(report_folders.Folders):
+    synthetic = synthetic_points
 
 
 class Pages(Folders):
-    def page(self, kind):
-        done = subprocess.run([sys.executable, SCRIPT, self.root / kind], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(done.stderr, "")
-        return (self.root / kind / "report.html").read_text(encoding="utf-8")
-
-    def titles(self, page):
-        return re.findall(r'<h2><span class="number">\d+</span>(.*?)</h2>', page)
-
     def test_axisymmetric(self):
         page = self.page("2d")
         self.assertEqual(self.titles(page), ["Calculation", "Bodies", "Pictures", "Gauges", "Energies", "Conservation",

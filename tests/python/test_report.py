@@ -3,7 +3,6 @@ import json
 import re
 import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
@@ -12,6 +11,7 @@ SKIPPED = 77  # exit status that ctest takes as "skipped"
 try:
     import numpy as np
 
+    import report_folders
     import synthetic_run
     from brisance import figures, report, results
 except ImportError as missing:
@@ -21,29 +21,11 @@ except ImportError as missing:
 SCRIPT = Path(report.__file__)
 
 
-class Folders(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.scratch = tempfile.TemporaryDirectory()
-        cls.root = Path(cls.scratch.name)
-        for kind in synthetic_run.KINDS:
-            synthetic_run.write(cls.root / kind, kind, dumps=3)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.scratch.cleanup()
+class Folders(report_folders.Folders):
+    synthetic = synthetic_run
 
 
 class Pages(Folders):
-    def page(self, kind):
-        done = subprocess.run([sys.executable, SCRIPT, self.root / kind], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(done.stderr, "")
-        return (self.root / kind / "report.html").read_text(encoding="utf-8")
-
-    def titles(self, page):
-        return re.findall(r'<h2><span class="number">\d+</span>(.*?)</h2>', page)
-
     def test_three_dimensions(self):
         page = self.page("3d")
         self.assertEqual(self.titles(page), ["Calculation", "Charge", "Gauges", "Scaled distance", "Overpressure field",
