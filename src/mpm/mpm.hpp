@@ -54,7 +54,9 @@ struct Options {
   double quadratic_viscosity = 1.5;
   double courant = 0.4;
   Vec3 body_force{0.0, 0.0, 0.0};  ///< acceleration of everything [m/s2]
-  int block_cells = 0;             ///< cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D
+  /// A further acceleration [m/s2] of the points that varies with their position [m] and the time [s]; null: none.
+  std::function<Vec3(Vec3 const& x, double time)> acceleration;
+  int block_cells = 0;  ///< cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D
 };
 
 struct Body {
@@ -131,6 +133,7 @@ struct Place {
 
 struct Scratch;
 struct Hoops;
+struct OuterForces;
 
 class Mpm {
  public:
@@ -186,7 +189,7 @@ class Mpm {
   void update_signals();
   void collect_signals();
   void map_to_grid(bool with_mass, bool with_forces);
-  [[nodiscard]] std::vector<double> load_pressures() const;
+  [[nodiscard]] OuterForces outer_forces() const;
   void map_extents();
   void filter();
   void integrate(double dt);
@@ -203,7 +206,7 @@ class Mpm {
   void constrain_velocity(int block, Scratch& scratch) const;
   void constrain_state(int block, Scratch& scratch);
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
-  [[nodiscard]] double work_on(int block, int body, std::vector<double> const& pressures) const;
+  [[nodiscard]] double work_on(int block, int body, OuterForces const& outer) const;
 
   grid::Grid grid_;
   Options options_;

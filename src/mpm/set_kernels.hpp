@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "core/loops.hpp"
@@ -56,6 +57,13 @@ struct SetView {
   Body const* body;
   Patch const* patch;
   double h;
+};
+
+/// Outer forces of a step: the surface pressures [Pa] by their numbers, and the acceleration of `Options`.
+struct OuterForces {
+  std::vector<double> pressures;
+  std::function<Vec3(Vec3 const& x, double time)> acceleration;
+  double time = 0.0;
 };
 
 /// Locking control. Replaces the volumetric strain of each point by that of its cell, and the pressure in the forces by
@@ -116,14 +124,15 @@ struct Kernels {
 
   /// Mass, momentum and volume, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20).
   template <bool with_mass, bool with_forces>
-  static void map_state(SetView const& v, Hoops const& hoops, std::vector<double> const& pressures,
-                        CellMeans const* means, NodeState* nodes) {
+  static void map_state(SetView const& v, Hoops const& hoops, OuterForces const& outer, CellMeans const* means,
+                        NodeState* nodes) {
     PointSet& set = *v.set;
     double const inverse_h = 1.0 / v.h;
     bool const affine = with_mass && set.field(Field::affine_xx) != nullptr;
     std::array<double const*, 6> deviator{};
     for (int c = 0; c < 6 && !v.body->rigid_velocity; ++c) deviator[c] = set.field(Field::deviator_xx + c);
     double const stressed = v.body->rigid_velocity ? 0.0 : 1.0;
+    bool const driven = with_forces && outer.acceleration != nullptr;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       double const* mass = set.field(Field::mass) + begin;
       double const* density = set.field(Field::density) + begin;
@@ -155,9 +164,15 @@ struct Kernels {
           cz = Lanes4{f * s[5], f * s[4], f * s[2], 0.0};
           if (hoops.any()) b[0] -= volume * (hoops.yy * s[1] + hoops.zz * s[2]) / radius[q];
           if (load_number != nullptr && load_number[begin + q] > 0.0) {
-            double const push = volume * pressures[static_cast<std::size_t>(load_number[begin + q]) - 1];
+            double const push = volume * outer.pressures[static_cast<std::size_t>(load_number[begin + q]) - 1];
             for (int d = 0; d < 3; ++d) b[d] += push * set.field(Field::load_x + d)[begin + q];
           }
+        }
+        if (driven) {
+          Vec3 const x{set.field(Field::position_x)[begin + q], set.field(Field::position_y)[begin + q],
+                       set.field(Field::position_z)[begin + q]};
+          Vec3 const g = outer.acceleration(x, outer.time);
+          for (int d = 0; d < 3; ++d) b[d] += m * g[d];
         }
         if constexpr (!with_mass) {
           add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);

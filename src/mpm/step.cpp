@@ -72,7 +72,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   int const bodies = static_cast<int>(bodies_.size());
   double const h = grid_.domain().h;
   Hoops const hoops = hoops_of(grid_.domain().geometry);
-  std::vector<double> const pressures = load_pressures();
+  OuterForces const outer = outer_forces();
   if (with_mass) std::fill(w.present.begin(), w.present.end(), 0);
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
@@ -94,11 +94,11 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
       CellMeans const* mean = means ? &*means : nullptr;
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
         if (with_mass && with_forces) {
-          kernels.template map_state<true, true>(view, hoops, pressures, mean, nodes);
+          kernels.template map_state<true, true>(view, hoops, outer, mean, nodes);
         } else if (with_mass) {
-          kernels.template map_state<true, false>(view, hoops, pressures, mean, nodes);
+          kernels.template map_state<true, false>(view, hoops, outer, mean, nodes);
         } else {
-          kernels.template map_state<false, true>(view, hoops, pressures, mean, nodes);
+          kernels.template map_state<false, true>(view, hoops, outer, mean, nodes);
         }
         if (with_mass && gradient != nullptr) kernels.map_gradient(view, gradient);
       });
@@ -107,13 +107,15 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   if (with_mass && w.contact) map_extents();
 }
 
-std::vector<double> Mpm::load_pressures() const {
-  std::vector<double> pressures;
-  for (ActiveLoad const& load : work_->loads) pressures.push_back(amplitude(load, time_));
-  return pressures;
+OuterForces Mpm::outer_forces() const {
+  OuterForces outer;
+  for (ActiveLoad const& load : work_->loads) outer.pressures.push_back(amplitude(load, time_));
+  outer.acceleration = options_.acceleration;
+  outer.time = time_;
+  return outer;
 }
 
-double Mpm::work_on(int block, int body, std::vector<double> const& pressures) const {
+double Mpm::work_on(int block, int body, OuterForces const& outer) const {
   PointSet const& set = points(block, body);
   if (bodies_[body].rigid_velocity) return 0.0;
   Vec3 const& g = options_.body_force;
@@ -126,11 +128,19 @@ double Mpm::work_on(int block, int body, std::vector<double> const& pressures) c
       for (int q = 0; q < set.size(); ++q) work += mass[q] * g[d] * move[q];
     }
   }
+  if (outer.acceleration) {
+    for (int q = 0; q < set.size(); ++q) {
+      Vec3 const a = outer.acceleration(
+          {set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]},
+          outer.time);
+      for (int d = 0; d < 3; ++d) work += mass[q] * a[d] * set.field(Field::move_x + d)[q];
+    }
+  }
   if (load_number != nullptr) {
     for (int q = 0; q < set.size(); ++q) {
       if (load_number[q] <= 0.0) continue;
       double const push =
-          mass[q] / set.field(Field::density)[q] * pressures[static_cast<std::size_t>(load_number[q]) - 1];
+          mass[q] / set.field(Field::density)[q] * outer.pressures[static_cast<std::size_t>(load_number[q]) - 1];
       for (int d = 0; d < 3; ++d) work += push * set.field(Field::load_x + d)[q] * set.field(Field::move_x + d)[q];
     }
   }
@@ -324,7 +334,7 @@ void Mpm::integrate(double dt) {
   bool const map_back = options_.order == StressOrder::musl;
   bool const strain_here = options_.order == StressOrder::usl;
   Hoops const hoops = hoops_of(grid_.domain().geometry);
-  std::vector<double> const pressures = load_pressures();
+  OuterForces const outer = outer_forces();
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
     Patch const& patch = w.patches[block];
@@ -361,7 +371,7 @@ void Mpm::integrate(double dt) {
       SetView const view{&set, &bodies_[body], &patch, h};
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
         kernels.move(view, options_, dt, scratch.state[f].data());
-        w.work[block] += work_on(block, body, pressures);
+        w.work[block] += work_on(block, body, outer);
         if (map_back) kernels.map_velocity(view, Field::velocity_x, w.velocity[w.slot(block, f)].data());
       });
     }

@@ -1,8 +1,7 @@
 // Standing elastic waves against their closed forms: observed orders of the shape functions, and their energy.
 //
-// The engine knows no body force that varies in space, so the solution for the orders is one that needs none: a
-// standing wave is exact between mirrors, and, carried along by a uniform velocity, in a periodic box, where every
-// point crosses many cells.
+// A standing wave is exact between mirrors, and, carried along by a uniform velocity, in a periodic box, where every
+// point crosses many cells. A solution with a source is in test_manufactured.cpp.
 #include <numbers>
 
 #include "mpm/harness.hpp"
