@@ -10,6 +10,7 @@
 
 #include "core/loops.hpp"
 #include "material/stress.hpp"
+#include "mpm/burn.hpp"
 #include "mpm/kernels.hpp"
 #include "mpm/mpm.hpp"
 #include "mpm/workspace.hpp"
@@ -334,8 +335,8 @@ struct Kernels {
   /// Burn fraction at the end of the step, [Cui14] Eqs. (52)-(53).
   static void burn(SetView const& v, double time, int begin, int n, double (&out)[chunk]) {
     double const* lighting = v.set->field(Field::lighting_time) + begin;
-    double const rate = v.body->solid.detonation_speed / (1.5 * v.h);
-    for (int q = 0; q < n; ++q) out[q] = std::clamp((time - lighting[q]) * rate, 0.0, 1.0);
+    double const rate = burn_rate(v.body->solid.detonation_speed, v.h);
+    for (int q = 0; q < n; ++q) out[q] = burn_fraction(time, lighting[q], rate);
   }
 
   /// Stress of a chunk from its strain. Returns the fastest signal [m/s].

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/error.hpp"
+#include "mpm/burn.hpp"
 
 namespace brisance::run {
 
@@ -65,9 +66,9 @@ void add_stress(mpm::PointSet const& set, double* out) {
 void add_burn_fraction(mpm::PointSet const& set, World const& w, double detonation_speed, double* out) {
   double const* const lighting = set.field(Field::lighting_time);
   if (lighting == nullptr) return;
-  double const rate = detonation_speed / (1.5 * w.setup.domain.h);
+  double const rate = mpm::burn_rate(detonation_speed, w.setup.domain.h);
   double const time = w.clock.time;
-  for (int q = 0; q < set.size(); ++q) out[q] = std::clamp((time - lighting[q]) * rate, 0.0, 1.0);
+  for (int q = 0; q < set.size(); ++q) out[q] = mpm::burn_fraction(time, lighting[q], rate);
 }
 
 int material_number(World const& w, int body) {
