@@ -38,6 +38,8 @@ enum class Field : int {
   plastic_work,  ///< [J/kg]
   temperature,   ///< [K]
   damage,
+  mass_fraction,    ///< of the second fluid: gas
+  volume_fraction,  ///< of the second fluid: gas
   lighting_time,  ///< when the detonation arrives [s]
   half_x,         ///< half the point's lengths [m], 3: cpGIMP
   half_y,
