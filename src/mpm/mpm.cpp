@@ -26,12 +26,13 @@ int block_cells_of(grid::Domain const& domain, int asked) {
 
 FieldList fields_of(Body const& body, Options const& options) {
   material::Solid const& solid = body.solid;
+  Transfer const transfer = body.transfer.value_or(options.transfer);
   FieldList fields;
   for (Field const vector : {Field::position_x, Field::velocity_x, Field::move_x}) fields.add(vector, 3);
   for (Field const scalar : {Field::mass, Field::density, Field::identity}) fields.add(scalar);
   if (options.shape == ShapeFunction::cpgimp) fields.add(Field::half_x, 3);
-  if (options.transfer == Transfer::apic) fields.add(Field::affine_xx, 9);
-  if (options.transfer == Transfer::xpic) fields.add(Field::filtered_x, 3);
+  if (transfer == Transfer::apic) fields.add(Field::affine_xx, 9);
+  if (transfer == Transfer::xpic) fields.add(Field::filtered_x, 3);
   for (Field const scalar : {Field::pressure, Field::viscosity, Field::energy}) fields.add(scalar);
   if (solid.has_deviator()) {
     fields.add(Field::deviator_xx, 6);
@@ -145,8 +146,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
       work_(std::make_unique<Workspace>()) {
   int const body_count = static_cast<int>(bodies_.size());
   if (body_count == 0) throw InputError("a calculation with material points needs at least one body");
-  if (options_.transfer == Transfer::xpic && options_.xpic_order < 1)
-    throw InputError("the order of XPIC is at least 1");
+  if (options_.xpic_order < 1) throw InputError("the order of XPIC is at least 1");
 
   // Bodies with a contact and rigid bodies have grid fields of their own; all others share the first.
   Workspace& w = *work_;
@@ -166,6 +166,8 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.fields = any_shared ? 1 : 0;
   for (int b = 0; b < body_count; ++b) w.field_of[b] = own[b] != 0 ? w.fields++ : 0;
   w.contact = w.fields > 1;
+  w.filters = std::any_of(bodies_.begin(), bodies_.end(),
+                          [&](Body const& b) { return b.transfer.value_or(options_.transfer) == Transfer::xpic; });
   w.rigid.resize(w.fields);
   for (int b = 0; b < body_count; ++b) {
     if (bodies_[b].rigid_velocity) w.rigid[w.field_of[b]] = bodies_[b].rigid_velocity;
@@ -299,11 +301,43 @@ void Mpm::set_lighting(int body, std::function<double(Vec3 const&)> const& light
 
 void Mpm::set_time(double time) { time_ = time; }
 
+void Mpm::lend_as(int body) {
+  lent_body_ = body;
+  lent_.clear();
+  for (int b = 0; b < grid_.block_count(); ++b) lent_.emplace_back(fields(body));
+}
+
+void Mpm::add(int body, PointSet const& added) {
+  for (int q = 0; q < added.size(); ++q) {
+    Vec3 const x{added.field(Field::position_x)[q], added.field(Field::position_y)[q],
+                 added.field(Field::position_z)[q]};
+    PointSet& set = sets_[set_index(grid_.block_of(grid_.cell_at(x)), body)];
+    set.append(added, q);
+    set.field(Field::identity)[set.size() - 1] = static_cast<double>(next_identity_[body]++);
+  }
+  if (!added.empty()) find_active();
+}
+
+void Mpm::take_out(int block, int body, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to) {
+  PointSet& set = points(block, body);
+  std::vector<int> stay;
+  stay.reserve(set.size());
+  for (int q = 0; q < set.size(); ++q) {
+    if (outside(set, q)) {
+      to.append(set, q);
+    } else {
+      stay.push_back(q);
+    }
+  }
+  if (static_cast<int>(stay.size()) < set.size()) set.reorder(stay);
+}
+
 void Mpm::find_active() {
   active_.clear();
   for (int b = 0; b < grid_.block_count(); ++b) {
     bool any = false;
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) any = any || !points(b, body).empty();
+    any = any || (lent_body_ >= 0 && !lent_[b].empty());
     if (any) active_.push_back(b);
   }
 }
@@ -353,6 +387,7 @@ BodySums Mpm::sums(int body) const {
     for (int q = 0; q < set.size(); ++q) {
       double const m = set.field(Field::mass)[q];
       s.mass += m;
+      if (double const* second = set.field(Field::mass_fraction)) s.second_mass += m * second[q];
       double square = 0.0;
       double moved = 0.0;
       for (int d = 0; d < 3; ++d) {
@@ -374,6 +409,7 @@ BodySums Mpm::sums(int body) const {
   for (BodySums const& s : parts) {
     total.points += s.points;
     total.mass += s.mass;
+    total.second_mass += s.second_mass;
     total.momentum = total.momentum + s.momentum;
     total.centre = total.centre + s.centre;
     total.kinetic_energy += s.kinetic_energy;

@@ -65,6 +65,12 @@ struct Body {
   int points_per_direction = 2;  ///< per cell: gives GIMP points their size
   /// Set for a rigid body: its velocity, which nothing changes [m/s].
   std::optional<Vec3> rigid_velocity;
+  /// How the velocity of this body's points follows the nodes; absent: as `Options` says.
+  std::optional<Transfer> transfer;
+  /// Taken off the pressure in the forces [Pa]. A region that gas fills without a gap feels differences of the pressure
+  /// only: the ambient pressure taken off, gas at rest stays at rest to round-off in every geometry, and a solid
+  /// without stress stands in ambient air without stress.
+  double reference_pressure = 0.0;
 };
 
 /// What fills (a part of) a body.
@@ -108,6 +114,7 @@ struct SurfacePressure {
 struct BodySums {
   long points = 0;
   double mass = 0.0;                  ///< [kg]
+  double second_mass = 0.0;           ///< of it, of the second fluid: gas
   Vec3 momentum{0.0, 0.0, 0.0};       ///< [kg m/s]
   Vec3 centre{0.0, 0.0, 0.0};         ///< of mass [m]
   double kinetic_energy = 0.0;        ///< [J]
@@ -153,6 +160,20 @@ class Mpm {
   /// Tells where in time the calculation stands [s]; the burn and the loads depend on it.
   void set_time(double time);
 
+  /// Points that are lent to a block for the next step, as points of `lent_body`: they give the nodes mass, momentum
+  /// and force as all others do, but their state belongs to somebody else and is not updated. Beside those that
+  /// `fill` adds, only these may lie anywhere in the domain.
+  [[nodiscard]] PointSet& lent(int block) { return lent_[block]; }
+  /// Which body the lent points belong to. To be called before `lent`.
+  void lend_as(int body);
+  /// To be called after the lent points have been changed, before the step.
+  void lending_done() { find_active(); }
+  /// Adds copies of points with the fields of the body; they get new identities.
+  void add(int body, PointSet const& points);
+  /// Takes out the points of a block for which `outside(x)` holds, in their order, and appends them to `to`.
+  void take_out(int block, int body, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to);
+  [[nodiscard]] FieldList const& fields(int body) const { return sets_[body].fields(); }
+
   /// Largest stable step [s] at the given Courant number: courant h / max(sound speed + speed).
   [[nodiscard]] double stable_step() const;
   /// One step. Throws NumericalError when a point's state has lost its meaning.
@@ -184,6 +205,15 @@ class Mpm {
  private:
   struct Workspace;
 
+  /// Calls work(set, body) for the sets of a block that hold points, those lent to it included.
+  template <class Work>
+  void for_sets(int block, Work&& work) {
+    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
+      PointSet& set = points(block, body);
+      if (!set.empty()) work(set, body);
+    }
+    if (lent_body_ >= 0 && !lent_[block].empty()) work(lent_[block], lent_body_);
+  }
   [[nodiscard]] int set_index(int block, int body) const { return block * static_cast<int>(bodies_.size()) + body; }
   void find_active();
   void update_signals();
@@ -212,6 +242,8 @@ class Mpm {
   Options options_;
   std::vector<Body> bodies_;
   std::vector<PointSet> sets_;  ///< block by block, body by body
+  std::vector<PointSet> lent_;  ///< per block
+  int lent_body_ = -1;
   std::vector<long> next_identity_;
   Losses losses_;
   Vec3 constraint_impulse_{0.0, 0.0, 0.0};

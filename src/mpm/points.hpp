@@ -40,8 +40,8 @@ enum class Field : int {
   damage,
   mass_fraction,    ///< of the second fluid: gas
   volume_fraction,  ///< of the second fluid: gas
-  lighting_time,  ///< when the detonation arrives [s]
-  half_x,         ///< half the point's lengths [m], 3: cpGIMP
+  lighting_time,    ///< when the detonation arrives [s]
+  half_x,           ///< half the point's lengths [m], 3: cpGIMP
   half_y,
   half_z,
   affine_xx,  ///< velocity gradient of APIC [1/s], 9, row by row

@@ -133,6 +133,7 @@ struct Kernels {
     std::array<double const*, 6> deviator{};
     for (int c = 0; c < 6 && !v.body->rigid_velocity; ++c) deviator[c] = set.field(Field::deviator_xx + c);
     double const stressed = v.body->rigid_velocity ? 0.0 : 1.0;
+    double const reference = v.body->reference_pressure;
     bool const driven = with_forces && outer.acceleration != nullptr;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       double const* mass = set.field(Field::mass) + begin;
@@ -154,7 +155,7 @@ struct Kernels {
         Lanes4 cz{};
         if constexpr (with_forces) {
           double const own = means == nullptr ? pressure[q] + viscosity[q] : means->mean(begin + q);
-          double const p = stressed * own;
+          double const p = stressed * (own - reference);
           std::array<double, 6> s{-p, -p, -p, 0.0, 0.0, 0.0};
           if (deviator[0] != nullptr) {
             for (int c = 0; c < 6; ++c) s[c] += deviator[c][begin + q];
@@ -236,7 +237,8 @@ struct Kernels {
   static void move(SetView const& v, Options const& options, double dt, NodeState const* nodes) {
     PointSet& set = *v.set;
     double const h = v.h;
-    double const pic = options.transfer == Transfer::flip ? options.pic_fraction : 0.0;
+    Transfer const transfer = v.body->transfer.value_or(options.transfer);
+    double const pic = transfer == Transfer::flip ? options.pic_fraction : 0.0;
     bool const affine = set.field(Field::affine_xx) != nullptr;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       auto const u = vector_at(set, Field::velocity_x, begin);
@@ -394,7 +396,7 @@ struct Kernels {
   static double update(SetView const& v, Options const& options, Hoops const& hoops, double time, double dt,
                        NodeVelocity const* nodes, Scratch& scratch) {
     double fastest = 0.0;
-    if (!options.locking_control) {
+    if (!options.locking_control || !v.body->solid.has_deviator()) {
       for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
         alignas(64) double e[10][chunk];
         strain(v, hoops, dt, begin, n, k, nodes, e);

@@ -89,6 +89,7 @@ struct Mpm::Workspace {
   std::vector<std::optional<Vec3>> rigid;   ///< velocity of rigid grid fields
   std::vector<Law> laws;                    ///< field x field
   bool contact = false;                     ///< more than one field
+  bool filters = false;                     ///< some body uses XPIC
   std::vector<std::vector<Hold>> holds;     ///< per block
   std::vector<NodeArray<NodeState>> state;  ///< block x field, as the points wrote them
   std::vector<NodeArray<NodeVelocity>> velocity;

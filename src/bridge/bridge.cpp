@@ -1,0 +1,680 @@
+#include "bridge/bridge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "gas/closure.hpp"
+
+namespace brisance::bridge {
+
+using mpm::Field;
+
+namespace {
+
+constexpr int group = 64;  // faces or cells that a thread takes at a time
+
+/// Cells whose averages the bridge needs: the ghost cells, then the cells of the region at open boundaries and those
+/// that stand for lent cells there.
+std::vector<Index3> averaged_cells(Region const& region, std::map<Index3, int>& number) {
+  std::vector<Index3> cells = region.ghosts();
+  auto const add = [&](Index3 const& cell) {
+    auto const [found, fresh] = number.try_emplace(cell, static_cast<int>(cells.size()));
+    if (fresh) cells.push_back(cell);
+  };
+  for (Face const& face : region.faces()) {
+    if (face.open) add(face.inside);
+  }
+  for (Index3 const& cell : region.lent()) {
+    Index3 const inner = region.clamped(cell);
+    if (inner != cell && region.inside(inner)) add(inner);
+  }
+  return cells;
+}
+
+/// Gas cells that act as points: of the lent cells those of the domain, and for those beyond an open boundary but not
+/// next to the region the gas cell that stands for them.
+std::vector<Index3> state_cells(Region const& region, std::map<Index3, int>& number) {
+  std::vector<Index3> cells;
+  auto const add = [&](Index3 const& cell) {
+    auto const [found, fresh] = number.try_emplace(cell, static_cast<int>(cells.size()));
+    if (fresh) cells.push_back(cell);
+  };
+  for (Index3 const& cell : region.lent()) {
+    Index3 const inner = region.clamped(cell);
+    if (!region.inside(inner)) add(inner);
+  }
+  // The printed transport takes the mean of both sides of a face.
+  for (Face const& face : region.faces()) {
+    if (!face.open) add(face.inside);
+  }
+  return cells;
+}
+
+grid::Domain refined(grid::Domain domain, int parts) {
+  for (int d = 0; d < domain.dimensions(); ++d) domain.cells[d] *= parts;
+  domain.h /= parts;
+  return domain;
+}
+
+long key_of(grid::Domain const& domain, Index3 const& cell) {
+  return cell[0] + static_cast<long>(domain.cells[0]) * (cell[1] + static_cast<long>(domain.cells[1]) * cell[2]);
+}
+
+}  // namespace
+
+Bridge::Bridge(gas::Gas& gas, mpm::Mpm& points, int gas_body, Region region, Options const& options,
+               gas::MixtureState const& ambient)
+    : gas_(&gas),
+      points_(&points),
+      gas_body_(gas_body),
+      region_(std::move(region)),
+      options_(options),
+      ambient_(ambient),
+      awake_(options.awake),
+      averages_(gas.grid().domain(), points, region_.shift(),
+                [&] {
+                  std::map<Index3, int> number;
+                  return averaged_cells(region_, number);
+                }()),
+      states_(gas.grid(), [&] {
+        std::map<Index3, int> number;
+        return state_cells(region_, number);
+      }()) {
+  std::map<Index3, int> average_of;
+  averaged_cells(region_, average_of);
+  std::map<Index3, int> state_of;
+  state_cells(region_, state_of);
+  grid::Domain const& domain = region_.domain();
+  int const dims = domain.dimensions();
+  ghost_count_ = static_cast<int>(region_.ghosts().size());
+  set_roles();
+  for (Face& face : region_.faces()) {
+    if (!face.open) face.watch = gas.watch(face.side == 0 ? face.outside() : face.inside, face.direction);
+  }
+
+  // Lent cells by the blocks of the points that they lie in.
+  points.lend_as(gas_body);
+  std::map<int, std::vector<LentCell>> by_block;
+  for (Index3 const& cell : region_.lent()) {
+    Index3 const inner = region_.clamped(cell);
+    LentCell lent;
+    lent.cell = cell;
+    if (region_.inside(inner)) {
+      lent.average = average_of.at(inner);
+    } else {
+      lent.state = state_of.at(inner);
+    }
+    Index3 at{0, 0, 0};
+    for (int d = 0; d < dims; ++d) at[d] = cell[d] + region_.shift()[d];
+    by_block[points.grid().block_of(at)].push_back(lent);
+  }
+  for (auto& [block, cells] : by_block) {
+    lent_.push_back({block, std::move(cells)});
+    leaving_blocks_.push_back(block);
+  }
+  for (std::size_t n = 0; n < leaving_blocks_.size(); ++n) leavers_.emplace_back(points.fields(gas_body));
+
+  for (int d = 1; d < dims; ++d) lanes_per_face_ *= options.points_per_direction;
+  auto const& faces = region_.faces();
+  ledger_.resize(faces.size() * lanes_per_face_);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    Lanes lanes;
+    if (faces[f].open) {
+      lanes.average = average_of.at(faces[f].inside);
+    } else {
+      lanes.outside_state = state_of.at(faces[f].outside());
+      lanes.inside_state = state_of.at(faces[f].inside);
+    }
+    lanes_.push_back(lanes);
+    auto [found, fresh] = faces_of_.try_emplace(key_of(domain, faces[f].inside));
+    if (fresh) found->second.fill(-1);
+    found->second[2 * faces[f].direction + faces[f].side] = static_cast<int>(f);
+  }
+
+  // Blocks of points that touch the bridge or its ghost cells.
+  for (int b = 0; b < points.grid().block_count(); ++b) {
+    grid::Block const& block = points.grid().blocks()[b];
+    bool touches = false;
+    for (int k = 0; k < block.n[2] && !touches; ++k) {
+      for (int j = 0; j < block.n[1] && !touches; ++j) {
+        for (int i = 0; i < block.n[0] && !touches; ++i) {
+          Index3 cell{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k};
+          for (int d = 0; d < dims; ++d) cell[d] -= region_.shift()[d];
+          touches = is_forbidden(cell);
+        }
+      }
+    }
+    if (touches) bridge_blocks_.push_back(b);
+  }
+}
+
+bool Bridge::is_forbidden(Index3 const& cell) const {
+  if (region_.clamped(cell) != cell) return false;  // beyond an open boundary: it leaves
+  return region_.layer(cell) <= region_.width() + 2;
+}
+
+void Bridge::set_roles() {
+  grid::Grid const& grid = gas_->grid();
+  for (int b = 0; b < grid.block_count(); ++b) {
+    grid::Block const& block = grid.blocks()[b];
+    std::vector<gas::Role> roles;
+    roles.reserve(block.cell_count());
+    for (int k = 0; k < block.n[2]; ++k) {
+      for (int j = 0; j < block.n[1]; ++j) {
+        for (int i = 0; i < block.n[0]; ++i) {
+          roles.push_back(region_.role({block.origin[0] + i, block.origin[1] + j, block.origin[2] + k}));
+        }
+      }
+    }
+    gas_->set_roles(b, std::move(roles));
+  }
+}
+
+bool Bridge::wake() {
+  if (awake_) return true;
+  auto const& cells = region_.lent();
+  grid::Grid const& grid = gas_->grid();
+  for (Index3 const& cell : cells) {
+    if (region_.clamped(cell) != cell) continue;
+    int const b = grid.block_of(cell);
+    if (!gas_->awake(b)) continue;
+    Index3 const& o = grid.blocks()[b].origin;
+    double const p = gas_->primitive(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]).pressure;
+    if (std::abs(p - ambient_.pressure) > options_.activation) {
+      awake_ = true;
+      points_->set_time(gas_->time());
+      return true;
+    }
+  }
+  return false;
+}
+
+double Bridge::specific_energy(GasState const& s) const {
+  double const Y = s.mass_fraction;
+  return gas::mixture(gas_->fluids(), (1.0 - Y) * s.density, Y * s.density, s.volume_fraction).rho_e(s.pressure) /
+         s.density;
+}
+
+GasState Bridge::state_of(CellSums const& sums) const {
+  gas::Primitive const w = primitive(sums);
+  return {w.density, w.velocity, w.pressure, w.mass_fraction, w.volume_fraction};
+}
+
+gas::Primitive Bridge::primitive(CellSums const& s) const {
+  gas::Primitive w;
+  double const mass = s.mass[0] + s.mass[1];
+  w.density = mass / s.volume;
+  w.velocity = (1.0 / mass) * s.momentum;
+  w.mass_fraction = s.mass[1] / mass;
+  w.volume_fraction = s.volume_second / s.volume;
+  gas::Mixture const m = gas::mixture(gas_->fluids(), s.mass[0] / s.volume, s.mass[1] / s.volume, w.volume_fraction);
+  w.pressure = m.pressure(s.energy / s.volume);
+  w.sound_speed = std::sqrt(std::max(0.0, m.bulk_modulus(w.pressure)) / w.density);
+  return w;
+}
+
+void Bridge::lend_nodes_to_ghosts() {
+  averages_.compute(*points_, gas_body_);
+  grid::Grid const& grid = gas_->grid();
+  auto const& sums = averages_.sums();
+  for (int n = 0; n < ghost_count_; ++n) {
+    Index3 const& cell = region_.ghosts()[n];
+    CellSums const& s = sums[n];
+    // Next to solids a ghost cell of the ghost cells may hold hardly any gas: it keeps what it has.
+    if (s.volume < 0.1 * grid.domain().cell_volume(cell[0])) continue;
+    int const b = grid.block_of(cell);
+    grid::Block const& block = grid.blocks()[b];
+    double const inverse = 1.0 / s.volume;
+    double const rho = (s.mass[0] + s.mass[1]) * inverse;
+    Vec3 const momentum = inverse * s.momentum;
+    double const total = s.energy * inverse + 0.5 * dot(momentum, momentum) / rho;
+    gas_->set_conserved(b,
+                        block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]),
+                        s.mass[0] * inverse, s.mass[1] * inverse, momentum, total, s.volume_second * inverse);
+    gas_->wake(b);
+  }
+  if (dot(ambient_.velocity, ambient_.velocity) > 0.0) {
+    // Blocks that sleep in a uniform wind would not tell what flows through their faces.
+    for (Face const& face : region_.faces()) {
+      if (!face.open) gas_->wake(grid.block_of(face.outside()));
+    }
+  }
+}
+
+void Bridge::lend_cell(LentCell const& lent, double part, mpm::PointSet& set) const {
+  GasState centre;
+  GasSlopes slopes;
+  if (lent.state >= 0) {
+    states_.at(lent.state, part, centre, slopes);
+  } else {
+    CellSums const& s = averages_.sums()[lent.average];
+    if (s.volume < 0.1 * region_.domain().cell_volume(region_.clamped(lent.cell)[0])) return;  // a solid lies there
+    centre = state_of(s);
+  }
+  grid::Domain const& domain = region_.domain();
+  int const parts = options_.points_per_direction;
+  int const dims = domain.dimensions();
+  Index3 n{1, 1, 1};
+  for (int d = 0; d < dims; ++d) n[d] = parts;
+  double const half = 0.5 * domain.h / parts;
+  for (int k = 0; k < n[2]; ++k) {
+    for (int j = 0; j < n[1]; ++j) {
+      for (int i = 0; i < n[0]; ++i) {
+        Index3 const sub{i, j, k};
+        Vec3 offset{0.0, 0.0, 0.0};
+        Vec3 x = domain.centre({0, 0, 0});
+        for (int d = 0; d < dims; ++d) {
+          offset[d] = (sub[d] + 0.5) / parts - 0.5;
+          x[d] = domain.lower[d] + (lent.cell[d] + (sub[d] + 0.5) / parts) * domain.h;
+        }
+        GasState const s = at_offset(centre, slopes, offset);
+        int const q = set.append();
+        for (int d = 0; d < 3; ++d) {
+          set.field(Field::position_x + d)[q] = x[d];
+          set.field(Field::velocity_x + d)[q] = s.velocity[d];
+          if (double* h = set.field(Field::half_x + d)) h[q] = half;
+          if (double* filtered = set.field(Field::filtered_x + d)) filtered[q] = 0.0;
+        }
+        if (set.field(Field::affine_xx) != nullptr) {
+          for (int r = 0; r < 3; ++r) {
+            for (int c = 0; c < dims; ++c) {
+              set.field(Field::affine_xx + (3 * r + c))[q] = slopes.velocity[c][r] / domain.h;
+            }
+          }
+        }
+        set.field(Field::density)[q] = s.density;
+        set.field(Field::pressure)[q] = s.pressure;
+        set.field(Field::mass)[q] = s.density * standard_volume(lent.cell, sub);
+      }
+    }
+  }
+}
+
+double Bridge::standard_volume(Index3 const& cell, Index3 const& sub) const {
+  int const parts = options_.points_per_direction;
+  // Beyond an open boundary at a negative radius there is nothing.
+  return std::abs(refined(region_.domain(), parts).cell_volume(cell[0] * parts + sub[0]));
+}
+
+void Bridge::lend_cells_to_nodes(double part) {
+  parallel_for(static_cast<int>(lent_.size()), [&](int n, int) {
+    mpm::PointSet& set = points_->lent(lent_[n].block);
+    set.reorder({});
+    for (LentCell const& cell : lent_[n].cells) lend_cell(cell, part, set);
+  });
+  points_->lending_done();
+}
+
+int Bridge::find_face(Index3 const& inside, int direction, int side) const {
+  auto const found = faces_of_.find(key_of(region_.domain(), inside));
+  return found == faces_of_.end() ? -1 : found->second[2 * direction + side];
+}
+
+int Bridge::lane_of(int face, Vec3 const& x) const {
+  Face const& f = region_.faces()[face];
+  grid::Domain const& domain = region_.domain();
+  int const parts = options_.points_per_direction;
+  int lane = 0;
+  int stride = 1;
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    if (d == f.direction) continue;
+    double const u = (x[d] - domain.lower[d]) / domain.h - f.inside[d];
+    lane += stride * std::clamp(static_cast<int>(std::floor(u * parts)), 0, parts - 1);
+    stride *= parts;
+  }
+  return lane;
+}
+
+Index3 Bridge::sub_cell(int face, int lane) const {
+  Face const& f = region_.faces()[face];
+  int const parts = options_.points_per_direction;
+  Index3 sub{0, 0, 0};
+  for (int d = 0; d < region_.domain().dimensions(); ++d) {
+    if (d == f.direction) {
+      sub[d] = f.side == 0 ? 0 : parts - 1;
+    } else {
+      sub[d] = lane % parts;
+      lane /= parts;
+    }
+  }
+  return sub;
+}
+
+double Bridge::lane_area(int face, int lane) const {
+  Face const& f = region_.faces()[face];
+  int const parts = options_.points_per_direction;
+  Index3 const sub = sub_cell(face, lane);
+  int i = f.inside[0] * parts + sub[0];
+  if (f.direction == 0 && f.side == 1) ++i;
+  return refined(region_.domain(), parts).face_area(f.direction, i);
+}
+
+Ledger Bridge::carried(mpm::PointSet const& set, int q) const {
+  double const m = set.field(Field::mass)[q];
+  double const* second = set.field(Field::mass_fraction);
+  double const m1 = second == nullptr ? 0.0 : m * second[q];
+  Ledger l;
+  l.mass = {m - m1, m1};
+  double square = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    double const v = set.field(Field::velocity_x + d)[q];
+    l.momentum[d] = m * v;
+    square += v * v;
+  }
+  l.energy = m * (set.field(Field::energy)[q] + 0.5 * square);
+  return l;
+}
+
+Index3 Bridge::cell_at(Vec3 const& x) const {
+  grid::Domain const& domain = region_.domain();
+  Index3 cell{0, 0, 0};
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    // By the grid of the points, as they are sorted into it.
+    grid::Domain const& own = region_.points_domain();
+    cell[d] = static_cast<int>(std::floor((x[d] - own.lower[d]) / own.h)) - region_.shift()[d];
+  }
+  return cell;
+}
+
+int Bridge::crossed_face(Vec3 const& x, Vec3 const& move) const {
+  int const dims = region_.domain().dimensions();
+  Index3 const to = cell_at(x);
+  Index3 cell = cell_at(x - move);
+  for (int d = 0; d < dims; ++d) {
+    if (std::abs(cell[d] - to[d]) > 1) cell[d] = to[d];  // came around a periodic direction
+  }
+  if (!region_.inside(cell)) {
+    // By round-off it did not start inside: the nearest cell of the region next to where it is.
+    Index3 const reach{dims > 0 ? 1 : 0, dims > 1 ? 1 : 0, dims > 2 ? 1 : 0};
+    int nearest = 4;
+    for (int k = -reach[2]; k <= reach[2]; ++k) {
+      for (int j = -reach[1]; j <= reach[1]; ++j) {
+        for (int i = -reach[0]; i <= reach[0]; ++i) {
+          Index3 const there{to[0] + i, to[1] + j, to[2] + k};
+          int const distance = std::abs(i) + std::abs(j) + std::abs(k);
+          if (distance >= nearest || !region_.inside(there)) continue;
+          nearest = distance;
+          cell = there;
+        }
+      }
+    }
+    if (nearest == 4) throw NumericalError("a gas point left the MPM region by more than a cell in one step");
+  }
+  for (int d = 0; d < dims; ++d) {
+    while (cell[d] != to[d]) {
+      int const side = to[d] > cell[d] ? 1 : 0;
+      Index3 next = cell;
+      next[d] += side == 0 ? -1 : 1;
+      if (!region_.inside(next)) return find_face(cell, d, side);
+      cell = next;
+    }
+  }
+  return -1;
+}
+
+void Bridge::take_leavers() {
+  parallel_for(static_cast<int>(leaving_blocks_.size()), [&](int n, int) {
+    leavers_[n].reorder({});
+    points_->take_out(
+        leaving_blocks_[n], gas_body_,
+        [&](mpm::PointSet const& set, int q) {
+          Vec3 const x{set.field(Field::position_x)[q], set.field(Field::position_y)[q],
+                       set.field(Field::position_z)[q]};
+          return !region_.inside(cell_at(x));
+        },
+        leavers_[n]);
+  });
+  for (mpm::PointSet const& set : leavers_) {
+    for (int q = 0; q < set.size(); ++q) {
+      Vec3 x{0.0, 0.0, 0.0};
+      Vec3 move{0.0, 0.0, 0.0};
+      for (int d = 0; d < 3; ++d) {
+        x[d] = set.field(Field::position_x + d)[q];
+        move[d] = set.field(Field::move_x + d)[q];
+      }
+      int const face = crossed_face(x, move);
+      Ledger const load = carried(set, q);
+      ++traffic_.left;
+      Face const& f = region_.faces()[face];
+      if (f.open) {
+        traffic_.outflow.add(load);
+      } else if (options_.transport == Transport::ledger) {
+        ledger_[static_cast<std::size_t>(face) * lanes_per_face_ + lane_of(face, x)].add(load);
+      } else {
+        add_to_cell(f.outside(), load);
+      }
+    }
+  }
+}
+
+/// [Cui14] Eqs. (49)-(51).
+void Bridge::add_to_cell(Index3 const& cell, Ledger const& load) {
+  grid::Grid const& grid = gas_->grid();
+  int const b = grid.block_of(cell);
+  grid::Block const& block = grid.blocks()[b];
+  int const at = block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
+  double const inverse = 1.0 / grid.domain().cell_volume(cell[0]);
+  grid::Fields& u = gas_->fields();
+  u.at(b, gas::density)[at] += inverse * load.mass[0];
+  for (int d = 0; d < 3; ++d) u.at(b, gas::momentum_x + d)[at] += inverse * load.momentum[d];
+  u.at(b, gas::energy)[at] += inverse * load.energy;
+  if (gas_->fluids().two) u.at(b, gas::second_density)[at] += inverse * load.mass[1];
+  gas_->wake(b);
+}
+
+void Bridge::add_fluxes(double share, double dt) {
+  auto const& faces = region_.faces();
+  auto const& watched = gas_->watched();
+  Traffic& t = traffic_;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    Face const& face = faces[f];
+    double const sign = face.side == 0 ? share : -share;
+    if (!face.open) {
+      gas::FaceFlux const& flux = watched[face.watch];
+      if (flux.impulse == 0.0) continue;  // both sides sleep
+      Ledger const per_area{flux.mass, flux.momentum, flux.energy};
+      double area = 0.0;
+      for (int lane = 0; lane < lanes_per_face_; ++lane) {
+        double const a = lane_area(static_cast<int>(f), lane);
+        area += a;
+        if (options_.transport == Transport::ledger) ledger_[f * lanes_per_face_ + lane].add(per_area, sign * a);
+      }
+      t.pressure_work += sign * area * flux.work;
+      t.pressure_impulse[face.direction] += sign * area * flux.impulse;
+      continue;
+    }
+    // An open boundary: the gas beyond is what it is on this side.
+    CellSums const& sums = averages_.sums()[lanes_[f].average];
+    if (sums.volume < 0.1 * region_.domain().cell_volume(face.inside[0])) continue;
+    GasState const s = state_of(sums);
+    double const inward = face.inward(s.velocity);
+    double const e = specific_energy(s) + 0.5 * dot(s.velocity, s.velocity);
+    for (int lane = 0; lane < lanes_per_face_; ++lane) {
+      double const a = lane_area(static_cast<int>(f), lane) * dt;
+      t.outflow.energy -= a * inward * s.pressure;
+      if (inward <= 0.0) continue;
+      double const mass = a * inward * s.density;
+      Ledger const in{{mass * (1.0 - s.mass_fraction), mass * s.mass_fraction}, mass * s.velocity, mass * e};
+      ledger_[f * lanes_per_face_ + lane].add(in);
+      t.outflow.add(in, -1.0);
+    }
+  }
+}
+
+GasState Bridge::donor_state(int face, int lane) const {
+  if (lanes_[face].average >= 0) return state_of(averages_.sums()[lanes_[face].average]);
+  Face const& f = region_.faces()[face];
+  GasState centre;
+  GasSlopes slopes;
+  states_.at(lanes_[face].outside_state, 1.0, centre, slopes);
+  Index3 const sub = sub_cell(face, lane);
+  Vec3 offset{0.0, 0.0, 0.0};
+  for (int d = 0; d < region_.domain().dimensions(); ++d) {
+    offset[d] = d == f.direction ? (f.side == 0 ? 0.5 : -0.5) : (sub[d] + 0.5) / options_.points_per_direction - 0.5;
+  }
+  return at_offset(centre, slopes, offset);
+}
+
+void Bridge::append_point(int face, int lane, double depth, double mass, GasState const& s, mpm::PointSet& to) const {
+  Face const& f = region_.faces()[face];
+  grid::Domain const& domain = region_.domain();
+  int const parts = options_.points_per_direction;
+  Index3 const sub = sub_cell(face, lane);
+  int const q = to.append();
+  for (int d = 0; d < 3; ++d) {
+    double x = domain.centre({0, 0, 0})[d];
+    if (d < domain.dimensions()) {
+      x = domain.lower[d] + (f.inside[d] + (sub[d] + 0.5) / parts) * domain.h;
+      if (d == f.direction) {
+        double const least = 1e-9 * domain.h;  // inside, whatever the round-off
+        double const at = std::clamp(depth, least, domain.h - least);
+        x = domain.lower[d] + (f.inside[d] + f.side) * domain.h + (f.side == 0 ? at : -at);
+      }
+    }
+    to.field(Field::position_x + d)[q] = x;
+    to.field(Field::velocity_x + d)[q] = s.velocity[d];
+    if (double* half = to.field(Field::half_x + d)) half[q] = 0.5 * domain.h / parts;
+  }
+  to.field(Field::mass)[q] = mass;
+  to.field(Field::density)[q] = s.density;
+  to.field(Field::pressure)[q] = s.pressure;
+  to.field(Field::energy)[q] = specific_energy(s);
+  if (double* Y = to.field(Field::mass_fraction)) Y[q] = s.mass_fraction;
+  if (double* alpha = to.field(Field::volume_fraction)) alpha[q] = s.volume_fraction;
+}
+
+namespace {
+
+/// The same gas with another mass fraction of the second fluid: pressure and the fluids' own densities stay.
+GasState with_mass_fraction(GasState s, double Y) {
+  if (Y == s.mass_fraction || s.volume_fraction <= gas::vanishing_fraction ||
+      s.volume_fraction >= 1.0 - gas::vanishing_fraction) {
+    return s;
+  }
+  double const first = (1.0 - s.mass_fraction) * s.density / (1.0 - s.volume_fraction);
+  double const second = s.mass_fraction * s.density / s.volume_fraction;
+  double const v0 = (1.0 - Y) / first;
+  double const v1 = Y / second;
+  s.mass_fraction = Y;
+  s.density = 1.0 / (v0 + v1);
+  s.volume_fraction = v1 / (v0 + v1);
+  return s;
+}
+
+constexpr int most_births = 16;  // of one lane in one step: more is not met within the Courant limit
+
+}  // namespace
+
+void Bridge::give_birth() {
+  auto const& faces = region_.faces();
+  int const count = static_cast<int>(faces.size());
+  int const groups = (count + group - 1) / group;
+  std::vector<mpm::PointSet> born(groups);
+  double const spacing = region_.domain().h / options_.points_per_direction;
+  parallel_for(groups, [&](int g, int) {
+    for (int f = g * group; f < std::min(count, (g + 1) * group); ++f) {
+      for (int lane = 0; lane < lanes_per_face_; ++lane) {
+        Ledger& account = ledger_[static_cast<std::size_t>(f) * lanes_per_face_ + lane];
+        if (account.total() <= 0.0) continue;
+        if (lanes_[f].average >= 0 && averages_.sums()[lanes_[f].average].volume <= 0.0) continue;
+        GasState const donor = donor_state(f, lane);
+        if (faces[f].inward(donor.velocity) <= 0.0) continue;
+        double const standard = donor.density * standard_volume(faces[f].inside, sub_cell(f, lane));
+        for (int n = 0; n < most_births && account.total() >= 0.5 * standard; ++n) {
+          // What is left of the ledger after the birth is to have the donor's composition.
+          double const left = account.total() - standard;
+          double const Y = std::clamp((account.mass[1] - donor.mass_fraction * left) / standard, 0.0, 1.0);
+          GasState const state = with_mass_fraction(donor, Y);
+          double const depth = (account.total() / standard - 0.5) * spacing;
+          if (born[g].fields().size() == 0) born[g] = mpm::PointSet(points_->fields(gas_body_));
+          append_point(f, lane, depth, standard, state, born[g]);
+          account.add(carried(born[g], born[g].size() - 1), -1.0);
+        }
+      }
+    }
+  });
+  for (mpm::PointSet const& set : born) {
+    if (set.empty()) continue;
+    points_->add(gas_body_, set);
+    traffic_.born += set.size();
+  }
+}
+
+/// [Cui14] Eqs. (40)-(48).
+void Bridge::give_birth_as_printed(double dt) {
+  auto const& faces = region_.faces();
+  mpm::PointSet born(points_->fields(gas_body_));
+  for (int f = 0; f < static_cast<int>(faces.size()); ++f) {
+    if (faces[f].open) continue;
+    GasState const& outside = states_.later(lanes_[f].outside_state);
+    GasState const& inside = states_.later(lanes_[f].inside_state);
+    double const density = 0.5 * (outside.density + inside.density);                   // (40)
+    double const speed = faces[f].inward(0.5 * (outside.velocity + inside.velocity));  // (41)
+    if (speed <= 0.0) continue;
+    double area = 0.0;
+    for (int lane = 0; lane < lanes_per_face_; ++lane) area += lane_area(f, lane);
+    double const flux = density * speed * area * dt;  // (43)
+    double const existing = density * standard_volume(faces[f].inside, sub_cell(f, 0));
+    int const rows = std::max(1, static_cast<int>(std::ceil(flux / existing / lanes_per_face_)));  // (45)
+    double const mass = flux / (rows * lanes_per_face_);                                           // (46)
+    for (int row = 0; row < rows; ++row) {
+      double const depth = speed * dt * (row + 1.0) / rows;                                                  // (47)
+      for (int lane = 0; lane < lanes_per_face_; ++lane) append_point(f, lane, depth, mass, outside, born);  // (48)
+    }
+  }
+  points_->add(gas_body_, born);
+  traffic_.born += born.size();
+}
+
+std::string Bridge::intruder() const {
+  std::vector<std::string> trouble(bridge_blocks_.size());
+  parallel_for(static_cast<int>(bridge_blocks_.size()), [&](int n, int) {
+    for (int body = 0; body < static_cast<int>(points_->bodies().size()); ++body) {
+      if (body == gas_body_) continue;
+      mpm::PointSet const& set = points_->points(bridge_blocks_[n], body);
+      for (int q = 0; q < set.size(); ++q) {
+        Vec3 const x{set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]};
+        if (!is_forbidden(cell_at(x))) continue;
+        trouble[n] = fmt::format(
+            "body \"{}\" has come to the bridge at ({:.6g}, {:.6g}, {:.6g}) m; the MPM region must reach further: "
+            "solids keep "
+            "{} cells away from its faces",
+            points_->bodies()[body].name, x[0], x[1], x[2], region_.width() + 2);
+        return;
+      }
+    }
+  });
+  auto const first = std::find_if(trouble.begin(), trouble.end(), [](std::string const& text) { return !text.empty(); });
+  return first == trouble.end() ? std::string{} : *first;
+}
+
+void Bridge::exchange(double share, double dt) {
+  take_leavers();
+  add_fluxes(share, dt);
+  if (options_.transport == Transport::ledger) {
+    give_birth();
+  } else {
+    give_birth_as_printed(dt);
+  }
+  std::string const solid = intruder();
+  if (!solid.empty()) throw NumericalError(solid);
+}
+
+Ledger Bridge::ledger() const {
+  Ledger sum;
+  for (Ledger const& account : ledger_) sum.add(account);
+  return sum;
+}
+
+std::vector<CellSums> Bridge::gas_in(std::vector<Index3> const& cells) const {
+  Averages averages(region_.domain(), *points_, region_.shift(), cells);
+  averages.compute(*points_, gas_body_);
+  return averages.sums();
+}
+
+}  // namespace brisance::bridge
