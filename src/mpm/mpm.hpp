@@ -65,6 +65,9 @@ struct Body {
   int points_per_direction = 2;  ///< per cell: gives GIMP points their size
   /// Set for a rigid body: its velocity, which nothing changes [m/s].
   std::optional<Vec3> rigid_velocity;
+  /// Coefficients of the bulk viscosity that differ from those of the options.
+  std::optional<double> linear_viscosity;
+  std::optional<double> quadratic_viscosity;
 };
 
 /// What fills (a part of) a body.
@@ -75,6 +78,9 @@ struct Filling {
   /// State that differs from the solid's own.
   std::optional<double> density;          ///< [kg/m3]
   std::optional<double> specific_energy;  ///< [J/kg]
+  /// Composition, of bodies that mix two fluids.
+  double mass_fraction = 0.0;    ///< of the second fluid
+  double volume_fraction = 0.0;  ///< of the second fluid
 };
 
 /// Velocity components of the nodes in a part of space are prescribed.
