@@ -45,7 +45,29 @@ FieldList fields_of(Body const& body, Options const& options) {
   if (solid.heats()) fields.add(Field::temperature);
   if (solid.damages()) fields.add(Field::damage);
   if (solid.burns()) fields.add(Field::lighting_time);
+  if (solid.mixes() && solid.mixture->two) {
+    fields.add(Field::mass_fraction);
+    fields.add(Field::volume_fraction);
+  }
   return fields;
+}
+
+/// Throws InputError where a filling's composition is none, or none that the body can have.
+void check_composition(Body const& body, Filling const& filling) {
+  double const Y = filling.mass_fraction;
+  double const alpha = filling.volume_fraction;
+  if (!(Y >= 0.0 && Y <= 1.0 && alpha >= 0.0 && alpha <= 1.0)) {
+    throw InputError(fmt::format(
+        "points of body \"{}\": the mass fraction {:.6g} and the volume fraction {:.6g} lie between 0 and 1", body.name,
+        Y, alpha));
+  }
+  bool const mixes = body.solid.mixes() && body.solid.mixture->two;
+  if (!mixes && (Y > 0.0 || alpha > 0.0)) {
+    throw InputError(fmt::format(
+        "points of body \"{}\" cannot hold a second fluid (mass fraction {:.6g}, volume fraction {:.6g}): its "
+        "material mixes no two fluids",
+        body.name, Y, alpha));
+  }
 }
 
 /// Number of the 27 blocks around a block: offsets -1, 0, 1 per direction.
@@ -223,9 +245,10 @@ void Mpm::fill(int body, Filling const& filling) {
   material::Solid const& solid = b.solid;
   double const density = filling.density.value_or(solid.density);
   double const energy = filling.specific_energy.value_or(solid.specific_energy);
-  bool const burns = solid.burns();
-  double const pressure =
-      burns ? 0.0 : std::visit([&](auto const& eos) { return material::pressure(eos, density, energy); }, solid.eos);
+  double const Y = filling.mass_fraction;
+  double const alpha = filling.volume_fraction;
+  check_composition(b, filling);
+  double const pressure = solid.burns() ? 0.0 : material::pressure(solid, density, energy, Y, alpha);
   for (std::size_t n = 0; n < filling.positions.size(); ++n) {
     Vec3 const& x = filling.positions[n];
     for (int d = 0; d < domain.dimensions(); ++d) {
@@ -248,6 +271,8 @@ void Mpm::fill(int body, Filling const& filling) {
     set.field(Field::identity)[q] = static_cast<double>(next_identity_[body]++);
     if (double* temperature = set.field(Field::temperature)) temperature[q] = solid.temperature;
     if (double* lighting = set.field(Field::lighting_time)) lighting[q] = std::numeric_limits<double>::max();
+    if (double* fraction = set.field(Field::mass_fraction)) fraction[q] = Y;
+    if (double* fraction = set.field(Field::volume_fraction)) fraction[q] = alpha;
   }
   find_active();
   update_signals();
@@ -348,14 +373,18 @@ void Mpm::update_signals() {
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
       PointSet const& set = points(block, body);
       material::Solid const& solid = bodies_[body].solid;
+      double const* mass_fraction = set.field(Field::mass_fraction);
+      double const* volume_fraction = set.field(Field::volume_fraction);
       for (int q = 0; q < set.size(); ++q) {
+        double const Y = mass_fraction == nullptr ? 0.0 : mass_fraction[q];
+        double const alpha = volume_fraction == nullptr ? 0.0 : volume_fraction[q];
         double const speed = norm(
             Vec3{set.field(Field::velocity_x)[q], set.field(Field::velocity_y)[q], set.field(Field::velocity_z)[q]});
-        double const sound =
-            bodies_[body].rigid_velocity
-                ? 0.0
-                : std::max(material::sound_speed(solid, set.field(Field::density)[q], set.field(Field::pressure)[q]),
-                           solid.detonation_speed);
+        double const sound = bodies_[body].rigid_velocity
+                                 ? 0.0
+                                 : std::max(material::sound_speed(solid, set.field(Field::density)[q],
+                                                                  set.field(Field::pressure)[q], Y, alpha),
+                                            solid.detonation_speed);
         fastest = std::max(fastest, speed + sound);
       }
     }

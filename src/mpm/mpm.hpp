@@ -71,6 +71,9 @@ struct Body {
   /// only: the ambient pressure taken off, gas at rest stays at rest to round-off in every geometry, and a solid
   /// without stress stands in ambient air without stress.
   double reference_pressure = 0.0;
+  /// Coefficients of the bulk viscosity that differ from those of the options.
+  std::optional<double> linear_viscosity;
+  std::optional<double> quadratic_viscosity;
 };
 
 /// What fills (a part of) a body.
@@ -81,6 +84,9 @@ struct Filling {
   /// State that differs from the solid's own.
   std::optional<double> density;          ///< [kg/m3]
   std::optional<double> specific_energy;  ///< [J/kg]
+  /// Composition, of bodies that mix two fluids.
+  double mass_fraction = 0.0;    ///< of the second fluid
+  double volume_fraction = 0.0;  ///< of the second fluid
 };
 
 /// Velocity components of the nodes in a part of space are prescribed.

@@ -372,7 +372,11 @@ struct Kernels {
     arrays.temperature = at(Field::temperature);
     arrays.damage = at(Field::damage);
     arrays.sound_speed = sound;
-    material::update_stress(v.body->solid, arrays, {dt, v.h, options.linear_viscosity, options.quadratic_viscosity});
+    arrays.mass_fraction = at(Field::mass_fraction);
+    arrays.volume_fraction = at(Field::volume_fraction);
+    material::update_stress(v.body->solid, arrays,
+                            {dt, v.h, v.body->linear_viscosity.value_or(options.linear_viscosity),
+                             v.body->quadratic_viscosity.value_or(options.quadratic_viscosity)});
     for (int d = 0; d < D; ++d) {
       double* half = at(Field::half_x + d);
       if (half == nullptr) continue;
