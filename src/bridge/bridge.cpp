@@ -136,6 +136,13 @@ Bridge::Bridge(gas::Gas& gas, mpm::Mpm& points, int gas_body, Region region, Opt
     found->second[2 * faces[f].direction + faces[f].side] = static_cast<int>(f);
   }
 
+  for (LentBlock& block : lent_) {
+    for (LentCell& cell : block.cells) cell.face = faces_before(cell.cell);
+  }
+
+  find_neighbours();
+  outwards_.assign(faces.size(), 0);
+
   // Blocks of points that touch the bridge or its ghost cells.
   for (int b = 0; b < points.grid().block_count(); ++b) {
     grid::Block const& block = points.grid().blocks()[b];
@@ -246,15 +253,44 @@ void Bridge::lend_nodes_to_ghosts() {
   }
 }
 
-void Bridge::lend_cell(LentCell const& lent, double part, mpm::PointSet& set) const {
+std::array<int, 3> Bridge::faces_before(Index3 const& cell) const {
+  int const dims = region_.domain().dimensions();
+  // The nearest cell of the region, with as few directions to go as can be.
+  Index3 reach{0, 0, 0};
+  for (int d = 0; d < dims; ++d) reach[d] = 3;
+  int best = 1000;
+  Index3 offset{0, 0, 0};
+  for (int k = -reach[2]; k <= reach[2]; ++k) {
+    for (int j = -reach[1]; j <= reach[1]; ++j) {
+      for (int i = -reach[0]; i <= reach[0]; ++i) {
+        int const distance = i * i + j * j + k * k;
+        if (distance >= best || !region_.inside({cell[0] + i, cell[1] + j, cell[2] + k})) continue;
+        best = distance;
+        offset = {i, j, k};
+      }
+    }
+  }
+  std::array<int, 3> faces{-1, -1, -1};
+  Index3 const inside{cell[0] + offset[0], cell[1] + offset[1], cell[2] + offset[2]};
+  for (int d = 0; d < dims; ++d) {
+    if (offset[d] != 0) faces[d] = find_face(inside, d, offset[d] > 0 ? 0 : 1);
+  }
+  return faces;
+}
+
+void Bridge::lend_cell(LentCell const& lent, double begin, double end, mpm::PointSet& set) const {
   GasState centre;
   GasSlopes slopes;
+  GasState next;
+  GasSlopes next_slopes;
   if (lent.state >= 0) {
-    states_.at(lent.state, part, centre, slopes);
+    states_.at(lent.state, begin, centre, slopes);
+    states_.at(lent.state, end, next, next_slopes);
   } else {
     CellSums const& s = averages_.sums()[lent.average];
     if (s.volume < 0.1 * region_.domain().cell_volume(region_.clamped(lent.cell)[0])) return;  // a solid lies there
     centre = state_of(s);
+    next = centre;
   }
   grid::Domain const& domain = region_.domain();
   int const parts = options_.points_per_direction;
@@ -272,11 +308,24 @@ void Bridge::lend_cell(LentCell const& lent, double part, mpm::PointSet& set) co
           offset[d] = (sub[d] + 0.5) / parts - 0.5;
           x[d] = domain.lower[d] + (lent.cell[d] + (sub[d] + 0.5) / parts) * domain.h;
         }
+        for (int d = 0; d < dims; ++d) {
+          if (lent.face[d] < 0) continue;
+          // The gas that the ledger holds fills this length before the face, or lacks there.
+          int const lane = lane_of(lent.face[d], x);
+          double const held = ledger_[static_cast<std::size_t>(lent.face[d]) * lanes_per_face_ + lane].total();
+          double const length = held / (centre.density * lane_area(lent.face[d], lane));
+          double const inwards = region_.faces()[lent.face[d]].side == 0 ? 1.0 : -1.0;
+          double const shift = inwards * std::clamp(length, -2.0 * half, 2.0 * half);
+          x[d] += shift;
+          offset[d] += shift / domain.h;
+        }
         GasState const s = at_offset(centre, slopes, offset);
+        GasState const later = at_offset(next, next_slopes, offset);
         int const q = set.append();
         for (int d = 0; d < 3; ++d) {
           set.field(Field::position_x + d)[q] = x[d];
           set.field(Field::velocity_x + d)[q] = s.velocity[d];
+          set.field(Field::next_x + d)[q] = later.velocity[d];
           if (double* h = set.field(Field::half_x + d)) h[q] = half;
           if (double* filtered = set.field(Field::filtered_x + d)) filtered[q] = 0.0;
         }
@@ -301,11 +350,11 @@ double Bridge::standard_volume(Index3 const& cell, Index3 const& sub) const {
   return std::abs(refined(region_.domain(), parts).cell_volume(cell[0] * parts + sub[0]));
 }
 
-void Bridge::lend_cells_to_nodes(double part) {
+void Bridge::lend_cells_to_nodes(double begin, double end) {
   parallel_for(static_cast<int>(lent_.size()), [&](int n, int) {
     mpm::PointSet& set = points_->lent(lent_[n].block);
     set.reorder({});
-    for (LentCell const& cell : lent_[n].cells) lend_cell(cell, part, set);
+    for (LentCell const& cell : lent_[n].cells) lend_cell(cell, begin, end, set);
   });
   points_->lending_done();
 }
@@ -343,6 +392,73 @@ Index3 Bridge::sub_cell(int face, int lane) const {
     }
   }
   return sub;
+}
+
+int Bridge::lane_at(int face, Index3 const& sub) const {
+  int lane = 0;
+  int stride = 1;
+  for (int d = 0; d < region_.domain().dimensions(); ++d) {
+    if (d == region_.faces()[face].direction) continue;
+    lane += stride * sub[d];
+    stride *= options_.points_per_direction;
+  }
+  return lane;
+}
+
+void Bridge::find_neighbours() {
+  auto const& faces = region_.faces();
+  int const dims = region_.domain().dimensions();
+  int const parts = options_.points_per_direction;
+  lane_neighbours_.assign(ledger_.size(), {-1, -1, -1, -1});
+  for (int f = 0; f < static_cast<int>(faces.size()); ++f) {
+    Face const& face = faces[f];
+    if (face.open) continue;
+    for (int lane = 0; lane < lanes_per_face_; ++lane) {
+      Index3 const sub = sub_cell(f, lane);
+      auto& neighbours = lane_neighbours_[static_cast<std::size_t>(f) * lanes_per_face_ + lane];
+      int n = 0;
+      for (int d = 0; d < dims; ++d) {
+        if (d == face.direction) continue;
+        for (int side = 0; side < 2; ++side, ++n) {
+          int other = f;
+          Index3 there = sub;
+          there[d] += side == 0 ? -1 : 1;
+          if (there[d] < 0 || there[d] >= parts) {
+            // The next face of the same direction, or the one around the edge.
+            Index3 next = face.inside;
+            next[d] += side == 0 ? -1 : 1;
+            there[d] = side == 0 ? parts - 1 : 0;
+            other = region_.inside(next) ? find_face(next, face.direction, face.side) : -1;
+            if (other < 0) {
+              other = find_face(face.inside, d, side);
+              there = sub;
+            }
+          }
+          if (other < 0 || faces[other].open) continue;
+          neighbours[n] = other * lanes_per_face_ + lane_at(other, there);
+        }
+      }
+    }
+  }
+}
+
+/// Where gas flows out at an angle, points leave through other lanes than the fluxes say: rows of points cross a face in
+/// few places, the flux does so evenly. Without an exchange along the surface the accounts would drift apart without
+/// bound. Half of the difference to the neighbours is evened out in every step; not where gas flows in, for points are
+/// born there when their lane is ripe, and lanes in step make regular rows.
+void Bridge::level_ledger() {
+  if (region_.domain().dimensions() == 1) return;
+  double const rate = 0.5 / (2.0 * (region_.domain().dimensions() - 1));
+  levelled_ = ledger_;
+  auto const flows_out = [&](std::size_t lane) { return outwards_[lane / lanes_per_face_] != 0; };
+  for (std::size_t n = 0; n < ledger_.size(); ++n) {
+    if (!flows_out(n)) continue;
+    for (int const other : lane_neighbours_[n]) {
+      if (other < 0 || !flows_out(other)) continue;
+      ledger_[n].add(levelled_[other], rate);
+      ledger_[n].add(levelled_[n], -rate);
+    }
+  }
 }
 
 double Bridge::lane_area(int face, int lane) const {
@@ -477,6 +593,7 @@ void Bridge::add_fluxes(double share, double dt) {
     if (!face.open) {
       gas::FaceFlux const& flux = watched[face.watch];
       if (flux.impulse == 0.0) continue;  // both sides sleep
+      outwards_[f] = sign * (flux.mass[0] + flux.mass[1]) < 0.0 ? 1 : 0;
       Ledger const per_area{flux.mass, flux.momentum, flux.energy};
       double area = 0.0;
       for (int lane = 0; lane < lanes_per_face_; ++lane) {
@@ -657,6 +774,7 @@ void Bridge::exchange(double share, double dt) {
   take_leavers();
   add_fluxes(share, dt);
   if (options_.transport == Transport::ledger) {
+    level_ledger();
     give_birth();
   } else {
     give_birth_as_printed(dt);

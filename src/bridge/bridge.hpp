@@ -81,8 +81,10 @@ class Bridge {
   void lend_nodes_to_ghosts();
   /// Remembers the states of the cells that act as points: of the step's start, and, called again, of its end.
   void read_cells() { states_.read(*gas_); }
-  /// Makes the cells outside act as points, [Cui14] Eqs. (37)-(39), in the state of a part of the gas step, 0 to 1.
-  void lend_cells_to_nodes(double part);
+  /// Makes the cells outside act as points, [Cui14] Eqs. (37)-(39), for a step of the points that begins and ends at
+  /// these parts of the gas step, 0 to 1. Each cell becomes as many points as the deck asks for; they stand where the
+  /// rows of points in the region would go on: the ledger tells by how much of a point's mass.
+  void lend_cells_to_nodes(double begin, double end);
   /// Transport through the region's faces, [Cui14] Sec. 3.4; `share`: part of the gas step that the points have made
   /// since the last call, `dt` its length [s]. Throws NumericalError where a solid has come to the bridge.
   void exchange(double share, double dt);
@@ -106,6 +108,8 @@ class Bridge {
     int state = -1;    ///< number in `states_`, or, of cells beyond an open boundary,
     int average = -1;  ///< in `averages_`
     Index3 cell{0, 0, 0};
+    /// Faces of the region that the cell lies before, one per direction at most; -1: none.
+    std::array<int, 3> face{-1, -1, -1};
   };
   struct LentBlock {
     int block = 0;
@@ -120,11 +124,15 @@ class Bridge {
   void set_roles();
   /// May no solid be in this cell?
   [[nodiscard]] bool is_forbidden(Index3 const& cell) const;
-  void lend_cell(LentCell const& lent, double part, mpm::PointSet& set) const;
+  void lend_cell(LentCell const& lent, double begin, double end, mpm::PointSet& set) const;
+  /// The faces that a lent cell lies before.
+  [[nodiscard]] std::array<int, 3> faces_before(Index3 const& cell) const;
   [[nodiscard]] GasState state_of(CellSums const& sums) const;
   void take_leavers();
   void add_to_cell(Index3 const& cell, Ledger const& load);
   void add_fluxes(double share, double dt);
+  void find_neighbours();
+  void level_ledger();
   void give_birth();
   void give_birth_as_printed(double dt);
   [[nodiscard]] Index3 cell_at(Vec3 const& x) const;
@@ -133,6 +141,7 @@ class Bridge {
   [[nodiscard]] int lane_of(int face, Vec3 const& x) const;
   /// The part of the inside cell that a lane of a face leads to.
   [[nodiscard]] Index3 sub_cell(int face, int lane) const;
+  [[nodiscard]] int lane_at(int face, Index3 const& sub) const;
   [[nodiscard]] double lane_area(int face, int lane) const;
   [[nodiscard]] double standard_volume(Index3 const& cell, Index3 const& sub) const;
   [[nodiscard]] Ledger carried(mpm::PointSet const& set, int q) const;
@@ -158,6 +167,9 @@ class Bridge {
   std::vector<Lanes> lanes_;
   int lanes_per_face_ = 1;
   std::vector<Ledger> ledger_;       ///< face by face, lane by lane
+  std::vector<Ledger> levelled_;     ///< scratch of `level_ledger`
+  std::vector<char> outwards_;       ///< per face: the gas flowed out of the region in the last step
+  std::vector<std::array<int, 4>> lane_neighbours_;  ///< along the region's surface; -1: none
   std::vector<int> leaving_blocks_;  ///< blocks of points that hold cells outside the region
   std::vector<int> bridge_blocks_;   ///< blocks of points that hold cells which solids may not enter
   std::vector<mpm::PointSet> leavers_;

@@ -329,7 +329,9 @@ void Mpm::set_time(double time) { time_ = time; }
 void Mpm::lend_as(int body) {
   lent_body_ = body;
   lent_.clear();
-  for (int b = 0; b < grid_.block_count(); ++b) lent_.emplace_back(fields(body));
+  FieldList fields = this->fields(body);
+  fields.add(Field::next_x, 3);
+  for (int b = 0; b < grid_.block_count(); ++b) lent_.emplace_back(fields);
 }
 
 void Mpm::add(int body, PointSet const& added) {

@@ -166,9 +166,8 @@ class Mpm {
   /// Tells where in time the calculation stands [s]; the burn and the loads depend on it.
   void set_time(double time);
 
-  /// Points that are lent to a block for the next step, as points of `lent_body`: they give the nodes mass, momentum
-  /// and force as all others do, but their state belongs to somebody else and is not updated. Beside those that
-  /// `fill` adds, only these may lie anywhere in the domain.
+  /// Points that are lent to a block for the next step: they give the nodes mass, momentum and force as all others do,
+  /// but their state belongs to somebody else, who also tells their velocity at the end of the step (field `next_x`).
   [[nodiscard]] PointSet& lent(int block) { return lent_[block]; }
   /// Which body the lent points belong to. To be called before `lent`.
   void lend_as(int body);

@@ -60,6 +60,9 @@ enum class Field : int {
   load_y,
   load_z,
   load_number,  ///< of the surface pressure that acts on the point; 0: none
+  next_x,  ///< velocity at the end of the step, of lent points [m/s], 3
+  next_y,
+  next_z,
   origin_x,     ///< where the point was at the start [m], 3
   origin_y,
   origin_z,

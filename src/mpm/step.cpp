@@ -362,8 +362,14 @@ void Mpm::integrate(double dt) {
       SetView const view{&set, &bodies_[body], &patch, h};
       bool const own = lent_body_ < 0 || &set != &lent_[block];
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
-        kernels.move(view, options_, dt, scratch.state[f].data());
-        if (own) w.work[block] += work_on(block, body, outer);
+        if (own) {
+          kernels.move(view, options_, dt, scratch.state[f].data());
+          w.work[block] += work_on(block, body, outer);
+        } else {
+          for (int d = 0; d < 3; ++d) {
+            std::copy_n(set.field(Field::next_x + d), set.size(), set.field(Field::velocity_x + d));
+          }
+        }
         if (map_back) kernels.map_velocity(view, Field::velocity_x, w.velocity[w.slot(block, f)].data());
       });
     });

@@ -69,7 +69,7 @@ void advance_coupled(World& w, double dt) {
       [&](double done, double part) {
         {
           PhaseTimer const timer(w.timings["bridge"]);
-          bridge.lend_cells_to_nodes(done / dt);  // (3), (5) Eqs. (37)-(39)
+          bridge.lend_cells_to_nodes(done / dt, (done + part) / dt);  // (3), (5) Eqs. (37)-(39)
         }
         w.points->advance(part);  // (2), (4), (6), (9)-(13) Eqs. (18)-(30)
         ++w.clock.point_steps;
