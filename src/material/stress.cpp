@@ -572,7 +572,9 @@ void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step
   std::visit([&](auto const& strength) { deviator_stage(strength, solid, a, step.dt, t); }, solid.strength);
   double const shear = shear_modulus(solid.strength);
   double const least_speed = solid.detonation_speed;
-  auto const with_common = [&](auto const& eos) { pressure_stage(CommonEos{eos}, a, step, shear, least_speed, t); };
+  auto const with_common = [&](auto const& eos) {
+    pressure_stage(CommonEos<std::decay_t<decltype(eos)>>{eos}, a, step, shear, least_speed, t);
+  };
   if (!solid.mixes()) {
     std::visit(with_common, solid.eos);
   } else if (!mixes_anywhere(*solid.mixture, a)) {
