@@ -18,14 +18,24 @@ namespace {
 
 constexpr int group = 64;  // faces or cells that a thread takes at a time
 
-/// Cells whose averages the bridge needs: the ghost cells, then the cells of the region at open boundaries and those
-/// that stand for lent cells there.
+/// Cells whose averages the bridge needs: the ghost cells and their neighbours, then the cells of the region at open
+/// boundaries and those that stand for lent cells there.
 std::vector<Index3> averaged_cells(Region const& region, std::map<Index3, int>& number) {
-  std::vector<Index3> cells = region.ghosts();
+  std::vector<Index3> cells;
   auto const add = [&](Index3 const& cell) {
     auto const [found, fresh] = number.try_emplace(cell, static_cast<int>(cells.size()));
     if (fresh) cells.push_back(cell);
   };
+  for (Index3 const& cell : region.ghosts()) add(cell);
+  for (Index3 const& cell : region.ghosts()) {
+    for (int d = 0; d < region.domain().dimensions(); ++d) {
+      for (int const step : {-1, 1}) {
+        Index3 there = cell;
+        there[d] += step;
+        if (region.inside(there)) add(there);
+      }
+    }
+  }
   for (Face const& face : region.faces()) {
     if (face.open) add(face.inside);
   }
@@ -91,7 +101,21 @@ Bridge::Bridge(gas::Gas& gas, mpm::Mpm& points, int gas_body, Region region, Opt
   state_cells(region_, state_of);
   grid::Domain const& domain = region_.domain();
   int const dims = domain.dimensions();
-  ghost_count_ = static_cast<int>(region_.ghosts().size());
+  for (Index3 const& cell : region_.ghosts()) {
+    std::array<int, 6> neighbours{-1, -1, -1, -1, -1, -1};
+    for (int d = 0; d < dims; ++d) {
+      for (int side = 0; side < 2; ++side) {
+        Index3 there = cell;
+        there[d] += side == 0 ? -1 : 1;
+        auto const found = average_of.find(there);
+        if (found != average_of.end()) neighbours[2 * d + side] = found->second;
+      }
+    }
+    ghost_neighbours_.push_back(neighbours);
+    ghost_blocks_.push_back(gas.grid().block_of(cell));
+  }
+  std::sort(ghost_blocks_.begin(), ghost_blocks_.end());
+  ghost_blocks_.erase(std::unique(ghost_blocks_.begin(), ghost_blocks_.end()), ghost_blocks_.end());
   set_roles();
   for (Face& face : region_.faces()) {
     if (!face.open) face.watch = gas.watch(face.side == 0 ? face.outside() : face.inside, face.direction);
@@ -225,26 +249,64 @@ gas::Primitive Bridge::primitive(CellSums const& s) const {
   return w;
 }
 
+namespace {
+
+/// From a mean over points with the weight of a quadratic B-spline (second moment h^2/4) to one over the cell (h^2/12):
+/// f - (1/4 - 1/12)/2 h^2 f''. Not across jumps, where there is no f''.
+constexpr double sharpening = 1.0 / 12.0;
+constexpr double steep = 0.2;  ///< relative difference of pressure or density that counts as a jump
+
+bool is_jump(GasState const& a, GasState const& b) {
+  auto const far = [](double x, double y) { return std::abs(x - y) > steep * std::min(x, y); };
+  return far(a.pressure, b.pressure) || far(a.density, b.density);
+}
+
+}  // namespace
+
+/// The velocity of points stands half a step of theirs behind their stress (Eqs. (22)-(25) are a leapfrog): the ghost
+/// cells take it forward with the gradient of the pressure. Without that, gas and points would see each other's waves out of
+/// step by half a step, and reflect them.
+void Bridge::fill_ghost(int n) {
+  auto const& sums = averages_.sums();
+  Index3 const& cell = region_.ghosts()[n];
+  double const enough = 0.1 * region_.domain().cell_volume(cell[0]);
+  // Next to solids a ghost cell of the ghost cells may hold hardly any gas: it keeps what it has.
+  if (sums[n].volume < enough) return;
+  GasState const own = state_of(sums[n]);
+  GasState s = own;
+  for (int d = 0; d < region_.domain().dimensions(); ++d) {
+    int const low = ghost_neighbours_[n][2 * d];
+    int const high = ghost_neighbours_[n][2 * d + 1];
+    if (low < 0 || high < 0 || sums[low].volume < enough || sums[high].volume < enough) continue;
+    GasState const below = state_of(sums[low]);
+    GasState const above = state_of(sums[high]);
+    if (is_jump(own, below) || is_jump(own, above)) continue;
+    auto const second = [](double a, double b, double c) { return a - 2.0 * b + c; };
+    s.density -= sharpening * second(below.density, own.density, above.density);
+    s.pressure -= sharpening * second(below.pressure, own.pressure, above.pressure);
+    for (int c = 0; c < 3; ++c) {
+      s.velocity[c] -= sharpening * second(below.velocity[c], own.velocity[c], above.velocity[c]);
+    }
+    s.velocity[d] -=
+        0.5 * last_step_ * (above.pressure - below.pressure) / (2.0 * region_.domain().h * own.density);
+  }
+  grid::Grid const& grid = gas_->grid();
+  int const b = grid.block_of(cell);
+  grid::Block const& block = grid.blocks()[b];
+  double const second_density = s.density * s.mass_fraction;
+  gas_->set_conserved(b, block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]),
+                      s.density - second_density, second_density, s.density * s.velocity,
+                      s.density * (specific_energy(s) + 0.5 * dot(s.velocity, s.velocity)), s.volume_fraction);
+}
+
 void Bridge::lend_nodes_to_ghosts() {
   averages_.compute(*points_, gas_body_);
   grid::Grid const& grid = gas_->grid();
-  auto const& sums = averages_.sums();
-  for (int n = 0; n < ghost_count_; ++n) {
-    Index3 const& cell = region_.ghosts()[n];
-    CellSums const& s = sums[n];
-    // Next to solids a ghost cell of the ghost cells may hold hardly any gas: it keeps what it has.
-    if (s.volume < 0.1 * grid.domain().cell_volume(cell[0])) continue;
-    int const b = grid.block_of(cell);
-    grid::Block const& block = grid.blocks()[b];
-    double const inverse = 1.0 / s.volume;
-    double const rho = (s.mass[0] + s.mass[1]) * inverse;
-    Vec3 const momentum = inverse * s.momentum;
-    double const total = s.energy * inverse + 0.5 * dot(momentum, momentum) / rho;
-    gas_->set_conserved(b,
-                        block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]),
-                        s.mass[0] * inverse, s.mass[1] * inverse, momentum, total, s.volume_second * inverse);
-    gas_->wake(b);
-  }
+  int const count = static_cast<int>(region_.ghosts().size());
+  parallel_for((count + group - 1) / group, [&](int g, int) {
+    for (int n = g * group; n < std::min(count, (g + 1) * group); ++n) fill_ghost(n);
+  });
+  for (int const block : ghost_blocks_) gas_->wake(block);
   if (dot(ambient_.velocity, ambient_.velocity) > 0.0) {
     // Blocks that sleep in a uniform wind would not tell what flows through their faces.
     for (Face const& face : region_.faces()) {
@@ -284,8 +346,15 @@ void Bridge::lend_cell(LentCell const& lent, double begin, double end, mpm::Poin
   GasState next;
   GasSlopes next_slopes;
   if (lent.state >= 0) {
+    // Pressure and density at the beginning; the velocity, as that of the points, half a step behind it.
+    double const half_step = 0.5 * (end - begin);
     states_.at(lent.state, begin, centre, slopes);
-    states_.at(lent.state, end, next, next_slopes);
+    GasState before;
+    GasSlopes slopes_before;
+    states_.at(lent.state, begin - half_step, before, slopes_before);
+    centre.velocity = before.velocity;
+    slopes.velocity = slopes_before.velocity;
+    states_.at(lent.state, end - half_step, next, next_slopes);
   } else {
     CellSums const& s = averages_.sums()[lent.average];
     if (s.volume < 0.1 * region_.domain().cell_volume(region_.clamped(lent.cell)[0])) return;  // a solid lies there
@@ -357,6 +426,20 @@ void Bridge::lend_cells_to_nodes(double begin, double end) {
     for (LentCell const& cell : lent_[n].cells) lend_cell(cell, begin, end, set);
   });
   points_->lending_done();
+  take_reference_off();
+}
+
+/// Forces come from differences of pressure: the same pressure taken off everywhere changes nothing but the error of the
+/// sums over points, which is proportional to what is left. It must not exceed the lowest pressure of the gas: points
+/// under negative pressure attract each other and gather in clumps.
+void Bridge::take_reference_off() {
+  double reference = options_.reference_pressure.value_or(
+      std::clamp(points_->lowest_pressure(gas_body_), 0.0, ambient_.pressure));
+  for (int body = 0; body < static_cast<int>(points_->bodies().size()); ++body) {
+    // The stress of solids counts from the ambient pressure.
+    bool const is_gas = body == gas_body_;
+    points_->set_reference_pressure(body, is_gas ? reference : reference - ambient_.pressure);
+  }
 }
 
 int Bridge::find_face(Index3 const& inside, int direction, int side) const {
@@ -771,6 +854,7 @@ std::string Bridge::intruder() const {
 }
 
 void Bridge::exchange(double share, double dt) {
+  last_step_ = dt;
   take_leavers();
   add_fluxes(share, dt);
   if (options_.transport == Transport::ledger) {

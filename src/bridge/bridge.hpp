@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -38,6 +39,8 @@ struct Options {
   /// The region wakes when the pressure of a gas cell next to it differs from the ambient one by this [Pa].
   double activation = 100.0;
   bool awake = false;  ///< from the start: something moves in the region
+  /// Taken off the pressure in the forces [Pa]; absent: the lowest pressure of the gas, the ambient one at most.
+  std::optional<double> reference_pressure;
 };
 
 /// What is under way between gas and points.
@@ -122,12 +125,14 @@ class Bridge {
   };
 
   void set_roles();
+  void fill_ghost(int n);
   /// May no solid be in this cell?
   [[nodiscard]] bool is_forbidden(Index3 const& cell) const;
   void lend_cell(LentCell const& lent, double begin, double end, mpm::PointSet& set) const;
   /// The faces that a lent cell lies before.
   [[nodiscard]] std::array<int, 3> faces_before(Index3 const& cell) const;
   [[nodiscard]] GasState state_of(CellSums const& sums) const;
+  void take_reference_off();
   void take_leavers();
   void add_to_cell(Index3 const& cell, Ledger const& load);
   void add_fluxes(double share, double dt);
@@ -160,7 +165,9 @@ class Bridge {
   bool awake_ = false;
 
   Averages averages_;  ///< of the ghost cells, then of the cells at open boundaries
-  int ghost_count_ = 0;
+  std::vector<std::array<int, 6>> ghost_neighbours_;  ///< in `averages_`, -1: none
+  std::vector<int> ghost_blocks_;                     ///< of the gas
+  double last_step_ = 0.0;                            ///< of the points [s]
   CellStates states_;
   std::vector<LentBlock> lent_;
   std::unordered_map<long, std::array<int, 6>> faces_of_;  ///< cell of the region -> faces, or -1

@@ -326,6 +326,23 @@ void Mpm::set_lighting(int body, std::function<double(Vec3 const&)> const& light
 
 void Mpm::set_time(double time) { time_ = time; }
 
+double Mpm::lowest_pressure(int body) const {
+  std::vector<double> lowest(active_.size(), std::numeric_limits<double>::infinity());
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
+    auto const see = [&](PointSet const& set) {
+      double const* p = set.field(Field::pressure);
+      double least = lowest[n];
+      for (int q = 0; q < set.size(); ++q) least = p[q] < least ? p[q] : least;
+      lowest[n] = least;
+    };
+    see(points(active_[n], body));
+    if (body == lent_body_) see(lent_[active_[n]]);
+  });
+  double least = std::numeric_limits<double>::infinity();
+  for (double const p : lowest) least = std::min(least, p);
+  return least;
+}
+
 void Mpm::lend_as(int body) {
   lent_body_ = body;
   lent_.clear();

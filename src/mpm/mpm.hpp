@@ -67,9 +67,8 @@ struct Body {
   std::optional<Vec3> rigid_velocity;
   /// How the velocity of this body's points follows the nodes; absent: as `Options` says.
   std::optional<Transfer> transfer;
-  /// Taken off the pressure in the forces [Pa]. A region that gas fills without a gap feels differences of the pressure
-  /// only: the ambient pressure taken off, gas at rest stays at rest to round-off in every geometry, and a solid
-  /// without stress stands in ambient air without stress.
+  /// Taken off the pressure in the forces [Pa]. A region that bodies fill without a gap feels differences of the
+  /// pressure only.
   double reference_pressure = 0.0;
   /// Coefficients of the bulk viscosity that differ from those of the options.
   std::optional<double> linear_viscosity;
@@ -166,6 +165,11 @@ class Mpm {
   /// Tells where in time the calculation stands [s]; the burn and the loads depend on it.
   void set_time(double time);
 
+  /// See `Body::reference_pressure`.
+  void set_reference_pressure(int body, double pressure) { bodies_[body].reference_pressure = pressure; }
+  /// Lowest pressure of the points of a body, lent ones included [Pa]; infinite where it has none.
+  [[nodiscard]] double lowest_pressure(int body) const;
+
   /// Points that are lent to a block for the next step: they give the nodes mass, momentum and force as all others do,
   /// but their state belongs to somebody else, who also tells their velocity at the end of the step (field `next_x`).
   [[nodiscard]] PointSet& lent(int block) { return lent_[block]; }
@@ -173,8 +177,11 @@ class Mpm {
   void lend_as(int body);
   /// To be called after the lent points have been changed, before the step.
   void lending_done() { find_active(); }
-  /// Adds copies of points with the fields of the body; they get new identities.
+  /// Adds copies of points with the fields of the body; they get new identities. Their signals do not yet count in
+  /// `stable_step`: `update_signals` or the next step sees to that.
   void add(int body, PointSet const& points);
+  /// Finds the fastest signal of the points anew.
+  void update_signals();
   /// Takes out the points of a block for which `outside(x)` holds, in their order, and appends them to `to`.
   void take_out(int block, int body, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to);
   [[nodiscard]] FieldList const& fields(int body) const { return sets_[body].fields(); }
@@ -221,7 +228,6 @@ class Mpm {
   }
   [[nodiscard]] int set_index(int block, int body) const { return block * static_cast<int>(bodies_.size()) + body; }
   void find_active();
-  void update_signals();
   void collect_signals();
   void map_to_grid(bool with_mass, bool with_forces);
   [[nodiscard]] OuterForces outer_forces() const;

@@ -115,7 +115,7 @@ struct MpmRegion {
   mpm::Transfer transfer = mpm::Transfer::flip;  ///< of the gas
   double linear_viscosity = 0.06;                ///< of the gas
   double quadratic_viscosity = 1.5;
-  /// Taken off the pressure of the gas in the forces [Pa]; absent: the ambient pressure.
+  /// Taken off the pressure in the forces [Pa]; absent: the lowest pressure of the gas, the ambient one at most.
   std::optional<double> reference_pressure;
 };
 

@@ -125,6 +125,7 @@ void fill_gas(World& w, int body, std::vector<bridge::CellBox> const& boxes) {
     if (double* alpha = set.field(Field::volume_fraction)) alpha[q] = s.volume_fraction;
   }
   w.points->add(body, set);
+  w.points->update_signals();
 }
 
 /// Does anything in the region move by itself?
@@ -176,7 +177,6 @@ void place_region(World& w) {
   gas.transfer = settings.transfer;
   gas.linear_viscosity = settings.linear_viscosity;
   gas.quadratic_viscosity = settings.quadratic_viscosity;
-  gas.reference_pressure = settings.reference_pressure.value_or(ambient.pressure);
   place_bodies(w, region.points_domain(), {gas});
   int const gas_body = static_cast<int>(w.points->bodies().size()) - 1;
   fill_gas(w, gas_body, boxes_of(w.setup));
@@ -187,6 +187,7 @@ void place_region(World& w) {
   options.width = settings.width;
   options.transport = settings.transport;
   options.points_per_direction = settings.points_per_direction;
+  options.reference_pressure = settings.reference_pressure;
   options.activation = settings.activation.value_or(1e-3 * ambient.pressure);
   gas::MixtureState quiet;
   quiet.pressure = ambient.pressure;
