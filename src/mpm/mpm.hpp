@@ -21,6 +21,7 @@
 #include "grid/grid.hpp"
 #include "material/solid.hpp"
 #include "mpm/points.hpp"
+#include "mpm/population.hpp"
 #include "shape/shape.hpp"
 
 namespace brisance::mpm {
@@ -190,6 +191,11 @@ class Mpm {
   [[nodiscard]] double stable_step() const;
   /// One step. Throws NumericalError when a point's state has lost its meaning.
   void advance(double dt);
+  /// Splits and merges the points of a gas where that is due; to be called between steps: every 4 where the gas runs
+  /// into a vacuum, else every 8 will do. The sums of `sums` stay as they are up to round-off, but for the number of
+  /// points and for kinetic energy that becomes internal. Of two merged points the heavier keeps its identity. Throws
+  /// InputError for a body that is no gas.
+  PopulationCount control_population(int body, PopulationOptions const& options = {});
 
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] grid::Grid const& grid() const { return grid_; }

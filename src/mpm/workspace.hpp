@@ -105,6 +105,8 @@ struct Mpm::Workspace {
   std::vector<Losses> lost;                      ///< per block
   std::vector<std::string> trouble;              ///< per block: what went wrong
   std::vector<ActiveLoad> loads;
+  std::vector<PopulationScratch> population;               ///< per thread
+  std::vector<PopulationCount> population_of_block;        ///< in this call
   double mass_floor = std::numeric_limits<double>::min();  ///< nodes below it are empty [kg]
 
   [[nodiscard]] int slot(int block, int field) const { return block * fields + field; }
