@@ -264,8 +264,8 @@ bool is_jump(GasState const& a, GasState const& b) {
 }  // namespace
 
 /// The velocity of points stands half a step of theirs behind their stress (Eqs. (22)-(25) are a leapfrog): the ghost
-/// cells take it forward with the gradient of the pressure. Without that, gas and points would see each other's waves out of
-/// step by half a step, and reflect them.
+/// cells take it forward with the gradient of the pressure. Without that, gas and points would see each other's waves
+/// out of step by half a step, and reflect them.
 void Bridge::fill_ghost(int n) {
   auto const& sums = averages_.sums();
   Index3 const& cell = region_.ghosts()[n];
@@ -287,8 +287,7 @@ void Bridge::fill_ghost(int n) {
     for (int c = 0; c < 3; ++c) {
       s.velocity[c] -= sharpening * second(below.velocity[c], own.velocity[c], above.velocity[c]);
     }
-    s.velocity[d] -=
-        0.5 * last_step_ * (above.pressure - below.pressure) / (2.0 * region_.domain().h * own.density);
+    s.velocity[d] -= 0.5 * last_step_ * (above.pressure - below.pressure) / (2.0 * region_.domain().h * own.density);
   }
   grid::Grid const& grid = gas_->grid();
   int const b = grid.block_of(cell);
@@ -429,12 +428,12 @@ void Bridge::lend_cells_to_nodes(double begin, double end) {
   take_reference_off();
 }
 
-/// Forces come from differences of pressure: the same pressure taken off everywhere changes nothing but the error of the
-/// sums over points, which is proportional to what is left. It must not exceed the lowest pressure of the gas: points
-/// under negative pressure attract each other and gather in clumps.
+/// Forces come from differences of pressure: the same pressure taken off everywhere changes nothing but the error of
+/// the sums over points, which is proportional to what is left. It must not exceed the lowest pressure of the gas:
+/// points under negative pressure attract each other and gather in clumps.
 void Bridge::take_reference_off() {
-  double reference = options_.reference_pressure.value_or(
-      std::clamp(points_->lowest_pressure(gas_body_), 0.0, ambient_.pressure));
+  double reference =
+      options_.reference_pressure.value_or(std::clamp(points_->lowest_pressure(gas_body_), 0.0, ambient_.pressure));
   for (int body = 0; body < static_cast<int>(points_->bodies().size()); ++body) {
     // The stress of solids counts from the ambient pressure.
     bool const is_gas = body == gas_body_;
@@ -525,8 +524,8 @@ void Bridge::find_neighbours() {
   }
 }
 
-/// Where gas flows out at an angle, points leave through other lanes than the fluxes say: rows of points cross a face in
-/// few places, the flux does so evenly. Without an exchange along the surface the accounts would drift apart without
+/// Where gas flows out at an angle, points leave through other lanes than the fluxes say: rows of points cross a face
+/// in few places, the flux does so evenly. Without an exchange along the surface the accounts would drift apart without
 /// bound. Half of the difference to the neighbours is evened out in every step; not where gas flows in, for points are
 /// born there when their lane is ripe, and lanes in step make regular rows.
 void Bridge::level_ledger() {
@@ -566,6 +565,7 @@ Ledger Bridge::carried(mpm::PointSet const& set, int q) const {
     square += v * v;
   }
   l.energy = m * (set.field(Field::energy)[q] + 0.5 * square);
+  if (points_->keeps_energy(gas_body_)) l.energy += m * mpm::affine_energy(set, q, region_.domain().h);
   return l;
 }
 
@@ -849,7 +849,8 @@ std::string Bridge::intruder() const {
       }
     }
   });
-  auto const first = std::find_if(trouble.begin(), trouble.end(), [](std::string const& text) { return !text.empty(); });
+  auto const first =
+      std::find_if(trouble.begin(), trouble.end(), [](std::string const& text) { return !text.empty(); });
   return first == trouble.end() ? std::string{} : *first;
 }
 

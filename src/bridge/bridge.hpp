@@ -164,7 +164,7 @@ class Bridge {
   gas::MixtureState ambient_;
   bool awake_ = false;
 
-  Averages averages_;  ///< of the ghost cells, then of the cells at open boundaries
+  Averages averages_;                                 ///< of the ghost cells, then of the cells at open boundaries
   std::vector<std::array<int, 6>> ghost_neighbours_;  ///< in `averages_`, -1: none
   std::vector<int> ghost_blocks_;                     ///< of the gas
   double last_step_ = 0.0;                            ///< of the points [s]
@@ -173,12 +173,12 @@ class Bridge {
   std::unordered_map<long, std::array<int, 6>> faces_of_;  ///< cell of the region -> faces, or -1
   std::vector<Lanes> lanes_;
   int lanes_per_face_ = 1;
-  std::vector<Ledger> ledger_;       ///< face by face, lane by lane
-  std::vector<Ledger> levelled_;     ///< scratch of `level_ledger`
-  std::vector<char> outwards_;       ///< per face: the gas flowed out of the region in the last step
+  std::vector<Ledger> ledger_;                       ///< face by face, lane by lane
+  std::vector<Ledger> levelled_;                     ///< scratch of `level_ledger`
+  std::vector<char> outwards_;                       ///< per face: the gas flowed out of the region in the last step
   std::vector<std::array<int, 4>> lane_neighbours_;  ///< along the region's surface; -1: none
-  std::vector<int> leaving_blocks_;  ///< blocks of points that hold cells outside the region
-  std::vector<int> bridge_blocks_;   ///< blocks of points that hold cells which solids may not enter
+  std::vector<int> leaving_blocks_;                  ///< blocks of points that hold cells outside the region
+  std::vector<int> bridge_blocks_;                   ///< blocks of points that hold cells which solids may not enter
   std::vector<mpm::PointSet> leavers_;
   Traffic traffic_;
 };

@@ -188,6 +188,11 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.fields = any_shared ? 1 : 0;
   for (int b = 0; b < body_count; ++b) w.field_of[b] = own[b] != 0 ? w.fields++ : 0;
   w.contact = w.fields > 1;
+  for (int b = 0; b < body_count; ++b) {
+    w.maps_back = w.maps_back || order_of(b) == StressOrder::musl;
+    w.strains_early = w.strains_early || order_of(b) == StressOrder::usl;
+    w.keeps_energy = w.keeps_energy || keeps_energy(b);
+  }
   w.filters = std::any_of(bodies_.begin(), bodies_.end(),
                           [&](Body const& b) { return b.transfer.value_or(options_.transfer) == Transfer::xpic; });
   w.rigid.resize(w.fields);
@@ -343,6 +348,21 @@ double Mpm::lowest_pressure(int body) const {
   return least;
 }
 
+StressOrder Mpm::order_of(int body) const {
+  if (options_.order == StressOrder::usf) return StressOrder::usf;
+  StressOrder const own = bodies_[body].order.value_or(options_.order);
+  return own == StressOrder::usf ? options_.order : own;
+}
+
+/// APIC projects the velocity of the nodes around a point on a linear function: what is left over is lost, and so is
+/// what the points around a node differ in. Both are never negative, if the energy of the gradient is counted: in a
+/// fluid they are a dissipation, as by viscosity, and heat.
+bool Mpm::keeps_energy(int body) const {
+  Body const& b = bodies_[body];
+  return b.transfer.value_or(options_.transfer) == Transfer::apic && options_.shape == ShapeFunction::bspline &&
+         !b.solid.has_deviator() && !b.rigid_velocity && order_of(body) != StressOrder::usf;
+}
+
 void Mpm::lend_as(int body) {
   lent_body_ = body;
   lent_.clear();
@@ -432,6 +452,7 @@ BodySums Mpm::sums(int body) const {
     PointSet const& set = points(block, body);
     BodySums& s = parts[block];
     s.points = set.size();
+    bool const affine = keeps_energy(body);
     for (int q = 0; q < set.size(); ++q) {
       double const m = set.field(Field::mass)[q];
       s.mass += m;
@@ -447,6 +468,7 @@ BodySums Mpm::sums(int body) const {
         if (double const* origin = set.field(Field::origin_x + d)) moved += (x - origin[q]) * (x - origin[q]);
       }
       s.kinetic_energy += 0.5 * m * square;
+      if (affine) s.kinetic_energy += m * affine_energy(set, q, grid_.domain().h);
       s.internal_energy += m * set.field(Field::energy)[q];
       if (double const* work = set.field(Field::plastic_work)) s.plastic_work += m * work[q];
       if (double const* damage = set.field(Field::damage)) s.damaged_mass += damage[q] >= 1.0 ? m : 0.0;

@@ -68,6 +68,8 @@ struct Body {
   std::optional<Vec3> rigid_velocity;
   /// How the velocity of this body's points follows the nodes; absent: as `Options` says.
   std::optional<Transfer> transfer;
+  /// When this body's stress is updated, if not as `Options` says: musl or usl, where that is one of the two.
+  std::optional<StressOrder> order;
   /// Taken off the pressure in the forces [Pa]. A region that bodies fill without a gap feels differences of the
   /// pressure only.
   double reference_pressure = 0.0;
@@ -185,6 +187,9 @@ class Mpm {
   void update_signals();
   /// Takes out the points of a block for which `outside(x)` holds, in their order, and appends them to `to`.
   void take_out(int block, int body, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to);
+  /// Does the kinetic energy that a body's transfer loses become heat? That of fluids with APIC and B-splines; their
+  /// kinetic energy then includes that of the velocity gradient.
+  [[nodiscard]] bool keeps_energy(int body) const;
   [[nodiscard]] FieldList const& fields(int body) const { return sets_[body].fields(); }
 
   /// Largest stable step [s] at the given Courant number: courant h / max(sound speed + speed).
@@ -253,6 +258,7 @@ class Mpm {
   void constrain_velocity(int block, Scratch& scratch) const;
   void constrain_state(int block, Scratch& scratch);
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
+  [[nodiscard]] StressOrder order_of(int body) const;
   [[nodiscard]] double work_on(int block, int body, OuterForces const& outer) const;
 
   grid::Grid grid_;

@@ -123,7 +123,7 @@ struct Kernels {
     }
   }
 
-  /// Mass, momentum and volume, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20).
+  /// Mass, momentum and kinetic energy, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20).
   template <bool with_mass, bool with_forces>
   static void map_state(SetView const& v, Hoops const& hoops, OuterForces const& outer, CellMeans const* means,
                         NodeState* nodes) {
@@ -149,7 +149,9 @@ struct Kernels {
         double const m = mass[q];
         double const volume = m / density[q];
         Lanes4 const a{m * velocity[0][q], m * velocity[1][q], m * velocity[2][q], m};
-        Lanes4 b{0.0, 0.0, 0.0, volume};
+        double const square =
+            velocity[0][q] * velocity[0][q] + velocity[1][q] * velocity[1][q] + velocity[2][q] * velocity[2][q];
+        Lanes4 b{0.0, 0.0, 0.0, 0.5 * m * square};
         Lanes4 cx{};
         Lanes4 cy{};
         Lanes4 cz{};
@@ -179,7 +181,9 @@ struct Kernels {
         if constexpr (!with_mass) {
           add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
         } else if (affine) {
-          add_affine<S, D>(*v.patch, k, around, v.h, q, nodes, momentum_of, a, affine_columns(set, begin + q, m));
+          // The energy of its affine velocity too.
+          b[3] = 0.0;
+          add_affine_energy<S, D>(*v.patch, k, around, v.h, q, nodes, a, affine_columns(set, begin + q, m), 1.0 / m);
           if constexpr (with_forces) add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
         } else if constexpr (with_forces) {
           add_state<S, D>(*v.patch, k, q, nodes, a, b, cx, cy, cz);
@@ -233,8 +237,11 @@ struct Kernels {
     });
   }
 
-  /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity.
-  static void move(SetView const& v, Options const& options, double dt, NodeState const* nodes) {
+  /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity. With
+  /// `keeps_energy` the nodes hold kinetic energy per mass in the place of their mass, and what the points' velocity
+  /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C, heats: h^2/4 is the second moment of the
+  /// B-splines.
+  static void move(SetView const& v, Options const& options, double dt, bool keeps_energy, NodeState const* nodes) {
     PointSet& set = *v.set;
     double const h = v.h;
     Transfer const transfer = v.body->transfer.value_or(options.transfer);
@@ -251,6 +258,7 @@ struct Kernels {
       }
       alignas(64) double fresh[3][chunk];
       alignas(64) double change[3][chunk];
+      alignas(64) double lost[chunk];
       if (affine) {
         AffineWeights<S, D> around;
         find_affine_weights<S, D>(*v.patch, h, constant_at(set, Field::position_x, begin), n, k, around);
@@ -258,6 +266,10 @@ struct Kernels {
         for (int q = 0; q < n; ++q) {
           std::array<Lanes4, 4> sum;
           value_and_gradient<S, D>(*v.patch, k, around.g, q, nodes, momentum_of, sum);
+          lost[q] = sum[0][3] - 0.5 * (sum[0][0] * sum[0][0] + sum[0][1] * sum[0][1] + sum[0][2] * sum[0][2]);
+          for (int j = 0; j < D; ++j) {
+            for (int i = 0; i < 3; ++i) lost[q] -= 0.125 * sum[1 + j][i] * sum[1 + j][i];
+          }
           for (int i = 0; i < 3; ++i) {
             fresh[i][q] = sum[0][i];
             for (int j = 0; j < D; ++j) {
@@ -270,6 +282,10 @@ struct Kernels {
             u[d][q] = fresh[d][q];
             way[d][q] = dt * fresh[d][q];
           }
+        }
+        if (keeps_energy) {
+          double* const energy = set.field(Field::energy) + begin;
+          for (int q = 0; q < n; ++q) energy[q] += lost[q];
         }
         return;
       }

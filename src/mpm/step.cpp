@@ -324,8 +324,8 @@ void Mpm::integrate(double dt) {
   Workspace& w = *work_;
   int const bodies = static_cast<int>(bodies_.size());
   double const h = grid_.domain().h;
-  bool const map_back = options_.order == StressOrder::musl;
-  bool const strain_here = options_.order == StressOrder::usl;
+  bool const map_back = w.maps_back;
+  bool const strain_here = w.strains_early;
   Hoops const hoops = hoops_of(grid_.domain().geometry);
   OuterForces const outer = outer_forces();
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
@@ -355,6 +355,21 @@ void Mpm::integrate(double dt) {
       gather_extents(block, scratch);
     }
     constrain_state(block, scratch);
+    signals_[block] = 0.0;
+    if (w.keeps_energy) {
+      // In the place of the mass: kinetic energy of the points around per mass, with what the forces of the step add.
+      for (int f = 0; f < w.fields; ++f) {
+        if (scratch.present[f] == 0) continue;
+        NodeState* nodes = scratch.state[f].data();
+        for (int node = 0; node < count; ++node) {
+          NodeState& r = nodes[node];
+          double const m = r.momentum[3];
+          double sum = m > w.mass_floor ? r.force[3] / m : 0.0;
+          for (int d = 0; d < 3; ++d) sum += r.force[d] * (r.momentum[d] - 0.5 * r.force[d]);
+          r.momentum[3] = sum;
+        }
+      }
+    }
 
     if (map_back) clear_velocity(block);
     for_sets(block, [&](PointSet& set, int body) {
@@ -363,7 +378,7 @@ void Mpm::integrate(double dt) {
       bool const own = lent_body_ < 0 || &set != &lent_[block];
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
         if (own) {
-          kernels.move(view, options_, dt, scratch.state[f].data());
+          kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data());
           w.work[block] += work_on(block, body, outer);
         } else {
           for (int d = 0; d < 3; ++d) {
@@ -380,8 +395,9 @@ void Mpm::integrate(double dt) {
       NodeVelocity* to = scratch.velocity[f].get(count);
       for (int node = 0; node < count; ++node) to[node] = from[node].momentum;
     }
-    signals_[block] = 0.0;
-    for (int body = 0; body < bodies; ++body) update_set(block, body, hoops, dt, scratch);
+    for (int body = 0; body < bodies; ++body) {
+      if (order_of(body) == StressOrder::usl) update_set(block, body, hoops, dt, scratch);
+    }
   });
 }
 
@@ -474,12 +490,12 @@ void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch
 }
 
 void Mpm::update_stress(double dt) {
-  if (options_.order == StressOrder::usl) return;  // `integrate` did it, while the nodes were at hand
+  bool const first = options_.order == StressOrder::usf;
+  if (!first && !work_->maps_back) return;  // `integrate` did it, while the nodes were at hand
   PhaseTimer const timer(timings_["strain and stress"]);
   Workspace& w = *work_;
   int const bodies = static_cast<int>(bodies_.size());
   Hoops const hoops = hoops_of(grid_.domain().geometry);
-  bool const first = options_.order == StressOrder::usf;
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
     Scratch& scratch = w.scratch[thread];
@@ -493,8 +509,10 @@ void Mpm::update_stress(double dt) {
       gather_extents(block, scratch);
     }
     constrain_velocity(block, scratch);
-    signals_[block] = 0.0;
-    for (int body = 0; body < bodies; ++body) update_set(block, body, hoops, dt, scratch);
+    if (first) signals_[block] = 0.0;
+    for (int body = 0; body < bodies; ++body) {
+      if (order_of(body) != StressOrder::usl) update_set(block, body, hoops, dt, scratch);
+    }
   });
 }
 

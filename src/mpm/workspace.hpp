@@ -90,6 +90,9 @@ struct Mpm::Workspace {
   std::vector<Law> laws;                    ///< field x field
   bool contact = false;                     ///< more than one field
   bool filters = false;                     ///< some body uses XPIC
+  bool maps_back = false;                   ///< some body is updated by MUSL
+  bool strains_early = false;               ///< some body is updated by USL
+  bool keeps_energy = false;                ///< some body's transfer loses no energy
   std::vector<std::vector<Hold>> holds;     ///< per block
   std::vector<NodeArray<NodeState>> state;  ///< block x field, as the points wrote them
   std::vector<NodeArray<NodeVelocity>> velocity;

@@ -75,6 +75,8 @@ void advance_coupled(World& w, double dt) {
         ++w.clock.point_steps;
         PhaseTimer const timer(w.timings["bridge"]);
         bridge.exchange(part / dt, part);  // (14)
+        int const interval = w.setup.mpm_region->population_interval;
+        if (interval > 0 && w.clock.point_steps % interval == 0) w.points->control_population(bridge.gas_body());
       });
   w.gas->clear_watched();
 }

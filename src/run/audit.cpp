@@ -95,9 +95,8 @@ void World::update_audit() {
   gas::Account const account = gas->account();
   Vec3 momentum{0.0, 0.0, 0.0};
   for (int d = 0; d < 3; ++d) momentum[d] = account.outflow[gas::momentum_x + d];
-  audit.outflow += {{account.outflow[gas::density], account.outflow[gas::second_density]},
-                    momentum,
-                    account.outflow[gas::energy]};
+  audit.outflow +=
+      {{account.outflow[gas::density], account.outflow[gas::second_density]}, momentum, account.outflow[gas::energy]};
   audit.guarded_cells = account.guarded_cells;
   audit.fallback_faces = account.fallback_faces;
   audit.guard_mass = account.guard_mass;

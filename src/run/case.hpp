@@ -105,18 +105,28 @@ struct Points {
 struct MpmRegion {
   /// Boxes [m] whose faces lie on the grid; none: the smallest box around the bodies with the margin.
   std::vector<shape::Box> boxes;
-  int margin = 0;  ///< cells between the bodies and the faces of that box; 0: as few as the bridge allows, and some more
-  int width = 5;   ///< of the bridge, w [cells]
+  int margin =
+      0;          ///< cells between the bodies and the faces of that box; 0: as few as the bridge allows, and some more
+  int width = 5;  ///< of the bridge, w [cells]
   bridge::Transport transport = bridge::Transport::ledger;
-  int points_per_direction = 2;  ///< of the gas, per cell
+  /// Of the gas, per cell; 0: 4 in 1D, 3 in 2D, 2 in 3D. Rows of points that the flow stretches to a spacing between
+  /// half a cell and a cell disturb the pressure most: the more points at the start, the farther the gas may expand
+  /// first.
+  int points_per_direction = 0;
   /// Overpressure next to the region that wakes it [Pa]; absent: a thousandth of the ambient pressure.
   std::optional<double> activation;
-  bool subcycling = true;  ///< gas and points take steps of their own within a common one
-  mpm::Transfer transfer = mpm::Transfer::flip;  ///< of the gas
-  double linear_viscosity = 0.06;                ///< of the gas
+  bool subcycling = true;                          ///< gas and points take steps of their own within a common one
+  mpm::Transfer transfer = mpm::Transfer::apic;    ///< of the gas
+  mpm::StressOrder order = mpm::StressOrder::usl;  ///< of the gas; usl or musl
+  int population_interval = 4;                     ///< steps of the points between splits and merges; 0: none
+  double linear_viscosity = 0.06;                  ///< of the gas
   double quadratic_viscosity = 1.5;
   /// Taken off the pressure in the forces [Pa]; absent: the lowest pressure of the gas, the ambient one at most.
   std::optional<double> reference_pressure;
+
+  [[nodiscard]] int gas_points(int dimensions) const {
+    return points_per_direction > 0 ? points_per_direction : 5 - dimensions;
+  }
 };
 
 using gas::Scheme;

@@ -15,8 +15,8 @@ namespace {
 
 using mpm::Field;
 
-/// Cells beside the bodies in a box that the program chooses: the bridge, two layers that solids keep clear of, and room
-/// for the bodies to move.
+/// Cells beside the bodies in a box that the program chooses: the bridge, two layers that solids keep clear of, and
+/// room for the bodies to move.
 constexpr int usual_room = 8;
 
 /// Layers of cells outside the region that give the nodes there all they need: B-splines of points near the face reach
@@ -99,7 +99,7 @@ shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& bo
 /// Gas points in the state of the cells that they lie in.
 void fill_gas(World& w, int body, std::vector<bridge::CellBox> const& boxes) {
   grid::Domain const& domain = w.setup.domain;
-  int const parts = w.setup.mpm_region->points_per_direction;
+  int const parts = w.setup.mpm_region->gas_points(domain.dimensions());
   shape::Placement const placement = shape::place_particles(gas_space(w.setup, boxes), domain, parts);
   mpm::PointSet set(w.points->fields(body));
   double const half = 0.5 * domain.h / parts;
@@ -148,7 +148,8 @@ void check_neighbours(World const& w) {
     Index3 const& o = w.grid.blocks()[b].origin;
     Index3 const i{cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]};
     if (w.gas->is_obstacle(b, i[0], i[1], i[2])) {
-      throw InputError("an obstacle lies in the MPM region or within 3 cells of it: make it a body, or move one of them");
+      throw InputError(
+          "an obstacle lies in the MPM region or within 3 cells of it: make it a body, or move one of them");
     }
     if (w.gas->burning() && w.gas->burn_fraction(b, i[0], i[1], i[2]) < 1.0) {
       throw InputError(
@@ -173,8 +174,9 @@ void place_region(World& w) {
   mpm::Body gas;
   gas.name = "gas";
   gas.solid = material::gas_of(w.gas->fluids(), ambient.density, ambient.pressure);
-  gas.points_per_direction = settings.points_per_direction;
+  gas.points_per_direction = settings.gas_points(w.setup.domain.dimensions());
   gas.transfer = settings.transfer;
+  gas.order = settings.order;
   gas.linear_viscosity = settings.linear_viscosity;
   gas.quadratic_viscosity = settings.quadratic_viscosity;
   place_bodies(w, region.points_domain(), {gas});
@@ -186,7 +188,7 @@ void place_region(World& w) {
   bridge::Options options;
   options.width = settings.width;
   options.transport = settings.transport;
-  options.points_per_direction = settings.points_per_direction;
+  options.points_per_direction = settings.gas_points(w.setup.domain.dimensions());
   options.reference_pressure = settings.reference_pressure;
   options.activation = settings.activation.value_or(1e-3 * ambient.pressure);
   gas::MixtureState quiet;

@@ -144,8 +144,8 @@ class World {
 
   Case setup;
   grid::Grid grid;
-  std::unique_ptr<gas::Gas> gas;     ///< null where the case has bodies in a vacuum
-  std::unique_ptr<mpm::Mpm> points;  ///< null where it has none
+  std::unique_ptr<gas::Gas> gas;           ///< null where the case has bodies in a vacuum
+  std::unique_ptr<mpm::Mpm> points;        ///< null where it has none
   std::unique_ptr<bridge::Bridge> bridge;  ///< joins the two where both are there
   Clock clock;
   Audit audit;
