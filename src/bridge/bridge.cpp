@@ -339,6 +339,18 @@ std::array<int, 3> Bridge::faces_before(Index3 const& cell) const {
   return faces;
 }
 
+namespace {
+
+/// The velocity gradient that APIC's points carry.
+void set_gradient(mpm::PointSet& set, int q, GasSlopes const& slopes, int dimensions, double h) {
+  if (set.field(Field::affine_xx) == nullptr) return;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < dimensions; ++c) set.field(Field::affine_xx + (3 * r + c))[q] = slopes.velocity[c][r] / h;
+  }
+}
+
+}  // namespace
+
 void Bridge::lend_cell(LentCell const& lent, double begin, double end, mpm::PointSet& set) const {
   GasState centre;
   GasSlopes slopes;
@@ -397,13 +409,7 @@ void Bridge::lend_cell(LentCell const& lent, double begin, double end, mpm::Poin
           if (double* h = set.field(Field::half_x + d)) h[q] = half;
           if (double* filtered = set.field(Field::filtered_x + d)) filtered[q] = 0.0;
         }
-        if (set.field(Field::affine_xx) != nullptr) {
-          for (int r = 0; r < 3; ++r) {
-            for (int c = 0; c < dims; ++c) {
-              set.field(Field::affine_xx + (3 * r + c))[q] = slopes.velocity[c][r] / domain.h;
-            }
-          }
-        }
+        set_gradient(set, q, slopes, dims, domain.h);
         set.field(Field::density)[q] = s.density;
         set.field(Field::pressure)[q] = s.pressure;
         set.field(Field::mass)[q] = s.density * standard_volume(lent.cell, sub);
@@ -706,11 +712,11 @@ void Bridge::add_fluxes(double share, double dt) {
   }
 }
 
-GasState Bridge::donor_state(int face, int lane) const {
+GasState Bridge::donor_state(int face, int lane, GasSlopes& slopes) const {
+  slopes = {};
   if (lanes_[face].average >= 0) return state_of(averages_.sums()[lanes_[face].average]);
   Face const& f = region_.faces()[face];
   GasState centre;
-  GasSlopes slopes;
   states_.at(lanes_[face].outside_state, 1.0, centre, slopes);
   Index3 const sub = sub_cell(face, lane);
   Vec3 offset{0.0, 0.0, 0.0};
@@ -720,7 +726,8 @@ GasState Bridge::donor_state(int face, int lane) const {
   return at_offset(centre, slopes, offset);
 }
 
-void Bridge::append_point(int face, int lane, double depth, double mass, GasState const& s, mpm::PointSet& to) const {
+void Bridge::append_point(int face, int lane, double depth, double mass, GasState const& s, GasSlopes const& slopes,
+                          mpm::PointSet& to) const {
   Face const& f = region_.faces()[face];
   grid::Domain const& domain = region_.domain();
   int const parts = options_.points_per_direction;
@@ -740,6 +747,7 @@ void Bridge::append_point(int face, int lane, double depth, double mass, GasStat
     to.field(Field::velocity_x + d)[q] = s.velocity[d];
     if (double* half = to.field(Field::half_x + d)) half[q] = 0.5 * domain.h / parts;
   }
+  set_gradient(to, q, slopes, domain.dimensions(), domain.h);
   to.field(Field::mass)[q] = mass;
   to.field(Field::density)[q] = s.density;
   to.field(Field::pressure)[q] = s.pressure;
@@ -750,20 +758,14 @@ void Bridge::append_point(int face, int lane, double depth, double mass, GasStat
 
 namespace {
 
-/// The same gas with another mass fraction of the second fluid: pressure and the fluids' own densities stay.
-GasState with_mass_fraction(GasState s, double Y) {
-  if (Y == s.mass_fraction || s.volume_fraction <= gas::vanishing_fraction ||
-      s.volume_fraction >= 1.0 - gas::vanishing_fraction) {
-    return s;
-  }
-  double const first = (1.0 - s.mass_fraction) * s.density / (1.0 - s.volume_fraction);
-  double const second = s.mass_fraction * s.density / s.volume_fraction;
-  double const v0 = (1.0 - Y) / first;
-  double const v1 = Y / second;
-  s.mass_fraction = Y;
-  s.density = 1.0 / (v0 + v1);
-  s.volume_fraction = v1 / (v0 + v1);
-  return s;
+/// A mass fraction near to `wanted` that changes the fluids' own densities little: volumes stay, so that next to a
+/// contact, where a fluid of a small part of the mass may fill a large part of the volume, the state stays what it is.
+double near_mass_fraction(GasState const& s, double wanted) {
+  constexpr double most = 0.1;
+  double const Y = s.mass_fraction;
+  double const low = std::max(Y * (1.0 - most), 1.0 - (1.0 - Y) * (1.0 + most));
+  double const high = std::min(Y * (1.0 + most), 1.0 - (1.0 - Y) * (1.0 - most));
+  return std::clamp(wanted, low, high);
 }
 
 constexpr int most_births = 16;  // of one lane in one step: more is not met within the Courant limit
@@ -782,17 +784,18 @@ void Bridge::give_birth() {
         Ledger& account = ledger_[static_cast<std::size_t>(f) * lanes_per_face_ + lane];
         if (account.total() <= 0.0) continue;
         if (lanes_[f].average >= 0 && averages_.sums()[lanes_[f].average].volume <= 0.0) continue;
-        GasState const donor = donor_state(f, lane);
+        GasSlopes slopes;
+        GasState const donor = donor_state(f, lane, slopes);
         if (faces[f].inward(donor.velocity) <= 0.0) continue;
         double const standard = donor.density * standard_volume(faces[f].inside, sub_cell(f, lane));
         for (int n = 0; n < most_births && account.total() >= 0.5 * standard; ++n) {
           // What is left of the ledger after the birth is to have the donor's composition.
           double const left = account.total() - standard;
-          double const Y = std::clamp((account.mass[1] - donor.mass_fraction * left) / standard, 0.0, 1.0);
-          GasState const state = with_mass_fraction(donor, Y);
+          GasState state = donor;
+          state.mass_fraction = near_mass_fraction(donor, (account.mass[1] - donor.mass_fraction * left) / standard);
           double const depth = (account.total() / standard - 0.5) * spacing;
           if (born[g].fields().size() == 0) born[g] = mpm::PointSet(points_->fields(gas_body_));
-          append_point(f, lane, depth, standard, state, born[g]);
+          append_point(f, lane, depth, standard, state, slopes, born[g]);
           account.add(carried(born[g], born[g].size() - 1), -1.0);
         }
       }
@@ -823,8 +826,8 @@ void Bridge::give_birth_as_printed(double dt) {
     int const rows = std::max(1, static_cast<int>(std::ceil(flux / existing / lanes_per_face_)));  // (45)
     double const mass = flux / (rows * lanes_per_face_);                                           // (46)
     for (int row = 0; row < rows; ++row) {
-      double const depth = speed * dt * (row + 1.0) / rows;                                                  // (47)
-      for (int lane = 0; lane < lanes_per_face_; ++lane) append_point(f, lane, depth, mass, outside, born);  // (48)
+      double const depth = speed * dt * (row + 1.0) / rows;                                                      // (47)
+      for (int lane = 0; lane < lanes_per_face_; ++lane) append_point(f, lane, depth, mass, outside, {}, born);  // (48)
     }
   }
   points_->add(gas_body_, born);

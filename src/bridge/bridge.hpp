@@ -84,6 +84,8 @@ class Bridge {
   void lend_nodes_to_ghosts();
   /// Remembers the states of the cells that act as points: of the step's start, and, called again, of its end.
   void read_cells() { states_.read(*gas_); }
+  /// Largest |u| + c of the cells that act as points [m/s]: what comes in with the next step.
+  [[nodiscard]] double incoming_signal() const { return states_.fastest_signal(); }
   /// Makes the cells outside act as points, [Cui14] Eqs. (37)-(39), for a step of the points that begins and ends at
   /// these parts of the gas step, 0 to 1. Each cell becomes as many points as the deck asks for; they stand where the
   /// rows of points in the region would go on: the ledger tells by how much of a point's mass.
@@ -151,9 +153,10 @@ class Bridge {
   [[nodiscard]] double standard_volume(Index3 const& cell, Index3 const& sub) const;
   [[nodiscard]] Ledger carried(mpm::PointSet const& set, int q) const;
   /// The gas outside at a lane of a face.
-  [[nodiscard]] GasState donor_state(int face, int lane) const;
+  [[nodiscard]] GasState donor_state(int face, int lane, GasSlopes& slopes) const;
   /// Appends a point at a depth [m] from the face.
-  void append_point(int face, int lane, double depth, double mass, GasState const& state, mpm::PointSet& to) const;
+  void append_point(int face, int lane, double depth, double mass, GasState const& state, GasSlopes const& slopes,
+                    mpm::PointSet& to) const;
   [[nodiscard]] double specific_energy(GasState const& s) const;
 
   gas::Gas* gas_;

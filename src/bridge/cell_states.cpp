@@ -80,13 +80,23 @@ void CellStates::read(gas::Gas const& gas) {
   std::swap(earlier_, later_);
   constexpr int group = 256;
   int const count = static_cast<int>(places_.size());
+  signals_.resize((count + group - 1) / group);
   parallel_for((count + group - 1) / group, [&](int g, int) {
+    double fastest = 0.0;
     for (int n = g * group; n < std::min(count, (g + 1) * group); ++n) {
       Place const& p = places_[n];
       gas::Primitive const w = gas.primitive(p.block, p.cell[0], p.cell[1], p.cell[2]);
       later_[n] = {w.density, w.velocity, w.pressure, w.mass_fraction, w.volume_fraction};
+      fastest = std::max(fastest, norm(w.velocity) + w.sound_speed);
     }
+    signals_[g] = fastest;
   });
+}
+
+double CellStates::fastest_signal() const {
+  double fastest = 0.0;
+  for (double const signal : signals_) fastest = std::max(fastest, signal);
+  return fastest;
 }
 
 void CellStates::at(int n, double part, GasState& state, GasSlopes& slopes) const {

@@ -41,6 +41,8 @@ class CellStates {
   /// State and slopes of the nth of the cells at a part of the way from the earlier to the later time, 0 to 1.
   void at(int n, double part, GasState& state, GasSlopes& slopes) const;
   [[nodiscard]] int count() const { return static_cast<int>(neighbours_.size()); }
+  /// Largest |u| + c of all cells at the later time [m/s].
+  [[nodiscard]] double fastest_signal() const;
   [[nodiscard]] GasState const& later(int n) const { return later_[n]; }
 
  private:
@@ -57,6 +59,7 @@ class CellStates {
   int dims_;
   std::vector<GasState> earlier_;
   std::vector<GasState> later_;
+  std::vector<double> signals_;  ///< per group of cells
 };
 
 }  // namespace brisance::bridge

@@ -192,6 +192,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     w.maps_back = w.maps_back || order_of(b) == StressOrder::musl;
     w.strains_early = w.strains_early || order_of(b) == StressOrder::usl;
     w.keeps_energy = w.keeps_energy || keeps_energy(b);
+    w.conducts = w.conducts || bodies_[b].shock_conduction > 0.0;
   }
   w.filters = std::any_of(bodies_.begin(), bodies_.end(),
                           [&](Body const& b) { return b.transfer.value_or(options_.transfer) == Transfer::xpic; });
@@ -236,6 +237,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.gradient.resize(slots);
   w.extent.resize(slots);
   w.present.assign(slots, 0);
+  w.shocked.assign(blocks, 0);
   w.impulse.assign(blocks, Vec3{0.0, 0.0, 0.0});
   w.work.assign(blocks, 0.0);
   w.lost.resize(blocks);

@@ -76,6 +76,10 @@ struct Body {
   /// Coefficients of the bulk viscosity that differ from those of the options.
   std::optional<double> linear_viscosity;
   std::optional<double> quadratic_viscosity;
+  /// Conduction of heat in shocks, [Noh87]: the part of the difference between a fluid point's specific energy and that
+  /// around it that is evened out in a step, times q / (p + q). Bulk viscosity alone overheats the first points that a
+  /// shock reaches, at walls and at faces of the region, for good. 0: none.
+  double shock_conduction = 0.0;
 };
 
 /// What fills (a part of) a body.
@@ -246,6 +250,7 @@ class Mpm {
   void filter();
   void integrate(double dt);
   void update_stress(double dt);
+  void conduct();
   void migrate();
   void sort(PointSet& set, int block, std::vector<int>& order) const;
 

@@ -92,6 +92,8 @@ struct Mpm::Workspace {
   bool filters = false;                     ///< some body uses XPIC
   bool maps_back = false;                   ///< some body is updated by MUSL
   bool strains_early = false;               ///< some body is updated by USL
+  bool conducts = false;                    ///< some body conducts heat in shocks
+  std::vector<char> shocked;                ///< per block: there is a shock in it
   bool keeps_energy = false;                ///< some body's transfer loses no energy
   std::vector<std::vector<Hold>> holds;     ///< per block
   std::vector<NodeArray<NodeState>> state;  ///< block x field, as the points wrote them

@@ -23,7 +23,14 @@ double stable_gas_step(World const& w) {
   return ramp(w) * w.setup.numerics.courant * w.setup.domain.h / signal;
 }
 
-double stable_point_step(World const& w) { return ramp(w) * w.points->stable_step(); }
+/// A shock that is about to enter the region bounds the step of the points as those do that are in it.
+double stable_point_step(World const& w) {
+  double step = w.points->stable_step();
+  if (w.bridge != nullptr && w.bridge->incoming_signal() > 0.0) {
+    step = std::min(step, w.setup.points.options.courant * w.setup.domain.h / w.bridge->incoming_signal());
+  }
+  return ramp(w) * step;
+}
 
 /// Do the points take part in the step?
 bool points_move(World const& w) { return w.points != nullptr && (w.bridge == nullptr || w.bridge->awake()); }
@@ -52,7 +59,6 @@ void advance_coupled(World& w, double dt) {
   {
     PhaseTimer const timer(w.timings["bridge"]);
     bridge.lend_nodes_to_ghosts();  // (7) Eqs. (31)-(36), level n
-    bridge.read_cells();
   }
   in_parts(
       dt, [&] { return stable_gas_step(w); },
@@ -93,7 +99,10 @@ double stable_step(World const& w) {
 }
 
 double advance(World& w, double latest) {
-  if (w.bridge != nullptr) w.bridge->wake();
+  if (w.bridge != nullptr && w.bridge->wake()) {
+    PhaseTimer const timer(w.timings["bridge"]);
+    w.bridge->read_cells();
+  }
   double const stable = stable_step(w);  // (1)
   if (!std::isfinite(stable) || stable <= 1e-14 * std::max(w.setup.end.time, 1e-12)) {
     throw NumericalError(

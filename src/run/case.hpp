@@ -121,6 +121,7 @@ struct MpmRegion {
   int population_interval = 4;                     ///< steps of the points between splits and merges; 0: none
   double linear_viscosity = 0.06;                  ///< of the gas
   double quadratic_viscosity = 1.5;
+  double shock_conduction = 0.2;  ///< of the gas, see `mpm::Body`
   /// Taken off the pressure in the forces [Pa]; absent: the lowest pressure of the gas, the ambient one at most.
   std::optional<double> reference_pressure;
 

@@ -179,6 +179,7 @@ void place_region(World& w) {
   gas.order = settings.order;
   gas.linear_viscosity = settings.linear_viscosity;
   gas.quadratic_viscosity = settings.quadratic_viscosity;
+  gas.shock_conduction = settings.shock_conduction;
   place_bodies(w, region.points_domain(), {gas});
   int const gas_body = static_cast<int>(w.points->bodies().size()) - 1;
   fill_gas(w, gas_body, boxes_of(w.setup));
