@@ -518,6 +518,7 @@ void pressure_stage(PointwiseEos const eos, PointArrays const& a, StepData const
   double* const sound_speed = a.sound_speed;
   double const stiffening = 4.0 / 3.0 * shear;
   double const linear = step.linear_viscosity * step.length / step.dt;
+  double const onset = step.linear_onset * step.dt / step.length;
   double const quadratic = step.quadratic_viscosity * (step.length / step.dt) * (step.length / step.dt);
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) {
@@ -540,7 +541,8 @@ void pressure_stage(PointwiseEos const eos, PointArrays const& a, StepData const
     double const stiff = (1.0 + g) * (f + per_e * e0) + df - f;
     double const c = std::sqrt((stiff > 0.0 ? stiff : 0.0) * V1);
     double const closing = ratio < 1.0 ? 1.0 - ratio : 0.0;  // -d dt in compression
-    double const q = rho1 * closing * (linear * c + quadratic * closing);
+    double const strong = closing / (closing + onset * c + 1e-300);
+    double const q = rho1 * closing * (linear * c * strong + quadratic * closing);
 
     double const known = e0 + 0.5 * (V0 + V1) * work[k] - (0.5 * p0 + q) * dV;
     double const implicit = 1.0 + 0.5 * per_e * dV;

@@ -37,6 +37,9 @@ struct StepData {
   double length;                     ///< cell size h [m]
   double linear_viscosity = 0.06;    ///< coefficient of h c |d|
   double quadratic_viscosity = 1.5;  ///< coefficient of h^2 d^2
+  /// The linear term is multiplied by x / (x + onset), x = h |d| / c: sound passes without it, shocks do not notice.
+  /// 0: everything feels it.
+  double linear_onset = 0.0;
 };
 
 /// One step of the stress of n points; equation numbers are those of [Cui14]. In this order:

@@ -76,6 +76,7 @@ struct Body {
   /// Coefficients of the bulk viscosity that differ from those of the options.
   std::optional<double> linear_viscosity;
   std::optional<double> quadratic_viscosity;
+  double viscosity_onset = 0.0;  ///< see `material::StepData::linear_onset`
   /// Conduction of heat in shocks, [Noh87]: the part of the difference between a fluid point's specific energy and that
   /// around it that is evened out in a step, times q / (p + q). Bulk viscosity alone overheats the first points that a
   /// shock reaches, at walls and at faces of the region, for good. 0: none.

@@ -435,9 +435,10 @@ struct Kernels {
     arrays.sound_speed = sound;
     arrays.mass_fraction = at(Field::mass_fraction);
     arrays.volume_fraction = at(Field::volume_fraction);
-    material::update_stress(v.body->solid, arrays,
-                            {dt, v.h, v.body->linear_viscosity.value_or(options.linear_viscosity),
-                             v.body->quadratic_viscosity.value_or(options.quadratic_viscosity)});
+    material::update_stress(
+        v.body->solid, arrays,
+        {dt, v.h, v.body->linear_viscosity.value_or(options.linear_viscosity),
+         v.body->quadratic_viscosity.value_or(options.quadratic_viscosity), v.body->viscosity_onset});
     for (int d = 0; d < D; ++d) {
       double* half = at(Field::half_x + d);
       if (half == nullptr) continue;

@@ -119,9 +119,10 @@ struct MpmRegion {
   mpm::Transfer transfer = mpm::Transfer::apic;    ///< of the gas
   mpm::StressOrder order = mpm::StressOrder::usl;  ///< of the gas; usl or musl
   int population_interval = 4;                     ///< steps of the points between splits and merges; 0: none
-  double linear_viscosity = 0.06;                  ///< of the gas
+  double linear_viscosity = 0.5;                   ///< of the gas: as much as damps the overshoot of strong shocks
+  double viscosity_onset = 0.1;                    ///< of the linear term: sound waves pass undamped, see `mpm::Body`
   double quadratic_viscosity = 1.5;
-  double shock_conduction = 0.2;  ///< of the gas, see `mpm::Body`
+  double shock_conduction = 1.0;  ///< of the gas, see `mpm::Body`
   /// Taken off the pressure in the forces [Pa]; absent: the lowest pressure of the gas, the ambient one at most.
   std::optional<double> reference_pressure;
 

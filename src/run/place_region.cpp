@@ -178,6 +178,7 @@ void place_region(World& w) {
   gas.transfer = settings.transfer;
   gas.order = settings.order;
   gas.linear_viscosity = settings.linear_viscosity;
+  gas.viscosity_onset = settings.viscosity_onset;
   gas.quadratic_viscosity = settings.quadratic_viscosity;
   gas.shock_conduction = settings.shock_conduction;
   place_bodies(w, region.points_domain(), {gas});
