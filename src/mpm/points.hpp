@@ -9,6 +9,10 @@
 #include "core/vec.hpp"
 #include "material/solid.hpp"
 
+namespace brisance {
+class Archive;
+}
+
 namespace brisance::mpm {
 
 /// Everything that a point may carry. Vectors and tensors take consecutive fields.
@@ -40,8 +44,8 @@ enum class Field : int {
   damage,
   mass_fraction,    ///< of the second fluid: gas
   volume_fraction,  ///< of the second fluid: gas
-  lighting_time,  ///< when the detonation arrives [s]
-  half_x,         ///< half the point's lengths [m], 3: cpGIMP
+  lighting_time,    ///< when the detonation arrives [s]
+  half_x,           ///< half the point's lengths [m], 3: cpGIMP
   half_y,
   half_z,
   affine_xx,  ///< velocity gradient of APIC [1/s], 9, row by row
@@ -115,6 +119,7 @@ class PointSet {
   /// Puts the points into the given order, which may leave some out.
   void reorder(std::vector<int> const& order);
   [[nodiscard]] std::size_t bytes() const { return data_.size() * sizeof(double); }
+  void archive(Archive& a);  ///< in a checkpoint, see state.cpp
 
  private:
   void reserve(std::size_t wanted);
