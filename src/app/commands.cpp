@@ -271,6 +271,7 @@ ExitCode run_deck(RunArguments const& arguments) {
                                                           : output::Earlier::refuse,
                          .checkpoint_bytes = kept});
   Progress progress(stderr, terminal);
+  progress.start(world);
   bool const show = arguments.progress && !arguments.quiet;
   auto const after_step = [&](run::World const& w) {
     if (show) progress.step(w);

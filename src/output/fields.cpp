@@ -99,7 +99,9 @@ void drop_later_dumps(fs::path const& folder, std::string const& kind, int count
   if (count > 0) {
     replace_file(index, time_series_index(entries));
   } else {
-    fs::remove(index);
+    std::error_code error;
+    fs::remove(index, error);
+    if (error) throw_io_error("remove", index, error.value());
   }
 }
 

@@ -58,19 +58,30 @@ TEST(Folder, WithResultsIsRefusedUntilForced) {
   auto const& folder = scratch.path();
   fs::create_directories(folder / "fields");
   fs::create_directories(folder / "gauges");
-  for (auto const* name : {"run.json", "fields.xmf2", "fields/fields_000000.h5", "gauges/g.csv", "notes.txt"})
-    replace_file(folder / name, "x");
+  fs::create_directories(folder / "checkpoints");
+  std::vector<std::string> const results{"run.json",
+                                         "fields.xmf2",
+                                         "fields/fields_000000.h5",
+                                         "gauges/g.csv",
+                                         "checkpoints/checkpoint_00000010.brz",
+                                         "checkpoints/checkpoint_00000020.brz.refused",
+                                         "checkpoints/checkpoint.part",
+                                         "checkpoints/stopped.brz"};
+  for (auto const& name : results) replace_file(folder / name, "x");
+  replace_file(folder / "notes.txt", "x");
 
   EXPECT_EQ(
       io_error([&] { prepare_folder(folder, Earlier::refuse, 0.0); }),
       "the output folder \"" + folder.string() +
-          "\" already holds the results of a run (run.json): name another folder with --output, or replace them with "
-          "--force");
+          "\" already holds the results of a run (run.json): go on with that run with --resume, name another folder "
+          "with --output, or replace them with --force");
   EXPECT_TRUE(fs::exists(folder / "gauges/g.csv"));
 
+  EXPECT_NO_THROW(prepare_folder(folder, Earlier::keep, 0.0));
+  for (auto const& name : results) EXPECT_TRUE(fs::exists(folder / name)) << name;
+
   prepare_folder(folder, Earlier::replace, 0.0);
-  for (auto const* name : {"run.json", "fields.xmf2", "fields/fields_000000.h5", "gauges/g.csv"})
-    EXPECT_FALSE(fs::exists(folder / name)) << name;
+  for (auto const& name : results) EXPECT_FALSE(fs::exists(folder / name)) << name;
   EXPECT_TRUE(fs::exists(folder / "notes.txt")) << "a file that is no result was removed";
 }
 
