@@ -30,7 +30,7 @@ std::optional<std::string> difference_of(toml::table const& a, toml::table const
   }
   static toml::table const none;
   for (std::string const& key : keys) {
-    std::string const path = parent.empty() ? key : parent + "." + key;
+    std::string const path = parent.empty() ? key : fmt::format("{}.{}", parent, key);
     if (is_free(path)) continue;
     toml::node const* const in_a = a.get(key);
     toml::node const* const in_b = b.get(key);

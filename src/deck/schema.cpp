@@ -641,16 +641,16 @@ Table const& checkpoint_table() {
         {number("interval", "s", 0.0, longest)
              .of(c.interval)
              .like("\"1 ms\"")
-             .means("Simulated time between two checkpoints; 0: no matter"),
+             .means("Simulated time between two checkpoints; 0: not by the simulated time"),
          typed(Type::integer, "steps", "1", 0, 1e12)
              .of(c.steps)
              .like("1000")
-             .means("Steps between two checkpoints; 0: no matter"),
+             .means("Steps between two checkpoints; 0: not by steps"),
          number("wall_clock", "s", 0.0, 1e8)
              .of(c.wall_clock)
              .like("\"30 min\"")
              .means("Time of the clock on the wall between two checkpoints, more where writing one takes more than a "
-                    "twentieth of it; 0: no matter"),
+                    "twentieth of it; 0: not by the clock"),
          typed(Type::integer, "keep", "1", 1, 1000)
              .of(static_cast<long>(c.keep))
              .like("2")

@@ -316,9 +316,10 @@ class Resume(Case):
 
     def test_another_deck_is_refused(self):
         self.stopped()
-        for old, new, key in (('"1 kg"', '"2 kg"', "charge"), ("block_cells = 64", "block_cells = 32",
-                                                              "numerics.block_cells"),
-                              ('precision = "double"', "peak_fields = false", "output.peak_fields")):
+        changes = (('"1 kg"', '"2 kg"', "charge"),
+                   ("block_cells = 64", "block_cells = 32", "numerics.block_cells"),
+                   ('precision = "double"', "peak_fields = false", "output.peak_fields"))
+        for old, new, key in changes:
             self.deck(self.SMALL.replace(old, new))
             done = self.brisance("--output", "cut", "--resume", code=2)
             self.assertIn(f"--resume: {key} of ", done.stderr)
