@@ -132,6 +132,9 @@ void plan_gas(run::Case const& setup, Plan& p) {
           resolution, quantity(setup.domain.h * resolution / coarse_charge, "m", 2), coarse_charge));
     }
   }
+  double const values = (two_fluids(setup) ? gas::two_fluid_components : gas::single_fluid_components) +
+                        (setup.output.peak_fields ? peak_components : 0.0);
+  p.checkpoint_bytes = static_cast<double>(setup.domain.cell_count()) * values * double_bytes;
   p.dump_bytes =
       output::FieldSeries::bytes_per_dump(setup.domain, output::dumped_fields(setup), setup.output.single_precision);
   double const records =
@@ -226,6 +229,7 @@ void plan_points(run::Case const& setup, Plan& p) {
       setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
   p.gauge_bytes = records * bytes_per_point_record * static_cast<double>(points.gauges.size());
   p.memory_bytes = point_memory(points, p, setup.domain.dimensions());
+  p.checkpoint_bytes = p.points * bytes_per_point;
   p.dump_bytes =
       output::PointSeries::bytes_per_dump(p.points, output::dumped_fields(setup), setup.output.single_precision);
 }
@@ -374,6 +378,7 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
   std::string fields;
   for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
   line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
+  line("checkpoints", fmt::format("{} of about {} stay", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
   for (auto const& w : p.warnings) out += fmt::format("\nwarning: {}\n", w);
   return out;
 }
@@ -427,6 +432,7 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
           {"fields", fields},
           {"dumps", p.dumps},
           {"dump_bytes", p.dump_bytes},
+          {"checkpoint_bytes", p.checkpoint_bytes},
           {"warnings", p.warnings}};
 }
 

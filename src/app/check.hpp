@@ -20,8 +20,9 @@ struct Plan {
   std::vector<run::BodyReport> bodies;
   double points = 0.0;  ///< material points; 0: a calculation of the gas
   long dumps = 0;
-  double dump_bytes = 0.0;   ///< of one dump, uncompressed
-  double gauge_bytes = 0.0;  ///< of all gauge files, estimate
+  double dump_bytes = 0.0;        ///< of one dump, uncompressed
+  double gauge_bytes = 0.0;       ///< of all gauge files, estimate
+  double checkpoint_bytes = 0.0;  ///< of one checkpoint without gauge histories, estimate for points
   std::vector<std::string> warnings;
 };
 

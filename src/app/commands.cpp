@@ -20,6 +20,8 @@
 #include "deck/library.hpp"
 #include "deck/schema.hpp"
 #include "empirical/kingery_bulmash.hpp"
+#include "output/checkpoint.hpp"
+#include "output/file.hpp"
 #include "output/json.hpp"
 #include "output/report.hpp"
 #include "output/writer.hpp"
@@ -160,6 +162,57 @@ double si_quantity(char const* option, std::string const& text, char const* unit
   return *q.value;
 }
 
+/// Did a run of this very deck reach its end in the folder?
+bool has_finished(fs::path const& folder, run::Case const& setup) {
+  try {
+    auto const log = nlohmann::json::parse(output::read_file(folder / "run.json"));
+    return log.at("status") == "done" && log.at("deck") == setup.deck_text;
+  } catch (IoError const&) {
+    return false;
+  } catch (nlohmann::json::exception const&) {
+    return false;
+  }
+}
+
+/// The newest good checkpoint of the folder. Throws where there is none, or where it is of another case.
+std::unique_ptr<output::CheckpointReader> checkpoint_of(fs::path const& folder, run::Case const& setup) {
+  auto found = output::newest_checkpoint(folder);
+  for (auto const& problem : found.problems) print(stderr, "warning: {}\n", problem);
+  if (found.reader == nullptr) {
+    throw IoError(fmt::format(
+        "--resume: \"{}\" holds no {}checkpoint: the run ended before it wrote one, or --output names another folder; "
+        "start anew with --force in place of --resume",
+        folder.string(), found.problems.empty() ? "" : "good "));
+  }
+  auto const& info = found.reader->info();
+  if (auto const key = deck::difference(info.deck, setup.deck_text)) {
+    throw InputError(fmt::format(
+        "--resume: {} of \"{}\" is not that of the deck that \"{}\" was calculated with; only [end], [output] (but for "
+        "peak_fields), [checkpoint] and the title may change; start anew with --force, or see {} for the former deck",
+        *key, setup.deck_path, found.reader->path().string(), (folder / "deck.toml").string()));
+  }
+  if (!found.problems.empty()) print(stderr, "the checkpoint \"{}\" is used\n", found.reader->path().string());
+  if (info.program != output::program_build()) {
+    print(stderr,
+          "warning: \"{}\" was written by another build of the program ({}): the results may differ in their last "
+          "digits from those of an uninterrupted run\n",
+          found.reader->path().string(), info.program);
+  }
+  for (auto const& refused : found.refused) output::put_aside(refused);
+  return std::move(found.reader);
+}
+
+void read_world(run::World& world, output::CheckpointReader& checkpoint) {
+  try {
+    world.archive(checkpoint.archive());
+  } catch (IoError const& problem) {
+    throw IoError(fmt::format(
+        "--resume: the checkpoint \"{}\" does not fit this case: {}; the program or a file that the deck names has "
+        "changed: restore it, or start anew with --force in place of --resume",
+        checkpoint.path().string(), problem.what()));
+  }
+}
+
 }  // namespace
 
 std::string default_output_folder(std::string const& deck) {
@@ -175,6 +228,14 @@ ExitCode run_deck(RunArguments const& arguments) {
   Plan const expected = plan(setup);
   refuse_unless_it_fits(expected);
   fs::path const folder = arguments.output.empty() ? default_output_folder(arguments.deck) : arguments.output;
+  std::unique_ptr<output::CheckpointReader> checkpoint;
+  if (arguments.resume) {
+    if (has_finished(folder, setup)) {
+      if (!arguments.quiet) print(stdout, "{}: this run had reached its end, nothing is left to do\n", folder.string());
+      return ExitCode::done;
+    }
+    checkpoint = checkpoint_of(folder, setup);
+  }
   if (!arguments.quiet) {
     if (!setup.title.empty()) print(stdout, "{}\n", setup.title);
     std::string const what = expected.points > 0.0 ? fmt::format("{} material points", large_count(expected.points))
@@ -190,6 +251,10 @@ ExitCode run_deck(RunArguments const& arguments) {
             charge.realised_mass, quantity(charge.realised_energy, "J"));
     }
     for (auto const& warning : expected.warnings) print(stderr, "warning: {}\n", warning);
+    if (checkpoint != nullptr) {
+      print(stdout, "going on from {}: t = {}, step {}\n", checkpoint->path().string(),
+            quantity(checkpoint->info().time, "s"), checkpoint->info().step);
+    }
     std::fflush(stdout);
   }
 
@@ -197,12 +262,22 @@ ExitCode run_deck(RunArguments const& arguments) {
   StopSignals const signals(terminal && !arguments.quiet);
   auto const start = std::chrono::steady_clock::now();
   run::World world(std::move(setup));
-  output::Writer writer(world, folder, {.force = arguments.force});
+  if (checkpoint != nullptr) read_world(world, *checkpoint);
+  // One more than stay: the newest is complete before the oldest goes.
+  double const kept = (world.setup.checkpoint.keep + 1) * output::state_bytes([&](Archive& a) { world.archive(a); });
+  output::Writer writer(world, folder,
+                        {.earlier = checkpoint != nullptr ? output::Earlier::keep
+                                    : arguments.force     ? output::Earlier::replace
+                                                          : output::Earlier::refuse,
+                         .checkpoint_bytes = kept});
   Progress progress(stderr, terminal);
+  progress.start(world);
   bool const show = arguments.progress && !arguments.quiet;
-  Ending const ending = drive(world, writer, StopSignals::requested(), [&](run::World const& w) {
+  auto const after_step = [&](run::World const& w) {
     if (show) progress.step(w);
-  });
+  };
+  Archive* const resumed = checkpoint != nullptr ? &checkpoint->archive() : nullptr;
+  Ending const ending = drive(world, writer, StopSignals::requested(), after_step, resumed);
   if (show) progress.end();
 
   if (ending.code == ExitCode::numerical_failure || ending.code == ExitCode::io_failure) {

@@ -9,6 +9,7 @@
 
 #include "app/text.hpp"
 #include "core/timer.hpp"
+#include "output/checkpoint.hpp"
 
 namespace brisance::app {
 
@@ -18,12 +19,30 @@ namespace {
 /// than a twentieth of the time.
 constexpr std::chrono::seconds append_interval{2};
 constexpr int append_share = 20;
+/// By the clock, checkpoints take no more than this part of the time.
+constexpr int checkpoint_share = 20;
 
 /// The loop's bookkeeping of what has been written when.
 class Recorder {
  public:
   Recorder(run::World& world, output::Writer& writer)
-      : world_(&world), writer_(&writer), dump_times_(output::dump_times(world.setup.output, world.setup.end.time)) {}
+      : world_(&world),
+        writer_(&writer),
+        dump_times_(output::dump_times(world.setup.output, world.setup.end.time)),
+        checkpoints_(writer.folder(), world.setup.checkpoint.keep) {
+    plan_checkpoints();
+  }
+
+  /// Goes on from a checkpoint whose world has been read.
+  void resume(Archive& archive) {
+    rest_of_state(archive);
+    archive.end();
+    double const now = world_->clock.time;
+    while (next_dump_ < dump_times_.size() && dump_times_[next_dump_] <= now) ++next_dump_;
+    if (sampled_step_ >= 0) plan_sample();
+    kept_step_ = world_->clock.step;
+    plan_checkpoints();
+  }
 
   /// The time that the next step may not pass [s].
   [[nodiscard]] double next_dump() const {
@@ -37,7 +56,24 @@ class Recorder {
       dump();
     }
     if (std::chrono::steady_clock::now() >= next_append_) append();
+    if (checkpoint_is_due()) checkpoint();
   }
+
+  /// Writes the state as it is after its step, before anything that only the end of the run adds to it.
+  void checkpoint() {
+    if (kept_step_ == world_->clock.step) return;
+    auto const begin = std::chrono::steady_clock::now();
+    {
+      PhaseTimer const timer(world_->timings["checkpoints"]);
+      checkpoints_.write(info(), state());
+    }
+    kept_step_ = world_->clock.step;
+    plan_checkpoints();
+    next_by_clock_ += checkpoint_share * (std::chrono::steady_clock::now() - begin);
+  }
+
+  /// Writes the state of a run that cannot go on.
+  void keep_stopped() { checkpoints_.write_stopped(info(), state()); }
 
   /// Whatever of the present state has not been recorded yet.
   void record_last(bool state_is_sound) {
@@ -49,8 +85,47 @@ class Recorder {
   void sample() {
     world_->sample_gauges();
     sampled_step_ = world_->clock.step;
+    sampled_time_ = world_->clock.time;
+    plan_sample();
+  }
+
+  void plan_sample() {
     double const interval = world_->setup.output.gauge_interval;
-    if (interval > 0.0) next_gauge_ = (std::floor(world_->clock.time / interval * (1.0 + 1e-12)) + 1.0) * interval;
+    if (interval > 0.0) next_gauge_ = (std::floor(sampled_time_ / interval * (1.0 + 1e-12)) + 1.0) * interval;
+  }
+
+  [[nodiscard]] output::CheckpointInfo info() const {
+    return {"", world_->setup.deck_text, world_->clock.step, world_->clock.time};
+  }
+
+  [[nodiscard]] output::ArchiveState state() {
+    return [this](Archive& archive) {
+      world_->archive(archive);
+      rest_of_state(archive);
+    };
+  }
+
+  /// What a checkpoint holds beside the world.
+  void rest_of_state(Archive& archive) {
+    archive.section("records");
+    archive(sampled_time_, sampled_step_, dumped_step_);
+    writer_->archive(archive, *world_);
+  }
+
+  [[nodiscard]] bool checkpoint_is_due() const {
+    auto const& plan = world_->setup.checkpoint;
+    auto const& clock = world_->clock;
+    return (plan.steps > 0 && clock.step > 0 && clock.step % plan.steps == 0) ||
+           (plan.interval > 0.0 && clock.time >= next_by_time_) ||
+           (plan.wall_clock > 0.0 && std::chrono::steady_clock::now() >= next_by_clock_);
+  }
+
+  /// The next checkpoints after one of the present state.
+  void plan_checkpoints() {
+    auto const& plan = world_->setup.checkpoint;
+    if (plan.interval > 0.0) next_by_time_ = (std::floor(world_->clock.time / plan.interval) + 1.0) * plan.interval;
+    next_by_clock_ = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                                            std::chrono::duration<double>(plan.wall_clock));
   }
 
   void dump() {
@@ -75,6 +150,11 @@ class Recorder {
   double next_gauge_ = 0.0;
   long dumped_step_ = -1;
   long sampled_step_ = -1;
+  double sampled_time_ = 0.0;
+  output::CheckpointFiles checkpoints_;
+  long kept_step_ = -1;        ///< of the last checkpoint
+  double next_by_time_ = 0.0;  ///< [s]
+  std::chrono::steady_clock::time_point next_by_clock_;
   std::chrono::steady_clock::time_point next_append_ = std::chrono::steady_clock::now() + append_interval;
 };
 
@@ -93,12 +173,13 @@ Ending ending_of(run::World const& world) {
 }  // namespace
 
 Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const& stop,
-             std::function<void(run::World const&)> const& after_step) {
+             std::function<void(run::World const&)> const& after_step, Archive* resumed) {
   Recorder recorder(world, writer);
+  if (resumed != nullptr) recorder.resume(*resumed);
   std::optional<Ending> ending;
   bool sound = true;
   try {
-    recorder.record();
+    if (resumed == nullptr) recorder.record();
     while (!world.finished() && !stop) {
       run::advance(world, recorder.next_dump());
       recorder.record();
@@ -106,6 +187,8 @@ Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const&
     }
     ending = world.finished() ? ending_of(world)
                               : Ending{ExitCode::stopped_by_user, "stopped by the user " + place_in_run(world)};
+    auto const& plan = world.setup.checkpoint;
+    if (world.finished() ? plan.at_end : plan.on_signal) recorder.checkpoint();
   } catch (NumericalError const& error) {
     ending = Ending{error.code(), fmt::format("numerical failure {}: {}", place_in_run(world), error.what())};
     sound = false;
@@ -117,6 +200,7 @@ Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const&
     if (ending->code != ExitCode::io_failure) recorder.record_last(sound);
     world.update_audit();
     writer.finish(world, ending->reason, static_cast<int>(ending->code));
+    if (!sound) recorder.keep_stopped();
   } catch (IoError const& error) {
     if (ending->code != ExitCode::io_failure) ending = Ending{error.code(), error.what()};
   }

@@ -18,8 +18,10 @@ struct Ending {
 };
 
 /// Runs the world to its end, until `stop` is set or until something fails, and writes what there is. `after_step` is
-/// called after every step. Numerical and output failures end in the result; other errors are thrown.
+/// called after every step. `resumed` is a checkpoint from which the world has been read: the run goes on with the rest
+/// of it, and the folder of the writer becomes what it was then. Numerical and output failures end in the result; other
+/// errors are thrown.
 [[nodiscard]] Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const& stop,
-                           std::function<void(run::World const&)> const& after_step);
+                           std::function<void(run::World const&)> const& after_step, Archive* resumed = nullptr);
 
 }  // namespace brisance::app

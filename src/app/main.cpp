@@ -51,11 +51,13 @@ int main(int argc, char** argv) {
                   "folder for the results; without it NAME-results in the working directory");
   run->add_option("--threads", run_arguments.threads, "number of threads; without it all cores")
       ->check(CLI::Range(1, 1024));
-  run->add_flag("--force", run_arguments.force, "replace the results of an earlier run");
+  auto* force = run->add_flag("--force", run_arguments.force, "replace the results of an earlier run");
+  run->add_flag("--resume", run_arguments.resume, "go on from the newest checkpoint of an earlier run")
+      ->excludes(force);
   run->add_flag("--quiet", run_arguments.quiet, "say nothing but errors and warnings of the deck");
   run->add_flag("!--no-progress", run_arguments.progress, "no progress line");
   run->footer(
-      "Ctrl-C ends the step, writes what there is and exits with 3; a second Ctrl-C ends at once.\n"
+      "Ctrl-C ends the step, writes what there is and a checkpoint and exits with 3; a second Ctrl-C ends at once.\n"
       "Example: brisance run cases/hemisphere_3d/deck.toml --output burst --threads 2");
   run->callback([&] { code = guarded([&] { return run_deck(run_arguments); }); });
 

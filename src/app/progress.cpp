@@ -34,6 +34,8 @@ bool Progress::due(double done, Clock::time_point now) const {
   return now - since_ >= 10s || (done - done_ >= 0.1 && now - since_ >= 1s);
 }
 
+void Progress::start(run::World const& world) { done_ = part_done(world); }
+
 void Progress::step(run::World const& world) {
   ++steps_;
   bool const points = world.points != nullptr;

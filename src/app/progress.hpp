@@ -15,6 +15,8 @@ class Progress {
  public:
   Progress(std::FILE* out, bool terminal) : out_(out), terminal_(terminal) {}
 
+  /// To be called before the first step of a run that does not begin at its start.
+  void start(run::World const& world);
   /// To be called after every step.
   void step(run::World const& world);
   /// Ends the line.

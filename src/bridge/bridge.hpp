@@ -24,6 +24,10 @@
 #include "gas/gas.hpp"
 #include "mpm/mpm.hpp"
 
+namespace brisance {
+class Archive;
+}
+
 namespace brisance::bridge {
 
 enum class Transport {
@@ -102,6 +106,9 @@ class Bridge {
   /// The accounts, face by face, lane by lane.
   [[nodiscard]] std::vector<Ledger> const& accounts() const { return ledger_; }
   [[nodiscard]] Traffic const& traffic() const { return traffic_; }
+
+  /// The state that a checkpoint holds.
+  void archive(Archive& archive);
 
   /// The gas at cells of the region (domain indices), from the points; volume 0 where there is none.
   [[nodiscard]] std::vector<CellSums> gas_in(std::vector<Index3> const& cells) const;

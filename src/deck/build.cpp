@@ -58,6 +58,7 @@ run::Case Builder::build() {
   numerics();
   end();
   output();
+  checkpoint();
   compare();
   return std::move(out_);
 }
@@ -268,6 +269,18 @@ void Builder::end() {
   if (!time) return;
   out_.end.time = *time;
   end_known_ = true;
+}
+
+void Builder::checkpoint() {
+  Section const* section = deck_.section("checkpoint");
+  if (section == nullptr) return;
+  auto& c = out_.checkpoint;
+  c.interval = section->number("interval").value_or(c.interval);
+  c.steps = section->integer("steps").value_or(c.steps);
+  c.wall_clock = section->number("wall_clock").value_or(c.wall_clock);
+  c.keep = static_cast<int>(section->integer("keep").value_or(c.keep));
+  c.at_end = section->boolean("at_end").value_or(c.at_end);
+  c.on_signal = section->boolean("on_signal").value_or(c.on_signal);
 }
 
 void Builder::output() {

@@ -83,6 +83,7 @@ class Builder {
   void numerics();
   void end();
   void output();
+  void checkpoint();
   void too_many(Section const& section, std::string_view key, double interval, double most, char const* things);
   void compare();
 

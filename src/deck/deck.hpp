@@ -35,6 +35,10 @@ struct Result {
 /// Reads a deck from memory; `name` stands for the file in messages. Does not throw on any text.
 [[nodiscard]] Result read_text(std::string_view text, std::string_view name);
 
+/// The first key in which two decks differ so that one cannot go on with a run of the other, e.g. "domain.cell". The
+/// title, [end], [output] (but for peak_fields) and [checkpoint] are free; order, comments and layout never count.
+[[nodiscard]] std::optional<std::string> difference(std::string_view deck, std::string_view other);
+
 /// Reference manual of the deck in Markdown, made from the schema (docs/deck.md).
 [[nodiscard]] std::string reference_manual();
 

@@ -631,6 +631,41 @@ Table const& end_table() {
   return table;
 }
 
+Table const& checkpoint_table() {
+  static Table const table = [] {
+    run::Checkpoint const c;
+    return Table{
+        "When the whole state is written, so that `brisance run --resume` can go on from there. Nothing here changes "
+        "the "
+        "results.",
+        {number("interval", "s", 0.0, longest)
+             .of(c.interval)
+             .like("\"1 ms\"")
+             .means("Simulated time between two checkpoints; 0: not by the simulated time"),
+         typed(Type::integer, "steps", "1", 0, 1e12)
+             .of(c.steps)
+             .like("1000")
+             .means("Steps between two checkpoints; 0: not by steps"),
+         number("wall_clock", "s", 0.0, 1e8)
+             .of(c.wall_clock)
+             .like("\"30 min\"")
+             .means("Time of the clock on the wall between two checkpoints, more where writing one takes more than a "
+                    "twentieth of it; 0: not by the clock"),
+         typed(Type::integer, "keep", "1", 1, 1000)
+             .of(static_cast<long>(c.keep))
+             .like("2")
+             .means("Number of checkpoints that stay on the disk, the newest ones"),
+         typed(Type::boolean, "at_end").of(c.at_end).like("true").means("Write one at the end of the calculation"),
+         typed(Type::boolean, "on_signal")
+             .of(c.on_signal)
+             .like("true")
+             .means("Write one when the run is stopped by Ctrl-C or a signal")},
+        {},
+        {}};
+  }();
+  return table;
+}
+
 Table const& compare_table() {
   static Table const table{
       "Comparison of the gauges with Kingery and Bulmash's curves.",
@@ -828,6 +863,7 @@ Table const& deck_schema() {
          nested(Type::table, "numerics", numerics_table()),
          nested(Type::table, "output", output_table()),
          nested(Type::table, "end", end_table()).required().like("time = \"10 ms\""),
+         nested(Type::table, "checkpoint", checkpoint_table()),
          nested(Type::table, "compare", compare_table()),
          nested(Type::named, "explosives", explosives_table()),
          nested(Type::named, "fluids", fluids_table()),

@@ -14,6 +14,10 @@
 #include "grid/fields.hpp"
 #include "grid/grid.hpp"
 
+namespace brisance {
+class Archive;
+}
+
 namespace brisance::gas {
 
 enum class Scheme { muscl_hancock, lax_wendroff };
@@ -153,6 +157,7 @@ class Gas {
   [[nodiscard]] Account account() const;
   /// Wall-clock seconds spent in exchange and in sweeps.
   [[nodiscard]] std::map<std::string, double> const& timings() const { return timings_; }
+  void archive(Archive& a);  ///< in a checkpoint, see state.cpp
 
  private:
   struct WatchedFace {

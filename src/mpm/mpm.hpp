@@ -151,6 +151,8 @@ struct Place {
   int index = -1;
 };
 
+void archive(Archive& a, BodySums& sums);
+
 struct Scratch;
 struct Hoops;
 struct OuterForces;
@@ -229,6 +231,7 @@ class Mpm {
   [[nodiscard]] std::size_t bytes() const;
   /// Wall-clock seconds per pass.
   [[nodiscard]] std::map<std::string, double> const& timings() const { return timings_; }
+  void archive(Archive& a);  ///< in a checkpoint, see state.cpp
 
  private:
   struct Workspace;

@@ -9,6 +9,10 @@
 #include "core/vec.hpp"
 #include "material/solid.hpp"
 
+namespace brisance {
+class Archive;
+}
+
 namespace brisance::mpm {
 
 /// Everything that a point may carry. Vectors and tensors take consecutive fields.
@@ -118,6 +122,7 @@ class PointSet {
   /// Puts the points into the given order, which may leave some out.
   void reorder(std::vector<int> const& order);
   [[nodiscard]] std::size_t bytes() const { return data_.size() * sizeof(double); }
+  void archive(Archive& a);  ///< in a checkpoint, see state.cpp
 
  private:
   void reserve(std::size_t wanted);

@@ -247,6 +247,7 @@ void Mpm::conduct() {
     }
   };
   // Blocks without a shock have nothing to exchange but with their neighbours.
+  std::fill(w.shocked.begin(), w.shocked.end(), 0);
   parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
     int const block = active_[n];
     bool shocked = false;

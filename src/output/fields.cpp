@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "output/dump_file.hpp"
 #include "output/file.hpp"
+#include "output/folder.hpp"
 
 namespace brisance::output {
 
@@ -88,6 +89,22 @@ std::string time_series_index(std::string const& entries) {
          entries + "    </Grid>\n  </Domain>\n</Xdmf>\n";
 }
 
+void drop_later_dumps(fs::path const& folder, std::string const& kind, int count, std::string const& entries) {
+  for (auto const& [number, path] : dumps_of(folder, kind)) {
+    std::error_code error;
+    if (number >= count) fs::remove(path, error);
+    if (error) throw_io_error("remove", path, error.value());
+  }
+  fs::path const index = folder / (kind + ".xmf2");
+  if (count > 0) {
+    replace_file(index, time_series_index(entries));
+  } else {
+    std::error_code error;
+    fs::remove(index, error);
+    if (error) throw_io_error("remove", index, error.value());
+  }
+}
+
 FieldSeries::FieldSeries(fs::path folder, FieldOptions options) : folder_(std::move(folder)), options_(options) {}
 
 void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
@@ -118,6 +135,11 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
   entries_ += index_entry(name, time, domain, fields, options_.single_precision);
   replace_file(folder_ / "fields.xmf2", time_series_index(entries_));
   ++count_;
+}
+
+void FieldSeries::archive(Archive& a) {
+  a(count_, entries_);
+  if (a.reading()) drop_later_dumps(folder_, "fields", count_, entries_);
 }
 
 double FieldSeries::bytes_per_dump(grid::Domain const& domain, std::vector<FieldSpec> const& fields,

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/archive.hpp"
 #include "grid/grid.hpp"
 
 namespace brisance::output {
@@ -30,6 +31,11 @@ struct FieldOptions {
 /// Values of a field in one block: x fastest, components interleaved.
 using BlockValues = std::function<void(int block, std::string const& field, std::vector<double>& out)>;
 
+/// Makes a series of dumps ("fields" or "points") end with its first `count`: removes the later ones and writes the
+/// index anew.
+void drop_later_dumps(std::filesystem::path const& folder, std::string const& kind, int count,
+                      std::string const& entries);
+
 /// An XDMF index that lists the dumps' <Grid> elements as a time series.
 [[nodiscard]] std::string time_series_index(std::string const& entries);
 
@@ -44,6 +50,8 @@ class FieldSeries {
             BlockValues const& values);
 
   [[nodiscard]] int count() const { return count_; }
+  /// What has been dumped, in a checkpoint. Reading drops the dumps that came later.
+  void archive(Archive& a);
 
   /// Bytes of one dump without compression.
   [[nodiscard]] static double bytes_per_dump(grid::Domain const& domain, std::vector<FieldSpec> const& fields,

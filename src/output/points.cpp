@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "output/dump_file.hpp"
 #include "output/file.hpp"
+#include "output/folder.hpp"
 
 namespace brisance::output {
 
@@ -108,6 +109,11 @@ void PointSeries::dump(double time, long step, grid::Geometry geometry, long cou
   if (count > 0) entries_ += index_entry(name, time, count, fields, options_.single_precision);
   replace_file(folder_ / "points.xmf2", time_series_index(entries_));
   ++count_;
+}
+
+void PointSeries::archive(Archive& a) {
+  a(count_, entries_);
+  if (a.reading()) drop_later_dumps(folder_, "points", count_, entries_);
 }
 
 double PointSeries::bytes_per_dump(double points, std::vector<FieldSpec> const& fields, bool single_precision) {

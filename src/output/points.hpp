@@ -26,6 +26,8 @@ class PointSeries {
             PointValues const& values);
 
   [[nodiscard]] int count() const { return count_; }
+  /// What has been dumped, in a checkpoint. Reading drops the dumps that came later.
+  void archive(Archive& a);
 
   /// Bytes of one dump without compression.
   [[nodiscard]] static double bytes_per_dump(double points, std::vector<FieldSpec> const& fields,

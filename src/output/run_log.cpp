@@ -217,6 +217,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"obstacles", world.setup.obstacles.size()},
            {"gauges", world.gauges.size()},
            {"dumps", status.dumps},
+           {"resumed_at_steps", status.resumed_at},
            {"wall_seconds", status.wall_seconds},
            {"cell_updates_per_second", gas && status.wall_seconds > 0.0 ? updates / status.wall_seconds : 0.0},
            {"timings", std::move(timings)},

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "run/world.hpp"
 
@@ -15,6 +16,7 @@ struct RunStatus {
   std::string started_at;     ///< UTC, ISO 8601
   double wall_seconds = 0.0;  ///< since the start
   int dumps = 0;
+  std::vector<long> resumed_at;  ///< steps
 };
 
 /// Versions of the program, the compiler and the libraries.

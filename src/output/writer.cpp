@@ -23,7 +23,7 @@ namespace {
 /// that fits.
 constexpr double expected_compression = 0.5;
 
-double expected_bytes(run::World const& world, int compression) {
+double expected_bytes(run::World const& world, WriterOptions const& options) {
   run::Case const& setup = world.setup;
   auto const fields = dumped_fields(setup);
   bool const single = setup.output.single_precision;
@@ -31,12 +31,13 @@ double expected_bytes(run::World const& world, int compression) {
                                                     static_cast<double>(world.points->point_count()), fields, single)
                                               : FieldSeries::bytes_per_dump(setup.domain, fields, single);
   return dump * static_cast<double>(dump_times(setup.output, setup.end.time).size()) *
-         (compression > 0 ? expected_compression : 1.0);
+             (options.compression > 0 ? expected_compression : 1.0) +
+         options.checkpoint_bytes;
 }
 
 /// Prepares the folder before the members that write into it are built.
 fs::path prepared(fs::path folder, run::World const& world, WriterOptions const& options) {
-  prepare_folder(folder, options.force, expected_bytes(world, options.compression));
+  prepare_folder(folder, options.earlier, expected_bytes(world, options));
   return folder;
 }
 
@@ -127,6 +128,23 @@ void Writer::append_gauges(run::World const& world) {
   point_gauges_.append(world);
 }
 
+void Writer::archive(Archive& a, run::World const& world) {
+  a.section("output");
+  double wall = wall_seconds();
+  a(series_, points_, started_at_, wall, resumed_at_);
+  if (!a.reading()) return;
+  using Duration = std::chrono::steady_clock::duration;
+  begin_ = std::chrono::steady_clock::now() - std::chrono::duration_cast<Duration>(std::chrono::duration<double>(wall));
+  resumed_at_.push_back(world.clock.step);
+  drop_summary(folder_);
+  append_gauges(world);  // their files are new
+  write_log(world, "running", "", 0);
+}
+
+double Writer::wall_seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+}
+
 void Writer::finish(run::World const& world, std::string const& end_reason, int exit_code) {
   append_gauges(world);
   if (world.points != nullptr) {
@@ -139,8 +157,8 @@ void Writer::finish(run::World const& world, std::string const& end_reason, int 
 
 void Writer::write_log(run::World const& world, std::string const& status, std::string const& end_reason,
                        int exit_code) {
-  double const wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  auto const log = run_log(world, {status, end_reason, exit_code, started_at_, wall, dump_count()});
+  auto const log =
+      run_log(world, {status, end_reason, exit_code, started_at_, wall_seconds(), dump_count(), resumed_at_});
   // A deck or a title may hold bytes that are not UTF-8: they are replaced, the log stays valid JSON.
   replace_file(folder_ / "run.json", log.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }

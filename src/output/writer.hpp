@@ -6,6 +6,7 @@
 ///     points.xmf2         index of the dumps of the material points; points/points_NNNNNN.h5
 ///     gauges/NAME.csv     histories, growing during the run
 ///     energies.csv        energies of every body, growing during the run
+///     checkpoints/        the whole state, see checkpoint.hpp
 ///     summary.csv, .json  peaks, arrivals, durations, impulses of the gauges beside Kingery-Bulmash; of material
 ///                         points the displacements, velocities and energies
 #pragma once
@@ -16,7 +17,9 @@
 #include <string>
 #include <vector>
 
+#include "core/archive.hpp"
 #include "output/fields.hpp"
+#include "output/folder.hpp"
 #include "output/gauges.hpp"
 #include "output/point_gauges.hpp"
 #include "output/points.hpp"
@@ -25,8 +28,9 @@
 namespace brisance::output {
 
 struct WriterOptions {
-  bool force = false;   ///< replace the results of an earlier run
-  int compression = 1;  ///< gzip level of the fields, 0 to 9
+  Earlier earlier = Earlier::refuse;  ///< what becomes of the results of an earlier run
+  int compression = 1;                ///< gzip level of the fields, 0 to 9
+  double checkpoint_bytes = 0.0;      ///< space that all checkpoints will take
 };
 
 class Writer {
@@ -43,10 +47,15 @@ class Writer {
   /// Writes the rest of the gauges, the summary and the last run log. `end_reason` is one line for people.
   void finish(run::World const& world, std::string const& end_reason, int exit_code);
 
+  /// What has been written, in a checkpoint. Reading makes the folder what it was when the checkpoint was written:
+  /// later dumps and records go; the world must have been read before.
+  void archive(Archive& a, run::World const& world);
+
   [[nodiscard]] std::filesystem::path const& folder() const { return folder_; }
   [[nodiscard]] int dump_count() const { return std::max(series_.count(), points_.count()); }
 
  private:
+  [[nodiscard]] double wall_seconds() const;
   void write_log(run::World const& world, std::string const& status, std::string const& end_reason, int exit_code);
 
   std::filesystem::path folder_;
@@ -57,6 +66,7 @@ class Writer {
   PointGaugeFiles point_gauges_;
   std::chrono::steady_clock::time_point begin_;
   std::string started_at_;
+  std::vector<long> resumed_at_;  ///< steps at which the run was taken up again
 };
 
 /// The fields that the dumps of a case hold. Of the gas: the asked ones, the peak fields where asked, the obstacle mask

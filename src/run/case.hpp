@@ -161,6 +161,16 @@ struct End {
   long steps = 0;     ///< 0: no limit
 };
 
+/// When the whole state is written, from which a run can go on. Whatever is chosen here does not change the results.
+struct Checkpoint {
+  double interval = 0.0;      ///< simulated time between two [s]; 0: not by it
+  long steps = 0;             ///< steps between two; 0: not by them
+  double wall_clock = 600.0;  ///< wall-clock time between two [s]; 0: not by it
+  int keep = 2;               ///< the newest ones stay on the disk
+  bool at_end = true;
+  bool on_signal = true;  ///< when the user stops the run
+};
+
 /// How the Kingery-Bulmash values beside the gauges are to be taken.
 enum class Burst { none, spherical, hemispherical };
 
@@ -182,6 +192,7 @@ struct Case {
   Numerics numerics;
   Output output;
   End end;
+  Checkpoint checkpoint;
   Burst burst = Burst::none;
 };
 

@@ -10,6 +10,10 @@
 #include "grid/grid.hpp"
 #include "run/case.hpp"
 
+namespace brisance {
+class Archive;
+}
+
 namespace brisance::run {
 
 struct Clock {
@@ -119,6 +123,11 @@ struct EnergyBalance {
   [[nodiscard]] double drift() const { return largest > 0.0 ? (current + lost - work - initial) / largest : 0.0; }
 };
 
+void archive(Archive& a, Totals& totals);
+void archive(Archive& a, GaugeRecord& record);
+void archive(Archive& a, PointRecord& record);
+void archive(Archive& a, BodyRecord& record);
+
 /// Wall-clock seconds per phase of the step and of the output.
 using Timings = std::map<std::string, double>;
 
@@ -171,6 +180,9 @@ class World {
   void update_audit();
   /// The energy of the points as of the last `update_audit`.
   [[nodiscard]] EnergyBalance energy_balance() const;
+  /// Writes the whole state into a checkpoint or takes it from one: the world is then the one that was written, to the
+  /// last bit. Throws IoError where the checkpoint is not of this case; the state is worthless afterwards.
+  void archive(Archive& a);
 
  private:
   [[nodiscard]] Totals gas_totals() const;

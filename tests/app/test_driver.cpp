@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/driver.hpp"
 #include "gas/components.hpp"
+#include "output/checkpoint.hpp"
 #include "small_case.hpp"
 
 namespace brisance::app {
@@ -86,6 +89,79 @@ TEST(Drive, ANumericalFailureLeavesTheResultsUntilThen) {
   EXPECT_EQ(world.gauges[0].records.size(), 5U);
   EXPECT_EQ(writer.dump_count(), 2);
   EXPECT_EQ(log_of(scratch)["exit_code"], 4);
+}
+
+/// Steps of the checkpoints in the folder.
+std::vector<long> checkpoints_of(Scratch const& scratch) {
+  std::vector<long> steps;
+  if (!std::filesystem::exists(scratch.path() / "checkpoints")) return steps;
+  for (auto const& entry : std::filesystem::directory_iterator(scratch.path() / "checkpoints")) {
+    if (entry.path().filename() == "stopped.brz") continue;
+    steps.push_back(output::CheckpointReader(entry.path()).info().step);
+  }
+  std::sort(steps.begin(), steps.end());
+  return steps;
+}
+
+std::vector<long> checkpoints_after(std::string const& table, std::atomic<bool>& stop, long stop_at = -1) {
+  Scratch const scratch;
+  run::World world(small_case("[end]\ntime = \"1 s\"\nsteps = 50\n[checkpoint]\nkeep = 1000\n" + table));
+  output::Writer writer(world, scratch.path());
+  (void)drive(world, writer, stop, [&](run::World const& w) {
+    if (w.clock.step == stop_at) stop = true;
+  });
+  return checkpoints_of(scratch);
+}
+
+TEST(Drive, WritesCheckpointsWhenTheDeckAsksForThem) {
+  std::atomic<bool> stop{false};
+  EXPECT_EQ(checkpoints_after("", stop), (std::vector<long>{50}));
+  EXPECT_EQ(checkpoints_after("at_end = false\n", stop), (std::vector<long>{}));
+  EXPECT_EQ(checkpoints_after("steps = 20\n", stop), (std::vector<long>{20, 40, 50}));
+  EXPECT_EQ(checkpoints_after("steps = 25\n", stop), (std::vector<long>{25, 50})) << "the last one is written once";
+  // The clock asks at once; then it waits twenty times as long as the writing took.
+  EXPECT_GE(checkpoints_after("wall_clock = 1e-9\n", stop).size(), 2U);
+  EXPECT_EQ(checkpoints_after("", stop, 30), (std::vector<long>{30}));
+  stop = false;
+  EXPECT_EQ(checkpoints_after("on_signal = false\n", stop, 30), (std::vector<long>{}));
+}
+
+TEST(Drive, WritesCheckpointsByTheSimulatedTime) {
+  Scratch const scratch;
+  run::World world(small_case("[end]\ntime = \"0.2 ms\"\n[checkpoint]\nkeep = 100\ninterval = \"30 us\"\n"));
+  output::Writer writer(world, scratch.path());
+  (void)drive(world, writer, go_on, ignore);
+  EXPECT_EQ(checkpoints_of(scratch).size(), 7U) << "six multiples and the end";
+}
+
+TEST(Drive, CheckpointsDoNotChangeTheResults) {
+  std::vector<double> times[2];
+  for (int with = 0; with < 2; ++with) {
+    Scratch const scratch;
+    run::World world(small_case(std::string("[end]\ntime = \"0.1 ms\"\n[checkpoint]\n") +
+                                (with != 0 ? "interval = \"1 us\"\n" : "wall_clock = 0\nat_end = false\n")));
+    output::Writer writer(world, scratch.path());
+    (void)drive(world, writer, go_on, ignore);
+    for (auto const& record : world.gauges[0].records) times[with].push_back(record.time);
+  }
+  EXPECT_EQ(times[0], times[1]);
+}
+
+// The state of a step that failed is no state to go on from.
+TEST(Drive, ANumericalFailureLeavesTheCheckpointsAndAFileOfItsOwn) {
+  Scratch const scratch;
+  run::World world(small_case("[end]\ntime = \"0.2 ms\"\n[checkpoint]\nsteps = 3\n"));
+  output::Writer writer(world, scratch.path());
+  auto const ending = drive(world, writer, go_on, [&](run::World const& w) {
+    if (w.clock.step == 7) world.gas->fields().at(0, gas::energy)[3] = std::numeric_limits<double>::quiet_NaN();
+  });
+  EXPECT_EQ(ending.code, ExitCode::numerical_failure);
+  EXPECT_EQ(checkpoints_of(scratch), (std::vector<long>{3, 6}));
+  output::CheckpointReader stopped(scratch.path() / "checkpoints/stopped.brz");
+  EXPECT_EQ(stopped.info().step, 7);
+  run::World failed(small_case("[end]\ntime = \"0.2 ms\"\n"));
+  EXPECT_NO_THROW(failed.archive(stopped.archive()));
+  EXPECT_TRUE(std::isnan(failed.gas->fields().at(0, gas::energy)[3]));
 }
 
 TEST(Drive, AnOutputFailureEndsTheRunAtOnce) {

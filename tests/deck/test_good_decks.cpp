@@ -516,5 +516,48 @@ TEST(GoodDecks, WarningsNameWhatIsDoubtful) {
             "d:10:13: warning: explosives.TNT: replaces the explosive of the same name in the library");
 }
 
+TEST(GoodDecks, CheckpointsAreReadInFull) {
+  auto const checkpoint = [](std::string const& table) {
+    return read("[domain]\nsize = [1, 1, 1]\ncell = 0.1\n[end]\ntime = 1\n" + table).checkpoint;
+  };
+  auto const standing = checkpoint("");
+  EXPECT_EQ(standing.wall_clock, 600.0);
+  EXPECT_EQ(standing.keep, 2);
+  EXPECT_TRUE(standing.at_end && standing.on_signal);
+  auto const c = checkpoint(
+      "[checkpoint]\ninterval = \"5 ms\"\nsteps = 300\nwall_clock = \"1 h\"\nkeep = 5\nat_end = false\n"
+      "on_signal = false\n");
+  EXPECT_DOUBLE_EQ(c.interval, 5e-3);
+  EXPECT_EQ(c.steps, 300);
+  EXPECT_DOUBLE_EQ(c.wall_clock, 3600.0);
+  EXPECT_EQ(c.keep, 5);
+  EXPECT_FALSE(c.at_end || c.on_signal);
+}
+
+TEST(Difference, OnlyWhatHasBeenCalculatedCounts) {
+  std::string const text =
+      "title = \"a\"\n[domain]\nsize = [1, 1]\ncell = 0.1\n[[gauge]]\npoint = [1, 2]\n[output]\nfields = [\"mach\"]\n"
+      "[end]\ntime = 1\n";
+  auto const changed = [&](std::string const& old, std::string const& fresh) {
+    std::string other = text;
+    other.replace(other.find(old), old.size(), fresh);
+    return deck::difference(text, other).value_or("");
+  };
+  EXPECT_EQ(changed("\"a\"", "\"b\""), "");
+  EXPECT_EQ(changed("time = 1", "time = 2\nsteps = 5"), "");
+  EXPECT_EQ(changed("[end]", "[checkpoint]\nsteps = 5\n[end]"), "");
+  EXPECT_EQ(changed("[\"mach\"]", "[\"mach\", \"pressure\"]"), "");
+  EXPECT_EQ(changed("[output]\nfields = [\"mach\"]\n", ""), "");
+  EXPECT_EQ(changed("[domain]", "# a remark\n\n[domain]"), "");
+  EXPECT_EQ(changed("size = [1, 1]\ncell = 0.1", "cell = 0.1\nsize = [1, 1]"), "");
+  EXPECT_EQ(changed("cell = 0.1", "cell = 0.2"), "domain.cell");
+  EXPECT_EQ(changed("cell = 0.1", "cell = \"0.1 m\""), "domain.cell") << "values count as they are written";
+  EXPECT_EQ(changed("[1, 1]", "[1, 2]"), "domain.size");
+  EXPECT_EQ(changed("[1, 2]", "[1, 3]"), "gauge");
+  EXPECT_EQ(changed("[end]", "[[gauge]]\npoint = [1, 1]\n[end]"), "gauge");
+  EXPECT_EQ(changed("[end]", "[numerics]\ncourant = 0.3\n[end]"), "numerics.courant");
+  EXPECT_EQ(changed("[output]", "[output]\npeak_fields = false"), "output.peak_fields");
+}
+
 }  // namespace
 }  // namespace brisance

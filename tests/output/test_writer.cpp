@@ -61,7 +61,7 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   EXPECT_EQ(std::ranges::count(gauge, '\n'), 3) << gauge;
 
   EXPECT_THROW(Writer(world, folder), IoError);
-  EXPECT_NO_THROW(Writer(world, folder, {true, 1}));
+  EXPECT_NO_THROW(Writer(world, folder, {.earlier = Earlier::replace}));
 }
 
 TEST(Writer, StoppedRunSaysSo) {

@@ -1,0 +1,49 @@
+/// The world in a checkpoint. The world that reads it has been built from the same case: the grid, the realised masses
+/// and the gauges' places are those already, and only what time has changed is taken over.
+#include "core/archive.hpp"
+#include "run/world.hpp"
+
+namespace brisance::run {
+
+void archive(Archive& a, Totals& t) { a(t.mass, t.momentum, t.energy); }
+
+void archive(Archive& a, GaugeRecord& r) { a(r.time, r.pressure, r.density, r.velocity); }
+
+void archive(Archive& a, PointRecord& r) {
+  a(r.time, r.position, r.displacement, r.velocity, r.pressure, r.mises, r.density, r.plastic_strain, r.temperature,
+    r.damage);
+}
+
+void archive(Archive& a, BodyRecord& r) { a(r.time, r.sums); }
+
+void World::archive(Archive& a) {
+  a.section("world");
+  a.same(gas != nullptr, "whether there is gas");
+  a.same(points != nullptr, "whether there are material points");
+  a.same(setup.domain.cells, "the number of cells");
+  a.same(setup.domain.h, "the size of the cells");
+  a(clock.time, clock.dt, clock.step, clock.gas_steps, clock.point_steps, timings);
+  // What the audit knows beside its start follows from the state.
+  run::archive(a, audit.initial);
+  if (gas != nullptr) gas->archive(a);
+  if (points != nullptr) points->archive(a);
+  if (bridge != nullptr) bridge->archive(a);
+
+  a.section("gauges");
+  a.same(gauges.size(), "the number of gauges");
+  for (GaugeHistory& history : gauges) {
+    a.same(history.gauge.name, "the name of a gauge");
+    a.same(history.gauge.position, "the position of gauge \"" + history.gauge.name + "\"");
+    a(history.records);
+  }
+  a.same(point_gauges.size(), "the number of gauges of points and bodies");
+  for (PointGaugeHistory& history : point_gauges) {
+    a.same(history.gauge.name, "the name of a gauge");
+    a.same(history.identity, "the point of gauge \"" + history.gauge.name + "\"");
+    a(history.place.block, history.place.index, history.lost, history.points, history.bodies);
+  }
+  a(body_histories);
+  if (a.reading()) update_audit();
+}
+
+}  // namespace brisance::run

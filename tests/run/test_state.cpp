@@ -1,0 +1,266 @@
+// A world that is written and read again goes on as if nothing had happened: stopped after any step, it ends in the
+// same bits as one that was never stopped.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "cases.hpp"
+#include "core/archive.hpp"
+#include "core/parallel.hpp"
+#include "points_case.hpp"
+
+namespace brisance::run {
+namespace {
+
+std::string written(World& world) {
+  std::string bytes;
+  Archive a([&](void const* from, std::size_t count) { bytes.append(static_cast<char const*>(from), count); });
+  world.archive(a);
+  return bytes;
+}
+
+void read(World& world, std::string const& bytes) {
+  Archive a(
+      [&, at = std::size_t{0}](void* to, std::size_t count) mutable {
+        std::memcpy(to, bytes.data() + at, count);
+        at += count;
+      },
+      bytes.size());
+  world.archive(a);
+  a.end();
+}
+
+void append(std::vector<double>& to, double const* from, int count) {
+  if (from != nullptr) to.insert(to.end(), from, from + count);
+}
+
+/// Everything that a result can be made of.
+std::vector<double> bits_of(World& world) {
+  world.update_audit();
+  Totals const& out = world.audit.outflow;
+  std::vector<double> bits{world.clock.time,
+                           world.clock.dt,
+                           double(world.clock.step),
+                           stable_step(world),
+                           world.audit.guard_mass,
+                           double(world.audit.guarded_cells),
+                           out.mass[0],
+                           out.mass[1],
+                           out.momentum[0],
+                           out.momentum[1],
+                           out.energy,
+                           double(world.audit.fallback_faces),
+                           world.energy_balance().drift(),
+                           world.audit.initial.energy};
+  for (int b = 0; world.gas != nullptr && b < world.grid.block_count(); ++b) {
+    int const cells = world.grid.blocks()[b].cell_count();
+    for (int c = 0; c < world.gas->components(); ++c) append(bits, world.gas->fields().at(b, c), cells);
+    append(bits, world.gas->peak_overpressure(b), cells);
+    append(bits, world.gas->peak_impulse(b), cells);
+    bits.push_back(world.gas->awake(b) ? 1.0 : 0.0);
+    // While a charge burns, the pressure depends on the time as well.
+    std::vector<double> pressure;
+    block_field(world, b, "pressure", pressure);
+    append(bits, pressure.data(), cells);
+  }
+  for (GaugeHistory const& history : world.gauges) {
+    for (GaugeRecord const& r : history.records) {
+      bits.insert(bits.end(), {r.time, r.pressure, r.density, r.velocity[0], r.velocity[1], r.velocity[2]});
+    }
+  }
+  if (world.points == nullptr) return bits;
+  for (int b = 0; b < world.points->grid().block_count(); ++b) {
+    for (int body = 0; body < static_cast<int>(world.bodies.size()); ++body) {
+      mpm::PointSet const& set = world.points->points(b, body);
+      bits.push_back(set.size());
+      for (int f = 0; f < mpm::field_count; ++f) append(bits, set.field(static_cast<mpm::Field>(f)), set.size());
+    }
+  }
+  for (double const p : world.points->constraint_impulse()) bits.push_back(p);
+  bits.push_back(world.points->outer_work());
+  auto const add_sums = [&](std::vector<BodyRecord> const& records) {
+    for (BodyRecord const& r : records) {
+      mpm::BodySums const& s = r.sums;
+      bits.insert(bits.end(), {r.time, double(s.points), s.mass, s.momentum[0], s.centre[0], s.kinetic_energy,
+                               s.internal_energy, s.plastic_work, s.largest_displacement, s.damaged_mass});
+    }
+  };
+  for (auto const& history : world.body_histories) add_sums(history);
+  for (PointGaugeHistory const& history : world.point_gauges) {
+    add_sums(history.bodies);
+    bits.push_back(history.lost ? 1.0 : 0.0);
+    for (PointRecord const& r : history.points) {
+      bits.insert(bits.end(), {r.time, r.position[0], r.displacement[0], r.velocity[0], r.pressure, r.mises, r.density,
+                               r.plastic_strain, r.temperature, r.damage});
+    }
+  }
+  return bits;
+}
+
+bool same_bits(std::vector<double> const& a, std::vector<double> const& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+void step(World& world) {
+  advance(world, world.setup.end.time);
+  world.sample_gauges();
+}
+
+/// Stops after every step up to `steps`, goes on in a new world, and compares with one that goes through. What the new
+/// world held before must not matter: it is read after a few steps of its own.
+void expect_the_same_after_any_stop(Case const& setup, int steps, int own_steps = 3) {
+  World whole(setup);
+  whole.sample_gauges();
+  std::vector<std::string> checkpoints{written(whole)};
+  std::vector<std::vector<double>> bits{bits_of(whole)};
+  for (int n = 0; n < steps; ++n) {
+    step(whole);
+    checkpoints.push_back(written(whole));
+    bits.push_back(bits_of(whole));
+  }
+  for (std::size_t n = 0; n < checkpoints.size(); ++n) {
+    World resumed(setup);
+    if (n % 4 == 1) {
+      for (int s = 0; s < own_steps; ++s) step(resumed);
+    }
+    read(resumed, checkpoints[n]);
+    ASSERT_EQ(written(resumed), checkpoints[n]) << "after step " << n;
+    ASSERT_TRUE(same_bits(bits_of(resumed), bits[n])) << "after step " << n;
+    while (resumed.clock.step < steps) step(resumed);
+    ASSERT_TRUE(same_bits(bits_of(resumed), bits.back())) << "stopped after step " << n;
+  }
+}
+
+/// Sleeping blocks, an obstacle, a charge that burns from two points, gas that leaves.
+Case burst(Scheme scheme) {
+  Case c = air_case(grid::Geometry::axisymmetric2d, {40, 32, 1}, 0.02, grid::Boundary::outflow);
+  c.domain.boundary[2] = grid::Boundary::wall;
+  c.numerics.scheme = scheme;
+  c.numerics.block_cells = 8;
+  Charge charge = tnt_charge(shape::Sphere{{0.0, 0.2, 0.0}, 0.08}, c.domain.geometry);
+  charge.initiation = {{{0.0, 0.16, 0.0}, 0.0}, {{0.0, 0.24, 0.0}, 5e-6}};
+  c.charges = {charge};
+  c.obstacles = {{"block", shape::Box{{0.3, 0.0, 0.0}, {0.4, 0.2, 0.0}}}};
+  c.gauges = {{"near", {0.2, 0.2, 0.0}}, {"far", {0.7, 0.6, 0.0}}};
+  return c;
+}
+
+TEST(State, GasGoesOnAfterAnyStep) {
+  for (Scheme const scheme : {Scheme::muscl_hancock, Scheme::lax_wendroff}) {
+    World const world(burst(scheme));
+    EXPECT_LT(world.active_cells(), world.setup.domain.cell_count()) << "some blocks must sleep at the start";
+    expect_the_same_after_any_stop(burst(scheme), 60);
+  }
+}
+
+TEST(State, OneFluidInOneDimensionGoesOnAfterAnyStep) {
+  Case c = air_case(grid::Geometry::spherical1d, {200, 1, 1}, 0.01, grid::Boundary::outflow);
+  c.numerics.block_cells = 32;
+  c.output.peak_fields = false;
+  c.regions = {{shape::Sphere{{0.0, 0.0, 0.0}, 0.3}, {20.0, 5e6, {0.0, 0.0, 0.0}}, false, ""}};
+  expect_the_same_after_any_stop(c, 40);
+}
+
+/// The two blocks of the other tests, with all that a point may carry and all that may act on it.
+Case everything(mpm::Transfer transfer, mpm::ShapeFunction function, mpm::StressOrder order) {
+  Case c = two_blocks();
+  c.points.options.transfer = transfer;
+  c.points.options.shape = function;
+  c.points.options.order = order;
+  c.points.options.block_cells = 8;
+  c.points.options.locking_control = order == mpm::StressOrder::musl;
+  c.points.options.body_force = {0.0, -1e6, 0.0};
+  c.points.bodies[0].velocity = {400.0, 30.0, 0.0};
+  c.points.bodies[2].shape = shape::Box{{0.055, 0.03, 0.0}, {0.0635, 0.04, 0.0}};
+  c.points.bodies[2].velocity = {3000.0, 0.0, 0.0};
+  c.points.contacts = {{0, 1, 0.2}};
+  c.points.constraints = {{shape::Box{{0.04, 0.0, 0.0}, {0.045, 0.03, 0.0}}, {true, true, true}, {0.0, 10.0, 0.0}, 1}};
+  mpm::SurfacePressure push;
+  push.body = 0;
+  push.region = shape::Box{{0.0, 0.0, 0.0}, {0.0035, 0.03, 0.0}};
+  push.normal = {-1.0, 0.0, 0.0};
+  push.thickness = 1e-3;
+  push.times = {0.0, 4e-6, 1e-5};
+  push.pressures = {0.0, 1e9, 2e8};
+  c.points.pressures = {push};
+  c.points.gauges.push_back({"gone", 2, Vec3{0.06, 0.035, 0.0}});
+  return c;
+}
+
+TEST(State, PointsGoOnAfterAnyStep) {
+  using mpm::ShapeFunction;
+  using mpm::StressOrder;
+  using mpm::Transfer;
+  // Longer than it takes to sort the points twice, to cross blocks and to leave the domain.
+  expect_the_same_after_any_stop(everything(Transfer::flip, ShapeFunction::bspline, StressOrder::musl), 60);
+  expect_the_same_after_any_stop(everything(Transfer::apic, ShapeFunction::cpgimp, StressOrder::usl), 30);
+  expect_the_same_after_any_stop(everything(Transfer::xpic, ShapeFunction::gimp, StressOrder::usf), 30);
+}
+
+TEST(State, TheCaseOfThePointsHoldsWhatItClaims) {
+  World world(everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl));
+  world.sample_gauges();
+  for (int n = 0; n < 60; ++n) step(world);
+  EXPECT_GT(world.points->losses().points, 0);
+  EXPECT_NE(world.points->outer_work(), 0.0);
+  EXPECT_NE(norm(world.points->constraint_impulse()), 0.0);
+  EXPECT_GT(world.point_gauges[0].points.back().plastic_strain, 0.0);
+}
+
+TEST(State, PointsOfABurningChargeGoOnAfterAnyStep) { expect_the_same_after_any_stop(charge_slab(), 60); }
+
+TEST(State, TheNumberOfThreadsMayChange) {
+  set_threads(1);
+  World whole(burst(Scheme::muscl_hancock));
+  for (int n = 0; n < 20; ++n) step(whole);
+  std::string const checkpoint = written(whole);
+  for (int n = 0; n < 20; ++n) step(whole);
+  set_threads(4);
+  World resumed(burst(Scheme::muscl_hancock));
+  read(resumed, checkpoint);
+  for (int n = 0; n < 20; ++n) step(resumed);
+  EXPECT_TRUE(same_bits(bits_of(resumed), bits_of(whole)));
+  set_threads(0);
+}
+
+std::string refusal(Case const& setup, std::string const& checkpoint) {
+  World world(setup);
+  try {
+    read(world, checkpoint);
+  } catch (IoError const& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(State, OfAnotherCaseIsRefused) {
+  Case const gas = burst(Scheme::muscl_hancock);
+  World world(gas);
+  std::string const checkpoint = written(world);
+  EXPECT_EQ(refusal(gas, checkpoint), "");
+  Case other = gas;
+  other.domain.cells[0] = 48;
+  EXPECT_NE(refusal(other, checkpoint).find("the number of cells"), std::string::npos);
+  other = gas;
+  other.numerics.block_cells = 16;
+  EXPECT_NE(refusal(other, checkpoint).find("the number of gas blocks"), std::string::npos);
+  other = gas;
+  other.obstacles.clear();
+  EXPECT_NE(refusal(other, checkpoint).find("the shape of the obstacles"), std::string::npos);
+  other = gas;
+  other.charges[0].initiation[0].delay = 1e-6;
+  EXPECT_NE(refusal(other, checkpoint).find("the lighting of the charges"), std::string::npos);
+  other = gas;
+  other.gauges[1].position[0] = 0.71;
+  EXPECT_NE(refusal(other, checkpoint).find("the position of gauge \"far\""), std::string::npos);
+  EXPECT_NE(refusal(two_blocks(), checkpoint).find("whether there is gas"), std::string::npos);
+
+  World blocks(two_blocks());
+  std::string const of_points = written(blocks);
+  Case apic = two_blocks();
+  apic.points.options.transfer = mpm::Transfer::apic;
+  EXPECT_NE(refusal(apic, of_points).find("what a point carries"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace brisance::run
