@@ -46,6 +46,15 @@ struct BundleLayout {
   int first = 0;   ///< x: first row (j + ny k); y, z: first column
   int plane = 0;   ///< y: index k
 
+  /// Place of a cell of the block in the bundle, if it is one of the bundle's.
+  [[nodiscard]] int place(Index3 const& n, Index3 const& cell) const {
+    if (direction == 0) {
+      return (cell[1] + n[1] * cell[2] - first) * (length + 2 * grid::ghost_layers) + grid::ghost_layers + cell[0];
+    }
+    int const column = direction == 1 ? cell[0] : cell[0] + n[0] * cell[1];
+    return (grid::ghost_layers + cell[direction]) * stride + column - first;
+  }
+
   /// Cells from q0 = begin(r), q1 = q0 + count() are the block's own; r in [0, rows).
   [[nodiscard]] int begin(int r) const {
     return direction == 0 ? r * (length + 2 * grid::ghost_layers) + grid::ghost_layers : grid::ghost_layers * stride;
@@ -92,6 +101,14 @@ class Bundles {
   [[nodiscard]] int count() const { return per_plane_ * planes_; }
   [[nodiscard]] int capacity() const { return width_ * (block_->n[direction_] + 2 * grid::ghost_layers); }
   [[nodiscard]] int width() const { return width_; }
+  /// The bundle that a cell of the block belongs to.
+  [[nodiscard]] int index_of(Index3 const& cell) const {
+    switch (direction_) {
+      case 0: return (cell[1] + block_->n[1] * cell[2]) / width_;
+      case 1: return per_plane_ * cell[2] + cell[0] / width_;
+      default: return (cell[0] + block_->n[0] * cell[1]) / width_;
+    }
+  }
   [[nodiscard]] BundleLayout layout(int index) const {
     BundleLayout b;
     b.direction = direction_;

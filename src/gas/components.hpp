@@ -20,9 +20,4 @@ inline constexpr int volume_fraction = 7;  ///< alpha_1; two fluids only
 inline constexpr int single_fluid_components = 6;
 inline constexpr int two_fluid_components = 8;
 
-/// Volume fractions below this are treated as zero in the closure and stop being carried through faces, so that the
-/// diffuse interface ends somewhere. It must be small enough for alpha * f(rho) to vanish beside the pressure: f is
-/// 1e10 Pa at most.
-inline constexpr double vanishing_fraction = 1e-14;
-
 }  // namespace brisance::gas

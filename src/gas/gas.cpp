@@ -90,6 +90,27 @@ bool Gas::is_obstacle(int block, int i, int j, int k) const {
   return blocks_[block].solid[PaddedBox(grid_->blocks()[block], grid_->domain().dimensions()).offset(i, j, k)] != 0;
 }
 
+void Gas::set_roles(int block, std::vector<Role> roles) {
+  BlockData& data = blocks_[block];
+  data.all_held = std::all_of(roles.begin(), roles.end(), [](Role r) { return r == Role::held; });
+  bool const all_own = std::all_of(roles.begin(), roles.end(), [](Role r) { return r == Role::own; });
+  data.roles = all_own ? std::vector<Role>{} : std::move(roles);
+}
+
+int Gas::watch(Index3 const& cell, int direction) {
+  int const b = grid_->block_of(cell);
+  grid::Block const& block = grid_->blocks()[b];
+  Bundles const bundles(block, direction, options_.bundle_cells);
+  auto& faces = blocks_[b].watched[direction];
+  faces.resize(bundles.count());
+  WatchedFace face;
+  for (int d = 0; d < 3; ++d) face.cell[d] = cell[d] - block.origin[d];
+  face.number = static_cast<int>(watched_.size());
+  faces[bundles.index_of(face.cell)].push_back(face);
+  watched_.emplace_back();
+  return face.number;
+}
+
 void Gas::set_lighting(int block, std::vector<double> times) { blocks_[block].lighting = std::move(times); }
 
 void Gas::set_burn(double detonation_speed, double end_time) {
@@ -238,7 +259,7 @@ void Gas::advance(double dt, bool reverse) {
     context.shock_sensor = options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && dims > 1;
     context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
     parallel_for(grid_->block_count(), [&](int b, int thread) {
-      if (awake_[b]) sweep_block(b, context, last, workspaces_[thread]);
+      if (awake_[b] && !blocks_[b].all_held) sweep_block(b, context, last, workspaces_[thread]);
     });
     for (int b = 0; b < grid_->block_count(); ++b) {
       if (blocks_[b].not_a_number >= 0) report_not_a_number(b, direction);

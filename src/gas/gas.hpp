@@ -64,6 +64,22 @@ struct Account {
   double guard_energy = 0.0;  ///< [J]
 };
 
+/// What a cell is to the gas where another method calculates too.
+enum class Role : std::uint8_t {
+  own,     ///< advanced, and counted
+  shadow,  ///< advanced, but its content is counted by the other method
+  held,    ///< keeps what others put into it; seen by its neighbours
+};
+
+/// What went through one face, integrated over time, per area; positive along the direction.
+struct FaceFlux {
+  std::array<double, 2> mass{0.0, 0.0};  ///< of the two fluids [kg/m2]
+  Vec3 momentum{0.0, 0.0, 0.0};          ///< carried along with the mass [kg/(m s)]
+  double energy = 0.0;                   ///< carried along with the mass [J/m2]
+  double impulse = 0.0;                  ///< of the pressure [Pa s]
+  double work = 0.0;                     ///< of the pressure [J/m2]
+};
+
 class Gas {
  public:
   /// All cells are filled with `quiescent` (the ambient state). `inflow` gives the state outside each inflow face.
@@ -89,6 +105,24 @@ class Gas {
   /// Marks obstacle cells of a block (1: solid), with `PaddedBox` padding.
   void set_obstacles(int block, std::vector<std::uint8_t> solid);
   [[nodiscard]] bool is_obstacle(int block, int i, int j, int k) const;
+
+  /// Gives the cells of a block their roles; without them all are its own.
+  void set_roles(int block, std::vector<Role> roles);
+  [[nodiscard]] Role role(int block, int offset) const {
+    return blocks_[block].roles.empty() ? Role::own : blocks_[block].roles[offset];
+  }
+  /// Does a cell's content count?
+  [[nodiscard]] bool is_own(int block, int offset) const { return role(block, offset) == Role::own; }
+  /// A block whose cells have been changed from outside does not sleep on.
+  void wake(int block) { awake_[block] = 1; }
+
+  /// Keeps account of the face at the high side of a cell (domain index, not beyond the domain's last but one) in a
+  /// direction. Returns its number.
+  int watch(Index3 const& cell, int direction);
+  /// What went through the watched faces since `clear_watched`, by their numbers. Through faces between sleeping blocks
+  /// nothing goes.
+  [[nodiscard]] std::vector<FaceFlux> const& watched() const { return watched_; }
+  void clear_watched() { std::fill(watched_.begin(), watched_.end(), FaceFlux{}); }
 
   /// Programmed burn: lighting times of a block's cells [s] with `PaddedBox` padding; minus infinity where nothing
   /// burns.
@@ -126,8 +160,15 @@ class Gas {
   void archive(Archive& a);  ///< in a checkpoint, see state.cpp
 
  private:
+  struct WatchedFace {
+    Index3 cell{0, 0, 0};  ///< of the block
+    int number = 0;
+  };
   struct BlockData {
     std::vector<std::uint8_t> solid;
+    std::vector<Role> roles;  ///< empty: all own
+    bool all_held = false;
+    std::array<std::vector<std::vector<WatchedFace>>, 3> watched;  ///< per direction and bundle
     std::vector<double> lighting;
     Account account;
     double signal = 0.0;
@@ -143,6 +184,11 @@ class Gas {
   /// Guards, wave speed and peak fields of the bundle's own cells after the last sweep of a step.
   void measure(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
                GuardCount& guards);
+  /// Puts the held cells of a bundle back to what they were.
+  void restore_held(int block, BundleLayout const& layout, BundleArrays& arrays) const;
+  /// Adds what goes through the watched faces.
+  void account_watched(int block, int bundle, BundleLayout const& layout, SweepContext const& context,
+                       BundleArrays& arrays);
   void measure_all();
   void prepare_workspaces();
   [[noreturn]] void report_not_a_number(int block, int direction) const;
@@ -157,6 +203,7 @@ class Gas {
   grid::Exchange exchange_;
   std::vector<std::uint8_t> awake_;
   std::vector<BlockData> blocks_;
+  std::vector<FaceFlux> watched_;
   std::vector<Buffer> peaks_;
   std::vector<BundleArrays> workspaces_;
   std::map<std::string, double> timings_;

@@ -149,11 +149,55 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
       int const i = s.direction == 0 ? block.origin[0] + (side == 0 ? 0 : block.n[0])
                                      : block.origin[0] + (layout.first + line) % block.n[0];
       double const area = domain.face_area(s.direction, i);
+      if (!blocks_[b].roles.empty()) {
+        int const column = layout.first + line;
+        Index3 cell{0, 0, 0};
+        cell[s.direction] = side == 0 ? 0 : block.n[s.direction] - 1;
+        if (s.direction == 0) {
+          cell[1] = column % block.n[1];
+          cell[2] = column / block.n[1];
+        } else {
+          cell[0] = column % block.n[0];
+          cell[s.direction == 1 ? 2 : 1] = s.direction == 1 ? layout.plane : column / block.n[0];
+        }
+        if (role(b, block.offset(cell[0], cell[1], cell[2])) != Role::own) continue;
+      }
       auto& outflow = blocks_[b].account.outflow;
       for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
       if (s.two) outflow[second_density] += sign * area * s.dt * a[a_flux + second_density][q];
     }
   }
+}
+
+void Gas::account_watched(int b, int bundle, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
+  grid::Block const& block = grid_->blocks()[b];
+  for (WatchedFace const& face : blocks_[b].watched[s.direction][bundle]) {
+    int const q = layout.place(block.n, face.cell);
+    FaceFlux& sum = watched_[face.number];
+    double const first = a[a_flux + density][q];
+    double const second = s.two ? a[a_flux + second_density][q] : 0.0;
+    double const speed = a[a_face_speed][q];
+    // What the pressure does is told from what the mass carries by the speed of the face: the flux of momentum is
+    // mass flux * speed + pressure.
+    double const pressure = a[a_flux + s.normal()][q] - (first + second) * speed;
+    sum.mass[0] += s.dt * first;
+    sum.mass[1] += s.dt * second;
+    for (int d = 0; d < 3; ++d) sum.momentum[d] += s.dt * a[a_flux + momentum_x + d][q];
+    sum.momentum[s.direction] -= s.dt * pressure;
+    sum.energy += s.dt * (a[a_flux + energy][q] - pressure * speed);
+    sum.impulse += s.dt * pressure;
+    sum.work += s.dt * pressure * speed;
+  }
+}
+
+void Gas::restore_held(int b, BundleLayout const& layout, BundleArrays& a) const {
+  std::vector<Role> const& roles = blocks_[b].roles;
+  for_each_run(layout, grid_->blocks()[b], [&](int q, int offset, int count) {
+    for (int n = 0; n < count; ++n) {
+      if (roles[offset + n] != Role::held) continue;
+      for (int c = 0; c < components(); ++c) a[a_state + c][q + n] = fields_.at(b, c)[offset + n];
+    }
+  });
 }
 
 void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a, GuardCount& guards) {
@@ -211,7 +255,9 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
         lax_wendroff<false>(s, layout, a, guards);
     }
     if (at_boundary) account_boundaries(b, layout, s, a);
+    if (!data.watched[s.direction].empty()) account_watched(b, index, layout, s, a);
     update(layout, s, a);
+    if (!data.roles.empty()) restore_held(b, layout, a);
     if (last) measure(b, layout, s, a, guards);
     store(b, layout, s, a);
     data.account.fallback_faces += guards.fallback_faces;
@@ -219,6 +265,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
       for_each_run(layout, block, [&](int q, int offset, int count) {
         if (lift.q < q || lift.q >= q + count) return;
         int const at = offset + lift.q - q;
+        if (role(b, at) != Role::own && lift.finite) return;
         double const volume = grid_->domain().cell_volume(block.origin[0] + at % block.n[0]);
         ++data.account.guarded_cells;
         data.account.guard_mass += lift.mass * volume;

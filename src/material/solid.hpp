@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -11,6 +12,7 @@
 #include "material/eos/linear.hpp"
 #include "material/explosive.hpp"
 #include "material/failure/failure.hpp"
+#include "material/mixture.hpp"
 #include "material/strength/strength.hpp"
 
 namespace brisance::material {
@@ -33,6 +35,8 @@ struct Solid {
   std::string source;       ///< literature source of the constants
   double density = 7850.0;  ///< at the start, rho0 [kg/m3]
   PointEos eos;
+  /// Points that mix these two fluids, each with a composition of its own; stands in for `eos`.
+  std::optional<Fluids> mixture;
   Strength strength;
   Failure failure;
   double specific_heat = 0.0;            ///< cp [J/kg/K]; 0: the temperature stays
@@ -59,17 +63,33 @@ struct Solid {
   }
   /// Does it have a burn fraction?
   [[nodiscard]] bool burns() const { return detonation_speed > 0.0; }
+  /// Does it mix two fluids?
+  [[nodiscard]] bool mixes() const { return mixture.has_value(); }
 };
 
+/// Pressure [Pa] of a solid from density [kg/m3] and specific internal energy [J/kg]. Where it mixes, Y and alpha are
+/// the mass fraction and the volume fraction of the second fluid.
+[[nodiscard]] inline double pressure(Solid const& solid, double rho, double e, double Y = 0.0, double alpha = 0.0) {
+  if (!solid.mixes()) return pressure(solid.eos, rho, e);
+  if (std::abs(alpha) <= vanishing_fraction) return pressure(solid.mixture->ambient, rho, e);
+  return mixture_of(*solid.mixture, rho, Y, alpha).pressure(rho * e);
+}
+/// rho c^2 [Pa], c the bulk sound speed.
+[[nodiscard]] inline double bulk_modulus(Solid const& solid, double rho, double p, double Y = 0.0, double alpha = 0.0) {
+  if (!solid.mixes()) return bulk_modulus(solid.eos, rho, p);
+  if (std::abs(alpha) <= vanishing_fraction) return bulk_modulus(solid.mixture->ambient, rho, p);
+  return mixture_of(*solid.mixture, rho, Y, alpha).bulk_modulus(p);
+}
+
 /// Pressure [Pa] at the start: nothing is burnt, the tension cut-off holds.
-[[nodiscard]] inline double start_pressure(Solid const& solid) {
-  double const p = solid.burns() ? 0.0 : pressure(solid.eos, solid.density, solid.specific_energy);
+[[nodiscard]] inline double start_pressure(Solid const& solid, double Y = 0.0, double alpha = 0.0) {
+  double const p = solid.burns() ? 0.0 : pressure(solid, solid.density, solid.specific_energy, Y, alpha);
   return std::max(p, solid.minimum_pressure);
 }
 
 /// Longitudinal sound speed [m/s], rho c^2 = rho c_bulk^2 + 4 G / 3.
-[[nodiscard]] inline double sound_speed(Solid const& solid, double rho, double p) {
-  double const bulk = std::max(bulk_modulus(solid.eos, rho, p), 0.0);
+[[nodiscard]] inline double sound_speed(Solid const& solid, double rho, double p, double Y = 0.0, double alpha = 0.0) {
+  double const bulk = std::max(bulk_modulus(solid, rho, p, Y, alpha), 0.0);
   return std::sqrt((bulk + 4.0 / 3.0 * shear_modulus(solid.strength)) / rho);
 }
 
@@ -118,6 +138,19 @@ struct Solid {
   solid.eos = std::visit([](auto const& model) { return PointEos{model}; }, fluid.eos);
   solid.minimum_pressure = 0.0;
   solid.specific_energy = internal_energy(fluid.eos, fluid.density, fluid.pressure);
+  return solid;
+}
+
+/// The points of a gas that may mix two fluids; the solid's own state is the ambient fluid alone with this density
+/// [kg/m3] and pressure [Pa]. A gas carries no tension.
+[[nodiscard]] inline Solid gas_of(Fluids const& fluids, double density, double pressure) {
+  Solid solid;
+  solid.name = "gas";
+  solid.density = density;
+  solid.eos = std::visit([](auto const& model) { return PointEos{model}; }, fluids.ambient);
+  solid.mixture = fluids;
+  solid.minimum_pressure = 0.0;
+  solid.specific_energy = internal_energy(fluids.ambient, density, pressure);
   return solid;
 }
 

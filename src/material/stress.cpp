@@ -6,6 +6,7 @@
 
 #include "core/loops.hpp"
 #include "core/math.hpp"
+#include "material/mixture.hpp"
 
 namespace brisance::material {
 
@@ -20,7 +21,7 @@ constexpr int lanes = 8;
 static_assert(chunk % lanes == 0);
 
 /// Arrays in PointArrays.
-constexpr int arrays_of_a_point = 26;
+constexpr int arrays_of_a_point = 28;
 
 /// The points of a chunk that yield, side by side, in the iteration for their increments of plastic strain.
 struct Yielding {
@@ -32,6 +33,15 @@ struct Yielding {
   alignas(64) double u[chunk];          ///< ln of the increment
   alignas(64) double x[chunk];          ///< increment
   alignas(64) double hard[chunk];       ///< hardening at the end of the step [Pa]
+};
+
+/// The equation of state of each point of a chunk that mixes, at the end of the step.
+struct Blend {
+  alignas(64) double first[chunk];   ///< partial density of the ambient fluid [kg/m3]
+  alignas(64) double second[chunk];  ///< partial density of the second fluid [kg/m3]
+  alignas(64) double G[chunk];       ///< first the sum xi of the closure
+  alignas(64) double f[chunk];       ///< [Pa]; first the sum B
+  alignas(64) double df[chunk];      ///< rho f' [Pa]; first the sum H
 };
 
 /// What passes between the stages of a chunk.
@@ -47,6 +57,7 @@ struct Scratch {
   alignas(64) double soft[chunk];         ///< thermal factor of the yield stress
   alignas(64) double slow[chunk];         ///< yield stress at the start of the step, at a low rate [Pa]
   Yielding yielding;
+  Blend blend;
 };
 
 void fill(double* x, int n, double value) {
@@ -60,6 +71,8 @@ void for_inputs(PointArrays& a, F const f) {
   for (auto& x : a.spin) f(x);
   f(a.volumetric);
   f(a.burn);
+  f(a.mass_fraction);
+  f(a.volume_fraction);
 }
 
 /// Calls f with every array that the step changes.
@@ -412,10 +425,86 @@ void deviator_stage(Plastic const model, Solid const& solid, PointArrays const& 
   if (yields) plastic_flow(a, solid.specific_heat, solid.taylor_quinney, t);
 }
 
+/// Volume at the end of the step over that at its start.
+[[nodiscard]] inline double volume_ratio(double volumetric) {
+  double const grown = 1.0 + volumetric;
+  return grown < 0.1 ? 0.1 : grown;  // this way round NaN stays NaN and is found
+}
+
+/// One equation of state for all points of a chunk.
+template <class E>
+struct CommonEos {
+  E eos;
+
+  [[nodiscard]] double gruneisen(int /*k*/) const { return eos.gruneisen(); }
+  [[nodiscard]] double reference(int /*k*/, double rho) const { return eos.reference(rho); }
+  [[nodiscard]] double rho_d_reference(int /*k*/, double rho) const { return eos.rho_d_reference(rho); }
+};
+
+/// An equation of state for each point, known at its density at the end of the step.
+struct OwnEos {
+  double const* G;
+  double const* f;
+  double const* df;
+
+  [[nodiscard]] double gruneisen(int k) const { return G[k]; }
+  [[nodiscard]] double reference(int k, double /*rho*/) const { return f[k]; }
+  [[nodiscard]] double rho_d_reference(int k, double /*rho*/) const { return df[k]; }
+};
+
+/// Is the second fluid anywhere in the chunk?
+[[nodiscard]] bool mixes_anywhere(Fluids const& fluids, PointArrays const& a) {
+  if (!fluids.two || a.mass_fraction == nullptr || a.volume_fraction == nullptr) return false;
+  return count_beyond(a.volume_fraction, a.n, vanishing_fraction) > 0;
+}
+
+/// Fills in the equations of state of points that mix. The ambient fluid alone has exactly its own one: a point must
+/// not depend on whether its neighbours mix.
+void blend(Fluids const& fluids, PointArrays const& a, Blend& m) {
+  int const n = a.n;
+  double const* const volumetric = a.volumetric;
+  double const* const density = a.density;
+  double const* const Y = a.mass_fraction;
+  double const* const alpha = a.volume_fraction;
+  double* const first = m.first;
+  double* const second = m.second;
+  double* const G = m.G;
+  double* const f = m.f;
+  double* const df = m.df;
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) {
+    double const rho1 = density[k] / volume_ratio(volumetric[k]);
+    first[k] = (1.0 - Y[k]) * rho1;
+    second[k] = Y[k] * rho1;
+  }
+  fill(G, n, 0.0);
+  fill(f, n, 0.0);
+  fill(df, n, 0.0);
+  std::visit([&](auto const& eos) { add_fluid_sums<true>(eos, n, alpha, first, nullptr, 0.0, G, f, df); },
+             fluids.ambient);
+  std::visit([&](auto const& eos) { add_fluid_sums<false>(eos, n, alpha, second, nullptr, 0.0, G, f, df); },
+             fluids.second);
+  std::visit(
+      [=](auto const eos) {
+        BRISANCE_VECTOR_LOOP
+        for (int k = 0; k < n; ++k) {
+          double const rho1 = density[k] / volume_ratio(volumetric[k]);
+          double const per_xi = 1.0 / G[k];
+          double const B = f[k];
+          double const H = df[k];
+          bool const mixes = std::abs(alpha[k]) > vanishing_fraction;
+          G[k] = mixes ? per_xi : eos.gruneisen();
+          f[k] = mixes ? -B * per_xi : eos.reference(rho1);
+          df[k] = mixes ? (H - B) * per_xi : eos.rho_d_reference(rho1);
+        }
+      },
+      fluids.ambient);
+}
+
 /// Density, viscosity, energy, pressure and sound speed. `least_speed` [m/s] bounds the sound speed of what is not
 /// burnt out from below: the front of a programmed burn runs through points that have no stiffness yet.
-template <class E>
-void pressure_stage(E const eos, PointArrays const& a, StepData const step, double shear, double least_speed,
+template <class PointwiseEos>
+void pressure_stage(PointwiseEos const eos, PointArrays const& a, StepData const step, double shear, double least_speed,
                     Scratch const& t) {
   int const n = a.n;
   double const* const volumetric = a.volumetric;
@@ -427,14 +516,12 @@ void pressure_stage(E const eos, PointArrays const& a, StepData const step, doub
   double* const pressure = a.pressure;
   double* const viscosity = a.viscosity;
   double* const sound_speed = a.sound_speed;
-  double const G = eos.gruneisen();
   double const stiffening = 4.0 / 3.0 * shear;
   double const linear = step.linear_viscosity * step.length / step.dt;
   double const quadratic = step.quadratic_viscosity * (step.length / step.dt) * (step.length / step.dt);
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) {
-    double const grown = 1.0 + volumetric[k];
-    double const ratio = grown < 0.1 ? 0.1 : grown;  // this way round NaN stays NaN and is found
+    double const ratio = volume_ratio(volumetric[k]);
     double const rho0 = density[k];
     double const e0 = energy[k];
     double const p0 = pressure[k];
@@ -444,9 +531,9 @@ void pressure_stage(E const eos, PointArrays const& a, StepData const step, doub
     double const rho1 = rho0 / ratio;
     double const dV = V1 - V0;
 
-    double const f = F * eos.reference(rho1);
-    double const df = F * eos.rho_d_reference(rho1);
-    double const g = F * G;
+    double const f = F * eos.reference(k, rho1);
+    double const df = F * eos.rho_d_reference(k, rho1);
+    double const g = F * eos.gruneisen(k);
     double const per_e = g * rho1;  // p1 = f + per_e e1
 
     // Bulk sound speed for the viscosity: at the new density, before the energy of this step.
@@ -484,7 +571,18 @@ void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step
   }
   std::visit([&](auto const& strength) { deviator_stage(strength, solid, a, step.dt, t); }, solid.strength);
   double const shear = shear_modulus(solid.strength);
-  std::visit([&](auto const& eos) { pressure_stage(eos, a, step, shear, solid.detonation_speed, t); }, solid.eos);
+  double const least_speed = solid.detonation_speed;
+  auto const with_common = [&](auto const& eos) {
+    pressure_stage(CommonEos<std::decay_t<decltype(eos)>>{eos}, a, step, shear, least_speed, t);
+  };
+  if (!solid.mixes()) {
+    std::visit(with_common, solid.eos);
+  } else if (!mixes_anywhere(*solid.mixture, a)) {
+    std::visit(with_common, solid.mixture->ambient);
+  } else {
+    blend(*solid.mixture, a, t.blend);
+    pressure_stage(OwnEos{t.blend.G, t.blend.f, t.blend.df}, a, step, shear, least_speed, t);
+  }
 }
 
 /// The last points, too few for a whole number of vectors: on copies, filled up with more of the first of them.

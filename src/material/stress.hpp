@@ -16,17 +16,20 @@ struct PointArrays {
   double const* spin[3] = {};
   /// Increment of volumetric strain for density and pressure: trace(strain), or an average of it that controls locking.
   double const* volumetric = nullptr;
-  double const* burn = nullptr;      ///< burn fraction at the end of the step; null: 1
-  double* deviator[6] = {};          ///< deviator of the Cauchy stress [Pa], components as for `strain`
-  double* pressure = nullptr;        ///< p [Pa]
-  double* viscosity = nullptr;       ///< out: bulk viscosity q [Pa]
-  double* density = nullptr;         ///< [kg/m3]
-  double* energy = nullptr;          ///< specific internal energy [J/kg]
-  double* plastic_strain = nullptr;  ///< equivalent plastic strain
-  double* plastic_work = nullptr;    ///< [J/kg]
-  double* temperature = nullptr;     ///< [K]
-  double* damage = nullptr;          ///< 0..1
-  double* sound_speed = nullptr;     ///< out: longitudinal sound speed [m/s]
+  double const* burn = nullptr;  ///< burn fraction at the end of the step; null: 1
+  /// Composition of points that mix; they keep it. Null: the ambient fluid alone.
+  double const* mass_fraction = nullptr;    ///< Y of the second fluid
+  double const* volume_fraction = nullptr;  ///< alpha of the second fluid
+  double* deviator[6] = {};                 ///< deviator of the Cauchy stress [Pa], components as for `strain`
+  double* pressure = nullptr;               ///< p [Pa]
+  double* viscosity = nullptr;              ///< out: bulk viscosity q [Pa]
+  double* density = nullptr;                ///< [kg/m3]
+  double* energy = nullptr;                 ///< specific internal energy [J/kg]
+  double* plastic_strain = nullptr;         ///< equivalent plastic strain
+  double* plastic_work = nullptr;           ///< [J/kg]
+  double* temperature = nullptr;            ///< [K]
+  double* damage = nullptr;                 ///< 0..1
+  double* sound_speed = nullptr;            ///< out: longitudinal sound speed [m/s]
 };
 
 struct StepData {
@@ -54,6 +57,12 @@ struct StepData {
 ///   about 1e-3 of the yield stress; without it the balance would not close;
 /// - cut-off: p1 is not below the solid's minimum pressure nor, where damage is 1, below 0; e1 then follows from the
 ///   pressure that really acts.
+/// Points that mix two fluids obey the closure of gas cells (material/mixture.hpp). Along a point the mass fraction Y
+/// and, in the five-equation model [Allaire02], the volume fraction alpha stay constant: D alpha/Dt = 0. The fluids'
+/// own densities are then (1 - Y) rho/(1 - alpha) and Y rho/alpha, and the mixture has a constant G and an f(rho) of
+/// its own:
+///     1/G = xi,   f = -B/xi,   rho f' = (H - B)/xi.
+/// A point whose alpha vanishes is the ambient fluid, whatever its Y.
 /// The sound speed of failed points still counts the shear modulus, on the safe side of the time step; that of points
 /// not burnt out is at least the detonation speed.
 ///

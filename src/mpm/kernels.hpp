@@ -181,6 +181,26 @@ inline __attribute__((always_inline)) void add_affine(Patch const& patch, Weight
   });
 }
 
+/// The same for the nodes' momentum, and the kinetic energy of what the point gives each node in the place of `force`'s
+/// scalar; `inverse_mass` is 1/m.
+template <class S, int D>
+inline __attribute__((always_inline)) void add_affine_energy(Patch const& patch, Weights<S, D> const& k,
+                                                             AffineWeights<S, D> const& affine, double h, int q,
+                                                             NodeState* nodes, Lanes4 const& a,
+                                                             std::array<Lanes4, 3> const& c, double inverse_mass) {
+  for_rows<S, D>(patch, k, q, nodes, [&](NodeState* row, double w, double, double, int j, int i) {
+    Lanes4 t = a + affine.first[0][q] * c[0];
+    if constexpr (D > 1) t += (affine.first[1][q] + j * h) * c[1];
+    if constexpr (D > 2) t += (affine.first[2][q] + i * h) * c[2];
+    for (int s = 0; s < S::support; ++s) {
+      double const weight = w * k.w[0][s][q];
+      row[s].momentum += weight * t;
+      row[s].force[3] += 0.5 * weight * inverse_mass * (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
+      t += h * c[0];
+    }
+  });
+}
+
 /// Sums of w times both halves of the nodes' state at one point.
 template <class S, int D>
 inline __attribute__((always_inline)) void state_at(Patch const& patch, Weights<S, D> const& k, int q,

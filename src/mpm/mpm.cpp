@@ -26,12 +26,13 @@ int block_cells_of(grid::Domain const& domain, int asked) {
 
 FieldList fields_of(Body const& body, Options const& options) {
   material::Solid const& solid = body.solid;
+  Transfer const transfer = body.transfer.value_or(options.transfer);
   FieldList fields;
   for (Field const vector : {Field::position_x, Field::velocity_x, Field::move_x}) fields.add(vector, 3);
   for (Field const scalar : {Field::mass, Field::density, Field::identity}) fields.add(scalar);
   if (options.shape == ShapeFunction::cpgimp) fields.add(Field::half_x, 3);
-  if (options.transfer == Transfer::apic) fields.add(Field::affine_xx, 9);
-  if (options.transfer == Transfer::xpic) fields.add(Field::filtered_x, 3);
+  if (transfer == Transfer::apic) fields.add(Field::affine_xx, 9);
+  if (transfer == Transfer::xpic) fields.add(Field::filtered_x, 3);
   for (Field const scalar : {Field::pressure, Field::viscosity, Field::energy}) fields.add(scalar);
   if (solid.has_deviator()) {
     fields.add(Field::deviator_xx, 6);
@@ -44,7 +45,29 @@ FieldList fields_of(Body const& body, Options const& options) {
   if (solid.heats()) fields.add(Field::temperature);
   if (solid.damages()) fields.add(Field::damage);
   if (solid.burns()) fields.add(Field::lighting_time);
+  if (solid.mixes() && solid.mixture->two) {
+    fields.add(Field::mass_fraction);
+    fields.add(Field::volume_fraction);
+  }
   return fields;
+}
+
+/// Throws InputError where a filling's composition is none, or none that the body can have.
+void check_composition(Body const& body, Filling const& filling) {
+  double const Y = filling.mass_fraction;
+  double const alpha = filling.volume_fraction;
+  if (!(Y >= 0.0 && Y <= 1.0 && alpha >= 0.0 && alpha <= 1.0)) {
+    throw InputError(fmt::format(
+        "points of body \"{}\": the mass fraction {:.6g} and the volume fraction {:.6g} lie between 0 and 1", body.name,
+        Y, alpha));
+  }
+  bool const mixes = body.solid.mixes() && body.solid.mixture->two;
+  if (!mixes && (Y > 0.0 || alpha > 0.0)) {
+    throw InputError(fmt::format(
+        "points of body \"{}\" cannot hold a second fluid (mass fraction {:.6g}, volume fraction {:.6g}): its "
+        "material mixes no two fluids",
+        body.name, Y, alpha));
+  }
 }
 
 /// Number of the 27 blocks around a block: offsets -1, 0, 1 per direction.
@@ -145,8 +168,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
       work_(std::make_unique<Workspace>()) {
   int const body_count = static_cast<int>(bodies_.size());
   if (body_count == 0) throw InputError("a calculation with material points needs at least one body");
-  if (options_.transfer == Transfer::xpic && options_.xpic_order < 1)
-    throw InputError("the order of XPIC is at least 1");
+  if (options_.xpic_order < 1) throw InputError("the order of XPIC is at least 1");
 
   // Bodies with a contact and rigid bodies have grid fields of their own; all others share the first.
   Workspace& w = *work_;
@@ -166,6 +188,13 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.fields = any_shared ? 1 : 0;
   for (int b = 0; b < body_count; ++b) w.field_of[b] = own[b] != 0 ? w.fields++ : 0;
   w.contact = w.fields > 1;
+  for (int b = 0; b < body_count; ++b) {
+    w.maps_back = w.maps_back || order_of(b) == StressOrder::musl;
+    w.strains_early = w.strains_early || order_of(b) == StressOrder::usl;
+    w.keeps_energy = w.keeps_energy || keeps_energy(b);
+  }
+  w.filters = std::any_of(bodies_.begin(), bodies_.end(),
+                          [&](Body const& b) { return b.transfer.value_or(options_.transfer) == Transfer::xpic; });
   w.rigid.resize(w.fields);
   for (int b = 0; b < body_count; ++b) {
     if (bodies_[b].rigid_velocity) w.rigid[w.field_of[b]] = bodies_[b].rigid_velocity;
@@ -221,9 +250,10 @@ void Mpm::fill(int body, Filling const& filling) {
   material::Solid const& solid = b.solid;
   double const density = filling.density.value_or(solid.density);
   double const energy = filling.specific_energy.value_or(solid.specific_energy);
-  bool const burns = solid.burns();
-  double const pressure =
-      burns ? 0.0 : std::visit([&](auto const& eos) { return material::pressure(eos, density, energy); }, solid.eos);
+  double const Y = filling.mass_fraction;
+  double const alpha = filling.volume_fraction;
+  check_composition(b, filling);
+  double const pressure = solid.burns() ? 0.0 : material::pressure(solid, density, energy, Y, alpha);
   for (std::size_t n = 0; n < filling.positions.size(); ++n) {
     Vec3 const& x = filling.positions[n];
     for (int d = 0; d < domain.dimensions(); ++d) {
@@ -246,6 +276,8 @@ void Mpm::fill(int body, Filling const& filling) {
     set.field(Field::identity)[q] = static_cast<double>(next_identity_[body]++);
     if (double* temperature = set.field(Field::temperature)) temperature[q] = solid.temperature;
     if (double* lighting = set.field(Field::lighting_time)) lighting[q] = std::numeric_limits<double>::max();
+    if (double* fraction = set.field(Field::mass_fraction)) fraction[q] = Y;
+    if (double* fraction = set.field(Field::volume_fraction)) fraction[q] = alpha;
   }
   find_active();
   update_signals();
@@ -299,11 +331,77 @@ void Mpm::set_lighting(int body, std::function<double(Vec3 const&)> const& light
 
 void Mpm::set_time(double time) { time_ = time; }
 
+double Mpm::lowest_pressure(int body) const {
+  std::vector<double> lowest(active_.size(), std::numeric_limits<double>::infinity());
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
+    auto const see = [&](PointSet const& set) {
+      double const* p = set.field(Field::pressure);
+      double least = lowest[n];
+      for (int q = 0; q < set.size(); ++q) least = p[q] < least ? p[q] : least;
+      lowest[n] = least;
+    };
+    see(points(active_[n], body));
+    if (body == lent_body_) see(lent_[active_[n]]);
+  });
+  double least = std::numeric_limits<double>::infinity();
+  for (double const p : lowest) least = std::min(least, p);
+  return least;
+}
+
+StressOrder Mpm::order_of(int body) const {
+  if (options_.order == StressOrder::usf) return StressOrder::usf;
+  StressOrder const own = bodies_[body].order.value_or(options_.order);
+  return own == StressOrder::usf ? options_.order : own;
+}
+
+/// APIC projects the velocity of the nodes around a point on a linear function: what is left over is lost, and so is
+/// what the points around a node differ in. Both are never negative, if the energy of the gradient is counted: in a
+/// fluid they are a dissipation, as by viscosity, and heat.
+bool Mpm::keeps_energy(int body) const {
+  Body const& b = bodies_[body];
+  return b.transfer.value_or(options_.transfer) == Transfer::apic && options_.shape == ShapeFunction::bspline &&
+         !b.solid.has_deviator() && !b.rigid_velocity && order_of(body) != StressOrder::usf;
+}
+
+void Mpm::lend_as(int body) {
+  lent_body_ = body;
+  lent_.clear();
+  FieldList fields = this->fields(body);
+  fields.add(Field::next_x, 3);
+  for (int b = 0; b < grid_.block_count(); ++b) lent_.emplace_back(fields);
+}
+
+void Mpm::add(int body, PointSet const& added) {
+  for (int q = 0; q < added.size(); ++q) {
+    Vec3 const x{added.field(Field::position_x)[q], added.field(Field::position_y)[q],
+                 added.field(Field::position_z)[q]};
+    PointSet& set = sets_[set_index(grid_.block_of(grid_.cell_at(x)), body)];
+    set.append(added, q);
+    set.field(Field::identity)[set.size() - 1] = static_cast<double>(next_identity_[body]++);
+  }
+  if (!added.empty()) find_active();
+}
+
+void Mpm::take_out(int block, int body, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to) {
+  PointSet& set = points(block, body);
+  std::vector<int> stay;
+  stay.reserve(set.size());
+  for (int q = 0; q < set.size(); ++q) {
+    if (outside(set, q)) {
+      to.append(set, q);
+    } else {
+      stay.push_back(q);
+    }
+  }
+  if (static_cast<int>(stay.size()) < set.size()) set.reorder(stay);
+}
+
 void Mpm::find_active() {
   active_.clear();
   for (int b = 0; b < grid_.block_count(); ++b) {
     bool any = false;
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) any = any || !points(b, body).empty();
+    any = any || (lent_body_ >= 0 && !lent_[b].empty());
     if (any) active_.push_back(b);
   }
 }
@@ -314,14 +412,18 @@ void Mpm::update_signals() {
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
       PointSet const& set = points(block, body);
       material::Solid const& solid = bodies_[body].solid;
+      double const* mass_fraction = set.field(Field::mass_fraction);
+      double const* volume_fraction = set.field(Field::volume_fraction);
       for (int q = 0; q < set.size(); ++q) {
+        double const Y = mass_fraction == nullptr ? 0.0 : mass_fraction[q];
+        double const alpha = volume_fraction == nullptr ? 0.0 : volume_fraction[q];
         double const speed = norm(
             Vec3{set.field(Field::velocity_x)[q], set.field(Field::velocity_y)[q], set.field(Field::velocity_z)[q]});
-        double const sound =
-            bodies_[body].rigid_velocity
-                ? 0.0
-                : std::max(material::sound_speed(solid, set.field(Field::density)[q], set.field(Field::pressure)[q]),
-                           solid.detonation_speed);
+        double const sound = bodies_[body].rigid_velocity
+                                 ? 0.0
+                                 : std::max(material::sound_speed(solid, set.field(Field::density)[q],
+                                                                  set.field(Field::pressure)[q], Y, alpha),
+                                            solid.detonation_speed);
         fastest = std::max(fastest, speed + sound);
       }
     }
@@ -350,9 +452,11 @@ BodySums Mpm::sums(int body) const {
     PointSet const& set = points(block, body);
     BodySums& s = parts[block];
     s.points = set.size();
+    bool const affine = keeps_energy(body);
     for (int q = 0; q < set.size(); ++q) {
       double const m = set.field(Field::mass)[q];
       s.mass += m;
+      if (double const* second = set.field(Field::mass_fraction)) s.second_mass += m * second[q];
       double square = 0.0;
       double moved = 0.0;
       for (int d = 0; d < 3; ++d) {
@@ -364,6 +468,7 @@ BodySums Mpm::sums(int body) const {
         if (double const* origin = set.field(Field::origin_x + d)) moved += (x - origin[q]) * (x - origin[q]);
       }
       s.kinetic_energy += 0.5 * m * square;
+      if (affine) s.kinetic_energy += m * affine_energy(set, q, grid_.domain().h);
       s.internal_energy += m * set.field(Field::energy)[q];
       if (double const* work = set.field(Field::plastic_work)) s.plastic_work += m * work[q];
       if (double const* damage = set.field(Field::damage)) s.damaged_mass += damage[q] >= 1.0 ? m : 0.0;
@@ -374,6 +479,7 @@ BodySums Mpm::sums(int body) const {
   for (BodySums const& s : parts) {
     total.points += s.points;
     total.mass += s.mass;
+    total.second_mass += s.second_mass;
     total.momentum = total.momentum + s.momentum;
     total.centre = total.centre + s.centre;
     total.kinetic_energy += s.kinetic_energy;

@@ -21,6 +21,7 @@
 #include "grid/grid.hpp"
 #include "material/solid.hpp"
 #include "mpm/points.hpp"
+#include "mpm/population.hpp"
 #include "shape/shape.hpp"
 
 namespace brisance::mpm {
@@ -65,6 +66,16 @@ struct Body {
   int points_per_direction = 2;  ///< per cell: gives GIMP points their size
   /// Set for a rigid body: its velocity, which nothing changes [m/s].
   std::optional<Vec3> rigid_velocity;
+  /// How the velocity of this body's points follows the nodes; absent: as `Options` says.
+  std::optional<Transfer> transfer;
+  /// When this body's stress is updated, if not as `Options` says: musl or usl, where that is one of the two.
+  std::optional<StressOrder> order;
+  /// Taken off the pressure in the forces [Pa]. A region that bodies fill without a gap feels differences of the
+  /// pressure only.
+  double reference_pressure = 0.0;
+  /// Coefficients of the bulk viscosity that differ from those of the options.
+  std::optional<double> linear_viscosity;
+  std::optional<double> quadratic_viscosity;
 };
 
 /// What fills (a part of) a body.
@@ -75,6 +86,9 @@ struct Filling {
   /// State that differs from the solid's own.
   std::optional<double> density;          ///< [kg/m3]
   std::optional<double> specific_energy;  ///< [J/kg]
+  /// Composition, of bodies that mix two fluids.
+  double mass_fraction = 0.0;    ///< of the second fluid
+  double volume_fraction = 0.0;  ///< of the second fluid
 };
 
 /// Velocity components of the nodes in a part of space are prescribed.
@@ -108,6 +122,7 @@ struct SurfacePressure {
 struct BodySums {
   long points = 0;
   double mass = 0.0;                  ///< [kg]
+  double second_mass = 0.0;           ///< of it, of the second fluid: gas
   Vec3 momentum{0.0, 0.0, 0.0};       ///< [kg m/s]
   Vec3 centre{0.0, 0.0, 0.0};         ///< of mass [m]
   double kinetic_energy = 0.0;        ///< [J]
@@ -155,10 +170,39 @@ class Mpm {
   /// Tells where in time the calculation stands [s]; the burn and the loads depend on it.
   void set_time(double time);
 
+  /// See `Body::reference_pressure`.
+  void set_reference_pressure(int body, double pressure) { bodies_[body].reference_pressure = pressure; }
+  /// Lowest pressure of the points of a body, lent ones included [Pa]; infinite where it has none.
+  [[nodiscard]] double lowest_pressure(int body) const;
+
+  /// Points that are lent to a block for the next step: they give the nodes mass, momentum and force as all others do,
+  /// but their state belongs to somebody else, who also tells their velocity at the end of the step (field `next_x`).
+  [[nodiscard]] PointSet& lent(int block) { return lent_[block]; }
+  /// Which body the lent points belong to. To be called before `lent`.
+  void lend_as(int body);
+  /// To be called after the lent points have been changed, before the step.
+  void lending_done() { find_active(); }
+  /// Adds copies of points with the fields of the body; they get new identities. Their signals do not yet count in
+  /// `stable_step`: `update_signals` or the next step sees to that.
+  void add(int body, PointSet const& points);
+  /// Finds the fastest signal of the points anew.
+  void update_signals();
+  /// Takes out the points of a block for which `outside(x)` holds, in their order, and appends them to `to`.
+  void take_out(int block, int body, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to);
+  /// Does the kinetic energy that a body's transfer loses become heat? That of fluids with APIC and B-splines; their
+  /// kinetic energy then includes that of the velocity gradient.
+  [[nodiscard]] bool keeps_energy(int body) const;
+  [[nodiscard]] FieldList const& fields(int body) const { return sets_[body].fields(); }
+
   /// Largest stable step [s] at the given Courant number: courant h / max(sound speed + speed).
   [[nodiscard]] double stable_step() const;
   /// One step. Throws NumericalError when a point's state has lost its meaning.
   void advance(double dt);
+  /// Splits and merges the points of a gas where that is due; to be called between steps: every 4 where the gas runs
+  /// into a vacuum, else every 8 will do. The sums of `sums` stay as they are up to round-off, but for the number of
+  /// points and for kinetic energy that becomes internal. Of two merged points the heavier keeps its identity. Throws
+  /// InputError for a body that is no gas.
+  PopulationCount control_population(int body, PopulationOptions const& options = {});
 
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] grid::Grid const& grid() const { return grid_; }
@@ -187,9 +231,17 @@ class Mpm {
  private:
   struct Workspace;
 
+  /// Calls work(set, body) for the sets of a block that hold points, those lent to it included.
+  template <class Work>
+  void for_sets(int block, Work&& work) {
+    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
+      PointSet& set = points(block, body);
+      if (!set.empty()) work(set, body);
+    }
+    if (lent_body_ >= 0 && !lent_[block].empty()) work(lent_[block], lent_body_);
+  }
   [[nodiscard]] int set_index(int block, int body) const { return block * static_cast<int>(bodies_.size()) + body; }
   void find_active();
-  void update_signals();
   void collect_signals();
   void map_to_grid(bool with_mass, bool with_forces);
   [[nodiscard]] OuterForces outer_forces() const;
@@ -209,12 +261,15 @@ class Mpm {
   void constrain_velocity(int block, Scratch& scratch) const;
   void constrain_state(int block, Scratch& scratch);
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
+  [[nodiscard]] StressOrder order_of(int body) const;
   [[nodiscard]] double work_on(int block, int body, OuterForces const& outer) const;
 
   grid::Grid grid_;
   Options options_;
   std::vector<Body> bodies_;
   std::vector<PointSet> sets_;  ///< block by block, body by body
+  std::vector<PointSet> lent_;  ///< per block
+  int lent_body_ = -1;
   std::vector<long> next_identity_;
   Losses losses_;
   Vec3 constraint_impulse_{0.0, 0.0, 0.0};

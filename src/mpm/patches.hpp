@@ -63,7 +63,7 @@ struct Patch {
 /// Three components of a vector and one scalar: momentum or velocity with the mass.
 using NodeVelocity = Lanes4;
 
-/// What the points give a node: momentum [kg m/s] with the mass [kg], and force [N] with the volume [m3]. After
+/// What the points give a node: momentum [kg m/s] with the mass [kg], and force [N] with the kinetic energy [J]. After
 /// `integrate`: the new velocity with the mass, and the change of the velocity over the step.
 struct alignas(64) NodeState {
   NodeVelocity momentum;

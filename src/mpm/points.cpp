@@ -48,4 +48,13 @@ void PointSet::reorder(std::vector<int> const& order) {
   size_ = static_cast<int>(order.size());
 }
 
+double affine_energy(PointSet const& set, int point, double h) {
+  double sum = 0.0;
+  for (int c = 0; c < 9; ++c) {
+    double const g = set.field(Field::affine_xx + c)[point];
+    sum += g * g;
+  }
+  return 0.125 * h * h * sum;
+}
+
 }  // namespace brisance::mpm

@@ -64,7 +64,10 @@ enum class Field : int {
   load_y,
   load_z,
   load_number,  ///< of the surface pressure that acts on the point; 0: none
-  origin_x,     ///< where the point was at the start [m], 3
+  next_x,       ///< velocity at the end of the step, of lent points [m/s], 3
+  next_y,
+  next_z,
+  origin_x,  ///< where the point was at the start [m], 3
   origin_y,
   origin_z,
   count
@@ -129,5 +132,9 @@ class PointSet {
   std::size_t capacity_ = 0;
   int size_ = 0;
 };
+
+/// Kinetic energy per mass [J/kg] of APIC's velocity gradient C within a point, with the second moment h^2/4 of
+/// quadratic B-splines: h^2/8 C:C.
+[[nodiscard]] double affine_energy(PointSet const& set, int point, double h);
 
 }  // namespace brisance::mpm

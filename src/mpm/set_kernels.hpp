@@ -123,7 +123,7 @@ struct Kernels {
     }
   }
 
-  /// Mass, momentum and volume, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20).
+  /// Mass, momentum and kinetic energy, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20).
   template <bool with_mass, bool with_forces>
   static void map_state(SetView const& v, Hoops const& hoops, OuterForces const& outer, CellMeans const* means,
                         NodeState* nodes) {
@@ -133,6 +133,7 @@ struct Kernels {
     std::array<double const*, 6> deviator{};
     for (int c = 0; c < 6 && !v.body->rigid_velocity; ++c) deviator[c] = set.field(Field::deviator_xx + c);
     double const stressed = v.body->rigid_velocity ? 0.0 : 1.0;
+    double const reference = v.body->reference_pressure;
     bool const driven = with_forces && outer.acceleration != nullptr;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       double const* mass = set.field(Field::mass) + begin;
@@ -148,13 +149,15 @@ struct Kernels {
         double const m = mass[q];
         double const volume = m / density[q];
         Lanes4 const a{m * velocity[0][q], m * velocity[1][q], m * velocity[2][q], m};
-        Lanes4 b{0.0, 0.0, 0.0, volume};
+        double const square =
+            velocity[0][q] * velocity[0][q] + velocity[1][q] * velocity[1][q] + velocity[2][q] * velocity[2][q];
+        Lanes4 b{0.0, 0.0, 0.0, 0.5 * m * square};
         Lanes4 cx{};
         Lanes4 cy{};
         Lanes4 cz{};
         if constexpr (with_forces) {
           double const own = means == nullptr ? pressure[q] + viscosity[q] : means->mean(begin + q);
-          double const p = stressed * own;
+          double const p = stressed * (own - reference);
           std::array<double, 6> s{-p, -p, -p, 0.0, 0.0, 0.0};
           if (deviator[0] != nullptr) {
             for (int c = 0; c < 6; ++c) s[c] += deviator[c][begin + q];
@@ -178,7 +181,9 @@ struct Kernels {
         if constexpr (!with_mass) {
           add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
         } else if (affine) {
-          add_affine<S, D>(*v.patch, k, around, v.h, q, nodes, momentum_of, a, affine_columns(set, begin + q, m));
+          // The energy of its affine velocity too.
+          b[3] = 0.0;
+          add_affine_energy<S, D>(*v.patch, k, around, v.h, q, nodes, a, affine_columns(set, begin + q, m), 1.0 / m);
           if constexpr (with_forces) add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
         } else if constexpr (with_forces) {
           add_state<S, D>(*v.patch, k, q, nodes, a, b, cx, cy, cz);
@@ -232,11 +237,15 @@ struct Kernels {
     });
   }
 
-  /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity.
-  static void move(SetView const& v, Options const& options, double dt, NodeState const* nodes) {
+  /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity. With
+  /// `keeps_energy` the nodes hold kinetic energy per mass in the place of their mass, and what the points' velocity
+  /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C, heats: h^2/4 is the second moment of the
+  /// B-splines.
+  static void move(SetView const& v, Options const& options, double dt, bool keeps_energy, NodeState const* nodes) {
     PointSet& set = *v.set;
     double const h = v.h;
-    double const pic = options.transfer == Transfer::flip ? options.pic_fraction : 0.0;
+    Transfer const transfer = v.body->transfer.value_or(options.transfer);
+    double const pic = transfer == Transfer::flip ? options.pic_fraction : 0.0;
     bool const affine = set.field(Field::affine_xx) != nullptr;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       auto const u = vector_at(set, Field::velocity_x, begin);
@@ -249,6 +258,7 @@ struct Kernels {
       }
       alignas(64) double fresh[3][chunk];
       alignas(64) double change[3][chunk];
+      alignas(64) double lost[chunk];
       if (affine) {
         AffineWeights<S, D> around;
         find_affine_weights<S, D>(*v.patch, h, constant_at(set, Field::position_x, begin), n, k, around);
@@ -256,6 +266,10 @@ struct Kernels {
         for (int q = 0; q < n; ++q) {
           std::array<Lanes4, 4> sum;
           value_and_gradient<S, D>(*v.patch, k, around.g, q, nodes, momentum_of, sum);
+          lost[q] = sum[0][3] - 0.5 * (sum[0][0] * sum[0][0] + sum[0][1] * sum[0][1] + sum[0][2] * sum[0][2]);
+          for (int j = 0; j < D; ++j) {
+            for (int i = 0; i < 3; ++i) lost[q] -= 0.125 * sum[1 + j][i] * sum[1 + j][i];
+          }
           for (int i = 0; i < 3; ++i) {
             fresh[i][q] = sum[0][i];
             for (int j = 0; j < D; ++j) {
@@ -268,6 +282,10 @@ struct Kernels {
             u[d][q] = fresh[d][q];
             way[d][q] = dt * fresh[d][q];
           }
+        }
+        if (keeps_energy) {
+          double* const energy = set.field(Field::energy) + begin;
+          for (int q = 0; q < n; ++q) energy[q] += lost[q];
         }
         return;
       }
@@ -370,7 +388,11 @@ struct Kernels {
     arrays.temperature = at(Field::temperature);
     arrays.damage = at(Field::damage);
     arrays.sound_speed = sound;
-    material::update_stress(v.body->solid, arrays, {dt, v.h, options.linear_viscosity, options.quadratic_viscosity});
+    arrays.mass_fraction = at(Field::mass_fraction);
+    arrays.volume_fraction = at(Field::volume_fraction);
+    material::update_stress(v.body->solid, arrays,
+                            {dt, v.h, v.body->linear_viscosity.value_or(options.linear_viscosity),
+                             v.body->quadratic_viscosity.value_or(options.quadratic_viscosity)});
     for (int d = 0; d < D; ++d) {
       double* half = at(Field::half_x + d);
       if (half == nullptr) continue;
@@ -394,7 +416,7 @@ struct Kernels {
   static double update(SetView const& v, Options const& options, Hoops const& hoops, double time, double dt,
                        NodeVelocity const* nodes, Scratch& scratch) {
     double fastest = 0.0;
-    if (!options.locking_control) {
+    if (!options.locking_control || !v.body->solid.has_deviator()) {
       for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
         alignas(64) double e[10][chunk];
         strain(v, hoops, dt, begin, n, k, nodes, e);

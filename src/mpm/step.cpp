@@ -57,7 +57,7 @@ void Mpm::advance(double dt) {
   } else {
     map_to_grid(true, true);
   }
-  if (options_.transfer == Transfer::xpic) filter();
+  if (work_->filters) filter();
   integrate(dt);
   if (!first) update_stress(dt);
   collect_signals();
@@ -69,7 +69,6 @@ void Mpm::advance(double dt) {
 void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   PhaseTimer const timer(timings_["points to grid"]);
   Workspace& w = *work_;
-  int const bodies = static_cast<int>(bodies_.size());
   double const h = grid_.domain().h;
   Hoops const hoops = hoops_of(grid_.domain().geometry);
   OuterForces const outer = outer_forces();
@@ -77,9 +76,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
     Patch const& patch = w.patches[block];
-    for (int body = 0; body < bodies; ++body) {
-      PointSet& set = points(block, body);
-      if (set.empty()) continue;
+    for_sets(block, [&](PointSet& set, int body) {
       int const slot = w.slot(block, w.field_of[body]);
       NodeState* nodes = w.state[slot].get(patch.count());
       NodeVelocity* gradient = w.contact ? w.gradient[slot].get(patch.count()) : nullptr;
@@ -90,7 +87,8 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
       }
       SetView const view{&set, &bodies_[body], &patch, h};
       std::optional<CellMeans> means;
-      if (with_forces && options_.locking_control) means = mean_pressures(view, w.scratch[thread]);
+      if (with_forces && options_.locking_control && bodies_[body].solid.has_deviator())
+        means = mean_pressures(view, w.scratch[thread]);
       CellMeans const* mean = means ? &*means : nullptr;
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
         if (with_mass && with_forces) {
@@ -102,7 +100,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
         }
         if (with_mass && gradient != nullptr) kernels.map_gradient(view, gradient);
       });
-    }
+    });
   });
   if (with_mass && w.contact) map_extents();
 }
@@ -149,7 +147,6 @@ double Mpm::work_on(int block, int body, OuterForces const& outer) const {
 
 void Mpm::map_extents() {
   Workspace& w = *work_;
-  int const bodies = static_cast<int>(bodies_.size());
   double const h = grid_.domain().h;
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
@@ -179,13 +176,12 @@ void Mpm::map_extents() {
       double* extents = w.extent[slot].get(patch.count());
       std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
       if (!any) continue;
-      for (int body = 0; body < bodies; ++body) {
-        PointSet& set = points(block, body);
-        if (set.empty() || w.field_of[body] != f) continue;
+      for_sets(block, [&](PointSet& set, int body) {
+        if (w.field_of[body] != f) return;
         SetView const view{&set, &bodies_[body], &patch, h};
         with_kernels(options_.shape, patch.dimensions,
                      [&](auto kernels) { kernels.map_extent(view, normals.data(), extents); });
-      }
+      });
     }
   });
 }
@@ -200,25 +196,22 @@ void Mpm::gather_gradients(int block, Scratch& scratch) const {
 void Mpm::filter() {
   PhaseTimer const timer(timings_["filter"]);
   Workspace& w = *work_;
-  int const bodies = static_cast<int>(bodies_.size());
   double const h = grid_.domain().h;
   auto const each_set = [&](int block, auto&& work) {
-    for (int body = 0; body < bodies; ++body) {
-      PointSet& set = points(block, body);
-      if (set.empty()) continue;
+    for_sets(block, [&](PointSet& set, int body) {
+      if (!set.fields().has(Field::filtered_x)) return;
       SetView const view{&set, &bodies_[body], &w.patches[block], h};
       with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) { work(body, view, kernels); });
-    }
+    });
   };
   parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
-    for (int body = 0; body < bodies; ++body) {
-      PointSet& set = points(active_[n], body);
-      if (set.empty()) continue;
+    for_sets(active_[n], [&](PointSet& set, int) {
+      if (!set.fields().has(Field::filtered_x)) return;
       for (int d = 0; d < 3; ++d) {
         double const* v = set.field(Field::velocity_x + d);
         std::copy(v, v + set.size(), set.field(Field::filtered_x + d));
       }
-    }
+    });
   });
   for (int pass = 0; pass < options_.xpic_order; ++pass) {
     parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
@@ -331,8 +324,8 @@ void Mpm::integrate(double dt) {
   Workspace& w = *work_;
   int const bodies = static_cast<int>(bodies_.size());
   double const h = grid_.domain().h;
-  bool const map_back = options_.order == StressOrder::musl;
-  bool const strain_here = options_.order == StressOrder::usl;
+  bool const map_back = w.maps_back;
+  bool const strain_here = w.strains_early;
   Hoops const hoops = hoops_of(grid_.domain().geometry);
   OuterForces const outer = outer_forces();
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
@@ -362,19 +355,39 @@ void Mpm::integrate(double dt) {
       gather_extents(block, scratch);
     }
     constrain_state(block, scratch);
+    if (options_.order != StressOrder::usf) signals_[block] = 0.0;  // usf has found them already
+    if (w.keeps_energy) {
+      // In the place of the mass: kinetic energy of the points around per mass, with what the forces of the step add.
+      for (int f = 0; f < w.fields; ++f) {
+        if (scratch.present[f] == 0) continue;
+        NodeState* nodes = scratch.state[f].data();
+        for (int node = 0; node < count; ++node) {
+          NodeState& r = nodes[node];
+          double const m = r.momentum[3];
+          double sum = m > w.mass_floor ? r.force[3] / m : 0.0;
+          for (int d = 0; d < 3; ++d) sum += r.force[d] * (r.momentum[d] - 0.5 * r.force[d]);
+          r.momentum[3] = sum;
+        }
+      }
+    }
 
     if (map_back) clear_velocity(block);
-    for (int body = 0; body < bodies; ++body) {
-      PointSet& set = points(block, body);
-      if (set.empty()) continue;
+    for_sets(block, [&](PointSet& set, int body) {
       int const f = w.field_of[body];
       SetView const view{&set, &bodies_[body], &patch, h};
+      bool const own = lent_body_ < 0 || &set != &lent_[block];
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
-        kernels.move(view, options_, dt, scratch.state[f].data());
-        w.work[block] += work_on(block, body, outer);
+        if (own) {
+          kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data());
+          w.work[block] += work_on(block, body, outer);
+        } else {
+          for (int d = 0; d < 3; ++d) {
+            std::copy_n(set.field(Field::next_x + d), set.size(), set.field(Field::velocity_x + d));
+          }
+        }
         if (map_back) kernels.map_velocity(view, Field::velocity_x, w.velocity[w.slot(block, f)].data());
       });
-    }
+    });
     if (!strain_here) return;
     for (int f = 0; f < w.fields; ++f) {
       if (scratch.present[f] == 0) continue;
@@ -382,8 +395,9 @@ void Mpm::integrate(double dt) {
       NodeVelocity* to = scratch.velocity[f].get(count);
       for (int node = 0; node < count; ++node) to[node] = from[node].momentum;
     }
-    signals_[block] = 0.0;
-    for (int body = 0; body < bodies; ++body) update_set(block, body, hoops, dt, scratch);
+    for (int body = 0; body < bodies; ++body) {
+      if (order_of(body) == StressOrder::usl) update_set(block, body, hoops, dt, scratch);
+    }
   });
 }
 
@@ -476,12 +490,12 @@ void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch
 }
 
 void Mpm::update_stress(double dt) {
-  if (options_.order == StressOrder::usl) return;  // `integrate` did it, while the nodes were at hand
+  bool const first = options_.order == StressOrder::usf;
+  if (!first && !work_->maps_back) return;  // `integrate` did it, while the nodes were at hand
   PhaseTimer const timer(timings_["strain and stress"]);
   Workspace& w = *work_;
   int const bodies = static_cast<int>(bodies_.size());
   Hoops const hoops = hoops_of(grid_.domain().geometry);
-  bool const first = options_.order == StressOrder::usf;
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
     Scratch& scratch = w.scratch[thread];
@@ -495,8 +509,10 @@ void Mpm::update_stress(double dt) {
       gather_extents(block, scratch);
     }
     constrain_velocity(block, scratch);
-    signals_[block] = 0.0;
-    for (int body = 0; body < bodies; ++body) update_set(block, body, hoops, dt, scratch);
+    if (first) signals_[block] = 0.0;
+    for (int body = 0; body < bodies; ++body) {
+      if (order_of(body) != StressOrder::usl) update_set(block, body, hoops, dt, scratch);
+    }
   });
 }
 

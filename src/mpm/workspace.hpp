@@ -89,6 +89,10 @@ struct Mpm::Workspace {
   std::vector<std::optional<Vec3>> rigid;   ///< velocity of rigid grid fields
   std::vector<Law> laws;                    ///< field x field
   bool contact = false;                     ///< more than one field
+  bool filters = false;                     ///< some body uses XPIC
+  bool maps_back = false;                   ///< some body is updated by MUSL
+  bool strains_early = false;               ///< some body is updated by USL
+  bool keeps_energy = false;                ///< some body's transfer loses no energy
   std::vector<std::vector<Hold>> holds;     ///< per block
   std::vector<NodeArray<NodeState>> state;  ///< block x field, as the points wrote them
   std::vector<NodeArray<NodeVelocity>> velocity;
@@ -104,6 +108,8 @@ struct Mpm::Workspace {
   std::vector<Losses> lost;                      ///< per block
   std::vector<std::string> trouble;              ///< per block: what went wrong
   std::vector<ActiveLoad> loads;
+  std::vector<PopulationScratch> population;               ///< per thread
+  std::vector<PopulationCount> population_of_block;        ///< in this call
   double mass_floor = std::numeric_limits<double>::min();  ///< nodes below it are empty [kg]
 
   [[nodiscard]] int slot(int block, int field) const { return block * fields + field; }

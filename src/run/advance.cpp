@@ -1,4 +1,4 @@
-/// One step of the calculation. The coupled step of [Cui14] Sec. 3.5 grows from here.
+/// One step of the calculation: gas alone, points alone, or both, [Cui14] Sec. 3.5.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,18 +10,90 @@
 
 namespace brisance::run {
 
-double stable_step(World const& w) {
-  // A diaphragm that has just been removed moves faster than either side's sound: start gently.
-  double const ramp = std::min(1.0, 0.1 * static_cast<double>(w.clock.step + 1));
-  if (w.points != nullptr) return ramp * w.points->stable_step();
+namespace {
+
+/// A diaphragm that has just been removed moves faster than either side's sound: start gently.
+double ramp(World const& w) { return std::min(1.0, 0.1 * static_cast<double>(w.clock.step + 1)); }
+
+double stable_gas_step(World const& w) {
   double signal = w.gas->fastest_signal();
   // A charge that burns releases its pressure within a step, and the products that break out of it run ahead of the
   // detonation at up to 1.3 D with the sound on top: twice D bounds both.
   if (w.gas->burning()) signal = std::max(signal, 2.0 * w.setup.charges.front().explosive.detonation_speed);
-  return ramp * w.setup.numerics.courant * w.setup.domain.h / signal;
+  return ramp(w) * w.setup.numerics.courant * w.setup.domain.h / signal;
+}
+
+double stable_point_step(World const& w) { return ramp(w) * w.points->stable_step(); }
+
+/// Do the points take part in the step?
+bool points_move(World const& w) { return w.points != nullptr && (w.bridge == nullptr || w.bridge->awake()); }
+
+constexpr double most_parts = 64;     // of a common step that the points take
+constexpr double most_gas_parts = 4;  // that the gas takes: its ghost cells wait meanwhile
+
+/// Steps of at most `stable()` that fill `dt`.
+template <class Stable, class Step>
+void in_parts(double dt, Stable&& stable, Step&& step) {
+  double done = 0.0;
+  while (done < dt) {
+    double const left = dt - done;
+    double const parts = std::ceil(left / stable() * (1.0 - 1e-12));
+    double const part = parts <= 1.0 ? left : left / parts;
+    step(done, part);
+    done = parts <= 1.0 ? dt : done + part;
+  }
+}
+
+/// One CFDMP step, [Cui14] Sec. 3.5; (k) is the paper's item k. Where the stable steps of gas and points differ, each
+/// takes several within the common one; the gas goes first, so that the points find the cells beside them at any time
+/// in between.
+void advance_coupled(World& w, double dt) {
+  bridge::Bridge& bridge = *w.bridge;
+  {
+    PhaseTimer const timer(w.timings["bridge"]);
+    bridge.lend_nodes_to_ghosts();  // (7) Eqs. (31)-(36), level n
+    bridge.read_cells();
+  }
+  in_parts(
+      dt, [&] { return stable_gas_step(w); },
+      [&](double, double part) {
+        w.gas->advance(part, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
+        ++w.clock.gas_steps;
+      });
+  {
+    PhaseTimer const timer(w.timings["bridge"]);
+    bridge.read_cells();
+  }
+  in_parts(
+      dt, [&] { return stable_point_step(w); },
+      [&](double done, double part) {
+        {
+          PhaseTimer const timer(w.timings["bridge"]);
+          bridge.lend_cells_to_nodes(done / dt, (done + part) / dt);  // (3), (5) Eqs. (37)-(39)
+        }
+        w.points->advance(part);  // (2), (4), (6), (9)-(13) Eqs. (18)-(30)
+        ++w.clock.point_steps;
+        PhaseTimer const timer(w.timings["bridge"]);
+        bridge.exchange(part / dt, part);  // (14)
+        int const interval = w.setup.mpm_region->population_interval;
+        if (interval > 0 && w.clock.point_steps % interval == 0) w.points->control_population(bridge.gas_body());
+      });
+  w.gas->clear_watched();
+}
+
+}  // namespace
+
+double stable_step(World const& w) {
+  if (w.gas == nullptr) return stable_point_step(w);
+  double const gas = stable_gas_step(w);
+  if (!points_move(w)) return gas;
+  double const points = stable_point_step(w);
+  if (!w.setup.mpm_region->subcycling) return std::min(gas, points);
+  return std::min({std::max(gas, points), most_gas_parts * gas, most_parts * points});
 }
 
 double advance(World& w, double latest) {
+  if (w.bridge != nullptr) w.bridge->wake();
   double const stable = stable_step(w);  // (1)
   if (!std::isfinite(stable) || stable <= 1e-14 * std::max(w.setup.end.time, 1e-12)) {
     throw NumericalError(
@@ -31,8 +103,15 @@ double advance(World& w, double latest) {
   double const left = latest - w.clock.time;
   bool const arrives = left <= stable;
   double const dt = arrives ? left : left < 2.0 * stable ? 0.5 * left : stable;  // no sliver before an output time
-  if (w.gas != nullptr) w.gas->advance(dt, w.clock.step % 2 == 1);               // (8) Eq. (6)
-  if (w.points != nullptr) w.points->advance(dt);  // (2)-(4), (6), (9)-(13) Eqs. (18)-(30)
+  if (w.gas != nullptr && points_move(w)) {
+    advance_coupled(w, dt);
+  } else if (w.gas != nullptr) {
+    w.gas->advance(dt, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
+    ++w.clock.gas_steps;
+  } else {
+    w.points->advance(dt);  // (2)-(4), (6), (9)-(13) Eqs. (18)-(30)
+    ++w.clock.point_steps;
+  }
   w.clock.time = arrives ? latest : w.clock.time + dt;
   w.clock.dt = dt;
   ++w.clock.step;

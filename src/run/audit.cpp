@@ -19,13 +19,16 @@ std::array<double, 3> Audit::relative_error() const {
 
 namespace {
 
-Totals totals_of(mpm::Mpm const& points) {
+/// Without gas the mass is that of all bodies, with gas that of the two fluids in the gas points.
+Totals totals_of(mpm::Mpm const& points, int gas_body = -1) {
   Totals total;
-  for (std::size_t body = 0; body < points.bodies().size(); ++body) {
-    mpm::BodySums const sums = points.sums(static_cast<int>(body));
-    total.mass[0] += sums.mass;
+  for (int body = 0; body < static_cast<int>(points.bodies().size()); ++body) {
+    mpm::BodySums const sums = points.sums(body);
     total.momentum = total.momentum + sums.momentum;
     total.energy += sums.kinetic_energy + sums.internal_energy;
+    if (gas_body >= 0 && body != gas_body) continue;
+    total.mass[0] += sums.mass - sums.second_mass;
+    total.mass[1] += sums.second_mass;
   }
   return total;
 }
@@ -34,6 +37,18 @@ Totals totals_of(mpm::Mpm const& points) {
 
 Totals World::totals() const {
   if (gas == nullptr) return totals_of(*points);
+  Totals total = gas_totals();
+  if (bridge != nullptr) {
+    bridge::Ledger const ledger = bridge->ledger();
+    for (int f = 0; f < 2; ++f) total.mass[f] += ledger.mass[f];
+    total.momentum = total.momentum + ledger.momentum;
+    total.energy += ledger.energy;
+    total += totals_of(*points, gas_body());
+  }
+  return total;
+}
+
+Totals World::gas_totals() const {
   // One sum per block, then over blocks in order: the same bits for any number of threads.
   std::vector<Totals> parts(static_cast<std::size_t>(grid.block_count()));
   bool const two = gas->fluids().two;
@@ -46,6 +61,7 @@ Totals World::totals() const {
         Totals row;
         for (int i = 0; i < block.n[0]; ++i) {
           int const at = block.offset(i, j, k);
+          if (!gas->is_own(b, at)) continue;
           double const volume = setup.domain.cell_volume(block.origin[0] + i);
           row.mass[0] += volume * gas->fields().at(b, gas::density)[at];
           if (two) row.mass[1] += volume * gas->fields().at(b, gas::second_density)[at];
@@ -64,17 +80,23 @@ Totals World::totals() const {
 
 void World::update_audit() {
   audit.current = totals();
+  audit.outflow = {};
   if (points != nullptr) {
     mpm::Losses const& lost = points->losses();
-    audit.outflow.mass[0] = lost.mass;
+    if (gas == nullptr) audit.outflow.mass[0] = lost.mass;
     audit.outflow.momentum = lost.momentum;
     audit.outflow.energy = lost.energy;
   }
   if (gas == nullptr) return;
+  if (bridge != nullptr) {
+    bridge::Ledger const& out = bridge->traffic().outflow;
+    audit.outflow += {out.mass, out.momentum, out.energy};
+  }
   gas::Account const account = gas->account();
-  audit.outflow.mass = {account.outflow[gas::density], account.outflow[gas::second_density]};
-  for (int d = 0; d < 3; ++d) audit.outflow.momentum[d] = account.outflow[gas::momentum_x + d];
-  audit.outflow.energy = account.outflow[gas::energy];
+  Vec3 momentum{0.0, 0.0, 0.0};
+  for (int d = 0; d < 3; ++d) momentum[d] = account.outflow[gas::momentum_x + d];
+  audit.outflow +=
+      {{account.outflow[gas::density], account.outflow[gas::second_density]}, momentum, account.outflow[gas::energy]};
   audit.guarded_cells = account.guarded_cells;
   audit.fallback_faces = account.fallback_faces;
   audit.guard_mass = account.guard_mass;

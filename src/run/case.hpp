@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "bridge/bridge.hpp"
 #include "core/vec.hpp"
 #include "detonation/charge.hpp"
 #include "grid/geometry.hpp"
@@ -65,7 +66,8 @@ struct Obstacle {
   shape::Shape shape;
 };
 
-/// A body of material points. A deck with bodies is calculated by the material point method alone.
+/// A body of material points. A case with bodies and without an MPM region is calculated by the material point method
+/// alone.
 struct Body {
   std::string name;
   material::Solid solid;
@@ -97,6 +99,34 @@ struct Points {
   std::vector<PointGauge> gauges;
 
   [[nodiscard]] bool any() const { return !bodies.empty(); }
+};
+
+/// The part of a calculation with gas that material points calculate: the bodies and the gas around them.
+struct MpmRegion {
+  /// Boxes [m] whose faces lie on the grid; none: the smallest box around the bodies with the margin.
+  std::vector<shape::Box> boxes;
+  int margin =
+      0;          ///< cells between the bodies and the faces of that box; 0: as few as the bridge allows, and some more
+  int width = 5;  ///< of the bridge, w [cells]
+  bridge::Transport transport = bridge::Transport::ledger;
+  /// Of the gas, per cell; 0: 4 in 1D, 3 in 2D, 2 in 3D. Rows of points that the flow stretches to a spacing between
+  /// half a cell and a cell disturb the pressure most: the more points at the start, the farther the gas may expand
+  /// first.
+  int points_per_direction = 0;
+  /// Overpressure next to the region that wakes it [Pa]; absent: a thousandth of the ambient pressure.
+  std::optional<double> activation;
+  bool subcycling = true;                          ///< gas and points take steps of their own within a common one
+  mpm::Transfer transfer = mpm::Transfer::apic;    ///< of the gas
+  mpm::StressOrder order = mpm::StressOrder::usl;  ///< of the gas; usl or musl
+  int population_interval = 4;                     ///< steps of the points between splits and merges; 0: none
+  double linear_viscosity = 0.06;                  ///< of the gas
+  double quadratic_viscosity = 1.5;
+  /// Taken off the pressure in the forces [Pa]; absent: the lowest pressure of the gas, the ambient one at most.
+  std::optional<double> reference_pressure;
+
+  [[nodiscard]] int gas_points(int dimensions) const {
+    return points_per_direction > 0 ? points_per_direction : 5 - dimensions;
+  }
 };
 
 using gas::Scheme;
@@ -156,6 +186,7 @@ struct Case {
   std::vector<Gauge> gauges;
   std::vector<Obstacle> obstacles;
   Points points;
+  std::optional<MpmRegion> mpm_region;  ///< set where gas and bodies meet
   Numerics numerics;
   Output output;
   End end;

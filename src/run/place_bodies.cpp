@@ -8,7 +8,7 @@
 
 namespace brisance::run {
 
-void place_bodies(World& w) {
+void place_bodies(World& w, grid::Domain const& domain, std::vector<mpm::Body> others) {
   Points const& p = w.setup.points;
   std::vector<mpm::Body> bodies;
   for (Body const& b : p.bodies) {
@@ -20,7 +20,8 @@ void place_bodies(World& w) {
     if (b.rigid) body.rigid_velocity = b.velocity;
     bodies.push_back(std::move(body));
   }
-  w.points = std::make_unique<mpm::Mpm>(w.setup.domain, bodies, p.options, p.constraints, p.contacts);
+  bodies.insert(bodies.end(), others.begin(), others.end());
+  w.points = std::make_unique<mpm::Mpm>(domain, bodies, p.options, p.constraints, p.contacts);
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     Body const& b = p.bodies[n];
     int const number = static_cast<int>(n);

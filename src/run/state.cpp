@@ -22,12 +22,13 @@ void World::archive(Archive& a) {
   a.same(points != nullptr, "whether there are material points");
   a.same(setup.domain.cells, "the number of cells");
   a.same(setup.domain.h, "the size of the cells");
-  a(clock.time, clock.dt, clock.step, timings);
+  a(clock.time, clock.dt, clock.step, clock.gas_steps, clock.point_steps, timings);
   // What the audit knows beside its start follows from the state.
   run::archive(a, audit.initial);
   if (gas != nullptr) gas->archive(a);
   if (points != nullptr) points->archive(a);
-  // The bridge comes here: if (bridge != nullptr) bridge->archive(a);
+  a.same(bridge != nullptr, "whether gas and points meet");
+  if (bridge != nullptr) bridge->archive(a);
 
   a.section("gauges");
   a.same(gauges.size(), "the number of gauges");

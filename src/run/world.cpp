@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/timer.hpp"
 #include "run/place_bodies.hpp"
+#include "run/place_region.hpp"
 
 namespace brisance::run {
 
@@ -147,18 +148,18 @@ void place_gas(World& w) {
   }
   if (!burning.empty()) detonation::set_programmed_burn(gas, burning, setup.charges.front().explosive.detonation_speed);
   place_obstacles(setup, grid, gas, ambient);
-
-  gas.start();
   for (Gauge const& gauge : setup.gauges) w.gauges.push_back({gauge, {}});
 }
 
 }  // namespace
 
 World::World(Case c) : setup(std::move(c)), grid(setup.domain, setup.numerics.block_cells) {
-  if (setup.points.any()) {
-    place_bodies(*this);
+  if (setup.points.any() && !setup.mpm_region) {
+    place_bodies(*this, setup.domain);
   } else {
     place_gas(*this);
+    if (setup.mpm_region) place_region(*this);
+    gas->start();
   }
   audit.initial = totals();
   audit.current = audit.initial;

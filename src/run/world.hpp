@@ -20,6 +20,8 @@ struct Clock {
   double time = 0.0;  ///< [s]
   double dt = 0.0;    ///< length of the last step [s]
   long step = 0;
+  long gas_steps = 0;    ///< steps of the gas within these
+  long point_steps = 0;  ///< of the points
 };
 
 /// Sums over the domain. Planar geometries count per metre of each unresolved direction.
@@ -151,8 +153,9 @@ class World {
 
   Case setup;
   grid::Grid grid;
-  std::unique_ptr<gas::Gas> gas;     ///< null where the case has bodies
-  std::unique_ptr<mpm::Mpm> points;  ///< null where it has none
+  std::unique_ptr<gas::Gas> gas;           ///< null where the case has bodies in a vacuum
+  std::unique_ptr<mpm::Mpm> points;        ///< null where it has none
+  std::unique_ptr<bridge::Bridge> bridge;  ///< joins the two where both are there
   Clock clock;
   Audit audit;
   std::vector<ChargeReport> charges;
@@ -171,6 +174,8 @@ class World {
   [[nodiscard]] Totals totals() const;
   /// Records every gauge at the present time.
   void sample_gauges();
+  /// The body of the gas points, -1 without an MPM region.
+  [[nodiscard]] int gas_body() const { return bridge == nullptr ? -1 : bridge->gas_body(); }
   /// Brings `audit.current`, `audit.outflow` and the guard counts up to date.
   void update_audit();
   /// The energy of the points as of the last `update_audit`.
@@ -180,6 +185,7 @@ class World {
   void archive(Archive& a);
 
  private:
+  [[nodiscard]] Totals gas_totals() const;
   void sample_points();
 };
 

@@ -73,6 +73,7 @@ class Points {
   std::array<std::vector<double>, 6> deviator;
   std::vector<double> pressure, viscosity, density, energy, plastic_strain, plastic_work, temperature, damage,
       sound_speed;
+  std::vector<double> mass_fraction, volume_fraction;  ///< handed over where they are not empty
   std::vector<double> work;  ///< done on the points since the start, from the stresses before and after [J/kg]
   std::vector<double> path;  ///< sum of the magnitudes of its parts [J/kg]
 
@@ -99,6 +100,8 @@ class Points {
     a.energy = energy.data();
     a.sound_speed = sound_speed.data();
     if (solid.burns()) a.burn = burn.data();
+    if (!mass_fraction.empty()) a.mass_fraction = mass_fraction.data();
+    if (!volume_fraction.empty()) a.volume_fraction = volume_fraction.data();
     if (solid.has_deviator()) {
       for (int c = 0; c < 6; ++c) a.strain[c] = strain[c].data();
       for (int c = 0; c < 3; ++c) a.spin[c] = spin[c].data();

@@ -305,8 +305,8 @@ void riemann(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
     if constexpr (Two) {
       flux_rho1[q] = f.speed * upwind(L_rho1[q], R_rho1[q]);
       flux_alpha[q] = f.speed * upwind(L_alpha[q], R_alpha[q]);
-      face_speed[q] = f.speed;
     }
+    face_speed[q] = f.speed;
   }
 
   if (!s.shock_sensor) return;
@@ -327,8 +327,8 @@ void riemann(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
     if constexpr (Two) {
       flux_rho1[q] = f.from_left * L_rho1[q] + f.from_right * R_rho1[q];
       flux_alpha[q] = f.from_left * L_alpha[q] + f.from_right * R_alpha[q];
-      face_speed[q] = f.from_left + f.from_right;
     }
+    face_speed[q] = f.from_left + f.from_right;
   }
 }
 

@@ -1,0 +1,182 @@
+#include "bridge/averages.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/parallel.hpp"
+
+namespace brisance::bridge {
+
+using mpm::Field;
+
+namespace {
+
+bool is_mirror(grid::Boundary b) { return b == grid::Boundary::symmetry || b == grid::Boundary::wall; }
+
+/// Where the weight of a cell falls in one direction: its own index, and those of its images that points near a mirror
+/// or a periodic face can reach.
+struct Image {
+  int index;
+  bool flip;
+};
+
+std::vector<Image> images(grid::Domain const& points, int d, int i) {
+  std::vector<Image> result{{i, false}};
+  int const n = points.cells[d];
+  if (i == 0 && is_mirror(points.boundary[2 * d])) result.push_back({-1, true});
+  if (i == n - 1 && is_mirror(points.boundary[2 * d + 1])) result.push_back({n, true});
+  if (points.boundary[2 * d] == grid::Boundary::periodic) {
+    if (i == 0) result.push_back({n, false});
+    if (i == n - 1) result.push_back({-1, false});
+  }
+  return result;
+}
+
+}  // namespace
+
+Averages::Averages(grid::Domain const& domain, mpm::Mpm const& points, Index3 const& shift,
+                   std::vector<Index3> const& cells)
+    : domain_(points.grid().domain()), dims_(domain.dimensions()), sums_(cells.size()) {
+  grid::Grid const& grid = points.grid();
+  std::map<int, int> slot_of;
+  Index3 pad{0, 0, 0};
+  for (int d = 0; d < dims_; ++d) pad[d] = 1;
+  // Blocks whose padded box holds the cell or an image of it: those of the cells around.
+  auto const part_of = [&](int block) -> int {
+    auto const [found, fresh] = slot_of.try_emplace(block, static_cast<int>(parts_.size()));
+    if (fresh) {
+      BlockPart part;
+      part.block = block;
+      for (int d = 0; d < 3; ++d) part.n[d] = grid.blocks()[block].n[d] + 2 * pad[d];
+      part.wanted.assign(static_cast<std::size_t>(part.n[0]) * part.n[1] * part.n[2], 0);
+      parts_.push_back(std::move(part));
+    }
+    return found->second;
+  };
+  for (Index3 const& cell : cells) {
+    first_.push_back(sources_.size());
+    std::array<std::vector<Image>, 3> choice;
+    for (int d = 0; d < 3; ++d) {
+      choice[d] = d < dims_ ? images(domain_, d, cell[d] + shift[d]) : std::vector<Image>{{0, false}};
+    }
+    std::vector<int> seen;
+    for (Image const& z : choice[2]) {
+      for (Image const& y : choice[1]) {
+        for (Image const& x : choice[0]) {
+          Index3 const image{x.index, y.index, z.index};
+          auto const flip = static_cast<std::uint8_t>((x.flip ? 1 : 0) | (y.flip ? 2 : 0) | (z.flip ? 4 : 0));
+          // All blocks that hold cells next to the image.
+          std::vector<int> blocks;
+          for (int k = -pad[2]; k <= pad[2]; ++k) {
+            for (int j = -pad[1]; j <= pad[1]; ++j) {
+              for (int i = -pad[0]; i <= pad[0]; ++i) {
+                Index3 const there{image[0] + i, image[1] + j, image[2] + k};
+                bool exists = true;
+                for (int d = 0; d < dims_; ++d) exists = exists && there[d] >= 0 && there[d] < domain_.cells[d];
+                if (exists) blocks.push_back(grid.block_of(there));
+              }
+            }
+          }
+          std::sort(blocks.begin(), blocks.end());
+          blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+          for (int const block : blocks) {
+            int const slot = part_of(block);
+            BlockPart& part = parts_[slot];
+            Index3 const& o = grid.blocks()[block].origin;
+            Index3 local{0, 0, 0};
+            for (int d = 0; d < 3; ++d) local[d] = image[d] - o[d] + pad[d];
+            int const offset = local[0] + part.n[0] * (local[1] + part.n[1] * local[2]);
+            sources_.push_back({slot, offset, flip});
+            for (int k = -pad[2]; k <= pad[2]; ++k) {
+              for (int j = -pad[1]; j <= pad[1]; ++j) {
+                for (int i = -pad[0]; i <= pad[0]; ++i) {
+                  Index3 const c{local[0] + i, local[1] + j, local[2] + k};
+                  bool exists = true;
+                  for (int d = 0; d < 3; ++d) exists = exists && c[d] >= 0 && c[d] < part.n[d];
+                  if (exists) part.wanted[c[0] + part.n[0] * (c[1] + part.n[1] * c[2])] = 1;
+                }
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+  first_.push_back(sources_.size());
+  for (BlockPart& part : parts_) part.values.assign(part.wanted.size() * values, 0.0);
+}
+
+void Averages::add_points(mpm::Mpm const& points, int body, BlockPart& part) const {
+  std::fill(part.values.begin(), part.values.end(), 0.0);
+  mpm::PointSet const& set = points.points(part.block, body);
+  grid::Block const& block = points.grid().blocks()[part.block];
+  double const inverse_h = 1.0 / domain_.h;
+  Index3 span{1, 1, 1};
+  for (int d = 0; d < dims_; ++d) span[d] = 3;
+  double const* const mass = set.field(Field::mass);
+  double const* const density = set.field(Field::density);
+  double const* const energy = set.field(Field::energy);
+  double const* const second_mass = set.field(Field::mass_fraction);
+  double const* const second_volume = set.field(Field::volume_fraction);
+  for (int q = 0; q < set.size(); ++q) {
+    std::array<std::array<double, 3>, 3> w{{{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}};
+    Index3 low{0, 0, 0};
+    Index3 own{0, 0, 0};
+    for (int d = 0; d < dims_; ++d) {
+      double const u =
+          (set.field(Field::position_x + d)[q] - domain_.lower[d]) * inverse_h - static_cast<double>(block.origin[d]);
+      int const i = std::clamp(static_cast<int>(u), 0, block.n[d] - 1);
+      double const t = u - i - 0.5;
+      w[d] = {0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)};
+      low[d] = i;  // of the padded box: one cell below its own
+      own[d] = i + 1;
+    }
+    if (part.wanted[own[0] + part.n[0] * (own[1] + part.n[1] * own[2])] == 0) continue;
+    double const m = mass[q];
+    double const volume = m / density[q];
+    double const m1 = second_mass == nullptr ? 0.0 : m * second_mass[q];
+    std::array<double, values> const value{volume,
+                                           second_volume == nullptr ? 0.0 : volume * second_volume[q],
+                                           m - m1,
+                                           m1,
+                                           m * energy[q],
+                                           m * set.field(Field::velocity_x)[q],
+                                           m * set.field(Field::velocity_y)[q],
+                                           m * set.field(Field::velocity_z)[q]};
+    for (int k = 0; k < span[2]; ++k) {
+      for (int j = 0; j < span[1]; ++j) {
+        double const wyz = w[1][j] * w[2][k];
+        double* row = part.values.data() +
+                      static_cast<std::size_t>(values) *
+                          (low[0] + part.n[0] * ((low[1] + j) + static_cast<std::size_t>(part.n[1]) * (low[2] + k)));
+        for (int i = 0; i < span[0]; ++i) {
+          double const weight = w[0][i] * wyz;
+          for (int v = 0; v < values; ++v) row[values * i + v] += weight * value[v];
+        }
+      }
+    }
+  }
+}
+
+void Averages::compute(mpm::Mpm const& points, int body) {
+  parallel_for(static_cast<int>(parts_.size()), [&](int n, int) { add_points(points, body, parts_[n]); });
+  constexpr int group = 256;
+  int const count = static_cast<int>(sums_.size());
+  parallel_for((count + group - 1) / group, [&](int g, int) {
+    for (int n = g * group; n < std::min(count, (g + 1) * group); ++n) {
+      std::array<double, values> sum{};
+      for (std::size_t s = first_[n]; s < first_[n + 1]; ++s) {
+        Source const& source = sources_[s];
+        double const* value = parts_[source.slot].values.data() + static_cast<std::size_t>(values) * source.offset;
+        for (int v = 0; v < values; ++v) {
+          bool const turned = v >= 5 && ((source.flip >> (v - 5)) & 1) != 0;
+          sum[v] += turned ? -value[v] : value[v];
+        }
+      }
+      sums_[n] = {sum[0], sum[1], {sum[2], sum[3]}, sum[4], {sum[5], sum[6], sum[7]}};
+    }
+  });
+}
+
+}  // namespace brisance::bridge

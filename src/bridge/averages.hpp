@@ -1,0 +1,60 @@
+/// The gas that points carry, seen as gas cells, [Cui14] Eqs. (31)-(36).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "grid/geometry.hpp"
+#include "mpm/mpm.hpp"
+
+namespace brisance::bridge {
+
+/// Sums over the gas points around the centre of a cell, each with its weight.
+struct CellSums {
+  double volume = 0.0;           ///< [m3]
+  double volume_second = 0.0;    ///< of the second fluid [m3]
+  std::array<double, 2> mass{};  ///< of the two fluids [kg]
+  double energy = 0.0;           ///< internal [J]
+  Vec3 momentum{0.0, 0.0, 0.0};  ///< [kg m/s]
+};
+
+/// Weighted sums of the points of one body around the centres of chosen cells.
+///
+/// The weight is the quadratic B-spline around the cell's centre. Eqs. (31)-(32) go from points to nodes and on to the
+/// centre, which is a similar, somewhat wider weight, but Eq. (33) sums the energy of the points that happen to lie in
+/// the cell, and Eq. (34) divides by the cell's volume: both change whenever a point crosses a cell's face. Here mass,
+/// momentum, energy and volume have the same weights, and the caller divides by the volume of the points: a uniform gas
+/// gives uniform cells to round-off, wherever its points lie.
+class Averages {
+ public:
+  /// `domain`: of the cells; `shift`: index of a cell in the grid of the points minus that in the domain.
+  Averages(grid::Domain const& domain, mpm::Mpm const& points, Index3 const& shift, std::vector<Index3> const& cells);
+
+  void compute(mpm::Mpm const& points, int body);
+  [[nodiscard]] std::vector<CellSums> const& sums() const { return sums_; }
+
+ private:
+  static constexpr int values = 8;
+  struct Source {
+    int slot;           ///< of the block
+    int offset;         ///< of the cell in the block's padded box
+    std::uint8_t flip;  ///< bit d: an image behind a mirror in direction d
+  };
+  struct BlockPart {
+    int block = 0;
+    Index3 n{1, 1, 1};                 ///< with one layer around
+    std::vector<std::uint8_t> wanted;  ///< per cell of the padded box: a point there counts for some cell
+    std::vector<double> values;
+  };
+  void add_points(mpm::Mpm const& points, int body, BlockPart& part) const;
+
+  grid::Domain domain_;  ///< of the points
+  int dims_;
+  std::vector<BlockPart> parts_;
+  std::vector<Source> sources_;
+  std::vector<std::size_t> first_;  ///< of each cell in `sources_`, and the end
+  std::vector<CellSums> sums_;
+};
+
+}  // namespace brisance::bridge

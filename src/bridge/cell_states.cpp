@@ -1,0 +1,111 @@
+#include "bridge/cell_states.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "core/parallel.hpp"
+
+namespace brisance::bridge {
+
+namespace {
+
+/// Monotonised central difference, beta = 2 [VanLeer77].
+double limited(double below, double above) {
+  if (below * above <= 0.0) return 0.0;
+  double const least = std::min({2.0 * std::abs(below), 2.0 * std::abs(above), 0.5 * std::abs(below + above)});
+  return std::copysign(least, below);
+}
+
+GasState between(GasState const& a, GasState const& b, double part) {
+  auto const mix = [part](double x, double y) { return x + part * (y - x); };
+  GasState s;
+  s.density = mix(a.density, b.density);
+  for (int d = 0; d < 3; ++d) s.velocity[d] = mix(a.velocity[d], b.velocity[d]);
+  s.pressure = mix(a.pressure, b.pressure);
+  s.mass_fraction = mix(a.mass_fraction, b.mass_fraction);
+  s.volume_fraction = mix(a.volume_fraction, b.volume_fraction);
+  return s;
+}
+
+}  // namespace
+
+GasState at_offset(GasState const& centre, GasSlopes const& slopes, Vec3 const& offset) {
+  GasState s = centre;
+  for (int d = 0; d < 3; ++d) {
+    s.density += offset[d] * slopes.density[d];
+    s.pressure += offset[d] * slopes.pressure[d];
+    for (int c = 0; c < 3; ++c) s.velocity[c] += offset[d] * slopes.velocity[d][c];
+  }
+  return s;
+}
+
+CellStates::CellStates(grid::Grid const& grid, std::vector<Index3> const& cells) : dims_(grid.domain().dimensions()) {
+  grid::Domain const& domain = grid.domain();
+  std::unordered_map<long, int> index_of;
+  auto const add = [&](Index3 const& cell) {
+    long const key =
+        cell[0] + static_cast<long>(domain.cells[0]) * (cell[1] + static_cast<long>(domain.cells[1]) * cell[2]);
+    auto const [found, fresh] = index_of.try_emplace(key, static_cast<int>(places_.size()));
+    if (fresh) {
+      int const b = grid.block_of(cell);
+      Index3 const& o = grid.blocks()[b].origin;
+      places_.push_back({b, {cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]}});
+    }
+    return found->second;
+  };
+  for (Index3 const& cell : cells) add(cell);
+  neighbours_.reserve(cells.size());
+  for (Index3 const& cell : cells) {
+    std::array<Neighbour, 6> around{};
+    for (int d = 0; d < dims_; ++d) {
+      for (int side = 0; side < 2; ++side) {
+        Index3 there = cell;
+        there[d] += side == 0 ? -1 : 1;
+        bool const beyond = there[d] < 0 || there[d] >= domain.cells[d];
+        grid::Boundary const boundary = domain.boundary[2 * d + side];
+        Neighbour neighbour;
+        neighbour.mirror = beyond && (boundary == grid::Boundary::symmetry || boundary == grid::Boundary::wall);
+        neighbour.index = add(beyond ? grid::image_cell(domain, there) : there);
+        around[2 * d + side] = neighbour;
+      }
+    }
+    neighbours_.push_back(around);
+  }
+  earlier_.resize(places_.size());
+  later_.resize(places_.size());
+}
+
+void CellStates::read(gas::Gas const& gas) {
+  std::swap(earlier_, later_);
+  constexpr int group = 256;
+  int const count = static_cast<int>(places_.size());
+  parallel_for((count + group - 1) / group, [&](int g, int) {
+    for (int n = g * group; n < std::min(count, (g + 1) * group); ++n) {
+      Place const& p = places_[n];
+      gas::Primitive const w = gas.primitive(p.block, p.cell[0], p.cell[1], p.cell[2]);
+      later_[n] = {w.density, w.velocity, w.pressure, w.mass_fraction, w.volume_fraction};
+    }
+  });
+}
+
+void CellStates::at(int n, double part, GasState& state, GasSlopes& slopes) const {
+  auto const value = [&](int index) { return between(earlier_[index], later_[index], part); };
+  state = value(n);
+  slopes = {};
+  for (int d = 0; d < dims_; ++d) {
+    std::array<GasState, 2> next{state, state};
+    for (int side = 0; side < 2; ++side) {
+      Neighbour const& neighbour = neighbours_[n][2 * d + side];
+      next[side] = value(neighbour.index);
+      if (neighbour.mirror) next[side].velocity[d] *= -1.0;
+    }
+    slopes.density[d] = limited(state.density - next[0].density, next[1].density - state.density);
+    slopes.pressure[d] = limited(state.pressure - next[0].pressure, next[1].pressure - state.pressure);
+    for (int c = 0; c < 3; ++c) {
+      slopes.velocity[d][c] = limited(state.velocity[c] - next[0].velocity[c], next[1].velocity[c] - state.velocity[c]);
+    }
+  }
+}
+
+}  // namespace brisance::bridge

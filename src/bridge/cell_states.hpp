@@ -1,0 +1,62 @@
+/// Gas cells around the MPM region as the points see them: their state with limited slopes, at two times.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "gas/gas.hpp"
+#include "grid/grid.hpp"
+
+namespace brisance::bridge {
+
+/// A gas state at a place.
+struct GasState {
+  double density = 0.0;  ///< of the mixture [kg/m3]
+  Vec3 velocity{0.0, 0.0, 0.0};
+  double pressure = 0.0;         ///< [Pa]
+  double mass_fraction = 0.0;    ///< of the second fluid
+  double volume_fraction = 0.0;  ///< of the second fluid
+};
+
+/// Changes over one cell in each direction; composition is constant in a cell.
+struct GasSlopes {
+  Vec3 density{0.0, 0.0, 0.0};
+  Vec3 pressure{0.0, 0.0, 0.0};
+  std::array<Vec3, 3> velocity{};  ///< [direction][component]
+};
+
+/// The state at a place in a cell; `offset` from its centre in cells.
+[[nodiscard]] GasState at_offset(GasState const& centre, GasSlopes const& slopes, Vec3 const& offset);
+
+class CellStates {
+ public:
+  /// Prepares the given cells of the domain and their neighbours.
+  CellStates(grid::Grid const& grid, std::vector<Index3> const& cells);
+
+  /// Reads the cells' states from the gas: the later of the two times; the one before becomes the earlier.
+  void read(gas::Gas const& gas);
+  /// Takes the later states for the earlier too.
+  void forget() { earlier_ = later_; }
+
+  /// State and slopes of the nth of the cells at a part of the way from the earlier to the later time, 0 to 1.
+  void at(int n, double part, GasState& state, GasSlopes& slopes) const;
+  [[nodiscard]] int count() const { return static_cast<int>(neighbours_.size()); }
+  [[nodiscard]] GasState const& later(int n) const { return later_[n]; }
+
+ private:
+  struct Place {
+    int block;
+    Index3 cell;
+  };
+  struct Neighbour {
+    int index = -1;       ///< in `places_`; -1: none
+    bool mirror = false;  ///< the velocity along the direction changes its sign
+  };
+  std::vector<Place> places_;
+  std::vector<std::array<Neighbour, 6>> neighbours_;  ///< of the nth cell
+  int dims_;
+  std::vector<GasState> earlier_;
+  std::vector<GasState> later_;
+};
+
+}  // namespace brisance::bridge

@@ -1,0 +1,219 @@
+#include "bridge/region.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.hpp"
+
+namespace brisance::bridge {
+
+namespace {
+
+/// Cells that the gas needs between the region and a boundary of the domain.
+constexpr int least_gap = 4;
+
+bool mirrors_or_repeats(grid::Boundary b) {
+  return b == grid::Boundary::symmetry || b == grid::Boundary::wall || b == grid::Boundary::periodic;
+}
+
+void check_box(grid::Domain const& domain, CellBox const& box) {
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    char const axis = "xyz"[d];
+    if (box.lower[d] < 0 || box.upper[d] > domain.cells[d] || box.lower[d] >= box.upper[d]) {
+      throw InputError(fmt::format("the MPM region reaches beyond the domain in {}, or is empty", axis));
+    }
+    for (int side = 0; side < 2; ++side) {
+      int const gap = side == 0 ? box.lower[d] : domain.cells[d] - box.upper[d];
+      grid::Boundary const boundary = domain.boundary[2 * d + side];
+      if (gap > 0 && gap < least_gap) {
+        throw InputError(fmt::format(
+            "the MPM region ends {} cells before the boundary {} of the domain; it must lie on the boundary "
+            "or leave the gas at least {} cells",
+            gap, grid::face_names[2 * d + side], least_gap));
+      }
+      if (gap == 0 && boundary == grid::Boundary::inflow) {
+        throw InputError(
+            fmt::format("the MPM region may not lie on the inflow boundary {}; leave the gas at least {} cells",
+                        grid::face_names[2 * d + side], least_gap));
+      }
+      if (gap == 0 && boundary == grid::Boundary::periodic && box.upper[d] - box.lower[d] != domain.cells[d]) {
+        throw InputError(
+            fmt::format("the MPM region lies on the periodic boundary {} but does not span the domain in {}",
+                        grid::face_names[2 * d + side], axis));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::size_t Region::at(Index3 const& cell) const {
+  Index3 const i{cell[0] - lower_[0], cell[1] - lower_[1], cell[2] - lower_[2]};
+  return static_cast<std::size_t>(i[0]) +
+         static_cast<std::size_t>(n_[0]) * (i[1] + static_cast<std::size_t>(n_[1]) * i[2]);
+}
+
+bool Region::in_box(Index3 const& cell) const {
+  for (int d = 0; d < 3; ++d) {
+    if (cell[d] < lower_[d] || cell[d] >= lower_[d] + n_[d]) return false;
+  }
+  return true;
+}
+
+int Region::layer(Index3 const& cell) const { return in_box(cell) ? layers_[at(cell)] : 0; }
+
+gas::Role Region::role(Index3 const& cell) const {
+  int const l = layer(cell);
+  if (l == 0) return gas::Role::own;
+  return l <= width_ + 2 ? gas::Role::shadow : gas::Role::held;
+}
+
+template <class Visit>
+void Region::for_each(Visit&& visit) const {
+  for (int k = 0; k < n_[2]; ++k) {
+    for (int j = 0; j < n_[1]; ++j) {
+      for (int i = 0; i < n_[0]; ++i) visit(Index3{lower_[0] + i, lower_[1] + j, lower_[2] + k});
+    }
+  }
+}
+
+Index3 Region::clamped(Index3 cell) const {
+  for (int d = 0; d < domain_.dimensions(); ++d) cell[d] = std::clamp(cell[d], 0, domain_.cells[d] - 1);
+  return cell;
+}
+
+Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int lent_layers)
+    : domain_(domain), width_(width) {
+  if (boxes.empty()) throw InputError("an MPM region needs at least one box");
+  if (width < 1) throw InputError("the bridge needs a width of at least 1 cell");
+  int const dims = domain.dimensions();
+  Index3 low = boxes.front().lower;
+  Index3 high = boxes.front().upper;
+  for (CellBox const& box : boxes) {
+    check_box(domain, box);
+    for (int d = 0; d < dims; ++d) {
+      low[d] = std::min(low[d], box.lower[d]);
+      high[d] = std::max(high[d], box.upper[d]);
+    }
+  }
+
+  // The background grid of the points.
+  points_domain_ = domain;
+  lower_ = low;
+  for (int d = 0; d < dims; ++d) {
+    std::array<int, 2> margin{};
+    for (int side = 0; side < 2; ++side) {
+      bool const at_boundary = side == 0 ? low[d] == 0 : high[d] == domain.cells[d];
+      bool const closed = at_boundary && mirrors_or_repeats(domain.boundary[2 * d + side]);
+      margin[side] = closed ? 0 : lent_layers;
+      if (!closed) points_domain_.boundary[2 * d + side] = grid::Boundary::outflow;
+    }
+    lower_[d] = low[d] - margin[0];
+    n_[d] = high[d] - low[d] + margin[0] + margin[1];
+    shift_[d] = -lower_[d];
+    points_domain_.lower[d] = domain.lower[d] + lower_[d] * domain.h;
+    points_domain_.cells[d] = n_[d];
+  }
+
+  // Layers by Chebyshev distance from the cells outside.
+  std::uint8_t const deep = static_cast<std::uint8_t>(width + 5);
+  layers_.assign(static_cast<std::size_t>(n_[0]) * n_[1] * n_[2], 0);
+  for (CellBox const& box : boxes) {
+    for (int k = box.lower[2]; k < box.upper[2]; ++k) {
+      for (int j = box.lower[1]; j < box.upper[1]; ++j) {
+        for (int i = box.lower[0]; i < box.upper[0]; ++i) layers_[at({i, j, k})] = deep;
+      }
+    }
+  }
+  auto const in_domain = [&](Index3 const& cell) {
+    for (int d = 0; d < dims; ++d) {
+      if (cell[d] < 0 || cell[d] >= domain.cells[d]) return false;
+    }
+    return true;
+  };
+  Index3 reach{0, 0, 0};
+  for (int d = 0; d < dims; ++d) reach[d] = 1;
+  auto const any_around = [&](Index3 const& cell, auto&& test) {
+    for (int k = -reach[2]; k <= reach[2]; ++k) {
+      for (int j = -reach[1]; j <= reach[1]; ++j) {
+        for (int i = -reach[0]; i <= reach[0]; ++i) {
+          Index3 const there{cell[0] + i, cell[1] + j, cell[2] + k};
+          if (in_domain(there) && test(there)) return true;
+        }
+      }
+    }
+    return false;
+  };
+  for (int level = 1; level <= width + 4; ++level) {
+    std::vector<std::size_t> found;
+    for_each([&](Index3 const& cell) {
+      if (layers_[at(cell)] != deep) return;
+      if (any_around(cell, [&](Index3 const& c) { return level == 1 ? layer(c) == 0 : layer(c) == level - 1; })) {
+        found.push_back(at(cell));
+      }
+    });
+    for (std::size_t const n : found) layers_[n] = static_cast<std::uint8_t>(level);
+  }
+
+  int deepest = 0;
+  std::vector<std::uint8_t> near(layers_.size(), 0);  // number of steps that lead to the region
+  for_each([&](Index3 const& cell) {
+    int const l = layers_[at(cell)];
+    deepest = std::max(deepest, l);
+    if (l == 0) return;
+    cells_.push_back(cell);
+    if (l > width && l <= width + 4) ghosts_.push_back(cell);
+    for (int d = 0; d < dims; ++d) {
+      for (int side = 0; side < 2; ++side) {
+        Face face{cell, d, side};
+        Index3 const outside = face.outside();
+        if (inside(outside)) continue;
+        if (!in_domain(outside)) {
+          if (mirrors_or_repeats(domain.boundary[2 * d + side])) continue;
+          face.open = true;
+        }
+        faces_.push_back(face);
+      }
+    }
+  });
+  if (std::any_of(faces_.begin(), faces_.end(), [](Face const& f) { return !f.open; }) && deepest < width + 3) {
+    throw InputError(fmt::format(
+        "the MPM region is too thin: with a bridge of {} cells it needs at least {} cells between two bridges "
+        "and {} between a bridge and a boundary",
+        width, 2 * width + 5, width + 3));
+  }
+  for (int step = 1; step <= lent_layers; ++step) {
+    std::vector<std::size_t> found;
+    for_each([&](Index3 const& cell) {
+      if (layers_[at(cell)] != 0 || near[at(cell)] != 0) return;
+      bool reached = false;
+      for (int k = -reach[2]; k <= reach[2] && !reached; ++k) {
+        for (int j = -reach[1]; j <= reach[1] && !reached; ++j) {
+          for (int i = -reach[0]; i <= reach[0] && !reached; ++i) {
+            Index3 const there{cell[0] + i, cell[1] + j, cell[2] + k};
+            if (!in_box(there)) continue;
+            reached = step == 1 ? layers_[at(there)] != 0 : near[at(there)] == step - 1 && layers_[at(there)] == 0;
+          }
+        }
+      }
+      if (reached) found.push_back(at(cell));
+    });
+    for (std::size_t const n : found) near[n] = static_cast<std::uint8_t>(step);
+  }
+  for_each([&](Index3 const& cell) {
+    if (near[at(cell)] == 0) return;
+    // Behind a mirror or a periodic face there are no cells of their own; beyond an open boundary a cell stands for
+    // the one of the region, or for the gas cell, that lies next to it.
+    bool real = true;
+    for (int d = 0; d < dims; ++d) {
+      for (int side = 0; side < 2; ++side) {
+        bool const beyond = side == 0 ? cell[d] < 0 : cell[d] >= domain.cells[d];
+        if (beyond && mirrors_or_repeats(domain.boundary[2 * d + side])) real = false;
+      }
+    }
+    if (real) lent_.push_back(cell);
+  });
+}
+
+}  // namespace brisance::bridge

@@ -1,0 +1,93 @@
+/// Where gas cells and material points calculate side by side: the MPM region of a gas calculation and its bridge,
+/// [Cui14] Sec. 3.1. The region is a union of boxes of cells. From each of its faces that does not lie on the domain's
+/// boundary the bridge reaches `width` cells inwards, around edges and corners too:
+///
+///     layer   0        gas cells alone; the first of them also act as points ("lent")
+///             1..w     the bridge: gas cells and points
+///             w+1..2   ghost cells: filled by the points, then advanced with the bridge, so that sweeps in one
+///                      direction find them as the sweeps before have left them
+///             w+3..4   ghost cells of the ghost cells
+///             beyond   points alone
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gas/gas.hpp"
+#include "grid/grid.hpp"
+
+namespace brisance::bridge {
+
+/// Cells lower <= i < upper of the domain.
+struct CellBox {
+  Index3 lower{0, 0, 0};
+  Index3 upper{1, 1, 1};
+};
+
+/// A face between a cell of the region and one outside.
+struct Face {
+  Index3 inside{0, 0, 0};
+  int direction = 0;
+  int side = 0;       ///< where the outside lies: 0: below, 1: above
+  bool open = false;  ///< the outside lies beyond an outflow boundary of the domain
+  int watch = -1;     ///< number of the face in `Gas::watched`
+
+  [[nodiscard]] Index3 outside() const {
+    Index3 cell = inside;
+    cell[direction] += side == 0 ? -1 : 1;
+    return cell;
+  }
+  /// Component of a vector along the direction into the region.
+  [[nodiscard]] double inward(Vec3 const& v) const { return side == 0 ? v[direction] : -v[direction]; }
+};
+
+class Region {
+ public:
+  /// `lent_layers`: how far outside the region cells act as points. Throws InputError where the boxes do not fit the
+  /// domain: too thin, too near to a boundary, on an inflow boundary, or on a part of a periodic direction.
+  Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int lent_layers);
+
+  [[nodiscard]] grid::Domain const& domain() const { return domain_; }
+  [[nodiscard]] int width() const { return width_; }
+  /// Layer of a cell (domain index), as above; 0 outside. Beyond w + 4 all are w + 5.
+  [[nodiscard]] int layer(Index3 const& cell) const;
+  [[nodiscard]] bool inside(Index3 const& cell) const { return layer(cell) > 0; }
+  [[nodiscard]] gas::Role role(Index3 const& cell) const;
+
+  /// The background grid of the points: the boxes with a margin for the lent cells. It shares the domain's mirrors and
+  /// periodic faces.
+  [[nodiscard]] grid::Domain const& points_domain() const { return points_domain_; }
+  /// Index of a cell in that grid minus its index in the domain.
+  [[nodiscard]] Index3 const& shift() const { return shift_; }
+
+  [[nodiscard]] std::vector<Face> const& faces() const { return faces_; }
+  [[nodiscard]] std::vector<Face>& faces() { return faces_; }
+  /// Ghost cells, layers w+1 to w+4.
+  [[nodiscard]] std::vector<Index3> const& ghosts() const { return ghosts_; }
+  /// Cells outside the region that act as points; those beyond an open boundary are no cells of the domain.
+  [[nodiscard]] std::vector<Index3> const& lent() const { return lent_; }
+  /// All cells of the region.
+  [[nodiscard]] std::vector<Index3> const& cells() const { return cells_; }
+  /// The cell of the region that stands for one beyond an open boundary.
+  [[nodiscard]] Index3 clamped(Index3 cell) const;
+
+ private:
+  [[nodiscard]] std::size_t at(Index3 const& cell) const;
+  [[nodiscard]] bool in_box(Index3 const& cell) const;
+  template <class Visit>
+  void for_each(Visit&& visit) const;
+
+  grid::Domain domain_;
+  int width_;
+  Index3 lower_{0, 0, 0};  ///< of the part of space that `layers_` covers
+  Index3 n_{1, 1, 1};
+  std::vector<std::uint8_t> layers_;
+  grid::Domain points_domain_;
+  Index3 shift_{0, 0, 0};
+  std::vector<Face> faces_;
+  std::vector<Index3> ghosts_;
+  std::vector<Index3> lent_;
+  std::vector<Index3> cells_;
+};
+
+}  // namespace brisance::bridge

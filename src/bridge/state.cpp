@@ -1,0 +1,24 @@
+/// The bridge in a checkpoint: what is under way between gas and points, and the counts since the start. The states
+/// that it reads of cells and points are read anew at the beginning of every step.
+#include "bridge/bridge.hpp"
+#include "core/archive.hpp"
+
+namespace brisance::bridge {
+
+namespace {
+
+void archive(Archive& a, Ledger& l) { a(l.mass, l.momentum, l.energy); }
+
+}  // namespace
+
+void Bridge::archive(Archive& a) {
+  a.section("bridge");
+  a.same(gas_body_, "the body of the gas points");
+  a.same(ledger_.size(), "the size of the ledger");
+  a(awake_, last_step_, outwards_);
+  for (Ledger& account : ledger_) bridge::archive(a, account);
+  a(traffic_.born, traffic_.left, traffic_.pressure_work, traffic_.pressure_impulse);
+  bridge::archive(a, traffic_.outflow);
+}
+
+}  // namespace brisance::bridge

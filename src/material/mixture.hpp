@@ -1,0 +1,151 @@
+/// Mixture closure of the five-equation model [Allaire02]: one pressure, explicit. Of gas cells and of material points.
+///
+/// Each fluid obeys p = f_k(rho_k) + G_k rho_k e_k (material/eos). With xi_k = 1/G_k and one pressure for both,
+///     rho e = xi p + B,   xi = sum alpha_k xi_k,   B = -sum alpha_k xi_k f_k(rho_k),
+///     rho c^2 = p + (p + H)/xi,   H = sum alpha_k xi_k (rho_k f_k' - f_k),
+/// where c follows from xi rho c^2 = sum alpha_k xi_k rho_k c_k^2.
+///
+/// Programmed burn, [Cui14] Eq. (52): the second fluid's pressure is p_0 + F (p_E - p_0), F the burn fraction. The
+/// offset by the ambient pressure p_0 keeps unburnt explosive at rest in air at rest; it is 1e-5 of the detonation
+/// pressure. In the form above:
+///     G_1 -> F G_1,   f_1 -> F f_1 + (1 - F) p_0.
+#pragma once
+
+#include <cmath>
+#include <variant>
+
+#include "core/loops.hpp"
+#include "material/eos/eos.hpp"
+
+namespace brisance::material {
+
+/// The fluids of a run.
+struct Fluids {
+  Eos ambient;
+  Eos second;
+  bool two = false;               ///< is there a second fluid?
+  double ambient_pressure = 0.0;  ///< p_0 of unburnt explosive [Pa]
+};
+
+/// Volume fractions below this are treated as zero in the closure; cells stop carrying them through faces, so that the
+/// diffuse interface ends somewhere. It must be small enough for alpha * f(rho) to vanish beside the pressure: f is
+/// 1e10 Pa at most.
+inline constexpr double vanishing_fraction = 1e-14;
+
+/// Smallest burn fraction in the closure: 1/F must stay finite. p - p_0 of unburnt TNT is then about 10 Pa.
+inline constexpr double smallest_burn_fraction = 1e-9;
+
+/// The sums xi, B, H of one cell.
+struct Mixture {
+  double xi = 0.0;
+  double B = 0.0;
+  double H = 0.0;
+
+  [[nodiscard]] double pressure(double rho_e) const { return (rho_e - B) / xi; }
+  [[nodiscard]] double rho_e(double p) const { return xi * p + B; }
+  [[nodiscard]] double bulk_modulus(double p) const { return p + (p + H) / xi; }
+};
+
+/// Density of a fluid from its partial density; a fluid that is as good as absent gets a harmless small one.
+/// Lax-Wendroff overshoots the range of the volume fraction: where it is negative so is the partial density, and their
+/// ratio is still the fluid's density.
+[[nodiscard]] inline double phase_density(double partial_density, double alpha) {
+  bool const present = std::abs(alpha) > vanishing_fraction;
+  double const rho = partial_density / (present ? alpha : 1.0);
+  return present & (rho > 1e-6) ? rho : 1e-6;
+}
+
+/// Adds one fluid's part.
+template <class E>
+inline void add_fluid(E const& eos, double alpha, double rho, Mixture& m) {
+  double const xi = 1.0 / eos.gruneisen();
+  double const f = eos.reference(rho);
+  m.xi += alpha * xi;
+  m.B -= alpha * xi * f;
+  m.H += alpha * xi * (eos.rho_d_reference(rho) - f);
+}
+
+/// Adds the second fluid's part with burn fraction F.
+template <class E>
+inline void add_burning_fluid(E const& eos, double alpha, double rho, double F, double p0, Mixture& m) {
+  double const xi = 1.0 / (F * eos.gruneisen());
+  double const f = F * eos.reference(rho) + (1.0 - F) * p0;
+  m.xi += alpha * xi;
+  m.B -= alpha * xi * f;
+  m.H += alpha * xi * (F * eos.rho_d_reference(rho) - f);
+}
+
+/// Closure of one cell; `rho0`, `rho1` are partial densities, F the burn fraction (1: burnt).
+[[nodiscard]] inline Mixture mixture(Fluids const& fluids, double rho0, double rho1, double alpha1, double F = 1.0) {
+  Mixture m;
+  double const alpha0 = fluids.two ? 1.0 - alpha1 : 1.0;
+  std::visit([&](auto const& eos) { add_fluid(eos, alpha0, phase_density(rho0, alpha0), m); }, fluids.ambient);
+  if (fluids.two) {
+    std::visit(
+        [&](auto const& eos) {
+          add_burning_fluid(eos, alpha1, phase_density(rho1, alpha1), F, fluids.ambient_pressure, m);
+        },
+        fluids.second);
+  }
+  return m;
+}
+
+/// Closure of a mixture of density rho with mass fraction Y and volume fraction alpha1 of the second fluid.
+[[nodiscard]] inline Mixture mixture_of(Fluids const& fluids, double rho, double Y, double alpha1) {
+  return mixture(fluids, (1.0 - Y) * rho, Y * rho, alpha1);
+}
+
+/// The same for rows of cells or points: adds one fluid to xi, B, H of n of them. `F` is null where everything is
+/// burnt. The model comes by value: its constants then stay in registers, for no store to the rows can change them.
+template <bool Complement, class E>
+void add_fluid_sums(E const eos, int n, double const* alpha, double const* partial, double const* F, double p0,
+                    double* xi, double* B, double* H) {
+  if (F == nullptr) {
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) {
+      double const a = Complement ? 1.0 - alpha[q] : alpha[q];
+      Mixture m{xi[q], B[q], H[q]};
+      add_fluid(eos, a, phase_density(partial[q], a), m);
+      xi[q] = m.xi;
+      B[q] = m.B;
+      H[q] = m.H;
+    }
+  } else {
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) {
+      double const a = Complement ? 1.0 - alpha[q] : alpha[q];
+      Mixture m{xi[q], B[q], H[q]};
+      add_burning_fluid(eos, a, phase_density(partial[q], a), F[q], p0, m);
+      xi[q] = m.xi;
+      B[q] = m.B;
+      H[q] = m.H;
+    }
+  }
+}
+
+/// The same, quicker where the fluid is thin everywhere.
+template <bool Complement, class E>
+void add_fluid_row(E const eos, int n, double const* alpha, double const* partial, double const* F, double p0,
+                   double* xi, double* B, double* H) {
+  if constexpr (requires { eos.negligible_below(); }) {
+    // The reference curve of a thin fluid vanishes in double precision: it is an ideal gas.
+    if (F == nullptr) {
+      double const bound = eos.negligible_below();
+      long dense = 0;
+      BRISANCE_VECTOR_LOOP
+      for (int q = 0; q < n; ++q) {
+        double const a = Complement ? 1.0 - alpha[q] : alpha[q];
+        dense += phase_density(partial[q], a) > bound ? 1 : 0;
+      }
+      if (dense == 0) {
+        double const x = 1.0 / eos.gruneisen();
+        BRISANCE_VECTOR_LOOP
+        for (int q = 0; q < n; ++q) xi[q] += (Complement ? 1.0 - alpha[q] : alpha[q]) * x;
+        return;
+      }
+    }
+  }
+  add_fluid_sums<Complement>(eos, n, alpha, partial, F, p0, xi, B, H);
+}
+
+}  // namespace brisance::material
