@@ -1,5 +1,5 @@
-/// The state of the bridge in a checkpoint: the ledger and the sums since the start. What cells and points lend each
-/// other is made anew in every step.
+/// The bridge in a checkpoint: what is under way between gas and points, and the counts since the start. The states
+/// that it reads of cells and points are read anew at the beginning of every step.
 #include "bridge/bridge.hpp"
 #include "core/archive.hpp"
 
@@ -13,10 +13,11 @@ void archive(Archive& a, Ledger& l) { a(l.mass, l.momentum, l.energy); }
 
 void Bridge::archive(Archive& a) {
   a.section("bridge");
-  a.same(ledger_.size(), "the number of lanes of the ledger");
+  a.same(gas_body_, "the body of the gas points");
+  a.same(ledger_.size(), "the size of the ledger");
+  a(awake_, last_step_, outwards_);
   for (Ledger& account : ledger_) bridge::archive(a, account);
-  for (char& outwards : outwards_) a(outwards);
-  a(awake_, last_step_, traffic_.born, traffic_.left, traffic_.pressure_work, traffic_.pressure_impulse);
+  a(traffic_.born, traffic_.left, traffic_.pressure_work, traffic_.pressure_impulse);
   bridge::archive(a, traffic_.outflow);
 }
 

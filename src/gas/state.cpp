@@ -7,11 +7,11 @@ namespace brisance::gas {
 
 namespace {
 
-void archive(Archive& a, FaceFlux& flux) { a(flux.mass, flux.momentum, flux.energy, flux.impulse, flux.work); }
-
 void archive(Archive& a, Account& account) {
   a(account.outflow, account.guarded_cells, account.fallback_faces, account.guard_mass, account.guard_energy);
 }
+
+void archive(Archive& a, FaceFlux& flux) { a(flux.mass, flux.momentum, flux.energy, flux.impulse, flux.work); }
 
 }  // namespace
 
@@ -20,12 +20,13 @@ void Gas::archive(Archive& a) {
   a.same(components(), "the number of gas components");
   a.same(grid_->block_count(), "the number of gas blocks");
   a(time_, time_at_step_end_, fastest_signal_, awake_, timings_);
-  a.same(watched_.size(), "the number of faces of the MPM region");
+  a.same(watched_.size(), "the number of faces between gas and points");
   for (FaceFlux& flux : watched_) gas::archive(a, flux);
   for (int b = 0; b < grid_->block_count(); ++b) {
     BlockData& data = blocks_[b];
     a.same(grid_->blocks()[b].n, "the size of a gas block");
     a.same(checksum(data.solid.data(), data.solid.size()), "the shape of the obstacles");
+    a.same(checksum(data.roles.data(), data.roles.size()), "the MPM region");
     a.same(checksum(data.lighting.data(), data.lighting.size() * sizeof(double)), "the lighting of the charges");
     gas::archive(a, data.account);
     a(data.signal);

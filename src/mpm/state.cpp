@@ -10,8 +10,8 @@
 namespace brisance::mpm {
 
 void archive(Archive& a, BodySums& s) {
-  a(s.points, s.mass, s.second_mass, s.momentum, s.centre, s.kinetic_energy, s.internal_energy, s.plastic_work, s.largest_displacement,
-    s.damaged_mass);
+  a(s.points, s.mass, s.second_mass, s.momentum, s.centre, s.kinetic_energy, s.internal_energy, s.plastic_work,
+    s.largest_displacement, s.damaged_mass);
 }
 
 void PointSet::archive(Archive& a) {
@@ -38,7 +38,10 @@ void Mpm::archive(Archive& a) {
   a.same(work_->loads.size(), "the number of surface pressures");
   a(next_identity_, losses_.mass, losses_.momentum, losses_.energy, losses_.points, constraint_impulse_, outer_work_);
   a(fastest_, time_, step_, signals_, timings_);
+  for (Body& body : bodies_) a(body.reference_pressure);  // that of a gas follows its points
   for (PointSet& set : sets_) set.archive(a);
+  a.same(lent_.size(), "the number of blocks that points are lent to");
+  for (PointSet& set : lent_) set.archive(a);
   if (a.reading()) find_active();
 }
 

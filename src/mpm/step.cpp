@@ -418,7 +418,7 @@ void Mpm::integrate(double dt) {
       gather_extents(block, scratch);
     }
     constrain_state(block, scratch);
-    signals_[block] = 0.0;
+    if (options_.order != StressOrder::usf) signals_[block] = 0.0;  // usf has found them already
     if (w.keeps_energy) {
       // In the place of the mass: kinetic energy of the points around per mass, with what the forces of the step add.
       for (int f = 0; f < w.fields; ++f) {

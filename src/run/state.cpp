@@ -27,6 +27,7 @@ void World::archive(Archive& a) {
   run::archive(a, audit.initial);
   if (gas != nullptr) gas->archive(a);
   if (points != nullptr) points->archive(a);
+  a.same(bridge != nullptr, "whether gas and points meet");
   if (bridge != nullptr) bridge->archive(a);
 
   a.section("gauges");
