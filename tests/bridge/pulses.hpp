@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <map>
 #include <numbers>
 
 #include "bridge/harness.hpp"
@@ -40,17 +41,21 @@ class Packet {
     double v = 0.0;
   };
 
-  /// At a place and time; to first order.
-  [[nodiscard]] Value at(double x, double y, double t) const {
-    Value sum;
-    for (Wave const& w : waves_) {
-      double const k = std::hypot(w.kx, ky_);
-      double const p = amplitude * (w.strength * std::polar(1.0, w.kx * (x - centre_) + ky_ * y - k * t)).imag();
-      sum.p += p;
-      sum.u += p / 1.4 * w.kx / k;
-      sum.v += p / 1.4 * ky_ / k;
+  /// At a place and time; to first order. Places come in columns: the sum over the waves is made once for each x.
+  [[nodiscard]] Value at(double x, double y, double t) {
+    auto const [found, fresh] = columns_.try_emplace({x, t});
+    auto& column = found->second;
+    if (fresh) {
+      for (Wave const& w : waves_) {
+        double const k = std::hypot(w.kx, ky_);
+        std::complex<double> const p = amplitude * w.strength * std::polar(1.0, w.kx * (x - centre_) - k * t);
+        column[0] += p;
+        column[1] += p / 1.4 * w.kx / k;
+        column[2] += p / 1.4 * ky_ / k;
+      }
     }
-    return sum;
+    std::complex<double> const phase = std::polar(1.0, ky_ * y);
+    return {(column[0] * phase).imag(), (column[1] * phase).imag(), (column[2] * phase).imag()};
   }
 
   static constexpr double amplitude = 1e-3;
@@ -63,24 +68,28 @@ class Packet {
   double centre_;
   double ky_;
   std::vector<Wave> waves_;
+  std::map<std::pair<double, double>, std::array<std::complex<double>, 3>> columns_;  ///< by x and time
 };
 
 struct PulseSetting {
   double wavelength = 20.0;  ///< [cells], about: at an angle the trace along the face is a whole number of cells
   double angle = 0.0;        ///< between the wave's direction and the normal of the face [degrees]
   bool into_region = true;   ///< from the gas to the points, or back
+  bool points_too = false;   ///< also in points alone
   double periods = 3.0;
   std::function<void(run::MpmRegion&)> change = nullptr;
 };
 
+/// Root mean squares of the overpressure over one side of the face, relative to the packet at the start.
 struct PulseResult {
-  double wavelength = 0.0;         ///< [cells]
-  double reflected = 0.0;          ///< rms on the side where the packet came from / rms at the start
-  double reflected_alone = 0.0;    ///< the same of the gas scheme alone: what the packet leaves behind
-  double transmitted = 0.0;        ///< rms on the other side / rms there in the gas scheme alone
-  double kept = 0.0;               ///< rms on the other side / rms at the start
-  double kept_alone = 0.0;         ///< the same in the gas scheme alone
-  double mass = 0.0;               ///< relative error
+  double wavelength = 0.0;     ///< [cells]
+  double reflected = 0.0;      ///< side where the packet came from: difference to the same medium without a bridge
+  double left_behind = 0.0;    ///< there without a bridge: slow waves of an oblique packet
+  double kept = 0.0;           ///< on the other side
+  double kept_by_gas = 0.0;    ///< there, in the gas scheme alone
+  double kept_by_points = 0.0; ///< there, in points alone
+  double mass = 0.0;           ///< relative error
+  [[nodiscard]] double transmitted() const { return kept / kept_by_gas; }
 };
 
 inline PulseResult run_pulse(PulseSetting const& setting) {
@@ -105,11 +114,17 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
   if (setting.change) setting.change(*c.mpm_region);
   double const centre = 0.5 - (0.5 * length + before) * h;
   double const ky = oblique ? 2.0 * std::numbers::pi / (rows * h) : 0.0;
-  Packet const packet(centre, wavelength * h, ky, length * h, 4.0);
+  Packet packet(centre, wavelength * h, ky, length * h, 2.0);
 
-  auto const make = [&](bool with_points) {
+  enum class Media { both, gas, points };
+  auto const make = [&](Media media) {
+    bool const with_points = media != Media::gas;
     run::Case one = c;
     if (!with_points) one.mpm_region.reset();
+    if (media == Media::points) {
+      one.mpm_region->boxes.clear();
+      set_region(one, {0, 0, 0}, {n, rows, 1});
+    }
     auto w = std::make_unique<run::World>(one);
     w->clock.step = 10;  // no gentle start: the points' first step is as long as all others
     for_each_cell(*w, [&](int block, int offset, Index3 const& cell) {
@@ -141,31 +156,43 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
     }
     return w;
   };
-  // Sums of squares of the overpressure on both sides, bridge and its neighbours included.
-  auto const squares = [&](run::World const& w) {
-    std::array<double, 2> sum{0.0, 0.0};
-    for (int j = 0; j < rows; ++j) {
-      auto const p = pressure_line(w, j);
-      for (int i = 0; i < n; ++i) sum[i < half ? 0 : 1] += (p[i] - 1.0) * (p[i] - 1.0);
-    }
-    return sum;
+  auto const field = [&](run::World const& w) {
+    std::vector<std::vector<double>> p;
+    for (int j = 0; j < rows; ++j) p.push_back(pressure_line(w, j));
+    return p;
   };
-  auto const coupled = make(true);
-  auto const alone = make(false);
-  run::Totals const start = coupled->totals();
-  auto const in = squares(*alone);
+  // Root of the sum of squares over a side; the bridge and its neighbours are included.
+  auto const size = [&](std::vector<std::vector<double>> const& p, std::vector<std::vector<double>> const& less,
+                        int first, int last) {
+    double sum = 0.0;
+    for (int j = 0; j < rows; ++j) {
+      for (int i = first; i < last; ++i) sum += std::pow(p[j][i] - (less.empty() ? 1.0 : less[j][i]), 2);
+    }
+    return std::sqrt(sum);
+  };
   double const end = (length + before + beyond) * h / std::cos(angle);
+  auto const coupled = make(Media::both);
+  auto const gas = make(Media::gas);
+  run::Totals const start = coupled->totals();
+  double const in = size(field(*gas), {}, 0, n);
   run_to(*coupled, end);
-  run_to(*alone, end);
-  auto const out = squares(*coupled);
-  auto const out_alone = squares(*alone);
+  run_to(*gas, end);
+  auto const p = field(*coupled);
+  auto const p_gas = field(*gas);
+  std::vector<std::vector<double>> p_points;
   PulseResult r;
+  if (setting.points_too || !setting.into_region) {
+    auto const points = make(Media::points);
+    run_to(*points, end);
+    p_points = field(*points);
+    r.kept_by_points = size(p_points, {}, half, n) / in;
+  }
+  auto const& p_same = setting.into_region ? p_gas : p_points;
   r.wavelength = wavelength;
-  r.reflected = std::sqrt(out[0] / in[0]);
-  r.reflected_alone = std::sqrt(out_alone[0] / in[0]);
-  r.transmitted = std::sqrt(out[1] / out_alone[1]);
-  r.kept = std::sqrt(out[1] / in[0]);
-  r.kept_alone = std::sqrt(out_alone[1] / in[0]);
+  r.reflected = size(p, p_same, 0, half) / in;
+  r.left_behind = size(p_same, {}, 0, half) / in;
+  r.kept = size(p, {}, half, n) / in;
+  r.kept_by_gas = size(p_gas, {}, half, n) / in;
   r.mass = balance_of(*coupled, start).mass;
   return r;
 }

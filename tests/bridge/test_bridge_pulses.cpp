@@ -9,10 +9,10 @@ namespace {
 PulseResult pass(PulseSetting const& setting) {
   PulseResult const r = run_pulse(setting);
   std::printf(
-      "%5.2f cells, %2.0f degrees, %s: reflected %.2f %% (gas alone %.2f %%), transmitted %.2f %% of gas alone; kept "
-      "%.2f %%, gas alone %.2f %%; mass %.1e\n",
+      "%5.2f cells, %2.0f degrees, %s: reflected %.2f %%, transmitted %.2f %% of gas alone; kept %.2f %%, by gas alone "
+      "%.2f %%, by points alone %.2f %%; mass %.1e\n",
       r.wavelength, setting.angle, setting.into_region ? "into the region" : "out of the region", 100 * r.reflected,
-      100 * r.reflected_alone, 100 * r.transmitted, 100 * r.kept, 100 * r.kept_alone, r.mass);
+      100 * r.transmitted(), 100 * r.kept, 100 * r.kept_by_gas, 100 * r.kept_by_points, r.mass);
   EXPECT_LE(r.mass, mass_tolerance);
   return r;
 }
@@ -26,7 +26,7 @@ TEST_P(Pulse, HeadOn) {
   for (double const wavelength : {20.0, 40.0}) {
     PulseResult const r = pass({.wavelength = wavelength, .into_region = GetParam()});
     EXPECT_LT(r.reflected, 0.01);
-    EXPECT_GT(r.transmitted, 0.98);
+    EXPECT_GT(r.transmitted(), 0.98);
   }
 }
 
@@ -35,10 +35,14 @@ TEST_P(Pulse, ShortWavesAreDampedRatherThanReflected) {
   EXPECT_LT(r.reflected, 0.04);
 }
 
+// At an angle the points damp sound by themselves: at 45 degrees they keep 90 % where the gas scheme keeps 98 %, bridge or
+// not. What the bridge takes is the difference to a packet that goes half of its way through each: the root of the
+// product of what both alone keep.
 TEST_P(Pulse, AtAnAngle) {
-  PulseResult const r = pass({.wavelength = 20.0, .angle = 45.0, .into_region = GetParam(), .periods = 2.0});
+  PulseResult const r =
+      pass({.wavelength = 20.0, .angle = 45.0, .into_region = GetParam(), .points_too = true, .periods = 2.0});
   EXPECT_LT(r.reflected, 0.01);
-  EXPECT_GT(r.transmitted, 0.98);
+  EXPECT_GT(r.kept / std::sqrt(r.kept_by_gas * r.kept_by_points), 0.98);
 }
 
 }  // namespace

@@ -62,7 +62,9 @@ TEST(PrintedTransport, CountsTwiceWhatFlowsOut) {
     print("   with the ledger", ledger);
     EXPECT_LE(std::abs(ledger.mass_drift), mass_tolerance);
     EXPECT_GT(std::abs(printed.mass_drift), where.right ? 1e-5 : 0.01);
-    if (!where.right) EXPECT_GT(printed.cells[2], 2.0 * ledger.cells[2]);
+    if (!where.right) {
+      EXPECT_GT(printed.cells[2], 2.0 * ledger.cells[2]);
+    }
   }
 }
 
