@@ -1,0 +1,81 @@
+// The same answer, bit for bit, on 1, 2 and 4 threads: gas, points and ledger, with a shock, a body, births, leavers and
+// control of the population.
+#include <cstring>
+
+#include "bridge/harness.hpp"
+#include "core/parallel.hpp"
+
+namespace brisance::test {
+namespace {
+
+using grid::Boundary;
+using grid::Geometry;
+
+std::vector<double> everything(Geometry geometry, int threads) {
+  set_threads(threads);
+  int const dims = grid::dimensions(geometry);
+  int const n = dims == 3 ? 26 : 40;
+  auto c = coupled_case(geometry, {n, n, dims == 3 ? n : 1}, Boundary::outflow);
+  c.domain.boundary[2] = Boundary::symmetry;
+  c.mpm_region->width = 1;
+  c.mpm_region->activation = -1.0;
+  c.mpm_region->population_interval = 2;
+  c.numerics.block_cells = 8;
+  c.points.options.block_cells = 5;
+  set_region(c, {5, 0, dims == 3 ? 5 : 0}, {n - 6, n - 6, dims == 3 ? n - 6 : 1});
+  c.ambient.state.velocity = {0.3, 0.1, dims == 3 ? -0.2 : 0.0};
+  run::Region hot;  // lies on both sides of the face
+  double const h = c.domain.h;
+  hot.shape = shape::Box{{3 * h, 2 * h, dims == 3 ? 6 * h : -1.0}, {8 * h, 12 * h, dims == 3 ? 12 * h : 1.0}};
+  hot.state = {5.0, 20.0, {0.0, 0.0, 0.0}};
+  c.regions = {hot};
+  run::Body body;
+  body.name = "block";
+  body.solid = material::elastic_solid(50.0, 1e3, 0.3);
+  double const low = 0.5 * n * h - 2 * h;
+  body.shape = shape::Box{{low, low, dims == 3 ? low : -1.0}, {low + 4 * h, low + 4 * h, dims == 3 ? low + 4 * h : 1.0}};
+  c.points.bodies = {body};
+  run::World w(c);
+  long const at_start = w.points->sums(w.gas_body()).points;
+  for (int step = 0; step < 24; ++step) run::advance(w, 10.0);
+  EXPECT_GT(w.bridge->traffic().born, 0);
+  EXPECT_GT(w.bridge->traffic().left, 0);
+  // Population control acted: the count changed by other than births and leavers.
+  long const now = w.points->sums(w.gas_body()).points;
+  EXPECT_NE(now - at_start, w.bridge->traffic().born - w.bridge->traffic().left);
+  std::vector<double> all{w.clock.time, static_cast<double>(now), static_cast<double>(w.bridge->traffic().born)};
+  for_each_cell(w, [&](int block, int offset, Index3 const&) {
+    for (int k = 0; k < w.gas->components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
+  });
+  for (int b = 0; b < 2; ++b) {
+    for_each_point(w, b, [&](mpm::PointSet const& set, int q) {
+      for (int f = 0; f < mpm::field_count; ++f) {
+        if (double const* values = set.field(static_cast<Field>(f))) all.push_back(values[q]);
+      }
+    });
+  }
+  for (bridge::Ledger const& account : w.bridge->accounts()) {
+    all.insert(all.end(), {account.mass[0], account.momentum[0], account.momentum[1], account.momentum[2],
+                           account.energy});
+  }
+  run::Totals const totals = w.totals();
+  all.insert(all.end(), {totals.mass[0], totals.energy});
+  set_threads(1);
+  return all;
+}
+
+TEST(CoupledRun, IsTheSameOnAnyNumberOfThreads) {
+  for (auto const geometry : {Geometry::planar2d, Geometry::axisymmetric2d, Geometry::cartesian3d}) {
+    auto const one = everything(geometry, 1);
+    for (int const threads : {2, 4}) {
+      auto const many = everything(geometry, threads);
+      ASSERT_EQ(one.size(), many.size()) << grid::geometry_name(geometry);
+      EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(double)), 0)
+          << grid::geometry_name(geometry) << ", " << threads << " threads";
+    }
+    std::printf("%s: %zu numbers the same on 1, 2 and 4 threads\n", grid::geometry_name(geometry), one.size());
+  }
+}
+
+}  // namespace
+}  // namespace brisance::test
