@@ -16,6 +16,7 @@
 #include "output/json.hpp"
 #include "output/run_log.hpp"
 #include "output/writer.hpp"
+#include "run/place_region.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::app {
@@ -149,6 +150,7 @@ double point_memory(run::Points const& points, Plan const& p, int dimensions) {
     nodes += static_cast<double>(p.bodies[b].points) / std::pow(points.bodies[b].points_per_direction, dimensions);
   constexpr double margins = 2.0;  // blocks of 8 cells with two layers around: (12/8)^3 and less
   double const records = std::min(p.steps, p.gauge_bytes / bytes_per_point_record);
+  if (p.region) nodes += p.region->cells;
   return p.points * bytes_per_point + nodes * margins * bytes_per_node + records * sizeof(run::PointRecord) +
          program_bytes;
 }
@@ -230,8 +232,56 @@ void plan_points(run::Case const& setup, Plan& p) {
   p.gauge_bytes = records * bytes_per_point_record * static_cast<double>(points.gauges.size());
   p.memory_bytes = point_memory(points, p, setup.domain.dimensions());
   p.checkpoint_bytes = p.points * bytes_per_point;
+  double const dumped = p.points - (p.region && !setup.output.gas_points ? p.region->gas_points : 0.0);
   p.dump_bytes =
-      output::PointSeries::bytes_per_dump(p.points, output::dumped_fields(setup), setup.output.single_precision);
+      output::PointSeries::bytes_per_dump(dumped, output::dumped_point_fields(setup), setup.output.single_precision);
+}
+
+/// Gas and points together. Each takes steps of its own within common ones, see `run::stable_step`.
+void plan_region(run::Case const& setup, Plan& p) {
+  grid::Domain const& domain = setup.domain;
+  bridge::Region const region = run::region_of(setup);
+  RegionPlan r;
+  r.cells = static_cast<double>(region.cells().size());
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    auto const [low, high] = std::minmax_element(region.cells().begin(), region.cells().end(),
+                                                 [d](Index3 const& a, Index3 const& b) { return a[d] < b[d]; });
+    r.lower[d] = domain.lower[d] + (*low)[d] * domain.h;
+    r.upper[d] = domain.lower[d] + ((*high)[d] + 1) * domain.h;
+  }
+  for (bridge::Face const& face : region.faces()) {
+    if (!face.open) ++r.bridge_faces[static_cast<std::size_t>(2 * face.direction + face.side)];
+  }
+  Plan gas = p;
+  plan_gas(setup, gas);
+  p.region = r;
+  // The gas fills what the bodies leave, with points of its own density.
+  double cells = r.cells;
+  plan_points(setup, p);
+  for (std::size_t b = 0; b < p.bodies.size(); ++b) {
+    cells -= static_cast<double>(p.bodies[b].points) /
+             std::pow(setup.points.bodies[b].points_per_direction, domain.dimensions());
+  }
+  r.gas_points =
+      std::max(0.0, cells) * std::pow(setup.mpm_region->gas_points(domain.dimensions()), domain.dimensions());
+  r.gas_steps = gas.steps;
+  // Gas points see the signals of the gas, at the Courant number of the points.
+  double const gas_point_steps = gas.steps * setup.numerics.courant / setup.points.options.courant;
+  r.point_steps = std::max(setup.points.any() ? p.steps : 0.0, gas_point_steps);
+  p.region = r;
+  p.points += r.gas_points;
+  p.blocks = gas.blocks;
+  p.charges = gas.charges;
+  double const shorter = std::min(r.gas_steps, r.point_steps);
+  p.steps = setup.mpm_region->subcycling ? std::max({shorter, r.gas_steps / 4.0, r.point_steps / 64.0})
+                                         : std::max(r.gas_steps, r.point_steps);
+  p.memory_bytes = gas.memory_bytes + point_memory(setup.points, p, domain.dimensions()) - program_bytes;
+  double const dumped = p.points - (setup.output.gas_points ? 0.0 : r.gas_points);
+  p.dump_bytes = gas.dump_bytes + output::PointSeries::bytes_per_dump(dumped, output::dumped_point_fields(setup),
+                                                                      setup.output.single_precision);
+  p.gauge_bytes += gas.gauge_bytes;
+  p.checkpoint_bytes = gas.checkpoint_bytes + p.points * bytes_per_point;
+  p.warnings.insert(p.warnings.end(), gas.warnings.begin(), gas.warnings.end());
 }
 
 /// Name, role and source of every material of a case.
@@ -242,16 +292,14 @@ struct MaterialLine {
 };
 
 std::vector<MaterialLine> materials_of(run::Case const& setup) {
-  if (setup.points.any()) {
-    std::vector<MaterialLine> lines;
-    for (run::Body const& body : setup.points.bodies) {
-      bool const known =
-          std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == body.solid.name; });
-      if (!known) lines.push_back({body.solid.name, "body", body.solid.source});
-    }
-    return lines;
+  std::vector<MaterialLine> lines;
+  if (!setup.points.any() || setup.mpm_region)
+    lines.push_back({setup.ambient.fluid.name, "ambient fluid", setup.ambient.fluid.source});
+  for (run::Body const& body : setup.points.bodies) {
+    bool const known =
+        std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == body.solid.name; });
+    if (!known) lines.push_back({body.solid.name, "body", body.solid.source});
   }
-  std::vector<MaterialLine> lines{{setup.ambient.fluid.name, "ambient fluid", setup.ambient.fluid.source}};
   if (setup.second_fluid && setup.charges.empty())
     lines.push_back({setup.second_fluid->name, "second fluid", setup.second_fluid->source});
   for (run::Charge const& charge : setup.charges) {
@@ -269,7 +317,9 @@ Plan plan(run::Case const& setup) {
   p.cells = static_cast<double>(setup.domain.cell_count());
   p.machine_memory_bytes = machine_memory();
   p.dumps = static_cast<long>(output::dump_times(setup.output, setup.end.time).size());
-  if (setup.points.any()) {
+  if (setup.mpm_region) {
+    plan_region(setup, p);
+  } else if (setup.points.any()) {
     plan_points(setup, p);
   } else {
     plan_gas(setup, p);
@@ -284,7 +334,12 @@ Plan plan(run::Case const& setup) {
 void refuse_unless_it_fits(Plan const& p) {
   if (p.memory_bytes <= p.machine_memory_bytes) return;
   throw InputError(
-      p.points > 0.0
+      p.region ? fmt::format(
+                     "the case needs about {} of memory for its {} cells and {} material points, and this machine has "
+                     "{}: use larger cells (domain.cell), a smaller domain or MPM region, fewer points per cell, or "
+                     "symmetry planes",
+                     bytes(p.memory_bytes), large_count(p.cells), large_count(p.points), bytes(p.machine_memory_bytes))
+      : p.points > 0.0
           ? fmt::format("the case needs about {} of memory for its {} material points, and this machine has {}: use "
                         "larger cells (domain.cell), fewer points per cell, or symmetry planes",
                         bytes(p.memory_bytes), large_count(p.points), bytes(p.machine_memory_bytes))
@@ -292,6 +347,28 @@ void refuse_unless_it_fits(Plan const& p) {
                         "(domain.cell), a smaller domain, or symmetry planes",
                         bytes(p.memory_bytes), large_count(p.cells), bytes(p.machine_memory_bytes)));
 }
+
+namespace {
+
+std::string region_text(run::Case const& setup, RegionPlan const& r) {
+  std::string box;
+  for (int d = 0; d < setup.domain.dimensions(); ++d)
+    box += fmt::format("{}{:g} to {:g}", d == 0 ? "" : " x ", r.lower[d], r.upper[d]);
+  std::string faces;
+  for (std::size_t f = 0; f < r.bridge_faces.size(); ++f) {
+    if (r.bridge_faces[f] > 0) faces += fmt::format("{}{}", faces.empty() ? "" : ", ", grid::face_names[f]);
+  }
+  std::string const kind = setup.mpm_region->boxes.empty()      ? "the box around the bodies"
+                           : setup.mpm_region->boxes.size() > 1 ? "several boxes"
+                                                                : "as given";
+  return fmt::format("{:<12} {} m, {} cells ({})\n", "MPM region", box, large_count(r.cells), kind) +
+         fmt::format("{:<12} {}\n", "bridge",
+                     faces.empty()
+                         ? "none: the region fills the domain"
+                         : fmt::format("{} cells wide, on the sides {} of the region", setup.mpm_region->width, faces));
+}
+
+}  // namespace
 
 std::string plan_text(run::Case const& setup, Plan const& p) {
   grid::Domain const& d = setup.domain;
@@ -310,26 +387,36 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
   }
   line("domain", fmt::format("{}, {} m", grid::geometry_name(d.geometry), box));
   bool const points = p.points > 0.0;
+  bool const gas = !points || p.region;
   line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.h, "m"),
-                            points ? "" : fmt::format(", in {} blocks", p.blocks)));
+                            !gas ? "" : fmt::format(", in {} blocks", p.blocks)));
   std::string boundaries;
   for (int f = 0; f < 2 * dims; ++f)
     boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", grid::face_names[f], grid::boundary_name(d.boundary[f]));
   line("boundaries", boundaries);
+  if (p.region) out += region_text(setup, *p.region);
   if (points) {
     auto const& o = setup.points.options;
     line("points",
-         fmt::format("{} in {} bod{}", large_count(p.points), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies"));
+         fmt::format("{} in {} bod{}{}", large_count(p.points), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
+                     p.region ? fmt::format(" and {} of the gas", large_count(p.region->gas_points)) : ""));
     line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", output::name_of(o.shape),
                                output::name_of(o.order), output::name_of(o.transfer), o.courant));
-  } else {
-    line("scheme", fmt::format("{}, Courant number {:g}, {}",
-                               setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff",
-                               setup.numerics.courant, two_fluids(setup) ? "two fluids" : "one fluid"));
+  }
+  if (gas) {
+    line(points ? "" : "scheme",
+         fmt::format("{}, Courant number {:g}, {}",
+                     setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff",
+                     setup.numerics.courant, two_fluids(setup) ? "two fluids" : "one fluid"));
   }
   line("end", setup.end.steps > 0 ? fmt::format("{}, or {} steps", quantity(setup.end.time, "s"), setup.end.steps)
                                   : quantity(setup.end.time, "s"));
-  if (points) {
+  if (p.region) {
+    line("steps",
+         fmt::format("about {}, in them {} of the gas and {} of the points (estimates; fewer while the region "
+                     "and blocks of the gas sleep)",
+                     large_count(p.steps), large_count(p.region->gas_steps), large_count(p.region->point_steps)));
+  } else if (points) {
     line("steps", fmt::format("about {} (as long as at the start; {} point updates)", large_count(p.steps),
                               large_count(p.steps * p.points)));
   } else {
@@ -339,7 +426,7 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
   line("memory", fmt::format("about {} of {}", bytes(p.memory_bytes), bytes(p.machine_memory_bytes)));
 
   out += "\n";
-  if (!points) {
+  if (gas) {
     line("ambient", fmt::format("{}, {}, {:.4g} kg/m3", setup.ambient.fluid.name,
                                 quantity(setup.ambient.state.pressure, "Pa", 6), setup.ambient.state.density));
   }
@@ -373,10 +460,14 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     line("material", fmt::format("{} ({}): {}", m.name, m.role, m.source));
 
   out += "\n";
-  std::size_t const gauges = points ? setup.points.gauges.size() : setup.gauges.size();
+  std::size_t const gauges = setup.points.gauges.size() + setup.gauges.size();
   line("gauges", gauges == 0 ? "none" : fmt::format("{}, about {}", gauges, bytes(p.gauge_bytes)));
   std::string fields;
   for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
+  auto const point_fields = output::dumped_point_fields(setup);
+  if (p.region && !point_fields.empty()) fields += "; of points:";
+  for (std::size_t n = 0; n < point_fields.size(); ++n)
+    fields += (fields.empty() ? "" : n == 0 ? " " : ", ") + point_fields[n].name;
   line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
   line("checkpoints", fmt::format("{} of about {} stay", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
   for (auto const& w : p.warnings) out += fmt::format("\nwarning: {}\n", w);
@@ -411,6 +502,18 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
     boundaries[grid::face_names[f]] = grid::boundary_name(setup.domain.boundary[f]);
   json fields = json::array();
   for (auto const& f : output::dumped_fields(setup)) fields.push_back(f.name);
+  for (auto const& f : output::dumped_point_fields(setup)) fields.push_back(f.name);
+  json region;
+  if (p.region) {
+    region = {{"lower", p.region->lower},
+              {"upper", p.region->upper},
+              {"cells", p.region->cells},
+              {"width", setup.mpm_region->width},
+              {"bridge_faces", p.region->bridge_faces},
+              {"gas_points", p.region->gas_points},
+              {"gas_steps", std::round(p.region->gas_steps)},
+              {"point_steps", std::round(p.region->point_steps)}};
+  }
   return {{"title", setup.title},
           {"geometry", grid::geometry_name(setup.domain.geometry)},
           {"cells", setup.domain.cells},
@@ -426,7 +529,8 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
           {"points", p.points},
           {"bodies", bodies},
           {"materials", materials},
-          {"gauges", setup.points.any() ? setup.points.gauges.size() : setup.gauges.size()},
+          {"mpm_region", region},
+          {"gauges", setup.points.gauges.size() + setup.gauges.size()},
           {"gauge_bytes", p.gauge_bytes},
           {"obstacles", setup.obstacles.size()},
           {"fields", fields},

@@ -1,7 +1,9 @@
 /// What a case will compute and what it costs, known before anything large is allocated.
 #pragma once
 
+#include <array>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,17 @@
 #include "run/world.hpp"
 
 namespace brisance::app {
+
+/// The MPM region as it will be.
+struct RegionPlan {
+  Vec3 lower{0.0, 0.0, 0.0};  ///< of the smallest box around it [m]
+  Vec3 upper{0.0, 0.0, 0.0};
+  double cells = 0.0;
+  std::array<long, 6> bridge_faces{};  ///< faces of cells on each of its sides that have a bridge
+  double gas_points = 0.0;
+  double gas_steps = 0.0;  ///< estimates
+  double point_steps = 0.0;
+};
 
 struct Plan {
   double cells = 0.0;
@@ -18,9 +31,10 @@ struct Plan {
   double steps = 0.0;                 ///< estimate
   std::vector<run::ChargeReport> charges;
   std::vector<run::BodyReport> bodies;
-  double points = 0.0;  ///< material points; 0: a calculation of the gas
+  double points = 0.0;  ///< material points; 0: a calculation of the gas alone
+  std::optional<RegionPlan> region;
   long dumps = 0;
-  double dump_bytes = 0.0;        ///< of one dump, uncompressed
+  double dump_bytes = 0.0;        ///< of one dump, of fields and points, uncompressed
   double gauge_bytes = 0.0;       ///< of all gauge files, estimate
   double checkpoint_bytes = 0.0;  ///< of one checkpoint without gauge histories, estimate for points
   std::vector<std::string> warnings;

@@ -34,6 +34,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double balanced = 1e-10;     // relative error of the audit that is round-off of a long run
+constexpr double large_drift = 0.5;    // of the energy of gas and points together [%]
 constexpr std::size_t most_rows = 30;  // gauges that the terminal's table shows
 
 /// The deck's case; its errors and warnings go to stderr.
@@ -154,6 +155,43 @@ void print_point_audit(run::World const& world) {
   }
 }
 
+void print_region_audit(run::World const& world) {
+  auto const error = world.audit.relative_error();
+  auto const& a = world.audit;
+  bool const two = world.gas->fluids().two;
+  bool const paper = world.bridge->options().transport == bridge::Transport::paper;
+  double const worst = std::max(error[0], two ? error[1] : 0.0);
+  bridge::Ledger const ledger = world.bridge->ledger();
+  auto const energy = world.energy_balance();
+  double const drift = 100.0 * energy.drift();
+  print(stdout, "\naudit: mass {} (relative error: {} {:.1e}{}){}; energy {} to {}, drift {:+.3g} %\n",
+        worst <= balanced ? "balanced" : "NOT BALANCED", world.setup.ambient.fluid.name, error[0],
+        two ? fmt::format(", second fluid {:.1e}", error[1]) : "",
+        paper && worst > balanced ? ", as transport = \"paper\" counts twice what flows out of the region" : "",
+        quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"), drift);
+  if (std::abs(drift) > large_drift) {
+    print(stdout, "warning: the energy drifts by more than {:g} %: smaller cells or a wider region may help\n",
+          large_drift);
+  }
+  if (a.guarded_cells > 0) {
+    print(stdout, "guards: {} cell updates lifted to the floors; they added {:.3g} kg and {:.3g} J\n", a.guarded_cells,
+          a.guard_mass, a.guard_energy);
+  }
+  if (!world.awake_since) {
+    print(stdout, "MPM region: no wave came near, its points slept\n");
+    return;
+  }
+  double total = 0.0;
+  for (auto const& [phase, seconds] : world.timings) total += seconds;
+  auto const bridge = world.timings.find("bridge");
+  print(stdout,
+        "MPM region: awake since {}; {} steps of the gas and {} of the points; {} points of gas came in, {} left, {} "
+        "under way in the ledger; the bridge took {:.0f} % of the time\n",
+        quantity(*world.awake_since, "s"), world.clock.gas_steps, world.clock.point_steps, world.bridge->traffic().born,
+        world.bridge->traffic().left, quantity(ledger.total(), "kg", 3),
+        total > 0.0 && bridge != world.timings.end() ? 100.0 * bridge->second / total : 0.0);
+}
+
 double si_quantity(char const* option, std::string const& text, char const* unit) {
   units::Quantity const q = units::parse(text, unit);
   if (!q.value) throw InputError(fmt::format("{}: {}", option, q.problem));
@@ -238,8 +276,9 @@ ExitCode run_deck(RunArguments const& arguments) {
   }
   if (!arguments.quiet) {
     if (!setup.title.empty()) print(stdout, "{}\n", setup.title);
-    std::string const what = expected.points > 0.0 ? fmt::format("{} material points", large_count(expected.points))
-                                                   : fmt::format("{} cells", large_count(expected.cells));
+    std::string const points = fmt::format("{} material points", large_count(expected.points));
+    std::string const cells = fmt::format("{} cells", large_count(expected.cells));
+    std::string const what = expected.region ? cells + " and " + points : expected.points > 0.0 ? points : cells;
     print(stdout, "{}, about {} steps, {} thread{}; results go to {}\n", what, large_count(expected.steps), threads(),
           threads() == 1 ? "" : "s", folder.string());
     for (auto const& body : expected.bodies) {
@@ -287,7 +326,11 @@ ExitCode run_deck(RunArguments const& arguments) {
   if (arguments.quiet) return ending.code;
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(stdout, "{}: {} steps in {}\n", ending.reason, world.clock.step, wall_time(seconds));
-  if (world.points != nullptr) {
+  if (world.bridge != nullptr) {
+    print_gauges(world);
+    print_points(world);
+    print_region_audit(world);
+  } else if (world.points != nullptr) {
     print_points(world);
     print_point_audit(world);
   } else {

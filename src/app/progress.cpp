@@ -38,7 +38,8 @@ void Progress::start(run::World const& world) { done_ = part_done(world); }
 
 void Progress::step(run::World const& world) {
   ++steps_;
-  bool const points = world.points != nullptr;
+  bool const both = world.bridge != nullptr;
+  bool const points = world.points != nullptr && !both;
   active_updates_ += static_cast<double>(points ? world.points->point_count() : world.active_cells());
   auto const now = Clock::now();
   double const done = part_done(world);
@@ -58,6 +59,11 @@ void Progress::step(run::World const& world) {
     for (int b = 0; b < world.grid.block_count(); ++b) awake += world.gas->awake(b) ? 1 : 0;
     speed = fmt::format("{:.1f} Mcells/s ({:.1f} with sleeping)  {} of {} blocks awake",
                         active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, world.grid.block_count());
+  }
+  if (both) {
+    speed += world.bridge->awake()
+                 ? fmt::format("  {} points", large_count(static_cast<double>(world.points->point_count())))
+                 : "  points asleep";
   }
   show(fmt::format("{}{}  about {} left", place, speed, wall_time(left)));
   since_ = now;

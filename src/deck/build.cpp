@@ -39,28 +39,42 @@ run::Case Builder::build() {
   own_solids();
   ambient();
   if (geometry_known_) {
+    has_gas_ = !has_bodies() || speaks_of_gas();
     boundaries();
     if (has_bodies()) {
-      refuse_gas();
       bodies();
       constraints();
       contacts();
       surface_pressures();
     } else {
       refuse_points();
+    }
+    if (has_gas_) {
       obstacles();
       charges();
       regions();
+    } else {
+      warn_of_unused_gas();
     }
     gauges();
   }
   points_options();
+  if (geometry_known_) mpm_region();
   numerics();
   end();
   output();
   checkpoint();
   compare();
   return std::move(out_);
+}
+
+bool Builder::speaks_of_gas() const {
+  for (auto const* key : {"mpm_region", "charge", "region", "obstacle", "inflow"}) {
+    if (deck_.given(key)) return true;
+  }
+  auto const* all = deck_.sections("gauge");
+  return all != nullptr && std::any_of(all->begin(), all->end(),
+                                       [](Section const& gauge) { return !gauge.doubtful() && !gauge.given("body"); });
 }
 
 std::optional<Vec3> Builder::point(Section const& section, std::string_view key) {
@@ -307,11 +321,17 @@ void Builder::output() {
     }
   }
   for (auto const* key : {"fields", "peak_fields"}) {
-    if (has_bodies() && section->given(key))
-      warn(*section, key, "has no effect in a deck with bodies, which has no gas");
+    if (!has_gas_ && section->given(key)) warn(*section, key, "has no effect in a deck of bodies without gas");
   }
-  if (!has_bodies() && section->given("point_fields")) {
-    warn(*section, "point_fields", "has no effect in a deck without bodies");
+  bool const region = has_gas_ && (has_bodies() || deck_.given("mpm_region"));
+  o.gas_points = section->boolean("gas_points").value_or(o.gas_points);
+  if (!region && section->given("gas_points")) {
+    warn(*section, "gas_points", "has no effect in a deck without an MPM region");
+  }
+  if (!has_bodies() && !(region && o.gas_points) && section->given("point_fields")) {
+    warn(*section, "point_fields",
+         region ? "has no effect in a deck without bodies, unless gas_points = true"
+                : "has no effect in a deck without bodies");
   }
   std::sort(o.field_times.begin(), o.field_times.end());
   if (!end_known_) return;
@@ -346,14 +366,20 @@ void Builder::compare() {
           fmt::format("\"{}\" needs exactly one charge, there are {}: write \"none\"", *word,
                       charges == nullptr ? 0 : charges->size()));
   }
-  if (has_bodies()) {
-    out_.burst = run::Burst::none;
-    nothing_moves();
-    return;
-  }
-  bool const moving = deck_.given("charge") || deck_.given("region") || deck_.given("inflow");
-  if (!moving)
+  if (!has_gas_) out_.burst = run::Burst::none;
+  bool const points = has_bodies() && points_move();
+  bool const gas = deck_.given("charge") || deck_.given("region") || deck_.given("inflow");
+  if (points || gas) return;
+  if (!has_gas_) {
+    report_.warning(deck_.place_of("body"), "body",
+                    "nothing will happen: no body moves, burns or is under pressure, and no load or body force acts");
+  } else if (has_bodies()) {
+    report_.warning(deck_.place, "charge",
+                    "nothing will happen: there is no charge, no region and no inflow, no body moves or burns, and no "
+                    "load or body force acts");
+  } else {
     report_.warning(deck_.place, "charge", "nothing will happen: there is no charge, no region and no inflow");
+  }
 }
 
 Result read_text(std::string_view text, std::string_view name) {

@@ -47,11 +47,13 @@ class Builder {
   bool ambient_known_ = false;  ///< the fluid is known
   bool products_known_ = true;  ///< false when a charge's explosive was wrong
   bool end_known_ = false;
+  bool has_gas_ = true;
   std::vector<material::Explosive> own_explosives_;
   std::vector<material::Fluid> own_fluids_;
   std::vector<material::Solid> own_solids_;
   std::set<std::string, std::less<>> wrong_materials_;  ///< names of own materials with an error of their own
   std::vector<std::pair<std::size_t, shape::Shape>> obstacle_shapes_;  ///< index of the section, shape
+  std::vector<std::pair<Section const*, shape::Shape>> burning_charges_;
 
   // --- build.cpp: domain, boundaries, numerics, output
 
@@ -60,8 +62,9 @@ class Builder {
   [[nodiscard]] bool radial() const { return grid::radial_exponent(geometry()) > 0; }
   /// Lengths below this are round-off [m].
   [[nodiscard]] double tiny() const { return 1e-6 * out_.domain.h; }
-  /// A deck with bodies is calculated with material points alone.
   [[nodiscard]] bool has_bodies() const { return deck_.given("body"); }
+  /// Does the deck speak of gas beside its bodies? Then both are calculated; bodies alone move in empty space.
+  [[nodiscard]] bool speaks_of_gas() const;
 
   void error(Section const& section, std::string_view key, std::string const& message) {
     report_.error(section.place_of(key), section.path_of(key), message);
@@ -174,8 +177,8 @@ class Builder {
   void overlaps();
   /// Index of the body of that name; reports an unknown one.
   std::optional<int> body_named(Section const& section, std::string_view key, std::string const& name);
-  /// Charges, regions and other things of the gas beside bodies, and settings without effect.
-  void refuse_gas();
+  /// Settings of the gas beside bodies in empty space.
+  void warn_of_unused_gas();
   void refuse_inflow(Section const* boundaries);
   /// Things of material points without a body.
   void refuse_points();
@@ -191,7 +194,22 @@ class Builder {
   void body_gauge(Section const& section, std::string const& name, std::set<std::string>& names);
   /// Inside, or on the surface.
   [[nodiscard]] bool near_body(shape::Shape const& body, Vec3 const& p) const;
-  void nothing_moves();
+  /// Do bodies, loads or constraints set something in motion?
+  [[nodiscard]] bool points_move();
+
+  // --- build_region.cpp: the MPM region, where gas and material points meet
+
+  void mpm_region();
+  void warn_if_only_gauges();
+  void mpm_region_options(Section const& section, run::MpmRegion& region);
+  /// The boxes of the table; false after an error.
+  bool mpm_region_boxes(Section const& section, run::MpmRegion& region);
+  /// Bodies, charges and obstacles that do not go with the region.
+  void check_mpm_region(bridge::Region const& region);
+  void check_body_place(bridge::Region const& region, std::size_t index);
+  /// Where the shape meets cells that are wrong for it; nothing: nowhere.
+  template <class Wrong>
+  [[nodiscard]] std::optional<Vec3> wrong_place(shape::Shape const& shape, bool by_centres, Wrong&& wrong) const;
 
   std::vector<std::string> body_names_;                   ///< of all bodies, also of those with errors
   std::vector<std::optional<shape::Shape>> body_shapes_;  ///< in the same order; nothing after an error

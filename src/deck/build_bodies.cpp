@@ -25,34 +25,22 @@ Vec3 signed_normal(std::string const& word) {
 
 // --- what does not go together
 
-void Builder::refuse_gas() {
-  for (auto const* key : {"charge", "region", "obstacle"}) {
-    auto const* all = deck_.sections(key);
-    if (all == nullptr || all->empty()) continue;
-    report_.error(
-        all->front().place, all->front().path,
-        fmt::format("{} {} cannot stand beside bodies: gas and material points are not coupled yet; {}, or "
-                    "calculate the two apart",
-                    std::string_view(key) == "obstacle" ? "an" : "a", key,
-                    std::string_view(key) == "charge"   ? "write the charge as a [[body]] of its explosive"
-                    : std::string_view(key) == "region" ? "write the region as a [[body]] of its fluid"
-                                                        : "write the obstacle as a [[body]] with rigid = true"));
-  }
+void Builder::warn_of_unused_gas() {
   for (auto const* key : {"ambient", "numerics"}) {
-    if (deck_.given(key)) {
-      report_.warning(deck_.place_of(key), key,
-                      "has no effect in a deck with bodies, which has no gas; [points] holds what concerns them");
-    }
+    if (!deck_.given(key)) continue;
+    report_.warning(deck_.place_of(key), key,
+                    "has no effect: nothing in this deck is of gas, and its bodies move in empty space; with "
+                    "[mpm_region] they stand in the ambient gas");
   }
 }
 
 void Builder::refuse_inflow(Section const* boundaries) {
   for (int f = 0; f < 2 * dims(); ++f) {
     if (out_.domain.boundary[f] != Boundary::inflow) continue;
-    error(*boundaries, boundaries->given(grid::face_names[f]) ? grid::face_names[f] : "all",
-          "\"inflow\" is not possible in a deck with bodies, which has no gas; allowed: \"outflow\", \"wall\", "
-          "\"symmetry\" "
-          "or \"periodic\"");
+    error(
+        *boundaries, boundaries->given(grid::face_names[f]) ? grid::face_names[f] : "all",
+        "\"inflow\" is not possible here: the bodies of this deck move in empty space; allowed: \"outflow\", \"wall\", "
+        "\"symmetry\" or \"periodic\"; with [mpm_region] there is gas");
     return;
   }
 }
@@ -64,7 +52,7 @@ void Builder::refuse_points() {
     report_.error(all->front().place, all->front().path,
                   "there is no body that this could act on: add a [[body]] or remove it");
   }
-  if (deck_.given("points")) {
+  if (deck_.given("points") && !deck_.given("mpm_region")) {
     report_.warning(deck_.place_of("points"), "points", "has no effect in a deck without bodies");
   }
 }
@@ -88,6 +76,10 @@ void Builder::bodies() {
     if (std::find(body_names_.begin(), body_names_.end(), name) != body_names_.end()) {
       report_.error(section.place_of("name"), section.path_of("name"),
                     fmt::format("\"{}\" is used by another body: choose another name", name));
+    }
+    if (has_gas_ && name == "gas") {
+      report_.error(section.place_of("name"), section.path_of("name"),
+                    "\"gas\" is the name of the gas points of the MPM region: choose another name");
     }
     body_names_.push_back(name);
     body_shapes_.emplace_back();
@@ -573,12 +565,6 @@ void Builder::body_gauge(Section const& section, std::string const& name, std::s
     error(section, "body", "there is no body in this deck: remove the key, or add a [[body]]");
     return;
   }
-  if (!section.given("body")) {
-    report_.error(section.place, section.path,
-                  fmt::format("a deck with bodies has no gas to measure in; write for example body = \"{}\"",
-                              body_names_.empty() ? "plate" : body_names_.front()));
-    return;
-  }
   for (auto const* key : {"line", "plane"}) {
     if (!section.given(key)) continue;
     error(section, key, "does not go with body: write one gauge with a point for each place");
@@ -625,7 +611,7 @@ bool Builder::near_body(shape::Shape const& body, Vec3 const& p) const {
   return false;
 }
 
-void Builder::nothing_moves() {
+bool Builder::points_move() {
   run::Points const& p = out_.points;
   auto const moves = [](Vec3 const& v) { return norm(v) > 0.0; };
   bool moving = moves(p.options.body_force) || deck_.given("surface_pressure");
@@ -641,9 +627,7 @@ void Builder::nothing_moves() {
           fmt::format("\"usf\" is unstable where an explosive such as \"{}\" detonates; use \"musl\"", b.name));
     }
   }
-  if (moving) return;
-  report_.warning(deck_.place_of("body"), "body",
-                  "nothing will happen: no body moves, burns or is under pressure, and no load or body force acts");
+  return moving;
 }
 
 }  // namespace brisance::deck

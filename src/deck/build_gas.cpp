@@ -19,7 +19,7 @@ constexpr double gas_temperature = 288.15;  ///< at which a gas has the density 
 
 void Builder::inflow(Section const* section) {
   for (auto& state : out_.inflow) state = out_.ambient.state;
-  if (has_bodies()) {
+  if (!has_gas_) {
     refuse_inflow(section);
     return;
   }
@@ -183,6 +183,7 @@ void Builder::charge(Section const& section, std::string& first_explosive,
   if (domain_known_ && boundaries_known_ && !inside_domain(section, *body)) return;
   placed.emplace_back(&section, *body);
   if (!initiation(section, *body, "charge", charge.detonation, charge.initiation)) return;
+  if (charge.detonation == run::Detonation::programmed) burning_charges_.emplace_back(&section, charge.shape);
   out_.charges.push_back(std::move(charge));
 }
 
@@ -370,7 +371,7 @@ void Builder::gauges() {
   for (std::size_t i = 0; i < all->size(); ++i) {
     Section const& section = (*all)[i];
     if (section.doubtful()) continue;
-    if (has_bodies() || section.given("body")) {
+    if (section.given("body")) {
       if (!section.broken("name")) body_gauge(section, section.text("name").value_or(fmt::format("g{}", i + 1)), names);
       continue;
     }
@@ -479,14 +480,21 @@ void Builder::check_gauges(Section const& section, std::string_view key, std::si
                         point_text(gauge.position, dims()), obstacle_shapes_[k].first + 1));
       place_reported = true;
     }
+    for (std::size_t k = 0; k < body_shapes_.size() && !place_reported; ++k) {
+      if (!body_shapes_[k] || !well_inside(*body_shapes_[k], gauge.position)) continue;
+      error(section, key,
+            fmt::format("gauge {} at {} m lies inside {}: move it into the gas, or write body = \"{}\"", gauge.name,
+                        point_text(gauge.position, dims()), body_names_[k], body_names_[k]));
+      place_reported = true;
+    }
   }
 }
 
 run::Burst Builder::automatic_burst() const {
   bool const body_of_revolution = geometry() == Geometry::cartesian3d || geometry() == Geometry::axisymmetric2d ||
                                   geometry() == Geometry::spherical1d;
-  if (out_.charges.size() != 1 || !out_.regions.empty() || !out_.obstacles.empty() || !body_of_revolution ||
-      out_.ambient.fluid.name != "air") {
+  if (out_.charges.size() != 1 || !out_.regions.empty() || !out_.obstacles.empty() || has_bodies() ||
+      !body_of_revolution || out_.ambient.fluid.name != "air") {
     return run::Burst::none;
   }
   auto const& body = out_.charges.front().shape;

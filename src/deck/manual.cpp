@@ -24,7 +24,7 @@ std::string type_text(Key const& key) {
     case Type::numbers: return "list of quantities";
     case Type::integers: return "list of whole numbers";
     case Type::point: return "point";
-    case Type::table: return "table";
+    case Type::table: return key.choices.empty() ? "table" : "table or word";
     case Type::tables: return "list of tables";
     case Type::named: return "named tables";
   }
@@ -41,6 +41,7 @@ std::string allowed_text(Key const& key) {
     case Type::word:
     case Type::axis:
     case Type::words: return fmt::format("`{}`", fmt::join(key.choices, "`, `"));
+    case Type::table: return key.choices.empty() ? "" : fmt::format("`{}`", fmt::join(key.choices, "`, `"));
     case Type::boolean: return "`true`, `false`";
     case Type::name: return "letters, digits and . _ - +";
     default: return "";

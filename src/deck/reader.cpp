@@ -380,6 +380,9 @@ class Walker {
         if (auto const* t = node.as_table()) {
           out.value = std::vector<Section>{section(*t, *key.table, path, place)};
           out.valid = true;
+        } else if (auto const word = node.value<std::string>();
+                   word && std::find(key.choices.begin(), key.choices.end(), *word) != key.choices.end()) {
+          accept(out, word);
         } else {
           wrong_type(key, node, path, place);
         }

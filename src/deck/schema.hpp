@@ -24,7 +24,7 @@ enum class Type {
   numbers,   ///< list of quantities
   integers,  ///< list of whole numbers
   point,     ///< one quantity per resolved direction
-  table,     ///< one table
+  table,     ///< one table, or one of a closed list of words
   tables,    ///< array of tables
   named,     ///< tables under names of the user's choice (or of a closed list)
 };
@@ -44,7 +44,7 @@ struct Key {
   bool needed = false;
   std::string explanation;
   std::string sample;                  ///< right-hand side of an example, as TOML
-  std::vector<std::string> choices;    ///< for words, and for the names of `named`
+  std::vector<std::string> choices;    ///< for words, words instead of a table, and the names of `named`
   std::vector<std::string> also_unit;  ///< further units accepted, e.g. kg/m for a mass in planar geometry
   Table const* table = nullptr;
 

@@ -266,7 +266,7 @@ std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::Gau
 }
 
 void write_summary(fs::path const& folder, run::Case const& setup, std::vector<GaugeSummary> const& summaries,
-                   std::vector<std::string> const& files) {
+                   std::vector<std::string> const& files, nlohmann::json const& more) {
   std::string csv =
       "gauge,x [m],y [m],z [m],distance [m],scaled_distance [m/kg^(1/3)],peak_overpressure [Pa],time_of_peak [s],"
       "arrival_time [s],positive_duration [s],positive_impulse [Pa s],positive_phase_complete,"
@@ -316,7 +316,13 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
                          {"gauges", std::move(gauges)}};
   if (empirical_applies(setup) && setup.charges.front().explosive.tnt_equivalent_pressure)
     summary["kingery_bulmash_curve"] = empirical_curve(setup);
+  if (more.is_object()) summary.update(more);
   replace_file(folder / "summary.json", summary.dump(2) + "\n");
+}
+
+void write_summary(fs::path const& folder, run::Case const& setup, std::vector<GaugeSummary> const& summaries,
+                   std::vector<std::string> const& files) {
+  write_summary(folder, setup, summaries, files, {});
 }
 
 }  // namespace brisance::output

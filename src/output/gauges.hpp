@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -90,7 +91,10 @@ class GaugeFiles {
 /// type.
 [[nodiscard]] std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::GaugeHistory> const& gauges);
 
-/// Writes `summary.csv` and `summary.json`.
+/// Writes `summary.csv` and `summary.json`, the latter with `more` keys.
+void write_summary(std::filesystem::path const& folder, run::Case const& setup,
+                   std::vector<GaugeSummary> const& summaries, std::vector<std::string> const& files,
+                   nlohmann::json const& more);
 void write_summary(std::filesystem::path const& folder, run::Case const& setup,
                    std::vector<GaugeSummary> const& summaries, std::vector<std::string> const& files);
 

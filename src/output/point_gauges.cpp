@@ -190,9 +190,12 @@ std::vector<BodySummary> summarise_bodies(run::World const& world) {
 
 PointGaugeFiles::PointGaugeFiles(fs::path const& folder, run::World const& world) : folder_(folder) {
   if (world.points == nullptr) return;
+  // After those of the gas, whose files they shall not share.
   std::vector<std::string> gauges;
+  for (auto const& history : world.gauges) gauges.push_back(history.gauge.name);
   for (auto const& history : world.point_gauges) gauges.push_back(history.gauge.name);
   names_ = gauge_files(folder, gauges);
+  names_.erase(names_.begin(), names_.begin() + static_cast<std::ptrdiff_t>(world.gauges.size()));
   written_.assign(names_.size(), 0);
   for (std::size_t g = 0; g < names_.size(); ++g)
     write_file(folder / names_[g], world.point_gauges[g].gauge.point ? point_header : body_header);
@@ -228,7 +231,7 @@ void PointGaugeFiles::append(run::World const& world) {
   if (!text.empty()) append_to_file(folder_ / "energies.csv", text);
 }
 
-void write_point_summary(fs::path const& folder, run::World const& world, std::vector<std::string> const& files) {
+nlohmann::json write_point_table(fs::path const& path, run::World const& world, std::vector<std::string> const& files) {
   auto const points = summarise_points(world);
   auto const bodies = summarise_bodies(world);
   std::string csv =
@@ -238,7 +241,7 @@ void write_point_summary(fs::path const& folder, run::World const& world, std::v
       "kinetic_energy_end [J],internal_energy_start [J],internal_energy_end [J],plastic_work [J],damaged_mass [kg]\n";
   for (auto const& s : points) csv += csv_row(s);
   for (auto const& s : bodies) csv += csv_row(s);
-  replace_file(folder / "summary.csv", csv);
+  replace_file(path, csv);
 
   // The files are in the order of the deck's gauges; points and bodies have lists of their own.
   nlohmann::json point_gauges = nlohmann::json::array();
@@ -251,11 +254,12 @@ void write_point_summary(fs::path const& folder, run::World const& world, std::v
     bool const rides = world.point_gauges[g].gauge.point.has_value();
     (rides ? point_gauges[point++] : body_list[body++])["file"] = files[g];
   }
-  nlohmann::json const summary{{"units", "SI: m, s, kg, m/s, J, Pa"},
-                               {"gauges", nlohmann::json::array()},
-                               {"burst", "none"},
-                               {"point_gauges", std::move(point_gauges)},
-                               {"bodies", std::move(body_list)}};
+  return {{"point_gauges", std::move(point_gauges)}, {"bodies", std::move(body_list)}};
+}
+
+void write_point_summary(fs::path const& folder, run::World const& world, std::vector<std::string> const& files) {
+  nlohmann::json summary{{"units", "SI: m, s, kg, m/s, J, Pa"}, {"gauges", nlohmann::json::array()}, {"burst", "none"}};
+  summary.update(write_point_table(folder / "summary.csv", world, files));
   replace_file(folder / "summary.json", summary.dump(2) + "\n");
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,10 @@ class PointGaugeFiles {
   std::vector<std::size_t> written_;  ///< records of each gauge
   std::size_t energies_ = 0;          ///< rows
 };
+
+/// Writes the table of the gauges on points and bodies, and returns the same as the lists "point_gauges" and "bodies".
+[[nodiscard]] nlohmann::json write_point_table(std::filesystem::path const& path, run::World const& world,
+                                               std::vector<std::string> const& files);
 
 /// Writes `summary.csv` and `summary.json` of a run of material points.
 void write_point_summary(std::filesystem::path const& folder, run::World const& world,

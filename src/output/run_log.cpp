@@ -2,6 +2,7 @@
 
 #include <hdf5.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -88,22 +89,23 @@ json points(run::World const& world, double wall_seconds) {
   json bodies = json::array();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     auto const& report = world.bodies[b];
-    auto const& body = world.setup.points.bodies[b];
+    bool const gas = static_cast<int>(b) == world.gas_body();
+    auto const* body = gas ? nullptr : &world.setup.points.bodies[b];
     bodies.push_back({{"name", report.name},
                       {"material", report.material},
-                      {"source", body.solid.source},
+                      {"source", gas ? world.setup.ambient.fluid.source : body->solid.source},
                       {"points", report.points},
-                      {"points_per_direction", body.points_per_direction},
+                      {"points_per_direction", p.bodies()[b].points_per_direction},
                       {"mass", json_or_null(report.mass)},
                       {"geometric_mass", json_or_null(report.geometric_mass)},
-                      {"velocity", body.velocity},
-                      {"rigid", body.rigid}});
+                      {"velocity", gas ? world.setup.ambient.state.velocity : body->velocity},
+                      {"rigid", !gas && body->rigid}});
   }
   auto const& a = world.audit;
   auto const energy = world.energy_balance();
   auto const& impulse = p.constraint_impulse();
   double const count = static_cast<double>(p.point_count());
-  double const updates = count * static_cast<double>(world.clock.step);
+  double const updates = count * static_cast<double>(world.clock.point_steps);
   return {{"count", p.point_count()},
           {"bytes", p.bytes()},
           {"shape_function", name_of(o.shape)},
@@ -140,6 +142,48 @@ json points(run::World const& world, double wall_seconds) {
               {"drift", json_or_null(energy.drift())},
               {"work", json_or_null(energy.work)}}},
             {"lost_points", p.losses().points}}}};
+}
+
+json ledger(bridge::Ledger const& l) {
+  return {{"mass", {json_or_null(l.mass[0]), json_or_null(l.mass[1])}},
+          {"momentum", {json_or_null(l.momentum[0]), json_or_null(l.momentum[1]), json_or_null(l.momentum[2])}},
+          {"energy", json_or_null(l.energy)}};
+}
+
+/// What a run of gas and points together has beside both.
+json mpm_region(run::World const& world, double wall_seconds) {
+  bridge::Bridge const& bridge = *world.bridge;
+  bridge::Region const& region = bridge.region();
+  run::MpmRegion const& settings = *world.setup.mpm_region;
+  json boxes = json::array();
+  for (auto const& box : settings.boxes) boxes.push_back({{"lower", box.lower}, {"upper", box.upper}});
+  auto const bridges =
+      std::count_if(region.faces().begin(), region.faces().end(), [](auto const& f) { return !f.open; });
+  auto const time = world.timings.find("bridge");
+  double const seconds = time == world.timings.end() ? 0.0 : time->second;
+  auto const energy = world.energy_balance();
+  return {{"boxes", std::move(boxes)},
+          {"cells", region.cells().size()},
+          {"bridge_faces", bridges},
+          {"width", region.width()},
+          {"transport", bridge.options().transport == bridge::Transport::ledger ? "ledger" : "paper"},
+          {"points_per_direction", bridge.options().points_per_direction},
+          {"transfer", name_of(settings.transfer)},
+          {"order", name_of(settings.order)},
+          {"awake_since", world.awake_since ? json(*world.awake_since) : json(nullptr)},
+          {"gas_steps", world.clock.gas_steps},
+          {"point_steps", world.clock.point_steps},
+          {"points_born", bridge.traffic().born},
+          {"points_left", bridge.traffic().left},
+          {"ledger", ledger(bridge.ledger())},
+          {"bridge_seconds", seconds},
+          {"bridge_share", wall_seconds > 0.0 ? seconds / wall_seconds : 0.0},
+          {"energy",
+           {{"initial", json_or_null(energy.initial)},
+            {"current", json_or_null(energy.current)},
+            {"outflow", json_or_null(energy.lost)},
+            {"work", json_or_null(energy.work)},
+            {"drift", json_or_null(energy.drift())}}}};
 }
 
 }  // namespace
@@ -188,7 +232,8 @@ json machine() {
 }
 
 json run_log(run::World const& world, RunStatus const& status) {
-  double const updates = static_cast<double>(world.setup.domain.cell_count()) * static_cast<double>(world.clock.step);
+  double const updates =
+      static_cast<double>(world.setup.domain.cell_count()) * static_cast<double>(world.clock.gas_steps);
   json timings = json::object();
   for (auto const& [phase, seconds] : world.timings) timings[phase] = json_or_null(seconds);
   bool const gas = world.gas != nullptr;
@@ -224,7 +269,8 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"audit", audit(world.audit)},
            {"versions", versions()},
            {"machine", machine()}};
-  if (!gas) log["points"] = points(world, status.wall_seconds);
+  if (world.points != nullptr) log["points"] = points(world, status.wall_seconds);
+  if (world.bridge != nullptr) log["mpm_region"] = mpm_region(world, status.wall_seconds);
   return log;
 }
 

@@ -27,9 +27,11 @@ double expected_bytes(run::World const& world, WriterOptions const& options) {
   run::Case const& setup = world.setup;
   auto const fields = dumped_fields(setup);
   bool const single = setup.output.single_precision;
-  double const dump = world.points != nullptr ? PointSeries::bytes_per_dump(
-                                                    static_cast<double>(world.points->point_count()), fields, single)
-                                              : FieldSeries::bytes_per_dump(setup.domain, fields, single);
+  double dump = FieldSeries::bytes_per_dump(setup.domain, fields, single);
+  if (world.points != nullptr) {
+    dump +=
+        PointSeries::bytes_per_dump(static_cast<double>(run::dumped_points(world)), dumped_point_fields(setup), single);
+  }
   return dump * static_cast<double>(dump_times(setup.output, setup.end.time).size()) *
              (options.compression > 0 ? expected_compression : 1.0) +
          options.checkpoint_bytes;
@@ -47,22 +49,10 @@ FieldSpec spec_of(std::string const& name, std::vector<run::FieldInfo> const& kn
   return {found->name, found->unit, found->components, found->meaning};
 }
 
-std::vector<FieldSpec> dumped_point_fields(run::Case const& setup) {
-  std::vector<FieldSpec> specs;
-  auto const& standing = run::standing_point_fields();
-  specs.reserve(standing.size() + setup.output.point_fields.size());
-  for (auto const& field : standing) specs.push_back(spec_of(field.name, standing));
-  for (auto const& name : setup.output.point_fields) {
-    bool const already = std::ranges::find(specs, name, &FieldSpec::name) != specs.end();
-    if (!already) specs.push_back(spec_of(name, run::known_point_fields()));
-  }
-  return specs;
-}
-
 }  // namespace
 
 std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
-  if (setup.points.any()) return dumped_point_fields(setup);
+  if (setup.points.any() && !setup.mpm_region) return {};
   std::vector<std::string> names = setup.output.fields;
   auto const add = [&names](char const* name) {
     if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
@@ -72,10 +62,27 @@ std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
     add("impulse");
   }
   if (!setup.obstacles.empty()) add("obstacle");
+  if (setup.mpm_region) {
+    add("region");
+    if (setup.points.any()) add("solid");
+  }
 
   std::vector<FieldSpec> specs;
   specs.reserve(names.size());
   for (auto const& name : names) specs.push_back(spec_of(name, run::known_fields()));
+  return specs;
+}
+
+std::vector<FieldSpec> dumped_point_fields(run::Case const& setup) {
+  std::vector<FieldSpec> specs;
+  if (!setup.points.any() && !(setup.mpm_region && setup.output.gas_points)) return specs;
+  auto const& standing = run::standing_point_fields();
+  specs.reserve(standing.size() + setup.output.point_fields.size());
+  for (auto const& field : standing) specs.push_back(spec_of(field.name, standing));
+  for (auto const& name : setup.output.point_fields) {
+    bool const already = std::ranges::find(specs, name, &FieldSpec::name) != specs.end();
+    if (!already) specs.push_back(spec_of(name, run::known_point_fields()));
+  }
   return specs;
 }
 
@@ -100,6 +107,7 @@ std::vector<double> dump_times(run::Output const& output, double end_time) {
 Writer::Writer(run::World const& world, fs::path folder, WriterOptions const& options)
     : folder_(prepared(std::move(folder), world, options)),
       fields_(dumped_fields(world.setup)),
+      point_fields_(dumped_point_fields(world.setup)),
       series_(folder_, {world.setup.output.single_precision, options.compression}),
       points_(folder_, {world.setup.output.single_precision, options.compression}),
       gauges_(folder_, world.gauges, world.setup.ambient.state.pressure),
@@ -111,13 +119,20 @@ Writer::Writer(run::World const& world, fs::path folder, WriterOptions const& op
 }
 
 void Writer::dump_fields(run::World const& world) {
-  if (world.points != nullptr) {
-    points_.dump(world.clock.time, world.clock.step, world.setup.domain.geometry, world.points->point_count(), fields_,
+  if (!point_fields_.empty()) {
+    points_.dump(world.clock.time, world.clock.step, world.setup.domain.geometry, run::dumped_points(world),
+                 point_fields_,
                  [&world](std::string const& field, std::vector<double>& out) { run::point_field(world, field, out); });
-  } else {
+  }
+  if (world.gas != nullptr) {
+    if (world.bridge != nullptr) {
+      if (view_ == nullptr) view_ = std::make_unique<run::GasView>(world, world.bridge->region().cells());
+      view_->update();
+      view_->update_solids();
+    }
     series_.dump(world.clock.time, world.clock.step, world.grid, fields_,
-                 [&world](int block, std::string const& field, std::vector<double>& out) {
-                   run::block_field(world, block, field, out);
+                 [this, &world](int block, std::string const& field, std::vector<double>& out) {
+                   run::block_field(world, block, field, out, view_.get());
                  });
   }
   write_log(world, "running", "", 0);
@@ -147,10 +162,13 @@ double Writer::wall_seconds() const {
 
 void Writer::finish(run::World const& world, std::string const& end_reason, int exit_code) {
   append_gauges(world);
-  if (world.points != nullptr) {
+  if (world.gas == nullptr) {
     write_point_summary(folder_, world, point_gauges_.names());
   } else {
-    write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names());
+    nlohmann::json const points = world.points == nullptr
+                                      ? nlohmann::json{}
+                                      : write_point_table(folder_ / "bodies.csv", world, point_gauges_.names());
+    write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names(), points);
   }
   write_log(world, exit_code == 0 ? "done" : "stopped", end_reason, exit_code);
 }

@@ -9,11 +9,13 @@
 ///     checkpoints/        the whole state, see checkpoint.hpp
 ///     summary.csv, .json  peaks, arrivals, durations, impulses of the gauges beside Kingery-Bulmash; of material
 ///                         points the displacements, velocities and energies
+///     bodies.csv          of calculations with gas and bodies: what summary.csv holds of material points alone
 #pragma once
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,7 @@
 #include "output/gauges.hpp"
 #include "output/point_gauges.hpp"
 #include "output/points.hpp"
+#include "run/gas_view.hpp"
 #include "run/world.hpp"
 
 namespace brisance::output {
@@ -38,7 +41,7 @@ class Writer {
   /// Prepares the folder and writes the deck and the first run log. Throws IoError.
   Writer(run::World const& world, std::filesystem::path folder, WriterOptions const& options = {});
 
-  /// Writes one dump of the gas fields or of the material points and brings the run log up to date.
+  /// Writes one dump of the gas fields, of the material points or of both, and brings the run log up to date.
   void dump_fields(run::World const& world);
 
   /// Appends what the gauges recorded since the last call.
@@ -60,6 +63,8 @@ class Writer {
 
   std::filesystem::path folder_;
   std::vector<FieldSpec> fields_;
+  std::vector<FieldSpec> point_fields_;
+  std::unique_ptr<run::GasView> view_;  ///< of all cells, made with the first dump
   FieldSeries series_;
   PointSeries points_;
   GaugeFiles gauges_;
@@ -69,10 +74,14 @@ class Writer {
   std::vector<long> resumed_at_;  ///< steps at which the run was taken up again
 };
 
-/// The fields that the dumps of a case hold. Of the gas: the asked ones, the peak fields where asked, the obstacle mask
-/// where there are obstacles. Of material points: position, body, material and the asked ones. Throws InputError for an
+/// The fields of the gas that the dumps of a case hold: the asked ones, the peak fields where asked, the obstacle mask
+/// where there are obstacles, region and solid where there is an MPM region. None without gas. Throws InputError for an
 /// unknown name.
 [[nodiscard]] std::vector<FieldSpec> dumped_fields(run::Case const& setup);
+
+/// Those of material points: position, body, material and the asked ones. None where no points are dumped. Throws
+/// InputError for an unknown name.
+[[nodiscard]] std::vector<FieldSpec> dumped_point_fields(run::Case const& setup);
 
 /// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end.
 /// Times closer than 1e-9 of the end time are one.

@@ -100,6 +100,7 @@ double stable_step(World const& w) {
 
 double advance(World& w, double latest) {
   if (w.bridge != nullptr && w.bridge->wake()) {
+    if (!w.awake_since) w.awake_since = w.clock.time;
     PhaseTimer const timer(w.timings["bridge"]);
     w.bridge->read_cells();
   }

@@ -154,6 +154,7 @@ struct Output {
   std::vector<std::string> fields{"pressure", "density", "velocity", "products"};
   /// Fields of the material points beside position, body and material.
   std::vector<std::string> point_fields{"velocity", "displacement", "pressure", "mises", "plastic_strain", "damage"};
+  bool gas_points = false;  ///< dump the gas points of an MPM region too
 };
 
 struct End {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/timer.hpp"
+#include "run/gas_view.hpp"
 #include "run/point_fields.hpp"
 #include "run/world.hpp"
 
@@ -113,26 +114,36 @@ void World::sample_gauges() {
   if (gauges.empty() && points == nullptr) return;
   PhaseTimer const timer(timings["gauges"]);
   if (points != nullptr) sample_points();
+  if (gauges.empty()) return;
+  if (gauge_view_ == nullptr) {
+    std::vector<Index3> cells;
+    for (GaugeHistory const& history : gauges) {
+      Stencil const s = stencil_at(setup.domain, history.gauge.position);
+      cells.insert(cells.end(), s.cells.begin(), s.cells.end());
+    }
+    gauge_view_ = std::make_unique<GasView>(*this, cells);
+  }
+  gauge_view_->update();
   for (GaugeHistory& history : gauges) {
     Stencil const s = stencil_at(setup.domain, history.gauge.position);
-    std::vector<gas::Primitive> const states = gas->gather(s.cells);
     GaugeRecord record;
     record.time = clock.time;
     double sum = 0.0;
-    for (std::size_t n = 0; n < states.size(); ++n) {
-      int const b = grid.block_of(s.cells[n]);
-      Index3 const& o = grid.blocks()[b].origin;
-      if (gas->is_obstacle(b, s.cells[n][0] - o[0], s.cells[n][1] - o[1], s.cells[n][2] - o[2])) continue;
+    for (std::size_t n = 0; n < s.cells.size(); ++n) {
+      auto const seen = gauge_view_->at(s.cells[n]);
+      if (!seen) continue;
       double const weight = s.weights[n];
       sum += weight;
-      record.pressure += weight * states[n].pressure;
-      record.density += weight * states[n].density;
-      record.velocity = record.velocity + weight * states[n].velocity;
+      record.pressure += weight * seen->state.pressure;
+      record.density += weight * seen->state.density;
+      record.velocity = record.velocity + weight * seen->state.velocity;
     }
     if (sum > 0.0) {
       record.pressure /= sum;
       record.density /= sum;
       record.velocity = (1.0 / sum) * record.velocity;
+    } else {
+      record.pressure = setup.ambient.state.pressure;  // a body has come over the gauge
     }
     history.records.push_back(record);
   }

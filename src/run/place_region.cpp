@@ -18,6 +18,7 @@ using mpm::Field;
 /// Cells beside the bodies in a box that the program chooses: the bridge, two layers that solids keep clear of, and
 /// room for the bodies to move.
 constexpr int usual_room = 8;
+constexpr double most_cells = 5e7;  // of a region: 8 points in each fill 100 GB
 
 /// Layers of cells outside the region that give the nodes there all they need: B-splines of points near the face reach
 /// nodes one cell outside, and these reach as far again.
@@ -47,7 +48,7 @@ bridge::CellBox cells_of(grid::Domain const& domain, shape::Box const& box) {
 
 bridge::CellBox box_around_bodies(Case const& setup) {
   grid::Domain const& domain = setup.domain;
-  int const margin = setup.mpm_region->margin > 0 ? setup.mpm_region->margin : setup.mpm_region->width + 2 + usual_room;
+  int const margin = margin_of(*setup.mpm_region);
   bridge::CellBox cells;
   for (int d = 0; d < domain.dimensions(); ++d) {
     double low = domain.upper(d);
@@ -162,8 +163,23 @@ void check_neighbours(World const& w) {
 
 }  // namespace
 
+int margin_of(MpmRegion const& region) { return region.margin > 0 ? region.margin : region.width + 2 + usual_room; }
+
 bridge::Region region_of(Case const& setup) {
-  return {setup.domain, boxes_of(setup), setup.mpm_region->width, lent_layers(setup.points.options.shape)};
+  std::vector<bridge::CellBox> const boxes = boxes_of(setup);
+  double cells = 0.0;
+  for (bridge::CellBox const& box : boxes) {
+    double count = 1.0;
+    for (int d = 0; d < setup.domain.dimensions(); ++d) count *= std::max(0, box.upper[d] - box.lower[d]);
+    cells += count;
+  }
+  if (cells > most_cells) {
+    throw InputError(
+        fmt::format("the MPM region has {:.4g} cells; allowed: at most {:.3g}: make it smaller, or the "
+                    "cells larger",
+                    cells, most_cells));
+  }
+  return {setup.domain, boxes, setup.mpm_region->width, lent_layers(setup.points.options.shape)};
 }
 
 void place_region(World& w) {

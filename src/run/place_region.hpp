@@ -5,6 +5,9 @@
 
 namespace brisance::run {
 
+/// Cells between the bodies and the faces of a box that the program chooses.
+[[nodiscard]] int margin_of(MpmRegion const& region);
+
 /// The cells of the region: the boxes of the case, or the smallest box around the bodies with a margin. Throws
 /// InputError where faces of a box do not lie on the grid or the region does not fit the domain.
 [[nodiscard]] bridge::Region region_of(Case const& setup);

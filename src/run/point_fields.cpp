@@ -31,6 +31,7 @@ std::optional<Field> kept(std::string const& name) {
       {"plastic_work", Field::plastic_work},
       {"temperature", Field::temperature},
       {"damage", Field::damage},
+      {"products", Field::mass_fraction},
   };
   auto const found = fields.find(name);
   if (found == fields.end()) return std::nullopt;
@@ -103,6 +104,7 @@ std::vector<FieldInfo> const& known_point_fields() {
       {"damage", "1", 1, "damage, 1: failed"},
       {"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
       {"mass", "kg", 1, "mass of the point"},
+      {"products", "1", 1, "mass fraction of the second fluid (detonation products) in gas points"},
       {"identity", "1", 1, "number of the point within its body"},
       {"viscosity", "Pa", 1, "bulk viscosity q of the last step"},
   };
@@ -128,13 +130,26 @@ double mises_of(mpm::PointSet const& set, int q) {
   return std::sqrt(1.5 * sum);
 }
 
+int dumped_bodies(World const& w) {
+  int const count = static_cast<int>(w.points->bodies().size());
+  return w.gas_body() >= 0 && !w.setup.output.gas_points ? count - 1 : count;
+}
+
+long dumped_points(World const& w) {
+  long count = 0;
+  for (int block = 0; block < w.points->grid().block_count(); ++block) {
+    for (int body = 0; body < dumped_bodies(w); ++body) count += w.points->points(block, body).size();
+  }
+  return count;
+}
+
 void point_field(World const& w, std::string const& name, std::vector<double>& out) {
   int const components = info_of(name).components;
   mpm::Mpm const& points = *w.points;
-  out.assign(static_cast<std::size_t>(points.point_count()) * components, 0.0);
+  out.assign(static_cast<std::size_t>(dumped_points(w)) * components, 0.0);
   auto const field = kept(name);
   double* at = out.data();
-  int const bodies = static_cast<int>(points.bodies().size());
+  int const bodies = dumped_bodies(w);
   for (int block = 0; block < points.grid().block_count(); ++block) {
     for (int body = 0; body < bodies; ++body) {
       mpm::PointSet const& set = points.points(block, body);

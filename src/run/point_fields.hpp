@@ -15,8 +15,14 @@ namespace brisance::run {
 /// of the first body of the same material).
 [[nodiscard]] std::vector<FieldInfo> const& standing_point_fields();
 
-/// Values of a field of either list at all points, components interleaved: block by block, within a block body by body.
-/// A field that a body does not carry is 0 there. `out` is resized. Throws InputError for an unknown name.
+/// Number of bodies whose points are dumped: all, or all but the gas, which is the last.
+[[nodiscard]] int dumped_bodies(World const& world);
+/// Number of their points.
+[[nodiscard]] long dumped_points(World const& world);
+
+/// Values of a field of either list at all points that are dumped, components interleaved: block by block, within a
+/// block body by body. A field that a body does not carry is 0 there. `out` is resized. Throws InputError for an
+/// unknown name.
 void point_field(World const& world, std::string const& name, std::vector<double>& out);
 
 /// Equivalent stress (von Mises) of one point [Pa]; 0 without a deviator.

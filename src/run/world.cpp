@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "core/timer.hpp"
+#include "run/gas_view.hpp"
 #include "run/place_bodies.hpp"
 #include "run/place_region.hpp"
 
@@ -160,10 +161,13 @@ World::World(Case c) : setup(std::move(c)), grid(setup.domain, setup.numerics.bl
     place_gas(*this);
     if (setup.mpm_region) place_region(*this);
     gas->start();
+    if (bridge != nullptr && bridge->awake()) awake_since = 0.0;
   }
   audit.initial = totals();
   audit.current = audit.initial;
 }
+
+World::~World() = default;
 
 bool World::finished() const {
   bool const time_over = clock.time >= setup.end.time * (1.0 - 1e-12);
@@ -209,11 +213,25 @@ std::vector<FieldInfo> const& known_fields() {
       {"peak_overpressure", "Pa", 1, "largest overpressure so far"},
       {"impulse", "Pa s", 1, "largest running overpressure impulse so far"},
       {"obstacle", "1", 1, "1 in rigid obstacles"},
+      {"region", "1", 1, "0: gas cells, 1: bridge of the MPM region, 2: points"},
+      {"solid", "1", 1, "part of the cell that bodies of the MPM region fill"},
   };
   return fields;
 }
 
-void block_field(World const& w, int b, std::string const& name, std::vector<double>& out) {
+namespace {
+
+/// 0: gas cells, 1: bridge, 2: points.
+double part_of_region(World const& w, Index3 const& cell) {
+  if (w.bridge == nullptr) return 0.0;
+  bridge::Region const& region = w.bridge->region();
+  int const layer = region.layer(cell);
+  return layer == 0 ? 0.0 : layer <= region.width() ? 1.0 : 2.0;
+}
+
+}  // namespace
+
+void block_field(World const& w, int b, std::string const& name, std::vector<double>& out, GasView const* view) {
   auto const& fields = known_fields();
   auto const info = std::find_if(fields.begin(), fields.end(), [&](FieldInfo const& f) { return f.name == name; });
   if (info == fields.end()) throw InputError(fmt::format("there is no field \"{}\"", name));
@@ -237,10 +255,27 @@ void block_field(World const& w, int b, std::string const& name, std::vector<dou
     for (int j = 0; j < block.n[1]; ++j) {
       for (int i = 0; i < block.n[0]; ++i) {
         int const at = block.offset(i, j, k);
-        if (name == "obstacle") {
+        Index3 const cell{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k};
+        bool const points = view != nullptr && view->in_points(cell);
+        if (name == "region") {
+          out[at] = part_of_region(w, cell);
+        } else if (name == "solid") {
+          out[at] = view == nullptr ? 0.0 : view->solid_at(cell);
+        } else if (name == "obstacle") {
           out[at] = w.gas->is_obstacle(b, i, j, k) ? 1.0 : 0.0;
         } else if (name == "burn_fraction") {
           out[at] = w.gas->burn_fraction(b, i, j, k);
+        } else if (points) {
+          auto const gas = view->at(cell);
+          if (!gas) {
+            if (name == "pressure") out[at] = w.setup.ambient.state.pressure;
+          } else if (name == "energy") {
+            out[at] = gas->energy;
+          } else if (name == "velocity") {
+            std::copy(gas->state.velocity.begin(), gas->state.velocity.end(), out.begin() + 3L * at);
+          } else {
+            out[at] = value(gas->state);
+          }
         } else if (name == "energy") {
           out[at] = w.gas->fields().at(b, gas::energy)[at];
         } else if (name == "velocity") {

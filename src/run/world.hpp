@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -141,13 +142,16 @@ struct FieldInfo {
 
 /// All fields that a run can write: pressure, overpressure, density, velocity, energy, sound_speed, mach, products
 /// (mass fraction of the second fluid), volume_fraction, burn_fraction, peak_overpressure, impulse (largest running
-/// overpressure impulse), obstacle.
+/// overpressure impulse), obstacle, region, solid.
 [[nodiscard]] std::vector<FieldInfo> const& known_fields();
+
+class GasView;
 
 class World {
  public:
   /// Builds the initial state. Throws InputError where the case cannot be realised (charge over a symmetry plane, ...).
   explicit World(Case setup);
+  ~World();
   World(World const&) = delete;
   World& operator=(World const&) = delete;
 
@@ -166,6 +170,7 @@ class World {
   /// next thousandth of the end time or the end itself is reached.
   std::vector<std::vector<BodyRecord>> body_histories;
   Timings timings;
+  std::optional<double> awake_since;  ///< when the MPM region woke [s]
 
   [[nodiscard]] bool finished() const;
   /// Number of cells of the blocks that are awake.
@@ -187,11 +192,14 @@ class World {
  private:
   [[nodiscard]] Totals gas_totals() const;
   void sample_points();
+  std::unique_ptr<GasView> gauge_view_;  ///< made with the first sample
 };
 
-/// Values of a field in one block: x fastest, components interleaved; `out` is resized. Throws InputError for an
-/// unknown name.
-void block_field(World const& world, int block, std::string const& field, std::vector<double>& out);
+/// Values of a field in one block: x fastest, components interleaved; `out` is resized. With a view of all cells those
+/// that points hold show the gas of the points, and where there is none the ambient pressure and else 0. Throws
+/// InputError for an unknown name.
+void block_field(World const& world, int block, std::string const& field, std::vector<double>& out,
+                 GasView const* view = nullptr);
 
 /// Largest stable time step of the present state [s].
 [[nodiscard]] double stable_step(World const& world);

@@ -468,6 +468,60 @@ TEST(GoodDecks, SizeUpToTheLimitOfTheIndicesIsRead) {
   EXPECT_EQ(c.domain.cells, (Index3{1280, 1280, 1280}));
 }
 
+TEST(GoodDecks, EveryKeyOfTheMpmRegionArrives) {
+  run::Case const c = read_good("all_region.toml");
+  ASSERT_TRUE(c.mpm_region);
+  run::MpmRegion const& r = *c.mpm_region;
+  ASSERT_EQ(r.boxes.size(), 2U);
+  EXPECT_EQ(r.boxes[0].lower[0], 1.0);
+  EXPECT_EQ(r.boxes[0].upper[1], 0.5);
+  EXPECT_EQ(r.boxes[1].lower[0], 1.5);
+  EXPECT_EQ(r.width, 3);
+  EXPECT_EQ(r.transport, bridge::Transport::paper);
+  EXPECT_EQ(r.points_per_direction, 2);
+  EXPECT_EQ(r.activation, 250.0);
+  EXPECT_FALSE(r.subcycling);
+  EXPECT_EQ(r.transfer, mpm::Transfer::xpic);
+  EXPECT_EQ(r.order, mpm::StressOrder::musl);
+  EXPECT_EQ(r.linear_viscosity, 0.01);
+  EXPECT_EQ(r.quadratic_viscosity, 2.0);
+  EXPECT_EQ(r.shock_conduction, 0.3);
+  EXPECT_EQ(r.population_interval, 9);
+  EXPECT_EQ(r.reference_pressure, 9e4);
+  EXPECT_TRUE(c.output.gas_points);
+  EXPECT_EQ(c.charges.size(), 1U);
+  EXPECT_EQ(c.obstacles.size(), 1U);
+  ASSERT_EQ(c.points.bodies.size(), 1U);
+  EXPECT_EQ(c.gauges.size(), 1U);
+  EXPECT_EQ(c.points.gauges.size(), 1U);
+  EXPECT_EQ(c.burst, run::Burst::none);  // bodies reflect
+}
+
+TEST(GoodDecks, WhereGasAndBodiesMeetThereIsAnMpmRegion) {
+  std::string const domain = "[end]\ntime = 1e-3\n[domain]\nsize = [4, 4, 4]\ncell = 0.05\n";
+  std::string const body = "[[body]]\nmaterial = \"RHA\"\nradius = 0.2\nposition = [2, 2, 2]\nvelocity = [1, 0, 0]\n";
+  EXPECT_FALSE(read(domain + body).mpm_region);
+  for (std::string const gas :
+       {"[mpm_region]\n", "[[charge]]\nmass = 0.1\nposition = [0.15, 0.15, 0.15]\n",
+        "[[region]]\nshape = \"sphere\"\nradius = 0.1\npressure = 2e5\n",
+        "[[obstacle]]\nradius = 0.05\nposition = [0.1, 0.1, 0.1]\n", "[[gauge]]\npoint = [0, 0, 0]\n"}) {
+    run::Case const c = read(domain + "[mpm_region]\nmargin = 9\n" + (gas[1] == 'm' ? "" : gas) + body);
+    EXPECT_TRUE(c.mpm_region && c.mpm_region->boxes.empty()) << gas;
+    EXPECT_EQ(c.mpm_region->margin, 9);
+  }
+  // Without the table the box has the usual margin.
+  auto const only = deck::read_text(domain + "[[gauge]]\npoint = [0, 0, 0]\n" + body, "d");
+  ASSERT_TRUE(only.case_ && only.case_->mpm_region);
+  ASSERT_EQ(only.warnings.size(), 1U);
+  EXPECT_NE(only.warnings[0].find("d:6:3: warning: gauge: gauges in the gas put the bodies into"), std::string::npos)
+      << only.warnings[0];
+  // Gas points alone.
+  run::Case const gas = read(domain +
+                             "[mpm_region]\nbox = {lower = [1, 0, 0], upper = [2, 4, 4]}\n[[charge]]\nmass = 0.1\n"
+                             "position = [0.5, 1, 1]\n");
+  EXPECT_TRUE(gas.mpm_region && gas.mpm_region->boxes.size() == 1 && !gas.points.any());
+}
+
 TEST(GoodDecks, WarningsNameWhatIsDoubtful) {
   auto const idle = deck::read_text(small_domain, "d");
   ASSERT_EQ(idle.warnings.size(), 1U);
@@ -491,13 +545,13 @@ TEST(GoodDecks, WarningsNameWhatIsDoubtful) {
   EXPECT_EQ(
       warnings(ball + "velocity = [1, 0, 0]\n[points]\npic_fraction = 0.1\ntransfer = \"apic\"\nxpic_order = 3\n" +
                "[ambient]\n[numerics]\n[output]\nfields = [\"pressure\"]\n"),
-      "d:15:2: warning: ambient: has no effect in a deck with bodies, which has no gas; [points] holds what concerns "
-      "them\n"
-      "d:16:2: warning: numerics: has no effect in a deck with bodies, which has no gas; [points] holds what "
-      "concerns them\n"
+      "d:15:2: warning: ambient: has no effect: nothing in this deck is of gas, and its bodies move in empty space; "
+      "with [mpm_region] they stand in the ambient gas\n"
+      "d:16:2: warning: numerics: has no effect: nothing in this deck is of gas, and its bodies move in empty space; "
+      "with [mpm_region] they stand in the ambient gas\n"
       "d:12:16: warning: points.pic_fraction: has an effect only with transfer = \"flip\"\n"
       "d:14:14: warning: points.xpic_order: has an effect only with transfer = \"xpic\"\n"
-      "d:18:10: warning: output.fields: has no effect in a deck with bodies, which has no gas\n");
+      "d:18:10: warning: output.fields: has no effect in a deck of bodies without gas\n");
   std::string const steel = warnings("[[body]]\nmaterial = \"steel\"\nradius = 0.2\nposition = [1, 1, 1]\n");
   EXPECT_EQ(steel.substr(0, 79), "d:7:12: warning: body[1].material: \"steel\" is a fluid without strength; solids ")
       << steel;

@@ -1,0 +1,245 @@
+/// Tables of the domain and of the gas: ambient, charges, gauges, obstacles, regions, numerics.
+#include <fmt/format.h>
+
+#include "deck/schema_keys.hpp"
+#include "run/case.hpp"
+
+namespace brisance::deck {
+
+Table const& domain_table() {
+  static Table const table{
+      "The grid: a box of cubic cells.",
+      {word("geometry", {"cartesian3d", "planar2d", "axisymmetric2d", "planar1d", "cylindrical1d", "spherical1d"})
+           .of("cartesian3d")
+           .like("\"cartesian3d\"")
+           .means("Resolved directions and symmetry. In axisymmetric2d x is the radius and y the axis; in "
+                  "cylindrical1d and "
+                  "spherical1d x is the radius"),
+       number("cell", "m", smallest, 1e4).required().like("\"50 mm\"").means("Edge h of the cubic cells"),
+       position("lower").note("the origin").like("[0, 0, 0]").means("Low corner"),
+       position("upper").note("from `size`").like("[4, 4, 3]").means("High corner; `upper` or `size` is needed"),
+       typed(Type::point, "size", "m", smallest, 2.0 * far)
+           .note("from `upper`")
+           .like("[4, 4, 3]")
+           .means("Extent, a whole number of cells in each direction; `upper` or `size` is needed")},
+      {},
+      {}};
+  return table;
+}
+
+std::vector<std::string> const& faces() {
+  static std::vector<std::string> const names{"x_low", "x_high", "y_low", "y_high", "z_low", "z_high"};
+  return names;
+}
+
+Table const& boundaries_table() {
+  static Table const table = [] {
+    std::vector<std::string> const kinds{"outflow", "wall", "symmetry", "inflow", "periodic"};
+    Table t{
+        "What happens at the faces of the domain: `outflow` lets waves out, `wall` is rigid (the ground), `symmetry` "
+        "is a "
+        "mirror plane, `inflow` holds the state given in `[inflow.FACE]`, `periodic` joins opposite faces.",
+        {},
+        {},
+        {}};
+    t.keys.push_back(word("all", kinds).of("outflow").like("\"outflow\"").means("All faces that are not named"));
+    for (auto const& face : faces()) {
+      t.keys.push_back(
+          word(face, kinds)
+              .note(face == "x_low" ? "as `all`; `symmetry` where x is a radius and x_low lies at 0" : "as `all`")
+              .like("\"symmetry\"")
+              .means(fmt::format("Face at the {} end of {}", face.substr(2), face.substr(0, 1))));
+    }
+    return t;
+  }();
+  return table;
+}
+
+Table const& inflow_table() {
+  static Table const table{
+      "State of the ambient fluid that enters through a face whose boundary is `inflow`.",
+      {density().note("that of the ambient").means("Density"), pressure().note("that of the ambient").means("Pressure"),
+       velocity().required().means("Velocity")},
+      {},
+      {}};
+  return table;
+}
+
+Table const& ambient_table() {
+  static Table const table{
+      "The fluid that fills the domain before anything happens.",
+      {typed(Type::text, "fluid").of("air").like("\"air\"").means("A fluid of the library or of `[fluids.NAME]`"),
+       pressure().note("that of the fluid, 101325 Pa for air").means("Pressure"),
+       density().note("that of the fluid, 1.225 kg/m3 for air").means("Density"),
+       number("temperature", "K", 1.0, 1e4)
+           .note("288.15 K for air")
+           .like("\"15 degC\"")
+           .means("Instead of `density`, for ideal gases: the density follows from that of the fluid's own table, "
+                  "which is "
+                  "taken to hold at 288.15 K"),
+       velocity().note("at rest").means("Velocity")},
+      {},
+      {}};
+  return table;
+}
+
+Table const& initiation_table() {
+  static Table const table{"A point of initiation.",
+                           {position("position").note("the charge's `position`").like("[0, 0, 1.5]").means("Where"),
+                            number("delay", "s", 0.0, longest).of(0.0).like("\"2 us\"").means("When, after the start")},
+                           {},
+                           {}};
+  return table;
+}
+
+Table const& charge_table() {
+  static Table const table = [] {
+    Table t{
+        "An explosive charge. Give its `mass` or its size, or both where they agree within 0.1 %. The mass is that of "
+        "the "
+        "whole body, also where symmetry planes pass through its centre; in planar2d and cylindrical1d it is per "
+        "metre, in "
+        "planar1d per square metre.",
+        {typed(Type::text, "explosive")
+             .of("TNT")
+             .like("\"TNT\"")
+             .means("An explosive of the library or of `[explosives.NAME]`; all charges of a deck have the same"),
+         number("mass", "kg", 1e-12, 1e12)
+             .or_unit("kg/m")
+             .or_unit("kg/m2")
+             .note("from the size")
+             .like("\"10 kg\"")
+             .means("Mass of the whole body")},
+        {},
+        {}};
+    t.keys = joined(t.keys, shape_keys({"sphere", "hemisphere", "cylinder", "box"}));
+    t.keys = joined(t.keys, {number("length_to_diameter", "1", 1e-3, 1e3)
+                                 .note("from `length`")
+                                 .like("1.0")
+                                 .means("Of a cylinder that is given by its mass; instead of `length` or `radius`"),
+                             word("detonation", {"programmed", "instantaneous"})
+                                 .of("programmed")
+                                 .like("\"programmed\"")
+                                 .means("`programmed`: a detonation front runs from the points of initiation at the "
+                                        "listed speed; `instantaneous`: "
+                                        "the products stand at the charge's density and energy at the start"),
+                             nested(Type::tables, "initiation", initiation_table())
+                                 .note("one point at `position`, at time 0")
+                                 .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
+                                 .means("Points of initiation of a programmed detonation")});
+    return t;
+  }();
+  return table;
+}
+
+namespace {
+
+Table const& line_table() {
+  static Table const table{"Gauges at equal distances on a line.",
+                           {position("from").required().like("[1, 0, 0]").means("First gauge"),
+                            position("to").required().like("[5, 0, 0]").means("Last gauge"),
+                            typed(Type::integer, "count", "1", 2, 1e5).required().like("5").means("Number of gauges")},
+                           {},
+                           {}};
+  return table;
+}
+
+Table const& plane_table() {
+  static Table const table{
+      "Gauges on a parallelogram, from `origin` to `origin + edge1 + edge2`.",
+      {position("origin").required().like("[0, 0, 0]").means("Corner with the first gauge"),
+       position("edge1").required().like("[4, 0, 0]").means("First edge, as a vector"),
+       position("edge2").required().like("[0, 4, 0]").means("Second edge, as a vector"),
+       typed(Type::integers, "counts", "1", 2, 1e5).required().like("[5, 5]").means("Gauges along the two edges")},
+      {},
+      {}};
+  return table;
+}
+
+}  // namespace
+
+Table const& gauge_table() {
+  static Table const table{
+      "Gauges record in time. In the gas: pressure, density and velocity at a `point`, on a `line` or on a `plane`. "
+      "Of material points: `body` alone watches a body as a whole, `body` and `point` ride on the body's point that is "
+      "nearest at the start. At most 100000 in all.",
+      {typed(Type::name, "name")
+           .note("`g1`, `g2`, ...; lines and planes append `-1`, `-2`, ...")
+           .like("\"roof\"")
+           .means("Name"),
+       typed(Type::text, "body").like("\"plate\"").means("Name of a body that is watched"),
+       position("point").like("[2, 0, 1]").means("One gauge"),
+       nested(Type::table, "line", line_table())
+           .like("{from = [1, 0, 0], to = [5, 0, 0], count = 5}")
+           .means("Gauges on a line"),
+       nested(Type::table, "plane", plane_table())
+           .like("{origin = [0, 0, 0], edge1 = [4, 0, 0], edge2 = [0, 4, 0], counts = [5, 5]}")
+           .means("Gauges on a plane")},
+      {},
+      {}};
+  return table;
+}
+
+Table const& obstacle_table() {
+  static Table const table{"A rigid body inside the gas.",
+                           joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
+                                  shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
+                           {},
+                           {}};
+  return table;
+}
+
+Table const& region_table() {
+  static Table const table{
+      "A part of the domain with another state or fluid at the start; later regions overwrite earlier ones.",
+      joined(shape_keys({"sphere", "hemisphere", "cylinder", "box"}),
+             {typed(Type::text, "fluid")
+                  .note("that of the ambient")
+                  .like("\"helium\"")
+                  .means("Fluid. A deck has at most two: that of the ambient and one other, which is the explosive "
+                         "where there are "
+                         "charges"),
+              density().note("that of the ambient, or of the other fluid's table").means("Density"),
+              pressure().note("that of the ambient").means("Pressure"),
+              velocity().note("that of the ambient").means("Velocity")}),
+      {},
+      {}};
+  return table;
+}
+
+Table const& numerics_table() {
+  static run::Numerics const n;
+  static Table const table{
+      "The numerical method.",
+      {word("scheme", {"muscl-hancock", "lax-wendroff"})
+           .of("muscl-hancock")
+           .like("\"muscl-hancock\"")
+           .means("`muscl-hancock`: second-order Godunov scheme with the HLLC solver; `lax-wendroff`: the scheme of "
+                  "[Cui14] with "
+                  "adaptive viscosity"),
+       number("courant", "1", 0.01, 1.0).of(n.courant).like("0.8").means("Courant number"),
+       typed(Type::integer, "block_cells", "1", 0, 4096)
+           .of(0L)
+           .like("16")
+           .means("Cells per block and direction; 0: chosen by the program"),
+       typed(Type::boolean, "sleep")
+           .of(n.sleep)
+           .like("true")
+           .means("Skip blocks in which nothing happens; the result is the same"),
+       number("limiter_beta", "1", 1.0, 2.0)
+           .of(n.limiter_beta)
+           .like("1.5")
+           .means("Generalised monotonised-central limiter: 1 is minmod, 2 the steepest"),
+       typed(Type::boolean, "carbuncle_cure").of(n.carbuncle_cure).like("true").means("Blend to HLL along shocks"),
+       number("density_floor", "kg/m3", 1e-12, 1.0).of(n.density_floor).like("1e-6").means("Guard: smallest density"),
+       number("pressure_floor", "Pa", 1e-9, 1e4).of(n.pressure_floor).like("1e-3").means("Guard: smallest pressure"),
+       number("viscosity", "1", 0.0, 1.0)
+           .of(n.viscosity)
+           .like("0.5")
+           .means("lax-wendroff: constant eta of the artificial viscosity; 0: eta of [Cui14] Eq. (5)")},
+      {},
+      {}};
+  return table;
+}
+
+}  // namespace brisance::deck

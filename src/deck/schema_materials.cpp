@@ -1,0 +1,208 @@
+/// Tables of materials, in decks and material files.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "deck/schema_keys.hpp"
+#include "material/explosive.hpp"
+#include "material/solid.hpp"
+
+namespace brisance::deck {
+
+namespace {
+
+/// The parameter table of a model as keys of the schema.
+template <class Model>
+std::vector<Key> parameter_keys() {
+  std::vector<Key> keys;
+  for (auto const& p : Model::parameters()) {
+    Key key = number(std::string(p.key), std::string(p.unit), p.minimum, p.maximum);
+    key.means(std::string(p.meaning));
+    Model const model{};
+    key.like(fmt::format("{}", model.*p.member));
+    if (std::isnan(p.default_value)) {
+      key.required();
+    } else {
+      key.of(p.default_value);
+    }
+    keys.push_back(std::move(key));
+  }
+  return keys;
+}
+
+/// Those of a model of a solid: what the solid's own keys tell may be left out.
+template <class Model>
+std::vector<Key> solid_parameter_keys() {
+  auto keys = parameter_keys<Model>();
+  for (auto& key : keys) {
+    if (key.name == "rho0") {
+      key.needed = false;
+      key.note("the solid's `density`");
+    }
+    if (key.name == "K" || key.name == "G") {
+      key.needed = false;
+      key.note("from the solid's `E` and `nu`");
+    }
+  }
+  return keys;
+}
+
+}  // namespace
+
+namespace {
+
+Table const& tnt_equivalent_table() {
+  static Table const table{
+      "Mass of TNT with the same effect per mass of the explosive.",
+      {number("pressure", "1", 0.01, 100.0).note("unknown").like("1.37").means("For peak overpressure"),
+       number("impulse", "1", 0.01, 100.0).note("unknown").like("1.19").means("For impulse and times"),
+       typed(Type::text, "source").of("").like("\"TM 5-855-1\"").means("Source of the two numbers")},
+      {},
+      {}};
+  return table;
+}
+
+}  // namespace
+
+std::vector<Key> explosive_keys() {
+  return {
+      word("eos", {material::Jwl::name})
+          .of(material::Jwl::name)
+          .like("\"jwl\"")
+          .means("Equation of state of the products"),
+      number("energy", "J/m3", 1e6, 1e12)
+          .required()
+          .like("\"6.993 GJ/m3\"")
+          .means("Energy E0 per unit volume of the unreacted explosive"),
+      number("detonation_speed", "m/s", 100.0, 2e4).required().like("6930").means("Chapman-Jouguet detonation speed D"),
+      number("cj_pressure", "Pa", 1e6, 1e12).required().like("\"21 GPa\"").means("Chapman-Jouguet pressure"),
+      nested(Type::table, "tnt_equivalent", tnt_equivalent_table())
+          .note("unknown")
+          .like("{pressure = 1.37, impulse = 1.19}")
+          .means(
+              "TNT equivalents for the Kingery-Bulmash comparison, which leaves out what an unknown one decides; those "
+              "of TNT are 1")};
+}
+
+std::vector<Key> fluid_keys() {
+  return {word("eos", {material::IdealGas::name, material::StiffenedGas::name, material::MieGruneisen::name,
+                       material::Jwl::name})
+              .of(material::IdealGas::name)
+              .like("\"ideal_gas\"")
+              .means("Equation of state"),
+          density().required().means("Default density, for gases at 288.15 K"),
+          pressure().of(101325.0).means("Default pressure")};
+}
+
+std::map<std::string, std::vector<Key>> explosive_variants() {
+  return {{material::Jwl::name, parameter_keys<material::Jwl>()}};
+}
+
+std::map<std::string, std::vector<Key>> fluid_variants() {
+  return {{material::IdealGas::name, parameter_keys<material::IdealGas>()},
+          {material::StiffenedGas::name, parameter_keys<material::StiffenedGas>()},
+          {material::MieGruneisen::name, parameter_keys<material::MieGruneisen>()},
+          {material::Jwl::name, parameter_keys<material::Jwl>()}};
+}
+
+namespace {
+
+std::vector<Key> own_keys() {
+  return {typed(Type::text, "source").of("the deck").like("\"handbook, page 12\"").means("Source of the numbers")};
+}
+
+}  // namespace
+
+Table const& explosives_table() {
+  static Table const table{"An explosive of the deck's own, under the name NAME.", joined(explosive_keys(), own_keys()),
+                           "eos", explosive_variants()};
+  return table;
+}
+
+Table const& fluids_table() {
+  static Table const table{"A fluid of the deck's own, under the name NAME.", joined(fluid_keys(), own_keys()), "eos",
+                           fluid_variants()};
+  return table;
+}
+
+namespace {
+
+template <class... Models>
+Table model_table(std::string meaning, std::string explanation) {
+  return {std::move(meaning),
+          {word("model", {Models::name...})
+               .required()
+               .like(fmt::format("\"{}\"", [](char const* first, auto const*...) { return first; }(Models::name...)))
+               .means(std::move(explanation))},
+          "model",
+          {{Models::name, solid_parameter_keys<Models>()}...}};
+}
+
+Table const& solid_eos_table() {
+  static Table const table = model_table<material::Linear, material::MieGruneisen>(
+      "Equation of state of a solid: the pressure from density and energy.", "Equation of state");
+  return table;
+}
+Table const& strength_table() {
+  static Table const table =
+      model_table<material::Elastic, material::VonMises, material::JohnsonCook, material::NoStrength>(
+          "Strength of a solid: the rest of the stress.", "Strength model");
+  return table;
+}
+Table const& failure_table() {
+  static Table const table = model_table<material::JohnsonCookFailure, material::NoFailure>(
+      "Failure of a solid: growing damage, at 1 neither shear stress nor tension.", "Failure model");
+  return table;
+}
+
+}  // namespace
+
+std::vector<Key> solid_keys() {
+  static material::Solid const s;
+  return {density().required().like("2700").means("Density at the start"),
+          number("E", "Pa", 1.0, 1e13)
+              .note("from `G` and `K`")
+              .like("\"70 GPa\"")
+              .means("Young's modulus; together with `nu` it gives `K` of the linear equation of state and `G` of the "
+                     "strength"),
+          number("nu", "1", -0.9, 0.4999).note("from `G` and `K`").like("0.33").means("Poisson's ratio"),
+          number("specific_heat", "J/kg/K", 0.0, 1e6)
+              .of(s.specific_heat)
+              .like("896")
+              .means("Specific heat; 0: plastic work does not heat"),
+          number("temperature", "K", 0.0, 1e5).of(s.temperature).like("293").means("Temperature at the start"),
+          number("taylor_quinney", "1", 0.0, 1.0)
+              .of(s.taylor_quinney)
+              .like("0.9")
+              .means("Part of the plastic work that heats"),
+          number("minimum_pressure", "Pa", -1e13, 0.0)
+              .note("none")
+              .like("\"-2 GPa\"")
+              .means("Tension cut-off (spall): the pressure never falls below it"),
+          nested(Type::table, "eos", solid_eos_table())
+              .note("`linear` from `E` and `nu`")
+              .like("{model = \"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}")
+              .means("Equation of state"),
+          nested(Type::table, "strength", strength_table())
+              .note("`elastic` where `E` and `nu` are given, else none")
+              .like("{model = \"von_mises\", yield = \"200 MPa\"}")
+              .means("Strength"),
+          nested(Type::table, "failure", failure_table())
+              .note("none")
+              .like("{model = \"johnson_cook\", D1 = 0.54, D2 = 4.89, D3 = -3.03, D4 = 0.014, D5 = 1.12}")
+              .means("Failure")};
+}
+
+Table const& solids_table() {
+  static Table const table{"A solid of the deck's own, under the name NAME.", joined(solid_keys(), own_keys()), {}, {}};
+  return table;
+}
+
+std::vector<Key> file_keys(char const* kind) {
+  return {word("kind", {kind}).required().like(fmt::format("\"{}\"", kind)).means("Kind of material"),
+          typed(Type::text, "name").required().like("\"TNT\"").means("Name"),
+          typed(Type::names, "aliases").note("none").like("[\"trotyl\"]").means("Other names"),
+          typed(Type::text, "source").required().like("\"handbook, page 12\"").means("Source of the numbers")};
+}
+
+}  // namespace brisance::deck
