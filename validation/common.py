@@ -97,9 +97,9 @@ class Variants:
         self.work = work
         self.seconds = 0.0
 
-    def __call__(self, case, name, changes=None, added="", may_fail=False):
-        """Returns the results, or None where the run failed and may."""
-        text = varied((ROOT / "cases" / case / "deck.toml").read_text(), changes or {}) + added
+    def __call__(self, case, name, changes=None, added="", may_fail=False, text=None):
+        """Returns the results, or None where the run failed and may. `text` stands for the case's deck."""
+        text = varied(text or (ROOT / "cases" / case / "deck.toml").read_text(), changes or {}) + added
         folder = self.work / f"{case}-{name}"
         done = (folder / "run.json").exists() and (folder / "deck.toml").exists()
         if not (self.reuse and done and (folder / "deck.toml").read_text() == text):
@@ -129,7 +129,7 @@ class Result:
     def __init__(self, folder):
         self.folder = Path(folder)
         self.log = json.loads((self.folder / "run.json").read_text())
-        self.bodies = self.log["points"]["bodies"]
+        self.bodies = self.log.get("points", {}).get("bodies", [])
         self.h = self.log["domain"]["cell_size"]
 
     def csv(self, name):

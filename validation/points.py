@@ -421,14 +421,15 @@ def split(text):
     return pieces[0], dict(zip(pieces[1::2], pieces[2::2]))
 
 
-def validate(names, run, target, built_from):
-    """Renews parts of the page; the others stay as they are."""
-    head, template = split((ROOT / "validation" / "points.md.in").read_text())
-    page = target / "points.md"
+def validate(names, run, target, built_from, title="points", functions=None):
+    """Renews parts of a page; the others stay as they are."""
+    functions = functions or PARTS
+    head, template = split((ROOT / "validation" / f"{title}.md.in").read_text())
+    page = target / f"{title}.md"
     _, parts = split(page.read_text()) if page.exists() else ("", {})
     for name in names:
         run.seconds = 0.0
-        values, figures = PARTS[name](run)
+        values, figures = functions[name](run)
         for figure_name, figure in figures.items():
             figure.savefig(target / f"{figure_name}.png", dpi=120, facecolor="white")
             plt.close(figure)
