@@ -150,8 +150,10 @@ def scaled_distance(run):
     same_root = all(abs(g["distance"] / g["scaled_distance"] - root) < 1e-9 * root for g in gauges)
     quantities = [("peak_overpressure", 1e-3, "peak overpressure [kPa]", 1.0)]
     if same_root:
-        quantities += [("positive_impulse", 1.0, "scaled impulse [Pa s / kg$^{1/3}$]", 1.0 / root),
-                       ("arrival_time", 1e3, "scaled arrival [ms / kg$^{1/3}$]", 1.0 / root)]
+        # Without a gauge whose positive phase is complete there is no impulse to show.
+        complete = any(g["positive_phase_complete"] for g in gauges)
+        quantities += [("positive_impulse", 1.0, "scaled impulse [Pa s / kg$^{1/3}$]", 1.0 / root)][:complete]
+        quantities += [("arrival_time", 1e3, "scaled arrival [ms / kg$^{1/3}$]", 1.0 / root)]
     figure = Figure(figsize=(10.2 if same_root else 5.5, 3.7), layout="constrained")
     z = np.array([g["scaled_distance"] for g in gauges])
     low, high = z.min() / 1.8, z.max() * 1.8
@@ -209,9 +211,9 @@ class Cut:
         self.three_dimensional = run.dimensions == 3
         self.edges = dump.edges(self.horizontal), dump.edges(self.vertical)
         self.centres = dump.centres(self.horizontal), dump.centres(self.vertical)
-        self.blocked = None
-        if "obstacle" in dump.fields:
-            self.blocked = dump.plane("obstacle", normal, self.index) > 0.5
+        self.fixed = dump.plane("obstacle", normal, self.index) > 0.5 if "obstacle" in dump.fields else None
+        self.blocked = self.fixed
+        self.region = dump.plane("region", normal, self.index) if "region" in dump.fields else None
 
     @property
     def title(self):
@@ -219,7 +221,14 @@ class Cut:
             return ""
         return f"plane {self.axes[self.normal]} = {self.position:.4g} m"
 
+    def look_at(self, dump):
+        """Bodies move: what blocks the view is that of one dump."""
+        if "solid" in dump.fields:
+            solid = dump.plane("solid", self.normal, self.index) > 0.5
+            self.blocked = solid if self.fixed is None else solid | self.fixed
+
     def values(self, dump, field):
+        self.look_at(dump)
         values = dump.plane(field, self.normal, self.index)
         return values if self.blocked is None else np.where(self.blocked, np.nan, values)
 
@@ -229,6 +238,9 @@ class Cut:
             colours = LinearSegmentedColormap.from_list("obstacle", [OBSTACLE, OBSTACLE])
             panel.pcolormesh(*self.edges, np.ma.masked_where(~self.blocked, np.ones_like(values)), cmap=colours,
                              rasterized=True)
+        if self.region is not None and (self.region > 0).any() and (self.region == 0).any():
+            panel.contour(*self.centres, (self.region > 0).astype(float), levels=[0.5], colors=[MUTED], linewidths=0.7,
+                          linestyles=[(0, (4, 3))])
         panel.set_aspect("equal")
         panel.grid(False)
         panel.xaxis.set_major_locator(MaxNLocator(5))
@@ -296,6 +308,7 @@ def slice_sheet(run, cut, shown, planes):
     panels = np.atleast_1d(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)).ravel()
     norm = overpressure_norm(planes, run.ambient_pressure * 1e-3)
     for n, (panel, dump, values) in enumerate(zip(panels, shown, planes)):
+        cut.look_at(dump)
         mesh = cut.draw(panel, values, norm, PRESSURE_COLOURS)
         panel.set_title(f"t = {dump.time * 1e3:.4g} ms")
         cut.label(panel, horizontal=n + columns >= len(shown), vertical=n % columns == 0)

@@ -16,6 +16,7 @@ SMALL_DRIFT = 1e-6
 # Energy of material points: what the better shape functions reach, and what still gives a usable result.
 FINE_DRIFT = 1e-3
 COARSE_DRIFT = 1e-2
+COUPLED_DRIFT = 5e-3  # of gas and points together
 KB_TITLE = "Kingery-Bulmash"
 
 
@@ -97,16 +98,19 @@ def facts(log):
     resolved = [n for n in domain["cells"] if n > 1] or [1]
     size = [high - low for low, high, n in zip(domain["lower"], domain["upper"], domain["cells"]) if n > 1]
     points = log.get("points")
+    region = log.get("mpm_region")
+    steps = f"{region['gas_steps']:,} of the gas, {region['point_steps']:,} of the points" if region else ""
+    gas = ("cells", f"{domain['cell_count']:,}", f"in {log['blocks']} blocks")
+    material = ("material points", f"{points['count']:,}", f"in {bodies_in_words(points)}") if points else None
     entries = [
         ("simulated time", f"{number(log['time'] * 1e3)} ms", f"of {number(log['end_time'] * 1e3)} ms"),
-        ("steps", f"{log['step']:,}", ""),
+        ("steps", f"{log['step']:,}", steps),
         ("grid", " × ".join(str(n) for n in resolved), GEOMETRIES[domain["geometry"]]),
-        ("material points", f"{points['count']:,}", f"in {bodies_in_words(points)}") if points else
-        ("cells", f"{domain['cell_count']:,}", f"in {log['blocks']} blocks"),
+        *([gas, material] if region else [material or gas]),
         ("cell size", f"{number(domain['cell_size'] * 1e3)} mm", ""),
         ("domain", " × ".join(number(s) for s in size) + " m", ""),
         ("wall-clock time", duration(log["wall_seconds"]), f"on {log['machine']['threads']} threads"),
-        ("speed", f"{points['point_updates_per_second'] / 1e6:.3g} million", "points/s") if points else
+        ("speed", f"{points['point_updates_per_second'] / 1e6:.3g} million", "points/s") if points and not region else
         ("speed", f"{log['cell_updates_per_second'] / 1e6:.3g} million", "cells/s"),
     ]
     cells = "".join(f"<div><dt>{name}</dt><dd>{value} <small>{small}</small></dd></div>"
@@ -122,7 +126,7 @@ def setup_table(log):
     if log["domain"]["geometry"] in ("spherical1d", "cylindrical1d"):
         names = ["r low", "r high"]
     faces = ", ".join(f"{name}: {kind}" for name, kind in zip(names, boundary[:2 * resolved]))
-    if log.get("points"):
+    if log.get("points") and not log.get("mpm_region"):
         return pairs(point_setup(log, faces))
     ambient = log["ambient"]
     rows = [
@@ -132,7 +136,18 @@ def setup_table(log):
         ("obstacles, gauges, field dumps", f"{log['obstacles']}, {log['gauges']}, {log['dumps']}"),
         ("end", log["end_reason"] or "the run has not written its end"),
     ]
+    if log.get("mpm_region"):
+        rows = rows[:-1] + region_setup(log) + [row for row in point_setup(log, faces)
+                                                if row[0] not in ("boundaries", "gauges, dumps")]
     return pairs(rows)
+
+
+def region_setup(log):
+    region = log["mpm_region"]
+    return [("MPM region", f"{region['cells']:,} cells, bridge {region['width']} cells wide, "
+                           f"{region['points_per_direction']} gas points per cell and direction, "
+                           f"{region['transfer'].upper()}, {region['order'].upper()}"
+                           + ("" if region["transport"] == "ledger" else ", transport as printed in [Cui14]"))]
 
 
 SHAPES = {"linear": "linear", "gimp": "GIMP (uGIMP)", "cpgimp": "GIMP (cpGIMP)", "bspline": "quadratic B-spline"}
@@ -320,8 +335,9 @@ def audit_section(log):
             # The guards' mass is one figure for both fluids; it stands with the first.
             guards = audit["guard_mass"] if name.endswith("ambient fluid") else None
             account(name, "kg", initial, outflow, guards, current, error)
-    account("energy", "J", audit["initial"]["energy"], audit["outflow"]["energy"], audit["guard_energy"],
-            audit["current"]["energy"], audit["relative_error"]["energy"])
+    if not log.get("mpm_region"):
+        account("energy", "J", audit["initial"]["energy"], audit["outflow"]["energy"], audit["guard_energy"],
+                audit["current"]["energy"], audit["relative_error"]["energy"])
     lifted = audit["guarded_cells"]
     guards = (badge("good", "no guard acted") if lifted == 0 else badge("warn", "guards acted"))
     words = ("Density and internal energy stayed positive everywhere by themselves." if lifted == 0 else
@@ -333,6 +349,31 @@ def audit_section(log):
                   rows)
             + f'<p class="note">Initial less outflow plus guards must equal the present content. {per_metre}</p>'
             + f"<p>{guards} {words}</p>")
+
+
+def region_section(run):
+    """What crossed the bridge, and the energy of gas and points together."""
+    region = run.log["mpm_region"]
+    if region["awake_since"] is None:
+        return "<p>No wave came near the region: its points slept.</p>"
+    energy, drift = region["energy"], region["energy"]["drift"]
+    rows = [["energy of gas and points [J]", number(energy["initial"], 6), number(energy["outflow"], 6),
+             number(energy["work"], 3), number(energy["current"], 6),
+             "–" if drift is None else f"{100 * drift:+.3g} %", ("text", coupled_drift_verdict(drift))]]
+    return (table(["account", "initial", "flowed out", "work of loads", "now", "drift", ("text", "verdict")], rows)
+            + f"<p class=\"note\">The region woke at {number(region['awake_since'] * 1e3)} ms. "
+            f"{region['points_born']:,} points of gas came in through its faces and {region['points_left']:,} left; "
+            f"{number(sum(region['ledger']['mass']), 3)} kg are under way between gas and points. The bridge took "
+            f"{100 * region['bridge_share']:.0f} % of the time. The energy of points is not conserved by "
+            "construction: its drift shows how well the flow around the bodies is resolved.</p>")
+
+
+def coupled_drift_verdict(drift):
+    if drift is None:
+        return badge("bad", "not a number")
+    if abs(drift) <= COUPLED_DRIFT:
+        return badge("good", "within 0.5 %")
+    return badge("warn", "within 1 %") if abs(drift) <= COARSE_DRIFT else badge("bad", "more than 1 %")
 
 
 def deck_section(deck):
@@ -389,17 +430,25 @@ def point_sections(run, figures):
             "; the layer of points next to each plane." if run.dimensions == 3 else ".") + mirrored)
         + figure(figures.profiles(run), "Profiles at several times."))
     if run.point_gauges:
-        yield "Gauges", point_gauge_table(run) + figure(
+        yield "Gauges on bodies" if run.log.get("mpm_region") else "Gauges", point_gauge_table(run) + figure(
             figures.gauge_histories(run), "Displacement, velocity and stress of the points that the gauges ride on.")
-    yield "Energies", figure(figures.energies(run), "Energies over time.")
-    yield "Conservation", point_audit_section(run.points)
+    together = " Of all points, which take in and give off gas." if run.log.get("mpm_region") else ""
+    yield "Energies", figure(figures.energies(run), "Energies over time." + together)
+    if not run.log.get("mpm_region"):
+        yield "Conservation", point_audit_section(run.points)
 
 
 def sections(run, figures, point_figures):
     """Titles and contents of the page, in order; those with nothing to show are left out."""
     log = run.log
     yield "Calculation", facts(log) + setup_table(log)
-    yield from point_sections(run, point_figures) if run.points else gas_sections(run, figures)
+    coupled = log.get("mpm_region")
+    if coupled or not run.points:
+        yield from gas_sections(run, figures)
+    if coupled:
+        yield "MPM region", region_section(run)
+    if run.points:
+        yield from point_sections(run, point_figures)
     versions, machine = log["versions"], log["machine"]
     yield "Cost and versions", figure(figures.timings(run), "Wall-clock time by phase.") + pairs([
         ("Brisance", versions["brisance"]), ("compiler", versions["compiler"]),
@@ -412,7 +461,7 @@ def sections(run, figures, point_figures):
 def page(run, figures, point_figures):
     log = run.log
     title = log["title"] or log["deck_path"] or "Brisance run"
-    kind = "Material point" if run.points else "Blast"
+    kind = "Material point" if run.points and not log.get("mpm_region") else "Blast"
     style = (Path(__file__).parent / "report.css").read_text(encoding="utf-8")
     shown = [(name, content) for name, content in sections(run, figures, point_figures) if content]
     body = "\n".join(f'<section><h2><span class="number">{n}</span>{name}</h2>\n{content}</section>'
