@@ -82,13 +82,13 @@ struct PulseSetting {
 
 /// Root mean squares of the overpressure over one side of the face, relative to the packet at the start.
 struct PulseResult {
-  double wavelength = 0.0;     ///< [cells]
-  double reflected = 0.0;      ///< side where the packet came from: difference to the same medium without a bridge
-  double left_behind = 0.0;    ///< there without a bridge: slow waves of an oblique packet
-  double kept = 0.0;           ///< on the other side
-  double kept_by_gas = 0.0;    ///< there, in the gas scheme alone
-  double kept_by_points = 0.0; ///< there, in points alone
-  double mass = 0.0;           ///< relative error
+  double wavelength = 0.0;      ///< [cells]
+  double reflected = 0.0;       ///< side where the packet came from: difference to the same medium without a bridge
+  double left_behind = 0.0;     ///< there without a bridge: slow waves of an oblique packet
+  double kept = 0.0;            ///< on the other side
+  double kept_by_gas = 0.0;     ///< there, in the gas scheme alone
+  double kept_by_points = 0.0;  ///< there, in points alone
+  double mass = 0.0;            ///< relative error
   [[nodiscard]] double transmitted() const { return kept / kept_by_gas; }
 };
 
@@ -98,8 +98,8 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
   int const rows = oblique ? static_cast<int>(std::lround(setting.wavelength / std::sin(angle))) : 1;
   double const wavelength = oblique ? rows * std::sin(angle) : setting.wavelength;
   double const length = setting.periods * wavelength / std::cos(angle);  // [cells] along x
-  constexpr int before = 12;                                              // from the packet to the face at the start
-  constexpr int beyond = 16;                                              // and at the end
+  constexpr int before = 12;                                             // from the packet to the face at the start
+  constexpr int beyond = 16;                                             // and at the end
   // The window widens with time at an angle, since its waves have different directions.
   int const spare = 8 + static_cast<int>(0.25 * length * std::sin(angle));
   int const half = static_cast<int>(std::ceil(length)) + before + beyond + spare;

@@ -4,8 +4,8 @@
 namespace brisance::test {
 namespace {
 
-// A wave that meets a discretisation of another kind is reflected in part. Below 1 % (rms) at 20 cells per wavelength is
-// required, and 98 % of what the gas scheme alone leaves of the packet at the same place.
+// A wave that meets a discretisation of another kind is reflected in part. Below 1 % (rms) at 20 cells per wavelength
+// is required, and 98 % of what the gas scheme alone leaves of the packet at the same place.
 PulseResult pass(PulseSetting const& setting) {
   PulseResult const r = run_pulse(setting);
   std::printf(
@@ -35,8 +35,8 @@ TEST_P(Pulse, ShortWavesAreDampedRatherThanReflected) {
   EXPECT_LT(r.reflected, 0.04);
 }
 
-// At an angle the points damp sound by themselves: at 45 degrees they keep 90 % where the gas scheme keeps 98 %, bridge or
-// not. What the bridge takes is the difference to a packet that goes half of its way through each: the root of the
+// At an angle the points damp sound by themselves: at 45 degrees they keep 90 % where the gas scheme keeps 98 %, bridge
+// or not. What the bridge takes is the difference to a packet that goes half of its way through each: the root of the
 // product of what both alone keep.
 TEST_P(Pulse, AtAnAngle) {
   PulseResult const r =

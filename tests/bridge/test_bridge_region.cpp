@@ -51,8 +51,8 @@ TEST(Region, HasLayersFromItsFacesInwards) {
 
 TEST(Region, GoesAroundEdgesAndInnerCorners) {
   // An L of two boxes: the inner corner at (20, 20) has a layer around it too.
-  Region const region(domain_of(Geometry::planar2d, {40, 40, 1}), {{{4, 4, 0}, {34, 20, 1}}, {{4, 4, 0}, {20, 34, 1}}}, 2,
-                      3);
+  Region const region(domain_of(Geometry::planar2d, {40, 40, 1}), {{{4, 4, 0}, {34, 20, 1}}, {{4, 4, 0}, {20, 34, 1}}},
+                      2, 3);
   auto const in_l = [](int i, int j) {
     return (i >= 4 && i < 34 && j >= 4 && j < 20) || (i >= 4 && i < 20 && j >= 4 && j < 34);
   };
@@ -162,7 +162,8 @@ TEST(RegionOfACase, KeepsObstaclesAndSolidsAway) {
   body.shape = shape::Box{{0.46, -1.0, -1.0}, {0.50, 1.0, 1.0}};
   c.points.bodies = {body};
   EXPECT_EQ(refusal(c),
-            "body \"wall\" has come to the bridge at (0.4625, 0.005, 0.005) m; the MPM region must reach further: solids keep 7 "
+            "body \"wall\" has come to the bridge at (0.4625, 0.005, 0.005) m; the MPM region must reach further: "
+            "solids keep 7 "
             "cells away from its faces");
   c.points.bodies[0].shape = shape::Box{{0.47, -1.0, -1.0}, {0.50, 1.0, 1.0}};
   EXPECT_EQ(refusal(c), "accepted");

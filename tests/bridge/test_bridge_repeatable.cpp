@@ -1,5 +1,5 @@
-// The same answer, bit for bit, on 1, 2 and 4 threads: gas, points and ledger, with a shock, a body, births, leavers and
-// control of the population.
+// The same answer, bit for bit, on 1, 2 and 4 threads: gas, points and ledger, with a shock, a body, births, leavers
+// and control of the population.
 #include <cstring>
 
 #include "bridge/harness.hpp"
@@ -33,7 +33,8 @@ std::vector<double> everything(Geometry geometry, int threads) {
   body.name = "block";
   body.solid = material::elastic_solid(50.0, 1e3, 0.3);
   double const low = 0.5 * n * h - 2 * h;
-  body.shape = shape::Box{{low, low, dims == 3 ? low : -1.0}, {low + 4 * h, low + 4 * h, dims == 3 ? low + 4 * h : 1.0}};
+  body.shape =
+      shape::Box{{low, low, dims == 3 ? low : -1.0}, {low + 4 * h, low + 4 * h, dims == 3 ? low + 4 * h : 1.0}};
   c.points.bodies = {body};
   run::World w(c);
   long const at_start = w.points->sums(w.gas_body()).points;
@@ -55,8 +56,8 @@ std::vector<double> everything(Geometry geometry, int threads) {
     });
   }
   for (bridge::Ledger const& account : w.bridge->accounts()) {
-    all.insert(all.end(), {account.mass[0], account.momentum[0], account.momentum[1], account.momentum[2],
-                           account.energy});
+    all.insert(all.end(),
+               {account.mass[0], account.momentum[0], account.momentum[1], account.momentum[2], account.energy});
   }
   run::Totals const totals = w.totals();
   all.insert(all.end(), {totals.mass[0], totals.energy});

