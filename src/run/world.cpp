@@ -239,7 +239,14 @@ void block_field(World const& w, int b, std::string const& name, std::vector<dou
   out.assign(static_cast<std::size_t>(block.cell_count()) * info->components, 0.0);
   if (name == "peak_overpressure" || name == "impulse") {
     double const* peak = name == "impulse" ? w.gas->peak_impulse(b) : w.gas->peak_overpressure(b);
-    if (peak != nullptr) std::copy_n(peak, block.cell_count(), out.begin());
+    if (peak == nullptr) return;
+    std::copy_n(peak, block.cell_count(), out.begin());
+    // Nothing keeps the peaks of points; those of ghost cells belong to a part of the wave only.
+    for (int n = 0; w.bridge != nullptr && n < block.cell_count(); ++n) {
+      Index3 const i{n % block.n[0], n / block.n[0] % block.n[1], n / (block.n[0] * block.n[1])};
+      Index3 const cell{block.origin[0] + i[0], block.origin[1] + i[1], block.origin[2] + i[2]};
+      if (part_of_region(w, cell) == 2.0) out[n] = 0.0;
+    }
     return;
   }
   auto const value = [&](gas::Primitive const& s) {

@@ -138,6 +138,50 @@ steps = 2
 time = "25 us"
 """
 
+# Gas and points together: a charge beside a slab, the region wakes on the way, points are born, split, merge and leave.
+SLAB = """
+[domain]
+geometry = "planar2d"
+lower = ["-120 mm", 0]
+upper = ["200 mm", "240 mm"]
+cell = "5 mm"
+[numerics]
+block_cells = 16
+[[charge]]
+explosive = "TNT"
+shape = "cylinder"
+position = [0, "120 mm"]
+radius = "40 mm"
+[solids.stone]
+density = 2400
+E = "30 GPa"
+nu = 0.2
+[[body]]
+name = "slab"
+material = "stone"
+shape = "box"
+lower = ["130 mm", "80 mm"]
+upper = ["150 mm", "160 mm"]
+[mpm_region]
+box = {lower = ["80 mm", "40 mm"], upper = ["200 mm", "200 mm"]}
+width = 3
+[[gauge]]
+name = "free"
+point = ["-60 mm", "120 mm"]
+[[gauge]]
+name = "front"
+point = ["112 mm", "120 mm"]
+[[gauge]]
+body = "slab"
+[output]
+field_interval = "10 us"
+precision = "double"
+[checkpoint]
+steps = 2
+[end]
+time = "45 us"
+"""
+
 
 class Case(unittest.TestCase):
     def setUp(self):
@@ -170,6 +214,8 @@ class Case(unittest.TestCase):
             log.pop(key)
         for key in ("bytes", "point_updates_per_second"):
             log.get("points", {}).pop(key, None)
+        for key in ("bridge_seconds", "bridge_share"):
+            log.get("mpm_region", {}).pop(key, None)
         out["run.json"] = json.dumps(log, sort_keys=True).encode()
         return out
 
@@ -237,6 +283,9 @@ class Interrupted(Case):
 
     def test_impact_flip(self):
         self.interrupt(IMPACT.replace("TRANSFER", "flip").replace("SHAPE", "bspline"))
+
+    def test_slab(self):
+        self.interrupt(SLAB)
 
     @unittest.skipIf(MOMENTS < 3, "the long version tries the other transfers")
     def test_impact_apic(self):
