@@ -19,12 +19,8 @@ namespace {
 
 /// Files that a run leaves in its folder.
 constexpr std::array result_files{"run.json",    "deck.toml",   "summary.csv",  "summary.json",
-<<<<<<< HEAD
-                                  "fields.xmf2", "points.xmf2", "energies.csv", "report.html"};
-constexpr std::array end_files{"summary.csv", "summary.json", "report.html"};
-=======
                                   "fields.xmf2", "points.xmf2", "energies.csv", "bodies.csv", "report.html"};
->>>>>>> deckbridge
+constexpr std::array end_files{"summary.csv", "summary.json", "report.html"};
 
 bool ends_with_one_of(std::string const& name, std::initializer_list<char const*> endings) {
   for (std::string const ending : endings)
