@@ -262,7 +262,7 @@ class Mpm {
   void clear_velocity(int block);
   void gather_gradients(int block, Scratch& scratch) const;
   void gather_extents(int block, Scratch& scratch) const;
-  void gather_velocity(int block, Scratch& scratch) const;
+  void gather_velocity(int block, Scratch& scratch, bool scalars = false) const;
   void velocity_from_state(int block, Scratch& scratch) const;
   void constrain_velocity(int block, Scratch& scratch) const;
   void constrain_state(int block, Scratch& scratch);

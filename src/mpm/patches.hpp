@@ -82,9 +82,10 @@ inline void add_to(NodeState& sum, NodeVelocity const& sign, NodeState const& pa
 }
 
 /// Adds up what the links hold for each node of the patch. `raw(block)` is the array that the points of a block wrote,
-/// or null where that block has none. In a mirror the normal components of the vectors change their sign.
+/// or null where that block has none. In a mirror the normal components of the vectors change their sign; not those of
+/// `scalars`, records whose parts are no vectors.
 template <class Record, class Raw>
-void sum_links(Patch const& patch, Record* sum, Raw&& raw) {
+void sum_links(Patch const& patch, Record* sum, Raw&& raw, bool scalars = false) {
   bool first = true;
   for (Link const& link : patch.links) {
     Record const* from = raw(link.source);
@@ -94,7 +95,7 @@ void sum_links(Patch const& patch, Record* sum, Raw&& raw) {
     for (int d = 0; d < 3; ++d) {
       if (link.flip[d] > 0) continue;
       mirrored = true;
-      sign[d] = -1.0;
+      sign[d] = scalars ? 1.0 : -1.0;
     }
     if (first) {
       for (int node = 0; node < patch.count(); ++node) sum[node] = Record{};

@@ -282,7 +282,7 @@ void Mpm::conduct() {
     int const block = active_[n];
     if (!near_shock(block)) return;
     Scratch& scratch = w.scratch[thread];
-    gather_velocity(block, scratch);  // divides by the mass
+    gather_velocity(block, scratch, true);  // divides by the mass
     int const count = w.patches[block].count();
     for (int f = 0; f < w.fields; ++f) {
       if (scratch.present[f] == 0) continue;
@@ -306,11 +306,11 @@ void Mpm::clear_velocity(int block) {
   }
 }
 
-void Mpm::gather_velocity(int block, Scratch& scratch) const {
+void Mpm::gather_velocity(int block, Scratch& scratch, bool scalars) const {
   Workspace const& w = *work_;
   int const count = w.patches[block].count();
   for (int f = 0; f < w.fields; ++f) {
-    scratch.present[f] = w.gather(w.velocity, block, f, scratch.velocity[f]) ? 1 : 0;
+    scratch.present[f] = w.gather(w.velocity, block, f, scratch.velocity[f], scalars) ? 1 : 0;
     if (scratch.present[f] == 0) continue;
     NodeVelocity* nodes = scratch.velocity[f].data();
     double const floor = w.mass_floor;

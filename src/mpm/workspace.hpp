@@ -119,14 +119,18 @@ struct Mpm::Workspace {
   /// Sums what the points of all blocks around wrote for the nodes of a block. False, and nothing done, where the field
   /// has no points there.
   template <class Record>
-  bool gather(std::vector<NodeArray<Record>> const& raw, int block, int field, NodeArray<Record>& sum) const {
+  bool gather(std::vector<NodeArray<Record>> const& raw, int block, int field, NodeArray<Record>& sum,
+              bool scalars = false) const {
     Patch const& patch = patches[block];
     auto const is_present = [&](Link const& link) { return present[slot(link.source, field)] != 0; };
     if (!std::any_of(patch.links.begin(), patch.links.end(), is_present)) return false;
-    sum_links(patch, sum.get(patch.count()), [&](int source) {
-      int const from = slot(source, field);
-      return present[from] == 0 ? nullptr : raw[from].data();
-    });
+    sum_links(
+        patch, sum.get(patch.count()),
+        [&](int source) {
+          int const from = slot(source, field);
+          return present[from] == 0 ? nullptr : raw[from].data();
+        },
+        scalars);
     return true;
   }
 };

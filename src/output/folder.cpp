@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Files that a run leaves in its folder.
-constexpr std::array result_files{"run.json",    "deck.toml",   "summary.csv",  "summary.json",
-                                  "fields.xmf2", "points.xmf2", "energies.csv", "bodies.csv", "report.html"};
+constexpr std::array result_files{"run.json",    "deck.toml",    "summary.csv", "summary.json", "fields.xmf2",
+                                  "points.xmf2", "energies.csv", "bodies.csv",  "report.html"};
 constexpr std::array end_files{"summary.csv", "summary.json", "report.html"};
 
 bool ends_with_one_of(std::string const& name, std::initializer_list<char const*> endings) {
