@@ -518,7 +518,7 @@ void pressure_stage(PointwiseEos const eos, PointArrays const& a, StepData const
   double* const sound_speed = a.sound_speed;
   double const stiffening = 4.0 / 3.0 * shear;
   double const linear = step.linear_viscosity * step.length / step.dt;
-  double const onset = step.linear_onset * step.dt / step.length;
+  double const onset = step.linear_onset > 0.0 ? step.linear_onset * step.dt / step.length : 0.0;
   double const quadratic = step.quadratic_viscosity * (step.length / step.dt) * (step.length / step.dt);
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) {

@@ -1,5 +1,7 @@
 /// The world in a checkpoint. The world that reads it has been built from the same case: the grid, the realised masses
 /// and the gauges' places are those already, and only what time has changed is taken over.
+#include <optional>
+
 #include "core/archive.hpp"
 #include "run/world.hpp"
 
@@ -23,6 +25,10 @@ void World::archive(Archive& a) {
   a.same(setup.domain.cells, "the number of cells");
   a.same(setup.domain.h, "the size of the cells");
   a(clock.time, clock.dt, clock.step, clock.gas_steps, clock.point_steps, timings);
+  bool woken = awake_since.has_value();
+  double since = awake_since.value_or(0.0);
+  a(woken, since);
+  awake_since = woken ? std::optional<double>(since) : std::nullopt;
   // What the audit knows beside its start follows from the state.
   run::archive(a, audit.initial);
   if (gas != nullptr) gas->archive(a);
