@@ -250,7 +250,7 @@ void plan_region(run::Case const& setup, Plan& p) {
     r.upper[d] = domain.lower[d] + ((*high)[d] + 1) * domain.h;
   }
   for (bridge::Face const& face : region.faces()) {
-    if (!face.open) ++r.bridge_faces[static_cast<std::size_t>(2 * face.direction + face.side)];
+    if (!face.open) ++r.bridge_faces[2 * face.direction + face.side];
   }
   Plan gas = p;
   plan_gas(setup, gas);

@@ -90,7 +90,7 @@ shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& bo
     }
     parts.emplace_back(box);
   }
-  shape::Shape const whole = parts.size() == 1 ? parts.front() : shape::combine(shape::Operation::united, parts);
+  shape::Shape whole = parts.size() == 1 ? parts.front() : shape::combine(shape::Operation::united, parts);
   if (setup.points.bodies.empty()) return whole;
   std::vector<shape::Shape> left{whole};
   for (Body const& body : setup.points.bodies) left.push_back(body.shape);

@@ -45,5 +45,17 @@ TEST_P(Pulse, AtAnAngle) {
   EXPECT_GT(r.kept / std::sqrt(r.kept_by_gas * r.kept_by_points), 0.98);
 }
 
+// For the validation page: not run by the test suite.
+TEST_P(Pulse, DISABLED_ByWidthOfTheBridge) {
+  for (int const width : {1, 2, 3, 5, 8}) {
+    for (double const wavelength : {10.0, 20.0, 40.0}) {
+      std::printf("w = %d, ", width);
+      pass({.wavelength = wavelength, .into_region = GetParam(), .change = [width](run::MpmRegion& r) {
+              r.width = width;
+            }});
+    }
+  }
+}
+
 }  // namespace
 }  // namespace brisance::test
