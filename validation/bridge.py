@@ -9,8 +9,8 @@ from common import ROOT, commit, machine
 PARTS = {
     "test_bridge_uniform": ("Uniform gas", "Asked for: 1e-12 at rest, 1e-3 in motion."),
     "test_bridge_tubes": ("Shock tubes", "Asked for: mass to 1e-13, energy to 0.1 %, errors of the gas at most 1.5 "
-                          "times those of the gas scheme alone, no peak above 2 % at the bridge. The transport as printed in "
-                          "the paper stands beside it."),
+                          "times those of the gas scheme alone, no peak above 2 % at the bridge. The transport as "
+                          "printed in the paper stands beside it."),
     "test_bridge_pulses": ("Sound", "Asked for at 20 cells: less than 1 % reflected, more than 98 % transmitted."),
     "test_bridge_contacts": ("Contacts between products and air", "Asked for: pressure within 3 %."),
     "test_bridge_wall": ("A wall of steel", "Asked for: pressure within 2 %, momentum within 1 %."),
