@@ -36,7 +36,6 @@ enum class Transport {
 };
 
 struct Options {
-  std::vector<CellBox> boxes;
   int width = 5;  ///< w [cells]
   Transport transport = Transport::ledger;
   int points_per_direction = 2;  ///< of the gas, per cell

@@ -35,12 +35,9 @@ class CellStates {
 
   /// Reads the cells' states from the gas: the later of the two times; the one before becomes the earlier.
   void read(gas::Gas const& gas);
-  /// Takes the later states for the earlier too.
-  void forget() { earlier_ = later_; }
 
   /// State and slopes of the nth of the cells at a part of the way from the earlier to the later time, 0 to 1.
   void at(int n, double part, GasState& state, GasSlopes& slopes) const;
-  [[nodiscard]] int count() const { return static_cast<int>(neighbours_.size()); }
   /// Largest |u| + c of all cells at the later time [m/s].
   [[nodiscard]] double fastest_signal() const;
   [[nodiscard]] GasState const& later(int n) const { return later_[n]; }
