@@ -392,8 +392,8 @@ void Bridge::lend_cell(LentCell const& lent, double begin, double end, mpm::Poin
           if (lent.face[d] < 0) continue;
           // The gas that the ledger holds fills this length before the face, or lacks there.
           int const lane = lane_of(lent.face[d], x);
-          double const held = ledger_[static_cast<std::size_t>(lent.face[d]) * lanes_per_face_ + lane].total();
-          double const length = held / (centre.density * lane_area(lent.face[d], lane));
+          double const held = ledger_[static_cast<std::size_t>(lent.face[d]) * lanes_per_face_ + lane].volume;
+          double const length = held / lane_area(lent.face[d], lane);
           double const inwards = region_.faces()[lent.face[d]].side == 0 ? 1.0 : -1.0;
           double const shift = inwards * std::clamp(length, -2.0 * half, 2.0 * half);
           x[d] += shift;
@@ -571,6 +571,7 @@ Ledger Bridge::carried(mpm::PointSet const& set, int q) const {
     square += v * v;
   }
   l.energy = m * (set.field(Field::energy)[q] + 0.5 * square);
+  l.volume = m / set.field(Field::density)[q];
   if (points_->keeps_energy(gas_body_)) l.energy += m * mpm::affine_energy(set, q, region_.domain().h);
   return l;
 }
@@ -683,7 +684,7 @@ void Bridge::add_fluxes(double share, double dt) {
       gas::FaceFlux const& flux = watched[face.watch];
       if (flux.impulse == 0.0) continue;  // both sides sleep
       outwards_[f] = sign * (flux.mass[0] + flux.mass[1]) < 0.0 ? 1 : 0;
-      Ledger const per_area{flux.mass, flux.momentum, flux.energy};
+      Ledger const per_area{flux.mass, flux.momentum, flux.energy, flux.volume};
       double area = 0.0;
       for (int lane = 0; lane < lanes_per_face_; ++lane) {
         double const a = lane_area(static_cast<int>(f), lane);
@@ -705,7 +706,8 @@ void Bridge::add_fluxes(double share, double dt) {
       t.outflow.energy -= a * inward * s.pressure;
       if (inward <= 0.0) continue;
       double const mass = a * inward * s.density;
-      Ledger const in{{mass * (1.0 - s.mass_fraction), mass * s.mass_fraction}, mass * s.velocity, mass * e};
+      Ledger const in{
+          {mass * (1.0 - s.mass_fraction), mass * s.mass_fraction}, mass * s.velocity, mass * e, a * inward};
       ledger_[f * lanes_per_face_ + lane].add(in);
       t.outflow.add(in, -1.0);
     }
@@ -756,16 +758,40 @@ void Bridge::append_point(int face, int lane, double depth, double mass, GasStat
   if (double* alpha = to.field(Field::volume_fraction)) alpha[q] = s.volume_fraction;
 }
 
+/// The volumes of the accounts. Where gas flows in they are what has crossed by the velocity of the face, and shrink
+/// and grow with the gas there; where it flows out the mass tells.
+void Bridge::follow_volumes(double dt) {
+  int const dims = region_.domain().dimensions();
+  double const h = region_.domain().h;
+  auto const& faces = region_.faces();
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    Lanes const& lanes = lanes_[f];
+    if (lanes.average >= 0) continue;
+    Ledger* const accounts = ledger_.data() + f * lanes_per_face_;
+    GasState const& outside = states_.later(lanes.outside_state);
+    GasState centre;
+    GasSlopes slopes;
+    states_.at(lanes.outside_state, 1.0, centre, slopes);
+    double divergence = faces[f].inward(states_.later(lanes.inside_state).velocity - outside.velocity) / h;
+    for (int d = 0; d < dims; ++d) {
+      if (d != faces[f].direction) divergence += slopes.velocity[d][d] / h;
+    }
+    double const stretch = std::exp(dt * divergence);
+    for (int lane = 0; lane < lanes_per_face_; ++lane) {
+      accounts[lane].volume *= stretch;
+      if (outwards_[f] == 0) continue;
+      double const most = standard_volume(faces[f].inside, sub_cell(static_cast<int>(f), lane));
+      accounts[lane].volume = std::clamp(accounts[lane].volume, -most, most);
+    }
+  }
+}
+
 namespace {
 
-/// A mass fraction near to `wanted` that changes the fluids' own densities little: volumes stay, so that next to a
-/// contact, where a fluid of a small part of the mass may fill a large part of the volume, the state stays what it is.
-double near_mass_fraction(GasState const& s, double wanted) {
-  constexpr double most = 0.1;
-  double const Y = s.mass_fraction;
-  double const low = std::max(Y * (1.0 - most), 1.0 - (1.0 - Y) * (1.0 + most));
-  double const high = std::min(Y * (1.0 + most), 1.0 - (1.0 - Y) * (1.0 - most));
-  return std::clamp(wanted, low, high);
+/// A mass near to `wanted` that differs from the usual one by the factor 1.25 at most.
+double near_mass(double usual, double wanted) {
+  constexpr double most = 1.25;
+  return std::clamp(wanted, usual / most, usual * most);
 }
 
 constexpr int most_births = 16;  // of one lane in one step: more is not met within the Courant limit
@@ -782,20 +808,25 @@ void Bridge::give_birth() {
     for (int f = g * group; f < std::min(count, (g + 1) * group); ++f) {
       for (int lane = 0; lane < lanes_per_face_; ++lane) {
         Ledger& account = ledger_[static_cast<std::size_t>(f) * lanes_per_face_ + lane];
-        if (account.total() <= 0.0) continue;
+        if (account.volume <= 0.0) continue;
         if (lanes_[f].average >= 0 && averages_.sums()[lanes_[f].average].volume <= 0.0) continue;
         GasSlopes slopes;
         GasState const donor = donor_state(f, lane, slopes);
         if (faces[f].inward(donor.velocity) <= 0.0) continue;
-        double const standard = donor.density * standard_volume(faces[f].inside, sub_cell(f, lane));
-        for (int n = 0; n < most_births && account.total() >= 0.5 * standard; ++n) {
-          // What is left of the ledger after the birth is to have the donor's composition.
-          double const left = account.total() - standard;
+        double const volume = standard_volume(faces[f].inside, sub_cell(f, lane));
+        std::array<double, 2> const usual{(1.0 - donor.mass_fraction) * donor.density * volume,
+                                          donor.mass_fraction * donor.density * volume};
+        for (int n = 0; n < most_births && account.volume >= 0.5 * volume; ++n) {
+          // What is left of the ledger after the birth is to have the donor's partial densities.
+          double const left = account.volume / volume - 1.0;
+          std::array<double, 2> mass{};
+          for (int k = 0; k < 2; ++k) mass[k] = near_mass(usual[k], account.mass[k] - left * usual[k]);
           GasState state = donor;
-          state.mass_fraction = near_mass_fraction(donor, (account.mass[1] - donor.mass_fraction * left) / standard);
-          double const depth = (account.total() / standard - 0.5) * spacing;
+          state.density = (mass[0] + mass[1]) / volume;
+          state.mass_fraction = mass[1] / (mass[0] + mass[1]);
+          double const depth = (account.volume / volume - 0.5) * spacing;
           if (born[g].fields().size() == 0) born[g] = mpm::PointSet(points_->fields(gas_body_));
-          append_point(f, lane, depth, standard, state, slopes, born[g]);
+          append_point(f, lane, depth, mass[0] + mass[1], state, slopes, born[g]);
           account.add(carried(born[g], born[g].size() - 1), -1.0);
         }
       }
@@ -862,6 +893,7 @@ void Bridge::exchange(double share, double dt) {
   take_leavers();
   add_fluxes(share, dt);
   if (options_.transport == Transport::ledger) {
+    follow_volumes(dt);
     level_ledger();
     give_birth();
   } else {

@@ -51,12 +51,14 @@ struct Ledger {
   std::array<double, 2> mass{0.0, 0.0};  ///< of the two fluids [kg]
   Vec3 momentum{0.0, 0.0, 0.0};          ///< [kg m/s]
   double energy = 0.0;                   ///< [J]
+  double volume = 0.0;                   ///< that this gas fills [m3]
 
   [[nodiscard]] double total() const { return mass[0] + mass[1]; }
   void add(Ledger const& other, double factor = 1.0) {
     for (int f = 0; f < 2; ++f) mass[f] += factor * other.mass[f];
     for (int d = 0; d < 3; ++d) momentum[d] += factor * other.momentum[d];
     energy += factor * other.energy;
+    volume += factor * other.volume;
   }
 };
 
@@ -157,6 +159,7 @@ class Bridge {
   [[nodiscard]] int lane_at(int face, Index3 const& sub) const;
   [[nodiscard]] double lane_area(int face, int lane) const;
   [[nodiscard]] double standard_volume(Index3 const& cell, Index3 const& sub) const;
+  void follow_volumes(double dt);
   [[nodiscard]] Ledger carried(mpm::PointSet const& set, int q) const;
   /// The gas outside at a lane of a face.
   [[nodiscard]] GasState donor_state(int face, int lane, GasSlopes& slopes) const;

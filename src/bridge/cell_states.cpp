@@ -1,9 +1,11 @@
 #include "bridge/cell_states.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_map>
 
+#include "core/archive.hpp"
 #include "core/parallel.hpp"
 
 namespace brisance::bridge {
@@ -17,15 +19,23 @@ double limited(double below, double above) {
   return std::copysign(least, below);
 }
 
-GasState between(GasState const& a, GasState const& b, double part) {
-  auto const mix = [part](double x, double y) { return x + part * (y - x); };
+/// Sum of the states with weights, member by member.
+GasState blended(GasState const& a, GasState const& b, GasState const& c, std::array<double, 3> const& w) {
+  auto const mix = [&w](double x, double y, double z) { return w[0] * x + w[1] * y + w[2] * z; };
   GasState s;
-  s.density = mix(a.density, b.density);
-  for (int d = 0; d < 3; ++d) s.velocity[d] = mix(a.velocity[d], b.velocity[d]);
-  s.pressure = mix(a.pressure, b.pressure);
-  s.mass_fraction = mix(a.mass_fraction, b.mass_fraction);
-  s.volume_fraction = mix(a.volume_fraction, b.volume_fraction);
+  s.density = mix(a.density, b.density, c.density);
+  for (int d = 0; d < 3; ++d) s.velocity[d] = mix(a.velocity[d], b.velocity[d], c.velocity[d]);
+  s.pressure = mix(a.pressure, b.pressure, c.pressure);
+  s.mass_fraction = mix(a.mass_fraction, b.mass_fraction, c.mass_fraction);
+  s.volume_fraction = mix(a.volume_fraction, b.volume_fraction, c.volume_fraction);
   return s;
+}
+
+/// Is the change between two times too large for a parabola?
+bool is_jump(GasState const& a, GasState const& b) {
+  constexpr double most = 0.1;
+  auto const far = [](double x, double y) { return std::abs(x - y) > most * std::min(x, y); };
+  return far(a.pressure, b.pressure) || far(a.density, b.density);
 }
 
 }  // namespace
@@ -72,12 +82,18 @@ CellStates::CellStates(grid::Grid const& grid, std::vector<Index3> const& cells)
     }
     neighbours_.push_back(around);
   }
+  before_.resize(places_.size());
   earlier_.resize(places_.size());
   later_.resize(places_.size());
 }
 
 void CellStates::read(gas::Gas const& gas) {
-  std::swap(earlier_, later_);
+  if (levels_ == 0 || gas.time() > times_[2]) {
+    before_.swap(earlier_);
+    earlier_.swap(later_);
+    times_ = {times_[1], times_[2], gas.time()};
+    levels_ = std::min(levels_ + 1, 3);
+  }
   constexpr int group = 256;
   int const count = static_cast<int>(places_.size());
   signals_.resize((count + group - 1) / group);
@@ -100,7 +116,18 @@ double CellStates::fastest_signal() const {
 }
 
 void CellStates::at(int n, double part, GasState& state, GasSlopes& slopes) const {
-  auto const value = [&](int index) { return between(earlier_[index], later_[index], part); };
+  // Lagrange's weights for the three times, in units of the last step.
+  double const back = levels_ < 3 ? 1.0 : (times_[1] - times_[0]) / (times_[2] - times_[1]);
+  std::array<double, 3> const parabola{part * (part - 1.0) / (back * (back + 1.0)), (part + back) * (1.0 - part) / back,
+                                       part * (part + back) / (1.0 + back)};
+  std::array<double, 3> const line{0.0, 1.0 - part, part};
+  auto const value = [&](int index) {
+    GasState const& a = before_[index];
+    GasState const& b = earlier_[index];
+    GasState const& c = later_[index];
+    bool const smooth = levels_ == 3 && !is_jump(a, b) && !is_jump(b, c);
+    return blended(a, b, c, smooth ? parabola : line);
+  };
   state = value(n);
   slopes = {};
   for (int d = 0; d < dims_; ++d) {
@@ -115,6 +142,14 @@ void CellStates::at(int n, double part, GasState& state, GasSlopes& slopes) cons
     for (int c = 0; c < 3; ++c) {
       slopes.velocity[d][c] = limited(state.velocity[c] - next[0].velocity[c], next[1].velocity[c] - state.velocity[c]);
     }
+  }
+}
+
+void CellStates::archive(Archive& a) {
+  a.same(places_.size(), "the number of cells beside the region");
+  a(levels_, times_);
+  for (auto* states : {&earlier_, &later_}) {
+    for (GasState& s : *states) a(s.density, s.velocity, s.pressure, s.mass_fraction, s.volume_fraction);
   }
 }
 

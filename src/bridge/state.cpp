@@ -7,7 +7,7 @@ namespace brisance::bridge {
 
 namespace {
 
-void archive(Archive& a, Ledger& l) { a(l.mass, l.momentum, l.energy); }
+void archive(Archive& a, Ledger& l) { a(l.mass, l.momentum, l.energy, l.volume); }
 
 }  // namespace
 
@@ -19,6 +19,7 @@ void Bridge::archive(Archive& a) {
   for (Ledger& account : ledger_) bridge::archive(a, account);
   a(traffic_.born, traffic_.left, traffic_.pressure_work, traffic_.pressure_impulse);
   bridge::archive(a, traffic_.outflow);
+  states_.archive(a);
   // The signals that come in with the next step are those of the cells, which have been read before the bridge.
   if (a.reading() && awake_) read_cells();
 }

@@ -78,6 +78,7 @@ struct FaceFlux {
   double energy = 0.0;                   ///< carried along with the mass [J/m2]
   double impulse = 0.0;                  ///< of the pressure [Pa s]
   double work = 0.0;                     ///< of the pressure [J/m2]
+  double volume = 0.0;                   ///< of gas that crossed, per area [m]
 };
 
 class Gas {

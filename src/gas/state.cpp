@@ -11,7 +11,7 @@ void archive(Archive& a, Account& account) {
   a(account.outflow, account.guarded_cells, account.fallback_faces, account.guard_mass, account.guard_energy);
 }
 
-void archive(Archive& a, FaceFlux& flux) { a(flux.mass, flux.momentum, flux.energy, flux.impulse, flux.work); }
+void archive(Archive& a, FaceFlux& flux) { a(flux.mass, flux.momentum, flux.energy, flux.impulse, flux.work, flux.volume); }
 
 }  // namespace
 

@@ -187,6 +187,7 @@ void Gas::account_watched(int b, int bundle, BundleLayout const& layout, SweepCo
     sum.energy += s.dt * (a[a_flux + energy][q] - pressure * speed);
     sum.impulse += s.dt * pressure;
     sum.work += s.dt * pressure * speed;
+    sum.volume += s.dt * speed;
   }
 }
 

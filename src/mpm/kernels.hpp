@@ -182,21 +182,33 @@ inline __attribute__((always_inline)) void add_affine(Patch const& patch, Weight
 }
 
 /// The same for the nodes' momentum, and the kinetic energy of what the point gives each node in the place of `force`'s
-/// scalar; `inverse_mass` is 1/m.
+/// scalar; `mixed` times both distances are the parts of xy, yz and zx, `inverse_mass` is 1/m.
 template <class S, int D>
 inline __attribute__((always_inline)) void add_affine_energy(Patch const& patch, Weights<S, D> const& k,
                                                              AffineWeights<S, D> const& affine, double h, int q,
                                                              NodeState* nodes, Lanes4 const& a,
-                                                             std::array<Lanes4, 3> const& c, double inverse_mass) {
+                                                             std::array<Lanes4, 3> const& c,
+                                                             std::array<Lanes4, 3> const& mixed, double inverse_mass) {
   for_rows<S, D>(patch, k, q, nodes, [&](NodeState* row, double w, double, double, int j, int i) {
-    Lanes4 t = a + affine.first[0][q] * c[0];
-    if constexpr (D > 1) t += (affine.first[1][q] + j * h) * c[1];
-    if constexpr (D > 2) t += (affine.first[2][q] + i * h) * c[2];
+    Lanes4 along = c[0];  // change per distance in x
+    Lanes4 t = a;
+    if constexpr (D > 1) {
+      double const y = affine.first[1][q] + j * h;
+      along += y * mixed[0];
+      t += y * c[1];
+      if constexpr (D > 2) {
+        double const z = affine.first[2][q] + i * h;
+        along += z * mixed[2];
+        t += z * (c[2] + y * mixed[1]);
+      }
+    }
+    t += affine.first[0][q] * along;
+    along *= h;
     for (int s = 0; s < S::support; ++s) {
       double const weight = w * k.w[0][s][q];
       row[s].momentum += weight * t;
       row[s].force[3] += 0.5 * weight * inverse_mass * (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
-      t += h * c[0];
+      t += along;
     }
   });
 }
@@ -263,6 +275,45 @@ inline __attribute__((always_inline)) void value_and_gradient(Patch const& patch
     }
   }
   out = {v, vx, vy, vz};
+}
+
+/// Value, slopes and mixed parts at one point in units of a cell, with the weights of APIC: out = {value, x, y, z, xy,
+/// yz, zx}.
+template <class S, int D, class Node, class Part>
+inline __attribute__((always_inline)) void value_and_moments(Patch const& patch, Weights<S, D> const& k,
+                                                             double const (&g)[D][S::support][chunk], int q,
+                                                             Node const* nodes, Part&& part,
+                                                             std::array<Lanes4, 7>& out) {
+  out.fill(Lanes4{});
+  Node const* first = nodes + k.base[q];
+  constexpr int rows = D > 1 ? S::support : 1;
+  constexpr int planes = D > 2 ? S::support : 1;
+  for (int c = 0; c < planes; ++c) {
+    for (int b = 0; b < rows; ++b) {
+      Node const* row = first + b * patch.n[0] + c * patch.n[0] * patch.n[1];
+      Lanes4 r = k.w[0][0][q] * part(row[0]);
+      Lanes4 s = g[0][0][q] * part(row[0]);
+      for (int i = 1; i < S::support; ++i) {
+        r += k.w[0][i][q] * part(row[i]);
+        s += g[0][i][q] * part(row[i]);
+      }
+      double const wy = D > 1 ? k.w[D > 1 ? 1 : 0][b][q] : 1.0;
+      double const wz = D > 2 ? k.w[D > 2 ? 2 : 0][c][q] : 1.0;
+      out[0] += (wy * wz) * r;
+      out[1] += (wy * wz) * s;
+      if constexpr (D > 1) {
+        double const gy = g[1][b][q];
+        out[2] += (gy * wz) * r;
+        out[4] += (gy * wz) * s;
+        if constexpr (D > 2) {
+          double const gz = g[2][c][q];
+          out[3] += (wy * gz) * r;
+          out[5] += (gy * gz) * r;
+          out[6] += (wy * gz) * s;
+        }
+      }
+    }
+  }
 }
 
 /// What of a node is read or written.

@@ -93,6 +93,13 @@ void Mpm::migrate() {
                 set.field(Field::affine_xx + (3 * j + d))[q] *= -1.0;
               }
             }
+            for (int pair = 0; pair < 3; ++pair) {
+              if (set.field(Field::cross_xy + 3 * pair) == nullptr) continue;
+              bool const turned = pair == d || (pair + 1) % 3 == d;  // xy, yz, zx
+              for (int j = 0; j < 3; ++j) {
+                if (turned != (j == d)) set.field(Field::cross_xy + (3 * pair + j))[q] *= -1.0;
+              }
+            }
           } else if (next.block == grid::no_neighbour) {
             fate.lost = true;
           } else {

@@ -24,7 +24,7 @@ int block_cells_of(grid::Domain const& domain, int asked) {
   }
 }
 
-FieldList fields_of(Body const& body, Options const& options) {
+FieldList fields_of(Body const& body, Options const& options, int dimensions) {
   material::Solid const& solid = body.solid;
   Transfer const transfer = body.transfer.value_or(options.transfer);
   FieldList fields;
@@ -32,6 +32,9 @@ FieldList fields_of(Body const& body, Options const& options) {
   for (Field const scalar : {Field::mass, Field::density, Field::identity}) fields.add(scalar);
   if (options.shape == ShapeFunction::cpgimp) fields.add(Field::half_x, 3);
   if (transfer == Transfer::apic) fields.add(Field::affine_xx, 9);
+  if (transfer == Transfer::apic && options.shape == ShapeFunction::bspline && !solid.has_deviator()) {
+    if (dimensions > 1) fields.add(Field::cross_xy, dimensions == 2 ? 3 : 9);
+  }
   if (transfer == Transfer::xpic) fields.add(Field::filtered_x, 3);
   for (Field const scalar : {Field::pressure, Field::viscosity, Field::energy}) fields.add(scalar);
   if (solid.has_deviator()) {
@@ -193,6 +196,17 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     w.strains_early = w.strains_early || order_of(b) == StressOrder::usl;
     w.keeps_energy = w.keeps_energy || keeps_energy(b);
     w.conducts = w.conducts || bodies_[b].shock_conduction > 0.0;
+    w.relaxes = w.relaxes || bodies_[b].density_relaxation > 0.0;
+  }
+  w.shared.assign(w.fields, 0);
+  for (int f = 0; f < w.fields; ++f) {
+    auto const some = [&](bool wanted) {
+      for (int b = 0; b < body_count; ++b) {
+        if (w.field_of[b] == f && affine(b) == wanted) return true;
+      }
+      return false;
+    };
+    w.shared[f] = some(true) && some(false) ? 1 : 0;
   }
   w.filters = std::any_of(bodies_.begin(), bodies_.end(),
                           [&](Body const& b) { return b.transfer.value_or(options_.transfer) == Transfer::xpic; });
@@ -226,7 +240,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     }
     w.node_weight.push_back(any_rigid ? node_weights(grid_, b, w.patches[b]) : std::vector<double>{});
     for (Body const& body : bodies_) {
-      FieldList const fields = fields_of(body, options_);
+      FieldList const fields = fields_of(body, options_, grid_.domain().dimensions());
       sets_.emplace_back(fields);
       w.outbox.push_back({PointSet(fields), {}});
     }
@@ -234,6 +248,8 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   std::size_t const slots = static_cast<std::size_t>(blocks) * w.fields;
   w.state.resize(slots);
   w.velocity.resize(slots);
+  w.momentum.resize(slots);
+  w.momentum_present.assign(slots, 0);
   w.gradient.resize(slots);
   w.extent.resize(slots);
   w.present.assign(slots, 0);
@@ -359,10 +375,12 @@ StressOrder Mpm::order_of(int body) const {
 /// APIC projects the velocity of the nodes around a point on a linear function: what is left over is lost, and so is
 /// what the points around a node differ in. Both are never negative, if the energy of the gradient is counted: in a
 /// fluid they are a dissipation, as by viscosity, and heat.
+bool Mpm::affine(int body) const { return bodies_[body].transfer.value_or(options_.transfer) == Transfer::apic; }
+
 bool Mpm::keeps_energy(int body) const {
   Body const& b = bodies_[body];
-  return b.transfer.value_or(options_.transfer) == Transfer::apic && options_.shape == ShapeFunction::bspline &&
-         !b.solid.has_deviator() && !b.rigid_velocity && order_of(body) != StressOrder::usf;
+  return affine(body) && options_.shape == ShapeFunction::bspline && !b.solid.has_deviator() && !b.rigid_velocity &&
+         order_of(body) != StressOrder::usf;
 }
 
 void Mpm::lend_as(int body) {
@@ -426,7 +444,7 @@ void Mpm::update_signals() {
                                  : std::max(material::sound_speed(solid, set.field(Field::density)[q],
                                                                   set.field(Field::pressure)[q], Y, alpha),
                                             solid.detonation_speed);
-        fastest = std::max(fastest, speed + sound);
+        fastest = std::max(fastest, signal_weight(body) * (speed + sound));
       }
     }
     signals_[block] = fastest;

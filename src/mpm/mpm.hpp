@@ -76,12 +76,20 @@ struct Body {
   /// Coefficients of the bulk viscosity that differ from those of the options.
   std::optional<double> linear_viscosity;
   std::optional<double> quadratic_viscosity;
-  double viscosity_onset = 0.0;  ///< see `material::StepData::linear_onset`
+  double viscosity_onset = 0.0;   ///< see `material::StepData::linear_onset`
+  std::optional<double> courant;  ///< Courant number that differs from that of the options
   /// Conduction of heat in shocks, [Noh87]: the part of the difference between a fluid point's specific energy and that
   /// around it that is evened out in a step, times q / (p + q). Bulk viscosity alone overheats the first points that a
   /// shock reaches, at walls and at faces of the region, for good. 0: none.
   double shock_conduction = 0.0;
+  /// Of fluids that leave no gap: the part by which the density that points carry is brought nearer to the one that
+  /// they have in space, every `density_interval` steps. The two drift apart, in shocks above all: volumes follow the
+  /// velocity gradient at the points, positions the velocity. Specific energy stays, so that mass, momentum and energy
+  /// are kept. 0: none.
+  double density_relaxation = 0.0;
 };
+
+inline constexpr int density_interval = 4;
 
 /// What fills (a part of) a body.
 struct Filling {
@@ -199,7 +207,7 @@ class Mpm {
   [[nodiscard]] bool keeps_energy(int body) const;
   [[nodiscard]] FieldList const& fields(int body) const { return sets_[body].fields(); }
 
-  /// Largest stable step [s] at the given Courant number: courant h / max(sound speed + speed).
+  /// Largest stable step [s] at the bodies' Courant numbers: the least of courant h / (sound speed + speed).
   [[nodiscard]] double stable_step() const;
   /// One step. Throws NumericalError when a point's state has lost its meaning.
   void advance(double dt);
@@ -255,6 +263,9 @@ class Mpm {
   void integrate(double dt);
   void update_stress(double dt);
   void conduct();
+  void relax_density();
+  void share_momentum(int block, Scratch& scratch) const;
+  [[nodiscard]] bool affine(int body) const;
   void migrate();
   void sort(PointSet& set, int block, std::vector<int>& order) const;
 
@@ -268,6 +279,10 @@ class Mpm {
   void constrain_state(int block, Scratch& scratch);
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
   [[nodiscard]] StressOrder order_of(int body) const;
+  /// What a body's signals count in the step: 1 at the Courant number of the options.
+  [[nodiscard]] double signal_weight(int body) const {
+    return options_.courant / bodies_[body].courant.value_or(options_.courant);
+  }
   [[nodiscard]] double work_on(int block, int body, OuterForces const& outer) const;
 
   grid::Grid grid_;
@@ -280,12 +295,12 @@ class Mpm {
   Losses losses_;
   Vec3 constraint_impulse_{0.0, 0.0, 0.0};
   double outer_work_ = 0.0;
-  double fastest_ = 0.0;  ///< fastest signal of all points [m/s]
+  double fastest_ = 0.0;  ///< fastest signal of all points, weighted [m/s]
   double time_ = 0.0;
   long step_ = 0;
   std::map<std::string, double> timings_;
   std::vector<int> active_;      ///< blocks that hold points
-  std::vector<double> signals_;  ///< fastest signal per block [m/s]
+  std::vector<double> signals_;  ///< fastest signal per block, weighted [m/s]
   std::unique_ptr<Workspace> work_;
 };
 

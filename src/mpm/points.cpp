@@ -54,7 +54,12 @@ double affine_energy(PointSet const& set, int point, double h) {
     double const g = set.field(Field::affine_xx + c)[point];
     sum += g * g;
   }
-  return 0.125 * h * h * sum;
+  double mixed = 0.0;
+  for (int c = 0; c < 9; ++c) {
+    double const* values = set.field(Field::cross_xy + c);
+    if (values != nullptr) mixed += values[point] * values[point];
+  }
+  return h * h * (0.125 * sum + 0.03125 * mixed);
 }
 
 }  // namespace brisance::mpm

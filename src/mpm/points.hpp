@@ -57,6 +57,15 @@ enum class Field : int {
   affine_zx,
   affine_zy,
   affine_zz,
+  cross_xy,  ///< mixed second derivatives of the velocity times h [1/s], 3 components each: APIC in fluids
+  cross_xy_y,
+  cross_xy_z,
+  cross_yz,
+  cross_yz_y,
+  cross_yz_z,
+  cross_zx,
+  cross_zx_y,
+  cross_zx_z,
   filtered_x,  ///< velocity that XPIC takes away [m/s], 3
   filtered_y,
   filtered_z,
@@ -133,8 +142,8 @@ class PointSet {
   int size_ = 0;
 };
 
-/// Kinetic energy per mass [J/kg] of APIC's velocity gradient C within a point, with the second moment h^2/4 of
-/// quadratic B-splines: h^2/8 C:C.
+/// Kinetic energy per mass [J/kg] of APIC's velocity gradient C and of the mixed second derivatives B within a point,
+/// with the second moment h^2/4 of quadratic B-splines: h^2/8 C:C + h^4/32 B:B.
 [[nodiscard]] double affine_energy(PointSet const& set, int point, double h);
 
 }  // namespace brisance::mpm

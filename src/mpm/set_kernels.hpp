@@ -183,7 +183,8 @@ struct Kernels {
         } else if (affine) {
           // The energy of its affine velocity too.
           b[3] = 0.0;
-          add_affine_energy<S, D>(*v.patch, k, around, v.h, q, nodes, a, affine_columns(set, begin + q, m), 1.0 / m);
+          add_affine_energy<S, D>(*v.patch, k, around, v.h, q, nodes, a, affine_columns(set, begin + q, m),
+                                  mixed_columns(set, begin + q, m * inverse_h), 1.0 / m);
           if constexpr (with_forces) add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
         } else if constexpr (with_forces) {
           add_state<S, D>(*v.patch, k, q, nodes, a, b, cx, cy, cz);
@@ -199,6 +200,16 @@ struct Kernels {
     std::array<Lanes4, 3> c{};
     for (int j = 0; j < D; ++j) {
       for (int i = 0; i < 3; ++i) c[j][i] = m * set.field(Field::affine_xx + (3 * i + j))[q];
+    }
+    return c;
+  }
+
+  /// The same per product of two distances, from its mixed derivatives.
+  static std::array<Lanes4, 3> mixed_columns(PointSet& set, int q, double m) {
+    std::array<Lanes4, 3> c{};
+    if (set.field(Field::cross_xy) == nullptr) return c;
+    for (int pair = 0; pair < (D == 3 ? 3 : 1); ++pair) {
+      for (int i = 0; i < 3; ++i) c[pair][i] = m * set.field(Field::cross_xy + (3 * pair + i))[q];
     }
     return c;
   }
@@ -269,6 +280,51 @@ struct Kernels {
     });
   }
 
+  /// Part of a cell that each point fills, at the nodes. Rings and shells count by their area in the plane of the grid.
+  static void map_volume(SetView const& v, grid::Domain const& domain, NodeVelocity* nodes) {
+    PointSet const& set = *v.set;
+    double const per_cell = 1.0 / std::pow(v.h, D);
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      double const* mass = set.field(Field::mass) + begin;
+      double const* density = set.field(Field::density) + begin;
+      double const* radius = set.field(Field::position_x) + begin;
+      for (int q = 0; q < n; ++q) {
+        double const part = per_cell * mass[q] / (density[q] * domain.unresolved_extent(radius[q]));
+        add<S, D>(*v.patch, k, q, nodes, whole, Lanes4{part, 0.0, 0.0, 0.0});
+      }
+    });
+  }
+
+  /// Brings the density nearer to that in space: see `Body::density_relaxation`. The nodes hold the filled part of
+  /// space.
+  static void relax_density(SetView const& v, grid::Domain const& domain, NodeVelocity const* nodes) {
+    // Less is filled at a front into a vacuum, where there is nothing to go by.
+    constexpr double least = 0.7;
+    PointSet& set = *v.set;
+    // Shells around the centre are too thick to count by an area.
+    double const nearest = domain.geometry == grid::Geometry::spherical1d ? 3.0 * v.h : 0.0;
+    double const rate = v.body->density_relaxation;
+    double const* Y = set.field(Field::mass_fraction);
+    double const* alpha = set.field(Field::volume_fraction);
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      double* density = set.field(Field::density) + begin;
+      double const* energy = set.field(Field::energy) + begin;
+      double* pressure = set.field(Field::pressure) + begin;
+      double const* radius = set.field(Field::position_x) + begin;
+      for (int q = 0; q < n; ++q) {
+        Lanes4 seen;
+        velocity_at<S, D>(*v.patch, k, q, nodes, seen);
+        double const filled = seen[0];
+        if (filled < least || radius[q] < nearest) continue;
+        density[q] *= 1.0 + rate * (std::min(filled, 1.0 / least) - 1.0);
+        pressure[q] =
+            std::max(material::pressure(v.body->solid, density[q], energy[q], Y == nullptr ? 0.0 : Y[begin + q],
+                                        alpha == nullptr ? 0.0 : alpha[begin + q]),
+                     v.body->solid.minimum_pressure);
+      }
+    });
+  }
+
   /// XPIC: takes from `filtered` what the nodes see of it.
   static void filter(SetView const& v, NodeVelocity const* nodes) {
     PointSet& set = *v.set;
@@ -284,9 +340,10 @@ struct Kernels {
 
   /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity. With
   /// `keeps_energy` the nodes hold kinetic energy per mass in the place of their mass, and what the points' velocity
-  /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C, heats: h^2/4 is the second moment of the
-  /// B-splines.
-  static void move(SetView const& v, Options const& options, double dt, bool keeps_energy, NodeState const* nodes) {
+  /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C + h^4/32 B:B (B: the mixed derivatives), heats:
+  /// h^2/4 is the second moment of the B-splines. `exchange`: see `Mpm::share_momentum`, or null.
+  static void move(SetView const& v, Options const& options, double dt, bool keeps_energy, NodeState const* nodes,
+                   NodeVelocity const* exchange) {
     PointSet& set = *v.set;
     double const h = v.h;
     Transfer const transfer = v.body->transfer.value_or(options.transfer);
@@ -308,12 +365,19 @@ struct Kernels {
         AffineWeights<S, D> around;
         find_affine_weights<S, D>(*v.patch, h, constant_at(set, Field::position_x, begin), n, k, around);
         double const inverse_h = 1.0 / h;
+        bool const mixed = set.field(Field::cross_xy) != nullptr;
         for (int q = 0; q < n; ++q) {
-          std::array<Lanes4, 4> sum;
-          value_and_gradient<S, D>(*v.patch, k, around.g, q, nodes, momentum_of, sum);
+          std::array<Lanes4, 7> sum;
+          value_and_moments<S, D>(*v.patch, k, around.g, q, nodes, momentum_of, sum);
           lost[q] = sum[0][3] - 0.5 * (sum[0][0] * sum[0][0] + sum[0][1] * sum[0][1] + sum[0][2] * sum[0][2]);
           for (int j = 0; j < D; ++j) {
             for (int i = 0; i < 3; ++i) lost[q] -= 0.125 * sum[1 + j][i] * sum[1 + j][i];
+          }
+          for (int pair = 0; mixed && pair < (D == 3 ? 3 : 1); ++pair) {
+            for (int i = 0; i < 3; ++i) {
+              lost[q] -= 0.03125 * sum[4 + pair][i] * sum[4 + pair][i];
+              set.field(Field::cross_xy + (3 * pair + i))[begin + q] = sum[4 + pair][i] * inverse_h;
+            }
           }
           for (int i = 0; i < 3; ++i) {
             fresh[i][q] = sum[0][i];
@@ -342,6 +406,10 @@ struct Kernels {
           fresh[d][q] = velocity[d];
           change[d][q] = added[d];
         }
+        if (exchange == nullptr) continue;
+        Lanes4 taken;
+        velocity_at<S, D>(*v.patch, k, q, exchange, taken);
+        for (int d = 0; d < 3; ++d) change[d][q] += taken[d];
       }
       auto const filtered = vector_at(set, Field::filtered_x, begin);
       for (int d = 0; d < 3; ++d) {

@@ -47,6 +47,8 @@ void Mpm::advance(double dt) {
     scratch.gradient.resize(work_->fields);
     scratch.extent.resize(work_->fields);
     scratch.present.resize(work_->fields);
+    scratch.exchange.resize(work_->fields);
+    scratch.exchanges.resize(work_->fields);
   }
   bool const first = options_.order == StressOrder::usf;
   if (first) {
@@ -57,6 +59,7 @@ void Mpm::advance(double dt) {
   } else {
     map_to_grid(true, true);
   }
+  if (work_->relaxes && step_ % density_interval == 0) relax_density();
   if (work_->filters) filter();
   integrate(dt);
   if (!first) update_stress(dt);
@@ -74,6 +77,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   Hoops const hoops = hoops_of(grid_.domain().geometry);
   OuterForces const outer = outer_forces();
   if (with_mass) std::fill(w.present.begin(), w.present.end(), 0);
+  if (with_mass) std::fill(w.momentum_present.begin(), w.momentum_present.end(), 0);
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
     Patch const& patch = w.patches[block];
@@ -100,6 +104,12 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
           kernels.template map_state<false, true>(view, hoops, outer, mean, nodes);
         }
         if (with_mass && gradient != nullptr) kernels.map_gradient(view, gradient);
+        if (with_mass && w.shared[w.field_of[body]] != 0 && !affine(body)) {
+          NodeVelocity* own = w.momentum[slot].get(patch.count());
+          if (w.momentum_present[slot] == 0) std::fill(own, own + patch.count(), NodeVelocity{});
+          w.momentum_present[slot] = 1;
+          kernels.map_velocity(view, Field::velocity_x, own);
+        }
       });
     });
   });
@@ -295,6 +305,45 @@ void Mpm::conduct() {
   });
 }
 
+void Mpm::relax_density() {
+  PhaseTimer const timer(timings_["density in space"]);
+  Workspace& w = *work_;
+  double const h = grid_.domain().h;
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
+    int const block = active_[n];
+    clear_velocity(block);
+    for_sets(block, [&](PointSet& set, int body) {
+      SetView const view{&set, &bodies_[body], &w.patches[block], h};
+      with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
+        kernels.map_volume(view, grid_.domain(), w.velocity[w.slot(block, w.field_of[body])].data());
+      });
+    });
+  });
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
+    int const block = active_[n];
+    Scratch& scratch = w.scratch[thread];
+    int const count = w.patches[block].count();
+    // All bodies fill space together.
+    NodeVelocity* sum = nullptr;
+    for (int f = 0; f < w.fields; ++f) {
+      if (!w.gather(w.velocity, block, f, scratch.velocity[f], true)) continue;
+      NodeVelocity const* nodes = scratch.velocity[f].data();
+      if (sum == nullptr) {
+        sum = scratch.velocity[f].data();
+      } else {
+        for (int node = 0; node < count; ++node) sum[node] += nodes[node];
+      }
+    }
+    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
+      PointSet& set = points(block, body);
+      if (set.empty() || bodies_[body].density_relaxation <= 0.0) continue;
+      SetView const view{&set, &bodies_[body], &w.patches[block], h};
+      with_kernels(options_.shape, view.patch->dimensions,
+                   [&](auto kernels) { kernels.relax_density(view, grid_.domain(), sum); });
+    }
+  });
+}
+
 void Mpm::clear_velocity(int block) {
   Workspace& w = *work_;
   int const count = w.patches[block].count();
@@ -418,6 +467,7 @@ void Mpm::integrate(double dt) {
       gather_extents(block, scratch);
     }
     constrain_state(block, scratch);
+    share_momentum(block, scratch);
     if (options_.order != StressOrder::usf) signals_[block] = 0.0;  // usf has found them already
     if (w.keeps_energy) {
       // In the place of the mass: kinetic energy of the points around per mass, with what the forces of the step add.
@@ -441,7 +491,8 @@ void Mpm::integrate(double dt) {
       bool const own = lent_body_ < 0 || &set != &lent_[block];
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
         if (own) {
-          kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data());
+          NodeVelocity const* exchange = scratch.exchanges[f] == 0 ? nullptr : scratch.exchange[f].data();
+          kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(), exchange);
           w.work[block] += work_on(block, body, outer);
         } else {
           for (int d = 0; d < 3; ++d) {
@@ -462,6 +513,31 @@ void Mpm::integrate(double dt) {
       if (order_of(body) == StressOrder::usl) update_set(block, body, hoops, dt, scratch);
     }
   });
+}
+
+/// Points of APIC take over the velocity of their nodes, all others add its change to their own. Where both share nodes
+/// the first give and take momentum there that the others must take and give: they add the difference between the
+/// nodes' common velocity and their own one.
+void Mpm::share_momentum(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  int const count = w.patches[block].count();
+  for (int f = 0; f < w.fields; ++f) {
+    scratch.exchanges[f] = 0;
+    if (w.shared[f] == 0 || scratch.present[f] == 0) continue;
+    if (!w.gather(w.momentum, w.momentum_present, block, f, scratch.exchange[f])) continue;
+    scratch.exchanges[f] = 1;
+    NodeState const* nodes = scratch.state[f].data();
+    NodeVelocity* exchange = scratch.exchange[f].data();
+    for (int node = 0; node < count; ++node) {
+      double const own = exchange[node][3];
+      // Where the others are alone the difference is round-off.
+      bool const both = own > w.mass_floor && nodes[node].momentum[3] - own > 1e-12 * own;
+      double const inverse = both ? 1.0 / own : 0.0;
+      double const part = both ? 1.0 : 0.0;
+      NodeVelocity const common = nodes[node].momentum - nodes[node].force;
+      exchange[node] = part * common - inverse * exchange[node];
+    }
+  }
 }
 
 void Mpm::constrain_state(int block, Scratch& scratch) {
@@ -549,7 +625,7 @@ void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch
       fastest = kernels.update(view, options_, hoops, time_, dt, scratch.velocity[w.field_of[body]].data(), scratch);
     });
   }
-  signals_[block] = std::max(signals_[block], fastest);
+  signals_[block] = std::max(signals_[block], signal_weight(body) * fastest);
 }
 
 void Mpm::update_stress(double dt) {

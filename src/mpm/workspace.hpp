@@ -57,7 +57,9 @@ struct Scratch {
   std::vector<NodeArray<NodeState>> state;
   std::vector<NodeArray<NodeVelocity>> velocity;
   std::vector<NodeArray<NodeVelocity>> gradient;  ///< of the volume [m2]: contact
-  std::vector<NodeArray<double>> extent;          ///< contact
+  std::vector<NodeArray<NodeVelocity>> exchange;  ///< velocity that bodies without APIC take over at shared nodes
+  std::vector<char> exchanges;
+  std::vector<NodeArray<double>> extent;  ///< contact
   std::vector<char> present;
   std::vector<double> strain;     ///< locking control: strain and spin of a whole set
   std::vector<double> cell_sums;  ///< locking control: volume and volume change per cell
@@ -93,6 +95,7 @@ struct Mpm::Workspace {
   bool maps_back = false;                   ///< some body is updated by MUSL
   bool strains_early = false;               ///< some body is updated by USL
   bool conducts = false;                    ///< some body conducts heat in shocks
+  bool relaxes = false;                     ///< some body's density follows its points' spacing
   std::vector<char> shocked;                ///< per block: there is a shock in it
   bool keeps_energy = false;                ///< some body's transfer loses no energy
   std::vector<std::vector<Hold>> holds;     ///< per block
@@ -100,7 +103,11 @@ struct Mpm::Workspace {
   std::vector<NodeArray<NodeVelocity>> velocity;
   std::vector<NodeArray<NodeVelocity>> gradient;
   std::vector<NodeArray<double>> extent;
-  std::vector<char> present;                     ///< block x field: were written in this step
+  std::vector<char> present;  ///< block x field: were written in this step
+  /// Fields that bodies with APIC share with others, and what those others alone gave the nodes: see `share_momentum`.
+  std::vector<char> shared;                       ///< per field
+  std::vector<NodeArray<NodeVelocity>> momentum;  ///< block x field
+  std::vector<char> momentum_present;
   std::vector<Scratch> scratch;                  ///< per thread
   std::vector<Outbox> outbox;                    ///< block x body
   std::vector<std::array<int, 27>> around;       ///< blocks around each block
@@ -121,14 +128,19 @@ struct Mpm::Workspace {
   template <class Record>
   bool gather(std::vector<NodeArray<Record>> const& raw, int block, int field, NodeArray<Record>& sum,
               bool scalars = false) const {
+    return gather(raw, present, block, field, sum, scalars);
+  }
+  template <class Record>
+  bool gather(std::vector<NodeArray<Record>> const& raw, std::vector<char> const& written, int block, int field,
+              NodeArray<Record>& sum, bool scalars = false) const {
     Patch const& patch = patches[block];
-    auto const is_present = [&](Link const& link) { return present[slot(link.source, field)] != 0; };
+    auto const is_present = [&](Link const& link) { return written[slot(link.source, field)] != 0; };
     if (!std::any_of(patch.links.begin(), patch.links.end(), is_present)) return false;
     sum_links(
         patch, sum.get(patch.count()),
         [&](int source) {
           int const from = slot(source, field);
-          return present[from] == 0 ? nullptr : raw[from].data();
+          return written[from] == 0 ? nullptr : raw[from].data();
         },
         scalars);
     return true;

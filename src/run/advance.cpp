@@ -27,7 +27,7 @@ double stable_gas_step(World const& w) {
 double stable_point_step(World const& w) {
   double step = w.points->stable_step();
   if (w.bridge != nullptr && w.bridge->incoming_signal() > 0.0) {
-    step = std::min(step, w.setup.points.options.courant * w.setup.domain.h / w.bridge->incoming_signal());
+    step = std::min(step, w.setup.mpm_region->courant * w.setup.domain.h / w.bridge->incoming_signal());
   }
   return ramp(w) * step;
 }

@@ -118,8 +118,10 @@ struct MpmRegion {
   bool subcycling = true;                          ///< gas and points take steps of their own within a common one
   mpm::Transfer transfer = mpm::Transfer::apic;    ///< of the gas
   mpm::StressOrder order = mpm::StressOrder::usl;  ///< of the gas; usl or musl
+  double density_relaxation = 0.25;                ///< of the gas, see `mpm::Body`
+  double courant = 0.5;                            ///< of the gas points; `points.options.courant` is that of bodies
   int population_interval = 4;                     ///< steps of the points between splits and merges; 0: none
-  double linear_viscosity = 0.5;                   ///< of the gas: as much as damps the overshoot of strong shocks
+  double linear_viscosity = 0.75;                  ///< of the gas: as much as damps the overshoot of strong shocks
   double viscosity_onset = 0.1;                    ///< of the linear term: sound waves pass undamped, see `mpm::Body`
   double quadratic_viscosity = 1.5;
   double shock_conduction = 1.0;  ///< of the gas, see `mpm::Body`
