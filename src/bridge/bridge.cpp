@@ -84,6 +84,7 @@ Bridge::Bridge(gas::Gas& gas, mpm::Mpm& points, int gas_body, Region region, Opt
       gas_body_(gas_body),
       region_(std::move(region)),
       options_(options),
+      lanes_domain_(refined(region_.domain(), options.points_per_direction)),
       ambient_(ambient),
       awake_(options.awake),
       averages_(gas.grid().domain(), points, region_.shift(),
@@ -419,9 +420,8 @@ void Bridge::lend_cell(LentCell const& lent, double begin, double end, mpm::Poin
 }
 
 double Bridge::standard_volume(Index3 const& cell, Index3 const& sub) const {
-  int const parts = options_.points_per_direction;
   // Beyond an open boundary at a negative radius there is nothing.
-  return std::abs(refined(region_.domain(), parts).cell_volume(cell[0] * parts + sub[0]));
+  return std::abs(lanes_domain_.cell_volume(cell[0] * options_.points_per_direction + sub[0]));
 }
 
 void Bridge::lend_cells_to_nodes(double begin, double end) {
@@ -555,7 +555,7 @@ double Bridge::lane_area(int face, int lane) const {
   Index3 const sub = sub_cell(face, lane);
   int i = f.inside[0] * parts + sub[0];
   if (f.direction == 0 && f.side == 1) ++i;
-  return refined(region_.domain(), parts).face_area(f.direction, i);
+  return lanes_domain_.face_area(f.direction, i);
 }
 
 Ledger Bridge::carried(mpm::PointSet const& set, int q) const {
@@ -777,11 +777,18 @@ void Bridge::follow_volumes(double dt) {
       if (d != faces[f].direction) divergence += slopes.velocity[d][d] / h;
     }
     double const stretch = std::exp(dt * divergence);
+    double const inside = states_.later(lanes.inside_state).density;
+    bool const contact = std::abs(inside - outside.density) > 0.1 * std::min(inside, outside.density);
     for (int lane = 0; lane < lanes_per_face_; ++lane) {
-      accounts[lane].volume *= stretch;
+      Ledger& account = accounts[lane];
+      if (outwards_[f] != 0 && !contact) {
+        Ledger const& before = levelled_[f * lanes_per_face_ + lane];
+        account.volume = before.volume + (account.total() - before.total()) / outside.density;
+      }
+      account.volume *= stretch;
       if (outwards_[f] == 0) continue;
       double const most = standard_volume(faces[f].inside, sub_cell(static_cast<int>(f), lane));
-      accounts[lane].volume = std::clamp(accounts[lane].volume, -most, most);
+      account.volume = std::clamp(account.volume, -most, most);
     }
   }
 }
@@ -890,6 +897,7 @@ std::string Bridge::intruder() const {
 
 void Bridge::exchange(double share, double dt) {
   last_step_ = dt;
+  levelled_ = ledger_;  // as it was before
   take_leavers();
   add_fluxes(share, dt);
   if (options_.transport == Transport::ledger) {

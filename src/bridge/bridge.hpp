@@ -8,7 +8,7 @@
 /// account of what the gas gave to the region, less what the region took: it grows by the flux that the gas scheme
 /// really used (mass of each fluid, momentum and energy without the pressure's part, which reaches the points through
 /// Eq. (39)) and by what points carry out, and falls by what new points carry in. A point is born when half a point's
-/// mass has gathered: its centre is then at the face. Gas outside + points + ledger is constant. (Eqs. (40)-(51) as
+/// volume has gathered: its centre is then at the face. Gas outside + points + ledger is constant. (Eqs. (40)-(51) as
 /// printed count what crosses twice, see docs/theory.)
 #pragma once
 
@@ -173,6 +173,7 @@ class Bridge {
   int gas_body_;
   Region region_;
   Options options_;
+  grid::Domain lanes_domain_;  ///< cells as small as the lanes are wide
   gas::MixtureState ambient_;
   bool awake_ = false;
 
@@ -186,7 +187,7 @@ class Bridge {
   std::vector<Lanes> lanes_;
   int lanes_per_face_ = 1;
   std::vector<Ledger> ledger_;                       ///< face by face, lane by lane
-  std::vector<Ledger> levelled_;                     ///< scratch of `level_ledger`
+  std::vector<Ledger> levelled_;                     ///< scratch: the ledger before
   std::vector<char> outwards_;                       ///< per face: the gas flowed out of the region in the last step
   std::vector<std::array<int, 4>> lane_neighbours_;  ///< along the region's surface; -1: none
   std::vector<int> leaving_blocks_;                  ///< blocks of points that hold cells outside the region

@@ -84,7 +84,6 @@ void Builder::mpm_region_options(Section const& section, run::MpmRegion& region)
   region.linear_viscosity = section.number("linear_viscosity").value_or(region.linear_viscosity);
   region.quadratic_viscosity = section.number("quadratic_viscosity").value_or(region.quadratic_viscosity);
   region.shock_conduction = section.number("shock_conduction").value_or(region.shock_conduction);
-  region.density_relaxation = section.number("density_relaxation").value_or(region.density_relaxation);
   region.courant = section.number("courant").value_or(region.courant);
   region.reference_pressure = section.number("reference_pressure");
 }

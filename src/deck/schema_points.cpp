@@ -182,11 +182,6 @@ Table const& mpm_region_table() {
              .of(r.shock_conduction)
              .like("0.2")
              .means("Coefficient of the conduction of heat in shocks of the gas points"),
-         number("density_relaxation", "1", 0.0, 1.0)
-             .of(r.density_relaxation)
-             .like("0.1")
-             .means("Part by which the density that gas points carry is brought nearer to the one that they have in "
-                    "space, every 4 steps"),
          number("courant", "1", 0.01, 1.0)
              .of(r.courant)
              .like("0.8")

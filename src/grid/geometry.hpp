@@ -102,16 +102,6 @@ struct Domain {
     return 0.0;
   }
 
-  /// Extent in the unresolved directions at a radius: volume per area of the grid; 1 in planar geometries.
-  [[nodiscard]] double unresolved_extent(double radius) const {
-    switch (geometry) {
-      case Geometry::axisymmetric2d:
-      case Geometry::cylindrical1d: return 2.0 * std::numbers::pi * radius;
-      case Geometry::spherical1d: return 4.0 * std::numbers::pi * radius * radius;
-      default: return 1.0;
-    }
-  }
-
   /// Volume of cells with first index i [m3]. Planar geometries count 1 m in each unresolved direction; the
   /// curvilinear ones count the whole ring, tube (per metre) or shell.
   [[nodiscard]] double cell_volume(int i) const {

@@ -196,7 +196,6 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     w.strains_early = w.strains_early || order_of(b) == StressOrder::usl;
     w.keeps_energy = w.keeps_energy || keeps_energy(b);
     w.conducts = w.conducts || bodies_[b].shock_conduction > 0.0;
-    w.relaxes = w.relaxes || bodies_[b].density_relaxation > 0.0;
   }
   w.shared.assign(w.fields, 0);
   for (int f = 0; f < w.fields; ++f) {

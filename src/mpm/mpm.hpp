@@ -82,14 +82,7 @@ struct Body {
   /// around it that is evened out in a step, times q / (p + q). Bulk viscosity alone overheats the first points that a
   /// shock reaches, at walls and at faces of the region, for good. 0: none.
   double shock_conduction = 0.0;
-  /// Of fluids that leave no gap: the part by which the density that points carry is brought nearer to the one that
-  /// they have in space, every `density_interval` steps. The two drift apart, in shocks above all: volumes follow the
-  /// velocity gradient at the points, positions the velocity. Specific energy stays, so that mass, momentum and energy
-  /// are kept. 0: none.
-  double density_relaxation = 0.0;
 };
-
-inline constexpr int density_interval = 4;
 
 /// What fills (a part of) a body.
 struct Filling {
@@ -263,7 +256,6 @@ class Mpm {
   void integrate(double dt);
   void update_stress(double dt);
   void conduct();
-  void relax_density();
   void share_momentum(int block, Scratch& scratch) const;
   [[nodiscard]] bool affine(int body) const;
   void migrate();

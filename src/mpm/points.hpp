@@ -57,7 +57,7 @@ enum class Field : int {
   affine_zx,
   affine_zy,
   affine_zz,
-  cross_xy,  ///< mixed second derivatives of the velocity times h [1/s], 3 components each: APIC in fluids
+  cross_xy,  ///< mixed second derivatives of the velocity times h [1/s], 3 components each: APIC in fluids, [Fu17]
   cross_xy_y,
   cross_xy_z,
   cross_yz,

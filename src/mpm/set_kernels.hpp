@@ -280,51 +280,6 @@ struct Kernels {
     });
   }
 
-  /// Part of a cell that each point fills, at the nodes. Rings and shells count by their area in the plane of the grid.
-  static void map_volume(SetView const& v, grid::Domain const& domain, NodeVelocity* nodes) {
-    PointSet const& set = *v.set;
-    double const per_cell = 1.0 / std::pow(v.h, D);
-    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
-      double const* mass = set.field(Field::mass) + begin;
-      double const* density = set.field(Field::density) + begin;
-      double const* radius = set.field(Field::position_x) + begin;
-      for (int q = 0; q < n; ++q) {
-        double const part = per_cell * mass[q] / (density[q] * domain.unresolved_extent(radius[q]));
-        add<S, D>(*v.patch, k, q, nodes, whole, Lanes4{part, 0.0, 0.0, 0.0});
-      }
-    });
-  }
-
-  /// Brings the density nearer to that in space: see `Body::density_relaxation`. The nodes hold the filled part of
-  /// space.
-  static void relax_density(SetView const& v, grid::Domain const& domain, NodeVelocity const* nodes) {
-    // Less is filled at a front into a vacuum, where there is nothing to go by.
-    constexpr double least = 0.7;
-    PointSet& set = *v.set;
-    // Shells around the centre are too thick to count by an area.
-    double const nearest = domain.geometry == grid::Geometry::spherical1d ? 3.0 * v.h : 0.0;
-    double const rate = v.body->density_relaxation;
-    double const* Y = set.field(Field::mass_fraction);
-    double const* alpha = set.field(Field::volume_fraction);
-    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
-      double* density = set.field(Field::density) + begin;
-      double const* energy = set.field(Field::energy) + begin;
-      double* pressure = set.field(Field::pressure) + begin;
-      double const* radius = set.field(Field::position_x) + begin;
-      for (int q = 0; q < n; ++q) {
-        Lanes4 seen;
-        velocity_at<S, D>(*v.patch, k, q, nodes, seen);
-        double const filled = seen[0];
-        if (filled < least || radius[q] < nearest) continue;
-        density[q] *= 1.0 + rate * (std::min(filled, 1.0 / least) - 1.0);
-        pressure[q] =
-            std::max(material::pressure(v.body->solid, density[q], energy[q], Y == nullptr ? 0.0 : Y[begin + q],
-                                        alpha == nullptr ? 0.0 : alpha[begin + q]),
-                     v.body->solid.minimum_pressure);
-      }
-    });
-  }
-
   /// XPIC: takes from `filtered` what the nodes see of it.
   static void filter(SetView const& v, NodeVelocity const* nodes) {
     PointSet& set = *v.set;

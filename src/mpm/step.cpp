@@ -59,7 +59,6 @@ void Mpm::advance(double dt) {
   } else {
     map_to_grid(true, true);
   }
-  if (work_->relaxes && step_ % density_interval == 0) relax_density();
   if (work_->filters) filter();
   integrate(dt);
   if (!first) update_stress(dt);
@@ -302,45 +301,6 @@ void Mpm::conduct() {
     each_set(block, [&](int body, SetView const& view, auto kernels) {
       kernels.take_heat(view, scratch.velocity[w.field_of[body]].data());
     });
-  });
-}
-
-void Mpm::relax_density() {
-  PhaseTimer const timer(timings_["density in space"]);
-  Workspace& w = *work_;
-  double const h = grid_.domain().h;
-  parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
-    int const block = active_[n];
-    clear_velocity(block);
-    for_sets(block, [&](PointSet& set, int body) {
-      SetView const view{&set, &bodies_[body], &w.patches[block], h};
-      with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
-        kernels.map_volume(view, grid_.domain(), w.velocity[w.slot(block, w.field_of[body])].data());
-      });
-    });
-  });
-  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
-    int const block = active_[n];
-    Scratch& scratch = w.scratch[thread];
-    int const count = w.patches[block].count();
-    // All bodies fill space together.
-    NodeVelocity* sum = nullptr;
-    for (int f = 0; f < w.fields; ++f) {
-      if (!w.gather(w.velocity, block, f, scratch.velocity[f], true)) continue;
-      NodeVelocity const* nodes = scratch.velocity[f].data();
-      if (sum == nullptr) {
-        sum = scratch.velocity[f].data();
-      } else {
-        for (int node = 0; node < count; ++node) sum[node] += nodes[node];
-      }
-    }
-    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
-      PointSet& set = points(block, body);
-      if (set.empty() || bodies_[body].density_relaxation <= 0.0) continue;
-      SetView const view{&set, &bodies_[body], &w.patches[block], h};
-      with_kernels(options_.shape, view.patch->dimensions,
-                   [&](auto kernels) { kernels.relax_density(view, grid_.domain(), sum); });
-    }
   });
 }
 

@@ -95,7 +95,6 @@ struct Mpm::Workspace {
   bool maps_back = false;                   ///< some body is updated by MUSL
   bool strains_early = false;               ///< some body is updated by USL
   bool conducts = false;                    ///< some body conducts heat in shocks
-  bool relaxes = false;                     ///< some body's density follows its points' spacing
   std::vector<char> shocked;                ///< per block: there is a shock in it
   bool keeps_energy = false;                ///< some body's transfer loses no energy
   std::vector<std::vector<Hold>> holds;     ///< per block

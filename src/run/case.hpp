@@ -118,7 +118,6 @@ struct MpmRegion {
   bool subcycling = true;                          ///< gas and points take steps of their own within a common one
   mpm::Transfer transfer = mpm::Transfer::apic;    ///< of the gas
   mpm::StressOrder order = mpm::StressOrder::usl;  ///< of the gas; usl or musl
-  double density_relaxation = 0.25;                ///< of the gas, see `mpm::Body`
   double courant = 0.5;                            ///< of the gas points; `points.options.courant` is that of bodies
   int population_interval = 4;                     ///< steps of the points between splits and merges; 0: none
   double linear_viscosity = 0.75;                  ///< of the gas: as much as damps the overshoot of strong shocks

@@ -197,7 +197,6 @@ void place_region(World& w) {
   gas.viscosity_onset = settings.viscosity_onset;
   gas.quadratic_viscosity = settings.quadratic_viscosity;
   gas.shock_conduction = settings.shock_conduction;
-  gas.density_relaxation = settings.density_relaxation;
   gas.courant = settings.courant;
   place_bodies(w, region.points_domain(), {gas});
   int const gas_body = static_cast<int>(w.points->bodies().size()) - 1;

@@ -118,7 +118,8 @@ TEST(SubCycling, WithSteelThePointsTakeMoreSteps) {
   EXPECT_EQ(without.clock.point_steps, without.clock.gas_steps);
   double const v = with.points->sums(0).momentum[0];
   EXPECT_GT(v, 0.0);
-  EXPECT_NEAR(without.points->sums(0).momentum[0] / v, 1.0, 0.01);
+  // The impulse counts from the shock's arrival, which its width shifts: as the pressure.
+  EXPECT_NEAR(without.points->sums(0).momentum[0] / v, 1.0, 0.02);
 }
 
 TEST(SubCycling, WithHotGasOutsideTheGasTakesMoreSteps) {

@@ -486,7 +486,6 @@ TEST(GoodDecks, EveryKeyOfTheMpmRegionArrives) {
   EXPECT_EQ(r.linear_viscosity, 0.01);
   EXPECT_EQ(r.quadratic_viscosity, 2.0);
   EXPECT_EQ(r.shock_conduction, 0.3);
-  EXPECT_EQ(r.density_relaxation, 0.1);
   EXPECT_EQ(r.courant, 0.7);
   EXPECT_EQ(r.population_interval, 9);
   EXPECT_EQ(r.reference_pressure, 9e4);
