@@ -53,20 +53,18 @@ inline void progress_fluxes(SweepContext const& s, BundleLayout const& b, Bundle
 }
 
 /// Adds the energy `per_mass` [J/kg] of burnt products to every cell of the bundle. What is booked is the difference
-/// that the sum really made.
-inline void release_at_once(SweepContext const& s, BundleLayout const& b, double per_mass, BundleArrays& a) {
+/// that the sum really made. The burn fraction must stand in `a_burn`.
+inline void release_at_once(BundleLayout const& b, double per_mass, BundleArrays& a) {
   double const* const products = a[second_density];
   double const* const F = a[a_burn];
   double* const E = a[energy];
   double* const release = a[a_release];
-  bool const burning = s.burning;
   for (int r = 0; r < b.rows; ++r) {
     int const begin = b.begin(r);
     int const end = begin + b.count();
     BRISANCE_VECTOR_LOOP
     for (int q = begin; q < end; ++q) {
-      double const F_q = burning ? F[q] : 1.0;
-      double const mass = F_q >= 1.0 ? std::max(0.0, products[q]) : 0.0;
+      double const mass = F[q] >= 1.0 ? std::max(0.0, products[q]) : 0.0;
       double const before = E[q];
       double const after = before + per_mass * mass;
       E[q] = after;
@@ -77,7 +75,7 @@ inline void release_at_once(SweepContext const& s, BundleLayout const& b, double
 
 /// The same by Miller's law, with the pressure that the cell had before the sweep; energy [J/kg] is that of the whole
 /// progress from 0 to 1.
-inline void release_after_miller(SweepContext const& s, BundleLayout const& b, double energy_per_mass,
+inline void release_after_miller(BundleLayout const& b, double dt, double energy_per_mass,
                                  material::MillerAfterburn const model, BundleArrays& a) {
   double const* const products = a[second_density];
   double const* const F = a[a_burn];
@@ -85,15 +83,12 @@ inline void release_after_miller(SweepContext const& s, BundleLayout const& b, d
   double* const carried = a[a_progress];
   double* const E = a[energy];
   double* const release = a[a_release];
-  bool const burning = s.burning;
-  double const dt = s.dt;
   for (int r = 0; r < b.rows; ++r) {
     int const begin = b.begin(r);
     int const end = begin + b.count();
     BRISANCE_VECTOR_LOOP
     for (int q = begin; q < end; ++q) {
-      double const F_q = burning ? F[q] : 1.0;
-      bool const burnt = (F_q >= 1.0) & (products[q] > 0.0);
+      bool const burnt = (F[q] >= 1.0) & (products[q] > 0.0);
       double const mass = burnt ? products[q] : 1.0;
       double const x = carried[q] / mass;
       double const unburnt = 1.0 - std::min(1.0, std::max(0.0, x));

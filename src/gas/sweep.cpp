@@ -207,13 +207,14 @@ void Gas::restore_held(int b, BundleLayout const& layout, BundleArrays& a) const
 
 void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
   material::Afterburn const& afterburn = *options_.afterburn;
+  if (!s.burning) std::fill_n(a[a_burn], layout.total, 1.0);
   bool released = true;
   if (auto const* constant = std::get_if<material::ConstantRateAfterburn>(&afterburn.rate)) {
     double const share = constant->progress(time_at_step_end_) - constant->progress(time_at_step_end_ - s.dt);
     released = share > 0.0;
-    if (released) release_at_once(s, layout, afterburn.energy * share, a);
+    if (released) release_at_once(layout, afterburn.energy * share, a);
   } else {
-    release_after_miller(s, layout, afterburn.energy, std::get<material::MillerAfterburn>(afterburn.rate), a);
+    release_after_miller(layout, s.dt, afterburn.energy, std::get<material::MillerAfterburn>(afterburn.rate), a);
   }
   if (!released) return;
   grid::Block const& block = grid_->blocks()[b];

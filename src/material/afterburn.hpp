@@ -59,12 +59,12 @@ struct MillerAfterburn {
   /// 1 - lambda after a time dt [s] from 1 - lambda before it, exact for a constant pressure [Pa]. For m < 1 the
   /// products burn out in a finite time.
   [[nodiscard]] double advance(double unburnt, double pressure, double dt) const {
-    double const p = pressure > minimum_pressure ? pressure : 0.0;
-    double const k = p > 0.0 ? rate * pow_nonnegative(p / reference_pressure, n) : 0.0;
+    double const burns = pressure > minimum_pressure ? 1.0 : 0.0;
+    double const k = rate * pow_nonnegative(std::max(pressure, 0.0) / reference_pressure, n);
     double const left = pow_nonnegative(unburnt, 1.0 - m) - (1.0 - m) * k * dt;
-    // Without a pressure the root of the power would not give back the last bit.
-    double const after = pow_nonnegative(left > 0.0 ? left : 0.0, 1.0 / (1.0 - m));
-    return k > 0.0 ? std::min(after, unburnt) : unburnt;
+    double const after = pow_nonnegative(std::max(left, 0.0), 1.0 / (1.0 - m));
+    // Where nothing burns not even the last bit changes, which the two powers might.
+    return unburnt - burns * std::max(unburnt - after, 0.0);
   }
 };
 
