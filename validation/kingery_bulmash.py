@@ -50,7 +50,7 @@ def free_air_deck(cell, points, afterburn="", ambient="", mass=1.0, size=14, end
 
 
 def wall_deck(z, size, cell, end, afterburn=""):
-    """The charge on the axis, z from a rigid wall at y = 0, and gauges on the wall at the foot of the axis and beside it."""
+    """The charge on the axis, z from a rigid wall at y = 0; gauges on it at the foot of the axis and beside it."""
     return (f'title = "1 kg of TNT, {z:g} m from a wall"\n[domain]\ngeometry = "axisymmetric2d"\nsize = {list(size)}\n'
             f'cell = {cell}\n[boundaries]\ny_low = "wall"\n[[charge]]\nexplosive = "TNT"\nmass = 1\n'
             f'position = [0, {z}]\n' + gauges_text([("wall", (0, 0)), ("aside", (ASIDE * z, 0))])
@@ -197,9 +197,9 @@ def plot(plain, burnt, ground_plain, walls, curves, path):
                linewidth=1.4, label="without afterburn")
         for (variant, *_), colour in zip(AFTERBURN, shades):
             values = [burnt[variant][f"z{d:g}"][key] or np.nan for d in DISTANCES]
-            a.plot(z, values / reference, "-", color=colour, linewidth=1.2, label=f"afterburn {variant}",
+            a.plot(z, values / reference, color=colour, linewidth=1.2, label=f"afterburn {variant}",
                    linestyle="--" if variant == "quarter" else "-")
-    axes[0][0].legend(loc="upper left", fontsize=7)
+    axes[0][2].legend(loc="upper right", fontsize=7)
 
     a = axes[1][0]
     axes_of_curves(a, "On the ground (2 kg in free air) / K-B hemisphere", label)
