@@ -3,9 +3,10 @@
 ///   bench_gas [--benchmark_filter=...]
 ///
 /// `cells/s` counts whole steps (three sweeps) of 128^3 cells in wall-clock time, all threads together. Cases: one
-/// fluid; two fluids with JWL products and air mixed everywhere (the dearest cells there are); two fluids of which the
-/// products fill a sphere in one corner, 5 % of the domain, expanded so far that their exponentials matter in the
-/// middle only (a blast after some time).
+/// fluid; two fluids with JWL products and air mixed everywhere (the dearest cells there are); the same with products
+/// so thin that their exponentials vanish; two fluids of which the products fill a sphere in one corner, 5 % of the
+/// domain, expanded so far that their exponentials matter in the middle only (a blast after some time); the mixture
+/// again with afterburn, at a constant rate and by Miller's law.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -20,7 +21,7 @@ using namespace brisance;
 
 constexpr int n = 128;
 
-enum Content { one_fluid, mixed_everywhere, products_in_a_corner };
+enum Content { one_fluid, mixed_everywhere, mixed_thin, products_in_a_corner };
 
 gas::MixtureState content_at(Content content, Vec3 const& x) {
   gas::MixtureState s;
@@ -30,6 +31,9 @@ gas::MixtureState content_at(Content content, Vec3 const& x) {
   if (content == mixed_everywhere) {
     s.volume_fraction = 0.5 + 0.4 * std::sin(20.0 * r);
     s.second_density = 100.0;
+  } else if (content == mixed_thin) {
+    s.volume_fraction = 0.5 + 0.4 * std::sin(20.0 * r);
+    s.second_density = 20.0;
   } else if (content == products_in_a_corner && r < 0.46) {
     s.volume_fraction = 0.999;
     s.second_density = r < 0.1 ? 200.0 : 2.0;
@@ -38,7 +42,10 @@ gas::MixtureState content_at(Content content, Vec3 const& x) {
   return s;
 }
 
-void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int block_cells) {
+enum Burning { no_afterburn, constant_rate, miller };
+
+void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int block_cells,
+              Burning burning = no_afterburn) {
   set_threads(static_cast<int>(state.range(0)));
   grid::Domain domain;
   domain.cells = {n, n, n};
@@ -52,6 +59,10 @@ void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int 
   fluids.ambient_pressure = 101325.0;
   gas::Options options;
   options.scheme = scheme;
+  // So slow that the gas stays what it is.
+  if (burning == constant_rate) options.afterburn = material::Afterburn{1e3, material::ConstantRateAfterburn{0.0, 1e4}};
+  if (burning == miller)
+    options.afterburn = material::Afterburn{1e3, material::MillerAfterburn{1e-3, 1e5, 0.5, 0.1667, 0.0}};
   gas::Gas gas(grid, fluids, options, {});
   for (int b = 0; b < grid.block_count(); ++b) {
     grid::Block const& block = grid.blocks()[b];
@@ -101,7 +112,15 @@ BENCHMARK_CAPTURE(gas_step, muscl_hancock / one_fluid, gas::Scheme::muscl_hancoc
     ->Apply(threads_of_interest);
 BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_mixed, gas::Scheme::muscl_hancock, mixed_everywhere, 0)
     ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_mixed_thin, gas::Scheme::muscl_hancock, mixed_thin, 0)
+    ->Apply(threads_of_interest);
 BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_corner, gas::Scheme::muscl_hancock, products_in_a_corner, 0)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_mixed / constant_rate_afterburn, gas::Scheme::muscl_hancock,
+                  mixed_everywhere, 0, constant_rate)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_mixed / miller_afterburn, gas::Scheme::muscl_hancock,
+                  mixed_everywhere, 0, miller)
     ->Apply(threads_of_interest);
 BENCHMARK_CAPTURE(gas_step, lax_wendroff / one_fluid, gas::Scheme::lax_wendroff, one_fluid, 0)
     ->Apply(threads_of_interest);

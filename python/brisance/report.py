@@ -345,9 +345,17 @@ def audit_section(log):
              "listed above.")
     per_metre = {"planar2d": "Sums count per metre of depth.", "planar1d": "Sums count per square metre.",
                  "cylindrical1d": "Sums count per metre of length."}.get(log["domain"]["geometry"], "")
+    burnt = log.get("afterburn")
+    released = audit.get("afterburn_energy")
+    afterburn = "" if not burnt else (
+        f"<p>The products released {number(released, 6)} J after the detonation (afterburn "
+        f"<code>{burnt['model']}</code>, {number(burnt['energy'], 4)} J/kg in all); the balance of the energy counts "
+        "it.</p>")
+    terms = "guards plus afterburn" if burnt else "guards"
     return (table(["account", "initial", "flowed out", "added by guards", "now", "relative error", ("text", "verdict")],
                   rows)
-            + f'<p class="note">Initial less outflow plus guards must equal the present content. {per_metre}</p>'
+            + f'<p class="note">Initial less outflow plus {terms} must equal the present content. {per_metre}</p>'
+            + afterburn
             + f"<p>{guards} {words}</p>")
 
 

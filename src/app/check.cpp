@@ -44,8 +44,13 @@ double machine_memory() {
 
 bool two_fluids(run::Case const& setup) { return !setup.charges.empty() || setup.second_fluid.has_value(); }
 
+int gas_components(run::Case const& setup) {
+  if (!two_fluids(setup)) return gas::single_fluid_components;
+  return setup.afterburn && setup.afterburn->carried() ? gas::afterburn_components : gas::two_fluid_components;
+}
+
 double estimated_memory(run::Case const& setup, grid::Grid const& grid) {
-  double const components = two_fluids(setup) ? gas::two_fluid_components : gas::single_fluid_components;
+  double const components = gas_components(setup);
   double const cells = static_cast<double>(setup.domain.cell_count());
   double slab_cells = 0.0;
   for (grid::Block const& block : grid.blocks()) {
@@ -133,8 +138,7 @@ void plan_gas(run::Case const& setup, Plan& p) {
           resolution, quantity(setup.domain.h * resolution / coarse_charge, "m", 2), coarse_charge));
     }
   }
-  double const values = (two_fluids(setup) ? gas::two_fluid_components : gas::single_fluid_components) +
-                        (setup.output.peak_fields ? peak_components : 0.0);
+  double const values = gas_components(setup) + (setup.output.peak_fields ? peak_components : 0.0);
   p.checkpoint_bytes = static_cast<double>(setup.domain.cell_count()) * values * double_bytes;
   p.dump_bytes =
       output::FieldSeries::bytes_per_dump(setup.domain, output::dumped_fields(setup), setup.output.single_precision);
@@ -350,6 +354,19 @@ void refuse_unless_it_fits(Plan const& p) {
 
 namespace {
 
+std::string afterburn_text(material::Afterburn const& a) {
+  std::string const rate =
+      a.carried() ? [m = std::get<material::MillerAfterburn>(a.rate)] {
+        return fmt::format("d(lambda)/dt = {:g}/s (1 - lambda)^{:g} (p/{})^{:g} above {}", m.rate, m.m,
+                           quantity(m.reference_pressure, "Pa"), m.n, quantity(m.minimum_pressure, "Pa"));
+      }()
+                  : [c = std::get<material::ConstantRateAfterburn>(a.rate)] {
+                      return fmt::format("at a constant rate from {} to {}", quantity(c.begin, "s"),
+                                         quantity(c.end, "s"));
+                    }();
+  return fmt::format("{}/kg of products, {}", quantity(a.energy, "J"), rate);
+}
+
 std::string region_text(run::Case const& setup, RegionPlan const& r) {
   std::string box;
   for (int d = 0; d < setup.domain.dimensions(); ++d)
@@ -454,6 +471,7 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     line("",
          fmt::format("energy {}, {:.3g} cells per radius", quantity(c.realised_energy, "J", 6), c.cells_per_radius));
   }
+  if (setup.afterburn) line("afterburn", afterburn_text(*setup.afterburn));
   if (!setup.regions.empty()) line("regions", fmt::format("{}", setup.regions.size()));
   if (!setup.obstacles.empty()) line("obstacles", fmt::format("{}", setup.obstacles.size()));
   for (MaterialLine const& m : materials_of(setup))

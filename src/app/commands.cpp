@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -20,6 +21,7 @@
 #include "deck/library.hpp"
 #include "deck/schema.hpp"
 #include "empirical/kingery_bulmash.hpp"
+#include "empirical/standard_atmosphere.hpp"
 #include "output/checkpoint.hpp"
 #include "output/file.hpp"
 #include "output/json.hpp"
@@ -94,6 +96,10 @@ void print_audit(run::World const& world) {
   if (a.guarded_cells > 0) {
     print(stdout, "guards: {} cell updates lifted to the floors; they added {:.3g} kg and {:.3g} J\n", a.guarded_cells,
           a.guard_mass, a.guard_energy);
+  }
+  if (world.setup.afterburn) {
+    print(stdout, "afterburn: the products released {}, of {} in all\n", quantity(a.afterburn_energy, "J"),
+          quantity(world.setup.afterburn->energy * a.initial.mass[1], "J"));
   }
   if (a.fallback_faces > 0) print(stdout, "guards: {} faces fell back to the first-order flux\n", a.fallback_faces);
 }
@@ -382,6 +388,13 @@ ExitCode kb(KbArguments const& arguments) {
   setup.ambient.fluid = *air;
   setup.ambient.state.density = air->density;
   setup.ambient.state.pressure = air->pressure;
+  if (!arguments.altitude.empty()) {
+    units::Quantity const altitude = units::parse(arguments.altitude, "m");
+    if (!altitude.value) throw InputError(fmt::format("--altitude: {}", altitude.problem));
+    auto const state = empirical::standard_atmosphere(*altitude.value);
+    setup.ambient.state.pressure = state.pressure;
+    setup.ambient.state.density = state.density;
+  }
   run::Charge charge;
   charge.explosive = *explosive;
   charge.mass = si_quantity("--charge", arguments.charge, "kg");
@@ -410,6 +423,8 @@ ExitCode kb(KbArguments const& arguments) {
                                 {"distance", distance},
                                 {"burst", arguments.burst},
                                 {"scaled_distance", output::json_or_null(scaled_distance)},
+                                {"ambient_pressure", setup.ambient.state.pressure},
+                                {"ambient_density", setup.ambient.state.density},
                                 {"quantities", quantities}};
     print(stdout, "{}\n", answer.dump(2));
     return ExitCode::done;
@@ -421,6 +436,11 @@ ExitCode kb(KbArguments const& arguments) {
     auto const mass_text = [](std::optional<double> mass) { return mass ? fmt::format("{:g} kg", *mass) : "unknown"; };
     print(stdout, "TNT equivalent: {} for pressures, {} for impulses and times\n", mass_text(by_pressure),
           mass_text(by_impulse));
+  }
+  if (!arguments.altitude.empty()) {
+    print(stdout, "air at {} and {:.4g} kg/m3; Z is scaled to the sea level, where it would be {:.4g} by mass alone\n",
+          quantity(setup.ambient.state.pressure, "Pa", 5), setup.ambient.state.density,
+          distance / std::cbrt(by_pressure.value_or(charge.mass)));
   }
   print(stdout, "\n");
   auto const burst = arguments.burst == "spherical" ? empirical::Burst::spherical : empirical::Burst::hemispherical;

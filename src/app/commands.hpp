@@ -37,6 +37,7 @@ struct KbArguments {
   std::string distance;  ///< length with unit
   std::string burst;     ///< "hemispherical" or "spherical"
   std::string explosive = "TNT";
+  std::string altitude;  ///< length with unit; empty: the sea level
   bool json = false;
 };
 [[nodiscard]] ExitCode kb(KbArguments const& arguments);

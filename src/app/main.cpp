@@ -91,6 +91,8 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::IsMember({"hemispherical", "spherical"}));
   kb->add_option("--explosive", kb_arguments.explosive, "an explosive of `brisance info`; without it TNT");
+  kb->add_option("--altitude", kb_arguments.altitude,
+                 "height above the sea in the standard atmosphere, scaled after Sachs; a bare number is in m");
   kb->add_flag("--json", kb_arguments.json, "answer in JSON, SI units");
   kb->footer("Example: brisance kb --charge \"10 kg\" --distance \"5 m\" --burst hemispherical");
   kb->callback([&] { code = guarded([&] { return brisance::app::kb(kb_arguments); }); });

@@ -64,6 +64,7 @@ constexpr std::array dimensions{
     Named{"N", "a force"},
     Named{"Pa s", "an impulse per area"},
     Named{"Hz", "a frequency"},
+    Named{"s-1", "a rate"},
     Named{"K", "a temperature"},
     Named{"mol", "an amount of substance"},
     Named{"A", "an electric current"},

@@ -62,6 +62,7 @@ run::Case Builder::build() {
   if (geometry_known_) mpm_region();
   numerics();
   end();
+  if (geometry_known_) afterburn();
   output();
   checkpoint();
   compare();

@@ -146,6 +146,8 @@ class Builder {
   std::optional<run::FluidState> state(Section const& section, material::Fluid const& of, run::FluidState defaults,
                                        std::string_view blamed);
   void ambient();
+  /// Pressure and density of the standard atmosphere; false after an error.
+  bool altitude(Section const& section, material::Fluid const& fluid, run::FluidState& state);
   void charges();
   void charge(Section const& section, std::string& first_explosive,
               std::vector<std::pair<Section const*, shape::Shape>>& placed);
@@ -165,6 +167,10 @@ class Builder {
   /// Gauges from `first` on: unique names, in the domain, not in an obstacle. One error per table.
   void check_gauges(Section const& section, std::string_view key, std::size_t first, std::set<std::string>& names);
   [[nodiscard]] run::Burst automatic_burst() const;
+
+  // --- build_afterburn.cpp
+
+  void afterburn();
 
   // --- build_bodies.cpp: material points
 

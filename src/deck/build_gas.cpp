@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "deck/build.hpp"
+#include "empirical/standard_atmosphere.hpp"
 
 namespace brisance::deck {
 
@@ -106,8 +107,30 @@ void Builder::ambient() {
       defaults.density = found->density * (p / found->pressure) * (gas_temperature / *temperature);
     }
   }
+  if (section.given("altitude") && !altitude(section, *found, defaults)) return;
   auto const s = state(section, *found, defaults, "density");
   if (s) out_.ambient.state = *s;
+}
+
+bool Builder::altitude(Section const& section, material::Fluid const& fluid, run::FluidState& state) {
+  auto const height = section.number("altitude");
+  if (!height) return false;
+  for (auto const* key : {"pressure", "density", "temperature"}) {
+    if (!section.given(key)) continue;
+    error(section, "altitude",
+          fmt::format("{} is given beside a {}: remove one of the two", section.shown("altitude"), key));
+    return false;
+  }
+  if (!std::holds_alternative<material::IdealGas>(fluid.eos)) {
+    error(section, "altitude",
+          fmt::format("{} cannot be used: {} is no ideal gas; give its pressure and density instead",
+                      section.shown("altitude"), fluid.name));
+    return false;
+  }
+  auto const air = empirical::standard_atmosphere(*height);
+  state.pressure = air.pressure;
+  state.density = fluid.density * (air.pressure / fluid.pressure) * (gas_temperature / air.temperature);
+  return true;
 }
 
 void Builder::charges() {

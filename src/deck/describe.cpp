@@ -7,6 +7,7 @@
 #include "core/parameter.hpp"
 #include "deck/library.hpp"
 #include "deck/schema.hpp"
+#include "material/afterburn.hpp"
 #include "run/point_fields.hpp"
 #include "run/world.hpp"
 
@@ -122,6 +123,9 @@ std::string describe_material(std::string const& name) {
     if (e->tnt_equivalent_impulse) {
       out += value_line("tnt_equivalent", *e->tnt_equivalent_impulse, "1", "mass of TNT with the same impulse");
     }
+    if (e->afterburn_energy) {
+      out += value_line("afterburn", *e->afterburn_energy, "J/kg", "energy of the products' combustion in air");
+    }
     return out;
   }
   if (auto const* f = all.fluid(name)) {
@@ -158,6 +162,8 @@ std::string describe_models() {
   out += "\nEquations of state and their parameters\n";
   out += model_lines<material::IdealGas>() + model_lines<material::Jwl>() + model_lines<material::StiffenedGas>() +
          model_lines<material::MieGruneisen>() + model_lines<material::Linear>();
+  out += "\nAfterburn models and their parameters\n";
+  out += model_lines<material::ConstantRateAfterburn>() + model_lines<material::MillerAfterburn>();
   out += "\nStrength models and their parameters\n";
   out += model_lines<material::NoStrength>() + model_lines<material::Elastic>() + model_lines<material::VonMises>() +
          model_lines<material::JohnsonCook>();

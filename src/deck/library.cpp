@@ -208,6 +208,13 @@ std::optional<material::Explosive> build_explosive(Section const& section, std::
     auto const source = equivalent->text("source").value_or("");
     if (!source.empty()) out.source += fmt::format("; TNT equivalent: {}", source);
   }
+  if (section.broken("afterburn")) return std::nullopt;
+  if (auto const* afterburn = section.section("afterburn")) {
+    out.afterburn_energy = afterburn->number("energy");
+    if (!out.afterburn_energy) return std::nullopt;
+    auto const source = afterburn->text("source").value_or("");
+    if (!source.empty()) out.source += fmt::format("; afterburn: {}", source);
+  }
   return out;
 }
 

@@ -148,6 +148,7 @@ Table const& deck_schema() {
          std::move(inflow),
          nested(Type::table, "ambient", ambient_table()),
          nested(Type::tables, "charge", charge_table()),
+         nested(Type::table, "afterburn", afterburn_table()),
          nested(Type::tables, "gauge", gauge_table()),
          nested(Type::tables, "obstacle", obstacle_table()),
          nested(Type::tables, "region", region_table()),

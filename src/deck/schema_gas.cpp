@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "deck/schema_keys.hpp"
+#include "empirical/standard_atmosphere.hpp"
 #include "run/case.hpp"
 
 namespace brisance::deck {
@@ -77,6 +78,12 @@ Table const& ambient_table() {
            .means("Instead of `density`, for ideal gases: the density follows from that of the fluid's own table, "
                   "which is "
                   "taken to hold at 288.15 K"),
+       number("altitude", "m", empirical::lowest_altitude, empirical::highest_altitude)
+           .note("none")
+           .like("\"3 km\"")
+           .means("Instead of `pressure`, `density` and `temperature`, for ideal gases: height above the sea, at which "
+                  "the "
+                  "standard atmosphere [ISO2533] has its pressure and its temperature; the density follows from them"),
        velocity().note("at rest").means("Velocity")},
       {},
       {}};

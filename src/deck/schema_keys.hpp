@@ -101,6 +101,7 @@ inline Key face_normal(std::string name) { return word(std::move(name), {"+x", "
 /// Those of a material file beside them.
 [[nodiscard]] std::vector<Key> file_keys(char const* kind);
 [[nodiscard]] Table const& explosives_table();
+[[nodiscard]] Table const& afterburn_table();
 [[nodiscard]] Table const& fluids_table();
 [[nodiscard]] Table const& solids_table();
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "deck/schema_keys.hpp"
+#include "material/afterburn.hpp"
 #include "material/explosive.hpp"
 #include "material/solid.hpp"
 
@@ -62,7 +63,41 @@ Table const& tnt_equivalent_table() {
   return table;
 }
 
+Table const& afterburn_energy_table() {
+  static Table const table{
+      "What the products can release after the detonation.",
+      {number("energy", "J/kg", 0.0, 1e9)
+           .required()
+           .like("\"10.2 MJ/kg\"")
+           .means("Energy Q of the products' complete combustion in air, per mass of the explosive, without the energy "
+                  "of the detonation"),
+       typed(Type::text, "source").of("").like("\"handbook, page 12\"").means("Source of the number")},
+      {},
+      {}};
+  return table;
+}
+
 }  // namespace
+
+Table const& afterburn_table() {
+  static Table const table{
+      "Energy that the detonation products release after the detonation, in proportion to their mass and wherever they "
+      "are: none of the models knows how much air has been mixed in. Absent: no afterburn. Gas cells only.",
+      {word("model", {material::ConstantRateAfterburn::name, material::MillerAfterburn::name})
+           .required()
+           .like("\"constant_rate\"")
+           .means(
+               "`constant_rate`: at a constant rate from `begin` to `end`; `miller`: d(lambda)/dt = a (1 - lambda)^m "
+               "p^n [Miller95], lambda the part that has been released, carried along with the products"),
+       number("energy", "J/kg", 0.0, 1e9)
+           .note("that of the explosive, where it is known")
+           .like("\"10.2 MJ/kg\"")
+           .means("Energy Q in all, per mass of the products")},
+      "model",
+      {{material::ConstantRateAfterburn::name, parameter_keys<material::ConstantRateAfterburn>()},
+       {material::MillerAfterburn::name, parameter_keys<material::MillerAfterburn>()}}};
+  return table;
+}
 
 std::vector<Key> explosive_keys() {
   return {
@@ -81,7 +116,12 @@ std::vector<Key> explosive_keys() {
           .like("{pressure = 1.37, impulse = 1.19}")
           .means(
               "TNT equivalents for the Kingery-Bulmash comparison, which leaves out what an unknown one decides; those "
-              "of TNT are 1")};
+              "of TNT are 1"),
+      nested(Type::table, "afterburn", afterburn_energy_table())
+          .note("unknown")
+          .like("{energy = \"10.2 MJ/kg\"}")
+          .means(
+              "What the products can release after the detonation; without effect unless the deck has `[afterburn]`")};
 }
 
 std::vector<Key> fluid_keys() {

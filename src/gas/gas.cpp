@@ -14,8 +14,7 @@ namespace brisance::gas {
 
 namespace {
 
-grid::ExchangeRules exchange_rules(std::array<double, two_fluid_components> const& quiescent,
-                                   std::array<std::array<double, two_fluid_components>, 6> const& inflow,
+grid::ExchangeRules exchange_rules(Components const& quiescent, std::array<Components, 6> const& inflow,
                                    int components) {
   grid::ExchangeRules rules;
   rules.mirrored_component = {momentum_x, momentum_y, momentum_z};
@@ -25,8 +24,13 @@ grid::ExchangeRules exchange_rules(std::array<double, two_fluid_components> cons
   return rules;
 }
 
-std::array<double, two_fluid_components> conserved_of(Fluids const& fluids, MixtureState const& s) {
-  std::array<double, two_fluid_components> u{};
+int component_count(Fluids const& fluids, Options const& options) {
+  if (!fluids.two) return single_fluid_components;
+  return options.afterburn && options.afterburn->carried() ? afterburn_components : two_fluid_components;
+}
+
+Components conserved_of(Fluids const& fluids, MixtureState const& s) {
+  Components u{};
   double const alpha = fluids.two ? s.volume_fraction : 0.0;
   u[density] = (1.0 - alpha) * s.ambient_density;
   u[second_density] = alpha * s.second_density;
@@ -46,13 +50,12 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, M
       fluids_(fluids),
       options_(options),
       quiescent_(quiescent),
-      fields_(grid, fluids.two ? two_fluid_components : single_fluid_components),
+      fields_(grid, component_count(fluids, options)),
       exchange_(grid, fields_.components(),
                 [&] {
-                  std::array<std::array<double, two_fluid_components>, 6> outside;
+                  std::array<Components, 6> outside;
                   for (int face = 0; face < 6; ++face) outside[face] = conserved_of(fluids, inflow[face]);
-                  return exchange_rules(conserved_of(fluids, quiescent), outside,
-                                        fluids.two ? two_fluid_components : single_fluid_components);
+                  return exchange_rules(conserved_of(fluids, quiescent), outside, component_count(fluids, options));
                 }()),
       awake_(static_cast<std::size_t>(grid.block_count()), 1),
       blocks_(static_cast<std::size_t>(grid.block_count())) {
@@ -63,9 +66,7 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, M
   }
 }
 
-std::array<double, two_fluid_components> Gas::conserved(MixtureState const& state) const {
-  return conserved_of(fluids_, state);
-}
+Components Gas::conserved(MixtureState const& state) const { return conserved_of(fluids_, state); }
 
 void Gas::set(int block, int offset, MixtureState const& state) {
   auto const u = conserved(state);
@@ -81,6 +82,7 @@ void Gas::set_conserved(int block, int offset, double ambient, double second, Ve
     fields_.at(block, second_density)[offset] = second;
     fields_.at(block, volume_fraction)[offset] = fraction;
   }
+  if (components() > progress) fields_.at(block, progress)[offset] = 0.0;
 }
 
 void Gas::set_obstacles(int block, std::vector<std::uint8_t> solid) { blocks_[block].solid = std::move(solid); }
@@ -127,6 +129,16 @@ double Gas::burn_fraction(int block, int i, int j, int k) const {
   if (blocks_[block].lighting.empty() || !burning()) return 1.0;
   PaddedBox const box(grid_->blocks()[block], grid_->domain().dimensions());
   return burn_fraction_at(blocks_[block].lighting[box.offset(i, j, k)]);
+}
+
+double Gas::afterburn_progress(int block, int offset) const {
+  if (!fluids_.two || !options_.afterburn) return 0.0;
+  double const products = fields_.at(block, second_density)[offset];
+  if (!(products > 0.0)) return 0.0;
+  if (auto const* constant = std::get_if<material::ConstantRateAfterburn>(&options_.afterburn->rate)) {
+    return constant->progress(time_);
+  }
+  return std::clamp(fields_.at(block, progress)[offset] / products, 0.0, 1.0);
 }
 
 void Gas::start(double time) {
@@ -176,7 +188,7 @@ Primitive Gas::to_primitive(double const* u, double F) const {
 
 Primitive Gas::primitive(int block, int i, int j, int k) const {
   int const at = grid_->blocks()[block].offset(i, j, k);
-  std::array<double, two_fluid_components> u{};
+  Components u{};
   for (int c = 0; c < components(); ++c) u[c] = fields_.at(block, c)[at];
   return to_primitive(u.data(), burn_fraction(block, i, j, k));
 }
@@ -209,11 +221,12 @@ double const* Gas::peak_impulse(int block) const {
 Account Gas::account() const {
   Account sum;
   for (BlockData const& block : blocks_) {
-    for (int c = 0; c < two_fluid_components; ++c) sum.outflow[c] += block.account.outflow[c];
+    for (int c = 0; c < afterburn_components; ++c) sum.outflow[c] += block.account.outflow[c];
     sum.guarded_cells += block.account.guarded_cells;
     sum.fallback_faces += block.account.fallback_faces;
     sum.guard_mass += block.account.guard_mass;
     sum.guard_energy += block.account.guard_energy;
+    sum.afterburn_energy += block.account.afterburn_energy;
   }
   return sum;
 }
@@ -257,6 +270,8 @@ void Gas::advance(double dt, bool reverse) {
     context.floors.pressure = options_.pressure_floor;
     context.viscosity = options_.viscosity;
     context.shock_sensor = options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && dims > 1;
+    context.progress = components() > progress;
+    context.bounded_phase = options_.afterburn.has_value();
     context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
     parallel_for(grid_->block_count(), [&](int b, int thread) {
       if (awake_[b] && !blocks_[b].all_held) sweep_block(b, context, last, workspaces_[thread]);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "grid/exchange.hpp"
 #include "grid/fields.hpp"
 #include "grid/grid.hpp"
+#include "material/afterburn.hpp"
 
 namespace brisance {
 class Archive;
@@ -24,14 +26,15 @@ enum class Scheme { muscl_hancock, lax_wendroff };
 
 struct Options {
   Scheme scheme = Scheme::muscl_hancock;
-  double beta = 1.5;             ///< limiter, 1 to 2
-  bool carbuncle_cure = true;    ///< HLL at faces near detected shocks; muscl_hancock in 2D and 3D
-  double density_floor = 1e-6;   ///< [kg/m3]
-  double pressure_floor = 1e-3;  ///< [Pa]
-  double viscosity = 0.0;        ///< lax_wendroff: constant eta; 0: [Cui14] Eq. (5)
-  bool sleep = true;             ///< skip quiescent blocks
-  bool peak_fields = false;      ///< keep peak overpressure and impulse per cell
-  Index3 sweep_order{0, 1, 2};   ///< directions in the order of the forward step; those not resolved are skipped
+  double beta = 1.5;                             ///< limiter, 1 to 2
+  bool carbuncle_cure = true;                    ///< HLL at faces near detected shocks; muscl_hancock in 2D and 3D
+  double density_floor = 1e-6;                   ///< [kg/m3]
+  double pressure_floor = 1e-3;                  ///< [Pa]
+  double viscosity = 0.0;                        ///< lax_wendroff: constant eta; 0: [Cui14] Eq. (5)
+  bool sleep = true;                             ///< skip quiescent blocks
+  bool peak_fields = false;                      ///< keep peak overpressure and impulse per cell
+  std::optional<material::Afterburn> afterburn;  ///< of the second fluid
+  Index3 sweep_order{0, 1, 2};  ///< directions in the order of the forward step; those not resolved are skipped
   int bundle_cells = 320;  ///< cells that a sweep works on at a time; their arrays should stay in the nearest caches
 };
 
@@ -56,12 +59,12 @@ struct MixtureState {
 
 /// Guards and boundary flows since the start, summed over blocks in fixed order.
 struct Account {
-  std::array<double, two_fluid_components>
-      outflow{};  ///< of each component through the domain's faces, integrated [unit m3]
+  Components outflow{};  ///< of each component through the domain's faces, integrated [unit m3]
   long guarded_cells = 0;
   long fallback_faces = 0;
-  double guard_mass = 0.0;    ///< [kg]
-  double guard_energy = 0.0;  ///< [J]
+  double guard_mass = 0.0;        ///< [kg]
+  double guard_energy = 0.0;      ///< [J]
+  double afterburn_energy = 0.0;  ///< released by the products after the detonation [J]
 };
 
 /// What a cell is to the gas where another method calculates too.
@@ -101,7 +104,7 @@ class Gas {
   void set_conserved(int block, int offset, double ambient, double second, Vec3 const& momentum, double total_energy,
                      double volume_fraction);
   /// Conserved components of a state, in component order.
-  [[nodiscard]] std::array<double, two_fluid_components> conserved(MixtureState const& state) const;
+  [[nodiscard]] Components conserved(MixtureState const& state) const;
 
   /// Marks obstacle cells of a block (1: solid), with `PaddedBox` padding.
   void set_obstacles(int block, std::vector<std::uint8_t> solid);
@@ -133,6 +136,9 @@ class Gas {
   [[nodiscard]] bool burning() const { return time_ < burn_end_; }
   /// Burn fraction F of a cell, [Cui14] Eq. (53): min(1, (t - t_L) D / (1.5 h)), 0 before lighting.
   [[nodiscard]] double burn_fraction(int block, int i, int j, int k) const;
+
+  /// Progress lambda of the afterburn in a cell: 0 without products, without afterburn and before it.
+  [[nodiscard]] double afterburn_progress(int block, int offset) const;
 
   /// Ends the initial phase: finds the quiescent blocks and the first wave speeds.
   void start(double time = 0.0);
@@ -185,6 +191,8 @@ class Gas {
   /// Guards, wave speed and peak fields of the bundle's own cells after the last sweep of a step.
   void measure(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
                GuardCount& guards);
+  /// Releases the energy of the afterburn in the bundle's own cells, after the last sweep of a step.
+  void burn_on(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   /// Puts the held cells of a bundle back to what they were.
   void restore_held(int block, BundleLayout const& layout, BundleArrays& arrays) const;
   /// Adds what goes through the watched faces.

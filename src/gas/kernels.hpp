@@ -38,7 +38,17 @@ inline constexpr int a_slope = a_squeeze + 1;  ///< limited differences over the
 inline constexpr int a_viscosity = a_slope;    ///< lax-wendroff, in the place of the slopes: nu h / dt per face
 inline constexpr int a_half_u = a_slope + 1;   ///< velocity and pressure at half time per face
 inline constexpr int a_half_p = a_slope + 2;
-inline constexpr int array_count = a_slope + 9;
+// The progress of the afterburn stands apart from the other components, so that without one nothing is moved.
+inline constexpr int a_progress = a_slope + 9;  ///< alpha_1 rho_1 lambda
+inline constexpr int a_progress_flux = a_progress + 1;
+inline constexpr int a_lambda = a_progress + 2;   ///< lambda
+inline constexpr int a_release = a_progress + 3;  ///< energy that the afterburn released in the step [J/m3]
+inline constexpr int a_phase = a_progress + 4;    ///< density of the second fluid itself [kg/m3]
+inline constexpr int array_count = a_progress + 5;
+
+/// The arrays of a conserved component and of its flux.
+inline constexpr int state_array(int component) { return component == progress ? a_progress : a_state + component; }
+inline constexpr int flux_array(int component) { return component == progress ? a_progress_flux : a_flux + component; }
 
 /// Order within a_left and a_right.
 inline constexpr int f_density = 0;
@@ -71,6 +81,8 @@ struct SweepContext {
   bool radial = false;
   bool solid = false;
   bool burning = false;
+  bool progress = false;       ///< the second fluid carries a progress of its afterburn
+  bool bounded_phase = false;  ///< see `bound_phase_density`
 
   [[nodiscard]] int normal() const { return momentum_x + direction; }
   [[nodiscard]] int transverse1() const { return momentum_x + (direction + 1) % 3; }

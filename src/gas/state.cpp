@@ -8,10 +8,13 @@ namespace brisance::gas {
 namespace {
 
 void archive(Archive& a, Account& account) {
-  a(account.outflow, account.guarded_cells, account.fallback_faces, account.guard_mass, account.guard_energy);
+  a(account.outflow, account.guarded_cells, account.fallback_faces, account.guard_mass, account.guard_energy,
+    account.afterburn_energy);
 }
 
-void archive(Archive& a, FaceFlux& flux) { a(flux.mass, flux.momentum, flux.energy, flux.impulse, flux.work, flux.volume); }
+void archive(Archive& a, FaceFlux& flux) {
+  a(flux.mass, flux.momentum, flux.energy, flux.impulse, flux.work, flux.volume);
+}
 
 }  // namespace
 

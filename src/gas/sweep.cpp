@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/parallel.hpp"
+#include "gas/afterburn.hpp"
 #include "gas/gas.hpp"
 #include "gas/primitives.hpp"
 #include "gas/schemes/lax_wendroff.hpp"
@@ -18,7 +19,7 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
   double const* high = exchange_.ghosts(b, 1);
   auto const load_component = [&](int c) {
     load(layout, block, fields_.at(b, c), low + static_cast<std::size_t>(c) * slab,
-         high + static_cast<std::size_t>(c) * slab, a[a_state + c]);
+         high + static_cast<std::size_t>(c) * slab, a[state_array(c)]);
   };
   for (int c = density; c <= energy; ++c) load_component(c);
   if (s.shock_sensor) load_component(shock);
@@ -29,6 +30,7 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
     // from the other side.
     s.two = count_beyond(a[volume_fraction], layout.total, vanishing_fraction) > 0;
     if (s.two) load_component(second_density);
+    if (s.two && s.progress) load_component(progress);
   }
   int const dims = grid_->domain().dimensions();
   s.solid = !data.solid.empty();
@@ -69,8 +71,8 @@ void Gas::update(BundleLayout const& layout, SweepContext const& s, BundleArrays
   double const lambda = s.dt / s.h;
   double const* const solid = a[a_solid];
   auto const advance_component = [&](int c) {
-    double* const u = a[a_state + c];
-    double const* const flux = a[a_flux + c];
+    double* const u = a[state_array(c)];
+    double const* const flux = a[flux_array(c)];
     for (int r = 0; r < layout.rows; ++r) {
       int const begin = layout.begin(r);
       int const end = begin + layout.count();
@@ -116,6 +118,7 @@ void Gas::update(BundleLayout const& layout, SweepContext const& s, BundleArrays
       }
     }
     advance_component(second_density);
+    if (s.progress) advance_component(progress);
   }
   for (int c = density; c <= energy; ++c) advance_component(c);
 }
@@ -132,6 +135,7 @@ void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, Bundle
   if (s.two) {
     store_component(second_density, second_density);
     store_component(volume_fraction, volume_fraction);
+    if (s.progress) store_component(a_progress, progress);
   }
 }
 
@@ -165,6 +169,7 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
       auto& outflow = blocks_[b].account.outflow;
       for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
       if (s.two) outflow[second_density] += sign * area * s.dt * a[a_flux + second_density][q];
+      if (s.two && s.progress) outflow[progress] += sign * area * s.dt * a[a_progress_flux][q];
     }
   }
 }
@@ -196,9 +201,32 @@ void Gas::restore_held(int b, BundleLayout const& layout, BundleArrays& a) const
   for_each_run(layout, grid_->blocks()[b], [&](int q, int offset, int count) {
     for (int n = 0; n < count; ++n) {
       if (roles[offset + n] != Role::held) continue;
-      for (int c = 0; c < components(); ++c) a[a_state + c][q + n] = fields_.at(b, c)[offset + n];
+      for (int c = 0; c < components(); ++c) a[state_array(c)][q + n] = fields_.at(b, c)[offset + n];
     }
   });
+}
+
+void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
+  material::Afterburn const& afterburn = *options_.afterburn;
+  if (!s.burning) std::fill_n(a[a_burn], layout.total, 1.0);
+  bool released = true;
+  if (auto const* constant = std::get_if<material::ConstantRateAfterburn>(&afterburn.rate)) {
+    double const share = constant->progress(time_at_step_end_) - constant->progress(time_at_step_end_ - s.dt);
+    released = share > 0.0;
+    if (released) release_at_once(layout, afterburn.energy * share, a);
+  } else {
+    release_after_miller(layout, s.dt, afterburn.energy, std::get<material::MillerAfterburn>(afterburn.rate), a);
+  }
+  if (!released) return;
+  grid::Block const& block = grid_->blocks()[b];
+  double const* const release = a[a_release];
+  double sum = 0.0;
+  for_each_run(layout, block, [&](int q, int offset, int count) {
+    for (int n = 0; n < count; ++n) {
+      sum += release[q + n] * grid_->domain().cell_volume(block.origin[0] + (offset + n) % block.n[0]);
+    }
+  });
+  blocks_[b].account.afterburn_energy += sum;
 }
 
 void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a, GuardCount& guards) {
@@ -255,10 +283,12 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
       else
         lax_wendroff<false>(s, layout, a, guards);
     }
+    if (s.two && s.progress) progress_fluxes(s, layout, a);
     if (at_boundary) account_boundaries(b, layout, s, a);
     if (!data.watched[s.direction].empty()) account_watched(b, index, layout, s, a);
     update(layout, s, a);
     if (!data.roles.empty()) restore_held(b, layout, a);
+    if (last && s.two && options_.afterburn) burn_on(b, layout, s, a);
     if (last) measure(b, layout, s, a, guards);
     store(b, layout, s, a);
     data.account.fallback_faces += guards.fallback_faces;
@@ -293,7 +323,7 @@ void Gas::measure_all() {
       s.two = fluids_.two;
       s.burning = s.two && !blocks_[b].lighting.empty() && burning();
       for_each_run(layout, block, [&](int q, int offset, int count) {
-        for (int c = 0; c < components(); ++c) std::copy_n(fields_.at(b, c) + offset, count, a[a_state + c] + q);
+        for (int c = 0; c < components(); ++c) std::copy_n(fields_.at(b, c) + offset, count, a[state_array(c)] + q);
       });
       if (s.burning) {
         load_padded(

@@ -18,6 +18,7 @@ struct Explosive {
   double cj_pressure = 0.0;                       ///< Chapman-Jouguet pressure as listed [Pa]
   std::optional<double> tnt_equivalent_pressure;  ///< mass of TNT with the same peak overpressure per mass, if known
   std::optional<double> tnt_equivalent_impulse;   ///< mass of TNT with the same impulse per mass, if known
+  std::optional<double> afterburn_energy;  ///< released by complete combustion of the products in air [J/kg], if known
 
   [[nodiscard]] double density() const { return products.rho0; }                   ///< [kg/m3]
   [[nodiscard]] double specific_energy() const { return energy / products.rho0; }  ///< [J/kg]

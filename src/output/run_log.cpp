@@ -43,6 +43,7 @@ json audit(run::Audit const& a) {
           {"guarded_cells", a.guarded_cells},
           {"guard_mass", json_or_null(a.guard_mass)},
           {"guard_energy", json_or_null(a.guard_energy)},
+          {"afterburn_energy", json_or_null(a.afterburn_energy)},
           {"relative_error",
            {{"mass", {json_or_null(error[0]), json_or_null(error[1])}}, {"energy", json_or_null(error[2])}}}};
 }
@@ -67,6 +68,17 @@ json charges(run::World const& world) {
     }
     out.push_back(std::move(entry));
   }
+  return out;
+}
+
+json afterburn(material::Afterburn const& a) {
+  json out{{"energy", a.energy}};
+  std::visit(
+      [&out](auto const& model) {
+        out["model"] = model.name;
+        for (auto const& p : model.parameters()) out[std::string(p.key)] = model.*p.member;
+      },
+      a.rate);
   return out;
 }
 
@@ -269,6 +281,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"audit", audit(world.audit)},
            {"versions", versions()},
            {"machine", machine()}};
+  if (world.setup.afterburn) log["afterburn"] = afterburn(*world.setup.afterburn);
   if (world.points != nullptr) log["points"] = points(world, status.wall_seconds);
   if (world.bridge != nullptr) log["mpm_region"] = mpm_region(world, status.wall_seconds);
   return log;

@@ -14,7 +14,7 @@ std::array<double, 3> Audit::relative_error() const {
   };
   return {error(initial.mass[0], outflow.mass[0], guard_mass, current.mass[0]),
           error(initial.mass[1], outflow.mass[1], 0.0, current.mass[1]),
-          error(initial.energy, outflow.energy, guard_energy, current.energy)};
+          error(initial.energy, outflow.energy, guard_energy + afterburn_energy, current.energy)};
 }
 
 namespace {
@@ -101,6 +101,7 @@ void World::update_audit() {
   audit.fallback_faces = account.fallback_faces;
   audit.guard_mass = account.guard_mass;
   audit.guard_energy = account.guard_energy;
+  audit.afterburn_energy = account.afterburn_energy;
 }
 
 }  // namespace brisance::run

@@ -12,6 +12,7 @@
 #include "core/vec.hpp"
 #include "detonation/charge.hpp"
 #include "grid/geometry.hpp"
+#include "material/afterburn.hpp"
 #include "material/explosive.hpp"
 #include "material/solid.hpp"
 #include "mpm/mpm.hpp"
@@ -185,6 +186,7 @@ struct Case {
   Ambient ambient;
   /// The second fluid: products of the charges' explosive, or the fluid of a region. Absent: single-fluid run.
   std::optional<material::Fluid> second_fluid;
+  std::optional<material::Afterburn> afterburn;  ///< of the second fluid
   std::vector<Region> regions;
   std::vector<Charge> charges;
   std::vector<Gauge> gauges;

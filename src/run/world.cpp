@@ -39,6 +39,7 @@ gas::Options options_of(Case const& c) {
   o.viscosity = c.numerics.viscosity;
   o.sleep = c.numerics.sleep;
   o.peak_fields = c.output.peak_fields;
+  o.afterburn = c.afterburn;
   return o;
 }
 
@@ -210,6 +211,7 @@ std::vector<FieldInfo> const& known_fields() {
       {"products", "1", 1, "mass fraction of the second fluid (detonation products)"},
       {"volume_fraction", "1", 1, "volume fraction of the second fluid"},
       {"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
+      {"afterburn", "1", 1, "progress of the products' afterburn, 0 to 1"},
       {"peak_overpressure", "Pa", 1, "largest overpressure so far"},
       {"impulse", "Pa s", 1, "largest running overpressure impulse so far"},
       {"obstacle", "1", 1, "1 in rigid obstacles"},
@@ -272,6 +274,8 @@ void block_field(World const& w, int b, std::string const& name, std::vector<dou
           out[at] = w.gas->is_obstacle(b, i, j, k) ? 1.0 : 0.0;
         } else if (name == "burn_fraction") {
           out[at] = w.gas->burn_fraction(b, i, j, k);
+        } else if (name == "afterburn") {
+          out[at] = w.gas->afterburn_progress(b, at);
         } else if (points) {
           auto const gas = view->at(cell);
           if (!gas) {

@@ -39,7 +39,8 @@ struct Totals {
   }
 };
 
-/// What must stay constant, and what changed it. At any time: current = initial - outflow + guards (+ round-off).
+/// What must stay constant, and what changed it. At any time: current = initial - outflow + guards + afterburn
+/// (+ round-off).
 struct Audit {
   Totals initial;
   Totals current;
@@ -47,9 +48,11 @@ struct Audit {
   long fallback_faces = 0;  ///< lax-wendroff faces that fell back to the first-order flux
   long guarded_cells = 0;   ///< cell updates in which density or internal energy had to be lifted to its floor
   double guard_mass = 0.0;  ///< mass that the guards added [kg]
-  double guard_energy = 0.0;  ///< energy that the guards added [J]
+  double guard_energy = 0.0;      ///< energy that the guards added [J]
+  double afterburn_energy = 0.0;  ///< energy that the products released after the detonation [J]
 
-  /// |initial - outflow + guards - current| relative to the largest of the terms; index 0, 1: fluids, 2: energy.
+  /// |initial - outflow + guards + afterburn - current| relative to the largest of the terms; index 0, 1: fluids, 2:
+  /// energy.
   [[nodiscard]] std::array<double, 3> relative_error() const;
 };
 
@@ -141,8 +144,8 @@ struct FieldInfo {
 };
 
 /// All fields that a run can write: pressure, overpressure, density, velocity, energy, sound_speed, mach, products
-/// (mass fraction of the second fluid), volume_fraction, burn_fraction, peak_overpressure, impulse (largest running
-/// overpressure impulse), obstacle, region, solid.
+/// (mass fraction of the second fluid), volume_fraction, burn_fraction, afterburn, peak_overpressure, impulse (largest
+/// running overpressure impulse), obstacle, region, solid.
 [[nodiscard]] std::vector<FieldInfo> const& known_fields();
 
 class GasView;

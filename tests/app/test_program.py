@@ -133,6 +133,26 @@ class KingeryBulmash(Case):
         for name in ("incident_impulse", "reflected_impulse", "arrival", "duration"):
             self.assertAlmostEqual(eight[name]["value"] / one[name]["value"], 2.0, places=6)
 
+    def test_altitude_scales_after_sachs(self):
+        # ISO 2533 at 3000 m: 70121.2 Pa and 328.583 m/s; at the sea 101325 Pa and 340.294 m/s.
+        p, c = 70121.2 / 101325, 328.583 / 340.294
+        length = p ** (-1 / 3)
+        sea = self.kb("--charge", "1 kg", "--distance", "2 m", "--burst", "spherical")
+        up = self.kb("--charge", "1 kg", "--distance", f"{2 * length:.9f} m", "--burst", "spherical",
+                     "--altitude", "3 km")
+        self.assertAlmostEqual(up["scaled_distance"] / sea["scaled_distance"], 1.0, places=5)
+        self.assertAlmostEqual(up["ambient_pressure"], 70121.2, delta=0.1)
+        for name, factor in (("incident_overpressure", p), ("reflected_overpressure", p), ("dynamic_pressure", p),
+                             ("shock_speed", c), ("arrival", length / c), ("duration", length / c),
+                             ("incident_impulse", p * length / c), ("reflected_impulse", p * length / c)):
+            ratio = up["quantities"][name]["value"] / sea["quantities"][name]["value"]
+            # The digits of the table above, and the steepness of the curves.
+            self.assertAlmostEqual(ratio / factor, 1.0, delta=5e-5, msg=name)
+        self.assertIn("70.121 kPa", self.brisance("kb", "--charge", "1 kg", "--distance", "2 m", "--burst", "spherical",
+                                                  "--altitude", "3 km").stdout)
+        self.assertIn("--altitude", self.brisance("kb", "--charge", "1 kg", "--distance", "2 m", "--burst", "spherical",
+                                                  "--altitude", "3 kg", code=2).stderr)
+
     def test_values_of_the_published_curves(self):
         # Rows of the table in tests/empirical/test_kingery_bulmash.cpp, 1 kg of TNT, with its tolerance.
         names = ("incident_overpressure", "reflected_overpressure", "incident_impulse", "reflected_impulse", "arrival")

@@ -119,8 +119,8 @@ TEST(SteelWall, ReflectsAPlaneShock) {
       EXPECT_NEAR(h.pressure, 1.0, 0.02);
       EXPECT_NEAR(h.impulse, 1.0, 0.01);
       EXPECT_NEAR(h.exact_impulse, 1.0, 0.02);  // as the pressure; measured 1.3 % at Mach 10
-      // Gas sticks to the nodes that it shares with the wall: the wall stands half a cell of 20 before its place, and the
-      // shock arrives as much earlier.
+      // Gas sticks to the nodes that it shares with the wall: the wall stands half a cell of 20 before its place, and
+      // the shock arrives as much earlier.
       EXPECT_NEAR(h.whole_impulse, 1.0, 0.035);
       EXPECT_LE(h.mass, mass_tolerance);
     }

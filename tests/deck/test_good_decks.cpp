@@ -109,7 +109,7 @@ TEST(GoodDecks, EveryKeyArrives) {
 
   ASSERT_EQ(c.charges.size(), 3U);
   EXPECT_EQ(c.charges[0].explosive.name, "mine");
-  EXPECT_EQ(c.charges[0].explosive.source, "made up for this test from TNT");
+  EXPECT_EQ(c.charges[0].explosive.source, "made up for this test from TNT; afterburn: made up");
   EXPECT_EQ(c.charges[0].explosive.tnt_equivalent_pressure, 1.1);
   EXPECT_EQ(c.charges[0].explosive.tnt_equivalent_impulse, 1.05);
   EXPECT_DOUBLE_EQ(c.charges[0].explosive.products.A, 371.2e9);
@@ -124,6 +124,16 @@ TEST(GoodDecks, EveryKeyArrives) {
   EXPECT_NEAR(std::numbers::pi * cylinder.radius * cylinder.radius * cylinder.length * 1630.0, 10.0, 1e-12);
   EXPECT_EQ(c.charges[1].detonation, run::Detonation::instantaneous);
   EXPECT_NEAR(c.charges[2].mass, 0.027 * 1630.0, 1e-12);
+
+  EXPECT_DOUBLE_EQ(*c.charges[0].explosive.afterburn_energy, 9e6);
+  ASSERT_TRUE(c.afterburn);
+  EXPECT_DOUBLE_EQ(c.afterburn->energy, 1e7);
+  auto const& miller = std::get<material::MillerAfterburn>(c.afterburn->rate);
+  EXPECT_NEAR(miller.rate, 6500.0, 1e-9);
+  EXPECT_NEAR(miller.reference_pressure, 100e9, 1e-2);
+  EXPECT_EQ(miller.m, 0.5);
+  EXPECT_EQ(miller.n, 0.1667);
+  EXPECT_DOUBLE_EQ(miller.minimum_pressure, 1e5);
 
   ASSERT_EQ(c.gauges.size(), 12U);
   EXPECT_EQ(c.gauges[0].name, "g1");
@@ -157,6 +167,32 @@ TEST(GoodDecks, EveryKeyArrives) {
   EXPECT_EQ(c.output.fields, (std::vector<std::string>{"pressure", "velocity"}));
   EXPECT_EQ(c.end.steps, 500);
   EXPECT_EQ(c.burst, run::Burst::none);
+}
+
+TEST(GoodDecks, AltitudeIsTheStandardAtmosphere) {
+  run::Case const sea = read(small_domain + "[ambient]\naltitude = 0\n");
+  EXPECT_DOUBLE_EQ(sea.ambient.state.pressure, 101325.0);
+  EXPECT_DOUBLE_EQ(sea.ambient.state.density, 1.225);
+  // ISO 2533 at 3000 m: 70121.2 Pa, 268.659 K, 0.909254 kg/m3. The table's own 1.225 kg/m3 at sea level is rounded.
+  run::Case const c = read(small_domain + "[ambient]\naltitude = \"3 km\"\n");
+  EXPECT_NEAR(c.ambient.state.pressure, 70121.2, 0.1);
+  EXPECT_NEAR(c.ambient.state.density, 0.909254, 1e-5);
+}
+
+TEST(GoodDecks, TheAfterburnTakesTheEnergyOfItsExplosive) {
+  std::string const charge = small_domain + "[[charge]]\nexplosive = \"TNT\"\nmass = 1\nposition = [1, 1, 1]\n";
+  EXPECT_FALSE(read(charge).afterburn);
+  // The charge of 53 mm has burnt after 20 us at the latest: the corner of its box and 2.4 cells of 50 mm.
+  run::Case const c = read(charge + "[afterburn]\nmodel = \"constant_rate\"\nbegin = \"40 us\"\nend = \"0.5 ms\"\n");
+  ASSERT_TRUE(c.afterburn);
+  EXPECT_EQ(c.afterburn->energy, *deck::library().explosive("TNT")->afterburn_energy);
+  EXPECT_DOUBLE_EQ(std::get<material::ConstantRateAfterburn>(c.afterburn->rate).begin, 4e-5);
+  EXPECT_FALSE(c.afterburn->carried());
+  // Products in a region burn as those of charges do.
+  run::Case const region = read(small_domain +
+                                "[[region]]\nshape = \"sphere\"\nradius = 0.2\nposition = [1, 1, 1]\nfluid = \"TNT\"\n"
+                                "[afterburn]\nmodel = \"constant_rate\"\nbegin = 0\nend = \"0.5 ms\"\n");
+  ASSERT_TRUE(region.afterburn);
 }
 
 TEST(GoodDecks, OneDimensionMayDoWithoutBrackets) {

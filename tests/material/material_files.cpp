@@ -163,6 +163,12 @@ material::Explosive read_explosive(Keys& keys, std::string const& where) {
     (void)equivalent.text("source");
     equivalent.refuse_others();
   }
+  if (auto const* table = keys.table("afterburn")) {
+    Keys afterburn(*table, where + ": afterburn");
+    explosive.afterburn_energy = afterburn.number("energy");
+    (void)afterburn.text("source");
+    afterburn.refuse_others();
+  }
   return explosive;
 }
 

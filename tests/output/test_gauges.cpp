@@ -262,6 +262,25 @@ TEST(Summary, TntEquivalentsAndIgnitionDelayEnter) {
   EXPECT_DOUBLE_EQ(*got.arrival, *i.arrival + 2e-4);
 }
 
+TEST(Summary, AtAnotherAmbientTheCurvesAreScaledAfterSachs) {
+  // Air at 3000 m: pressures as p/p0, lengths as (p0/p)^(1/3), times as lengths over speeds of sound.
+  auto setup = tnt_case(8.0, run::Burst::spherical);
+  auto const sea = empirical_blast(setup, 5.0);
+  setup.ambient.state.pressure = 70121.2;
+  setup.ambient.state.density = 0.909254;
+  double const p = 70121.2 / 101325.0;
+  double const c = std::sqrt(p / (0.909254 / 1.225));
+  double const length = std::cbrt(1.0 / p);
+  auto const up = empirical_blast(setup, 5.0 * length);
+  // The curves hold for a speed of sound of 340.294 m/s, gamma = 1.4 makes it 340.297 m/s.
+  EXPECT_NEAR(*up.incident_overpressure / (*sea.incident_overpressure * p), 1.0, 1e-12);
+  EXPECT_NEAR(*up.reflected_overpressure / (*sea.reflected_overpressure * p), 1.0, 1e-12);
+  EXPECT_NEAR(*up.arrival / (*sea.arrival * length / c), 1.0, 1e-12);
+  EXPECT_NEAR(*up.duration / (*sea.duration * length / c), 1.0, 1e-12);
+  EXPECT_NEAR(*up.incident_impulse / (*sea.incident_impulse * p * length / c), 1.0, 1e-12);
+  EXPECT_NEAR(up.scaled_distance / sea.scaled_distance, 1.0, 1e-12);
+}
+
 TEST(Summary, WhatAnUnknownTntEquivalentDecidesIsLeftOut) {
   auto setup = tnt_case(8.0, run::Burst::spherical);
   auto& explosive = setup.charges.front().explosive;

@@ -43,6 +43,21 @@ class Pages(Folders):
         self.assertIn("# A made-up deck with &lt;angle brackets&gt; &amp; an ampersand", page)
         self.assertNotIn("<made-up", page)
 
+    def test_afterburn(self):
+        self.assertNotIn("after the detonation", self.page("1d"))
+        path = self.root / "1d/run.json"
+        without = path.read_text(encoding="utf-8")
+        log = json.loads(without)
+        log["afterburn"] = {"model": "constant_rate", "energy": 1.02e7, "begin": 1e-4, "end": 1e-2}
+        log["audit"]["afterburn_energy"] = 8.16e7
+        path.write_text(json.dumps(log), encoding="utf-8")
+        try:
+            page = self.page("1d")
+        finally:
+            path.write_text(without, encoding="utf-8")
+        self.assertIn("outflow plus guards plus afterburn", page)
+        self.assertIn("released 8.16·10<sup>7</sup> J after the detonation", page)
+
     def test_unknown_tnt_equivalent(self):
         path = self.root / "1d/summary.json"
         known = path.read_text(encoding="utf-8")

@@ -10,12 +10,17 @@
 namespace brisance::run {
 namespace {
 
-Case burst(Scheme scheme, bool sleep) {
+/// What is released in the 120 steps of the runs: with Miller's law all, at a constant rate a part.
+material::Afterburn const miller{1e7, material::MillerAfterburn{6500.0 * 30.0, 100e9, 0.5, 1.0 / 6.0, 1e5}};
+material::Afterburn const constant_rate{1e7, material::ConstantRateAfterburn{40e-6, 1e-3}};
+
+Case burst(Scheme scheme, bool sleep, std::optional<material::Afterburn> const& afterburn = {}) {
   Case c = air_case(grid::Geometry::cartesian3d, {40, 24, 24}, 0.02, grid::Boundary::wall);
   c.domain.boundary[2] = grid::Boundary::symmetry;
   c.numerics.scheme = scheme;
   c.numerics.sleep = sleep;
   c.numerics.block_cells = 8;
+  c.afterburn = afterburn;
   Charge charge = tnt_charge(shape::Sphere{{0.19, 0.0, 0.21}, 0.053}, c.domain.geometry);
   charge.initiation = {{{0.17, 0.0, 0.21}, 0.0}, {{0.22, 0.01, 0.2}, 3e-6}};
   c.charges = {charge};
@@ -28,14 +33,17 @@ struct Outcome {
   std::vector<double> fields;  ///< all components of all blocks, then the peak fields
   std::vector<double> gauges;
   std::array<double, 3> audit_error{};
+  double afterburn_energy = 0.0;
+  double charge = 0.0;  ///< mass of the products [kg]
   long fewest_active = 0;
   long cells = 0;
   long steps = 0;
 };
 
-Outcome run_burst(Scheme scheme, bool sleep, int thread_count) {
+Outcome run_burst(Scheme scheme, bool sleep, int thread_count,
+                  std::optional<material::Afterburn> const& afterburn = {}) {
   set_threads(thread_count);
-  World world(burst(scheme, sleep));
+  World world(burst(scheme, sleep, afterburn));
   Outcome out;
   out.cells = world.setup.domain.cell_count();
   out.fewest_active = out.cells;
@@ -65,6 +73,8 @@ Outcome run_burst(Scheme scheme, bool sleep, int thread_count) {
   }
   world.update_audit();
   out.audit_error = world.audit.relative_error();
+  out.afterburn_energy = world.audit.afterburn_energy;
+  out.charge = world.audit.initial.mass[1];
   set_threads(0);
   return out;
 }
@@ -95,6 +105,38 @@ TEST_P(Burst3d, LosesNothingInAClosedBox) {
   EXPECT_GT(out.steps, 100);
   for (double error : out.audit_error) EXPECT_LT(error, 1e-12);
 }
+
+class Afterburn3d : public testing::TestWithParam<material::Afterburn> {};
+
+TEST_P(Afterburn3d, GivesTheSameBitsForAnyNumberOfThreadsAndWithSleepOnAndOff) {
+  auto const scheme = Scheme::muscl_hancock;
+  Outcome const reference = run_burst(scheme, true, 1, GetParam());
+  EXPECT_LT(reference.fewest_active, reference.cells) << "no block ever slept: the comparison would prove nothing";
+  EXPECT_GT(reference.afterburn_energy, 0.05 * GetParam().energy * reference.charge) << "next to nothing was released";
+  for (int count : {2, 4}) {
+    Outcome const other = run_burst(scheme, true, count, GetParam());
+    EXPECT_TRUE(same_bits(reference.gauges, other.gauges)) << count << " threads";
+    EXPECT_TRUE(same_bits(reference.fields, other.fields)) << count << " threads";
+    EXPECT_EQ(reference.afterburn_energy, other.afterburn_energy) << count << " threads";
+  }
+  Outcome const awake = run_burst(scheme, false, 4, GetParam());
+  EXPECT_TRUE(same_bits(reference.gauges, awake.gauges)) << "sleep off";
+  EXPECT_TRUE(same_bits(reference.fields, awake.fields)) << "sleep off";
+  EXPECT_EQ(reference.afterburn_energy, awake.afterburn_energy) << "sleep off";
+}
+
+TEST_P(Afterburn3d, IsBookedInAClosedBox) {
+  for (Scheme const scheme : {Scheme::muscl_hancock, Scheme::lax_wendroff}) {
+    Outcome const out = run_burst(scheme, true, 2, GetParam());
+    for (double error : out.audit_error) EXPECT_LT(error, 1e-12);
+  }
+}
+
+std::string model_name(testing::TestParamInfo<material::Afterburn> const& info) {
+  return info.param.carried() ? "Miller" : "ConstantRate";
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, Afterburn3d, testing::Values(miller, constant_rate), model_name);
 
 std::string scheme_name(testing::TestParamInfo<Scheme> const& info) {
   return info.param == Scheme::muscl_hancock ? "MusclHancock" : "LaxWendroff";

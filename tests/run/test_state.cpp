@@ -51,7 +51,8 @@ std::vector<double> bits_of(World& world) {
                            out.energy,
                            double(world.audit.fallback_faces),
                            world.energy_balance().drift(),
-                           world.audit.initial.energy};
+                           world.audit.initial.energy,
+                           world.audit.afterburn_energy};
   for (int b = 0; world.gas != nullptr && b < world.grid.block_count(); ++b) {
     int const cells = world.grid.blocks()[b].cell_count();
     for (int c = 0; c < world.gas->components(); ++c) append(bits, world.gas->fields().at(b, c), cells);
@@ -160,6 +161,20 @@ TEST(State, GasGoesOnAfterAnyStep) {
     World const world(burst(scheme));
     EXPECT_LT(world.active_cells(), world.setup.domain.cell_count()) << "some blocks must sleep at the start";
     expect_the_same_after_any_stop(burst(scheme), 60);
+  }
+}
+
+TEST(State, AfterburnGoesOnAfterAnyStep) {
+  Case c = burst(Scheme::muscl_hancock);
+  for (material::AfterburnRate const& rate :
+       {material::AfterburnRate{material::MillerAfterburn{2e5, 100e9, 0.5, 1.0 / 6.0, 1e5}},
+        material::AfterburnRate{material::ConstantRateAfterburn{30e-6, 1e-3}}}) {
+    c.afterburn = material::Afterburn{1e7, rate};
+    World world(c);
+    for (int n = 0; n < 60; ++n) step(world);
+    world.update_audit();
+    EXPECT_GT(world.audit.afterburn_energy, 0.0);
+    expect_the_same_after_any_stop(c, 60, 11);
   }
 }
 

@@ -97,6 +97,43 @@ void carried_to_faces(BundleLayout const& b, BundleArrays& a, double half_lambda
   }
 }
 
+/// Keeps the second fluid's own density, partial density over volume fraction, at the faces of a cell between those of
+/// the cell and its neighbours, compressed by the half step. The two are limited independently, and where both fade out
+/// their ratio would drift away: a thousandth of the products then stands in the air at more than the density of the
+/// explosive, where its reference curve has no meaning, and heat released there tears the cell apart.
+inline void bound_phase_density(BundleLayout const& b, BundleArrays& a) {
+  int const st = b.stride;
+  double const* const partial = a[second_density];
+  double const* const alpha = a[volume_fraction];
+  double const* const keep = a[a_keep];
+  double const* const squeeze = a[a_squeeze];
+  double const* const L_alpha = a[a_left + f_alpha];
+  double const* const R_alpha = a[a_right + f_alpha];
+  double* const L_partial = a[a_left + f_second];
+  double* const R_partial = a[a_right + f_second];
+  double* const phase = a[a_phase];
+  constexpr double absent = -1.0;
+  BRISANCE_VECTOR_LOOP
+  for (int q = 0; q < b.total; ++q) {
+    bool const present = alpha[q] > vanishing_fraction;
+    double const rho = partial[q] / (present ? alpha[q] : 1.0);
+    phase[q] = present ? rho : absent;
+  }
+  BRISANCE_VECTOR_LOOP
+  for (int q = st; q < b.total - st; ++q) {
+    double const own = phase[q];
+    double const below = phase[q - st] < 0.0 ? own : phase[q - st];
+    double const above = phase[q + st] < 0.0 ? own : phase[q + st];
+    double const compressed = 1.0 - keep[q] * squeeze[q];
+    double const least = std::min(own, std::min(below, above)) * compressed;
+    double const most = std::max(own, std::max(below, above)) * compressed;
+    double const left = std::min(std::max(L_partial[q], L_alpha[q] * least), L_alpha[q] * most);
+    double const right = std::min(std::max(R_partial[q], R_alpha[q] * least), R_alpha[q] * most);
+    L_partial[q] = own < 0.0 ? L_partial[q] : left;
+    R_partial[q] = own < 0.0 ? R_partial[q] : right;
+  }
+}
+
 /// Face states of every cell from its own and its two neighbours' values. In small loops: the compiler then keeps what
 /// each needs in registers.
 template <bool Two, bool Radial, bool Solid>
@@ -202,6 +239,7 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
     double* const R_rho1 = a[a_right + f_second];
     double* const L_alpha = a[a_left + f_alpha];
     double* const R_alpha = a[a_right + f_alpha];
+    if (s.bounded_phase) bound_phase_density(b, a);
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < end; ++q) {
       double const k = keep[q];

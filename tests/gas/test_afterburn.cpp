@@ -1,0 +1,220 @@
+// Afterburn of the products: lambda and the energy in a closed box against closed forms and an ODE, lambda carried
+// along with the products, and what a run without afterburn keeps.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness.hpp"
+
+namespace brisance::test {
+namespace {
+
+using material::Afterburn;
+using material::ConstantRateAfterburn;
+using material::MillerAfterburn;
+
+constexpr double Q = 1e7;          // J/kg
+constexpr double density = 20.0;   // of the products in the box [kg/m3]
+constexpr double pressure0 = 4e7;  // [Pa]
+constexpr double round_off = 1e-12;
+
+gas::MixtureState products(double rho, double p) {
+  gas::MixtureState s;
+  s.second_density = rho;
+  s.volume_fraction = 1.0;
+  s.pressure = p;
+  return s;
+}
+
+/// A closed box full of products at rest.
+Problem closed_box(std::optional<Afterburn> const& afterburn, grid::Geometry geometry = grid::Geometry::cartesian3d) {
+  Problem p;
+  p.fluids.second = material::Jwl{};
+  p.fluids.two = true;
+  p.options.afterburn = afterburn;
+  p.box(geometry, 6, 0.06, grid::Boundary::wall);
+  p.fill([](Vec3 const&) { return products(density, pressure0); });
+  return p;
+}
+
+/// Pressure of the box: p = f(rho) + omega rho e, and e grows by Q lambda.
+double pressure_at(double lambda) { return pressure0 + material::Jwl{}.omega * density * Q * lambda; }
+
+TEST(Afterburn, AtAConstantRateTheBoxFollowsItsClosedForm) {
+  // A box with mirrors at its ends is closed in every geometry, along a radius too.
+  for (auto const geometry :
+       {grid::Geometry::cartesian3d, grid::Geometry::axisymmetric2d, grid::Geometry::spherical1d}) {
+    ConstantRateAfterburn const rate{2e-6, 12e-6};
+    Problem p = closed_box(Afterburn{Q, rate}, geometry);
+    double const energy = p.total(gas::energy);
+    double const mass = p.total(gas::second_density);
+    for (double const t : {1e-6, 3e-6, 8e-6, 12e-6, 15e-6}) {
+      p.run_to(t);
+      double const lambda = std::clamp((t - 2e-6) / 10e-6, 0.0, 1.0);
+      EXPECT_NEAR(p.gas->afterburn_progress(0, 0), lambda, round_off) << t;
+      EXPECT_NEAR(p.at({0, 0, 0}).pressure / pressure_at(lambda), 1.0, round_off) << t;
+      double const released = p.gas->account().afterburn_energy;
+      EXPECT_NEAR(released, Q * mass * lambda, round_off * Q * mass) << t;
+      EXPECT_NEAR((p.total(gas::energy) - energy - released) / energy, 0.0, round_off) << t;
+    }
+    EXPECT_EQ(p.gas->components(), gas::two_fluid_components) << "a constant rate needs no component of its own";
+  }
+}
+
+TEST(Afterburn, MillersLawWithoutPressureFollowsItsClosedForm) {
+  // n = 0: (1 - lambda)^(1 - m) = 1 - (1 - m) a t, burnt out at t = 1 / ((1 - m) a) = 10 us. Exact for any step.
+  MillerAfterburn miller{2e5, 1e5, 0.5, 0.0, 0.0};
+  Problem p = closed_box(Afterburn{Q, miller});
+  double const energy = p.total(gas::energy);
+  double const mass = p.total(gas::second_density);
+  for (double const t : {0.5e-6, 4e-6, 9.9e-6, 12e-6}) {
+    p.run_to(t);
+    double const lambda = 1.0 - std::pow(std::max(0.0, 1.0 - 0.5 * 2e5 * t), 2.0);
+    EXPECT_NEAR(p.gas->afterburn_progress(0, 0), lambda, round_off) << t;
+    EXPECT_NEAR(p.at({0, 0, 0}).pressure / pressure_at(lambda), 1.0, round_off) << t;
+    EXPECT_NEAR(p.gas->account().afterburn_energy, Q * mass * lambda, round_off * Q * mass) << t;
+    EXPECT_NEAR((p.total(gas::energy) - energy - p.gas->account().afterburn_energy) / energy, 0.0, round_off) << t;
+    EXPECT_NEAR(p.total(gas::progress), mass * lambda, round_off * mass) << t;
+  }
+}
+
+/// lambda at a time by the classical Runge-Kutta method with steps that are far finer than the gas's.
+double reference_lambda(MillerAfterburn const& law, double t) {
+  auto const rate = [&](double lambda) {
+    double const p = pressure_at(lambda);
+    if (p <= law.minimum_pressure) return 0.0;
+    return law.rate * std::pow(1.0 - lambda, law.m) * std::pow(p / law.reference_pressure, law.n);
+  };
+  constexpr int steps = 20000;
+  double const h = t / steps;
+  double lambda = 0.0;
+  for (int n = 0; n < steps; ++n) {
+    double const k1 = rate(lambda);
+    double const k2 = rate(lambda + 0.5 * h * k1);
+    double const k3 = rate(lambda + 0.5 * h * k2);
+    double const k4 = rate(lambda + h * k3);
+    lambda += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+  }
+  return lambda;
+}
+
+TEST(Afterburn, MillersLawFollowsItsOdeAtFirstOrder) {
+  // The pressure of a step is that of its start: first order in the step. lambda reaches 0.7 here.
+  MillerAfterburn const miller{1.5e5, pressure0, 0.5, 0.5, 1e5};
+  double const t = 5e-6;
+  double const exact = reference_lambda(miller, t);
+  EXPECT_NEAR(exact, 0.7, 0.1);
+  std::vector<double> errors;
+  for (double const courant : {0.02, 0.01, 0.005}) {
+    Problem p = closed_box(Afterburn{Q, miller});
+    p.courant = courant;
+    p.run_to(t);
+    errors.push_back(std::abs(p.gas->afterburn_progress(0, 0) - exact));
+    // Energy and lambda belong together whatever the error of the rate is.
+    double const mass = p.total(gas::second_density);
+    EXPECT_NEAR(p.gas->account().afterburn_energy, Q * p.total(gas::progress), round_off * Q * mass);
+  }
+  EXPECT_LT(errors[0], 0.005);
+  // Order 1 to 10 %: the last step of a run is cut, and the first ten grow from a tenth.
+  EXPECT_NEAR(std::log2(errors[0] / errors[1]), 1.0, 0.1);
+  EXPECT_NEAR(std::log2(errors[1] / errors[2]), 1.0, 0.1);
+}
+
+TEST(Afterburn, NothingBurnsBelowTheMinimumPressure) {
+  Problem p = closed_box(Afterburn{Q, MillerAfterburn{1e6, 1e5, 0.5, 0.2, 1.01 * pressure0}});
+  p.run_to(5e-6);
+  EXPECT_EQ(p.gas->account().afterburn_energy, 0.0);
+  EXPECT_EQ(p.gas->afterburn_progress(0, 0), 0.0);
+}
+
+TEST(Afterburn, UnburntExplosiveWaits) {
+  for (material::AfterburnRate const& rate : {material::AfterburnRate{ConstantRateAfterburn{0.0, 1e-5}},
+                                              material::AfterburnRate{MillerAfterburn{1e6, 1e5, 0.5, 0.2, 0.0}}}) {
+    Problem p = closed_box(Afterburn{Q, rate});
+    // Lit at 1 us at D = 6930 m/s; the cell of 10 mm takes 2.2 us to burn.
+    int const cells = gas::PaddedBox(p.grid->blocks()[0], 3).count();
+    p.gas->set_lighting(0, std::vector<double>(static_cast<std::size_t>(cells), 1e-6));
+    p.gas->set_burn(6930.0, 1e-6 + 1.5 * p.domain.h / 6930.0);
+    p.gas->start();
+    p.run_to(3e-6);
+    EXPECT_EQ(p.gas->account().afterburn_energy, 0.0);
+    p.run_to(4e-6);
+    EXPECT_GT(p.gas->account().afterburn_energy, 0.0);
+  }
+}
+
+/// A slug of products in air, both at one pressure and velocity, in a periodic tube; lambda is set by `lambda(x)`.
+template <class Lambda>
+Problem slug(int n, double alpha_inside, Lambda&& lambda, gas::Scheme scheme = gas::Scheme::muscl_hancock) {
+  Problem p;
+  p.fluids.second = material::Jwl{};
+  p.fluids.two = true;
+  p.options.scheme = scheme;
+  // A rate that does nothing in the time of the test.
+  p.options.afterburn = Afterburn{0.0, MillerAfterburn{1e-6, 1e13, 0.5, 1.0, 1e12}};
+  p.box(grid::Geometry::planar1d, n, 1.0, grid::Boundary::periodic);
+  p.fill([&](Vec3 const& x) {
+    gas::MixtureState s = products(3.0, 1e5);
+    s.ambient_density = 1.0;
+    s.velocity = {500.0, 0.0, 0.0};
+    s.volume_fraction = x[0] > 0.25 && x[0] < 0.75 ? alpha_inside : alpha_inside < 1.0 ? 0.0 : 1.0;
+    return s;
+  });
+  p.for_each_cell([&](int b, int at, Index3 const& cell) {
+    p.gas->fields().at(b, gas::progress)[at] =
+        p.gas->fields().at(b, gas::second_density)[at] * lambda(p.domain.centre(cell)[0]);
+  });
+  p.gas->start();
+  return p;
+}
+
+TEST(Afterburn, LambdaMovesWithTheProducts) {
+  // A smooth lambda in uniform products comes back after one period; second order in h, less at the clipped extrema.
+  constexpr double pi = 3.14159265358979323846;
+  auto const wave = [](double x) { return 0.5 + 0.4 * std::sin(2.0 * pi * x); };
+  std::vector<double> errors;
+  for (int const n : {50, 100, 200}) {
+    Problem p = slug(n, 1.0, wave);
+    double const before = p.total(gas::progress);
+    p.run_to(2e-3);
+    EXPECT_NEAR(p.total(gas::progress) / before, 1.0, round_off);
+    double error = 0.0;
+    p.for_each_cell([&](int b, int at, Index3 const& cell) {
+      error += std::abs(p.gas->afterburn_progress(b, at) - wave(p.domain.centre(cell)[0])) / n;
+    });
+    errors.push_back(error);
+  }
+  EXPECT_GT(std::log2(errors[0] / errors[1]), 1.6);
+  EXPECT_GT(std::log2(errors[1] / errors[2]), 1.6);
+}
+
+TEST(Afterburn, AUniformLambdaStaysUniformAtTheEdgeOfTheProducts) {
+  for (auto const scheme : {gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff}) {
+    Problem p = slug(
+        100, 0.999, [](double) { return 0.3; }, scheme);
+    double const before = p.total(gas::progress);
+    p.run_to(2e-3);
+    EXPECT_NEAR(p.total(gas::progress) / before, 1.0, round_off);
+    int cells = 0;
+    p.for_each_cell([&](int b, int at, Index3 const&) {
+      // Round-off of the 300 steps, 1e-13 kg/m3, is 1e-9 of a partial density of 1e-4.
+      if (p.gas->fields().at(b, gas::second_density)[at] < 1e-4) return;
+      EXPECT_NEAR(p.gas->afterburn_progress(b, at), 0.3, 1e-9);
+      ++cells;
+    });
+    EXPECT_GT(cells, 50);
+  }
+}
+
+TEST(Afterburn, WithoutItAGasHasNoMoreComponentsThanBefore) {
+  EXPECT_EQ(closed_box({}).gas->components(), gas::two_fluid_components);
+  EXPECT_EQ(closed_box(Afterburn{Q, MillerAfterburn{}}).gas->components(), gas::afterburn_components);
+  Problem air;
+  air.options.afterburn = Afterburn{Q, MillerAfterburn{}};
+  air.box(grid::Geometry::planar1d, 8, 1.0, grid::Boundary::wall);
+  air.fill([](Vec3 const&) { return state(1.2, 0.0, 1e5); });
+  EXPECT_EQ(air.gas->components(), gas::single_fluid_components);
+}
+
+}  // namespace
+}  // namespace brisance::test
