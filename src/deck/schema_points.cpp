@@ -75,6 +75,11 @@ Table const& points_table() {
            .of(static_cast<long>(o.xpic_order))
            .like("2")
            .means("xpic: its order; 1 is PIC"),
+       word("regularisation", {"crack_band", "none"})
+           .of("crack_band")
+           .like("\"none\"")
+           .means("Softening by tensile damage: `crack_band` scales it with the cell to the fracture energy of the "
+                  "material, where it has one; `none` leaves it to the rate law"),
        typed(Type::boolean, "locking_control")
            .of(o.locking_control)
            .like("true")

@@ -44,6 +44,9 @@ FieldList fields_of(Body const& body, Options const& options) {
   }
   if (solid.heats()) fields.add(Field::temperature);
   if (solid.damages()) fields.add(Field::damage);
+  if (solid.crushes()) {
+    for (Field const scalar : {Field::crushing, Field::cracking, Field::compression}) fields.add(scalar);
+  }
   if (solid.burns()) fields.add(Field::lighting_time);
   if (solid.mixes() && solid.mixture->two) {
     fields.add(Field::mass_fraction);

@@ -50,6 +50,7 @@ struct Options {
   Transfer transfer = Transfer::flip;
   double pic_fraction = 0.0;     ///< of flip, 0 to 1
   int xpic_order = 2;            ///< of xpic; 1 is PIC
+  bool crack_band = true;        ///< tensile damage obeys its fracture energy, see `material::StepData`
   bool locking_control = false;  ///< volumetric strain averaged over the points of a body in a cell
   double linear_viscosity = 0.06;
   double quadratic_viscosity = 1.5;

@@ -42,6 +42,9 @@ enum class Field : int {
   plastic_work,  ///< [J/kg]
   temperature,   ///< [K]
   damage,
+  crushing,         ///< concrete: damage by compression and shear, see `material::PointArrays`
+  cracking,         ///< concrete: damage by tension
+  compression,      ///< concrete: largest rho/rho0 - 1 so far
   mass_fraction,    ///< of the second fluid: gas
   volume_fraction,  ///< of the second fluid: gas
   lighting_time,    ///< when the detonation arrives [s]

@@ -432,13 +432,16 @@ struct Kernels {
     arrays.plastic_work = at(Field::plastic_work);
     arrays.temperature = at(Field::temperature);
     arrays.damage = at(Field::damage);
+    arrays.crushing = at(Field::crushing);
+    arrays.cracking = at(Field::cracking);
+    arrays.compression = at(Field::compression);
     arrays.sound_speed = sound;
     arrays.mass_fraction = at(Field::mass_fraction);
     arrays.volume_fraction = at(Field::volume_fraction);
-    material::update_stress(
-        v.body->solid, arrays,
-        {dt, v.h, v.body->linear_viscosity.value_or(options.linear_viscosity),
-         v.body->quadratic_viscosity.value_or(options.quadratic_viscosity), v.body->viscosity_onset});
+    material::update_stress(v.body->solid, arrays,
+                            {dt, v.h, v.body->linear_viscosity.value_or(options.linear_viscosity),
+                             v.body->quadratic_viscosity.value_or(options.quadratic_viscosity), v.body->viscosity_onset,
+                             options.crack_band});
     for (int d = 0; d < D; ++d) {
       double* half = at(Field::half_x + d);
       if (half == nullptr) continue;

@@ -113,6 +113,7 @@ json points(run::World const& world, double wall_seconds) {
           {"transfer", name_of(o.transfer)},
           {"pic_fraction", o.pic_fraction},
           {"xpic_order", o.xpic_order},
+          {"regularisation", o.crack_band ? "crack_band" : "none"},
           {"locking_control", o.locking_control},
           {"linear_viscosity", o.linear_viscosity},
           {"quadratic_viscosity", o.quadratic_viscosity},
