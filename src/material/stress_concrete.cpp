@@ -86,6 +86,7 @@ void rate_factors(Hjc const model, PointArrays const& a, double dt, Concrete& w)
 /// Return to the surface of the old damage, with the softening of this step's compression-shear damage in it: the
 /// strength falls by H d ep, so that d ep = (trial - strength) / (3 G - H). Where the solid has tensile damage
 /// (`cracks`) plastic strain under mean tension is the opening of cracks, which is that one's: it does not count here.
+/// What has failed already is not crushed any more: rubble shears without resistance.
 void crush(Hjc const model, double T_max, bool cracks, PointArrays const& a, Scratch& t, Concrete& w) {
   int const n = a.n;
   double const* const free = w.free;
@@ -102,7 +103,8 @@ void crush(Hjc const model, double T_max, bool cracks, PointArrays const& a, Scr
     double const D = total_damage(crushing[k], cracking[k]);
     double const bound = -T_max * (1.0 - D);
     double const p = free[k] > bound ? free[k] : bound;
-    double const per_ef = cracks && p < 0.0 ? 0.0 : 1.0 / model.failure_strain(p);
+    bool const counts = D < 1.0 && !(cracks && p < 0.0);
+    double const per_ef = counts ? 1.0 / model.failure_strain(p) : 0.0;
     double const start = total_damage(crushing[k] + crushed[k] * per_ef, cracking[k]);
     double const strength = model.strength(p, start < 1.0 ? start : 1.0, rate[k], T_max);
     double const falling = model.A * model.fc * rate[k] * whole * per_ef;

@@ -10,6 +10,7 @@
 #include "core/parallel.hpp"
 #include "output/fields.hpp"
 #include "output/json.hpp"
+#include "output/zones.hpp"
 #include "shape/shape.hpp"
 
 namespace brisance::output {
@@ -271,6 +272,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"versions", versions()},
            {"machine", machine()}};
   if (world.points != nullptr) log["points"] = points(world, status.wall_seconds);
+  if (auto zones = broken_zones_json(world); !zones.empty()) log["points"]["broken_zones"] = std::move(zones);
   if (world.bridge != nullptr) log["mpm_region"] = mpm_region(world, status.wall_seconds);
   return log;
 }

@@ -343,8 +343,8 @@ double increase(double rate, double fc) {
 }
 
 TEST(TensileDamage, StrengthRisesWithTheRateAsCalibrated) {
-  // The calibration leaves 15 % at most for 48 MPa over 1e-6 to 200 /s (materials/concrete_48mpa.toml); the strain
-  // steps of 4e-6 (0.13 MPa) add 2 %.
+  // The calibration leaves 16 % at most for 48 MPa over 1e-6 to 200 /s (materials/concrete_48mpa.toml); the strain
+  // steps of 4e-6 (0.13 MPa) add 1 to 2 %.
   Solid const solid = concrete(true);
   for (double const rate : {1e-6, 1e-3, 1.0, 10.0, 100.0, 200.0}) {
     double const factor = tensile_strength(solid, rate, 4e-6, 0.005) / 4e6;
@@ -354,8 +354,8 @@ TEST(TensileDamage, StrengthRisesWithTheRateAsCalibrated) {
 
 TEST(TensileDamage, CrackBandDissipatesTheFractureEnergy) {
   // Slow uniaxial tension of bands of three widths: the energy per area, h times the work per volume, is G_f times the
-  // strength over sigma0, within 3 %: the elastic energy before the fall, h sigma^2 / 2 E, is not part of it but is
-  // given back, the tail below `open` is cut, a strain step opens 0.6 % of the crack.
+  // strength, less what is left of it when the cracks join (`open` of 33.7 MPa), over sigma0; within 3 %, for a strain
+  // step opens 0.6 % of the crack and the elastic energy of the last stress is not given back.
   for (double const h : {0.0025, 0.01, 0.02}) {
     Solid solid = concrete(true);
     Points point(solid);
@@ -367,7 +367,7 @@ TEST(TensileDamage, CrackBandDissipatesTheFractureEnergy) {
       most = std::max(most, axial_stress(point));
     }
     ASSERT_EQ(point.damage[0], 1.0) << h;
-    double const asked = 90.0 * most / 4.57e6;
+    double const asked = 90.0 * (most - TensileDamage::open * 33.7e6) / 4.57e6;
     EXPECT_NEAR(point.energy[0] * 2440.0 * h / asked, 1.0, 0.03) << h;
   }
 }

@@ -44,7 +44,7 @@ struct TensileDamage {
   }
 
   /// Smallest 1 - D_t: below, the cracks have joined.
-  static constexpr double open = 1e-3;
+  static constexpr double open = 0.01;
 
   /// D_t after the time dt [s] under the stress s [Pa] between the cracks.
   [[nodiscard]] double grown(double D, double s, double dt) const {
