@@ -46,7 +46,7 @@ void Builder::refuse_inflow(Section const* boundaries) {
 }
 
 void Builder::refuse_points() {
-  for (auto const* key : {"constraint", "contact", "surface_pressure"}) {
+  for (auto const* key : {"constraint", "contact", "surface_pressure", "reinforcement"}) {
     auto const* all = deck_.sections(key);
     if (all == nullptr || all->empty()) continue;
     report_.error(all->front().place, all->front().path,

@@ -67,7 +67,14 @@ enum class Field : int {
   load_y,
   load_z,
   load_number,  ///< of the surface pressure that acts on the point; 0: none
-  next_x,       ///< velocity at the end of the step, of lent points [m/s], 3
+  bar_number,   ///< of the bar of the body that runs through the point, from 1; 0: none
+  bar_part,     ///< part of steel
+  bar_x,        ///< its direction, 3
+  bar_y,
+  bar_z,
+  bar_stress,          ///< [Pa]
+  bar_plastic_strain,  ///< accumulated
+  next_x,              ///< velocity at the end of the step, of lent points [m/s], 3
   next_y,
   next_z,
   origin_x,  ///< where the point was at the start [m], 3

@@ -100,7 +100,9 @@ json points(run::World const& world, double wall_seconds) {
                       {"mass", json_or_null(report.mass)},
                       {"geometric_mass", json_or_null(report.geometric_mass)},
                       {"velocity", gas ? world.setup.ambient.state.velocity : body->velocity},
-                      {"rigid", !gas && body->rigid}});
+                      {"rigid", !gas && body->rigid},
+                      {"bars", report.bars},
+                      {"bar_volume", json_or_null(report.bar_volume)}});
   }
   auto const& a = world.audit;
   auto const energy = world.energy_balance();

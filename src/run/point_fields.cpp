@@ -34,6 +34,8 @@ std::optional<Field> kept(std::string const& name) {
       {"compression_damage", Field::crushing},
       {"tensile_damage", Field::cracking},
       {"products", Field::mass_fraction},
+      {"bar_part", Field::bar_part},
+      {"bar_stress", Field::bar_stress},
   };
   auto const found = fields.find(name);
   if (found == fields.end()) return std::nullopt;
@@ -109,6 +111,8 @@ std::vector<FieldInfo> const& known_point_fields() {
       {"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
       {"mass", "kg", 1, "mass of the point"},
       {"products", "1", 1, "mass fraction of the second fluid (detonation products) in gas points"},
+      {"bar_part", "1", 1, "part of steel of smeared reinforcement"},
+      {"bar_stress", "Pa", 1, "stress of the bar that runs through the point"},
       {"identity", "1", 1, "number of the point within its body"},
       {"viscosity", "Pa", 1, "bulk viscosity q of the last step"},
   };
