@@ -63,6 +63,51 @@ def paths(run):
     return {}, {"concrete_paths": figure}
 
 
+def uniaxial_strength(rate, file, a, sigma0, gamma):
+    """Strength [Pa] at constant strain rates [1/s] by Eq. (58) alone: elastic until the softening meets the stress."""
+    hjc, law, eos = file["strength"], file["failure"], file["eos"]
+    bulk = eos["P_crush"] / eos["mu_crush"]
+    young = 9.0 * bulk * hjc["G"] / (3.0 * bulk + hjc["G"])
+    factor = 1.0 + hjc["C"] * np.log(np.maximum(1.0, rate))
+    cap = 1.0 / (1.0 / (hjc["A"] * hjc["fc"] * factor) + 1.0 / (3.0 * law["T_max"]))
+    odds = np.full_like(rate, np.log(law["seed"] / (1.0 - law["seed"])))
+    strength, steps = np.zeros_like(rate), 2000
+    step = cap / steps
+    for k in range(1, steps + 1):
+        damage = 1.0 / (1.0 + np.exp(-odds))
+        excess = np.maximum((k - 0.5) * step / ((1.0 - damage) * sigma0) - 1.0, 0.0)
+        odds = np.minimum(odds + a * excess ** gamma * step / (young * rate), 30.0)
+        meets = (strength == 0.0) & (k * step >= cap * (1.0 - 1.0 / (1.0 + np.exp(-odds))))
+        strength[meets] = (k * step)[meets]
+    return strength
+
+
+def fit(file, static, limit):
+    """a, sigma0, gamma by least squares of the logarithm of the strength up to a rate: a simplex [NelderMead65]."""
+    rate = 10.0 ** np.arange(-6.0, np.log10(limit) + 1e-9, 0.2)
+    asked = np.log(static * increase(rate, file["strength"]["fc"]))
+
+    def miss(p):
+        if not 0.3 < p[2] < 4.0:
+            return 1e9
+        return np.sum((np.log(uniaxial_strength(rate, file, np.exp(p[0]), p[1] * static, p[2])) - asked) ** 2)
+    corners = [np.array(p) for p in ((11.0, 1.1, 1.2), (12.0, 1.1, 1.2), (11.0, 1.3, 1.2), (11.0, 1.1, 1.8))]
+    values = [miss(p) for p in corners]
+    for _ in range(120):
+        order = np.argsort(values)
+        corners, values = [corners[i] for i in order], [values[i] for i in order]
+        middle = np.mean(corners[:-1], axis=0)
+        tries = [middle + k * (middle - corners[-1]) for k in (1.0, 2.0, -0.5)]
+        best = min(tries, key=miss)
+        if miss(best) < values[-1]:
+            corners[-1], values[-1] = best, miss(best)
+        else:
+            corners = [corners[0]] + [0.5 * (p + corners[0]) for p in corners[1:]]
+            values = [miss(p) for p in corners]
+    best = corners[int(np.argmin(values))]
+    return np.exp(best[0]), best[1] * static, best[2]
+
+
 def calibration(run):
     """Strength under constant strain rates against the curve that a, sigma0 and gamma are fitted to."""
     data = curves(run)
@@ -84,8 +129,10 @@ def calibration(run):
             error = factor / asked - 1.0
             damage = file["failure"]
             worst = np.argmax(np.abs(error[fitted]))
-            rows.append([name, f"{static * 1e-6:g}", f"{damage['a']:.4g}", f"{damage['sigma0'] * 1e-6:g}",
-                         f"{damage['gamma']:g}", f"{limit:.0f}",
+            a, sigma0, gamma = fit(file, static, limit)
+            rows.append([name, f"{static * 1e-6:g}", f"{damage['a']:.4g} ({a:.3g})",
+                         f"{damage['sigma0'] * 1e-6:g} ({sigma0 * 1e-6:.3g})", f"{damage['gamma']:g} ({gamma:.3g})",
+                         f"{limit:.0f}",
                          f"{100 * np.sqrt(np.mean(error[fitted] ** 2)):.0f} %",
                          f"{100 * error[fitted][worst]:+.0f} % at {rate[fitted][worst]:.2g} /s",
                          f"{factor[-1]:.1f} ({asked[-1]:.1f})"])
