@@ -193,7 +193,25 @@ def body_section(run):
         out += f'<p class="note">{f"Constants: {text(sources)}. " if sources else ""}{per}</p>'
     if run.bodies:
         out += body_results(run)
-    return out
+    return out + broken_zones(points.get("broken_zones", []))
+
+
+def broken_zones(zones):
+    """Concrete that is broken, seen from the faces of its bodies; nothing where nothing is."""
+    rows = []
+    for zone in zones:
+        faces = [f for f in zone["faces"] if f["crushed_depth"] or f["cracked_depth"] or f["spall_depth"] is not None]
+        whole = [number(zone[part]["mass"]) for part in ("crushed", "cracked", "damaged")]
+        for face in faces or [None]:
+            seen = ["-"] * 6 if face is None else [("text", face["face"])] + [
+                number(face[key] * 1e3 if face[key] is not None else None) for key in (
+                    "crushed_diameter", "crushed_depth", "cracked_diameter", "cracked_depth", "spall_depth")]
+            rows.append([text(zone["body"]), *whole, *seen])
+    if not rows:
+        return ""
+    return table(["body", "crushed", "cracked", "half damaged", ("text", "from"), "diameter", "depth", "diameter",
+                  "depth", "at depth"], rows,
+                 [("", 1), ("mass [kg]", 3), ("face", 1), ("crushed [mm]", 2), ("cracked [mm]", 2), ("spall [mm]", 1)])
 
 
 def body_results(run):

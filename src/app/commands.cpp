@@ -28,6 +28,7 @@
 #include "output/report.hpp"
 #include "output/writer.hpp"
 #include "run/world.hpp"
+#include "run/zones.hpp"
 
 namespace brisance::app {
 
@@ -145,6 +146,21 @@ void print_points(run::World const& world) {
           quantity(b.end.internal_energy, "J"), quantity(b.end.plastic_work, "J"), vector_text(v, "m/s", dims));
   }
   if (shown.size() > most_rows) print(stdout, "... and {} more in summary.csv\n", shown.size() - most_rows);
+}
+
+/// What is broken of the bodies of concrete, and how it looks from their faces.
+void print_broken_zones(run::World const& world) {
+  for (auto const& zones : run::broken_zones(world)) {
+    print(stdout, "\n{}: crushed {}, cracked {}, more than half damaged {}\n", world.bodies[zones.body].name,
+          quantity(zones.crushed.mass, "kg"), quantity(zones.cracked.mass, "kg"), quantity(zones.damaged.mass, "kg"));
+    for (auto const& face : zones.faces) {
+      if (face.crushed_depth == 0.0 && face.cracked_depth == 0.0 && !face.spall_depth) continue;
+      print(stdout, "  face {:<7} crushed: diameter {}, depth {}; cracked: diameter {}, depth {}{}\n",
+            grid::face_names[static_cast<int>(face.face)], quantity(face.crushed_diameter, "m"),
+            quantity(face.crushed_depth, "m"), quantity(face.cracked_diameter, "m"), quantity(face.cracked_depth, "m"),
+            face.spall_depth ? fmt::format("; spall at {}", quantity(*face.spall_depth, "m")) : "");
+    }
+  }
 }
 
 void print_point_audit(run::World const& world) {
@@ -335,9 +351,11 @@ ExitCode run_deck(RunArguments const& arguments) {
   if (world.bridge != nullptr) {
     print_gauges(world);
     print_points(world);
+    print_broken_zones(world);
     print_region_audit(world);
   } else if (world.points != nullptr) {
     print_points(world);
+    print_broken_zones(world);
     print_point_audit(world);
   } else {
     print_gauges(world);

@@ -46,6 +46,7 @@ run::Case Builder::build() {
       constraints();
       contacts();
       surface_pressures();
+      reinforcements();
     } else {
       refuse_points();
     }

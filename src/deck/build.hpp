@@ -197,6 +197,8 @@ class Builder {
   bool pressure_history(Section const& section, mpm::SurfacePressure& pressure);
   /// The layer below the loaded face in whole layers of points; false when the body has none there (reported).
   bool loaded_layer(Section const& section, mpm::SurfacePressure& pressure);
+  void reinforcements();  // build_reinforcement.cpp
+  void reinforcement(Section const& section);
   void body_gauge(Section const& section, std::string const& name, std::set<std::string>& names);
   /// Inside, or on the surface.
   [[nodiscard]] bool near_body(shape::Shape const& body, Vec3 const& p) const;

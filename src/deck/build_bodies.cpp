@@ -46,7 +46,7 @@ void Builder::refuse_inflow(Section const* boundaries) {
 }
 
 void Builder::refuse_points() {
-  for (auto const* key : {"constraint", "contact", "surface_pressure"}) {
+  for (auto const* key : {"constraint", "contact", "surface_pressure", "reinforcement"}) {
     auto const* all = deck_.sections(key);
     if (all == nullptr || all->empty()) continue;
     report_.error(all->front().place, all->front().path,
@@ -274,6 +274,7 @@ void Builder::points_options() {
                     std::pair{"xpic", Transfer::xpic}});
   o.pic_fraction = section->number("pic_fraction").value_or(o.pic_fraction);
   o.xpic_order = static_cast<int>(section->integer("xpic_order").value_or(o.xpic_order));
+  o.crack_band = section->text("regularisation").value_or("crack_band") == "crack_band";
   o.locking_control = section->boolean("locking_control").value_or(o.locking_control);
   o.linear_viscosity = section->number("linear_viscosity").value_or(o.linear_viscosity);
   o.quadratic_viscosity = section->number("quadratic_viscosity").value_or(o.quadratic_viscosity);

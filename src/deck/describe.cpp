@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/error.hpp"
 #include "core/parameter.hpp"
@@ -48,10 +49,12 @@ std::string model_text(char const* title, Variant const& model) {
          std::visit([](auto const& m) { return parameter_lines(m); }, model);
 }
 
-/// Yield stress at the start [Pa]; 0 without one.
+/// Yield stress at the start [Pa], of concrete f'c, of soil that at no pressure; 0 without one.
 double yield_of(material::Strength const& strength) {
   if (auto const* v = std::get_if<material::VonMises>(&strength)) return v->yield;
   if (auto const* j = std::get_if<material::JohnsonCook>(&strength)) return j->A;
+  if (auto const* h = std::get_if<material::Hjc>(&strength)) return h->fc;
+  if (auto const* d = std::get_if<material::DruckerPrager>(&strength)) return std::numbers::sqrt3 * d->k();
   return 0.0;
 }
 
@@ -161,14 +164,15 @@ std::string describe_models() {
                     words_line("Stress order", "points", "stress_order") + words_line("Transfer", "points", "transfer");
   out += "\nEquations of state and their parameters\n";
   out += model_lines<material::IdealGas>() + model_lines<material::Jwl>() + model_lines<material::StiffenedGas>() +
-         model_lines<material::MieGruneisen>() + model_lines<material::Linear>();
+         model_lines<material::MieGruneisen>() + model_lines<material::Linear>() + model_lines<material::Compaction>();
   out += "\nAfterburn models and their parameters\n";
   out += model_lines<material::ConstantRateAfterburn>() + model_lines<material::MillerAfterburn>();
   out += "\nStrength models and their parameters\n";
   out += model_lines<material::NoStrength>() + model_lines<material::Elastic>() + model_lines<material::VonMises>() +
-         model_lines<material::JohnsonCook>();
+         model_lines<material::JohnsonCook>() + model_lines<material::Hjc>() + model_lines<material::DruckerPrager>();
   out += "\nFailure models and their parameters\n";
-  out += model_lines<material::NoFailure>() + model_lines<material::JohnsonCookFailure>();
+  out += model_lines<material::NoFailure>() + model_lines<material::JohnsonCookFailure>() +
+         model_lines<material::TensileDamage>();
   out += "\nFields for output\n";
   for (auto const& field : run::known_fields()) {
     out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);

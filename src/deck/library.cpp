@@ -128,6 +128,91 @@ void missing_modulus(Section const& section, std::string_view key, char const* w
                fmt::format("the {} {} is missing: give it here, or E and nu of the solid", what, key));
 }
 
+/// Reports an error at a key of a solid's table, at the table itself or, where there is none, at the solid.
+bool refuse(Section const& section, char const* name, std::string_view key, Report& report, std::string const& text) {
+  auto const* table = section.section(name);
+  if (table == nullptr) {
+    report.error(section.place, section.path_of(name), text);
+  } else {
+    report.error(table->place_of(key), table->path_of(key), text);
+  }
+  return false;
+}
+
+/// Do the parts of concrete belong together?
+bool concrete_fits(material::Solid const& solid, Section const& section, Report& report) {
+  using namespace material;
+  auto const* hjc = std::get_if<Hjc>(&solid.strength);
+  auto const* eos = std::get_if<Compaction>(&solid.eos);
+  auto const* tensile = std::get_if<TensileDamage>(&solid.failure);
+  if (tensile != nullptr && hjc == nullptr) {
+    return refuse(section, "failure", "model", report,
+                  "\"tensile_damage\" is that of concrete: give the solid the strength hjc");
+  }
+  if (hjc != nullptr && eos == nullptr) {
+    return refuse(section, "strength", "model", report,
+                  "\"hjc\" needs the pressure of concrete: give the solid an eos with model = \"compaction\"");
+  }
+  if (eos == nullptr) return true;
+  if (hjc == nullptr) {
+    return refuse(section, "eos", "model", report,
+                  "\"compaction\" keeps its history with the strength of concrete: give the solid the strength hjc");
+  }
+  if (!(eos->mu_lock > eos->mu_crush)) {
+    return refuse(section, "eos", "mu_lock", report,
+                  fmt::format("mu_lock = {:g} does not lie above mu_crush = {:g}", eos->mu_lock, eos->mu_crush));
+  }
+  if (!(eos->P_lock > eos->P_crush)) {
+    return refuse(section, "eos", "P_lock", report,
+                  fmt::format("P_lock = {:g} Pa does not lie above P_crush = {:g} Pa", eos->P_lock, eos->P_crush));
+  }
+  if (eos->K2 < 0.0 && !(eos->K2 * eos->K2 < 3.0 * eos->K1 * eos->K3)) {
+    return refuse(section, "eos", "K2", report,
+                  fmt::format("the dense curve K1 m + K2 m^2 + K3 m^3 falls somewhere: K2^2 is not below 3 K1 K3 (K2 = "
+                              "{:g}, K1 = {:g}, K3 = {:g} Pa)",
+                              eos->K2, eos->K1, eos->K3));
+  }
+  auto const curves = eos->curves();
+  if (!(curves.slope < curves.K_e && curves.slope < curves.K_lock)) {
+    return refuse(section, "eos", "P_lock", report,
+                  fmt::format("the curve rises faster while the pores collapse ({:.4g} Pa) than before (P_crush / "
+                              "mu_crush = {:.4g} Pa) or after (K1 / (1 + mu_lock) = {:.4g} Pa): lower P_lock",
+                              curves.slope, curves.K_e, curves.K_lock));
+  }
+  if (tensile == nullptr) return true;
+  double const most = 1.0 / (1.0 / (hjc->A * hjc->fc) + 1.0 / (3.0 * tensile->T_max));
+  if (!(most > tensile->sigma0)) {
+    return refuse(section, "failure", "T_max", report,
+                  fmt::format("with T_max = {:g} Pa uniaxial tension ends at {:.4g} Pa, not above sigma0 = {:g} Pa: "
+                              "nothing would be damaged; raise T_max",
+                              tensile->T_max, most, tensile->sigma0));
+  }
+  return true;
+}
+
+/// Do the parts of soil belong together?
+bool soil_fits(material::Solid const& solid, Section const& section, Report& report) {
+  using namespace material;
+  auto const* soil = std::get_if<DruckerPrager>(&solid.strength);
+  if (soil == nullptr) return true;
+  if (!std::holds_alternative<Linear>(solid.eos)) {
+    return refuse(section, "eos", "model", report,
+                  "\"drucker_prager\" has a pressure of its own, with a constant bulk modulus: use eos.model = "
+                  "\"linear\", or E and nu alone");
+  }
+  if (soil->dilation > soil->friction) {
+    return refuse(section, "strength", "dilation", report,
+                  fmt::format("the angle of dilation, {:g}, exceeds that of friction, {:g}: plastic flow would create "
+                              "energy",
+                              soil->dilation, soil->friction));
+  }
+  if (!(soil->k() > 0.0 || soil->friction > 0.0)) {
+    return refuse(section, "strength", "cohesion", report,
+                  "without cohesion and friction the solid has no strength: use strength.model = \"none\"");
+  }
+  return true;
+}
+
 void check(Report const& report, EmbeddedFile const& file) {
   if (!report.failed()) return;
   std::string message = fmt::format("the material file {} of this build is wrong", file.name);
@@ -258,7 +343,7 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
 
   bool const elastic = derived.contains("K");
   if (auto const* table = section.section("eos")) {
-    auto const eos = model_of<PointEos, Linear, MieGruneisen>(*table, derived);
+    auto const eos = model_of<PointEos, Linear, MieGruneisen, Compaction>(*table, derived);
     if (!eos) {
       missing_modulus(*table, "K", "bulk modulus", derived, report);
       return std::nullopt;
@@ -274,7 +359,8 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
     return std::nullopt;
   }
   if (auto const* table = section.section("strength")) {
-    auto const strength = model_of<Strength, NoStrength, Elastic, VonMises, JohnsonCook>(*table, derived);
+    auto const strength =
+        model_of<Strength, NoStrength, Elastic, VonMises, JohnsonCook, Hjc, DruckerPrager>(*table, derived);
     if (!strength) {
       missing_modulus(*table, "G", "shear modulus", derived, report);
       return std::nullopt;
@@ -284,12 +370,14 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
     out.strength = Elastic{derived["G"]};
   }
   if (auto const* table = section.section("failure")) {
-    auto const failure = model_of<Failure, NoFailure, JohnsonCookFailure>(*table, derived);
+    auto const failure = model_of<Failure, NoFailure, JohnsonCookFailure, TensileDamage>(*table, derived);
     if (!failure) return std::nullopt;
     out.failure = *failure;
-    if (std::holds_alternative<JohnsonCookFailure>(out.failure) && !out.plastic()) {
+    bool const metal =
+        std::holds_alternative<VonMises>(out.strength) || std::holds_alternative<JohnsonCook>(out.strength);
+    if (std::holds_alternative<JohnsonCookFailure>(out.failure) && !metal) {
       report.error(table->place, table->path,
-                   "plastic strain makes the damage grow, and this solid has none: give it the strength von_mises or "
+                   "this damage grows with the plastic strain of a metal: give the solid the strength von_mises or "
                    "johnson_cook");
       return std::nullopt;
     }
@@ -301,6 +389,7 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
         fmt::format("{} does not lie above the room temperature T_room, {:g} K", table.shown("T_melt"), jc->T_room));
     return std::nullopt;
   }
+  if (!concrete_fits(out, section, report) || !soil_fits(out, section, report)) return std::nullopt;
   return out;
 }
 

@@ -156,6 +156,7 @@ Table const& deck_schema() {
          nested(Type::tables, "constraint", constraint_table()),
          nested(Type::tables, "contact", contact_table()),
          nested(Type::tables, "surface_pressure", surface_pressure_table()),
+         nested(Type::tables, "reinforcement", reinforcement_table()),
          nested(Type::table, "points", points_table()),
          nested(Type::table, "mpm_region", mpm_region_table()),
          nested(Type::table, "numerics", numerics_table()),

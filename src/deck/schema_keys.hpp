@@ -89,6 +89,7 @@ inline Key face_normal(std::string name) { return word(std::move(name), {"+x", "
 [[nodiscard]] Table const& constraint_table();
 [[nodiscard]] Table const& contact_table();
 [[nodiscard]] Table const& surface_pressure_table();
+[[nodiscard]] Table const& reinforcement_table();
 
 // --- schema_materials.cpp
 

@@ -179,18 +179,18 @@ Table model_table(std::string meaning, std::string explanation) {
 }
 
 Table const& solid_eos_table() {
-  static Table const table = model_table<material::Linear, material::MieGruneisen>(
+  static Table const table = model_table<material::Linear, material::MieGruneisen, material::Compaction>(
       "Equation of state of a solid: the pressure from density and energy.", "Equation of state");
   return table;
 }
 Table const& strength_table() {
   static Table const table =
-      model_table<material::Elastic, material::VonMises, material::JohnsonCook, material::NoStrength>(
-          "Strength of a solid: the rest of the stress.", "Strength model");
+      model_table<material::Elastic, material::VonMises, material::JohnsonCook, material::Hjc, material::DruckerPrager,
+                  material::NoStrength>("Strength of a solid: the rest of the stress.", "Strength model");
   return table;
 }
 Table const& failure_table() {
-  static Table const table = model_table<material::JohnsonCookFailure, material::NoFailure>(
+  static Table const table = model_table<material::JohnsonCookFailure, material::TensileDamage, material::NoFailure>(
       "Failure of a solid: growing damage, at 1 neither shear stress nor tension.", "Failure model");
   return table;
 }

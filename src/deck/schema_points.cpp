@@ -75,6 +75,11 @@ Table const& points_table() {
            .of(static_cast<long>(o.xpic_order))
            .like("2")
            .means("xpic: its order; 1 is PIC"),
+       word("regularisation", {"crack_band", "none"})
+           .of("crack_band")
+           .like("\"none\"")
+           .means("Softening by tensile damage: `crack_band` scales it with the cell to the fracture energy of the "
+                  "material, where it has one; `none` leaves it to the rate law"),
        typed(Type::boolean, "locking_control")
            .of(o.locking_control)
            .like("true")
@@ -284,6 +289,31 @@ Table const& surface_pressure_table() {
            .note("to the end")
            .like("\"0.1 ms\"")
            .means("How long a constant pressure acts, from the start")},
+      {},
+      {}};
+  return table;
+}
+
+Table const& reinforcement_table() {
+  static mpm::Bar const bar;
+  static Table const table{
+      "A steel bar in a body, or a row of them, thinner than the grid resolves: smeared over the points within a cell "
+      "of the "
+      "axis, which carry its stress along it beside their own. In cartesian3d. A bar of two cells and more in diameter "
+      "is a "
+      "`[[body]]` of its own, cut out of the other. Where bars cross, the points belong to the first.",
+      {typed(Type::text, "body").note("the only body").like("\"slab\"").means("Name of the body"),
+       position("from").required().like("[0, 0.1, 0.03]").means("One end of the axis, in the body"),
+       position("to").required().like("[1, 0.1, 0.03]").means("The other"),
+       number("diameter", "m", smallest, far).required().like("\"12 mm\"").means("Diameter"),
+       typed(Type::integer, "copies", "1", 1, 10000).of(1L).like("10").means("Number of equal bars side by side"),
+       position("step").note("needed by several copies").like("[0, \"0.1 m\", 0]").means("From one to the next"),
+       number("E", "Pa", 1.0, 1e13).of(bar.E).like("\"200 GPa\"").means("Young's modulus"),
+       number("yield", "Pa", 0.0, 1e12).of(bar.yield).like("\"500 MPa\"").means("Yield stress"),
+       number("hardening", "Pa", 0.0, 1e13)
+           .of(bar.hardening)
+           .like("\"1 GPa\"")
+           .means("Plastic modulus, d sigma / d eps_p")},
       {},
       {}};
   return table;

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "core/parameter.hpp"
+#include "material/eos/compaction.hpp"
 #include "material/eos/eos.hpp"
 #include "material/eos/linear.hpp"
 #include "material/explosive.hpp"
@@ -18,7 +19,7 @@
 namespace brisance::material {
 
 /// The equations of state of material points: those of the gas cells and the linear one.
-using PointEos = std::variant<Linear, IdealGas, Jwl, StiffenedGas, MieGruneisen>;
+using PointEos = std::variant<Linear, IdealGas, Jwl, StiffenedGas, MieGruneisen, Compaction>;
 
 /// Pressure [Pa] from density [kg/m3] and specific internal energy [J/kg].
 [[nodiscard]] inline double pressure(PointEos const& eos, double rho, double e) {
@@ -57,9 +58,11 @@ struct Solid {
   }
   /// Does its temperature change?
   [[nodiscard]] bool heats() const { return plastic() && specific_heat > 0.0; }
+  /// Is it concrete: damage of two kinds, compression that stays?
+  [[nodiscard]] bool crushes() const { return std::holds_alternative<Hjc>(strength); }
   /// Does it have damage?
   [[nodiscard]] bool damages() const {
-    return plastic() && std::visit([](auto const& model) { return model.damages; }, failure);
+    return crushes() || (plastic() && std::visit([](auto const& model) { return model.damages; }, failure));
   }
   /// Does it have a burn fraction?
   [[nodiscard]] bool burns() const { return detonation_speed > 0.0; }

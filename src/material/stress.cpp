@@ -7,62 +7,14 @@
 #include "core/loops.hpp"
 #include "core/math.hpp"
 #include "material/mixture.hpp"
+#include "material/stress_stages.hpp"
 
 namespace brisance::material {
 
 namespace {
 
-/// Points are taken in chunks that stay in the first cache together with what passes between the stages.
-constexpr int chunk = 128;
-
-/// Every loop runs over a multiple of this many points, so that no point ever meets the scalar rest of a vector loop,
-/// whose rounding differs: the result of a point does not depend on where it stands.
-constexpr int lanes = 8;
-static_assert(chunk % lanes == 0);
-
 /// Arrays in PointArrays.
-constexpr int arrays_of_a_point = 28;
-
-/// The points of a chunk that yield, side by side, in the iteration for their increments of plastic strain.
-struct Yielding {
-  int point[chunk];                     ///< which point of the chunk
-  alignas(64) double mises[chunk];      ///< of the trial [Pa]
-  alignas(64) double ep[chunk];         ///< plastic strain at the start
-  alignas(64) double soft[chunk];       ///< thermal factor of the yield stress
-  alignas(64) double tolerance[chunk];  ///< of consistency [Pa]
-  alignas(64) double u[chunk];          ///< ln of the increment
-  alignas(64) double x[chunk];          ///< increment
-  alignas(64) double hard[chunk];       ///< hardening at the end of the step [Pa]
-};
-
-/// The equation of state of each point of a chunk that mixes, at the end of the step.
-struct Blend {
-  alignas(64) double first[chunk];   ///< partial density of the ambient fluid [kg/m3]
-  alignas(64) double second[chunk];  ///< partial density of the second fluid [kg/m3]
-  alignas(64) double G[chunk];       ///< first the sum xi of the closure
-  alignas(64) double f[chunk];       ///< [Pa]; first the sum B
-  alignas(64) double df[chunk];      ///< rho f' [Pa]; first the sum H
-};
-
-/// What passes between the stages of a chunk.
-struct Scratch {
-  alignas(64) double work[chunk];         ///< (s0 + s1)/2 : d e [Pa]
-  alignas(64) double floor[chunk];        ///< smallest pressure that the point bears [Pa]
-  alignas(64) double burn[chunk];         ///< burn fraction
-  alignas(64) double trial_work[chunk];   ///< s_trial : d e / 2 [Pa]
-  alignas(64) double mises[chunk];        ///< Mises stress, first of the trial, then of the end [Pa]
-  alignas(64) double increment[chunk];    ///< of equivalent plastic strain
-  alignas(64) double scale[chunk];        ///< s1 = scale * s_trial
-  alignas(64) double temperature[chunk];  ///< at the start of the step [K]
-  alignas(64) double soft[chunk];         ///< thermal factor of the yield stress
-  alignas(64) double slow[chunk];         ///< yield stress at the start of the step, at a low rate [Pa]
-  Yielding yielding;
-  Blend blend;
-};
-
-void fill(double* x, int n, double value) {
-  for (int k = 0; k < n; ++k) x[k] = value;
-}
+constexpr int arrays_of_a_point = 31;
 
 /// Calls f with every array that is read only.
 template <class F>
@@ -80,7 +32,7 @@ template <class F>
 void for_state(PointArrays& a, F const f) {
   for (auto& x : a.deviator) f(x);
   for (auto* x : {&a.pressure, &a.viscosity, &a.density, &a.energy, &a.plastic_strain, &a.plastic_work, &a.temperature,
-                  &a.damage, &a.sound_speed}) {
+                  &a.damage, &a.crushing, &a.cracking, &a.compression, &a.sound_speed}) {
     f(*x);
   }
 }
@@ -93,107 +45,6 @@ PointArrays window(PointArrays const& a, int first, int n) {
   for_inputs(w, shift);
   for_state(w, shift);
   return w;
-}
-
-/// Trial deviator: elastic half-increment, rotation, elastic half-increment. Also the parts of the work and the trial
-/// Mises stress.
-void trial_deviator(PointArrays const& a, double G, Scratch& t) {
-  int const n = a.n;
-  double const* const exx = a.strain[0];
-  double const* const eyy = a.strain[1];
-  double const* const ezz = a.strain[2];
-  double const* const exy = a.strain[3];
-  double const* const eyz = a.strain[4];
-  double const* const ezx = a.strain[5];
-  double const* const wx = a.spin[0];
-  double const* const wy = a.spin[1];
-  double const* const wz = a.spin[2];
-  double* const sxx = a.deviator[0];
-  double* const syy = a.deviator[1];
-  double* const szz = a.deviator[2];
-  double* const sxy = a.deviator[3];
-  double* const syz = a.deviator[4];
-  double* const szx = a.deviator[5];
-  double* const start_work = t.work;
-  double* const trial_work = t.trial_work;
-  double* const mises = t.mises;
-  BRISANCE_VECTOR_LOOP
-  for (int k = 0; k < n; ++k) {
-    double const mean = (exx[k] + eyy[k] + ezz[k]) * (1.0 / 3.0);
-    double const dxx = exx[k] - mean;
-    double const dyy = eyy[k] - mean;
-    double const dzz = ezz[k] - mean;
-    double const dxy = exy[k];
-    double const dyz = eyz[k];
-    double const dzx = ezx[k];
-    double const s0 = sxx[k];
-    double const s1 = syy[k];
-    double const s2 = szz[k];
-    double const s3 = sxy[k];
-    double const s4 = syz[k];
-    double const s5 = szx[k];
-    start_work[k] = 0.5 * (s0 * dxx + s1 * dyy + s2 * dzz) + (s3 * dxy + s4 * dyz + s5 * dzx);
-    double const axx = s0 + G * dxx;
-    double const ayy = s1 + G * dyy;
-    double const azz = s2 + G * dzz;
-    double const axy = s3 + G * dxy;
-    double const ayz = s4 + G * dyz;
-    double const azx = s5 + G * dzx;
-
-    // Q = (I - W/2)^-1 (I + W/2) = I + (W + W^2/2) / (1 + w^2/4), W^2 = w w^T - w^2 I.
-    double const x = wx[k];
-    double const y = wy[k];
-    double const z = wz[k];
-    double const w2 = x * x + y * y + z * z;
-    double const f = 1.0 / (1.0 + 0.25 * w2);
-    double const h = 0.5 * f;
-    double const qxx = 1.0 + h * (x * x - w2);
-    double const qyy = 1.0 + h * (y * y - w2);
-    double const qzz = 1.0 + h * (z * z - w2);
-    double const qxy = h * (x * y) - f * z;
-    double const qyx = h * (x * y) + f * z;
-    double const qyz = h * (y * z) - f * x;
-    double const qzy = h * (y * z) + f * x;
-    double const qzx = h * (z * x) - f * y;
-    double const qxz = h * (z * x) + f * y;
-
-    // b = Q a, r = b Q^T
-    double const bxx = qxx * axx + qxy * axy + qxz * azx;
-    double const bxy = qxx * axy + qxy * ayy + qxz * ayz;
-    double const bxz = qxx * azx + qxy * ayz + qxz * azz;
-    double const byx = qyx * axx + qyy * axy + qyz * azx;
-    double const byy = qyx * axy + qyy * ayy + qyz * ayz;
-    double const byz = qyx * azx + qyy * ayz + qyz * azz;
-    double const bzx = qzx * axx + qzy * axy + qzz * azx;
-    double const bzy = qzx * axy + qzy * ayy + qzz * ayz;
-    double const bzz = qzx * azx + qzy * ayz + qzz * azz;
-    double const rxx = bxx * qxx + bxy * qxy + bxz * qxz + G * dxx;
-    double const ryy = byx * qyx + byy * qyy + byz * qyz + G * dyy;
-    double const rzz = bzx * qzx + bzy * qzy + bzz * qzz + G * dzz;
-    double const rxy = bxx * qyx + bxy * qyy + bxz * qyz + G * dxy;
-    double const ryz = byx * qzx + byy * qzy + byz * qzz + G * dyz;
-    double const rzx = bzx * qxx + bzy * qxy + bzz * qxz + G * dzx;
-
-    sxx[k] = rxx;
-    syy[k] = ryy;
-    szz[k] = rzz;
-    sxy[k] = rxy;
-    syz[k] = ryz;
-    szx[k] = rzx;
-    trial_work[k] = 0.5 * (rxx * dxx + ryy * dyy + rzz * dzz) + (rxy * dxy + ryz * dyz + rzx * dzx);
-    double const ss = (rxx * rxx + ryy * ryy + rzz * rzz) + 2.0 * (rxy * rxy + ryz * ryz + rzx * rzx);
-    mises[k] = std::sqrt(1.5 * ss);
-  }
-}
-
-/// s1 = scale * s_trial.
-void scale_deviator(PointArrays const& a, Scratch const& t) {
-  int const n = a.n;
-  double const* const scale = t.scale;
-  for (double* const s : a.deviator) {
-    BRISANCE_VECTOR_LOOP
-    for (int k = 0; k < n; ++k) s[k] *= scale[k];
-  }
 }
 
 /// Increments of plastic strain from the trial Mises stresses, 0 where nothing yields. Returns whether any point
@@ -342,31 +193,6 @@ void damage(Model const model, Scales const scales, PointArrays const& a, double
   }
 }
 
-/// Plastic strain, work and heat of the step.
-void plastic_flow(PointArrays const& a, double specific_heat, double taylor_quinney, Scratch const& t) {
-  int const n = a.n;
-  double const* const increment = t.increment;
-  double const* const mises = t.mises;
-  double const* const rho = a.density;
-  double const* const volumetric = a.volumetric;
-  double* const ep = a.plastic_strain;
-  double* const plastic_work = a.plastic_work;
-  double* const temperature = a.temperature;
-  if (temperature != nullptr && specific_heat > 0.0) {
-    double const per_work = taylor_quinney / specific_heat;
-    BRISANCE_VECTOR_LOOP
-    for (int k = 0; k < n; ++k) {
-      temperature[k] += per_work * increment[k] * mises[k] * (1.0 + 0.5 * volumetric[k]) / rho[k];
-    }
-  }
-  if (plastic_work != nullptr) {
-    BRISANCE_VECTOR_LOOP
-    for (int k = 0; k < n; ++k) plastic_work[k] += increment[k] * mises[k] * (1.0 + 0.5 * volumetric[k]) / rho[k];
-  }
-  BRISANCE_VECTOR_LOOP
-  for (int k = 0; k < n; ++k) ep[k] += increment[k];
-}
-
 /// The deviator and what depends on it; fills `work` and `floor`.
 void deviator_stage(NoStrength const /*model*/, Solid const& /*solid*/, PointArrays const& a, double /*dt*/,
                     Scratch& t) {
@@ -423,12 +249,6 @@ void deviator_stage(Plastic const model, Solid const& solid, PointArrays const& 
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) work[k] += scale[k] * trial_work[k];
   if (yields) plastic_flow(a, solid.specific_heat, solid.taylor_quinney, t);
-}
-
-/// Volume at the end of the step over that at its start.
-[[nodiscard]] inline double volume_ratio(double volumetric) {
-  double const grown = 1.0 + volumetric;
-  return grown < 0.1 ? 0.1 : grown;  // this way round NaN stays NaN and is found
 }
 
 /// One equation of state for all points of a chunk.
@@ -565,13 +385,19 @@ void pressure_stage(PointwiseEos const eos, PointArrays const& a, StepData const
 }
 
 void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step, Scratch& t) {
+  if (auto const* hjc = std::get_if<Hjc>(&solid.strength)) return update_concrete(solid, *hjc, a, step, t);
+  if (auto const* soil = std::get_if<DruckerPrager>(&solid.strength)) return update_soil(solid, *soil, a, step, t);
   fill(t.floor, a.n, solid.minimum_pressure);
   if (a.burn != nullptr) {
     for (int k = 0; k < a.n; ++k) t.burn[k] = a.burn[k];
   } else {
     fill(t.burn, a.n, 1.0);
   }
-  std::visit([&](auto const& strength) { deviator_stage(strength, solid, a, step.dt, t); }, solid.strength);
+  std::visit(
+      [&]<class Model>(Model const& strength) {
+        if constexpr (!requires { Model::pressure_dependent; }) deviator_stage(strength, solid, a, step.dt, t);
+      },
+      solid.strength);
   double const shear = shear_modulus(solid.strength);
   double const least_speed = solid.detonation_speed;
   auto const with_common = [&](auto const& eos) {

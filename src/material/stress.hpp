@@ -28,7 +28,10 @@ struct PointArrays {
   double* plastic_strain = nullptr;         ///< equivalent plastic strain
   double* plastic_work = nullptr;           ///< [J/kg]
   double* temperature = nullptr;            ///< [K]
-  double* damage = nullptr;                 ///< 0..1
+  double* damage = nullptr;                 ///< 0..1; of concrete the total, 1 - (1 - D_c)(1 - D_t)
+  double* crushing = nullptr;               ///< concrete: D_c of compression and shear, 0..1
+  double* cracking = nullptr;               ///< concrete: D_t of tension, 0..1
+  double* compression = nullptr;            ///< concrete: largest mu = rho/rho0 - 1 so far, at least 0
   double* sound_speed = nullptr;            ///< out: longitudinal sound speed [m/s]
 };
 
@@ -40,6 +43,7 @@ struct StepData {
   /// The linear term is multiplied by x / (x + onset), x = h |d| / c: sound passes without it, shocks do not notice.
   /// 0: everything feels it.
   double linear_onset = 0.0;
+  bool crack_band = true;  ///< tensile damage obeys its fracture energy, if it has one, with `length` as the band
 };
 
 /// One step of the stress of n points; equation numbers are those of [Cui14]. In this order:
@@ -68,6 +72,9 @@ struct StepData {
 /// A point whose alpha vanishes is the ambient fluid, whatever its Y.
 /// The sound speed of failed points still counts the shear modulus, on the safe side of the time step; that of points
 /// not burnt out is at least the detonation speed.
+///
+/// Solids whose strength depends on the pressure take another order: pressure, then strength and damage
+/// (stress_concrete.cpp, stress_soil.cpp). Their pressure knows no energy.
 ///
 /// Guards, which no step within the Courant limit meets: 1 + d eps_v is not below 0.1 and the implicit factor of e1 not
 /// below 1/2. Finite numbers stay finite; NaN is not hidden.

@@ -47,6 +47,9 @@ FieldList fields_of(Body const& body, Options const& options, int dimensions) {
   }
   if (solid.heats()) fields.add(Field::temperature);
   if (solid.damages()) fields.add(Field::damage);
+  if (solid.crushes()) {
+    for (Field const scalar : {Field::crushing, Field::cracking, Field::compression}) fields.add(scalar);
+  }
   if (solid.burns()) fields.add(Field::lighting_time);
   if (solid.mixes() && solid.mixture->two) {
     fields.add(Field::mass_fraction);
@@ -308,22 +311,9 @@ void Mpm::load(SurfacePressure const& pressure) {
     throw InputError("a surface pressure needs the thickness of the layer that takes it");
   work_->loads.push_back({pressure.body, pressure.times, pressure.pressures});
   int const number = static_cast<int>(work_->loads.size());
+  carry(pressure.body, Field::load_x, 4);  // load_number is the fourth
   for (int b = 0; b < grid_.block_count(); ++b) {
     PointSet& old = sets_[set_index(b, pressure.body)];
-    FieldList fields = old.fields();
-    if (!fields.has(Field::load_x)) {
-      fields.add(Field::load_x, 3);
-      fields.add(Field::load_number);
-      PointSet grown(fields);
-      for (int q = 0; q < old.size(); ++q) {
-        grown.append();
-        for (int f = 0; f < field_count; ++f) {
-          if (double const* from = old.field(static_cast<Field>(f))) grown.field(static_cast<Field>(f))[q] = from[q];
-        }
-      }
-      old = std::move(grown);
-      work_->outbox[set_index(b, pressure.body)].points = PointSet(fields);
-    }
     for (int q = 0; q < old.size(); ++q) {
       Vec3 x{0.0, 0.0, 0.0};
       for (int d = 0; d < 3; ++d) x[d] = old.field(Field::position_x + d)[q];

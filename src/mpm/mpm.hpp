@@ -22,6 +22,7 @@
 #include "material/solid.hpp"
 #include "mpm/points.hpp"
 #include "mpm/population.hpp"
+#include "mpm/reinforcement.hpp"
 #include "shape/shape.hpp"
 
 namespace brisance::mpm {
@@ -50,6 +51,7 @@ struct Options {
   Transfer transfer = Transfer::flip;
   double pic_fraction = 0.0;     ///< of flip, 0 to 1
   int xpic_order = 2;            ///< of xpic; 1 is PIC
+  bool crack_band = true;        ///< tensile damage obeys its fracture energy, see `material::StepData`
   bool locking_control = false;  ///< volumetric strain averaged over the points of a body in a cell
   double linear_viscosity = 0.06;
   double quadratic_viscosity = 1.5;
@@ -76,6 +78,7 @@ struct Body {
   /// Coefficients of the bulk viscosity that differ from those of the options.
   std::optional<double> linear_viscosity;
   std::optional<double> quadratic_viscosity;
+  std::vector<Bar> bars;          ///< filled by `Mpm::reinforce`
   double viscosity_onset = 0.0;   ///< see `material::StepData::linear_onset`
   std::optional<double> courant;  ///< Courant number that differs from that of the options
   /// Conduction of heat in shocks, [Noh87]: the part of the difference between a fluid point's specific energy and that
@@ -122,6 +125,12 @@ struct SurfacePressure {
   double thickness = 0.0;         ///< of the loaded layer [m]
   std::vector<double> times;      ///< [s], rising
   std::vector<double> pressures;  ///< [Pa] at these times; linear between, 0 outside
+};
+
+/// What became of a bar.
+struct BarReport {
+  double volume = 0.0;  ///< of steel in the domain [m3]
+  double part = 0.0;    ///< of steel at the points around the axis
 };
 
 /// Sums over the points of one body.
@@ -171,6 +180,9 @@ class Mpm {
   void fill(int body, Filling const& filling);
   /// Lets a pressure act on the points that lie in its region now.
   void load(SurfacePressure const& pressure);
+  /// Smears a bar over the points around its axis where they are now; points that have one already keep it. Throws
+  /// InputError where the bar does not lie within the body.
+  BarReport reinforce(Bar const& bar);
   /// Gives the points of a burning body their lighting times [s].
   void set_lighting(int body, std::function<double(Vec3 const&)> const& lighting_time);
   /// Tells where in time the calculation stands [s]; the burn and the loads depend on it.
@@ -248,6 +260,7 @@ class Mpm {
   }
   [[nodiscard]] int set_index(int block, int body) const { return block * static_cast<int>(bodies_.size()) + body; }
   void find_active();
+  void carry(int body, Field first, int components);  ///< further fields, 0 at the start
   void collect_signals();
   void map_to_grid(bool with_mass, bool with_forces);
   [[nodiscard]] OuterForces outer_forces() const;

@@ -42,6 +42,9 @@ enum class Field : int {
   plastic_work,  ///< [J/kg]
   temperature,   ///< [K]
   damage,
+  crushing,         ///< concrete: damage by compression and shear, see `material::PointArrays`
+  cracking,         ///< concrete: damage by tension
+  compression,      ///< concrete: largest rho/rho0 - 1 so far
   mass_fraction,    ///< of the second fluid: gas
   volume_fraction,  ///< of the second fluid: gas
   lighting_time,    ///< when the detonation arrives [s]
@@ -73,7 +76,14 @@ enum class Field : int {
   load_y,
   load_z,
   load_number,  ///< of the surface pressure that acts on the point; 0: none
-  next_x,       ///< velocity at the end of the step, of lent points [m/s], 3
+  bar_number,   ///< of the bar of the body that runs through the point, from 1; 0: none
+  bar_part,     ///< part of steel
+  bar_x,        ///< its direction, 3
+  bar_y,
+  bar_z,
+  bar_stress,          ///< [Pa]
+  bar_plastic_strain,  ///< accumulated
+  next_x,              ///< velocity at the end of the step, of lent points [m/s], 3
   next_y,
   next_z,
   origin_x,  ///< where the point was at the start [m], 3

@@ -132,6 +132,7 @@ struct Kernels {
     bool const affine = with_mass && set.field(Field::affine_xx) != nullptr;
     std::array<double const*, 6> deviator{};
     for (int c = 0; c < 6 && !v.body->rigid_velocity; ++c) deviator[c] = set.field(Field::deviator_xx + c);
+    double const* const bar_number = set.field(Field::bar_number);
     double const stressed = v.body->rigid_velocity ? 0.0 : 1.0;
     double const reference = v.body->reference_pressure;
     bool const driven = with_forces && outer.acceleration != nullptr;
@@ -162,6 +163,7 @@ struct Kernels {
           if (deviator[0] != nullptr) {
             for (int c = 0; c < 6; ++c) s[c] += deviator[c][begin + q];
           }
+          if (bar_number != nullptr && bar_number[begin + q] > 0.0) add_bar(set, begin + q, s);
           double const f = -volume * inverse_h;
           cx = Lanes4{f * s[0], f * s[3], f * s[5], 0.0};
           cy = Lanes4{f * s[3], f * s[1], f * s[4], 0.0};
@@ -193,6 +195,43 @@ struct Kernels {
         }
       }
     });
+  }
+
+  /// Adds the stress of a bar to that of its point.
+  static void add_bar(PointSet const& set, int q, std::array<double, 6>& s) {
+    double const f = set.field(Field::bar_part)[q] * set.field(Field::bar_stress)[q];
+    Vec3 const n{set.field(Field::bar_x)[q], set.field(Field::bar_y)[q], set.field(Field::bar_z)[q]};
+    for (int d = 0; d < 3; ++d) {
+      s[d] += f * n[d] * n[d];
+      s[3 + d] += f * n[d] * n[(d + 1) % 3];
+    }
+  }
+
+  /// Stress and energy of the bars that run through a chunk; they make sound faster.
+  static void strain_bars(SetView const& v, int begin, int n, double const (&e)[10][chunk], double (&sound)[chunk]) {
+    PointSet& set = *v.set;
+    double const* const number = set.field(Field::bar_number);
+    for (int q = 0; q < n; ++q) {
+      int const at = begin + q;
+      if (number[at] == 0.0) continue;
+      Bar const& bar = v.body->bars[static_cast<std::size_t>(number[at]) - 1];
+      auto const direction = vector_at(set, Field::bar_x, at);
+      Vec3 const m{*direction[0], *direction[1], *direction[2]};
+      double const strain = m[0] * (m[0] * e[0][q] + 2.0 * (m[1] * e[3][q] + m[2] * e[5][q])) +
+                            m[1] * (m[1] * e[1][q] + 2.0 * m[2] * e[4][q]) + m[2] * m[2] * e[2][q];
+      double& stress = set.field(Field::bar_stress)[at];
+      double& flow = set.field(Field::bar_plastic_strain)[at];
+      BarState const end = stretched(bar, {stress, flow}, strain);
+      double const per_mass = set.field(Field::bar_part)[at] / set.field(Field::density)[at];
+      set.field(Field::energy)[at] += 0.5 * (stress + end.stress) * strain * per_mass;
+      stress = end.stress;
+      flow = end.plastic_strain;
+      Vec3 const turned{m[0] + e[7][q] * m[2] - e[8][q] * m[1], m[1] + e[8][q] * m[0] - e[6][q] * m[2],
+                        m[2] + e[6][q] * m[1] - e[7][q] * m[0]};
+      double const length = norm(turned);
+      for (int d = 0; d < 3; ++d) *direction[d] = turned[d] / length;
+      sound[q] = std::sqrt(sound[q] * sound[q] + bar.E * per_mass);
+    }
   }
 
   /// Momentum that APIC's velocity gradient adds per distance in each direction.
@@ -455,13 +494,17 @@ struct Kernels {
     arrays.plastic_work = at(Field::plastic_work);
     arrays.temperature = at(Field::temperature);
     arrays.damage = at(Field::damage);
+    arrays.crushing = at(Field::crushing);
+    arrays.cracking = at(Field::cracking);
+    arrays.compression = at(Field::compression);
     arrays.sound_speed = sound;
     arrays.mass_fraction = at(Field::mass_fraction);
     arrays.volume_fraction = at(Field::volume_fraction);
-    material::update_stress(
-        v.body->solid, arrays,
-        {dt, v.h, v.body->linear_viscosity.value_or(options.linear_viscosity),
-         v.body->quadratic_viscosity.value_or(options.quadratic_viscosity), v.body->viscosity_onset});
+    material::update_stress(v.body->solid, arrays,
+                            {dt, v.h, v.body->linear_viscosity.value_or(options.linear_viscosity),
+                             v.body->quadratic_viscosity.value_or(options.quadratic_viscosity), v.body->viscosity_onset,
+                             options.crack_band});
+    if (set.field(Field::bar_number) != nullptr) strain_bars(v, begin, n, e, sound);
     for (int d = 0; d < D; ++d) {
       double* half = at(Field::half_x + d);
       if (half == nullptr) continue;

@@ -9,6 +9,7 @@
 #include "output/file.hpp"
 #include "output/gauges.hpp"
 #include "output/json.hpp"
+#include "output/zones.hpp"
 
 namespace brisance::output {
 
@@ -254,7 +255,9 @@ nlohmann::json write_point_table(fs::path const& path, run::World const& world, 
     bool const rides = world.point_gauges[g].gauge.point.has_value();
     (rides ? point_gauges[point++] : body_list[body++])["file"] = files[g];
   }
-  return {{"point_gauges", std::move(point_gauges)}, {"bodies", std::move(body_list)}};
+  nlohmann::json out{{"point_gauges", std::move(point_gauges)}, {"bodies", std::move(body_list)}};
+  if (auto zones = broken_zones_json(world); !zones.empty()) out["broken_zones"] = std::move(zones);
+  return out;
 }
 
 void write_point_summary(fs::path const& folder, run::World const& world, std::vector<std::string> const& files) {

@@ -10,6 +10,7 @@
 #include "core/parallel.hpp"
 #include "output/fields.hpp"
 #include "output/json.hpp"
+#include "output/zones.hpp"
 #include "shape/shape.hpp"
 
 namespace brisance::output {
@@ -111,7 +112,9 @@ json points(run::World const& world, double wall_seconds) {
                       {"mass", json_or_null(report.mass)},
                       {"geometric_mass", json_or_null(report.geometric_mass)},
                       {"velocity", gas ? world.setup.ambient.state.velocity : body->velocity},
-                      {"rigid", !gas && body->rigid}});
+                      {"rigid", !gas && body->rigid},
+                      {"bars", report.bars},
+                      {"bar_volume", json_or_null(report.bar_volume)}});
   }
   auto const& a = world.audit;
   auto const energy = world.energy_balance();
@@ -125,6 +128,7 @@ json points(run::World const& world, double wall_seconds) {
           {"transfer", name_of(o.transfer)},
           {"pic_fraction", o.pic_fraction},
           {"xpic_order", o.xpic_order},
+          {"regularisation", o.crack_band ? "crack_band" : "none"},
           {"locking_control", o.locking_control},
           {"linear_viscosity", o.linear_viscosity},
           {"quadratic_viscosity", o.quadratic_viscosity},
@@ -283,6 +287,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"machine", machine()}};
   if (world.setup.afterburn) log["afterburn"] = afterburn(*world.setup.afterburn);
   if (world.points != nullptr) log["points"] = points(world, status.wall_seconds);
+  if (auto zones = broken_zones_json(world); !zones.empty()) log["points"]["broken_zones"] = std::move(zones);
   if (world.bridge != nullptr) log["mpm_region"] = mpm_region(world, status.wall_seconds);
   return log;
 }

@@ -97,6 +97,7 @@ struct Points {
   std::vector<mpm::Constraint> constraints;
   std::vector<mpm::Contact> contacts;
   std::vector<mpm::SurfacePressure> pressures;
+  std::vector<mpm::Bar> bars;
   std::vector<PointGauge> gauges;
 
   [[nodiscard]] bool any() const { return !bodies.empty(); }

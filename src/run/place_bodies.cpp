@@ -45,6 +45,10 @@ void place_bodies(World& w, grid::Domain const& domain, std::vector<mpm::Body> o
     w.bodies.push_back(
         {b.name, b.solid.name, sums.points, sums.mass, placement.volume * b.density.value_or(b.solid.density)});
   }
+  for (mpm::Bar const& bar : p.bars) {
+    ++w.bodies[bar.body].bars;
+    w.bodies[bar.body].bar_volume += w.points->reinforce(bar).volume;
+  }
   for (mpm::SurfacePressure const& pressure : p.pressures) w.points->load(pressure);
   for (PointGauge const& gauge : p.gauges) {
     PointGaugeHistory history;

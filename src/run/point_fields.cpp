@@ -31,7 +31,11 @@ std::optional<Field> kept(std::string const& name) {
       {"plastic_work", Field::plastic_work},
       {"temperature", Field::temperature},
       {"damage", Field::damage},
+      {"compression_damage", Field::crushing},
+      {"tensile_damage", Field::cracking},
       {"products", Field::mass_fraction},
+      {"bar_part", Field::bar_part},
+      {"bar_stress", Field::bar_stress},
   };
   auto const found = fields.find(name);
   if (found == fields.end()) return std::nullopt;
@@ -102,9 +106,13 @@ std::vector<FieldInfo> const& known_point_fields() {
       {"plastic_work", "J/kg", 1, "plastic work"},
       {"temperature", "K", 1, "temperature; 0 in bodies that do not heat"},
       {"damage", "1", 1, "damage, 1: failed"},
+      {"compression_damage", "1", 1, "concrete: damage by compression and shear, 1: crushed"},
+      {"tensile_damage", "1", 1, "concrete: damage by tension, 1: cracked through"},
       {"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
       {"mass", "kg", 1, "mass of the point"},
       {"products", "1", 1, "mass fraction of the second fluid (detonation products) in gas points"},
+      {"bar_part", "1", 1, "part of steel of smeared reinforcement"},
+      {"bar_stress", "Pa", 1, "stress of the bar that runs through the point"},
       {"identity", "1", 1, "number of the point within its body"},
       {"viscosity", "Pa", 1, "bulk viscosity q of the last step"},
   };

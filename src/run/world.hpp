@@ -113,6 +113,8 @@ struct BodyReport {
   long points = 0;
   double mass = 0.0;            ///< of the points [kg]
   double geometric_mass = 0.0;  ///< of the shape's part in the domain [kg]
+  int bars = 0;                 ///< of reinforcement
+  double bar_volume = 0.0;      ///< of them in the domain [m3]
 };
 
 /// Where the energy of the material points stands.

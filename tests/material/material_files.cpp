@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 
@@ -95,7 +96,10 @@ Model read_model(Keys& keys, std::map<std::string, double> const& derived) {
     std::string const key(parameter.key);
     auto const other = derived.find(key);
     if (other != derived.end() && keys.has(key)) keys.fail(key, "is given twice");
-    m.*parameter.member = other != derived.end() ? other->second : keys.number(key);
+    bool const left_out = !keys.has(key) && !std::isnan(parameter.default_value);
+    m.*parameter.member = other != derived.end() ? other->second
+                          : left_out             ? parameter.default_value
+                                                 : keys.number(key);
   }
   return m;
 }
@@ -123,6 +127,8 @@ material::Solid read_solid(Keys& keys, std::string const& where) {
       solid.eos = read_model<material::Linear>(eos, derived);
     } else if (model == material::MieGruneisen::name) {
       solid.eos = read_model<material::MieGruneisen>(eos, derived);
+    } else if (model == material::Compaction::name) {
+      solid.eos = read_model<material::Compaction>(eos, derived);
     } else {
       eos.fail("model", "is unknown");
     }
@@ -135,6 +141,10 @@ material::Solid read_solid(Keys& keys, std::string const& where) {
       solid.strength = read_model<material::VonMises>(strength, derived);
     } else if (model == material::JohnsonCook::name) {
       solid.strength = read_model<material::JohnsonCook>(strength, derived);
+    } else if (model == material::Hjc::name) {
+      solid.strength = read_model<material::Hjc>(strength, derived);
+    } else if (model == material::DruckerPrager::name) {
+      solid.strength = read_model<material::DruckerPrager>(strength, derived);
     } else {
       strength.fail("model", "is unknown");
     }
@@ -142,8 +152,14 @@ material::Solid read_solid(Keys& keys, std::string const& where) {
   }
   if (auto const* table = keys.table("failure")) {
     Keys failure(*table, where + ": failure");
-    if (failure.text("model") != material::JohnsonCookFailure::name) failure.fail("model", "is unknown");
-    solid.failure = failure.model<material::JohnsonCookFailure>();
+    auto const model = failure.text("model");
+    if (model == material::JohnsonCookFailure::name) {
+      solid.failure = failure.model<material::JohnsonCookFailure>();
+    } else if (model == material::TensileDamage::name) {
+      solid.failure = read_model<material::TensileDamage>(failure, derived);
+    } else {
+      failure.fail("model", "is unknown");
+    }
     failure.refuse_others();
   }
   return solid;
@@ -237,6 +253,17 @@ std::vector<std::string> chapman_jouguet_table(std::vector<material::Explosive> 
   return lines;
 }
 
+namespace {
+
+/// With the given digits after the point, or three significant ones where those would be lost.
+std::string short_number(double value, int digits) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), value != 0.0 && value < 1.0 ? "%.3g" : digits == 0 ? "%.0f" : "%.1f", value);
+  return text.data();
+}
+
+}  // namespace
+
 std::vector<std::string> solid_table(std::vector<material::Solid> const& solids) {
   std::vector<std::string> lines{
       "| solid | density kg/m3 | K GPa | G GPa | longitudinal sound speed m/s | strength | yield MPa | failure |",
@@ -244,12 +271,20 @@ std::vector<std::string> solid_table(std::vector<material::Solid> const& solids)
   for (auto const& solid : solids) {
     auto const* mises = std::get_if<material::VonMises>(&solid.strength);
     auto const* cook = std::get_if<material::JohnsonCook>(&solid.strength);
-    double const yield = mises != nullptr ? mises->yield : cook != nullptr ? cook->A : 0.0;
+    auto const* hjc = std::get_if<material::Hjc>(&solid.strength);
+    auto const* soil = std::get_if<material::DruckerPrager>(&solid.strength);
+    double const yield = mises != nullptr  ? mises->yield
+                         : cook != nullptr ? cook->A
+                         : hjc != nullptr  ? hjc->fc
+                         : soil != nullptr ? std::numbers::sqrt3 * soil->k()
+                                           : 0.0;
     std::array<char, 256> line{};
-    std::snprintf(line.data(), line.size(), "| %s | %.0f | %.1f | %.1f | %.0f | `%s` | %.0f | `%s` |",
-                  solid.name.c_str(), solid.density, material::bulk_modulus(solid.eos, solid.density, 0.0) * 1e-9,
-                  material::shear_modulus(solid.strength) * 1e-9, material::sound_speed(solid, solid.density, 0.0),
-                  std::visit([](auto const& m) { return m.name; }, solid.strength), yield * 1e-6,
+    std::snprintf(line.data(), line.size(), "| %s | %.0f | %s | %s | %.0f | `%s` | %s | `%s` |", solid.name.c_str(),
+                  solid.density, short_number(material::bulk_modulus(solid.eos, solid.density, 0.0) * 1e-9, 1).c_str(),
+                  short_number(material::shear_modulus(solid.strength) * 1e-9, 1).c_str(),
+                  material::sound_speed(solid, solid.density, 0.0),
+                  std::visit([](auto const& m) { return m.name; }, solid.strength),
+                  short_number(yield * 1e-6, 0).c_str(),
                   std::visit([](auto const& m) { return m.name; }, solid.failure));
     lines.emplace_back(line.data());
   }

@@ -55,7 +55,7 @@ class Points {
  public:
   explicit Points(Solid solid_, int n_ = 1) : solid(std::move(solid_)), n(n_) {
     for (auto* x : {&pressure, &viscosity, &density, &energy, &plastic_strain, &plastic_work, &temperature, &damage,
-                    &sound_speed, &work, &path}) {
+                    &crushing, &cracking, &compression, &sound_speed, &work, &path}) {
       x->assign(n, 0.0);
     }
     for (auto& x : deviator) x.assign(n, 0.0);
@@ -71,8 +71,8 @@ class Points {
   int n;
   StepData data{1e-6, 0.0};  ///< no length: no viscosity, unless a test asks for it
   std::array<std::vector<double>, 6> deviator;
-  std::vector<double> pressure, viscosity, density, energy, plastic_strain, plastic_work, temperature, damage,
-      sound_speed;
+  std::vector<double> pressure, viscosity, density, energy, plastic_strain, plastic_work, temperature, damage, crushing,
+      cracking, compression, sound_speed;
   std::vector<double> mass_fraction, volume_fraction;  ///< handed over where they are not empty
   std::vector<double> work;  ///< done on the points since the start, from the stresses before and after [J/kg]
   std::vector<double> path;  ///< sum of the magnitudes of its parts [J/kg]
@@ -113,6 +113,11 @@ class Points {
     }
     if (solid.heats()) a.temperature = temperature.data();
     if (solid.damages()) a.damage = damage.data();
+    if (solid.crushes()) {
+      a.crushing = crushing.data();
+      a.cracking = cracking.data();
+      a.compression = compression.data();
+    }
 
     Points const before = *this;
     update_stress(solid, a, data);

@@ -72,9 +72,17 @@ TEST(MaterialFiles, SolidsHaveTheElasticityOfTheHandbooks) {
     char const* name;
     double E, nu, speed;
   };
-  Row const rows[] = {{"RHA", 210e9, 0.28, 5900.0},        {"4340-steel", 207e9, 0.30, 5950.0},
-                      {"1006-steel", 207e9, 0.29, 5900.0}, {"OFHC-copper", 124e9, 0.34, 4700.0},
-                      {"6061-T6", 69e9, 0.33, 6350.0},     {"5086-H116", 71e9, 0.33, 6250.0}};
+  Row const rows[] = {
+      {"RHA", 210e9, 0.28, 5900.0},
+      {"4340-steel", 207e9, 0.30, 5950.0},
+      {"1006-steel", 207e9, 0.29, 5900.0},
+      {"OFHC-copper", 124e9, 0.34, 4700.0},
+      {"6061-T6", 69e9, 0.33, 6350.0},
+      {"5086-H116", 71e9, 0.33, 6250.0},
+      // E and nu as the files say they follow, and with them c^2 = E (1 - nu) / (rho (1 + nu)(1 - 2 nu)).
+      {"concrete-48MPa", 34e9, 0.146, 3830.0},
+      {"concrete-25MPa", 23.65e9, 0.2, 3370.0},
+      {"soil", 100e6, 0.3, 335.0}};
   auto const solids = test::read_material_files().solids;
   EXPECT_EQ(solids.size(), std::size(rows));
   for (auto const& row : rows) {

@@ -212,6 +212,44 @@ Case everything(mpm::Transfer transfer, mpm::ShapeFunction function, mpm::Stress
   return c;
 }
 
+TEST(State, ReinforcedConcreteGoesOnAfterAnyStep) {
+  Case c;
+  c.domain.geometry = grid::Geometry::cartesian3d;
+  c.domain.h = 0.01;
+  c.domain.cells = {14, 8, 8};
+  c.domain.lower = {-0.02, -0.02, -0.02};
+  c.domain.boundary.fill(grid::Boundary::outflow);
+  c.end.time = 1e-3;
+  Body left;
+  left.name = "left";
+  left.solid.name = "concrete";
+  left.solid.density = 2440.0;
+  left.solid.eos = material::Compaction{};
+  left.solid.strength = material::Hjc{};
+  left.solid.failure = material::TensileDamage{2.274e5, 4.57e6, 0.881, 0.01, 100e6, 90.0};
+  left.shape = shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.04, 0.04}};
+  c.points.bodies = {left};
+  mpm::Bar bar;
+  bar.from = {0.0, 0.02, 0.02};
+  bar.to = {0.1, 0.02, 0.02};
+  bar.diameter = 0.005;
+  c.points.bars = {bar};
+  c.points.constraints = {
+      {shape::Box{{-0.02, 0.0, 0.0}, {0.01, 0.04, 0.04}}, {true, true, true}, {-8.0, 0.0, 0.0}, -1}};
+  c.points.options.block_cells = 8;
+  mpm::SurfacePressure push;
+  push.normal = {1.0, 0.0, 0.0};
+  push.thickness = 0.005;
+  push.region = shape::Box{{0.095, 0.0, 0.0}, {0.1, 0.04, 0.04}};
+  push.times = {0.0, 1e-4};
+  push.pressures = {3e7, 3e7};
+  c.points.pressures = {push};
+  World world(c);
+  for (int n = 0; n < 40; ++n) step(world);
+  EXPECT_GT(world.points->sums(0).internal_energy, 0.0);
+  expect_the_same_after_any_stop(c, 40, 8);
+}
+
 TEST(State, PointsGoOnAfterAnyStep) {
   using mpm::ShapeFunction;
   using mpm::StressOrder;

@@ -1,0 +1,101 @@
+#include "mpm/reinforcement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.hpp"
+#include "mpm/mpm.hpp"
+#include "mpm/workspace.hpp"
+
+namespace brisance::mpm {
+
+void Mpm::carry(int body, Field first, int components) {
+  for (int b = 0; b < grid_.block_count(); ++b) {
+    int const index = set_index(b, body);
+    FieldList fields = sets_[index].fields();
+    if (fields.has(first)) continue;
+    fields.add(first, components);
+    PointSet grown(fields);
+    for (int q = 0; q < sets_[index].size(); ++q) {
+      grown.append();
+      for (int f = 0; f < field_count; ++f) {
+        if (double const* from = sets_[index].field(static_cast<Field>(f)))
+          grown.field(static_cast<Field>(f))[q] = from[q];
+      }
+    }
+    sets_[index] = std::move(grown);
+    work_->outbox[index].points = PointSet(fields);
+  }
+}
+
+BarReport Mpm::reinforce(Bar const& bar) {
+  grid::Domain const& domain = grid_.domain();
+  Body& body = bodies_.at(bar.body);
+  if (!body.solid.has_deviator() || body.rigid_velocity) {
+    throw InputError(fmt::format("body \"{}\" cannot hold a bar: it has no strength, or is rigid", body.name));
+  }
+  Vec3 const axis = bar.to - bar.from;
+  double const length = norm(axis);
+  if (!(length > 0.0 && bar.diameter > 0.0)) throw InputError("a bar needs a length and a diameter");
+  Vec3 const n = (1.0 / length) * axis;
+  double const radius = std::max(0.5 * bar.diameter, domain.h);
+  // A bar in a mirror plane has its other half beyond it.
+  double share = 1.0;
+  for (int face = 0; face < 2 * domain.dimensions(); ++face) {
+    int const d = face / 2;
+    double const plane = face % 2 == 0 ? domain.lower[d] : domain.upper(d);
+    bool const mirror = domain.boundary[face] == grid::Boundary::symmetry;
+    double const near = 1e-9 * domain.h;
+    if (mirror && std::abs(bar.from[d] - plane) < near && std::abs(bar.to[d] - plane) < near) share *= 0.5;
+  }
+  carry(bar.body, Field::bar_number, 7);  // all that are named bar_
+  auto const around = [&](PointSet const& set, int q) {
+    Vec3 x{0.0, 0.0, 0.0};
+    for (int d = 0; d < 3; ++d) x[d] = set.field(Field::position_x + d)[q];
+    Vec3 const r = x - bar.from;
+    double const along = dot(r, n);
+    if (along < 0.0 || along > length) return false;
+    return norm(r - along * n) <= radius * (1.0 + 1e-9);
+  };
+  double tube = 0.0;
+  double taken = 0.0;
+  for (int b = 0; b < grid_.block_count(); ++b) {
+    PointSet const& set = points(b, bar.body);
+    for (int q = 0; q < set.size(); ++q) {
+      if (!around(set, q)) continue;
+      double const volume = set.field(Field::mass)[q] / set.field(Field::density)[q];
+      (set.field(Field::bar_number)[q] > 0.0 ? taken : tube) += volume;
+    }
+  }
+  double const asked = share * 0.25 * std::numbers::pi * bar.diameter * bar.diameter * length;
+  double const whole = share * std::numbers::pi * radius * radius * length;
+  if (tube + taken < 0.7 * whole) {
+    throw InputError(
+        fmt::format("a bar of body \"{}\" from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) m does not lie within the "
+                    "body: of the points "
+                    "within {:g} m of its axis {:.0f} % are there; keep a cell away from its surface",
+                    body.name, bar.from[0], bar.from[1], bar.from[2], bar.to[0], bar.to[1], bar.to[2], radius,
+                    100.0 * (tube + taken) / whole));
+  }
+  if (!(tube > asked)) {
+    throw InputError(fmt::format(
+        "a bar of body \"{}\" finds no room beside the bars before it: place them farther apart", body.name));
+  }
+  body.bars.push_back(bar);
+  double const number = static_cast<double>(body.bars.size());
+  for (int b = 0; b < grid_.block_count(); ++b) {
+    PointSet& set = points(b, bar.body);
+    for (int q = 0; q < set.size(); ++q) {
+      if (set.field(Field::bar_number)[q] > 0.0 || !around(set, q)) continue;
+      set.field(Field::bar_number)[q] = number;
+      set.field(Field::bar_part)[q] = asked / tube;
+      for (int d = 0; d < 3; ++d) set.field(Field::bar_x + d)[q] = n[d];
+    }
+  }
+  return {asked, asked / tube};
+}
+
+}  // namespace brisance::mpm

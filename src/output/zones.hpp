@@ -1,0 +1,13 @@
+/// Zones of broken concrete in summaries and run log.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "run/zones.hpp"
+
+namespace brisance::output {
+
+/// A list with one entry per body of concrete; empty without one.
+[[nodiscard]] nlohmann::json broken_zones_json(run::World const& world);
+
+}  // namespace brisance::output

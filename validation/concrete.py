@@ -1,0 +1,350 @@
+"""Concrete and soil: single points, calibration of the tensile damage, spall, a crater on three grids, a column."""
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from common import COLOURS, INK, MUTED, ORANGE, RC, ROOT, style, table
+
+STATIC = {"concrete-48MPa": 4.0e6, "concrete-25MPa": 3.1e6}  # quasi-static tensile strength [Pa]
+FILES = {"concrete-48MPa": "concrete_48mpa", "concrete-25MPa": "concrete_25mpa"}
+
+
+def increase(rate, fc):
+    """Dynamic increase factor of the tensile strength, [Malvar98], of fc [Pa]."""
+    delta = 1.0 / (1.0 + 8.0 * fc / 10e6)
+    beta = 10.0 ** (6.0 * delta - 2.0)
+    return np.where(rate <= 1.0, (rate / 1e-6) ** delta, beta * np.cbrt(rate / 1e-6))
+
+
+def material(name):
+    return tomllib.loads((ROOT / "materials" / f"{FILES[name]}.toml").read_text())
+
+
+def curves(run):
+    """What `concrete_curves` prints: {(path, material): (x, y)}."""
+    program = Path(run.program).parent / "concrete_curves"
+    if not program.exists():
+        sys.exit(f"{program} does not exist; build it: scripts/build release concrete_curves")
+    out = {}
+    for line in subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.splitlines()[1:]:
+        path, name, x, y = line.split(",")
+        out.setdefault((path, name), []).append((float(x), float(y)))
+    return {key: np.array(rows).T for key, rows in out.items()}
+
+
+def paths(run):
+    """Stress paths of single points."""
+    data = curves(run)
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(1, 3, figsize=(10.5, 3.2))
+        name = "concrete-48MPa"
+        for colour, rate in zip(COLOURS[1:], ("1", "100", "10000")):
+            x, y = data[(f"uniaxial {rate} /s", name)]
+            axes[0].plot(100 * x, y * 1e-6, color=colour, label=f"{float(rate):g} /s")
+        for colour, confinement in zip(COLOURS, ("10", "50", "200", "1500")):
+            x, y = data[(f"triaxial {confinement} MPa", name)]
+            axes[1].plot(100 * x, y * 1e-6, color=colour, label=f"{confinement} MPa")
+        axes[1].axhline(336, color=ORANGE, linewidth=0.8)
+        axes[1].text(6, 342, "S_max fc", color=ORANGE, fontsize=7.5)
+        x, y = data[("hydrostat", name)]
+        axes[2].plot(x, y * 1e-9, color=COLOURS[3])
+        for axis, title, across, up in zip(
+                axes, ("Uniaxial compression", "Triaxial compression", "Hydrostatic, unloaded twice"),
+                ("strain [%]", "strain under load [%]", "mu = rho / rho0 - 1"),
+                ("stress [MPa]", "Mises stress [MPa]", "pressure [GPa]")):
+            axis.set(title=title, xlabel=across, ylabel=up)
+            style(axis)
+        axes[0].legend()
+        axes[1].legend(title="confinement")
+        figure.tight_layout()
+    return {}, {"concrete_paths": figure}
+
+
+def uniaxial_strength(rate, file, a, sigma0, gamma):
+    """Strength [Pa] at constant strain rates [1/s] by Eq. (58) alone: elastic until the softening meets the stress."""
+    hjc, law, eos = file["strength"], file["failure"], file["eos"]
+    bulk = eos["P_crush"] / eos["mu_crush"]
+    young = 9.0 * bulk * hjc["G"] / (3.0 * bulk + hjc["G"])
+    factor = 1.0 + hjc["C"] * np.log(np.maximum(1.0, rate))
+    cap = 1.0 / (1.0 / (hjc["A"] * hjc["fc"] * factor) + 1.0 / (3.0 * law["T_max"]))
+    odds = np.full_like(rate, np.log(law["seed"] / (1.0 - law["seed"])))
+    strength, steps = np.zeros_like(rate), 2000
+    step = cap / steps
+    for k in range(1, steps + 1):
+        damage = 1.0 / (1.0 + np.exp(-odds))
+        excess = np.maximum((k - 0.5) * step / ((1.0 - damage) * sigma0) - 1.0, 0.0)
+        odds = np.minimum(odds + a * excess ** gamma * step / (young * rate), 30.0)
+        meets = (strength == 0.0) & (k * step >= cap * (1.0 - 1.0 / (1.0 + np.exp(-odds))))
+        strength[meets] = (k * step)[meets]
+    return strength
+
+
+def fit(file, static, limit):
+    """a, sigma0, gamma by least squares of the logarithm of the strength up to a rate: a simplex [NelderMead65]."""
+    rate = 10.0 ** np.arange(-6.0, np.log10(limit) + 1e-9, 0.2)
+    asked = np.log(static * increase(rate, file["strength"]["fc"]))
+
+    def miss(p):
+        if not 0.3 < p[2] < 4.0:
+            return 1e9
+        return np.sum((np.log(uniaxial_strength(rate, file, np.exp(p[0]), p[1] * static, p[2])) - asked) ** 2)
+    corners = [np.array(p) for p in ((11.0, 1.1, 1.2), (12.0, 1.1, 1.2), (11.0, 1.3, 1.2), (11.0, 1.1, 1.8))]
+    values = [miss(p) for p in corners]
+    for _ in range(120):
+        order = np.argsort(values)
+        corners, values = [corners[i] for i in order], [values[i] for i in order]
+        middle = np.mean(corners[:-1], axis=0)
+        tries = [middle + k * (middle - corners[-1]) for k in (1.0, 2.0, -0.5)]
+        best = min(tries, key=miss)
+        if miss(best) < values[-1]:
+            corners[-1], values[-1] = best, miss(best)
+        else:
+            corners = [corners[0]] + [0.5 * (p + corners[0]) for p in corners[1:]]
+            values = [miss(p) for p in corners]
+    best = corners[int(np.argmin(values))]
+    return np.exp(best[0]), best[1] * static, best[2]
+
+
+def calibration(run):
+    """Strength under constant strain rates against the curve that a, sigma0 and gamma are fitted to."""
+    data = curves(run)
+    rows = []
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(1, 2, figsize=(8.6, 3.4), sharey=True)
+        for axis, (name, static) in zip(axes, STATIC.items()):
+            file = material(name)
+            fc = file["strength"]["fc"]
+            rate, strength = data[("tension", name)]
+            factor, asked = strength / static, increase(rate, fc)
+            axis.loglog(rate, asked, color=INK, linewidth=1.0, label="[Malvar98]")
+            axis.loglog(rate, factor, "o", color=ORANGE, markersize=3.5, label="calculated")
+            axis.set(title=name, xlabel="strain rate [1/s]", ylabel="strength / quasi-static")
+            style(axis)
+            axis.legend()
+            limit = 200.0 if fc > 40e6 else 31.7
+            fitted = rate <= limit
+            error = factor / asked - 1.0
+            damage = file["failure"]
+            worst = np.argmax(np.abs(error[fitted]))
+            a, sigma0, gamma = fit(file, static, limit)
+            rows.append([name, f"{static * 1e-6:g}", f"{damage['a']:.4g} ({a:.3g})",
+                         f"{damage['sigma0'] * 1e-6:g} ({sigma0 * 1e-6:.3g})", f"{damage['gamma']:g} ({gamma:.3g})",
+                         f"{limit:.0f}",
+                         f"{100 * np.sqrt(np.mean(error[fitted] ** 2)):.0f} %",
+                         f"{100 * error[fitted][worst]:+.0f} % at {rate[fitted][worst]:.2g} /s",
+                         f"{factor[-1]:.1f} ({asked[-1]:.1f})"])
+        figure.tight_layout()
+    header = ["material", "quasi-static MPa", "a 1/s", "sigma0 MPa", "gamma", "fitted to /s", "deviation rms", "worst",
+              "factor at 178 /s (curve)"]
+    return {"rates": table(header, rows)}, {"concrete_rates": figure}
+
+
+def pull_back(gauge, after, speed, density, noise=0.03):
+    """The first fall of the free face's speed after a time [s]: (peak, least [m/s], time of it, stress [Pa], strain
+    rate [1/s]); stress = rho c du / 2, rate = du / (2 c dt) between a tenth and nine tenths of the fall."""
+    t, u = gauge["time"], gauge["velocity_x"]
+    k = np.searchsorted(t, after)
+    peak = np.median(u[max(k - 40, 0):k]) if noise > 0.05 else u[:k].max()
+    low, at = u[k], k
+    for j in range(k, len(t)):
+        if u[j] < low:
+            low, at = u[j], j
+        elif u[j] > low + noise * peak:
+            break
+    fall = peak - low
+    first = k + np.argmax(u[k:at + 1] < peak - 0.1 * fall)
+    last = k + np.argmax(u[k:at + 1] < peak - 0.9 * fall)
+    return peak, low, t[at], 0.5 * density * speed * fall, 0.8 * fall / (2.0 * speed * max(t[last] - t[first], 1e-9))
+
+
+def sound_speed(name):
+    file = material(name)
+    eos, strength = file["eos"], file["strength"]
+    return np.sqrt((eos["P_crush"] / eos["mu_crush"] + 4.0 / 3.0 * strength["G"]) / file["density"])
+
+
+def impact(run):
+    """Plate impact at two velocities: pull-back strength and its rate, with and without the crack band."""
+    name = "concrete-48MPa"
+    speed, density = sound_speed(name), material(name)["density"]
+    rows = []
+    with plt.rc_context(RC):
+        figure, axis = plt.subplots(figsize=(6.4, 3.2))
+        for velocity, colour in ((4.0, COLOURS[1]), (8.0, COLOURS[3])):
+            for law, dashes in (("none", "-"), ("crack_band", "--")):
+                result = run("plate_impact_1d", f"{velocity:g}-{law}",
+                             {"velocity": f"=[{velocity:g}]", "points.regularisation": law})
+                gauge = result.gauge("face")
+                axis.plot(1e6 * gauge["time"], gauge["velocity_x"], dashes, color=colour,
+                          label=f"{velocity:g} m/s" + (", crack band" if law == "crack_band" else ""))
+                if law != "none":
+                    continue
+                _, _, _, stress, rate = pull_back(gauge, 230e-6, speed, density, 0.1)
+                rows.append([f"{velocity:g}", f"{0.5 * density * speed * velocity * 1e-6:.1f}", f"{rate:.0f}",
+                             f"{stress * 1e-6:.1f}", f"{stress / STATIC[name]:.2f}",
+                             f"{float(increase(rate, 48e6)):.2f}",
+                             f"{100 * result.log['points']['audit']['energy']['drift']:+.2f} %"])
+        axis.set(xlabel="time [us]", ylabel="speed of the free face [m/s]", xlim=(80, 400))
+        style(axis)
+        axis.legend()
+        figure.tight_layout()
+    header = ["impact m/s", "elastic stress MPa", "rate 1/s", "pull-back strength MPa", "over quasi-static",
+              "[Malvar98] at this rate", "energy drift"]
+    return {"impact": table(header, rows)}, {"concrete_impact": figure}
+
+
+def spall_estimate(pulse, law, speed, cap):
+    """Distance [m] from the free face where the softening first reaches the stress of the reflected elastic pulse, with
+    the rate law integrated along the wave: the incident pulse(t - x/c) less its mirror image pulse(t + x/c)."""
+    x = np.arange(0.5e-3, 0.25, 0.5e-3)
+    odds = np.full_like(x, np.log(law["seed"] / (1.0 - law["seed"])))
+    step = 2e-8
+    for k in range(10000):
+        t = k * step
+        stress = pulse(t - x / speed) - pulse(t + x / speed)
+        damage = 1.0 / (1.0 + np.exp(-odds))
+        excess = np.maximum(stress / ((1.0 - damage) * law["sigma0"]) - 1.0, 0.0)
+        odds = np.minimum(odds + law["a"] * excess ** law["gamma"] * step, 30.0)
+        hit = (stress > 0.0) & (stress >= cap * (1.0 - 1.0 / (1.0 + np.exp(-odds))))
+        if hit.any():
+            return x[hit].mean()
+    return np.nan
+
+
+def first_cracked(result, end):
+    """Distances [m] from the end of the bar of the points in its farther half that cracked first."""
+    for path in result.dumps():
+        dump = result.dump(path)
+        x = end - (dump["position"][:, 0] - dump["displacement"][:, 0])
+        cracked = (dump["tensile_damage"] >= 1.0) & (x < 0.5 * end)
+        if cracked.any():
+            return x[cracked]
+    return np.array([np.nan])
+
+
+def bar(run):
+    """Position of the spall plane against elastic waves."""
+    name = "concrete-48MPa"
+    file = material(name)
+    speed, density, law, hjc = sound_speed(name), file["density"], file["failure"], file["strength"]
+    nu_factor = 3.0 * file["eos"]["P_crush"] / file["eos"]["mu_crush"]
+    nu = (nu_factor - 2.0 * hjc["G"]) / (2.0 * (nu_factor + hjc["G"]))
+    # Largest uniaxial-strain tension of undamaged concrete, q / (A fc) + p / T_max = 1.
+    cap = 1.0 / ((1.0 - 2.0 * nu) / (1.0 - nu) / (hjc["A"] * hjc["fc"])
+                 + (1.0 + nu) / (3.0 * (1.0 - nu)) / law["T_max"])
+    rows = []
+    duration = 60e-6
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.2))
+        for peak, colour in zip((12e6, 16e6, 24e6), COLOURS[1:]):
+            def pulse(t, peak=peak):
+                return np.where((t < 0.0) | (t > duration), 0.0, peak * (1.0 - t / duration))
+            estimate = spall_estimate(pulse, law, speed, cap)
+            result = run("spall_bar_1d", f"{peak * 1e-6:g}", {
+                "history": f'={{times = [0, "60 us"], pressures = ["{peak * 1e-6:g} MPa", 0]}}'})
+            banded = run("spall_bar_1d", f"{peak * 1e-6:g}-band", {
+                "history": f'={{times = [0, "60 us"], pressures = ["{peak * 1e-6:g} MPa", 0]}}',
+                "points.regularisation": "crack_band"})
+            plane, wide = first_cracked(result, 0.5), first_cracked(banded, 0.5)
+            gauge = result.gauge("face")
+            _, _, _, stress, _ = pull_back(gauge, 143e-6, speed, density)
+            classical = stress / peak * 0.5 * duration * speed
+            rows.append([f"{peak * 1e-6:g}", f"{1e3 * plane.mean():.1f}", f"{1e3 * estimate:.1f}",
+                         f"{100 * (plane.mean() / estimate - 1):+.1f} %", f"{stress * 1e-6:.1f}",
+                         f"{1e3 * classical:.1f}", f"{100 * (plane.mean() / classical - 1):+.1f} %",
+                         f"{1e3 * wide.mean():.1f}",
+                         f"{100 * result.log['points']['audit']['energy']['drift']:+.2f} %"])
+            axes[0].plot(1e6 * gauge["time"], gauge["velocity_x"], color=colour, label=f"{peak * 1e-6:g} MPa")
+            dump = result.dump(result.dumps()[-1])
+            x = dump["position"][:, 0] - dump["displacement"][:, 0]
+            order = np.argsort(x)
+            axes[1].plot(1e3 * (0.5 - x[order]), dump["tensile_damage"][order], color=colour)
+            axes[1].axvline(1e3 * estimate, color=colour, linestyle=":")
+        axes[0].set(title="Free face", xlabel="time [us]", ylabel="speed [m/s]", xlim=(120, 250))
+        axes[1].set(title="Tensile damage at the end", xlabel="distance from the free face [mm]", ylabel="D_t",
+                    xlim=(0, 160))
+        axes[0].legend()
+        for axis in axes:
+            style(axis)
+        figure.tight_layout()
+    header = ["pulse MPa", "first cracked at mm", "waves and rate law mm", "deviation", "pull-back strength MPa",
+              "classical mm", "deviation", "with crack band mm", "energy drift"]
+    return {"bar": table(header, rows)}, {"concrete_bar": figure}
+
+
+def crater(run):
+    """The crater on three grids, with and without the crack band."""
+    cells = (10.0, 5.0, 2.5)
+    values, rows, last = {}, [], {}
+    for law in ("crack_band", "none"):
+        for cell in cells:
+            result = run("concrete_crater_2d", f"{cell:g}-{law}",
+                         {"domain.cell": f"{cell:g} mm", "points.regularisation": law})
+            zones = result.log["points"]["broken_zones"][0]
+            dump = result.dump(result.dumps()[-1])
+            origin = dump["position"] - dump["displacement"]
+            volume = 2.0 * np.pi * origin[:, 0] * (0.5 * result.h) ** 2
+            top = (origin[:, 1] > 0.3 - 0.5 * result.h) & (dump["damage"] >= 0.5)
+            diameter = 2.0 * np.sqrt(volume[top].sum() / (0.5 * result.h) / np.pi)
+            crushed = (volume * dump["compression_damage"]).sum()
+            drift = result.log["points"]["audit"]["energy"]["drift"]
+            values[law, cell] = (zones["damaged"]["volume"], diameter, (volume * dump["damage"]).sum(), crushed,
+                                 zones["cracked"]["volume"] + zones["crushed"]["volume"])
+            v = values[law, cell]
+            rows.append([law, f"{cell:g}", f"{v[0] * 1e6:.0f}", f"{v[1] * 1e3:.0f}", f"{v[2] * 1e6:.0f}",
+                         f"{v[3] * 1e6:.1f}", f"{v[4] * 1e6:.0f}", f"{100 * drift:+.2f} %"])
+            last[law, cell] = (origin, dump)
+        fine, middle = values[law, cells[2]], values[law, cells[1]]
+        rows.append([law, "change 5 to 2.5"] + [f"{100 * (b / a - 1):+.1f} %" for a, b in zip(middle, fine)] + [""])
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(2, 3, figsize=(10.5, 5.4), sharex=True, sharey=True)
+        for row, law in zip(axes, ("crack_band", "none")):
+            for axis, cell in zip(row, cells):
+                origin, dump = last[law, cell]
+                marks = axis.scatter(1e3 * origin[:, 0], 1e3 * origin[:, 1], c=dump["damage"], s=(0.32 * cell) ** 2,
+                                     cmap="inferno_r", vmin=0, vmax=1, linewidths=0)
+                axis.set(title=f"{law}, {cell:g} mm", aspect="equal", xlim=(0, 330), ylim=(60, 305))
+        for axis in axes[1]:
+            axis.set_xlabel("radius [mm]")
+        for axis in axes[:, 0]:
+            axis.set_ylabel("height [mm]")
+        figure.tight_layout()
+        figure.colorbar(marks, ax=axes, label="damage", shrink=0.7)
+    header = ["regularisation", "cell mm", "volume with D >= 1/2 cm3", "diameter on the face mm", "integral of D cm3",
+              "integral of D_c cm3", "volume with D = 1 cm3", "energy drift"]
+    return {"crater": table(header, rows)}, {"concrete_crater": figure}
+
+
+def column(run):
+    """Collapse of a column of soil."""
+    result = run("soil_column_2d", "column")
+    shots = []
+    for path in result.dumps():
+        dump = result.dump(path)
+        if any(abs(dump["time"] - t) < 1e-6 for t in (0.0, 0.2, 0.4, 1.0)):
+            shots.append(dump)
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(1, len(shots), figsize=(10.5, 2.6), sharey=True)
+        for axis, dump in zip(axes, shots):
+            axis.scatter(dump["position"][:, 0], dump["position"][:, 1], c=np.minimum(dump["plastic_strain"], 2.0), s=4,
+                         cmap="viridis", linewidths=0)
+            axis.set(title=f"{dump['time']:.1f} s", aspect="equal", xlim=(0, 0.6), ylim=(0, 0.42))
+            axis.tick_params(colors=MUTED)
+        figure.tight_layout()
+    x = shots[-1]["position"]
+    bulk = np.sort(x[:, 0])[int(0.99 * len(x))]
+    height = x[x[:, 0] < 0.01, 1].max()
+    slope = np.degrees(np.arctan2(height, bulk))
+    drift = result.log["points"]["audit"]["energy"]["drift"]
+    rows = [["run-out (99 % of the mass) / half width", f"{bulk / 0.1:.2f}", "1 + 1.9 a^(2/3) = 5.8"],
+            ["height left / half width", f"{height / 0.1:.2f}", "0.65 a^(2/5) = 1.1"],
+            ["mean slope", f"{slope:.0f} degrees", "below the angle of friction, 33"],
+            ["energy drift", f"{100 * drift:+.1f} %", ""]]
+    return {"column": table(["quantity", "calculated", "experiments with sand [Lube05]"], rows)}, {
+        "concrete_column": figure}
+
+
+PARTS = {"paths": paths, "calibration": calibration, "impact": impact, "bar": bar, "crater": crater, "column": column}
