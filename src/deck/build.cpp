@@ -63,6 +63,7 @@ run::Case Builder::build() {
   numerics();
   end();
   output();
+  start();
   checkpoint();
   compare();
   return std::move(out_);
@@ -325,6 +326,7 @@ void Builder::output() {
   }
   bool const region = has_gas_ && (has_bodies() || deck_.given("mpm_region"));
   o.gas_points = section->boolean("gas_points").value_or(o.gas_points);
+  o.profile = section->boolean("profile").value_or(o.profile);
   if (!region && section->given("gas_points")) {
     warn(*section, "gas_points", "has no effect in a deck without an MPM region");
   }

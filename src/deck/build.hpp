@@ -166,6 +166,10 @@ class Builder {
   void check_gauges(Section const& section, std::string_view key, std::size_t first, std::set<std::string>& names);
   [[nodiscard]] run::Burst automatic_burst() const;
 
+  // --- build_start.cpp: the start by a remap
+
+  void start();
+
   // --- build_bodies.cpp: material points
 
   void bodies();

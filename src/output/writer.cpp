@@ -165,10 +165,11 @@ void Writer::finish(run::World const& world, std::string const& end_reason, int 
   if (world.gas == nullptr) {
     write_point_summary(folder_, world, point_gauges_.names());
   } else {
-    nlohmann::json const points = world.points == nullptr
-                                      ? nlohmann::json{}
-                                      : write_point_table(folder_ / "bodies.csv", world, point_gauges_.names());
-    write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names(), points);
+    nlohmann::json more = world.points == nullptr
+                              ? nlohmann::json{}
+                              : write_point_table(folder_ / "bodies.csv", world, point_gauges_.names());
+    if (!world.starts.empty()) more["starts"] = starts(world);
+    write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names(), more);
   }
   write_log(world, exit_code == 0 ? "done" : "stopped", end_reason, exit_code);
 }
