@@ -24,6 +24,63 @@ constexpr int population_interval = 4;
 constexpr double disturbed = 1e-3;
 /// Cells that the profile keeps beyond the outermost disturbed one.
 constexpr int foot = 4;
+/// Cells to each side over which the places of points are averaged in `edges_of`.
+constexpr int window = 8;
+
+/// What a point holds.
+struct Shell {
+  double radius = 0.0;
+  double volume = 0.0;
+  int body = 0;
+  double mass = 0.0;
+  double momentum = 0.0;
+  double energy = 0.0;
+};
+
+/// All points from the centre outwards.
+std::vector<Shell> shells_of(mpm::Mpm const& points) {
+  std::vector<Shell> shells;
+  for (int b = 0; b < points.grid().block_count(); ++b) {
+    for (int body : {products, air}) {
+      mpm::PointSet const& set = points.points(b, body);
+      for (int q = 0; q < set.size(); ++q) {
+        double const mass = set.field(Field::mass)[q];
+        double const u = set.field(Field::velocity_x)[q];
+        double const kinetic = 0.5 * u * u + mpm::affine_energy(set, q, points.grid().domain().h);
+        shells.push_back({set.field(Field::position_x)[q], mass / set.field(Field::density)[q], body, mass, mass * u,
+                          mass * (set.field(Field::energy)[q] + kinetic)});
+      }
+    }
+  }
+  std::stable_sort(shells.begin(), shells.end(), [](Shell const& a, Shell const& b) { return a.radius < b.radius; });
+  return shells;
+}
+
+/// Volumes within the edges of the shells. The density of points, which follows the flow, is far smoother than their
+/// distances: the shells are stacked with their own volumes, and what their places then differ from those of the points
+/// is taken off in the mean over a few cells.
+std::vector<double> edges_of(std::vector<Shell> const& shells, grid::Domain const& domain) {
+  std::size_t const n = shells.size();
+  std::vector<double> stacked(n + 1, 0.0);
+  std::vector<double> sum(n + 1, 0.0);  // of the differences of the shells before
+  for (std::size_t i = 0; i < n; ++i) {
+    stacked[i + 1] = stacked[i] + shells[i].volume;
+    double const place = shape::radial_integral(domain.geometry, shells[i].radius);
+    sum[i + 1] = sum[i] + 0.5 * (stacked[i] + stacked[i + 1]) - place;
+  }
+  std::vector<double> edges(n + 1, 0.0);
+  std::size_t low = 0;
+  std::size_t high = 0;
+  for (std::size_t i = 1; i <= n; ++i) {
+    double const r = shells[i - 1].radius;
+    double const reach = std::min(window * domain.h, r);
+    while (low + 1 < n && shells[low].radius < r - reach) ++low;
+    while (high < n && shells[high].radius <= r + reach) ++high;
+    double const mean = (sum[high] - sum[low]) / static_cast<double>(high - low);
+    edges[i] = std::max(edges[i - 1], stacked[i] - mean);
+  }
+  return edges;
+}
 
 }  // namespace
 
@@ -120,36 +177,28 @@ detonation::Profile PointsBurst::profile() const {
   constexpr int components = gas::two_fluid_components;
   std::vector<std::array<double, components>> sums(static_cast<std::size_t>(cells));
   std::vector<double> volume(static_cast<std::size_t>(cells), 0.0);
-  // Each point is a shell around its radius, of its volume; cells take the parts that lie in them.
-  for (int b = 0; b < points_->grid().block_count(); ++b) {
-    for (int body : {products, air}) {
-      mpm::PointSet const& set = points_->points(b, body);
-      for (int q = 0; q < set.size(); ++q) {
-        double const r = set.field(Field::position_x)[q];
-        double const u = set.field(Field::velocity_x)[q];
-        double const mass = set.field(Field::mass)[q];
-        double const filled = mass / set.field(Field::density)[q];
-        double const middle = shape::radial_integral(domain.geometry, r);
-        double const low = std::max(0.0, middle - 0.5 * filled);
-        double const high = low + filled;
-        double const kinetic = 0.5 * u * u + mpm::affine_energy(set, q, domain.h);
-        int i = std::min(static_cast<int>(r / domain.h), cells - 1);
-        while (i > 0 && shape::radial_integral(domain.geometry, domain.face_radius(i)) > low) --i;
-        for (; i < cells; ++i) {
-          double const from = shape::radial_integral(domain.geometry, domain.face_radius(i));
-          double const to = shape::radial_integral(domain.geometry, domain.face_radius(i + 1));
-          if (from >= high) break;
-          // What reaches over the end of the domain stays in the last cell.
-          double const part = ((i == cells - 1 ? high : std::min(high, to)) - std::max(low, from)) / filled;
-          if (part <= 0.0) continue;
-          auto& sum = sums[i];
-          sum[body == products ? gas::second_density : gas::density] += part * mass;
-          sum[gas::momentum_x] += part * mass * u;
-          sum[gas::energy] += part * mass * (set.field(Field::energy)[q] + kinetic);
-          if (body == products) sum[gas::volume_fraction] += part * filled;
-          volume[i] += part * filled;
-        }
-      }
+  std::vector<Shell> const shells = shells_of(*points_);
+  std::vector<double> const edges = edges_of(shells, domain);
+  int first = 0;
+  for (std::size_t n = 0; n < shells.size(); ++n) {
+    Shell const& shell = shells[n];
+    double const low = edges[n];
+    double const high = edges[n + 1];
+    while (first + 1 < cells && shape::radial_integral(domain.geometry, domain.face_radius(first + 1)) <= low) ++first;
+    for (int i = first; i < cells; ++i) {
+      double const from = shape::radial_integral(domain.geometry, domain.face_radius(i));
+      double const to = shape::radial_integral(domain.geometry, domain.face_radius(i + 1));
+      if (from >= high && i > first) break;
+      // What reaches over the end of the domain stays in the last cell.
+      double const inside = (i == cells - 1 ? high : std::min(high, to)) - std::max(low, from);
+      double const part = high > low ? inside / (high - low) : 1.0;
+      if (part <= 0.0) continue;
+      auto& sum = sums[i];
+      sum[shell.body == products ? gas::second_density : gas::density] += part * shell.mass;
+      sum[gas::momentum_x] += part * shell.momentum;
+      sum[gas::energy] += part * shell.energy;
+      if (shell.body == products) sum[gas::volume_fraction] += part * (high - low);
+      volume[i] += part * (high - low);
     }
   }
 
