@@ -12,7 +12,7 @@ from common import COLOURS, INK, ORANGE, RC, ROOT, Variants, commit, machine, pe
 DISTANCES = (0.25, 0.3, 0.35, 0.4, 0.45)  # of the gauges [m]
 DIRECTIONS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "xy": (1, 1, 0), "yz": (0, 1, 1), "xyz": (1, 1, 1)}
 QUANTITIES = {"arrival_time": "arrival", "peak_overpressure": "peak", "positive_impulse": "impulse"}
-CELLS = {False: {"remap": ("10.4", "5.2", "2.6"), "direct": ("10.4", "5.2", "2.6")},  # [mm]
+CELLS = {False: {"remap": ("10.4", "5.2", "2.6"), "direct": ("10.4", "5.2", "3.25")},  # [mm]
          True: {"remap": ("26", "10.4"), "direct": ("26", "10.4")}}
 STARTS = {False: {"gas": ("1", "0.26", "0.13", "0.065"), "points": ("1", "0.26")},  # cells of the 1D start [mm]
           True: {"gas": ("1", "0.26"), "points": ("1",)}}
@@ -131,7 +131,8 @@ def audits(runs):
         if start != "remap":
             continue
         s = run.log["starts"][0]
-        rows.append([cell, f"{s['cells_per_radius']:.1f}", f"{s['before']['mass'][1]:.15g}", f"{s['after']['mass'][1]:.15g}",
+        rows.append([cell, f"{s['cells_per_radius']:.1f}",
+                     f"{s['before']['mass'][1]:.15g}", f"{s['after']['mass'][1]:.15g}",
                      f"{s['before']['mass'][0]:.12g}", f"{s['after']['mass'][0]:.12g}", f"{s['before']['energy']:.12g}",
                      f"{s['after']['energy']:.12g}", f"{s['relative_error']:.1e}", f"{s['quadrature_error']:.0e}"])
     return table(["h [mm]", "cells per burst radius", "products before [kg]", "after", "air before [kg]", "after",
@@ -146,9 +147,10 @@ def costs(runs, reference):
         scatter = 100 * np.mean([(v.max() - v.min()) / v.mean() for v in r["peak_overpressure"].values()])
         log = run.log
         before = log["timings"].get("start", 0.0)
-        rows.append([start, cell, f"{log['domain']['cell_count']:,}", f"{log['step']:,}", f"{before:.0f}",
+        updates = log["domain"]["cell_count"] * log["step"] / 1e6
+        rows.append([start, cell, f"{log['domain']['cell_count']:,}", f"{log['step']:,}", f"{updates:,.0f}", f"{before:.0f}",
                      f"{log['timings']['sweeps'] + log['timings']['exchange']:.0f}", *errors, f"{scatter:.1f} %"])
-    return table(["start", "h [mm]", "cells", "steps", "1D start [s]", "steps in 3D [s]",
+    return table(["start", "h [mm]", "cells", "steps", "million cell updates", "1D start [s]", "steps in 3D [s]",
                   *(f"mean error of the {n}" for n in QUANTITIES.values()), "mean scatter of the peak"], rows)
 
 

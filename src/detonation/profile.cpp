@@ -119,6 +119,7 @@ Profile profile_of(gas::Gas const& gas, gas::MixtureState const& ambient, Vec3 c
 
 Profile scaled(Profile p, double mass) {
   double const ratio = mass / p.charge.mass;
+  if (std::abs(ratio - 1.0) < 1e-12) return p;  // the same charge: the same bits
   double const factor = p.domain.geometry == grid::Geometry::cylindrical1d ? std::sqrt(ratio) : std::cbrt(ratio);
   p.charge.mass = mass;
   for (double* length :
