@@ -139,6 +139,12 @@ def audits(runs):
                   "energy before [J]", "after", "largest relative error", "before the correction"], rows)
 
 
+def updates(runs, start):
+    """Cell updates of the second coarsest remapped run, and of the finest direct one."""
+    run = [r for (s, _), r in runs.items() if s == start][1 if start == "remap" else -1]
+    return run.log["domain"]["cell_count"] * run.log["step"]
+
+
 def costs(runs, reference):
     rows = []
     for (start, cell), run in runs.items():
@@ -148,8 +154,9 @@ def costs(runs, reference):
         log = run.log
         before = log["timings"].get("start", 0.0)
         updates = log["domain"]["cell_count"] * log["step"] / 1e6
-        rows.append([start, cell, f"{log['domain']['cell_count']:,}", f"{log['step']:,}", f"{updates:,.0f}", f"{before:.0f}",
-                     f"{log['timings']['sweeps'] + log['timings']['exchange']:.0f}", *errors, f"{scatter:.1f} %"])
+        rows.append([start, cell, f"{log['domain']['cell_count']:,}", f"{log['step']:,}", f"{updates:,.0f}",
+                     f"{before:.0f}", f"{log['timings']['sweeps'] + log['timings']['exchange']:.0f}", *errors,
+                     f"{scatter:.1f} %"])
     return table(["start", "h [mm]", "cells", "steps", "million cell updates", "1D start [s]", "steps in 3D [s]",
                   *(f"mean error of the {n}" for n in QUANTITIES.values()), "mean scatter of the peak"], rows)
 
@@ -243,7 +250,9 @@ def validate(arguments, work):
               "commit": arguments.commit or commit(), "machine": machine(),
               "threads": str(reference.log["machine"]["threads"]), "audits": audits(octants),
               "comparison": comparison(octants, reference), "rises": rises(octants, reference),
-              "costs": costs(octants, reference), "starts": start_table(starts)}
+              "costs": costs(octants, reference),
+              "ratio": f"{updates(octants, 'direct') / updates(octants, 'remap'):.1f}",
+              "starts": start_table(starts)}
     template = (ROOT / "validation" / "remap.md.in").read_text()
     page = re.sub(r"@(\w+)@", lambda match: values[match.group(1)].rstrip("\n"), template)
     (target / "remap.md").write_text(page)

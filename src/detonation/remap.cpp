@@ -279,6 +279,7 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
   grid::Domain const& domain = grid.domain();
   using Source = decltype(make_source());
   std::vector<Source> sources;
+  sources.reserve(static_cast<std::size_t>(threads()));
   for (int t = 0; t < threads(); ++t) sources.push_back(make_source());
   std::vector<std::vector<Touched>> found(static_cast<std::size_t>(grid.block_count()));
   std::vector<std::uint8_t> taken(static_cast<std::size_t>(grid.block_count()), 0);
