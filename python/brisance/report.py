@@ -295,7 +295,25 @@ def charge_section(log):
     sources = "; ".join(sorted({f"{c['explosive']}: {c['source']}" for c in log["charges"] if c.get("source")}))
     note = f'<p class="note">Constants: {text(sources)}.</p>' if sources else ""
     return table(["explosive", "centre [m]", "detonation", "mass asked [kg]", "mass on the grid [kg]", "relative error",
-                  "energy [MJ]", "cells per radius"], rows) + note
+                  "energy [MJ]", "cells per radius"], rows) + note + start_table(log)
+
+
+def start_table(log):
+    """What the remaps of the charges' bursts kept."""
+    if not log.get("starts"):
+        return ""
+    rows = []
+    for start in log["starts"]:
+        before, after = start["before"], start["after"]
+        rows.append([("text", text(start["start"])), number(start["time"] * 1e3, 4), number(start["radius"], 4),
+                     number(start["cells_per_radius"], 3), number(before["mass"][1], 9), number(after["mass"][1], 9),
+                     number(before["mass"][0], 9), number(after["mass"][0], 9), number(before["energy"] * 1e-6, 9),
+                     number(after["energy"] * 1e-6, 9), number(start["relative_error"], 2)])
+    note = ('<p class="note">The charge burst in the calculation named first; the table compares what the part of the '
+            "burst in the domain held before and after it was put onto the grid.</p>")
+    return table([("text", "start"), "time [ms]", "radius [m]", "cells per radius", "products before [kg]",
+                  "after", "air before [kg]", "after", "energy before [MJ]", "after", "largest relative error"],
+                 rows) + note
 
 
 def gauge_table(run):

@@ -33,6 +33,7 @@ constexpr double bytes_per_node = 160.0;        // mass, momentum, force and vel
 constexpr double bytes_per_point_record = 200.0;
 constexpr double coarse_body = 4.0;    // points across a body's shortest side below which it hardly bends
 constexpr double coarse_charge = 5.0;  // cells per charge radius below which the near field is poorly resolved
+constexpr double coarse_burst = 15.0;  // cells per radius of a remapped burst below which its shock is
 
 double machine_memory() {
   double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
@@ -104,22 +105,59 @@ double estimated_steps(run::Case const& setup) {
   return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
 }
 
-run::ChargeReport realised(run::Charge const& charge, grid::Grid const& grid, std::string const& what) {
-  double const density = charge.explosive.density();
-  auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what);
-  double volume = 0.0;
-  for (std::size_t n = 0; n < filled.cells.size(); ++n)
-    volume += filled.fractions[n] * grid.domain().cell_volume(filled.cells[n][0]);
+double relative_error(run::ChargeReport const& c) { return (c.realised_mass - c.asked_mass) / c.asked_mass; }
+
+/// A charge that bursts in one direction first.
+void plan_start(run::Case const& setup, std::size_t number, std::string const& what, Plan& p) {
+  run::Charge const& charge = setup.charges[number];
+  double const images = detonation::symmetry_images(charge.shape, setup.domain, what);
   run::ChargeReport report;
   report.explosive = charge.explosive.name;
   report.asked_mass = charge.mass;
-  report.realised_mass = volume * filled.images * density;
-  report.realised_energy = volume * filled.images * charge.explosive.energy;
-  report.cells_per_radius = shape::equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.domain().h;
-  return report;
+  double reach = 0.0;
+  double realised = 0.0;  // in the domain
+  auto const planes = detonation::planes_through(setup.domain, shape::centre(charge.shape));
+  double share = 1.0;
+  for (int const plane : planes) share *= plane != 0 ? 0.5 : 1.0;
+  if (number < setup.start.profiles.size()) {
+    detonation::Profile const& profile = *setup.start.profiles[number];
+    bool const half = profile.mirrored && std::abs(profile.domain.lower[1]) < 1e-6 * profile.domain.h;
+    realised = share * (half ? 2.0 : 1.0) * profile.sum(gas::second_density);
+    report.cells_per_radius = profile.charge.radius / profile.domain.h;
+    reach = profile.reach();
+    p.starts.push_back(fmt::format("profile \"{}\" of {}, time {}, the burst has a radius of {}, {:.3g} cells",
+                                   setup.start.profile, grid::geometry_name(profile.domain.geometry),
+                                   quantity(profile.time, "s"), quantity(reach, "m"), reach / setup.domain.h));
+  } else if (setup.start.profile.empty()) {
+    run::StartPlan const plan = run::plan_start(setup, number);
+    run::Case const one = run::start_case(setup, number, plan);
+    grid::Grid const grid(one.domain);
+    auto const ball = run::realised_charge(one.charges.front(), grid, what);
+    realised = share * ball.realised_mass;
+    report.cells_per_radius = plan.charge_radius / plan.cell;
+    reach = plan.radius;
+    std::string const until =
+        setup.start.time ? fmt::format("until {}", quantity(*setup.start.time, "s"))
+        : setup.start.radius
+            ? fmt::format("until the shock has come to {}", quantity(plan.radius, "m"))
+            : fmt::format("until the shock has come to {}, near {}", quantity(plan.radius, "m"), plan.reach.by);
+    p.starts.push_back(fmt::format("{} by {}, {} cells of {}, {}; then remapped, {:.3g} cells per radius",
+                                   grid::geometry_name(plan.geometry),
+                                   setup.start.method == run::StartMethod::gas ? "the gas scheme" : "material points",
+                                   plan.cells, quantity(plan.cell, "m"), until, reach / setup.domain.h));
+  } else {
+    return;  // resumed: the file is not needed any more
+  }
+  report.realised_mass = realised * images;
+  report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
+  p.charges.push_back(report);
+  if (reach < coarse_burst * setup.domain.h) {
+    p.warnings.push_back(fmt::format(
+        "{} is remapped when its burst has only {:.2g} cells per radius: its shock will be coarse; a cell of {} would "
+        "give {:g}",
+        what, reach / setup.domain.h, quantity(reach / coarse_burst, "m", 2), coarse_burst));
+  }
 }
-
-double relative_error(run::ChargeReport const& c) { return (c.realised_mass - c.asked_mass) / c.asked_mass; }
 
 void plan_gas(run::Case const& setup, Plan& p) {
   grid::Grid const grid(setup.domain, setup.numerics.block_cells);
@@ -130,7 +168,11 @@ void plan_gas(run::Case const& setup, Plan& p) {
   for (run::Charge const& charge : setup.charges) {
     ++number;
     std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
-    p.charges.push_back(realised(charge, grid, what));
+    if (setup.start.remap) {
+      plan_start(setup, number - 1, what, p);
+      continue;
+    }
+    p.charges.push_back(run::realised_charge(charge, grid, what));
     double const resolution = p.charges.back().cells_per_radius;
     if (resolution < coarse_charge) {
       p.warnings.push_back(fmt::format(
@@ -276,6 +318,7 @@ void plan_region(run::Case const& setup, Plan& p) {
   p.points += r.gas_points;
   p.blocks = gas.blocks;
   p.charges = gas.charges;
+  p.starts = gas.starts;
   double const shorter = std::min(r.gas_steps, r.point_steps);
   p.steps = setup.mpm_region->subcycling ? std::max({shorter, r.gas_steps / 4.0, r.point_steps / 64.0})
                                          : std::max(r.gas_steps, r.point_steps);
@@ -470,6 +513,7 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
                          c.realised_mass, relative_error(c)));
     line("",
          fmt::format("energy {}, {:.3g} cells per radius", quantity(c.realised_energy, "J", 6), c.cells_per_radius));
+    if (n < p.starts.size()) line("start", p.starts[n]);
   }
   if (setup.afterburn) line("afterburn", afterburn_text(*setup.afterburn));
   if (!setup.regions.empty()) line("regions", fmt::format("{}", setup.regions.size()));
@@ -544,6 +588,7 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
           {"end_time", setup.end.time},
           {"estimated_steps", std::round(p.steps)},
           {"charges", charges},
+          {"starts", p.starts},
           {"points", p.points},
           {"bodies", bodies},
           {"materials", materials},

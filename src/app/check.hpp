@@ -30,6 +30,7 @@ struct Plan {
   double machine_memory_bytes = 0.0;  ///< what this machine, or the limit set on this process, has
   double steps = 0.0;                 ///< estimate
   std::vector<run::ChargeReport> charges;
+  std::vector<std::string> starts;  ///< how each charge starts, where it is remapped
   std::vector<run::BodyReport> bodies;
   double points = 0.0;  ///< material points; 0: a calculation of the gas alone
   std::optional<RegionPlan> region;

@@ -25,7 +25,9 @@
 #include "output/checkpoint.hpp"
 #include "output/file.hpp"
 #include "output/json.hpp"
+#include "output/profile_file.hpp"
 #include "output/report.hpp"
+#include "output/run_log.hpp"
 #include "output/writer.hpp"
 #include "run/world.hpp"
 #include "run/zones.hpp"
@@ -49,6 +51,45 @@ run::Case load(std::string const& path) {
     throw InputError(fmt::format("{}: {} error{}", path, result.errors.size(), result.errors.size() == 1 ? "" : "s"));
   }
   return std::move(*result.case_);
+}
+
+/// Reads the profile that a deck begins with.
+void load_profile(run::Case& setup) {
+  run::Start& start = setup.start;
+  if (start.profile.empty()) return;
+  detonation::Profile const profile = output::read_profile(start.profile);
+  try {
+    for (std::size_t n = 0; n < setup.charges.size(); ++n)
+      start.profiles.push_back(run::fitted_profile(setup, n, profile));
+  } catch (InputError const& problem) {
+    throw InputError(fmt::format("{}: {}", start.place, problem.what()));
+  }
+}
+
+/// The 1D calculations before a run. False where the user stopped them.
+bool calculate_start(run::Case& setup, Progress& progress, bool show) {
+  if (!setup.start.profiles.empty()) return true;
+  setup.start.profiles = run::calculate_start(setup, [&](run::StartProgress const& at) {
+    if (show) progress.step(at);
+    return !StopSignals::requested();
+  });
+  if (show) progress.end();
+  return !setup.start.profiles.empty();
+}
+
+void print_starts(run::World const& world) {
+  for (std::size_t n = 0; n < world.starts.size(); ++n) {
+    auto const& report = world.starts[n];
+    auto const& r = report.remap;
+    print(stdout, "{}: {}, remapped at {}; the burst has a radius of {}, {:.1f} cells{}\n",
+          world.starts.size() == 1 ? "start" : fmt::format("start {}", n + 1),
+          output::start_in_words(world.setup, report), quantity(r.time, "s"), quantity(r.radius, "m"),
+          r.cells_per_radius, report.by.empty() ? "" : ", near " + report.by);
+    print(stdout,
+          "remap: {} {:.8g} kg, products {:.8g} kg and {} became {:.8g} kg, {:.8g} kg and {}; relative error {:.1e}\n",
+          world.setup.ambient.fluid.name, r.before.mass[0], r.before.mass[1], quantity(r.before.energy, "J", 6),
+          r.after.mass[0], r.after.mass[1], quantity(r.after.energy, "J", 6), r.error());
+  }
 }
 
 std::string cell(std::optional<double> value, char const* unit) { return value ? quantity(*value, unit) : "-"; }
@@ -287,6 +328,7 @@ ExitCode run_deck(RunArguments const& arguments) {
   set_threads(arguments.threads);
   Plan const expected = plan(setup);
   refuse_unless_it_fits(expected);
+  if (!arguments.resume) load_profile(setup);
   fs::path const folder = arguments.output.empty() ? default_output_folder(arguments.deck) : arguments.output;
   std::unique_ptr<output::CheckpointReader> checkpoint;
   if (arguments.resume) {
@@ -322,7 +364,16 @@ ExitCode run_deck(RunArguments const& arguments) {
   bool const terminal = isatty(STDERR_FILENO) != 0;
   StopSignals const signals(terminal && !arguments.quiet);
   auto const start = std::chrono::steady_clock::now();
+  Progress progress(stderr, terminal);
+  bool const show = arguments.progress && !arguments.quiet;
+  setup.start.from_checkpoint = checkpoint != nullptr;
+  if (setup.start.remap && checkpoint == nullptr && !calculate_start(setup, progress, show)) {
+    if (!arguments.quiet) print(stdout, "stopped by the user during the 1D calculation; nothing has been written\n");
+    return ExitCode::stopped_by_user;
+  }
+  double const start_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   run::World world(std::move(setup));
+  if (world.setup.start.remap && checkpoint == nullptr) world.timings["start"] += start_seconds;
   if (checkpoint != nullptr) read_world(world, *checkpoint);
   // One more than stay: the newest is complete before the oldest goes.
   double const kept = (world.setup.checkpoint.keep + 1) * output::state_bytes([&](Archive& a) { world.archive(a); });
@@ -331,9 +382,10 @@ ExitCode run_deck(RunArguments const& arguments) {
                                     : arguments.force     ? output::Earlier::replace
                                                           : output::Earlier::refuse,
                          .checkpoint_bytes = kept});
-  Progress progress(stderr, terminal);
+  if (checkpoint == nullptr) output::write_start_profiles(world, folder);
+  if (!arguments.quiet) print_starts(world);
+  std::fflush(stdout);
   progress.start(world);
-  bool const show = arguments.progress && !arguments.quiet;
   auto const after_step = [&](run::World const& w) {
     if (show) progress.step(w);
   };
@@ -345,6 +397,7 @@ ExitCode run_deck(RunArguments const& arguments) {
     print(stderr, "brisance: error: {}\nWhat was written until then is in {}\n", ending.reason, folder.string());
     return ending.code;
   }
+  if (ending.code == ExitCode::done && world.setup.output.profile) output::write_end_profile(world, folder);
   if (arguments.quiet) return ending.code;
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(stdout, "{}: {} steps in {}\n", ending.reason, world.clock.step, wall_time(seconds));
@@ -366,7 +419,8 @@ ExitCode run_deck(RunArguments const& arguments) {
 }
 
 ExitCode check_deck(CheckArguments const& arguments) {
-  run::Case const setup = load(arguments.deck);
+  run::Case setup = load(arguments.deck);
+  load_profile(setup);
   Plan const p = plan(setup);
   if (arguments.json) {
     print(stdout, "{}\n", plan_json(setup, p).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));

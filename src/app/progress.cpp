@@ -34,7 +34,28 @@ bool Progress::due(double done, Clock::time_point now) const {
   return now - since_ >= 10s || (done - done_ >= 0.1 && now - since_ >= 1s);
 }
 
-void Progress::start(run::World const& world) { done_ = part_done(world); }
+std::string Progress::remaining(double done, double before, double seconds) {
+  return fmt::format("about {} left", wall_time(done > before ? (1.0 - done) * seconds / (done - before) : 0.0));
+}
+
+void Progress::step(run::StartProgress const& start) {
+  ++steps_;
+  if (steps_ == 1) done_ = start.done;  // of this charge
+  auto const now = Clock::now();
+  if (!due(start.done, now)) return;
+  double const seconds = std::chrono::duration<double>(now - since_).count();
+  show(fmt::format("1D start {:5.1f} %  t {}  step {}  shock at {} of {}  {}", 100.0 * start.done,
+                   quantity(start.time, "s"), start.step, quantity(start.front, "m"), quantity(start.radius, "m"),
+                   remaining(start.done, done_, seconds)));
+  since_ = now;
+  done_ = start.done;
+}
+
+void Progress::start(run::World const& world) {
+  done_ = part_done(world);
+  since_ = Clock::now();
+  steps_ = 0;
+}
 
 void Progress::step(run::World const& world) {
   ++steps_;
@@ -46,7 +67,6 @@ void Progress::step(run::World const& world) {
   if (!due(done, now)) return;
 
   double const seconds = std::chrono::duration<double>(now - since_).count();
-  double const left = done > done_ ? (1.0 - done) * seconds / (done - done_) : 0.0;
   std::string const place =
       fmt::format("{:5.1f} %  t {}  step {}  dt {}  ", 100.0 * done, quantity(world.clock.time, "s"), world.clock.step,
                   quantity(world.clock.dt, "s", 3));
@@ -65,7 +85,7 @@ void Progress::step(run::World const& world) {
                  ? fmt::format("  {} points", large_count(static_cast<double>(world.points->point_count())))
                  : "  points asleep";
   }
-  show(fmt::format("{}{}  about {} left", place, speed, wall_time(left)));
+  show(fmt::format("{}{}  {}", place, speed, remaining(done, done_, seconds)));
   since_ = now;
   done_ = done;
   steps_ = 0;

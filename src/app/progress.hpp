@@ -15,6 +15,8 @@ class Progress {
  public:
   Progress(std::FILE* out, bool terminal) : out_(out), terminal_(terminal) {}
 
+  /// To be called after every step of a 1D calculation that comes before the run.
+  void step(run::StartProgress const& start);
   /// To be called before the first step of a run that does not begin at its start.
   void start(run::World const& world);
   /// To be called after every step.
@@ -24,6 +26,7 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
+  [[nodiscard]] static std::string remaining(double done, double before, double seconds);
   [[nodiscard]] bool due(double done, Clock::time_point now) const;
   void show(std::string const& line);
 

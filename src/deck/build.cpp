@@ -65,6 +65,7 @@ run::Case Builder::build() {
   end();
   if (geometry_known_) afterburn();
   output();
+  start();
   checkpoint();
   compare();
   return std::move(out_);
@@ -327,6 +328,7 @@ void Builder::output() {
   }
   bool const region = has_gas_ && (has_bodies() || deck_.given("mpm_region"));
   o.gas_points = section->boolean("gas_points").value_or(o.gas_points);
+  o.profile = section->boolean("profile").value_or(o.profile);
   if (!region && section->given("gas_points")) {
     warn(*section, "gas_points", "has no effect in a deck without an MPM region");
   }

@@ -172,6 +172,10 @@ class Builder {
 
   void afterburn();
 
+  // --- build_start.cpp: the start by a remap
+
+  void start();
+
   // --- build_bodies.cpp: material points
 
   void bodies();

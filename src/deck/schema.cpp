@@ -54,7 +54,12 @@ Table const& output_table() {
              .of(o.gas_points)
              .like("true")
              .means("Write the gas points of an `[mpm_region]` too; without them the field dumps show their gas "
-                    "as cells")},
+                    "as cells"),
+         typed(Type::boolean, "profile")
+             .of(o.profile)
+             .like("true")
+             .means("Write the state at the end as a profile, `profiles/end.h5`, with which a later deck may begin "
+                    "(`[remap]`): of spherical1d, cylindrical1d and axisymmetric2d with one charge")},
         {},
         {}};
   }();
@@ -143,12 +148,19 @@ Table const& deck_schema() {
     return Table{
         "",
         {typed(Type::text, "title").of("").like("\"10 kg of TNT on the ground\"").means("Title of the case"),
+         word("start", {"direct", "remap"})
+             .of("direct")
+             .like("\"remap\"")
+             .means("`direct`: the charges are on the grid from the beginning; `remap`: each bursts in a fine 1D "
+                    "calculation "
+                    "first, see `[remap]`"),
          nested(Type::table, "domain", domain_table()).required().like("size = [4, 4, 3] and cell = \"50 mm\""),
          nested(Type::table, "boundaries", boundaries_table()),
          std::move(inflow),
          nested(Type::table, "ambient", ambient_table()),
          nested(Type::tables, "charge", charge_table()),
          nested(Type::table, "afterburn", afterburn_table()),
+         nested(Type::table, "remap", remap_table()),
          nested(Type::tables, "gauge", gauge_table()),
          nested(Type::tables, "obstacle", obstacle_table()),
          nested(Type::tables, "region", region_table()),

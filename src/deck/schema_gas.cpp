@@ -139,6 +139,42 @@ Table const& charge_table() {
   return table;
 }
 
+Table const& remap_table() {
+  static Table const table{
+      "Settings of `start = \"remap\"`: each charge bursts in a calculation with one direction (spherical; in planar2d "
+      "cylindrical) until its shock is about to meet a boundary, an obstacle, the MPM region, another burst or a "
+      "gauge. "
+      "Its profile then goes onto the grid, with the mass of both fluids, the energy and the momentum that it has, and "
+      "the "
+      "calculation goes on from that time.",
+      {word("method", {"gas", "points"})
+           .of("gas")
+           .like("\"gas\"")
+           .means("`gas`: the gas scheme; `points`: material points, as in [Cui14]"),
+       number("cell", "m", smallest, 1e4)
+           .note("a 200th of the charge's radius")
+           .like("\"0.5 mm\"")
+           .means("Cell of the 1D calculation"),
+       number("time", "s", 1e-12, longest)
+           .note("when the shock is about to meet something")
+           .like("\"0.2 ms\"")
+           .means("Time of the remap; gauges then do not stop it"),
+       number("radius", "m", smallest, far)
+           .note("where the shock is about to meet something")
+           .like("\"0.8 m\"")
+           .means("Radius of the shock at the remap, instead of the time; gauges then do not stop it"),
+       typed(Type::text, "profile")
+           .note("calculated")
+           .like("\"../burst-results/profiles/start_1.h5\"")
+           .means(
+               "Profile of an earlier run, relative to the deck, that stands in for the calculation: of 1D, or of "
+               "axisymmetric2d for 3D. It is scaled to the mass of the charge; its explosive and its ambient gas must "
+               "be those of the deck")},
+      {},
+      {}};
+  return table;
+}
+
 namespace {
 
 Table const& line_table() {

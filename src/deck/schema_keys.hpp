@@ -76,6 +76,7 @@ inline Key face_normal(std::string name) { return word(std::move(name), {"+x", "
 [[nodiscard]] Table const& ambient_table();
 [[nodiscard]] Table const& initiation_table();
 [[nodiscard]] Table const& charge_table();
+[[nodiscard]] Table const& remap_table();
 [[nodiscard]] Table const& gauge_table();
 [[nodiscard]] Table const& obstacle_table();
 [[nodiscard]] Table const& region_table();

@@ -38,6 +38,9 @@ std::vector<fs::path> earlier_results(fs::path const& folder) {
   if (fs::is_directory(folder / "gauges"))
     for (auto const& entry : fs::directory_iterator(folder / "gauges"))
       if (ends_with_one_of(entry.path().string(), {".csv"})) found.push_back(entry.path());
+  if (fs::is_directory(folder / "profiles"))
+    for (auto const& entry : fs::directory_iterator(folder / "profiles"))
+      if (ends_with_one_of(entry.path().string(), {".h5", ".h5.part"})) found.push_back(entry.path());
   if (fs::is_directory(folder / "checkpoints"))
     for (auto const& entry : fs::directory_iterator(folder / "checkpoints"))
       if (ends_with_one_of(entry.path().string(), {".brz", ".brz.refused", "checkpoint.part"}))

@@ -1,5 +1,6 @@
 #include "output/run_log.hpp"
 
+#include <fmt/format.h>
 #include <hdf5.h>
 
 #include <algorithm>
@@ -93,6 +94,12 @@ json domain_of(grid::Domain const& d) {
           {"cells", d.cells},
           {"cell_count", d.cell_count()},
           {"boundary", std::move(boundary)}};
+}
+
+json sums(detonation::BurstSums const& s) {
+  return {{"mass", {json_or_null(s.mass[0]), json_or_null(s.mass[1])}},
+          {"energy", json_or_null(s.energy)},
+          {"momentum", {json_or_null(s.momentum[0]), json_or_null(s.momentum[1]), json_or_null(s.momentum[2])}}};
 }
 
 /// What a run of material points has beside the rest.
@@ -232,6 +239,36 @@ char const* name_of(mpm::Transfer t) {
   return "";
 }
 
+std::string start_in_words(run::Case const& setup, run::StartReport const& report) {
+  if (!setup.start.profile.empty()) return fmt::format("profile \"{}\"", report.from);
+  return fmt::format("{} by {}, {:.4g} cells per charge radius", report.from,
+                     report.method == run::StartMethod::gas ? "the gas scheme" : "material points",
+                     report.charge_radius / report.cell);
+}
+
+json starts(run::World const& world) {
+  json out = json::array();
+  for (run::StartReport const& s : world.starts) {
+    auto const& r = s.remap;
+    out.push_back({{"start", start_in_words(world.setup, s)},
+                   {"cell_size", json_or_null(s.cell)},
+                   {"charge_radius", json_or_null(s.charge_radius)},
+                   {"near", s.by},
+                   {"time", json_or_null(r.time)},
+                   {"radius", json_or_null(r.radius)},
+                   {"cells_per_radius", json_or_null(r.cells_per_radius)},
+                   {"share", json_or_null(r.share)},
+                   {"before", sums(r.before)},
+                   {"after", sums(r.after)},
+                   {"radial_momentum", json_or_null(r.radial_momentum)},
+                   {"relative_error", json_or_null(r.error())},
+                   {"quadrature_error", json_or_null(r.quadrature_error)},
+                   {"mixed_pressure_error", json_or_null(r.pressure_error)},
+                   {"mixed_pressure_error_averaged", json_or_null(r.pressure_error_averaged)}});
+  }
+  return out;
+}
+
 json versions() {
   unsigned major = 0;
   unsigned minor = 0;
@@ -275,6 +312,7 @@ json run_log(run::World const& world, RunStatus const& status) {
              {"pressure", world.setup.ambient.state.pressure},
              {"density", world.setup.ambient.state.density}}},
            {"charges", charges(world)},
+           {"starts", starts(world)},
            {"obstacles", world.setup.obstacles.size()},
            {"gauges", world.gauges.size()},
            {"dumps", status.dumps},

@@ -30,6 +30,12 @@ struct RunStatus {
 [[nodiscard]] char const* name_of(mpm::StressOrder o);
 [[nodiscard]] char const* name_of(mpm::Transfer t);
 
+/// How a charge was calculated before its remap, in words.
+[[nodiscard]] std::string start_in_words(run::Case const& setup, run::StartReport const& report);
+
+/// The remaps with which a run started: what the bursts held before and after.
+[[nodiscard]] nlohmann::json starts(run::World const& world);
+
 /// The run log of the present state.
 [[nodiscard]] nlohmann::json run_log(run::World const& world, RunStatus const& status);
 

@@ -170,6 +170,7 @@ void Writer::finish(run::World const& world, std::string const& end_reason, int 
                               ? nlohmann::json::object()
                               : write_point_table(folder_ / "bodies.csv", world, point_gauges_.names());
     if (world.setup.afterburn) more["afterburn_energy"] = json_or_null(world.audit.afterburn_energy);
+    if (!world.starts.empty()) more["starts"] = starts(world);
     write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names(), more);
   }
   write_log(world, exit_code == 0 ? "done" : "stopped", end_reason, exit_code);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -11,6 +12,7 @@
 #include "bridge/bridge.hpp"
 #include "core/vec.hpp"
 #include "detonation/charge.hpp"
+#include "detonation/profile.hpp"
 #include "grid/geometry.hpp"
 #include "material/afterburn.hpp"
 #include "material/explosive.hpp"
@@ -134,6 +136,24 @@ struct MpmRegion {
   }
 };
 
+/// How a charge is calculated until the shock comes near anything.
+enum class StartMethod { gas, points };
+
+/// The start of a calculation by a remap: each charge bursts in a calculation of its own with fewer directions.
+struct Start {
+  bool remap = false;  ///< else the charges are on the grid from time 0
+  StartMethod method = StartMethod::gas;
+  double cell = 0.0;             ///< of the 1D calculation [m]; 0: a part of the charge's radius, see run/start.hpp
+  std::optional<double> time;    ///< of the remap [s]
+  std::optional<double> radius;  ///< of the shock at the remap [m]; without both: where it is about to meet something
+  std::string profile;           ///< file that stands in for the calculation
+  /// What messages about it begin with: place in the deck and key.
+  std::string place;
+  /// One for each charge. Filled from the file or by `calculate_start`; while empty, `World` calculates them.
+  std::vector<std::shared_ptr<detonation::Profile const>> profiles;
+  bool from_checkpoint = false;  ///< the state is about to be read: nothing is remapped
+};
+
 using gas::Scheme;
 
 struct Numerics {
@@ -158,6 +178,7 @@ struct Output {
   /// Fields of the material points beside position, body and material.
   std::vector<std::string> point_fields{"velocity", "displacement", "pressure", "mises", "plastic_strain", "damage"};
   bool gas_points = false;  ///< dump the gas points of an MPM region too
+  bool profile = false;     ///< write the state at the end as a profile for other decks
 };
 
 struct End {
@@ -194,6 +215,7 @@ struct Case {
   std::vector<Obstacle> obstacles;
   Points points;
   std::optional<MpmRegion> mpm_region;  ///< set where gas and bodies meet
+  Start start;
   Numerics numerics;
   Output output;
   End end;

@@ -9,6 +9,10 @@ namespace brisance::run {
 
 void archive(Archive& a, Totals& t) { a(t.mass, t.momentum, t.energy); }
 
+void archive(Archive& a, ChargeReport& r) {
+  a(r.explosive, r.asked_mass, r.realised_mass, r.realised_energy, r.cells_per_radius);
+}
+
 void archive(Archive& a, GaugeRecord& r) { a(r.time, r.pressure, r.density, r.velocity); }
 
 void archive(Archive& a, PointRecord& r) {
@@ -31,6 +35,8 @@ void World::archive(Archive& a) {
   awake_since = woken ? std::optional<double>(since) : std::nullopt;
   // What the audit knows beside its start follows from the state.
   run::archive(a, audit.initial);
+  a.same(setup.start.remap, "whether it started by a remap");
+  if (setup.start.remap) a(charges, starts);  // the remap is not repeated
   if (gas != nullptr) gas->archive(a);
   if (points != nullptr) points->archive(a);
   a.same(bridge != nullptr, "whether gas and points meet");

@@ -13,8 +13,6 @@
 
 namespace brisance::run {
 
-namespace {
-
 gas::Fluids fluids_of(Case const& c) {
   gas::Fluids fluids;
   fluids.ambient = c.ambient.fluid.eos;
@@ -29,6 +27,16 @@ gas::Fluids fluids_of(Case const& c) {
   return fluids;
 }
 
+gas::MixtureState ambient_mixture(FluidState const& state) {
+  gas::MixtureState m;
+  m.ambient_density = state.density;
+  m.pressure = state.pressure;
+  m.velocity = state.velocity;
+  return m;
+}
+
+namespace {
+
 gas::Options options_of(Case const& c) {
   gas::Options o;
   o.scheme = c.numerics.scheme;
@@ -41,14 +49,6 @@ gas::Options options_of(Case const& c) {
   o.peak_fields = c.output.peak_fields;
   o.afterburn = c.afterburn;
   return o;
-}
-
-gas::MixtureState ambient_mixture(FluidState const& state) {
-  gas::MixtureState m;
-  m.ambient_density = state.density;
-  m.pressure = state.pressure;
-  m.velocity = state.velocity;
-  return m;
 }
 
 template <class Visit>
@@ -106,6 +106,8 @@ void place_obstacles(Case const& c, grid::Grid const& grid, gas::Gas& gas, gas::
   }
 }
 
+void place_charges(World& w, gas::MixtureState const& ambient);
+
 void place_gas(World& w) {
   Case const& setup = w.setup;
   std::array<gas::MixtureState, 6> inflow;
@@ -117,6 +119,21 @@ void place_gas(World& w) {
   gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
   place_regions(setup, grid, gas);
 
+  if (!setup.start.remap) place_charges(w, ambient);
+  place_obstacles(setup, grid, gas, ambient);
+  for (Gauge const& gauge : setup.gauges) w.gauges.push_back({gauge, {}});
+  if (!setup.start.remap || setup.start.from_checkpoint) return;
+  // Until the remap the gauges hold ambient gas.
+  FluidState const& quiet = setup.ambient.state;
+  for (GaugeHistory& history : w.gauges)
+    history.records.push_back({0.0, quiet.pressure, quiet.density, quiet.velocity});
+  place_start(w);
+}
+
+void place_charges(World& w, gas::MixtureState const& ambient) {
+  Case const& setup = w.setup;
+  gas::Gas& gas = *w.gas;
+  grid::Grid const& grid = w.grid;
   std::vector<detonation::BurningCharge> burning;
   int number = 0;
   for (Charge const& charge : setup.charges) {
@@ -149,8 +166,6 @@ void place_gas(World& w) {
     w.charges.push_back(report);
   }
   if (!burning.empty()) detonation::set_programmed_burn(gas, burning, setup.charges.front().explosive.detonation_speed);
-  place_obstacles(setup, grid, gas, ambient);
-  for (Gauge const& gauge : setup.gauges) w.gauges.push_back({gauge, {}});
 }
 
 }  // namespace
@@ -161,8 +176,9 @@ World::World(Case c) : setup(std::move(c)), grid(setup.domain, setup.numerics.bl
   } else {
     place_gas(*this);
     if (setup.mpm_region) place_region(*this);
-    gas->start();
-    if (bridge != nullptr && bridge->awake()) awake_since = 0.0;
+    gas->start(clock.time);
+    if (points != nullptr) points->set_time(clock.time);
+    if (bridge != nullptr && bridge->awake()) awake_since = clock.time;
   }
   audit.initial = totals();
   audit.current = audit.initial;

@@ -10,6 +10,7 @@
 #include "gas/gas.hpp"
 #include "grid/grid.hpp"
 #include "run/case.hpp"
+#include "run/start.hpp"
 
 namespace brisance {
 class Archive;
@@ -130,6 +131,7 @@ struct EnergyBalance {
 };
 
 void archive(Archive& a, Totals& totals);
+void archive(Archive& a, ChargeReport& report);
 void archive(Archive& a, GaugeRecord& record);
 void archive(Archive& a, PointRecord& record);
 void archive(Archive& a, BodyRecord& record);
@@ -152,6 +154,14 @@ struct FieldInfo {
 
 class GasView;
 
+/// What a charge would become on a grid. Throws InputError where it does not fit.
+[[nodiscard]] ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what);
+
+/// The fluids of the gas of a case.
+[[nodiscard]] gas::Fluids fluids_of(Case const& setup);
+/// The ambient fluid in a state.
+[[nodiscard]] gas::MixtureState ambient_mixture(FluidState const& state);
+
 class World {
  public:
   /// Builds the initial state. Throws InputError where the case cannot be realised (charge over a symmetry plane, ...).
@@ -168,6 +178,7 @@ class World {
   Clock clock;
   Audit audit;
   std::vector<ChargeReport> charges;
+  std::vector<StartReport> starts;  ///< of each charge, where the case starts by a remap
   std::vector<BodyReport> bodies;
   std::vector<GaugeHistory> gauges;
   std::vector<PointGaugeHistory> point_gauges;

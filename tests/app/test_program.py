@@ -340,6 +340,125 @@ class Run(Case):
         self.interrupted(signal.SIGINT)
 
 
+# A quarter of a burst in free air, small enough for a test.
+REMAP = """
+start = "remap"
+[domain]
+size = [0.4, 0.4, 0.4]
+cell = "20 mm"
+[boundaries]
+x_low = "symmetry"
+y_low = "symmetry"
+z_low = "symmetry"
+[remap]
+cell = "1 mm"
+[[charge]]
+mass = "1 kg"
+[[gauge]]
+name = "g"
+point = [0.3, 0, 0]
+[end]
+time = "0.1 ms"
+"""
+
+# A cylinder above the ground, until its shock has been reflected there.
+CYLINDER = """
+[domain]
+geometry = "axisymmetric2d"
+size = [0.3, 0.4]
+cell = "2.5 mm"
+[boundaries]
+y_low = "wall"
+[[charge]]
+shape = "cylinder"
+mass = "0.5 kg"
+length_to_diameter = 1
+position = [0, 0.1]
+[output]
+profile = true
+[end]
+time = "25 us"
+"""
+
+CYLINDER_3D = """
+start = "remap"
+[domain]
+size = [0.4, 0.4, 0.4]
+cell = "10 mm"
+[boundaries]
+x_low = "symmetry"
+y_low = "symmetry"
+z_low = "wall"
+[remap]
+profile = "flat/profiles/end.h5"
+[[charge]]
+shape = "cylinder"
+mass = "0.5 kg"
+length_to_diameter = 1
+position = [0, 0, 0.1]
+[end]
+time = "0.05 ms"
+"""
+
+
+class Remap(Case):
+    """A start by a remap, from the deck to the log."""
+
+    def log(self, folder):
+        return json.loads((self.folder / folder / "run.json").read_text())
+
+    def test_bursts_are_kept_scaled_and_used_again(self):
+        self.deck(REMAP, "one.toml")
+        done = self.brisance("run", "one.toml", "--output", "one")
+        self.assertIn("remapped at", done.stdout)
+        self.assertIn("relative error", done.stdout)
+        one = self.log("one")
+        start = one["starts"][0]
+        self.assertLess(start["relative_error"], 1e-12)
+        self.assertIn('gauge "g"', start["near"])
+        self.assertEqual(json.loads((self.folder / "one/summary.json").read_text())["starts"], one["starts"])
+        # The gauge holds ambient gas at the time 0, and goes on at the remap.
+        times = [line.split(",")[0] for line in (self.folder / "one/gauges/g.csv").read_text().splitlines()[1:3]]
+        self.assertEqual(float(times[0]), 0.0)
+        self.assertAlmostEqual(float(times[1]) / start["time"], 1.0, places=9)
+
+        # Eight times the mass in twice the domain: the same numbers at twice the time.
+        scaled = REMAP.replace('cell = "1 mm"', 'profile = "one/profiles/start_1.h5"').replace('"1 kg"', '"8 kg"')
+        scaled = scaled.replace("0.4, 0.4, 0.4", "0.8, 0.8, 0.8").replace('"20 mm"', '"40 mm"')
+        scaled = scaled.replace("0.3, 0, 0", "0.6, 0, 0").replace('"0.1 ms"', '"0.2 ms"')
+        self.deck(scaled, "eight.toml")
+        self.assertIn("profile", self.brisance("check", "eight.toml").stdout)
+        self.brisance("run", "eight.toml", "--output", "eight")
+        eight = self.log("eight")
+        self.assertAlmostEqual(eight["starts"][0]["time"] / start["time"], 2.0, places=9)
+        self.assertAlmostEqual(eight["starts"][0]["before"]["energy"] / start["before"]["energy"], 8.0, places=9)
+
+        def peak(folder):
+            summary = json.loads((self.folder / folder / "summary.json").read_text())
+            return summary["gauges"][0]["peak_overpressure"]
+        self.assertAlmostEqual(peak("eight") / peak("one"), 1.0, places=6)
+
+        self.deck(scaled.replace('mass = "8 kg"', 'mass = "8 kg"\nexplosive = "C-4"'), "other.toml")
+        for command in (("check", "other.toml"), ("run", "other.toml", "--output", "other")):
+            errors = self.brisance(*command, code=2).stderr
+            self.assertIn("other.toml:11:11: error: remap.profile: ", errors)
+            self.assertIn("its explosive is TNT, that of the deck is C-4", errors)
+        self.deck(scaled.replace("start_1", "start_9"), "none.toml")
+        self.assertIn("does not exist", self.brisance("check", "none.toml", code=5).stderr)
+
+    def test_an_axisymmetric_burst_goes_into_3d(self):
+        self.deck(CYLINDER, "flat.toml")
+        self.brisance("run", "flat.toml", "--output", "flat")
+        self.deck(CYLINDER_3D, "solid.toml")
+        self.brisance("run", "solid.toml", "--output", "solid")
+        log = self.log("solid")
+        self.assertLess(log["starts"][0]["relative_error"], 1e-12)
+        self.assertAlmostEqual(log["charges"][0]["realised_mass"], 0.5, places=9)
+        self.assertAlmostEqual(log["starts"][0]["time"] / 25e-6, 1.0, places=12)
+        self.deck(CYLINDER_3D.replace('"wall"', '"outflow"'), "solid.toml")
+        self.assertIn("must be a wall or a symmetry plane there", self.brisance("check", "solid.toml", code=2).stderr)
+
+
 class Failures(Case):
     def test_missing_deck(self):
         self.assertIn("none.toml", self.brisance("run", "none.toml", code=5).stderr)

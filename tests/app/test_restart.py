@@ -287,6 +287,9 @@ class Interrupted(Case):
     def test_slab(self):
         self.interrupt(SLAB)
 
+    def test_remap(self):
+        self.interrupt('start = "remap"\n[remap]\ncell = "0.5 mm"' + SLAB)
+
     @unittest.skipIf(MOMENTS < 3, "the long version tries the other transfers")
     def test_impact_apic(self):
         self.interrupt(IMPACT.replace("TRANSFER", "apic").replace("SHAPE", "cpgimp"))

@@ -534,6 +534,26 @@ TEST(GoodDecks, EveryKeyOfTheMpmRegionArrives) {
   EXPECT_EQ(c.burst, run::Burst::none);  // bodies reflect
 }
 
+TEST(GoodDecks, EveryKeyOfTheRemapArrives) {
+  run::Case const c = read_good("all_remap.toml");
+  EXPECT_TRUE(c.start.remap);
+  EXPECT_EQ(c.start.method, run::StartMethod::points);
+  EXPECT_EQ(c.start.cell, 1e-3);
+  EXPECT_EQ(c.start.radius, 0.5);
+  EXPECT_FALSE(c.start.time);
+  EXPECT_TRUE(c.start.profile.empty());
+  EXPECT_TRUE(c.start.profiles.empty());
+  EXPECT_TRUE(c.output.profile);
+  std::string const rest =
+      "[domain]\nsize = [2, 2, 2]\ncell = \"20 mm\"\n[[charge]]\nmass = 1\nposition = [1, 1, 1]\n[end]\ntime = "
+      "\"1 ms\"\n";
+  run::Case const timed = read("start = \"remap\"\n" + rest + "[remap]\ntime = \"0.1 ms\"\n");
+  EXPECT_EQ(timed.start.time, 1e-4);
+  EXPECT_EQ(timed.start.method, run::StartMethod::gas);
+  EXPECT_EQ(read("start = \"remap\"\n" + rest + "[remap]\nprofile = \"b.h5\"\n").start.profile, "b.h5");
+  EXPECT_FALSE(read(rest).start.remap);
+}
+
 TEST(GoodDecks, WhereGasAndBodiesMeetThereIsAnMpmRegion) {
   std::string const domain = "[end]\ntime = 1e-3\n[domain]\nsize = [4, 4, 4]\ncell = 0.05\n";
   std::string const body = "[[body]]\nmaterial = \"RHA\"\nradius = 0.2\nposition = [2, 2, 2]\nvelocity = [1, 0, 0]\n";

@@ -1,0 +1,132 @@
+#include "detonation/profile.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/archive.hpp"
+#include "core/error.hpp"
+
+namespace brisance::detonation {
+
+namespace {
+
+void add_constants(std::vector<Constant>& to, std::string const& role, material::Eos const& eos) {
+  std::visit(
+      [&]<class Model>(Model const& model) {
+        for (auto const& p : Model::parameters())
+          to.push_back({fmt::format("{} {}.{}", role, Model::name, p.key), model.*p.member});
+      },
+      eos);
+}
+
+}  // namespace
+
+void archive(Archive& a, InitiationPoint& p) { a(p.position, p.delay); }
+void archive(Archive& a, Constant& c) { a(c.name, c.value); }
+
+void Profile::archive(Archive& a) {
+  a.section("profile");
+  a(domain.geometry, domain.lower, domain.h, domain.cells, time, components, state, pressure, ambient, ambient_pressure,
+    mirrored);
+  a(charge.explosive, charge.shape, charge.mass, charge.radius, charge.length, charge.initiation, constants);
+}
+
+double Profile::reach() const {
+  double const r = domain.upper(0);
+  if (domain.geometry != grid::Geometry::axisymmetric2d) return r;
+  return std::hypot(r, std::max(std::abs(domain.lower[1]), std::abs(domain.upper(1))));
+}
+
+double Profile::sum(int c) const {
+  double const* const values = component(c);
+  double total = 0.0;
+  for (int j = 0; j < domain.cells[1]; ++j) {
+    double row = 0.0;
+    for (int i = 0; i < domain.cells[0]; ++i) row += values[i + domain.cells[0] * j] * domain.cell_volume(i);
+    total += row;
+  }
+  return total;
+}
+
+std::vector<Constant> constants_of(material::Explosive const& explosive, gas::Fluids const& fluids,
+                                   gas::MixtureState const& ambient) {
+  std::vector<Constant> constants{{"explosive energy", explosive.energy},
+                                  {"explosive detonation_speed", explosive.detonation_speed}};
+  add_constants(constants, "products", fluids.second);
+  add_constants(constants, "ambient", fluids.ambient);
+  constants.push_back({"ambient pressure", ambient.pressure});
+  constants.push_back({"ambient density", ambient.ambient_density});
+  return constants;
+}
+
+Profile profile_of(gas::Gas const& gas, gas::MixtureState const& ambient, Vec3 const& centre, double time) {
+  grid::Domain const& domain = gas.grid().domain();
+  if (gas.burning()) throw InputError("the explosive still burns: the profile would hold unburnt explosive");
+  auto const quiet = gas.conserved(ambient);
+  Index3 first = domain.cells;
+  Index3 last{-1, -1, 0};
+  for (int b = 0; b < gas.grid().block_count(); ++b) {
+    grid::Block const& block = gas.grid().blocks()[b];
+    for (int n = 0; n < block.cell_count(); ++n) {
+      bool same = true;
+      for (int c = 0; c < gas.components() && same; ++c) same = gas.fields().at(b, c)[n] == quiet[c];
+      if (same) continue;
+      Index3 const cell{block.origin[0] + n % block.n[0], block.origin[1] + n / block.n[0] % block.n[1], 0};
+      for (int d = 0; d < 2; ++d) {
+        first[d] = std::min(first[d], cell[d]);
+        last[d] = std::max(last[d], cell[d]);
+      }
+    }
+  }
+  if (last[0] < 0) throw InputError("nothing has happened: there is no burst that a profile could hold");
+  first[0] = 0;
+
+  Profile p;
+  p.time = time;
+  p.domain = domain;
+  p.domain.boundary.fill(grid::Boundary::symmetry);
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    bool const low = d > 0 && first[d] == 0;
+    if (last[d] == domain.cells[d] - 1 ||
+        (low && domain.boundary[2 * d] != grid::Boundary::wall && domain.boundary[2 * d] != grid::Boundary::symmetry)) {
+      throw InputError(fmt::format("the burst has reached the {} end of {} of the domain: stop earlier or enlarge it",
+                                   low ? "low" : "high", "xyz"[d]));
+    }
+    p.mirrored = p.mirrored || low;
+    p.domain.lower[d] = domain.lower[d] + first[d] * domain.h - (d > 0 ? centre[d] : 0.0);
+    p.domain.cells[d] = last[d] - first[d] + 1;
+  }
+  p.components = gas.components();
+  p.ambient.assign(quiet.begin(), quiet.begin() + p.components);
+  p.ambient_pressure = ambient.pressure;
+  p.state.resize(p.cell_count() * p.components);
+  p.pressure.resize(p.cell_count());
+  for (int j = 0; j < p.domain.cells[1]; ++j) {
+    for (int i = 0; i < p.domain.cells[0]; ++i) {
+      Index3 const cell{first[0] + i, (domain.dimensions() > 1 ? first[1] : 0) + j, 0};
+      int const b = gas.grid().block_of(cell);
+      Index3 const& o = gas.grid().blocks()[b].origin;
+      int const at = gas.grid().blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], 0);
+      std::size_t const n = i + static_cast<std::size_t>(p.domain.cells[0]) * j;
+      for (int c = 0; c < p.components; ++c) p.state[c * p.cell_count() + n] = gas.fields().at(b, c)[at];
+      p.pressure[n] = gas.primitive(b, cell[0] - o[0], cell[1] - o[1], 0).pressure;
+    }
+  }
+  return p;
+}
+
+Profile scaled(Profile p, double mass) {
+  double const ratio = mass / p.charge.mass;
+  if (std::abs(ratio - 1.0) < 1e-12) return p;  // the same charge: the same bits
+  double const factor = p.domain.geometry == grid::Geometry::cylindrical1d ? std::sqrt(ratio) : std::cbrt(ratio);
+  p.charge.mass = mass;
+  for (double* length :
+       {&p.domain.h, &p.domain.lower[0], &p.domain.lower[1], &p.charge.radius, &p.charge.length, &p.time})
+    *length *= factor;
+  for (InitiationPoint& point : p.charge.initiation) point = {factor * point.position, factor * point.delay};
+  return p;
+}
+
+}  // namespace brisance::detonation

@@ -1,0 +1,560 @@
+#include "detonation/remap.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/archive.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "detonation/line_weights.hpp"
+
+namespace brisance::detonation {
+
+namespace {
+
+using grid::Geometry;
+
+constexpr int most_components = 32;
+constexpr double sharp_ratio = 1.05;  // of densities or pressures in a cell, above which it takes more lines
+constexpr int smooth_pieces = 1;      // with 4 stations each
+constexpr int sharp_pieces = 8;       // with 2 stations each; in 2D, where one rule is enough, `sharp_pieces_2d`
+constexpr int sharp_pieces_2d = 32;
+
+/// Integrals of the profile over the part of a cell that the burst fills.
+struct CellIntegrals {
+  std::array<double, most_components> component{};
+  double pressure = 0.0;
+  double volume = 0.0;
+  bool whole = false;  ///< the burst fills the cell
+};
+
+/// A cell that the burst touches.
+struct Touched {
+  int block = 0;
+  int offset = 0;
+  double volume = 0.0;
+  double part = 0.0;  ///< of the volume, in the burst
+  double pressure = 0.0;
+};
+
+/// A sum that keeps its digits, [Neumaier74].
+class Sum {
+ public:
+  void add(double x) {
+    double const t = sum_ + x;
+    rest_ += std::abs(sum_) >= std::abs(x) ? (sum_ - t) + x : (x - t) + sum_;
+    sum_ = t;
+  }
+  [[nodiscard]] double value() const { return sum_ + rest_; }
+
+ private:
+  double sum_ = 0.0;
+  double rest_ = 0.0;
+};
+
+bool is_momentum(int c) { return c >= gas::momentum_x && c <= gas::momentum_z; }
+/// Components that are no densities of anything conserved.
+bool is_free(int c) { return c == gas::shock || c == gas::volume_fraction; }
+
+/// Low corner of a cell relative to the centre.
+Vec3 corner(grid::Domain const& domain, Index3 const& cell, Vec3 const& centre) {
+  Vec3 x{0.0, 0.0, 0.0};
+  for (int d = 0; d < domain.dimensions(); ++d) x[d] = domain.lower[d] + cell[d] * domain.h - centre[d];
+  return x;
+}
+
+/// Distances of the nearest and of the farthest point of a box with edges h from the origin, in the given directions.
+std::array<double, 2> distances(Vec3 const& low, double h, std::array<bool, 3> const& counts) {
+  double near2 = 0.0;
+  double far2 = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    if (!counts[d]) continue;
+    double const a = low[d];
+    double const b = low[d] + h;
+    double const near = a > 0.0 ? a : b < 0.0 ? -b : 0.0;
+    double const far = std::max(std::abs(a), std::abs(b));
+    near2 += near * near;
+    far2 += far * far;
+  }
+  return {std::sqrt(near2), std::sqrt(far2)};
+}
+
+/// A spherical or cylindrical profile.
+class RadialSource {
+ public:
+  RadialSource(Profile const& profile, grid::Domain const& target)
+      : profile_(&profile),
+        target_(&target),
+        shells_(profile.domain.cells[0]),
+        thickness_(profile.domain.h),
+        lines_(shells_, thickness_) {}
+
+  [[nodiscard]] bool integrate(Vec3 const& low, CellIntegrals& out) {
+    int const dims = target_->dimensions();
+    double const h = target_->h;
+    auto const [near, far] = distances(low, h, {true, dims > 1, dims > 2});
+    double const reach = profile_->domain.upper(0);
+    if (near >= reach) return false;
+    int const first = static_cast<int>(near / thickness_);
+    lines_.begin(first, static_cast<int>(far / thickness_) + 1);
+    bool const sharp = far > reach || is_sharp();
+    Vec3 middle{0.0, 0.0, 0.0};
+    int along = 0;
+    for (int d = 0; d < dims; ++d) {
+      middle[d] = low[d] + 0.5 * h;
+      if (std::abs(middle[d]) > std::abs(middle[along])) along = d;
+    }
+    Rule const& rule = !sharp ? smooth_ : dims == 3 ? sharp_ : sharp_2d_;
+    int const stations = static_cast<int>(rule.at.size());
+    int const e = (along + 1) % dims;
+    int const f = (along + 2) % dims;
+    bool const ring = target_->geometry == Geometry::axisymmetric2d;
+    for (int m = 0; m < stations; ++m) {
+      Vec3 foot{0.0, 0.0, 0.0};
+      foot[e] = low[e] + rule.at[m] * h;
+      double const weight = rule.weight[m] * h;
+      if (ring && along == 0) {
+        lines_.ring(foot[1], low[0], low[0] + h, weight);
+      } else if (dims == 2) {
+        double const circle = ring ? 2.0 * std::numbers::pi * foot[0] : 1.0;
+        lines_.straight(along, foot, low[along], low[along] + h, weight * circle);
+      } else {
+        for (int n = 0; n < stations; ++n) {
+          foot[f] = low[f] + rule.at[n] * h;
+          lines_.straight(along, foot, low[along], low[along] + h, weight * rule.weight[n] * h);
+        }
+      }
+    }
+    gather(dims, out);
+    out.whole = far <= reach;
+    return out.volume > 0.0;
+  }
+
+ private:
+  [[nodiscard]] bool is_sharp() const {
+    double const* const mass = profile_->component(gas::density);
+    double const* const second = profile_->component(gas::second_density);
+    std::array<double, 2> least{1e300, 1e300};
+    std::array<double, 2> most{0.0, 0.0};
+    for (int i = lines_.first(); i < lines_.last(); ++i) {
+      std::array<double, 2> const values{mass[i] + second[i], profile_->pressure[i]};
+      for (int q = 0; q < 2; ++q) {
+        least[q] = std::min(least[q], values[q]);
+        most[q] = std::max(most[q], values[q]);
+      }
+    }
+    return most[0] > sharp_ratio * least[0] || most[1] > sharp_ratio * least[1];
+  }
+
+  void gather(int dims, CellIntegrals& out) const {
+    out = {};
+    double const* const radial = profile_->component(gas::momentum_x);
+    for (int i = lines_.first(); i < lines_.last(); ++i) {
+      double const v = lines_.volume(i);
+      out.volume += v;
+      out.pressure += v * profile_->pressure[i];
+      for (int d = 0; d < dims; ++d) out.component[gas::momentum_x + d] += radial[i] * lines_.direction(d, i);
+    }
+    for (int c = 0; c < profile_->components; ++c) {
+      if (is_momentum(c)) continue;
+      double const* const values = profile_->component(c);
+      for (int i = lines_.first(); i < lines_.last(); ++i) out.component[c] += lines_.volume(i) * values[i];
+    }
+  }
+
+  Profile const* profile_;
+  grid::Domain const* target_;
+  int shells_;
+  double thickness_;
+  LineWeights lines_;
+  Rule smooth_{smooth_pieces, 4};
+  Rule sharp_{sharp_pieces, 2};
+  Rule sharp_2d_{sharp_pieces_2d, 2};
+};
+
+/// An axisymmetric profile. Lines parallel to its axis cross columns of its cells.
+class AxialSource {
+ public:
+  AxialSource(Profile const& profile, grid::Domain const& target, Placing const& placing)
+      : profile_(&profile), h_(target.h), axis_(placing.axis), sense_(placing.sense) {
+    Index3 const& n = profile.domain.cells;
+    first_.assign(n[0], n[1]);
+    last_.assign(n[0], 0);
+    for (int j = 0; j < n[1]; ++j) {
+      for (int i = 0; i < n[0]; ++i) {
+        bool quiet = true;
+        for (int c = 0; c < profile.components && quiet; ++c)
+          quiet = profile.component(c)[i + n[0] * j] == profile.ambient[c];
+        if (quiet) continue;
+        first_[i] = std::min(first_[i], j);
+        last_[i] = j + 1;
+      }
+    }
+  }
+
+  [[nodiscard]] bool integrate(Vec3 const& low, CellIntegrals& out) const {
+    grid::Domain const& domain = profile_->domain;
+    std::array<bool, 3> across{true, true, true};
+    across[axis_] = false;
+    auto const [near, far] = distances(low, h_, across);
+    if (near >= domain.upper(0)) return false;
+    double a = sense_ > 0.0 ? low[axis_] : -low[axis_] - h_;
+    double const b = a + h_;
+    double const bottom = domain.lower[1];
+    if (a >= domain.upper(1) || (!profile_->mirrored && b <= bottom) ||
+        (profile_->mirrored && b <= 2.0 * bottom - domain.upper(1))) {
+      return false;
+    }
+    out = {};
+    out.whole = true;
+    int const e = (axis_ + 1) % 3;
+    int const f = (axis_ + 2) % 3;
+    for (std::size_t m = 0; m < rule_.at.size(); ++m) {
+      for (std::size_t n = 0; n < rule_.at.size(); ++n) {
+        double const x = low[e] + rule_.at[m] * h_;
+        double const y = low[f] + rule_.at[n] * h_;
+        double const r = std::sqrt(x * x + y * y);
+        double const weight = rule_.weight[m] * rule_.weight[n] * h_ * h_;
+        Vec3 radial{0.0, 0.0, 0.0};
+        radial[e] = x / r;
+        radial[f] = y / r;
+        double const filled =
+            line(r, a, b, 1.0, weight, radial, out) +
+            (profile_->mirrored ? line(r, 2.0 * bottom - b, 2.0 * bottom - a, -1.0, weight, radial, out) : 0.0);
+        out.whole = out.whole && filled >= h_ * (1.0 - 1e-12);
+      }
+    }
+    return out.volume > 0.0;
+  }
+
+ private:
+  /// Adds what lies between the heights a and b on a line at the radius r, above the profile's low face; returns the
+  /// length.
+  double line(double r, double a, double b, double sign, double weight, Vec3 const& radial, CellIntegrals& out) const {
+    grid::Domain const& domain = profile_->domain;
+    int const i = static_cast<int>(r / domain.h);
+    if (i >= domain.cells[0]) return 0.0;
+    double const low = std::max(a, domain.lower[1] + first_[i] * domain.h);
+    double const high = std::min(b, domain.lower[1] + last_[i] * domain.h);
+    if (!(high > low)) return 0.0;
+    int const from = std::max(first_[i], static_cast<int>((low - domain.lower[1]) / domain.h));
+    for (int j = from; j < last_[i]; ++j) {
+      double const bottom = domain.lower[1] + j * domain.h;
+      double const length = std::min(high, bottom + domain.h) - std::max(low, bottom);
+      if (length <= 0.0) {
+        if (bottom >= high) break;
+        continue;
+      }
+      double const v = weight * length;
+      std::size_t const n = i + static_cast<std::size_t>(domain.cells[0]) * j;
+      out.volume += v;
+      out.pressure += v * profile_->pressure[n];
+      for (int c = 0; c < profile_->components; ++c) {
+        if (!is_momentum(c)) out.component[c] += v * profile_->component(c)[n];
+      }
+      double const outwards = profile_->component(gas::momentum_x)[n];
+      for (int d = 0; d < 3; ++d) out.component[gas::momentum_x + d] += v * outwards * radial[d];
+      out.component[gas::momentum_x + axis_] += v * sign * sense_ * profile_->component(gas::momentum_y)[n];
+    }
+    return high - low;
+  }
+
+  Profile const* profile_;
+  double h_;
+  int axis_;
+  double sense_;
+  std::vector<int> first_;  ///< rows of each column that the burst has reached
+  std::vector<int> last_;
+  Rule rule_{sharp_pieces, 2};
+};
+
+/// Fills the cells, without the corrections.
+template <class Make>
+std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& centre, Make&& make_source) {
+  grid::Grid const& grid = gas.grid();
+  grid::Domain const& domain = grid.domain();
+  using Source = decltype(make_source());
+  std::vector<Source> sources;
+  sources.reserve(static_cast<std::size_t>(threads()));
+  for (int t = 0; t < threads(); ++t) sources.push_back(make_source());
+  std::vector<std::vector<Touched>> found(static_cast<std::size_t>(grid.block_count()));
+  std::vector<std::uint8_t> taken(static_cast<std::size_t>(grid.block_count()), 0);
+  double const reach = profile.reach();
+  parallel_for(grid.block_count(), [&](int b, int thread) {
+    grid::Block const& block = grid.blocks()[b];
+    CellIntegrals sums;
+    for (int n = 0; n < block.cell_count(); ++n) {
+      Index3 const i{n % block.n[0], n / block.n[0] % block.n[1], n / (block.n[0] * block.n[1])};
+      Index3 const cell{block.origin[0] + i[0], block.origin[1] + i[1], block.origin[2] + i[2]};
+      Vec3 const low = corner(domain, cell, centre);
+      int const dims = domain.dimensions();
+      if (distances(low, domain.h, {true, dims > 1, dims > 2})[0] >= reach) continue;
+      if (!sources[thread].integrate(low, sums)) continue;
+      double const volume = domain.cell_volume(cell[0]);
+      Touched const t{
+          b, n, volume, sums.whole ? 1.0 : std::min(1.0, sums.volume / volume),
+          sums.pressure / volume + (sums.whole ? 0.0 : 1.0 - sums.volume / volume) * profile.ambient_pressure};
+      for (int c = 0; c < gas.components(); ++c) {
+        double& value = gas.fields().at(b, c)[n];
+        if (value != profile.ambient[c]) taken[b] = 1;
+        value = (1.0 - t.part) * profile.ambient[c] + sums.component[c] / volume;
+      }
+      found[b].push_back(t);
+    }
+  });
+  if (std::any_of(taken.begin(), taken.end(), [](std::uint8_t t) { return t != 0; })) {
+    throw InputError(
+        "the burst reaches gas that is not ambient: another burst, or a region; stop the 1D calculation earlier");
+  }
+  std::vector<Touched> cells;
+  for (auto const& part : found) cells.insert(cells.end(), part.begin(), part.end());
+  return cells;
+}
+
+/// Integral of a component over the touched cells, or over their parts in the burst.
+double sum_over(gas::Gas const& gas, std::vector<Touched> const& cells, int c, bool parts) {
+  Sum sum;
+  for (Touched const& t : cells) sum.add(gas.fields().at(t.block, c)[t.offset] * t.volume * (parts ? t.part : 1.0));
+  return sum.value();
+}
+
+/// What the sums over the touched cells must be.
+struct Target {
+  std::array<double, most_components> sum{};
+  /// Does a mirror leave a half along a direction, so that the momentum has a sum of its own?
+  std::array<bool, 3> halved{};
+  double radial_momentum = 0.0;
+  double share = 1.0;
+};
+
+Target target_of(gas::Gas const& gas, Profile const& profile, Placing const& placing,
+                 std::vector<Touched> const& cells) {
+  grid::Domain const& domain = gas.grid().domain();
+  bool const axial = profile.domain.geometry == Geometry::axisymmetric2d;
+  bool const both = axial && profile.mirrored && std::abs(profile.domain.lower[1]) < 1e-9 * profile.domain.h;
+  Target t;
+  std::array<int, 3> const planes = planes_through(domain, placing.centre);
+  for (int d = 0; d < 3; ++d) {
+    t.halved[d] = planes[d] != 0;
+    t.share *= t.halved[d] ? 0.5 : 1.0;
+  }
+  if (both) t.share *= 2.0;  // the profile holds a half
+  Sum touched;
+  for (Touched const& cell : cells) touched.add(cell.volume);
+  Sum filled;
+  for (int j = 0; j < profile.domain.cells[1]; ++j) {
+    for (int i = 0; i < profile.domain.cells[0]; ++i) filled.add(profile.domain.cell_volume(i));
+  }
+  double const rest = touched.value() - t.share * filled.value();
+  for (int c = 0; c < gas.components(); ++c) {
+    if (!is_momentum(c)) t.sum[c] = t.share * profile.sum(c) + profile.ambient[c] * rest;
+  }
+  // Means of the components of a unit vector over the part of the sphere or circle that the mirrors leave.
+  double const radial = t.share * profile.sum(gas::momentum_x);
+  t.radial_momentum = std::abs(radial);
+  double const mean = profile.domain.geometry == Geometry::spherical1d ? 0.5 : 2.0 * std::numbers::inv_pi;
+  for (int d = 0; d < domain.dimensions(); ++d) t.sum[gas::momentum_x + d] = mean * radial * planes[d];
+  if (domain.geometry == Geometry::axisymmetric2d) {
+    t.sum[gas::momentum_x] = 0.25 * std::numbers::pi * radial;
+    t.halved[0] = true;
+  }
+  if (axial) {
+    int const a = placing.axis;
+    // Without a plane across the axis both halves count; of a profile of one half the other is its image.
+    double along = 0.0;
+    for (int j = 0; j < profile.domain.cells[1]; ++j) {
+      double row = 0.0;
+      for (int i = 0; i < profile.domain.cells[0]; ++i) {
+        row += profile.component(gas::momentum_y)[i + profile.domain.cells[0] * j] * profile.domain.cell_volume(i);
+      }
+      bool const above = profile.domain.lower[1] + (j + 0.5) * profile.domain.h > 0.0;
+      if (planes[a] == 0) {
+        along += both ? 0.0 : t.share * placing.sense * row;
+      } else if (both) {
+        along += t.share * planes[a] * row;
+      } else if (above == (planes[a] * placing.sense > 0.0)) {
+        along += 2.0 * t.share * placing.sense * row;
+      }
+    }
+    t.sum[gas::momentum_x + a] = along;
+  }
+  return t;
+}
+
+/// Makes the sums those of the target; the cells take their parts of a difference by what they hold of the burst.
+/// Returns the largest relative difference that there was.
+double correct(gas::Gas& gas, Target const& target, std::vector<Touched> const& cells) {
+  double worst = 0.0;
+  for (int pass = 0; pass < 3; ++pass) {  // the later ones take the round-off of the first
+    for (int c = 0; c < gas.components(); ++c) {
+      if (is_free(c) || (is_momentum(c) && c - gas::momentum_x >= gas.grid().domain().dimensions())) continue;
+      double const difference = target.sum[c] - sum_over(gas, cells, c, false);
+      double const scale = is_momentum(c) ? target.radial_momentum : std::abs(target.sum[c]);
+      if (pass == 0 && scale > 0.0) worst = std::max(worst, std::abs(difference) / scale);
+      if (is_momentum(c) && !target.halved[c - gas::momentum_x]) {
+        // A velocity for all.
+        double const mass = sum_over(gas, cells, gas::density, true) +
+                            (gas.fluids().two ? sum_over(gas, cells, gas::second_density, true) : 0.0);
+        for (Touched const& t : cells) {
+          double rho = gas.fields().at(t.block, gas::density)[t.offset];
+          if (gas.fluids().two) rho += gas.fields().at(t.block, gas::second_density)[t.offset];
+          gas.fields().at(t.block, c)[t.offset] += t.part * rho * (difference / mass);
+        }
+        continue;
+      }
+      double const whole = sum_over(gas, cells, c, true);
+      if (whole == 0.0) continue;
+      for (Touched const& t : cells) gas.fields().at(t.block, c)[t.offset] *= 1.0 + t.part * (difference / whole);
+    }
+  }
+  return worst;
+}
+
+/// The volume fraction of a cell that gives it the wanted pressure, between half and one and a half of the way to the
+/// nearer of 0 and 1; where none does, the one there that comes nearest.
+double fitted_fraction(gas::Fluids const& fluids, double rho0, double rho1, double rho_e, double averaged,
+                       double wanted) {
+  auto const excess = [&](double alpha) { return gas::mixture(fluids, rho0, rho1, alpha).pressure(rho_e) - wanted; };
+  double const room = 0.5 * std::min(averaged, 1.0 - averaged);
+  double const here = excess(averaged);
+  double best = averaged;
+  double best_excess = std::abs(here);
+  // Steps away from the averaged value on both sides until the sign changes: the nearest solution is the right one.
+  constexpr int steps = 16;
+  for (int n = 1; n <= steps; ++n) {
+    for (double const side : {-1.0, 1.0}) {
+      double low = averaged + side * room * (n - 1) / steps;
+      double high = averaged + side * room * n / steps;
+      double const at_high = excess(high);
+      if (std::abs(at_high) < best_excess) {
+        best = high;
+        best_excess = std::abs(at_high);
+      }
+      double const at_low = excess(low);
+      if ((at_low < 0.0) == (at_high < 0.0)) continue;
+      for (int half = 0; half < 50; ++half) {
+        double const middle = 0.5 * (low + high);
+        ((excess(middle) < 0.0) == (at_low < 0.0) ? low : high) = middle;
+      }
+      return 0.5 * (low + high);
+    }
+  }
+  return best;
+}
+
+void fit_pressures(gas::Gas& gas, std::vector<Touched> const& cells, RemapReport& report) {
+  if (!gas.fluids().two) return;
+  constexpr double trace = 1e-6;  // volume fractions that no pressure depends on
+  Sum averaged;
+  Sum fitted;
+  long mixed = 0;
+  for (Touched const& t : cells) {
+    double& alpha = gas.fields().at(t.block, gas::volume_fraction)[t.offset];
+    if (alpha < trace || alpha > 1.0 - trace) continue;
+    double const rho0 = gas.fields().at(t.block, gas::density)[t.offset];
+    double const rho1 = gas.fields().at(t.block, gas::second_density)[t.offset];
+    double momentum2 = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      double const m = gas.fields().at(t.block, gas::momentum_x + d)[t.offset];
+      momentum2 += m * m;
+    }
+    double const rho_e = gas.fields().at(t.block, gas::energy)[t.offset] - 0.5 * momentum2 / (rho0 + rho1);
+    auto const error = [&](double a) {
+      double const p = gas::mixture(gas.fluids(), rho0, rho1, a).pressure(rho_e);
+      return (p / t.pressure - 1.0) * (p / t.pressure - 1.0);
+    };
+    averaged.add(error(alpha));
+    alpha = fitted_fraction(gas.fluids(), rho0, rho1, rho_e, alpha, t.pressure);
+    fitted.add(error(alpha));
+    ++mixed;
+  }
+  if (mixed == 0) return;
+  report.pressure_error_averaged = std::sqrt(averaged.value() / static_cast<double>(mixed));
+  report.pressure_error = std::sqrt(fitted.value() / static_cast<double>(mixed));
+}
+
+void check_fit(gas::Gas const& gas, Profile const& profile) {
+  Geometry const to = gas.grid().domain().geometry;
+  Geometry const from = profile.domain.geometry;
+  bool const fits = from == Geometry::spherical1d      ? to == Geometry::cartesian3d || to == Geometry::axisymmetric2d
+                    : from == Geometry::cylindrical1d  ? to == Geometry::planar2d
+                    : from == Geometry::axisymmetric2d ? to == Geometry::cartesian3d
+                                                       : false;
+  if (!fits) {
+    throw InputError(
+        fmt::format("a profile of {} does not fit {}", grid::geometry_name(from), grid::geometry_name(to)));
+  }
+  if (profile.components != gas.components() || profile.components > most_components) {
+    throw InputError(fmt::format("the profile has {} components and the gas has {}: was it calculated with another afterburn, or written by another program?",
+                                 profile.components, gas.components()));
+  }
+}
+
+}  // namespace
+
+double RemapReport::error() const {
+  auto const relative = [](double a, double b, double scale) { return scale > 0.0 ? std::abs(a - b) / scale : 0.0; };
+  double worst = relative(after.energy, before.energy, std::abs(before.energy));
+  for (int f = 0; f < 2; ++f) worst = std::max(worst, relative(after.mass[f], before.mass[f], before.mass[f]));
+  for (int d = 0; d < 3; ++d) worst = std::max(worst, relative(after.momentum[d], before.momentum[d], radial_momentum));
+  return worst;
+}
+
+void archive(Archive& a, RemapReport& r) {
+  a(r.time, r.radius, r.cells_per_radius, r.share);
+  for (BurstSums* sums : {&r.before, &r.after}) a(sums->mass, sums->energy, sums->momentum);
+  a(r.radial_momentum, r.quadrature_error, r.pressure_error_averaged, r.pressure_error);
+}
+
+std::array<int, 3> planes_through(grid::Domain const& domain, Vec3 const& centre) {
+  std::array<int, 3> through{0, 0, 0};
+  for (int f = 0; f < 2 * domain.dimensions(); ++f) {
+    int const d = f / 2;
+    if (d == 0 && grid::radial_exponent(domain.geometry) > 0) continue;
+    grid::Boundary const b = domain.boundary[f];
+    double const plane = f % 2 == 0 ? domain.lower[d] : domain.upper(d);
+    bool const mirror = b == grid::Boundary::symmetry || b == grid::Boundary::wall;
+    if (mirror && std::abs(centre[d] - plane) <= 1e-6 * domain.h) through[d] = f % 2 == 0 ? 1 : -1;
+  }
+  return through;
+}
+
+RemapReport remap(gas::Gas& gas, Profile const& profile, Placing const& placing) {
+  check_fit(gas, profile);
+  grid::Domain const& domain = gas.grid().domain();
+  bool const axial = profile.domain.geometry == Geometry::axisymmetric2d;
+  std::vector<Touched> const cells =
+      axial ? fill(gas, profile, placing.centre, [&] { return AxialSource(profile, domain, placing); })
+            : fill(gas, profile, placing.centre, [&] { return RadialSource(profile, domain); });
+  if (cells.empty()) throw InputError("the burst lies outside the domain");
+  Target const target = target_of(gas, profile, placing, cells);
+
+  RemapReport report;
+  report.time = profile.time;
+  report.radius = profile.reach();
+  report.cells_per_radius = report.radius / domain.h;
+  report.share = target.share;
+  report.radial_momentum = target.radial_momentum;
+  report.quadrature_error = correct(gas, target, cells);
+  fit_pressures(gas, cells, report);
+
+  // What the cells hold beyond the burst is ambient gas.
+  auto const set = [&](BurstSums& sums, auto&& sum) {
+    sums.mass[0] = sum(gas::density);
+    if (gas.fluids().two) sums.mass[1] = sum(gas::second_density);
+    sums.energy = sum(gas::energy);
+    for (int d = 0; d < domain.dimensions(); ++d) sums.momentum[d] = sum(gas::momentum_x + d);
+  };
+  set(report.before, [&](int c) { return is_momentum(c) ? target.sum[c] : target.share * profile.sum(c); });
+  set(report.after, [&](int c) {
+    double const held = sum_over(gas, cells, c, false);
+    return is_momentum(c) ? held : held - (target.sum[c] - target.share * profile.sum(c));
+  });
+  return report;
+}
+
+}  // namespace brisance::detonation

@@ -1,0 +1,259 @@
+"""The start by a remap: a burst in 3D from a 1D start against the same burst in 1D throughout and in 3D throughout; the
+1D start by material points against that by the gas scheme."""
+import json
+import re
+
+import h5py
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from common import COLOURS, INK, ORANGE, RC, ROOT, Variants, commit, machine, per_cent, style, table
+
+DISTANCES = (0.25, 0.3, 0.35, 0.4, 0.45)  # of the gauges [m]
+DIRECTIONS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "xy": (1, 1, 0), "yz": (0, 1, 1), "xyz": (1, 1, 1)}
+QUANTITIES = {"arrival_time": "arrival", "peak_overpressure": "peak", "positive_impulse": "impulse"}
+CELLS = {False: {"remap": ("10.4", "5.2", "2.6"), "direct": ("10.4", "5.2", "3.25")},  # [mm]
+         True: {"remap": ("26", "10.4"), "direct": ("26", "10.4")}}
+STARTS = {False: {"gas": ("1", "0.26", "0.13", "0.065"), "points": ("1", "0.26")},  # cells of the 1D start [mm]
+          True: {"gas": ("1", "0.26"), "points": ("1",)}}
+SAME_TIME = "70 us"  # of the profiles of gas and points
+
+
+def reference_deck():
+    gauges = "".join(f'[[gauge]]\nname="r{d}"\npoint=[{d}]\n' for d in DISTANCES)
+    return f"""[domain]
+geometry="spherical1d"
+size=0.78
+cell="0.26 mm"
+[[charge]]
+mass="1 kg"
+{gauges}[end]
+time="0.26 ms"
+"""
+
+
+def octant_deck(start, cell):
+    gauges = ""
+    for d in DISTANCES:
+        for name, v in DIRECTIONS.items():
+            length = np.sqrt(sum(x * x for x in v))
+            gauges += f'[[gauge]]\nname="r{d}-{name}"\npoint={[float(d * x / length) for x in v]}\n'
+    remap = '[remap]\ncell="0.26 mm"\nradius=0.2\n' if start == "remap" else ""
+    return f"""start="{start}"
+[domain]
+size=[0.52,0.52,0.52]
+cell="{cell} mm"
+[boundaries]
+x_low="symmetry"
+y_low="symmetry"
+z_low="symmetry"
+[[charge]]
+mass="1 kg"
+{remap}{gauges}[end]
+time="0.26 ms"
+"""
+
+
+def start_deck(method, cell):
+    return f"""start="remap"
+[domain]
+geometry="axisymmetric2d"
+size=[0.6,1.2]
+cell="5 mm"
+[[charge]]
+mass="1 kg"
+position=[0,0.6]
+[remap]
+time="{SAME_TIME}"
+method="{method}"
+cell="{cell} mm"
+[output]
+fields=["pressure"]
+[end]
+time="0.5 ms"
+steps=2
+"""
+
+
+def gauges_of(result):
+    return {g["name"]: g for g in json.loads((result.folder / "summary.json").read_text())["gauges"]}
+
+
+def ratios(result, reference):
+    """Of every quantity and distance: values in all directions over those of the 1D run."""
+    fine, gauges = gauges_of(reference), gauges_of(result)
+    return {key: {d: np.array([gauges[f"r{d}-{n}"][key] / fine[f"r{d}"][key] for n in DIRECTIONS]) for d in DISTANCES}
+            for key in QUANTITIES}
+
+
+def comparison(runs, reference):
+    rows = []
+    for (start, cell), run in runs.items():
+        r = ratios(run, reference)
+        for d in DISTANCES:
+            row = [start, cell, f"{52.7118 / float(cell):.1f}", f"{d:g}"]
+            for key in QUANTITIES:
+                v = r[key][d]
+                row += [f"{per_cent(v.min())} to {per_cent(v.max())}", f"{100 * (v.max() - v.min()) / v.mean():.1f} %"]
+            rows.append(row)
+    header = ["start", "h [mm]", "cells per charge radius", "distance [m]"]
+    for name in QUANTITIES.values():
+        header += [name, "scatter"]
+    return table(header, rows)
+
+
+def later_rises(history):
+    """The largest rise of the pressure after the first peak, relative to the peak, and when it began [s]."""
+    t, p = history["time"], history["overpressure"]
+    first = int(np.argmax(p))
+    low = np.minimum.accumulate(p[first:])
+    rise = p[first:] - low
+    at = int(np.argmax(rise))
+    return rise[at] / p[first], t[first:][int(np.argmin(p[first:first + at + 1]))]
+
+
+def rises(runs, reference):
+    rows = []
+    for d in DISTANCES:
+        row = [f"{d:g}"]
+        for result, name in [(reference, f"r{d}")] + [(r, f"r{d}-{n}") for (s, _), r in runs.items() if s == "remap"
+                                                      for n in ("x", "xyz")]:
+            rise, at = later_rises(result.gauge(name))
+            row.append(f"{100 * rise:.2f} % from {at * 1e6:.0f} us")
+        rows.append(row)
+    names = [f"h = {c} mm, {n}" for (s, c) in runs if s == "remap" for n in ("axis", "diagonal")]
+    return table(["distance [m]", "1D", *names], rows)
+
+
+def audits(runs):
+    rows = []
+    for (start, cell), run in runs.items():
+        if start != "remap":
+            continue
+        s = run.log["starts"][0]
+        rows.append([cell, f"{s['cells_per_radius']:.1f}",
+                     f"{s['before']['mass'][1]:.15g}", f"{s['after']['mass'][1]:.15g}",
+                     f"{s['before']['mass'][0]:.12g}", f"{s['after']['mass'][0]:.12g}", f"{s['before']['energy']:.12g}",
+                     f"{s['after']['energy']:.12g}", f"{s['relative_error']:.1e}", f"{s['quadrature_error']:.0e}"])
+    return table(["h [mm]", "cells per burst radius", "products before [kg]", "after", "air before [kg]", "after",
+                  "energy before [J]", "after", "largest relative error", "before the correction"], rows)
+
+
+def updates(runs, start):
+    """Cell updates of the second coarsest remapped run, and of the finest direct one."""
+    run = [r for (s, _), r in runs.items() if s == start][1 if start == "remap" else -1]
+    return run.log["domain"]["cell_count"] * run.log["step"]
+
+
+def costs(runs, reference):
+    rows = []
+    for (start, cell), run in runs.items():
+        r = ratios(run, reference)
+        errors = [f"{100 * np.mean([np.abs(v - 1.0) for v in r[key].values()]):.2f} %" for key in QUANTITIES]
+        scatter = 100 * np.mean([(v.max() - v.min()) / v.mean() for v in r["peak_overpressure"].values()])
+        log = run.log
+        before = log["timings"].get("start", 0.0)
+        updates = log["domain"]["cell_count"] * log["step"] / 1e6
+        rows.append([start, cell, f"{log['domain']['cell_count']:,}", f"{log['step']:,}", f"{updates:,.0f}",
+                     f"{before:.0f}", f"{log['timings']['sweeps'] + log['timings']['exchange']:.0f}", *errors,
+                     f"{scatter:.1f} %"])
+    return table(["start", "h [mm]", "cells", "steps", "million cell updates", "1D start [s]", "steps in 3D [s]",
+                  *(f"mean error of the {n}" for n in QUANTITIES.values()), "mean scatter of the peak"], rows)
+
+
+def cumulated(path, radii, component):
+    """Integral of a component of a profile (None: the pressure) from the centre to the radii."""
+    with h5py.File(path) as file:
+        spacing, ambient = float(file.attrs["spacing"]), file["profile/ambient"][...]
+        if component is None:
+            values = np.append(file["profile/pressure"][0], file.attrs["ambient_pressure"])
+        else:
+            values = np.append(file["profile/state"][component, 0], ambient[component])
+    edges = 4 / 3 * np.pi * (np.arange(len(values)) * spacing) ** 3
+    sums = np.append(0.0, np.cumsum(values[:-1] * np.diff(edges)))
+    asked = 4 / 3 * np.pi * radii ** 3
+    return np.interp(asked, edges, sums) + np.maximum(0.0, asked - edges[-1]) * values[-1]
+
+
+def start_table(starts):
+    finest = list(key for key in starts if key[0] == "gas")[-1]
+    rows = []
+    for key, run in starts.items():
+        row = [key[0], key[1], f"{52.7118 / float(key[1]):.0f}"]
+        for cell in (0.26e-3, 5e-3):
+            radii = np.arange(0.0, 0.34, cell)
+            for component in (None, 0, 6, 1, 4):
+                a = np.diff(cumulated(starts[finest].folder / "profiles/start_1.h5", radii, component))
+                b = np.diff(cumulated(run.folder / "profiles/start_1.h5", radii, component))
+                row.append(f"{100 * np.abs(a - b).sum() / np.abs(a).sum():.2f} %")
+        rows.append(row + [f"{run.log['timings']['start']:.1f}"])
+    names = ("pressure", "air", "products", "momentum", "energy")
+    return table(["method", "cell [mm]", "cells per charge radius", *names, *(f"{n}, 5 mm" for n in names), "time [s]"],
+                 rows)
+
+
+def plots(runs, reference, starts, target):
+    matplotlib.rcParams.update(RC)
+    figure, axes = plt.subplots(1, 3, figsize=(12.0, 3.9), layout="constrained")
+    remapped = [(c, r) for (s, c), r in runs.items() if s == "remap"]
+    for a, d in zip(axes, (DISTANCES[0], DISTANCES[2], DISTANCES[4])):
+        style(a)
+        for colour, (cell, run) in zip(COLOURS[-len(remapped):], remapped):
+            for n, line in (("x", "-"), ("xyz", "--")):
+                h = run.gauge(f"r{d}-{n}")
+                a.plot(h["time"] * 1e6, h["overpressure"] / 1e6, line, color=colour, linewidth=1.1,
+                       label=f"3D, h = {cell} mm" if n == "x" else None)
+        h = reference.gauge(f"r{d}")
+        a.plot(h["time"] * 1e6, h["overpressure"] / 1e6, color=ORANGE, linewidth=1.1, label="1D, h = 0.26 mm")
+        a.set_xlim(30, 250)
+        a.set_yscale("symlog", linthresh=0.1)
+        a.set_title(f"Overpressure [MPa] at {d:g} m; dashed: diagonal")
+        a.set_xlabel("time [us]")
+    axes[0].legend()
+    figure.savefig(target / "remap_histories.png", dpi=120, facecolor="white")
+    plt.close(figure)
+
+    figure, axes = plt.subplots(1, 3, figsize=(12.0, 3.9), layout="constrained")
+    gas = [key for key in starts if key[0] == "gas"][-1]
+    points = [key for key in starts if key[0] == "points"][-1]
+    for key, colour in ((points, ORANGE), (gas, INK)):
+        with h5py.File(starts[key].folder / "profiles/start_1.h5") as file:
+            state, pressure = file["profile/state"][:, 0], file["profile/pressure"][0]
+            r = (np.arange(len(pressure)) + 0.5) * float(file.attrs["spacing"])
+        rho = state[0] + state[6]
+        for a, values in zip(axes, (rho, state[1] / rho, pressure / 1e6)):
+            a.plot(r, values, color=colour, linewidth=0.9, label=f"{key[0]}, cells of {key[1]} mm")
+    for a, title in zip(axes, ("Density [kg/m³]", "Velocity [m/s]", "Pressure [MPa]")):
+        style(a)
+        a.set_title(f"{title} at {SAME_TIME}")
+        a.set_xlabel("radius [m]")
+        if "Velocity" not in title:
+            a.set_yscale("log")
+    axes[0].legend()
+    figure.savefig(target / "remap_starts.png", dpi=120, facecolor="white")
+    plt.close(figure)
+
+
+def validate(arguments, work):
+    """Writes docs/validation/remap.md and its figures."""
+    run = Variants(arguments, work)
+    reference = run("remap", "reference", text=reference_deck())
+    cells = CELLS[arguments.quick]
+    octants = {(start, cell): run("remap", f"{start}-{cell}mm", text=octant_deck(start, cell))
+               for start in cells for cell in cells[start]}
+    starts = {(method, cell): run("remap", f"start-{method}-{cell}mm", text=start_deck(method, cell))
+              for method, sizes in STARTS[arguments.quick].items() for cell in sizes}
+    target = work if arguments.quick else ROOT / "docs" / "validation"
+    target.mkdir(parents=True, exist_ok=True)
+    plots(octants, reference, starts, target)
+    values = {"command": "validation/run remap" + (" --quick" if arguments.quick else ""),
+              "commit": arguments.commit or commit(), "machine": machine(),
+              "threads": str(reference.log["machine"]["threads"]), "audits": audits(octants),
+              "comparison": comparison(octants, reference), "rises": rises(octants, reference),
+              "costs": costs(octants, reference),
+              "ratio": f"{updates(octants, 'direct') / updates(octants, 'remap'):.1f}",
+              "starts": start_table(starts)}
+    template = (ROOT / "validation" / "remap.md.in").read_text()
+    page = re.sub(r"@(\w+)@", lambda match: values[match.group(1)].rstrip("\n"), template)
+    (target / "remap.md").write_text(page)
+    print(f"wrote {target / 'remap.md'}; results of the runs: {work}")
