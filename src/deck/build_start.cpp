@@ -52,9 +52,10 @@ void Builder::start() {
       }
     }
     if (s.method == run::StartMethod::points && deck_.given("afterburn")) {
-      error(*section, "method",
-            fmt::format("{} does not go with [afterburn], which is of gas cells: write \"gas\", or remove the afterburn",
-                        section->shown("method")));
+      error(
+          *section, "method",
+          fmt::format("{} does not go with [afterburn], which is of gas cells: write \"gas\", or remove the afterburn",
+                      section->shown("method")));
     }
     if (section->given("time") && section->given("radius")) {
       error(*section, "radius",

@@ -489,8 +489,10 @@ void check_fit(gas::Gas const& gas, Profile const& profile) {
         fmt::format("a profile of {} does not fit {}", grid::geometry_name(from), grid::geometry_name(to)));
   }
   if (profile.components != gas.components() || profile.components > most_components) {
-    throw InputError(fmt::format("the profile has {} components and the gas has {}: was it calculated with another afterburn, or written by another program?",
-                                 profile.components, gas.components()));
+    throw InputError(
+        fmt::format("the profile has {} components and the gas has {}: was it calculated with another afterburn, or "
+                    "written by another program?",
+                    profile.components, gas.components()));
   }
 }
 
