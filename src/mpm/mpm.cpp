@@ -465,7 +465,10 @@ BodySums Mpm::sums(int body) const {
     for (int q = 0; q < set.size(); ++q) {
       double const m = set.field(Field::mass)[q];
       s.mass += m;
-      if (double const* second = set.field(Field::mass_fraction)) s.second_mass += m * second[q];
+      double const* second = set.field(Field::mass_fraction);
+      double const m1 = second == nullptr ? 0.0 : m * second[q];
+      s.fluid_mass[0] += m - m1;
+      s.fluid_mass[1] += m1;
       double square = 0.0;
       double moved = 0.0;
       for (int d = 0; d < 3; ++d) {
@@ -488,7 +491,7 @@ BodySums Mpm::sums(int body) const {
   for (BodySums const& s : parts) {
     total.points += s.points;
     total.mass += s.mass;
-    total.second_mass += s.second_mass;
+    for (int f = 0; f < 2; ++f) total.fluid_mass[f] += s.fluid_mass[f];
     total.momentum = total.momentum + s.momentum;
     total.centre = total.centre + s.centre;
     total.kinetic_energy += s.kinetic_energy;

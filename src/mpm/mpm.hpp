@@ -136,8 +136,10 @@ struct BarReport {
 /// Sums over the points of one body.
 struct BodySums {
   long points = 0;
-  double mass = 0.0;                  ///< [kg]
-  double second_mass = 0.0;           ///< of it, of the second fluid: gas
+  double mass = 0.0;  ///< [kg]
+  /// Of it, of the ambient and of the second fluid: gas. Each is summed by itself: of products and a little air the
+  /// difference of two sums would lose three digits of the air.
+  std::array<double, 2> fluid_mass{0.0, 0.0};
   Vec3 momentum{0.0, 0.0, 0.0};       ///< [kg m/s]
   Vec3 centre{0.0, 0.0, 0.0};         ///< of mass [m]
   double kinetic_energy = 0.0;        ///< [J]

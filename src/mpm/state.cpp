@@ -10,7 +10,7 @@
 namespace brisance::mpm {
 
 void archive(Archive& a, BodySums& s) {
-  a(s.points, s.mass, s.second_mass, s.momentum, s.centre, s.kinetic_energy, s.internal_energy, s.plastic_work,
+  a(s.points, s.mass, s.fluid_mass, s.momentum, s.centre, s.kinetic_energy, s.internal_energy, s.plastic_work,
     s.largest_displacement, s.damaged_mass);
 }
 

@@ -27,8 +27,7 @@ Totals totals_of(mpm::Mpm const& points, int gas_body = -1) {
     total.momentum = total.momentum + sums.momentum;
     total.energy += sums.kinetic_energy + sums.internal_energy;
     if (gas_body >= 0 && body != gas_body) continue;
-    total.mass[0] += sums.mass - sums.second_mass;
-    total.mass[1] += sums.second_mass;
+    for (int f = 0; f < 2; ++f) total.mass[f] += sums.fluid_mass[f];
   }
   return total;
 }
