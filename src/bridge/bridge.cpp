@@ -758,8 +758,9 @@ void Bridge::append_point(int face, int lane, double depth, double mass, GasStat
   if (double* alpha = to.field(Field::volume_fraction)) alpha[q] = s.volume_fraction;
 }
 
-/// The volumes of the accounts. Where gas flows in they are what has crossed by the velocity of the face, and shrink
-/// and grow with the gas there; where it flows out the mass tells.
+/// The volumes of the accounts are what has crossed by the velocity of the face, less what points took along; they
+/// shrink and grow with the gas there. Where gas flows out, away from contacts, the masses tell better what is missing
+/// in space than the volumes that points carry; and no more than one point's volume can be missing.
 void Bridge::follow_volumes(double dt) {
   int const dims = region_.domain().dimensions();
   double const h = region_.domain().h;
