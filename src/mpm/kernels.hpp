@@ -243,47 +243,15 @@ inline __attribute__((always_inline)) void velocity_at(Patch const& patch, Weigh
   velocity = v;
 }
 
-/// Value and gradient [1/cell] at one point: out = {value, d/dx, d/dy, d/dz}; `g` are the gradients to use, `part` what
-/// is read of a node.
-template <class S, int D, class Node, class Part>
+/// Value and gradient [1/cell] at one point: out = {value, d/dx, d/dy, d/dz}, and, where it has seven members, the
+/// mixed parts xy, yz and zx; `g` are the gradients to use, `part` what is read of a node.
+template <class S, int D, class Node, class Part, std::size_t N>
 inline __attribute__((always_inline)) void value_and_gradient(Patch const& patch, Weights<S, D> const& k,
                                                               double const (&g)[D][S::support][chunk], int q,
                                                               Node const* nodes, Part&& part,
-                                                              std::array<Lanes4, 4>& out) {
-  Lanes4 v{};
-  Lanes4 vx{};
-  Lanes4 vy{};
-  Lanes4 vz{};
-  Node const* first = nodes + k.base[q];
-  constexpr int rows = D > 1 ? S::support : 1;
-  constexpr int planes = D > 2 ? S::support : 1;
-  for (int c = 0; c < planes; ++c) {
-    for (int b = 0; b < rows; ++b) {
-      Node const* row = first + b * patch.n[0] + c * patch.n[0] * patch.n[1];
-      Lanes4 r = k.w[0][0][q] * part(row[0]);
-      Lanes4 s = g[0][0][q] * part(row[0]);
-      for (int i = 1; i < S::support; ++i) {
-        r += k.w[0][i][q] * part(row[i]);
-        s += g[0][i][q] * part(row[i]);
-      }
-      double const wy = D > 1 ? k.w[D > 1 ? 1 : 0][b][q] : 1.0;
-      double const wz = D > 2 ? k.w[D > 2 ? 2 : 0][c][q] : 1.0;
-      v += (wy * wz) * r;
-      vx += (wy * wz) * s;
-      if constexpr (D > 1) vy += (g[1][b][q] * wz) * r;
-      if constexpr (D > 2) vz += (wy * g[2][c][q]) * r;
-    }
-  }
-  out = {v, vx, vy, vz};
-}
-
-/// Value, slopes and mixed parts at one point in units of a cell, with the weights of APIC: out = {value, x, y, z, xy,
-/// yz, zx}.
-template <class S, int D, class Node, class Part>
-inline __attribute__((always_inline)) void value_and_moments(Patch const& patch, Weights<S, D> const& k,
-                                                             double const (&g)[D][S::support][chunk], int q,
-                                                             Node const* nodes, Part&& part,
-                                                             std::array<Lanes4, 7>& out) {
+                                                              std::array<Lanes4, N>& out) {
+  static_assert(N == 4 || N == 7);
+  constexpr bool mixed = N == 7;
   out.fill(Lanes4{});
   Node const* first = nodes + k.base[q];
   constexpr int rows = D > 1 ? S::support : 1;
@@ -304,12 +272,12 @@ inline __attribute__((always_inline)) void value_and_moments(Patch const& patch,
       if constexpr (D > 1) {
         double const gy = g[1][b][q];
         out[2] += (gy * wz) * r;
-        out[4] += (gy * wz) * s;
+        if constexpr (mixed) out[4] += (gy * wz) * s;
         if constexpr (D > 2) {
           double const gz = g[2][c][q];
           out[3] += (wy * gz) * r;
-          out[5] += (gy * gz) * r;
-          out[6] += (wy * gz) * s;
+          if constexpr (mixed) out[5] += (gy * gz) * r;
+          if constexpr (mixed) out[6] += (wy * gz) * s;
         }
       }
     }

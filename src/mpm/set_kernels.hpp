@@ -362,7 +362,7 @@ struct Kernels {
         bool const mixed = set.field(Field::cross_xy) != nullptr;
         for (int q = 0; q < n; ++q) {
           std::array<Lanes4, 7> sum;
-          value_and_moments<S, D>(*v.patch, k, around.g, q, nodes, momentum_of, sum);
+          value_and_gradient<S, D>(*v.patch, k, around.g, q, nodes, momentum_of, sum);
           lost[q] = sum[0][3] - 0.5 * (sum[0][0] * sum[0][0] + sum[0][1] * sum[0][1] + sum[0][2] * sum[0][2]);
           for (int j = 0; j < D; ++j) {
             for (int i = 0; i < 3; ++i) lost[q] -= 0.125 * sum[1 + j][i] * sum[1 + j][i];
