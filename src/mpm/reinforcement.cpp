@@ -71,14 +71,14 @@ BarReport Mpm::reinforce(Bar const& bar) {
     }
   }
   double const asked = share * 0.25 * std::numbers::pi * bar.diameter * bar.diameter * length;
-  double const whole = share * std::numbers::pi * radius * radius * length;
-  if (tube + taken < 0.7 * whole) {
+  double const steel = share * std::numbers::pi * radius * radius * length;
+  if (tube + taken < 0.7 * steel) {
     throw InputError(
         fmt::format("a bar of body \"{}\" from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) m does not lie within the "
                     "body: of the points "
                     "within {:g} m of its axis {:.0f} % are there; keep a cell away from its surface",
                     body.name, bar.from[0], bar.from[1], bar.from[2], bar.to[0], bar.to[1], bar.to[2], radius,
-                    100.0 * (tube + taken) / whole));
+                    100.0 * (tube + taken) / steel));
   }
   if (!(tube > asked)) {
     throw InputError(fmt::format(
