@@ -257,11 +257,6 @@ namespace {
 constexpr double sharpening = 1.0 / 12.0;
 constexpr double steep = 0.2;  ///< relative difference of pressure or density that counts as a jump
 
-bool is_jump(GasState const& a, GasState const& b) {
-  auto const far = [](double x, double y) { return std::abs(x - y) > steep * std::min(x, y); };
-  return far(a.pressure, b.pressure) || far(a.density, b.density);
-}
-
 }  // namespace
 
 /// The velocity of points stands half a step of theirs behind their stress (Eqs. (22)-(25) are a leapfrog): the ghost
@@ -281,7 +276,7 @@ void Bridge::fill_ghost(int n) {
     if (low < 0 || high < 0 || sums[low].volume < enough || sums[high].volume < enough) continue;
     GasState const below = state_of(sums[low]);
     GasState const above = state_of(sums[high]);
-    if (is_jump(own, below) || is_jump(own, above)) continue;
+    if (is_jump(own, below, steep) || is_jump(own, above, steep)) continue;
     auto const second = [](double a, double b, double c) { return a - 2.0 * b + c; };
     s.density -= sharpening * second(below.density, own.density, above.density);
     s.pressure -= sharpening * second(below.pressure, own.pressure, above.pressure);
@@ -778,8 +773,7 @@ void Bridge::follow_volumes(double dt) {
       if (d != faces[f].direction) divergence += slopes.velocity[d][d] / h;
     }
     double const stretch = std::exp(dt * divergence);
-    double const inside = states_.later(lanes.inside_state).density;
-    bool const contact = std::abs(inside - outside.density) > 0.1 * std::min(inside, outside.density);
+    bool const contact = differ(states_.later(lanes.inside_state).density, outside.density, 0.1);
     for (int lane = 0; lane < lanes_per_face_; ++lane) {
       Ledger& account = accounts[lane];
       if (outwards_[f] != 0 && !contact) {

@@ -31,12 +31,7 @@ GasState blended(GasState const& a, GasState const& b, GasState const& c, std::a
   return s;
 }
 
-/// Is the change between two times too large for a parabola?
-bool is_jump(GasState const& a, GasState const& b) {
-  constexpr double most = 0.1;
-  auto const far = [](double x, double y) { return std::abs(x - y) > most * std::min(x, y); };
-  return far(a.pressure, b.pressure) || far(a.density, b.density);
-}
+constexpr double steep = 0.1;  ///< relative change between two times that is too large for a parabola
 
 }  // namespace
 
@@ -125,7 +120,7 @@ void CellStates::at(int n, double part, GasState& state, GasSlopes& slopes) cons
     GasState const& a = before_[index];
     GasState const& b = earlier_[index];
     GasState const& c = later_[index];
-    bool const smooth = levels_ == 3 && !is_jump(a, b) && !is_jump(b, c);
+    bool const smooth = levels_ == 3 && !is_jump(a, b, steep) && !is_jump(b, c, steep);
     return blended(a, b, c, smooth ? parabola : line);
   };
   state = value(n);

@@ -2,7 +2,9 @@
 /// steps.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "gas/gas.hpp"
@@ -22,6 +24,14 @@ struct GasState {
   double mass_fraction = 0.0;    ///< of the second fluid
   double volume_fraction = 0.0;  ///< of the second fluid
 };
+
+/// Do two positive values differ by more than this part of the smaller one?
+[[nodiscard]] inline bool differ(double a, double b, double part) { return std::abs(a - b) > part * std::min(a, b); }
+
+/// Do pressure or density jump by more than this part between two states?
+[[nodiscard]] inline bool is_jump(GasState const& a, GasState const& b, double part) {
+  return differ(a.pressure, b.pressure, part) || differ(a.density, b.density, part);
+}
 
 /// Changes over one cell in each direction; composition is constant in a cell.
 struct GasSlopes {
