@@ -1,8 +1,10 @@
 """What the validations share: running a deck in variants, tables, and the look of the figures."""
+import hashlib
 import json
 import os
 import platform
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +16,7 @@ import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
+FAILURE = 4  # exit code of a numerical failure
 INK, MUTED, GRID = "#1d2733", "#66727f", "#e3e8ed"
 COLOURS = ("#b5d3ec", "#7db3de", "#3f84c2", "#1f4f88")  # coarse to fine
 ORANGE = "#c8641b"
@@ -89,29 +92,71 @@ def varied(text, changes):
     return text
 
 
+def build_of(program):
+    """What tells one build of the program from another."""
+    return hashlib.sha256(Path(program).read_bytes()).hexdigest()
+
+
+def call(command, silent):
+    """Runs the program and returns its exit code. Ctrl-C and SIGTERM reach it as one Ctrl-C, upon which it writes a
+    checkpoint; then this process ends too."""
+    asked = []
+    # A group of its own: a Ctrl-C of the terminal would reach it a second time and end it at once.
+    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL if silent else None, process_group=0)
+
+    def pass_on(number, _):
+        asked.append(number)
+        process.send_signal(signal.SIGINT)
+    before = {number: signal.signal(number, pass_on) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        code = process.wait()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    if asked:
+        print("stopped; the same command with the same work folder goes on from here", file=sys.stderr)
+        raise Stopped(3)
+    return code
+
+
+class Stopped(SystemExit):
+    """The user asked for an end."""
+
+
 class Variants:
-    """Runs a case in variants. Results of the same deck by the same program are taken again where `reuse` is set."""
+    """Runs a case's deck in variants, in the folder `work`.
+
+    Finished results of the same deck by the same build of the program are taken again, with `reuse` those of any build;
+    a run that was interrupted goes on from its newest checkpoint. What each run costs is in `costs`, rows of run,
+    cells, points, steps, threads and seconds on the wall, over all restarts.
+    """
 
     def __init__(self, arguments, work):
         self.program, self.threads, self.reuse = arguments.brisance, arguments.threads, arguments.reuse
-        self.work = work
+        self.work = Path(work)
+        self.build = build_of(self.program)
         self.seconds = 0.0
+        self.costs = []
+        self.number, self.expected = 0, 0
+
+    def expect(self, number):
+        """How many runs follow, for the progress."""
+        self.number, self.expected = 0, number
 
     def __call__(self, case, name, changes=None, added="", may_fail=False, text=None):
         """Returns the results, or None where the run failed and may. `text` stands for the case's deck."""
         text = varied(text or (ROOT / "cases" / case / "deck.toml").read_text(), changes or {}) + added
         folder = self.work / f"{case}-{name}"
-        done = (folder / "run.json").exists() and (folder / "deck.toml").exists()
-        if not (self.reuse and done and (folder / "deck.toml").read_text() == text):
-            deck = self.work / f"{case}-{name}.toml"
-            deck.write_text(text)
-            print(f"{case}, {name} ...", flush=True)
-            command = [self.program, "run", deck, "--output", folder, "--force", "--no-progress", "--threads",
-                       str(self.threads)]
-            finished = subprocess.run([str(c) for c in command], stdout=subprocess.DEVNULL,
-                                      stderr=subprocess.DEVNULL if may_fail else None)
-            if finished.returncode != 0 and not may_fail:
-                sys.exit(f"{case}, {name}: failed with exit code {finished.returncode}")
+        self.number += 1
+        of = f" of {self.expected}" if self.expected >= self.number else ""
+        print(f"[run {self.number}{of}] {case}, {name}: ", end="", flush=True)
+        state = self.state(folder, text)
+        if state == "finished":
+            print("taken from earlier", flush=True)
+        else:
+            print("goes on from its checkpoint ..." if state == "resumable" else "...", flush=True)
+            self.calculate(case, name, text, state == "resumable", may_fail)
         if not (folder / "run.json").exists():
             sys.exit(f"{case}, {name}: no results; see `brisance check {self.work / f'{case}-{name}.toml'}`")
         result = Result(folder)
@@ -120,7 +165,37 @@ class Variants:
                 return None
             sys.exit(f"{folder}: the run is not done but {result.log['status']}")
         self.seconds += result.log["wall_seconds"]
+        self.costs.append((f"{case}, {name}", result.log["domain"]["cell_count"],
+                           result.log.get("points", {}).get("count", 0), result.log["step"],
+                           result.log["machine"]["threads"], round(result.log["wall_seconds"], 3)))
         return result
+
+    def state(self, folder, text):
+        """What a folder holds of the run of this deck by this program: "finished", "resumable" or "nothing"."""
+        try:
+            same = (folder / "deck.toml").read_text() == text
+            build = folder.with_name(folder.name + ".build").read_text() if not self.reuse else self.build
+            log = json.loads((folder / "run.json").read_text())
+        except (OSError, ValueError):
+            return "nothing"
+        if not same or build != self.build:
+            return "nothing"
+        if log["status"] == "done" or log["exit_code"] == FAILURE:
+            return "finished"
+        return "resumable" if list(folder.glob("checkpoints/checkpoint_*.brz")) else "nothing"
+
+    def calculate(self, case, name, text, resume, may_fail):
+        folder, deck = self.work / f"{case}-{name}", self.work / f"{case}-{name}.toml"
+        deck.write_text(text)
+        folder.with_name(folder.name + ".build").write_text(self.build)
+        command = [self.program, "run", deck, "--output", folder, "--threads", str(self.threads)]
+        command += [] if sys.stderr.isatty() else ["--no-progress"]
+        code = call([*command, "--resume" if resume else "--force"], may_fail)
+        if resume and code not in (0, FAILURE):
+            print("  its checkpoints are of no use; from the beginning ...", flush=True)
+            code = call([*command, "--force"], may_fail)
+        if code != 0 and not may_fail:
+            sys.exit(f"{case}, {name}: failed with exit code {code}")
 
 
 class Result:
