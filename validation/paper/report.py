@@ -6,6 +6,7 @@ from common import ROOT
 STYLE = """
 table.acceptance td, .data td { vertical-align: top; }
 table.acceptance th, table.acceptance td { text-align: left; }
+table.acceptance td:last-child { width: 80px; text-align: right; }
 caption { caption-side: top; text-align: left; color: var(--muted); font-size: 13px; padding: 4px 0; }
 footer > div { max-width: 1060px; margin: 0 auto; padding: 0 28px; }
 nav { margin-top: 10px; font-size: 14px; } nav a { margin-right: 16px; white-space: nowrap; }
@@ -102,10 +103,13 @@ def part(name, number, title, section):
                 f"{name}</code></p></section>")
     if "failed" in section:
         text += f'<p class="none">Failed: {escape(section["failed"])}</p>'
+    blocks = list(section["blocks"])
+    if blocks and blocks[0][0] == "text":  # the set-up
+        text += block(name, blocks.pop(0))
     if section["acceptance"]:
         text += data_table(("what is asked for", "measured", "limit", ""),
                            [acceptance_row(line) for line in section["acceptance"]], kind="acceptance", escaped=True)
-    text += "".join(block(name, item) for item in section["blocks"])
+    text += "".join(block(name, item) for item in blocks)
     if section["costs"]:
         text += f"<h3>Cost</h3>{costs(section['costs'])}"
     made = {key: escape(value) for key, value in section["made"].items()}
@@ -117,7 +121,7 @@ def page(sections, examples, resolution):
     """The whole page. `sections`: by name, those that have been calculated; `examples`: name: (number, title)."""
     style = (ROOT / "python" / "brisance" / "report.css").read_text(encoding="utf-8") + STYLE
     parts = "".join(part(name, *titles, sections.get(name)) for name, titles in examples.items())
-    links = "".join(f'<a href="#{name}">{number} {escape(title)}</a>' for name, (number, title) in examples.items())
+    links = " ".join(f'<a href="#{name}">{number} {escape(title)}</a>' for name, (number, title) in examples.items())
     builds = {section["made"]["build"] for section in sections.values()}
     mixed = "" if len(builds) < 2 else ('<p class="note">The examples were calculated by different builds of the '
                                         "program; each tells its own below.</p>")
