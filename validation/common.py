@@ -97,13 +97,12 @@ def build_of(program):
     return hashlib.sha256(Path(program).read_bytes()).hexdigest()
 
 
-def call(command, silent):
+def call(command):
     """Runs the program and returns its exit code. Ctrl-C and SIGTERM reach it as one Ctrl-C, upon which it writes a
     checkpoint; then this process ends too."""
     asked = []
     # A group of its own: a Ctrl-C of the terminal would reach it a second time and end it at once.
-    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL,
-                               stderr=subprocess.DEVNULL if silent else None, process_group=0)
+    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, process_group=0)
 
     def pass_on(number, _):
         asked.append(number)
@@ -190,10 +189,10 @@ class Variants:
         folder.with_name(folder.name + ".build").write_text(self.build)
         command = [self.program, "run", deck, "--output", folder, "--threads", str(self.threads)]
         command += [] if sys.stderr.isatty() else ["--no-progress"]
-        code = call([*command, "--resume" if resume else "--force"], may_fail)
+        code = call([*command, "--resume" if resume else "--force"])
         if resume and code not in (0, FAILURE):
             print("  its checkpoints are of no use; from the beginning ...", flush=True)
-            code = call([*command, "--force"], may_fail)
+            code = call([*command, "--force"])
         if code != 0 and not may_fail:
             sys.exit(f"{case}, {name}: failed with exit code {code}")
 

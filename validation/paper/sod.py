@@ -218,8 +218,8 @@ def run(variants, resolution, target):
                                    "([Cui14] Fig. 6)"),
         ("figure", "convergence.png", f"Error norms of the pressure against the cell ([Cui14] Fig. 7), Courant number "
                                       f"{COURANT:g} for points, 0.8 for cells"),
-        ("table", f"Error norms of the pressure [MPa] over the tube of 1 mm, Courant number {COURANT:g} for points, 0.8 "
-                  "for cells; orders: fitted over all grids", header, body),
+        ("table", f"Error norms of the pressure [MPa] over the tube of 1 mm, Courant number {COURANT:g} for points, "
+                  "0.8 for cells; orders: fitted over all grids", header, body),
         *([("table", f"Shorter steps: L1 norm of the pressure [MPa] on {reference} cells, and its order", steps_header,
             steps_body)] if steps_body else []),
         ("table", f"Computing time on {reference} cells without output, one thread, 2 points per cell, median of "
