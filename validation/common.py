@@ -1,4 +1,5 @@
 """What the validations share: running a deck in variants, tables, and the look of the figures."""
+import ctypes
 import hashlib
 import json
 import os
@@ -97,12 +98,20 @@ def build_of(program):
     return hashlib.sha256(Path(program).read_bytes()).hexdigest()
 
 
+def end_with_parent():
+    """In a process about to start: a Ctrl-C where its parent ends, whatever ended it. Linux only; elsewhere nothing."""
+    prctl = getattr(ctypes.CDLL(None), "prctl", None)
+    if prctl is not None:
+        prctl(1, signal.SIGINT)  # PR_SET_PDEATHSIG
+
+
 def call(command):
     """Runs the program and returns its exit code. Ctrl-C and SIGTERM reach it as one Ctrl-C, upon which it writes a
     checkpoint; then this process ends too."""
     asked = []
     # A group of its own: a Ctrl-C of the terminal would reach it a second time and end it at once.
-    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, process_group=0)
+    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, process_group=0,
+                               preexec_fn=end_with_parent)
 
     def pass_on(number, _):
         asked.append(number)

@@ -106,15 +106,34 @@ class Interrupted(Scratch):
             self.assertEqual(process.returncode, 3, out + err)
             self.assertIn("goes on from here", err)
             self.assertGreater(json.loads(log.read_text())["step"], steps)
-        text = LONG.replace('"20 ms"', f'{json.loads(log.read_text())["time"] * 1.05}')
         self.assertIn("goes on from its checkpoint", out)
-        # The rest is not waited for: the deck in the folder gets an earlier end, which `--resume` allows.
+        self.finish(deck, log, 2)
+
+    def finish(self, deck, log, stops):
+        """The rest is not waited for: the deck gets an earlier end, which `--resume` allows."""
+        text = LONG.replace('"20 ms"', f'{json.loads(log.read_text())["time"] * 1.05}')
         (self.work / "case-one" / "deck.toml").write_text(text)
         deck.write_text(text)
         done = subprocess.run(self.command(deck), capture_output=True, text=True)
         self.assertIn("goes on from its checkpoint", done.stdout)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(len(json.loads(log.read_text())["resumed_at_steps"]), 2)
+        self.assertEqual(len(json.loads(log.read_text())["resumed_at_steps"]), stops)
+
+    def test_killed_script_takes_its_run_along(self):
+        deck = self.work / "given.toml"
+        deck.write_text(LONG)
+        log = self.work / "case-one" / "run.json"
+        with subprocess.Popen(self.command(deck), stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            while not log.exists():
+                time.sleep(0.01)
+            time.sleep(0.3)
+            process.kill()
+        for _ in range(200):
+            if json.loads(log.read_text())["status"] == "stopped":
+                break
+            time.sleep(0.05)
+        self.assertEqual(json.loads(log.read_text())["status"], "stopped")
+        self.finish(deck, log, 1)
 
 
 class Paper(Scratch):

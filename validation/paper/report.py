@@ -132,6 +132,9 @@ def page(sections, examples, resolution):
 <nav>{links}</nav></div></header>
 <main>{INTRODUCTION}{mixed}{summary(sections, examples)}
 {parts}</main>
-<footer><div>Made by <code>validation/run paper</code>; the figures lie in the folders beside this page.</div></footer>
+<footer><div>Made by <code>validation/run paper</code>, which calculates what is missing and goes on where it was
+stopped; <code>--example NAME</code> renews one example, <code>--resolution quick|fine</code> takes coarser or finer
+grids, <code>--compose</code> writes this page anew. The figures and the numbers (<code>section.json</code>) lie in the
+folders beside it. It prints well.</div></footer>
 </body></html>
 """
