@@ -12,7 +12,14 @@ footer > div { max-width: 1060px; margin: 0 auto; padding: 0 28px; }
 nav { margin-top: 10px; font-size: 14px; } nav a { margin-right: 16px; white-space: nowrap; }
 a { color: var(--accent); } p, ul { max-width: 860px; } li { margin: 3px 0; }
 .none { border: 1px dashed #9aa5b1; border-radius: 5px; padding: 12px 16px; color: var(--muted); }
-@media print { nav { display: none; } section { break-before: page; } .scroll { overflow: visible; } }
+td.short { white-space: nowrap; } figure img { max-height: 860px; width: auto; }
+@media print {
+  nav { display: none; } .scroll { overflow: visible; } body { font-size: 10pt; }
+  table { font-size: 8.5pt; break-inside: auto; }
+  tr { break-inside: avoid; } caption { break-after: avoid; } th, td { padding: 3px 5px; }
+  figure img { max-height: 190mm; }
+  section.calculated { break-before: page; }
+}
 """
 INTRODUCTION = """
 <p>Cui, Zhang, Zhou, Liu &amp; Zhang, <i>A Coupled Finite Difference Material Point Method and Its Application in
@@ -31,9 +38,12 @@ def badge(text, kind):
 
 def data_table(header, rows, caption="", kind="data", escaped=False):
     """A table of plain texts, or of HTML where they are `escaped` already."""
+    def cell(tag, value):
+        short = ' class="short"' if tag == "td" and not escaped and len(str(value)) <= 16 else ""  # not broken: numbers
+        return f"<{tag}{short}>{value if escaped else escape(str(value))}</{tag}>"
+
     def cells(tag, values):
-        texts = [str(v) if escaped else escape(str(v)) for v in values]
-        return "<tr>" + "".join(f"<{tag}>{v}</{tag}>" for v in texts) + "</tr>"
+        return "<tr>" + "".join(cell(tag, value) for value in values) + "</tr>"
     title = f"<caption>{escape(caption)}</caption>" if caption else ""
     return (f'<div class="scroll"><table class="{kind}">{title}<thead>{cells("th", header)}</thead>'
             f"<tbody>{''.join(cells('td', row) for row in rows)}</tbody></table></div>")
@@ -97,7 +107,8 @@ def costs(rows):
 def part(name, number, title, section):
     """The section of one example."""
     title = section["title"] if section else title
-    text = f'<section id="{name}"><h2><span class="number">{number}</span>{escape(title)}</h2>'
+    calculated = "" if section is None else ' class="calculated"'
+    text = f'<section id="{name}"{calculated}><h2><span class="number">{number}</span>{escape(title)}</h2>'
     if section is None:
         return (f'{text}<p class="none">Not run at this resolution. Command: <code>validation/run paper --example '
                 f"{name}</code></p></section>")
