@@ -108,7 +108,8 @@ def fronts(runs, path):
             style(a)
             a.set(title=title, xlabel="angle to the axis of symmetry [degrees]")
         axes[0].set_ylim(bottom=0)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=7.5)
+        figure.get_layout_engine().set(rect=(0.0, 0.11, 1.0, 0.89))
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncols=3, fontsize=7.5)
         figure.savefig(path, dpi=130, facecolor="white")
         plt.close(figure)
 
