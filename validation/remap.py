@@ -18,6 +18,7 @@ REMAP_RADIUS = 0.15  # of the shock [m]
 REMAP_RADII = (0.1, 0.15, 0.2, 0.24, 0.29)  # of the runs in axisymmetry
 FLAT = {"x": (1, 0), "30deg": (0.8660254, 0.5), "60deg": (0.5, 0.8660254), "z": (0, 1)}
 CUT_OVERS = (0, 4, 5, 7, 10, 20)  # relative volumes from which products are an ideal gas; 0: never
+FARTHER = (0.5, 0.7, 1.0, 1.4)  # gauges of a larger domain in axisymmetry [m]
 FAR = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)  # gauges of those runs [m]
 CELLS = {False: {"remap": ("10.4", "5.2", "2.6"), "direct": ("10.4", "5.2", "3.25")},  # [mm]
          True: {"remap": ("20.8", "10.4"), "direct": ("20.8", "10.4")}}
@@ -27,16 +28,16 @@ STARTS = {False: {"gas": ("1", "0.26", "0.13", "0.065"), "points": ("1", "0.26",
 SAME_TIME = "70 us"  # of the profiles of gas and points
 
 
-def reference_deck():
-    gauges = "".join(f'[[gauge]]\nname="r{d}"\npoint=[{d}]\n' for d in DISTANCES)
+def reference_deck(distances=DISTANCES, size=0.78, end="0.26 ms"):
+    gauges = "".join(f'[[gauge]]\nname="r{d}"\npoint=[{d}]\n' for d in distances)
     return f"""[domain]
 geometry="spherical1d"
-size=0.78
+size={size}
 cell="0.26 mm"
 [[charge]]
 mass="1 kg"
 {gauges}[end]
-time="0.26 ms"
+time="{end}"
 """
 
 
@@ -62,13 +63,13 @@ time="0.26 ms"
 """
 
 
-def flat_deck(cell, radius):
+def flat_deck(cell, radius, distances=DISTANCES, size=0.52, end="0.26 ms"):
     gauges = "".join(f'[[gauge]]\nname="r{d}-{name}"\npoint=[{d * v[0]:.9f},{d * v[1]:.9f}]\n'
-                     for d in DISTANCES for name, v in FLAT.items())
+                     for d in distances for name, v in FLAT.items())
     return f"""start="remap"
 [domain]
 geometry="axisymmetric2d"
-size=[0.52,0.52]
+size=[{size},{size}]
 cell="{cell} mm"
 [boundaries]
 y_low="symmetry"
@@ -78,7 +79,7 @@ mass="1 kg"
 cell="0.26 mm"
 radius={radius}
 {gauges}[end]
-time="0.26 ms"
+time="{end}"
 """
 
 
@@ -121,15 +122,15 @@ def gauges_of(result):
     return {g["name"]: g for g in json.loads((result.folder / "summary.json").read_text())["gauges"]}
 
 
-def ratios(result, reference):
+def ratios(result, reference, distances=DISTANCES):
     """Of every quantity and distance: values in all directions over those of the 1D run."""
     fine, gauges = gauges_of(reference), gauges_of(result)
-    directions = DIRECTIONS if f"r{DISTANCES[0]}-xyz" in gauges else FLAT
+    directions = DIRECTIONS if f"r{distances[0]}-xyz" in gauges else FLAT
 
     def ratio(key, d, n):
         value = gauges[f"r{d}-{n}"][key]  # the peak at the front may not be known
         return np.nan if value is None else value / fine[f"r{d}"][key]
-    return {key: {d: np.array([ratio(key, d, n) for n in directions]) for d in DISTANCES} for key in QUANTITIES}
+    return {key: {d: np.array([ratio(key, d, n) for n in directions]) for d in distances} for key in QUANTITIES}
 
 
 def span(v):
@@ -183,6 +184,15 @@ def radii_table(flat, reference):
                      *("before" if d <= radius else span(r[d]) for d in DISTANCES)])
     return table(["h [mm]", "cells per charge radius", "shock at the remap [m]", *(f"{d:g} m" for d in DISTANCES)],
                  rows)
+
+
+def farther_table(runs, reference):
+    rows = []
+    for cell, run in runs.items():
+        r = ratios(run, reference, FARTHER)
+        for key in ("peak_overpressure", "front_overpressure"):
+            rows.append([cell, f"{CHARGE_RADIUS / float(cell):.0f}", QUANTITIES[key], *(span(r[key][d]) for d in FARTHER)])
+    return table(["h [mm]", "cells per charge radius", "", *(f"{d:g} m" for d in FARTHER)], rows)
 
 
 def cut_over_table(runs):
@@ -386,6 +396,10 @@ def validate(arguments, work):
               for method, sizes in STARTS[arguments.quick].items() for cell in sizes}
     flat = {(cell, radius): run("remap", f"flat-{cell}mm-{radius}", text=flat_deck(cell, radius))
             for cell in FLAT_CELLS[arguments.quick] for radius in REMAP_RADII}
+    far = {"distances": FARTHER, "size": 1.56, "end": "3 ms"}
+    farther = {cell: run("remap", f"farther-{cell}mm", text=flat_deck(cell, REMAP_RADIUS, **far))
+               for cell in FLAT_CELLS[arguments.quick][:2]}
+    far_reference = run("remap", "farther-reference", text=reference_deck(**{**far, "size": 1.95}))
     cut_overs = {volume: run("remap", f"ideal-{volume}", text=cut_over_deck(volume)) for volume in CUT_OVERS}
     target = work if arguments.quick else ROOT / "docs" / "validation"
     target.mkdir(parents=True, exist_ok=True)
@@ -396,6 +410,7 @@ def validate(arguments, work):
               "comparison": comparison(octants, reference), "rises": rises(octants, reference),
               "costs": costs(octants, reference),
               "verdict": verdict(octants, reference), "radii": radii_table(flat, reference),
+              "farther": farther_table(farther, far_reference),
               "equal": equal_accuracy(octants, reference), "cut_overs": cut_over_table(cut_overs),
               "vanished": f"{60 / 0.95:.0f}", "points_worst": points_worst(starts), "starts": start_table(starts)}
     template = (ROOT / "validation" / "remap.md.in").read_text()
