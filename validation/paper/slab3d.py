@@ -402,8 +402,8 @@ m/s at its centre: within 1 ms nearly all of it is cracked. A crack that leaves 
 that is ground to powder both have D = 1.</li>
 <li>The disc is not settled when the run ends (second table). Where the disc and the ring meet, for the
 larger charges, the number says how much of the slab is cracked, not how much is crushed.</li>
-<li>The grid: the fourth table. At 4 kg the zone is 0.6 to 1.7 times the measured one, in 3D and on all grids; it does not
-settle on these. Separate radial cracks would need cells of some mm in 3D.</li>
+<li>The grid: the fourth table. At 4 kg the zone is 0.6 to 1.7 times the measured one, in 3D and on all grids; it does
+not settle on these. Separate radial cracks would need cells of some mm in 3D.</li>
 <li>Other laws, without any fit: the fifth table (standard and fine). With the friction that [HJC93] leaves broken
 concrete a little less breaks at 4 kg, and all of the face at 10 kg. Without tensile damage strain in tension counts as
 crushing: D_c reaches 1, at 4 kg a seventh of the front face breaks, in patches that do not hang together, at 10 kg half
