@@ -8,9 +8,9 @@ from . import slab3d
 TITLE = "A charge above a concrete slab with a defect"
 CASE = "paper_defect_slab_3d"
 CELLS = {"quick": 25.0, "standard": 25.0, "fine": 12.5}  # [mm]
-END = {"quick": 0.4, "standard": 1.0, "fine": 1.0}  # [ms]
+END = {"quick": 0.4, "standard": 0.8, "fine": 0.8}  # [ms]; later pieces of the block fly into the bridge
 BLOCK = 0.1  # half width [m]
-TIMES = (0.3e-3, 0.5e-3, 1.0e-3)
+TIMES = (0.3e-3, 0.5e-3, 0.8e-3)  # of the figure; the table begins earlier
 
 
 def in_block(shot):
@@ -50,27 +50,28 @@ def run(variants, resolution, target):
     cell = CELLS[resolution]
     variants.expect(2)
     end = END[resolution]
-    if end < 1.0:
-        short = {"domain.cell": f"{cell:g} mm", "time": f"{end:g} ms"}
-        whole_run = variants(slab3d.CASE, f"4kg-{cell:g}-{end:g}ms", short)
-        thin_run = variants(CASE, f"{cell:g}-{end:g}ms", short)
+    changes = {"domain.cell": f"{cell:g} mm", "time": f"{end:g} ms"}
+    if resolution == "quick":
+        whole_run = variants(slab3d.CASE, f"4kg-{cell:g}-{end:g}ms", changes)
+        thin_run = variants(CASE, f"{cell:g}-{end:g}ms", changes)
     else:
         whole_run = slab3d.solid_run(variants, 4.0, cell)
-        thin_run = variants(CASE, f"{cell:g}", {"domain.cell": f"{cell:g} mm"})
+        thin_run = variants(CASE, f"{cell:g}", changes)
     whole, thin = slab3d.slabs(whole_run), slab3d.slabs(thin_run)
     comparison_figure(whole, thin, target / "defect_damage.png")
 
-    edges = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
+    edges = np.array([0.0, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
     rows = []
     for label, shots in (("sound", whole), ("defect", thin)):
-        for t in TIMES:
+        for t in (0.2e-3, *TIMES):
             shot = min(shots, key=lambda s, t=t: abs(s.time - t))
             rows.append([label, f"{1e3 * shot.time:.1f}", *(f"{v:.2f}" for v in rings(shot, edges)),
                          f"{100 * shot.share(False):.0f} %", f"{100 * shot.share(True):.0f} %"])
     last = thin[-1]
     block = in_block(last)
     broken = float((last.values["damage"][block] >= slab3d.BROKEN).mean())
-    share_thin, share_whole = last.share(False), whole[-1].share(False)
+    at_end = min(whole, key=lambda s: abs(s.time - last.time))
+    share_thin, share_whole = last.share(False), at_end.share(False)
     early = min(thin, key=lambda s: abs(s.time - TIMES[0]))
     inner, outer = rings(early, [0.0, 0.1, 0.4])
     first = next((s for s in thin if (s.values["damage"][in_block(s)] >= slab3d.BROKEN).mean() > 0.9), None)
@@ -88,7 +89,11 @@ def run(variants, resolution, target):
 thinned. Here it is 0.2 m x 0.2 m, hollowed from above, and 25 mm of concrete are left (the paper: 20 mm), so
 that the faces lie between cells: see example 5.3 on why they must. More than nine tenths of the block have
 damage 1 {when}. Energy drift: {slab3d.drift(thin_run)}, without defect {slab3d.drift(whole_run)}.</p>
-<p>The remarks of example 5.3 on what damage 1 means hold here too: within 1 ms most of the slab is cracked,
+<p>Without the defect the back face breaks first at the centre, by spall. With it the centre is spared at first and
+the damage begins around the block (the rows of 0.2 ms in the table); but the thin rest of the block, pressed into the
+soil, breaks within the next 0.1 ms, and the annulus becomes a disc. The paper shows an annulus at a time that it does
+not tell.</p>
+<p>The remarks of example 5.3 on what damage 1 means hold here too: within 0.8 ms most of the slab is cracked,
 with the defect and without. The difference shows early, in the first columns of the figure.</p>"""
     header = ["slab", "time ms", *(f"{a:g} to {b:g} m" for a, b in zip(edges, edges[1:])), "back face broken",
               "front face broken"]

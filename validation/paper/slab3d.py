@@ -13,7 +13,7 @@ TESTS = {4.0: 0.250, 10.0: 0.300}  # crush diameters [m], [Luccioni06] after [Cu
 PAPER = {4.0: 0.261}
 LIMIT = 0.10
 CELLS = {"quick": None, "standard": 25.0, "fine": 12.5}  # of the 3D runs [mm]; none: axisymmetric
-PLANE_CELL = 12.5  # of the axisymmetric runs of all charges [mm]
+PLANE_CELL = {"quick": 25.0, "standard": 12.5, "fine": 12.5}  # of the axisymmetric runs of all charges [mm]
 PLANE_GRIDS = {"quick": (25.0, 12.5), "standard": (25.0, 12.5, 6.25), "fine": (25.0, 12.5, 6.25, 3.125)}
 FLOOR_GRIDS = {"quick": (10.0,), "standard": (10.0, 5.0), "fine": (10.0, 5.0, 2.5)}
 INTERFACES = (("gimp", 500.0), ("linear", 500.0), ("bspline", 500.0), ("gimp", 502.5), ("linear", 502.5))
@@ -87,6 +87,28 @@ class Slab:
 
 def slabs(result):
     return [Slab(result, path) for path in result.dumps()]
+
+
+def crushing_profile(shot, width=0.025):
+    """Radii [m] and mean compression damage of the front face in rings around the centre."""
+    chosen = shot.layer(True)
+    across = shot.origin[chosen][:, :1 if shot.plane else 2]
+    ring = (np.sqrt((across ** 2).sum(axis=1)) / width).astype(int)
+    damage = shot.values["compression_damage"][chosen]
+    rings = np.arange(int(1.0 / width))
+    return (rings + 0.5) * width, np.array([damage[ring == k].mean() for k in rings])
+
+
+def crushing_diameter(shot, level):
+    """Twice the largest radius [m] at which the mean compression damage of the front face is at least `level`."""
+    radius, damage = crushing_profile(shot)
+    above = np.flatnonzero(damage >= level)
+    if len(above) == 0:
+        return 0.0
+    k = above[-1]
+    if k + 1 == len(radius):
+        return 2.0 * radius[k]
+    return 2.0 * (radius[k] + (damage[k] - level) / (damage[k] - damage[k + 1]) * (radius[k + 1] - radius[k]))
 
 
 def history(shots):
@@ -315,14 +337,30 @@ def growth_block(runs):
     return "table", "The same zone in time [mm]", ["charge kg", *(f"{t:g} ms" for t in times)], rows
 
 
+def crushing_block(runs):
+    """Compression damage alone: its size, and where it falls to what it is at the measured edge of 4 kg."""
+    early = {m: min(shots, key=lambda s: abs(s.time - 0.3e-3)) for m, (shots, _) in runs.items()}
+    level = float(np.interp(0.5 * TESTS[4.0], *crushing_profile(early[4.0])))
+    rows = []
+    for mass, shot in early.items():
+        profile = crushing_profile(shot)
+        rows.append([f"{mass:g}", *(f"{np.interp(r, *profile):.3f}" for r in (0.0, 0.125, 0.25, 0.5)),
+                     f"{1e3 * crushing_diameter(shot, level):.0f}", f"{1e3 * empirical(mass):.0f}"])
+    return ("table", "Mean compression damage D_c of the front face at 0.3 ms, when the first wave has passed, and the "
+            f"diameter within which it is at least {level:.3f}, its value for 4 kg at the measured edge (250 mm)",
+            ["charge kg", "centre", "at 125 mm", "at 250 mm", "at 500 mm", "diameter mm", "Eq. (67) mm"], rows)
+
+
 def acceptance_of(runs, what):
     lines = []
     for mass in MASSES:
         target = empirical(mass)
-        diameter = history(runs[mass][0])[1][-1]
+        last = runs[mass][0][-1]
+        diameter = last.diameter(last.central_zone())
+        whole = ", the whole face" if last.share(True) > 0.99 else ""
         test = f", test {1e3 * TESTS[mass]:.0f} mm" if mass in TESTS else ""
         lines.append((f"diameter of the crushed zone on the front face, {mass:g} kg, {what}",
-                      f"{1e3 * diameter:.0f} mm ({per_cent(diameter / target, 0)})",
+                      f"{1e3 * diameter:.0f} mm ({per_cent(diameter / target, 0)}){whole}",
                       f"{1e3 * target:.0f} mm{test}, within 10 %", bool(abs(diameter / target - 1.0) <= LIMIT)))
     return lines
 
@@ -352,45 +390,48 @@ shock over the mean four cells deeper (1 is right, somewhat more while the wave 
 
 def discussion(values):
     return f"""<p><b>Where we differ, and why.</b></p><ul>
-<li>Damage by compression stays small: at most {values["crushing"]:.2f} on the front face for any charge. In
-uniaxial strain [HJC93] with its constants asks for a plastic strain of 0.04 (p + T)/fc; at the pressures here,
-20 to 100 MPa, the face suffers a tenth of that. Crushing in the narrow sense does not occur in this model at
-these charges, whatever the grid.</li>
+<li>Damage by compression stays small: at most {values["crushing"]:.2f} at single points of the front face, whatever
+the charge. [HJC93] with its constants asks for a plastic strain of 0.04 (p + T)/fc, and at the pressures here, 20 to
+100 MPa, the face suffers a small part of that. Nor has this damage an edge: the load falls slowly, on a rigid floor to
+0.78 of its impulse at 0.2 m from the centre, and D_c with it (third table). No threshold of D_c gives the measured
+sizes: that which fits 4 kg by construction is exceeded far beyond the measured diameter by 10 kg.</li>
 <li>What breaks is broken in tension, after the pressure has gone: the back spalls, the slab bends, and its
 front face fails in a ring outside some 0.4 m and in a disc around the centre, above the spalled part. Plain
 concrete opens its cracks by 15 um to be broken (G_f / sigma_0), and an impulse of 4 kPa s gives this slab 12
 m/s at its centre: within 1 ms nearly all of it is cracked. A crack that leaves two sound halves and concrete
 that is ground to powder both have D = 1.</li>
-<li>The disc is not settled when the run ends: the second table. Where the disc and the ring meet, for the
+<li>The disc is not settled when the run ends (second table). Where the disc and the ring meet, for the
 larger charges, the number says how much of the slab is cracked, not how much is crushed.</li>
-<li>The grid: the third table. Separate radial cracks would need cells of some mm in 3D.</li>
-<li>Other laws, without any fit: the fourth table. With the friction that [HJC93] leaves broken concrete less of
-the front face breaks, but the disc of 10 kg still meets the ring. Without tensile damage strain in tension
-counts as crushing: D_c reaches 1, and what breaks at 4 kg is patches within some 0.2 m of the centre and a
-ring; at 10 kg half of the face. The result hangs on how damage by tension is counted, which the paper does not
-print.</li>
+<li>The grid: the fourth table. At 4 kg the zone is 0.6 to 1.7 times the measured one, in 3D and on all grids; it does
+not settle on these. Separate radial cracks would need cells of some mm in 3D.</li>
+<li>Other laws, without any fit: the fifth table (standard and fine). With the friction that [HJC93] leaves broken
+concrete a little less breaks at 4 kg, and all of the face at 10 kg. Without tensile damage strain in tension counts as
+crushing: D_c reaches 1, at 4 kg a seventh of the front face breaks, in patches that do not hang together, at 10 kg half
+of it. The result hangs on how damage by tension is counted, which the paper does not print.</li>
+<li>Energy: 4 to 5 % are lost in 3D on cells of 25 mm, on which the burst has 9 cells per radius when it is put into the
+grid; 1 to 2 % in the axisymmetric runs.</li>
 </ul>"""
 
 
 def run(variants, resolution, target):
-    cell = CELLS[resolution]
+    cell, plane_cell = CELLS[resolution], PLANE_CELL[resolution]
     order = (4.0, 10.0, 2.0, 20.0)
     grids = PLANE_GRIDS[resolution]
-    regularised = [("crack_band", g) for g in grids] + [("none", PLANE_CELL)]
+    regularised = [("crack_band", g) for g in grids] + [("none", plane_cell)]
     variants.expect((4 if cell else 0) + len(MASSES) + len(regularised) - 1
-                    + 2 * len(OTHER_LAWS) + len(INTERFACES) + len(FLOOR_GRIDS[resolution]))
+                    + (2 * len(OTHER_LAWS) if cell else 0) + len(INTERFACES) + len(FLOOR_GRIDS[resolution]))
     solid = {}
     if cell:
         results = {m: solid_run(variants, m, cell) for m in order}
         solid = {m: (slabs(results[m]), results[m]) for m in MASSES}
-    results = {m: plane_run(variants, m, PLANE_CELL) for m in order}
+    results = {m: plane_run(variants, m, plane_cell) for m in order}
     plane = {m: (slabs(results[m]), results[m]) for m in MASSES}
     meshes = {}
     for law, g in regularised:
-        result = plane[4.0][1] if (law, g) == ("crack_band", PLANE_CELL) else plane_run(
+        result = plane[4.0][1] if (law, g) == ("crack_band", plane_cell) else plane_run(
             variants, 4.0, g, **({"points.regularisation": law} if law != "crack_band" else {}))
         meshes[law, g] = (slabs(result), result)
-    others = other_rows(variants, plane)
+    others = other_rows(variants, plane) if cell else []
     interface = interface_rows(variants)
     floor = floor_rows(variants, resolution)
 
@@ -421,6 +462,9 @@ def run(variants, resolution, target):
                           f"{100 * last.share(True):.0f} %", f"{100 * last.share(False):.0f} %",
                           f"{last.lattice(True, 'compression_damage').max():.2f}", drift(result)])
     crushing = max(s[-1].lattice(True, "compression_damage").max() for s, _ in main.values())
+    of_laws = [("table", f"Other laws of the concrete, axisymmetric, {plane_cell:g} mm, at 1 ms",
+                ["charge kg", "law", "zone mm", "front face broken", "back face broken", "largest D_c, front",
+                 "twice the radial extent with D_c of 1/2, front, mm"], others)] if others else []
     blocks = [("text", DEFINITION),
               sizes_block(solid, plane),
               ("figure", "slab3d_size.png", "Diameter of the zone over the height of the charge, as [Cui14] Fig. 15"),
@@ -430,12 +474,11 @@ def run(variants, resolution, target):
               growth_block(main),
               ("figure", "slab3d_history.png", "Zone with damage 1 around the centre of the front face; the band holds "
                "the diameters of Eq. (67) from 2 to 20 kg"),
+              crushing_block(main),
               ("table", "4 kg, axisymmetric: the grid and the crack band, at 1 ms",
                ["regularisation", "cell mm", "zone mm", "front face broken", "back face broken", "largest D_c, front",
                 "energy drift"], mesh_rows),
-              ("table", f"Other laws of the concrete, axisymmetric, {PLANE_CELL:g} mm, at 1 ms",
-               ["charge kg", "law", "zone mm", "front face broken", "back face broken", "largest D_c, front",
-                "twice the radial extent with D_c of 1/2, front, mm"], others),
+              *of_laws,
               ("text", LOAD),
               ("table", "4 kg over a rigid floor, below the charge; Kingery and Bulmash: 76.6 MPa, 4.65 kPa s",
                ["cell mm", "peak MPa", "impulse kPa s"], floor),
