@@ -5,6 +5,7 @@ import json
 import os
 import platform
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -106,9 +107,10 @@ def end_with_parent():
 
 
 def call(command):
-    """Runs the program and returns its exit code. Ctrl-C and SIGTERM reach it as one Ctrl-C, upon which it writes a
-    checkpoint; then this process ends too."""
+    """Runs the program and returns its exit code and the processor's seconds. Ctrl-C and SIGTERM reach it as one
+    Ctrl-C, upon which it writes a checkpoint; then this process ends too."""
     asked = []
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
     # A group of its own: a Ctrl-C of the terminal would reach it a second time and end it at once.
     process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, process_group=0,
                                preexec_fn=end_with_parent)
@@ -125,7 +127,8 @@ def call(command):
     if asked:
         print("stopped; the same command with the same work folder goes on from here", file=sys.stderr)
         raise Stopped(3)
-    return code
+    now = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return code, now.ru_utime + now.ru_stime - spent.ru_utime - spent.ru_stime
 
 
 class Stopped(SystemExit):
@@ -137,7 +140,8 @@ class Variants:
 
     Finished results of the same deck by the same build of the program are taken again, with `reuse` those of any build;
     a run that was interrupted goes on from its newest checkpoint. What each run costs is in `costs`, rows of run,
-    cells, points, steps, threads and seconds on the wall, over all restarts.
+    cells, points, steps, threads and seconds on the wall, over all restarts. `seconds` of a result is what to
+    compare where the machine is not idle.
     """
 
     def __init__(self, arguments, work):
@@ -168,6 +172,7 @@ class Variants:
         if not (folder / "run.json").exists():
             sys.exit(f"{case}, {name}: no results; see `brisance check {self.work / f'{case}-{name}.toml'}`")
         result = Result(folder)
+        result.processor_seconds = self.note(folder).get("processor_seconds")
         if result.log["status"] != "done":
             if may_fail:
                 return None
@@ -182,9 +187,9 @@ class Variants:
         """What a folder holds of the run of this deck by this program: "finished", "resumable" or "nothing"."""
         try:
             same = (folder / "deck.toml").read_text() == text
-            build = folder.with_name(folder.name + ".build").read_text() if not self.reuse else self.build
+            build = self.build if self.reuse else self.note(folder)["build"]
             log = json.loads((folder / "run.json").read_text())
-        except (OSError, ValueError):
+        except (OSError, ValueError, KeyError):
             return "nothing"
         if not same or build != self.build:
             return "nothing"
@@ -192,16 +197,27 @@ class Variants:
             return "finished"
         return "resumable" if list(folder.glob("checkpoints/checkpoint_*.brz")) else "nothing"
 
+    @staticmethod
+    def note(folder, **contents):
+        """What is written down beside the folder of a run; with `contents`, writes it."""
+        path = folder.with_name(folder.name + ".note.json")
+        if contents:
+            path.write_text(json.dumps(contents))
+        return json.loads(path.read_text()) if path.exists() else {}
+
     def calculate(self, case, name, text, resume, may_fail):
         folder, deck = self.work / f"{case}-{name}", self.work / f"{case}-{name}.toml"
         deck.write_text(text)
-        folder.with_name(folder.name + ".build").write_text(self.build)
+        self.note(folder, build=self.build)
         command = [self.program, "run", deck, "--output", folder, "--threads", str(self.threads)]
         command += [] if sys.stderr.isatty() else ["--no-progress"]
-        code = call([*command, "--resume" if resume else "--force"])
+        code, seconds = call([*command, "--resume" if resume else "--force"])
         if resume and code not in (0, FAILURE):
             print("  its checkpoints are of no use; from the beginning ...", flush=True)
-            code = call([*command, "--force"])
+            resume = False
+            code, seconds = call([*command, "--force"])
+        if not resume:
+            self.note(folder, build=self.build, processor_seconds=seconds)
         if code != 0 and not may_fail:
             sys.exit(f"{case}, {name}: failed with exit code {code}")
 
@@ -214,6 +230,12 @@ class Result:
         self.log = json.loads((self.folder / "run.json").read_text())
         self.bodies = self.log.get("points", {}).get("bodies", [])
         self.h = self.log["domain"]["cell_size"]
+        self.processor_seconds = None
+
+    @property
+    def seconds(self):
+        """Seconds of the processor, which other programs on the machine hardly change; on the wall where not known."""
+        return self.processor_seconds or self.log["wall_seconds"]
 
     def csv(self, name):
         """Columns of a CSV file by their headers without the units."""

@@ -317,17 +317,22 @@ def start_table(log):
 
 
 def gauge_table(run):
-    with_reference = any(v is not None for g in run.summary["gauges"] for v in g["kingery_bulmash"].values())
-    quantities = [("peak_overpressure", 1e-3, "peak overpressure [kPa]"), ("arrival_time", 1e3, "arrival [ms]"),
+    gauges = run.summary["gauges"]
+    with_reference = any(v is not None for g in gauges for v in g["kingery_bulmash"].values())
+    quantities = [("peak_overpressure", 1e-3, "peak overpressure [kPa]"),
+                  ("front_overpressure", 1e-3, "at the front [kPa]"), ("arrival_time", 1e3, "arrival [ms]"),
                   ("positive_duration", 1e3, "positive duration [ms]"),
                   ("positive_impulse", 1.0, "positive impulse [Pa s]")]
+    # Results of older versions do not have it.
+    if all(g.get("front_overpressure") is None for g in gauges):
+        quantities = [q for q in quantities if q[0] != "front_overpressure"]
     head = ["gauge", "R [m]", "Z [m/kg<sup>1/3</sup>]"]
     groups = [("", 3)]
     for _, _, name in quantities:
         head += ["run", "KB", "ratio"] if with_reference else [name]
         groups.append((name, 3))
     rows = []
-    for gauge in run.summary["gauges"]:
+    for gauge in gauges:
         arrived = gauge["arrival_time"] is not None
         row = [text(gauge["name"]), number(gauge["distance"], 4, True), number(gauge["scaled_distance"], 3, True)]
         for key, factor, _ in quantities:
@@ -335,12 +340,14 @@ def gauge_table(run):
             mark = "*" if key == "positive_impulse" and value and not gauge["positive_phase_complete"] else ""
             row.append(number(value, 4, True) + mark)
             if with_reference:
-                reference, ratio = gauge["kingery_bulmash"][key], gauge["ratio"][key]
+                # The curves' peak is one of the front: it was read from records in the same way.
+                known = key if key != "front_overpressure" else "peak_overpressure"
+                reference, ratio = gauge["kingery_bulmash"][known], gauge["ratio"][key]
                 row.append(number(None if reference is None else reference * factor, 4, True))
                 row.append(("ratio", "–" if ratio is None else f"{ratio:.3f}"))
         rows.append(row)
     out = table(head, rows, groups if with_reference else None)
-    if any(g["positive_impulse"] and not g["positive_phase_complete"] for g in run.summary["gauges"]):
+    if any(g["positive_impulse"] and not g["positive_phase_complete"] for g in gauges):
         out += '<p class="note">* The record ends within the positive phase: the impulse is that up to its end.</p>'
     return out, with_reference
 

@@ -264,6 +264,8 @@ void Builder::numerics() {
   n.density_floor = section->number("density_floor").value_or(n.density_floor);
   n.pressure_floor = section->number("pressure_floor").value_or(n.pressure_floor);
   n.viscosity = section->number("viscosity").value_or(n.viscosity);
+  n.ideal_products = section->number("ideal_products").value_or(n.ideal_products);
+  if (n.ideal_products > 0.0) cut_over(n.ideal_products);
   if (n.block_cells != 0 && n.block_cells < 4) {
     error(*section, "block_cells",
           fmt::format("{} is too small; allowed: 0 (chosen by the program) or 4 to 4096", n.block_cells));
@@ -276,6 +278,23 @@ void Builder::numerics() {
   } else if (section->given("viscosity")) {
     report_.warning(section->place_of("viscosity"), section->path_of("viscosity"), "has no effect with muscl-hancock");
   }
+}
+
+void Builder::cut_over(double volume) {
+  bool found = false;
+  auto const set = [&](auto& eos) {
+    if (auto* jwl = std::get_if<material::Jwl>(&eos)) {
+      jwl->ideal_beyond = volume;
+      found = true;
+    }
+  };
+  for (auto& charge : out_.charges) charge.explosive.products.ideal_beyond = volume;
+  if (out_.second_fluid) set(out_.second_fluid->eos);
+  for (auto& body : out_.points.bodies) set(body.solid.eos);
+  if (found || !out_.charges.empty()) return;
+  Section const& section = *deck_.section("numerics");
+  report_.warning(section.place_of("ideal_products"), section.path_of("ideal_products"),
+                  "has no effect: nothing in the deck has a JWL equation of state");
 }
 
 void Builder::end() {

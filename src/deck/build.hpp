@@ -84,6 +84,7 @@ class Builder {
   void domain();
   void boundaries();
   void numerics();
+  void cut_over(double volume);  ///< to an ideal gas, of all products
   void end();
   void output();
   void checkpoint();

@@ -152,7 +152,7 @@ Table const& remap_table() {
            .like("\"gas\"")
            .means("`gas`: the gas scheme; `points`: material points, as in [Cui14]"),
        number("cell", "m", smallest, 1e4)
-           .note("a 200th of the charge's radius")
+           .note("a 400th of the charge's radius")
            .like("\"0.5 mm\"")
            .means("Cell of the 1D calculation"),
        number("time", "s", 1e-12, longest)
@@ -279,7 +279,14 @@ Table const& numerics_table() {
        number("viscosity", "1", 0.0, 1.0)
            .of(n.viscosity)
            .like("0.5")
-           .means("lax-wendroff: constant eta of the artificial viscosity; 0: eta of [Cui14] Eq. (5)")},
+           .means("lax-wendroff: constant eta of the artificial viscosity; 0: eta of [Cui14] Eq. (5)"),
+       number("ideal_products", "1", 4.0, 1e6)
+           .note("where double precision no longer tells the difference")
+           .like("10")
+           .means(
+               "Relative volume V from which detonation products are an ideal gas with gamma = 1 + omega; the "
+               "exponentials of the JWL fade out from half of it on. Saves little; docs/validation/remap.md shows the "
+               "error")},
       {},
       {}};
   return table;

@@ -28,17 +28,67 @@ double crossing(std::vector<double> const& t, std::vector<double> const& p, std:
   return t[i - 1] + (t[i] - t[i - 1]) * (value - p[i - 1]) / (p[i] - p[i - 1]);
 }
 
-/// Height of the front whose foot is sample `foot`.
-double front_height(std::vector<double> const& t, std::vector<double> const& p, std::size_t foot) {
-  double height = p[foot];
+// Where the decay behind a front is read, in half widths of the captured front behind its top.
+constexpr double decay_begin = 0.5;
+constexpr double decay_end = 3.0;
+constexpr double decay_scatter = 0.01;  // of the overpressure, rms: beyond it there is no simple decay
+constexpr double most_added = 0.25;     // of the front's height
+constexpr int decay_places = 24;        // at which it is read
+constexpr int fewest_samples = 4;       // that the record must have there
+
+/// The sample at the top of the front whose foot is sample `foot`.
+std::size_t front_top(std::vector<double> const& t, std::vector<double> const& p, std::size_t foot) {
+  std::size_t top = foot;
   double steepest = foot > 0 ? (p[foot] - p[foot - 1]) / (t[foot] - t[foot - 1]) : 0.0;
   for (std::size_t i = foot + 1; i < p.size(); ++i) {
     double const slope = (p[i] - p[i - 1]) / (t[i] - t[i - 1]);
-    if (p[i] < (1.0 - front_end_drop) * height || slope < front_end_slope * steepest) break;
-    height = std::max(height, p[i]);
+    if (p[i] < (1.0 - front_end_drop) * p[top] || slope < front_end_slope * steepest) break;
+    if (p[i] > p[top]) top = i;
     steepest = std::max(steepest, slope);
   }
-  return height;
+  return top;
+}
+
+/// Overpressure at the front that passed at `arrival` and whose top is sample `top`, see `analyse_blast`.
+std::optional<double> at_front(std::vector<double> const& t, std::vector<double> const& p, std::size_t top,
+                               double arrival) {
+  // A slow rise may end the front before its top, where steps are much shorter than the way through a cell.
+  double const look = 2.0 * t[top] - arrival;
+  for (std::size_t i = top + 1; i < p.size() && t[i] <= look; ++i) top = p[i] > p[top] ? i : top;
+  double const half_width = t[top] - arrival;
+  double const begin = t[top] + decay_begin * half_width;
+  double const end = t[top] + decay_end * half_width;
+  if (!(half_width > 0.0) || end > t.back()) return std::nullopt;
+  // Read at even places between the samples, so that the result does not jump when a sample enters or leaves.
+  int samples = 0;
+  for (std::size_t i = top; i < p.size() && t[i] <= end; ++i) samples += t[i] >= begin ? 1 : 0;
+  if (samples < fewest_samples) return std::nullopt;
+  // Sums of the straight line of log p over the time since the arrival.
+  constexpr double n = decay_places;
+  double sx = 0.0;
+  double sy = 0.0;
+  double sxx = 0.0;
+  double sxy = 0.0;
+  double syy = 0.0;
+  std::size_t i = top + 1;
+  for (int k = 0; k < decay_places; ++k) {
+    double const time = begin + (end - begin) * k / (decay_places - 1);
+    while (i + 1 < p.size() && t[i] < time) ++i;
+    double const value = p[i - 1] + (p[i] - p[i - 1]) * (time - t[i - 1]) / (t[i] - t[i - 1]);
+    if (!(value > 0.0)) return std::nullopt;
+    double const x = (time - arrival) / half_width;
+    double const y = std::log(value / p[top]);
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+    syy += y * y;
+  }
+  double const slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+  double const level = (sy - slope * sx) / n;
+  double const left = std::max(0.0, syy - level * sy - slope * sxy) / n;
+  if (!(slope < 0.0) || left > decay_scatter * decay_scatter || level > std::log1p(most_added)) return std::nullopt;
+  return p[top] * std::exp(std::max(0.0, level));
 }
 
 /// The charge whose centre is nearest to x, or null.
@@ -114,10 +164,12 @@ BlastWave analyse_blast(std::vector<double> const& t, std::vector<double> const&
 
   std::size_t foot = 0;
   while (p[foot] < foot_fraction * wave.peak_overpressure) ++foot;
-  double const level = arrival_fraction * front_height(t, p, foot);
+  std::size_t const top = front_top(t, p, foot);
+  double const level = arrival_fraction * p[top];
   std::size_t front = foot;
   while (p[front] < level) ++front;
   wave.arrival_time = front == 0 ? t[0] : crossing(t, p, front, level);
+  if (front > 0) wave.front_overpressure = at_front(t, p, top, *wave.arrival_time);
 
   // The positive phase holds the whole front, also its foot.
   std::size_t begin = front;
@@ -269,9 +321,10 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
                    std::vector<std::string> const& files, nlohmann::json const& more) {
   std::string csv =
       "gauge,x [m],y [m],z [m],distance [m],scaled_distance [m/kg^(1/3)],peak_overpressure [Pa],time_of_peak [s],"
-      "arrival_time [s],positive_duration [s],positive_impulse [Pa s],positive_phase_complete,"
+      "front_overpressure [Pa],arrival_time [s],positive_duration [s],positive_impulse [Pa s],positive_phase_complete,"
       "KB_peak_overpressure [Pa],KB_arrival_time [s],KB_positive_duration [s],KB_positive_impulse [Pa s],"
-      "ratio_peak_overpressure,ratio_arrival_time,ratio_positive_duration,ratio_positive_impulse\n";
+      "ratio_peak_overpressure,ratio_front_overpressure,ratio_arrival_time,ratio_positive_duration,ratio_positive_"
+      "impulse\n";
   nlohmann::json gauges = nlohmann::json::array();
   for (std::size_t g = 0; g < summaries.size(); ++g) {
     auto const& s = summaries[g];
@@ -280,16 +333,18 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
     bool const complete = w.positive_duration.has_value();
     auto const ratio_peak =
         ratio(w.arrival_time ? std::optional(w.peak_overpressure) : std::nullopt, e.incident_overpressure);
+    auto const ratio_front = ratio(w.front_overpressure, e.incident_overpressure);
     auto const ratio_arrival = ratio(w.arrival_time, e.arrival);
     auto const ratio_duration = ratio(w.positive_duration, e.duration);
     // An impulse that the record cuts off cannot be compared.
     auto const ratio_impulse = ratio(complete ? std::optional(w.positive_impulse) : std::nullopt, e.incident_impulse);
-    csv += fmt::format("{},{:.8g},{:.8g},{:.8g},{},{},{:.8g},{:.8g},{},{},{:.8g},{},{},{},{},{},{},{},{},{}\n",
+    csv += fmt::format("{},{:.8g},{:.8g},{:.8g},{},{},{:.8g},{:.8g},{},{},{},{:.8g},{},{},{},{},{},{},{},{},{},{}\n",
                        csv_field(s.name), s.position[0], s.position[1], s.position[2], cell(s.distance),
-                       cell(s.scaled_distance), w.peak_overpressure, w.peak_time, cell(w.arrival_time),
-                       cell(w.positive_duration), w.positive_impulse, complete ? "yes" : "no",
+                       cell(s.scaled_distance), w.peak_overpressure, w.peak_time, cell(w.front_overpressure),
+                       cell(w.arrival_time), cell(w.positive_duration), w.positive_impulse, complete ? "yes" : "no",
                        cell(e.incident_overpressure), cell(e.arrival), cell(e.duration), cell(e.incident_impulse),
-                       cell(ratio_peak), cell(ratio_arrival), cell(ratio_duration), cell(ratio_impulse));
+                       cell(ratio_peak), cell(ratio_front), cell(ratio_arrival), cell(ratio_duration),
+                       cell(ratio_impulse));
     gauges.push_back({{"name", s.name},
                       {"file", g < files.size() ? files[g] : ""},
                       {"position", s.position},
@@ -297,6 +352,7 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
                       {"scaled_distance", json_or_null(s.scaled_distance)},
                       {"peak_overpressure", json_or_null(w.peak_overpressure)},
                       {"time_of_peak", json_or_null(w.peak_time)},
+                      {"front_overpressure", json_or_null(w.front_overpressure)},
                       {"arrival_time", json_or_null(w.arrival_time)},
                       {"positive_duration", json_or_null(w.positive_duration)},
                       {"positive_impulse", json_or_null(w.positive_impulse)},
@@ -304,6 +360,7 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
                       {"kingery_bulmash", blast_json(e)},
                       {"ratio",
                        {{"peak_overpressure", json_or_null(ratio_peak)},
+                        {"front_overpressure", json_or_null(ratio_front)},
                         {"arrival_time", json_or_null(ratio_arrival)},
                         {"positive_duration", json_or_null(ratio_duration)},
                         {"positive_impulse", json_or_null(ratio_impulse)}}}});

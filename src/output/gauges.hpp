@@ -16,6 +16,9 @@ namespace brisance::output {
 struct BlastWave {
   double peak_overpressure = 0.0;  ///< largest overpressure of the whole record [Pa]
   double peak_time = 0.0;          ///< when [s]
+  /// Overpressure behind the first shock at its arrival, from the decay that follows it [Pa]; absent where the record
+  /// shows no shock with a steady decay.
+  std::optional<double> front_overpressure;
   /// Arrival of the first shock [s]; absent when nothing arrived.
   std::optional<double> arrival_time;
   /// From the arrival to the first return to ambient pressure [s]; absent when the record ends before.
@@ -31,6 +34,12 @@ struct BlastWave {
 /// starts the first front; the front ends where the pressure falls by 1 % of what it has reached, or rises at less than
 /// 5 % of the front's steepest rate. The arrival is where the pressure passes half of the front's height. Later,
 /// stronger shocks (reflections) do not move it.
+///
+/// Overpressure at the front. Where the pressure falls steeply behind a shock, the cells that capture the shock clip its
+/// peak, by some per cent even on fine grids. As with records of experiments, the decay is therefore continued back to
+/// the arrival: the logarithm of the overpressure, as a straight line fitted between half of and three times the
+/// captured front's half width behind its top. It is given where that line leaves less than 1 % (rms), falls, and adds
+/// less than a quarter.
 [[nodiscard]] BlastWave analyse_blast(std::vector<double> const& time, std::vector<double> const& overpressure);
 
 /// Kingery-Bulmash values at `distance` [m] from the case's charge in its ambient air: pressures by the explosive's TNT

@@ -18,7 +18,12 @@ using mpm::Field;
 
 constexpr int products = 0;  // bodies
 constexpr int air = 1;
-constexpr int points_per_cell = 4;
+/// With fewer, the noise that the detonation leaves in the points' densities stands out in the thin products: L1 of
+/// their mass 2.1 % with 4, 0.6 % with 8, at 200 cells per radius.
+constexpr int points_per_cell = 8;
+/// The pressure rises within some steps when the explosive burns, and the work of a step is that of its middle: the
+/// energy of the burst is 0.5 % too high at a Courant number of 0.4, 0.1 % at 0.2.
+constexpr double courant = 0.2;
 constexpr int population_interval = 4;
 /// Part of the ambient pressure by which air must differ to belong to the burst; the noise of points is far below.
 constexpr double disturbed = 1e-3;
@@ -102,6 +107,7 @@ PointsBurst::PointsBurst(Case const& one) : one_(one) {
   mpm::Options options;
   options.transfer = gas.transfer;
   options.order = gas.order;
+  options.courant = courant;
   grid::Domain domain = one_.domain;
   domain.boundary[1] = grid::Boundary::wall;  // holds the air
   points_ = std::make_unique<mpm::Mpm>(domain, bodies, options);

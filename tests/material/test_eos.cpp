@@ -20,10 +20,12 @@ struct Sample {
 };
 
 std::vector<Sample> samples() {
-  return {{"ideal gas", IdealGas{1.4}, {0.1, 1.225, 50.0}, 1e5},
-          {"JWL", Jwl{}, {0.5, 20.0, 400.0, 1630.0, 2227.0}, 2e10},
-          {"stiffened gas", StiffenedGas{4.4, 6e8}, {900.0, 1000.0, 1500.0}, 1e8},
-          {"Mie-Grueneisen", MieGruneisen{}, {7000.0, 7849.0, 7851.0, 9000.0, 11000.0}, 1e10}};
+  return {
+      {"ideal gas", IdealGas{1.4}, {0.1, 1.225, 50.0}, 1e5},
+      {"JWL", Jwl{}, {0.5, 20.0, 400.0, 1630.0, 2227.0}, 2e10},
+      {"JWL, ideal from V = 8 on", Jwl{.ideal_beyond = 8.0}, {150.0, 203.0, 210.0, 270.0, 350.0, 405.0, 600.0}, 1e8},
+      {"stiffened gas", StiffenedGas{4.4, 6e8}, {900.0, 1000.0, 1500.0}, 1e8},
+      {"Mie-Grueneisen", MieGruneisen{}, {7000.0, 7849.0, 7851.0, 9000.0, 11000.0}, 1e10}};
 }
 
 TEST(Eos, PressureAndEnergyAreInverse) {
@@ -65,6 +67,22 @@ TEST(Eos, JwlIsTheFormulaOfThePaper) {
                             j.B * (1.0 - j.omega / (j.R2 * v)) * std::exp(-j.R2 * v) + j.omega * energy / v;
     EXPECT_NEAR(pressure(j, j.rho0 / v, energy / j.rho0) / expected, 1.0, 1e-12) << v;
   }
+}
+
+TEST(Eos, JwlThatBecomesIdealIsTheJwlBeforeAndAnIdealGasBeyond) {
+  Jwl const full{};
+  Jwl const cut{.ideal_beyond = 8.0};
+  for (double v : {0.5, 1.0, 3.0, 4.0}) {
+    EXPECT_EQ(cut.reference(full.rho0 / v), full.reference(full.rho0 / v));
+    EXPECT_EQ(cut.rho_d_reference(full.rho0 / v), full.rho_d_reference(full.rho0 / v));
+  }
+  for (double v : {8.0 + 1e-12, 10.0, 1e6}) {
+    EXPECT_EQ(cut.reference(full.rho0 / v), 0.0);
+    EXPECT_EQ(cut.rho_d_reference(full.rho0 / v), 0.0);
+    EXPECT_LT(full.rho0 / v, cut.negligible_below());
+  }
+  // Half of it is left in the middle of the way.
+  EXPECT_NEAR(cut.reference(full.rho0 / 6.0) / full.reference(full.rho0 / 6.0), 0.5, 1e-12);
 }
 
 TEST(Eos, MieGruneisenReturnsItsHugoniot) {

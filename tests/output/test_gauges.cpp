@@ -1,5 +1,6 @@
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -74,6 +75,60 @@ TEST(BlastWave, SmearedShockArrivesAtItsMiddleWhateverItsWidth) {
     ASSERT_TRUE(w.arrival_time);
     EXPECT_NEAR(*w.arrival_time, f.arrival, 1.5e-6) << "width " << width;
   }
+}
+
+/// What cells of the width `cell` (as a time) make of a wave: a shock captured over some three of them, and means.
+History captured(Friedlander const& f, double cell, double end, double step) {
+  return sampled(
+      [&](double t) {
+        // Mean of the wave over a bell of the half width of 1.5 cells (three boxes, one after the other).
+        constexpr int places = 12;
+        double sum = 0.0;
+        for (int i = 0; i < places; ++i)
+          for (int j = 0; j < places; ++j)
+            for (int k = 0; k < places; ++k) sum += f.at(t + cell * ((i + j + k + 1.5) / places - 1.5));
+        return sum / (places * places * places);
+      },
+      end, step);
+}
+
+TEST(BlastWave, FrontIsFoundThroughTheCellsThatClippedIt) {
+  Friedlander const f{2e-4, 7e6, 1e-3, 15.0};  // falls by 4 % within 2.7 us
+  for (double const cell : {1e-6, 3e-6, 6e-6}) {
+    auto const h = captured(f, cell, 4e-4, 0.3 * cell);
+    auto const w = analyse_blast(h.time, h.overpressure);
+    double const clipped = w.peak_overpressure / f.peak - 1.0;
+    EXPECT_LT(clipped, -f.decay * cell / f.duration) << "the cells must clip the peak for this to mean anything";
+    ASSERT_TRUE(w.front_overpressure) << cell;
+    EXPECT_LT(std::abs(*w.front_overpressure / f.peak - 1.0), 0.25 * std::abs(clipped)) << cell << ' ' << clipped;
+    EXPECT_GE(*w.front_overpressure, w.peak_overpressure);
+  }
+  // A weak decay: nothing to gain, nothing lost.
+  Friedlander const weak{2e-4, 3e4, 4e-3, 0.5};
+  auto const h = captured(weak, 2e-6, 1e-3, 1e-6);
+  auto const w = analyse_blast(h.time, h.overpressure);
+  ASSERT_TRUE(w.front_overpressure);
+  EXPECT_NEAR(*w.front_overpressure / weak.peak, 1.0, 1e-3);
+}
+
+TEST(BlastWave, FrontIsAbsentWhereNoDecayTellsIt) {
+  auto const absent = [](auto const& wave) {
+    auto const h = sampled(wave, 4e-3, 1e-6);
+    auto const w = analyse_blast(h.time, h.overpressure);
+    EXPECT_TRUE(w.arrival_time);
+    EXPECT_FALSE(w.front_overpressure) << *w.front_overpressure / w.peak_overpressure;
+  };
+  // A smooth hump, a plateau, a rise, and a second shock that comes before the decay is read.
+  absent([](double t) { return 1e5 * std::exp(-std::pow((t - 2e-3) / 3e-4, 2)); });
+  absent([](double t) { return 1e5 * std::clamp((t - 1e-3) / 1e-5, 0.0, 1.0); });
+  absent([](double t) { return t < 1e-3 ? 0.0 : 1e5 * std::min((t - 1e-3) / 2e-5, 1.0 + 0.05 * (t - 1e-3) / 2e-5); });
+  absent([](double t) {
+    double const ramp = std::clamp((t - 1e-3) / 2e-5, 0.0, 1.0);
+    return 1e5 * ramp * std::exp(-std::max(0.0, t - 1.02e-3) / 1e-4) + (t > 1.04e-3 ? 3e4 : 0.0);
+  });
+  // A record that ends at the peak.
+  auto const h = sampled([](double t) { return t < 1e-3 ? 0.0 : 1e5; }, 1e-3, 1e-6);
+  EXPECT_FALSE(analyse_blast(h.time, h.overpressure).front_overpressure);
 }
 
 TEST(BlastWave, StrongerReflectionDoesNotMoveTheArrival) {
@@ -209,7 +264,9 @@ TEST(Summary, DistanceScaledDistanceAndRatioBesideKingeryBulmash) {
   auto g = history("g", {1.0, 4.0, 3.0});  // 5 m from the charge, Z = 2.5
   auto const expected = empirical::kingery_bulmash(8.0, 5.0, empirical::Burst::hemispherical);
   Friedlander const f{*expected.arrival, 2.0 * *expected.incident_overpressure, 0.5 * *expected.duration, 1.5};
-  for (int i = 0; i < 20000; ++i) g.records.push_back({i * 1e-6, 101325.0 + f.at(i * 1e-6), 1.2, {0.0, 0.0, 0.0}});
+  auto const h = captured(f, 2e-6, 2e-2, 1e-6);
+  for (std::size_t i = 0; i < h.time.size(); ++i)
+    g.records.push_back({h.time[i], 101325.0 + h.overpressure[i], 1.2, {0.0, 0.0, 0.0}});
 
   auto const summaries = summarise(setup, {g});
   ASSERT_EQ(summaries.size(), 1U);
@@ -221,7 +278,8 @@ TEST(Summary, DistanceScaledDistanceAndRatioBesideKingeryBulmash) {
   auto const json = nlohmann::json::parse(read_file(folder.path() / "summary.json"));
   auto const& entry = json["gauges"][0];
   EXPECT_EQ(entry["name"], "g");
-  EXPECT_NEAR(entry["ratio"]["peak_overpressure"].get<double>(), 2.0, 2e-3);
+  EXPECT_NEAR(entry["ratio"]["peak_overpressure"].get<double>(), 2.0, 1e-2);  // clipped
+  EXPECT_NEAR(entry["ratio"]["front_overpressure"].get<double>(), 2.0, 2e-3);
   EXPECT_NEAR(entry["ratio"]["arrival_time"].get<double>(), 1.0, 1e-3);
   EXPECT_NEAR(entry["ratio"]["positive_duration"].get<double>(), 0.5, 1e-3);
   EXPECT_GT(json["kingery_bulmash_curve"].size(), 40U);

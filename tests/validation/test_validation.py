@@ -68,13 +68,13 @@ class Reuse(Scratch):
         self.assertEqual((first.folder / "run.json").stat().st_mtime_ns, written)
         wall = round(first.log["wall_seconds"], 3)
         self.assertEqual(again.costs, [("case, one", 200, 0, first.log["step"], 1, wall)])
+        self.assertGreater(first.processor_seconds, 0.0)
         other = self.variants()("case", "one", text=SHORT.replace("0.1 ms", "0.2 ms"))
         self.assertGreater(other.log["step"], first.log["step"])
 
     def test_another_build_calculates_anew_unless_told_not_to(self):
         first = self.variants()("case", "one", text=SHORT)
-        stamp = self.work / "case-one.build"
-        stamp.write_text("another")
+        (self.work / "case-one.note.json").write_text('{"build": "another"}')
         written = (first.folder / "run.json").stat().st_mtime_ns
         self.variants(reuse=True)("case", "one", text=SHORT)
         self.assertEqual((first.folder / "run.json").stat().st_mtime_ns, written)

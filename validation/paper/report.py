@@ -134,14 +134,16 @@ def page(sections, examples, resolution):
     parts = "".join(part(name, *titles, sections.get(name)) for name, titles in examples.items())
     links = " ".join(f'<a href="#{name}">{number} {escape(title)}</a>' for name, (number, title) in examples.items())
     builds = {section["made"]["build"] for section in sections.values()}
-    mixed = "" if len(builds) < 2 else ('<p class="note">The examples were calculated by different builds of the '
+    notes = "" if len(builds) < 2 else ('<p class="note">The examples were calculated by different builds of the '
                                         "program; each tells its own below.</p>")
+    if resolution != "standard":
+        notes += '<p class="note">The texts discuss the results of the resolution “standard”.</p>'
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>The examples of Cui et al. 2014</title><style>{style}</style></head>
 <body><header><div><h1>The examples of Cui et al. 2014</h1><p>Brisance, resolution “{escape(resolution)}”</p>
 <nav>{links}</nav></div></header>
-<main>{INTRODUCTION}{mixed}{summary(sections, examples)}
+<main>{INTRODUCTION}{notes}{summary(sections, examples)}
 {parts}</main>
 <footer><div>Made by <code>validation/run paper</code>, which calculates what is missing and goes on where it was
 stopped; <code>--example NAME</code> renews one example, <code>--resolution quick|fine</code> takes coarser or finer

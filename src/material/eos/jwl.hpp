@@ -3,6 +3,7 @@
 /// with E the internal energy per unit initial volume, so that w E / V = w rho e.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "core/math.hpp"
@@ -17,6 +18,11 @@ struct Jwl {
   double R1 = 4.15;
   double R2 = 0.95;
   double omega = 0.30;
+  /// Relative volume V beyond which the products are an ideal gas with gamma = 1 + omega: an option that saves the
+  /// exponentials of thin products. The reference curve fades out from half of it on, as a smooth step of V: an energy
+  /// goes with any reference curve, so that the equation of state stays a consistent one. Far beyond everything: none.
+  double ideal_beyond = never_ideal;
+  static constexpr double never_ideal = 1e300;
 
   static constexpr char const* name = "jwl";
   static constexpr auto parameters() {
@@ -35,19 +41,34 @@ struct Jwl {
   [[nodiscard]] double reference(double rho) const {
     double const v = rho0 / rho;
     double const x = rho * (omega / rho0);  // omega / V
-    return A * (1.0 - x * (1.0 / R1)) * exp_nonpositive(-R1 * v) +
-           B * (1.0 - x * (1.0 / R2)) * exp_nonpositive(-R2 * v);
+    double const full =
+        A * (1.0 - x * (1.0 / R1)) * exp_nonpositive(-R1 * v) + B * (1.0 - x * (1.0 / R2)) * exp_nonpositive(-R2 * v);
+    double const t = remaining(v);
+    return full * (t * t * (3.0 - 2.0 * t));
   }
   [[nodiscard]] double rho_d_reference(double rho) const {
     double const v = rho0 / rho;
     double const x = rho * (omega / rho0);
-    return A * (R1 * v - omega - x * (1.0 / R1)) * exp_nonpositive(-R1 * v) +
-           B * (R2 * v - omega - x * (1.0 / R2)) * exp_nonpositive(-R2 * v);
+    double const e1 = exp_nonpositive(-R1 * v);
+    double const e2 = exp_nonpositive(-R2 * v);
+    double const derivative = A * (R1 * v - omega - x * (1.0 / R1)) * e1 + B * (R2 * v - omega - x * (1.0 / R2)) * e2;
+    double const full = A * (1.0 - x * (1.0 / R1)) * e1 + B * (1.0 - x * (1.0 / R2)) * e2;
+    double const t = remaining(v);
+    return derivative * (t * t * (3.0 - 2.0 * t)) + full * (v * (6.0 * t * (1.0 - t)) * (2.0 / ideal_beyond));
   }
 
   /// Density [kg/m3] below which both exponentials are lost beside any pressure in double precision (below exp(-60)):
-  /// the products are then an ideal gas with gamma = 1 + omega.
-  [[nodiscard]] double negligible_below() const { return (R1 < R2 ? R1 : R2) * rho0 / 60.0; }
+  /// the products are then an ideal gas with gamma = 1 + omega. Or where they are to be one.
+  [[nodiscard]] double negligible_below() const {
+    return std::max((R1 < R2 ? R1 : R2) / 60.0, 1.0 / ideal_beyond) * rho0;
+  }
+
+ private:
+  /// Way from `ideal_beyond` (0) back to half of it (1).
+  [[nodiscard]] double remaining(double v) const {
+    double const t = (ideal_beyond - v) * (2.0 / ideal_beyond);
+    return std::min(1.0, std::max(0.0, t));
+  }
 };
 
 }  // namespace brisance::material
