@@ -214,7 +214,9 @@ Table const& constraint_table() {
     held.choices = {"x", "y", "z"};
     return Table{
         "The velocity of material points in a part of space is prescribed, by way of the grid nodes there. In an "
-        "`[mpm_region]` that holds the gas there too, unless `body` is given.",
+        "`[mpm_region]` that holds the gas there too, also with `body` where the body has no contact with another: "
+        "both "
+        "share the nodes.",
         {word("kind", {"fixed", "roller", "velocity"})
              .of("fixed")
              .like("\"roller\"")
