@@ -236,7 +236,7 @@ def plot(plain, burnt, ground_plain, walls, curves, path):
 def validate(arguments, work):
     run = Variants(SimpleNamespace(brisance=arguments.brisance, threads=arguments.threads, reuse=arguments.reuse), work)
     curves = Curves(arguments.brisance)
-    coarse = 4e-3 if arguments.quick else 2e-3
+    coarse = 4e-3 if arguments.quick else 1e-3
     points = [(f"z{z:g}", (z,)) for z in DISTANCES] + [(f"g{z:g}", (z * GROUND,)) for z in DISTANCES]
     plain = gauges_of(run("kb", "free-air", text=free_air_deck(coarse, points)))
     burnt = {}
@@ -252,8 +252,8 @@ def validate(arguments, work):
         for name, lines in (("coarse", ""), ("burnt", AFTERBURN[1][2])):
             folder = f"wall-{z:g}-{'afterburn' if lines else name}"
             walls[z, name] = gauges_of(run("kb", folder, text=wall_deck(z, size, 2.0 * cell * factor, end, lines)))
-    ground = run("kb", "ground-wall", text=ground_deck(0.02 * factor, "wall"))
-    mirror = run("kb", "ground-symmetry", text=ground_deck(0.02 * factor, "symmetry"))
+    ground = run("kb", "ground-wall", text=ground_deck(0.01 * factor, "wall"))
+    mirror = run("kb", "ground-symmetry", text=ground_deck(0.01 * factor, "symmetry"))
     same = all((ground.folder / f"gauges/{n}.csv").read_bytes() == (mirror.folder / f"gauges/{n}.csv").read_bytes()
                for n in gauges_of(ground))
     sphere = gauges_of(run("kb", "sphere-2kg", text=free_air_deck(coarse, [(f"z{z:g}", (z,)) for z in (1, 2, 3)],
