@@ -1,8 +1,12 @@
 """What the validations share: running a deck in variants, tables, and the look of the figures."""
+import ctypes
+import hashlib
 import json
 import os
 import platform
 import re
+import resource
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +18,7 @@ import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
+FAILURE = 4  # exit code of a numerical failure
 INK, MUTED, GRID = "#1d2733", "#66727f", "#e3e8ed"
 COLOURS = ("#b5d3ec", "#7db3de", "#3f84c2", "#1f4f88")  # coarse to fine
 ORANGE = "#c8641b"
@@ -89,38 +94,132 @@ def varied(text, changes):
     return text
 
 
+def build_of(program):
+    """What tells one build of the program from another."""
+    return hashlib.sha256(Path(program).read_bytes()).hexdigest()
+
+
+def end_with_parent():
+    """In a process about to start: a Ctrl-C where its parent ends, whatever ended it. Linux only; elsewhere nothing."""
+    prctl = getattr(ctypes.CDLL(None), "prctl", None)
+    if prctl is not None:
+        prctl(1, signal.SIGINT)  # PR_SET_PDEATHSIG
+
+
+def call(command):
+    """Runs the program and returns its exit code and the processor's seconds. Ctrl-C and SIGTERM reach it as one
+    Ctrl-C, upon which it writes a checkpoint; then this process ends too."""
+    asked = []
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+    # A group of its own: a Ctrl-C of the terminal would reach it a second time and end it at once.
+    process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, process_group=0,
+                               preexec_fn=end_with_parent)
+
+    def pass_on(number, _):
+        asked.append(number)
+        process.send_signal(signal.SIGINT)
+    before = {number: signal.signal(number, pass_on) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        code = process.wait()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    if asked:
+        print("stopped; the same command with the same work folder goes on from here", file=sys.stderr)
+        raise Stopped(3)
+    now = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return code, now.ru_utime + now.ru_stime - spent.ru_utime - spent.ru_stime
+
+
+class Stopped(SystemExit):
+    """The user asked for an end."""
+
+
 class Variants:
-    """Runs a case in variants. Results of the same deck by the same program are taken again where `reuse` is set."""
+    """Runs a case's deck in variants, in the folder `work`.
+
+    Finished results of the same deck by the same build of the program are taken again, with `reuse` those of any build;
+    a run that was interrupted goes on from its newest checkpoint. What each run costs is in `costs`, rows of run,
+    cells, points, steps, threads and seconds on the wall, over all restarts. `seconds` of a result is what to
+    compare where the machine is not idle.
+    """
 
     def __init__(self, arguments, work):
         self.program, self.threads, self.reuse = arguments.brisance, arguments.threads, arguments.reuse
-        self.work = work
+        self.work = Path(work)
+        self.build = build_of(self.program)
         self.seconds = 0.0
+        self.costs = []
+        self.number, self.expected = 0, 0
+
+    def expect(self, number):
+        """How many runs follow, for the progress."""
+        self.number, self.expected = 0, number
 
     def __call__(self, case, name, changes=None, added="", may_fail=False, text=None):
         """Returns the results, or None where the run failed and may. `text` stands for the case's deck."""
         text = varied(text or (ROOT / "cases" / case / "deck.toml").read_text(), changes or {}) + added
         folder = self.work / f"{case}-{name}"
-        done = (folder / "run.json").exists() and (folder / "deck.toml").exists()
-        if not (self.reuse and done and (folder / "deck.toml").read_text() == text):
-            deck = self.work / f"{case}-{name}.toml"
-            deck.write_text(text)
-            print(f"{case}, {name} ...", flush=True)
-            command = [self.program, "run", deck, "--output", folder, "--force", "--no-progress", "--threads",
-                       str(self.threads)]
-            finished = subprocess.run([str(c) for c in command], stdout=subprocess.DEVNULL,
-                                      stderr=subprocess.DEVNULL if may_fail else None)
-            if finished.returncode != 0 and not may_fail:
-                sys.exit(f"{case}, {name}: failed with exit code {finished.returncode}")
+        self.number += 1
+        of = f" of {self.expected}" if self.expected >= self.number else ""
+        print(f"[run {self.number}{of}] {case}, {name}: ", end="", flush=True)
+        state = self.state(folder, text)
+        if state == "finished":
+            print("taken from earlier", flush=True)
+        else:
+            print("goes on from its checkpoint ..." if state == "resumable" else "...", flush=True)
+            self.calculate(case, name, text, state == "resumable", may_fail)
         if not (folder / "run.json").exists():
             sys.exit(f"{case}, {name}: no results; see `brisance check {self.work / f'{case}-{name}.toml'}`")
         result = Result(folder)
+        result.processor_seconds = self.note(folder).get("processor_seconds")
         if result.log["status"] != "done":
             if may_fail:
                 return None
             sys.exit(f"{folder}: the run is not done but {result.log['status']}")
         self.seconds += result.log["wall_seconds"]
+        self.costs.append((f"{case}, {name}", result.log["domain"]["cell_count"],
+                           result.log.get("points", {}).get("count", 0), result.log["step"],
+                           result.log["machine"]["threads"], round(result.log["wall_seconds"], 3)))
         return result
+
+    def state(self, folder, text):
+        """What a folder holds of the run of this deck by this program: "finished", "resumable" or "nothing"."""
+        try:
+            same = (folder / "deck.toml").read_text() == text
+            build = self.build if self.reuse else self.note(folder)["build"]
+            log = json.loads((folder / "run.json").read_text())
+        except (OSError, ValueError, KeyError):
+            return "nothing"
+        if not same or build != self.build:
+            return "nothing"
+        if log["status"] == "done" or log["exit_code"] == FAILURE:
+            return "finished"
+        return "resumable" if list(folder.glob("checkpoints/checkpoint_*.brz")) else "nothing"
+
+    @staticmethod
+    def note(folder, **contents):
+        """What is written down beside the folder of a run; with `contents`, writes it."""
+        path = folder.with_name(folder.name + ".note.json")
+        if contents:
+            path.write_text(json.dumps(contents))
+        return json.loads(path.read_text()) if path.exists() else {}
+
+    def calculate(self, case, name, text, resume, may_fail):
+        folder, deck = self.work / f"{case}-{name}", self.work / f"{case}-{name}.toml"
+        deck.write_text(text)
+        self.note(folder, build=self.build)
+        command = [self.program, "run", deck, "--output", folder, "--threads", str(self.threads)]
+        command += [] if sys.stderr.isatty() else ["--no-progress"]
+        code, seconds = call([*command, "--resume" if resume else "--force"])
+        if resume and code not in (0, FAILURE):
+            print("  its checkpoints are of no use; from the beginning ...", flush=True)
+            resume = False
+            code, seconds = call([*command, "--force"])
+        if not resume:
+            self.note(folder, build=self.build, processor_seconds=seconds)
+        if code != 0 and not may_fail:
+            sys.exit(f"{case}, {name}: failed with exit code {code}")
 
 
 class Result:
@@ -131,6 +230,12 @@ class Result:
         self.log = json.loads((self.folder / "run.json").read_text())
         self.bodies = self.log.get("points", {}).get("bodies", [])
         self.h = self.log["domain"]["cell_size"]
+        self.processor_seconds = None
+
+    @property
+    def seconds(self):
+        """Seconds of the processor, which other programs on the machine hardly change; on the wall where not known."""
+        return self.processor_seconds or self.log["wall_seconds"]
 
     def csv(self, name):
         """Columns of a CSV file by their headers without the units."""

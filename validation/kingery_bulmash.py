@@ -3,7 +3,6 @@ without afterburn, at sea level and at 3000 m."""
 import json
 import re
 import subprocess
-from types import SimpleNamespace
 
 import matplotlib
 import matplotlib.pyplot as plt
@@ -234,7 +233,7 @@ def plot(plain, burnt, ground_plain, walls, curves, path):
 
 
 def validate(arguments, work):
-    run = Variants(SimpleNamespace(brisance=arguments.brisance, threads=arguments.threads, reuse=arguments.reuse), work)
+    run = Variants(arguments, work)
     curves = Curves(arguments.brisance)
     coarse = 4e-3 if arguments.quick else 1e-3
     points = [(f"z{z:g}", (z,)) for z in DISTANCES] + [(f"g{z:g}", (z * GROUND,)) for z in DISTANCES]

@@ -1,0 +1,282 @@
+"""Example 5.1: Sod's shock tube in gas cells and in material points, against the exact solution."""
+import re
+
+import h5py
+import matplotlib.pyplot as plt
+import numpy as np
+from common import COLOURS, INK, ORANGE, RC, ROOT, style
+from points import sod_exact, sod_profile
+
+TITLE = "Sod's shock tube: gas cells and material points"
+TIME = 0.143
+CELLS = {"quick": (125, 250, 500), "standard": (125, 250, 500, 1000, 2000), "fine": (125, 250, 500, 1000, 2000, 4000)}
+REPEATS = {"quick": 1, "standard": 5, "fine": 5}
+# How the points stand at the start, points per cell on the left and on the right, and their Courant numbers.
+EQUAL_VOLUMES, DENSE, EQUAL_MASSES = (2, 2), (4, 4), (8, 1)
+COURANT = 0.4  # the program's default
+VARIATIONS = {"quick": (((8, 1), 0.4),),
+              "standard": tuple((p, c) for c in (0.4, 0.1, 0.02) for p in (EQUAL_VOLUMES, DENSE, EQUAL_MASSES))}
+VARIATIONS["fine"] = VARIATIONS["standard"]
+GAS, POINTS = "paper_sod_1d", "sod_points_1d"
+# name: (label, case, what is changed, colour)
+METHODS = {
+    "fdm": ("FDM, Lax-Wendroff", GAS, {"scheme": "lax-wendroff"}, COLOURS[3]),
+    "muscl": ("FDM, MUSCL-Hancock", GAS, {"scheme": "muscl-hancock"}, COLOURS[1]),
+    "mpm": ("MPM (linear)", POINTS, {"shape_function": "linear"}, "#9aa5b1"),
+    "ugimp": ("GIMP, constant size", POINTS, {"shape_function": "gimp"}, "#2f8a57"),
+    "cpgimp": ("GIMP, stretching", POINTS, {"shape_function": "cpgimp"}, ORANGE),
+    "bspline": ("B-spline", POINTS, {"shape_function": "bspline"}, "#7d4fa3"),
+}
+NORMS = ("L1", "L2")
+NOT_COMPUTING = ("output", "checkpoints", "gauges")  # of the timings of a run
+
+
+def calculate(variants, method, cells, start=EQUAL_VOLUMES, courant=COURANT, repeat=""):
+    """A run; None where it fails. `start`: points per cell on the left and on the right."""
+    _, case, changes, _ = METHODS[method]
+    changes = changes | {"cell": f"={1.0 / cells!r}"}
+    if case == GAS:
+        return variants(case, f"{method}-{cells}{repeat}", changes)
+    text = (ROOT / "cases" / case / "deck.toml").read_text()
+    left, right = (f"points_per_cell = {n}" for n in start)
+    text = re.sub(r"^points_per_cell = .*$", left, text, count=1, flags=re.MULTILINE)
+    head, tail = text.rsplit("points_per_cell = ", 1)
+    text = head + right + tail[tail.index("\n"):]
+    changes |= {"points.courant": courant, "point_fields": '=["velocity", "pressure", "density", "mass"]'}
+    name = f"{method}-{cells}-{start[0]}-{start[1]}-{courant:g}{repeat}"
+    return variants(case, name, changes, may_fail=True, text=text)
+
+
+def profile(result):
+    """Positions, (density, velocity, pressure) and the length that each value stands for."""
+    if "points" in result.log:
+        x, values, volume, _ = sod_profile(result)
+        return x, values, volume
+    path = sorted(result.folder.glob("fields/fields_*.h5"))[-1]
+    with h5py.File(path, "r") as file:
+        density, pressure = (np.squeeze(file[f"cells/{k}"][...].astype(float)) for k in ("density", "pressure"))
+        velocity = np.squeeze(file["cells/velocity"][...].astype(float))[:, 0]
+    n = len(density)
+    return (np.arange(n) + 0.5) / n, (density, velocity, pressure), np.full(n, 1.0 / n)
+
+
+def norms(result):
+    """L1 and L2 norms of the deviation of the pressure over the tube of unit length; None of a run that failed."""
+    if result is None:
+        return {norm: np.nan for norm in NORMS}
+    x, values, length = profile(result)
+    e = values[2] - sod_exact(x, TIME)[2]
+    return {"L1": float(np.sum(length * np.abs(e))), "L2": float(np.sqrt(np.sum(length * e * e)))}
+
+
+def order(cells, errors):
+    """Slope of the line fitted to the logarithms of errors against those of h."""
+    errors = np.asarray(errors)
+    good = np.isfinite(errors)
+    return -np.polyfit(np.log(np.asarray(cells)[good]), np.log(errors[good]), 1)[0] if good.sum() > 1 else np.nan
+
+
+def computing_seconds(result):
+    return sum(t for phase, t in result.log["timings"].items() if phase not in NOT_COMPUTING)
+
+
+def profiles_figure(rows, path):
+    """[Cui14] Fig. 6; a row of figures for each of `rows`, (title, {method: result})."""
+    fine = np.linspace(0.0, 1.0, 8001)
+    exact = sod_exact(fine, TIME)
+    quantities = (("Density [g/mm³]", (0.0, 1.1)), ("Velocity [mm/ms]", (-0.1, 1.2)), ("Pressure [MPa]", (0.0, 1.1)))
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(len(rows), 3, figsize=(11.4, 3.5 * len(rows)), layout="constrained", squeeze=False)
+        for row, (title, results) in zip(axes, rows):
+            for k, (a, (quantity, limits)) in enumerate(zip(row, quantities)):
+                style(a)
+                for method, result in results.items():
+                    if result is not None:
+                        x, values, _ = profile(result)
+                        label, _, _, colour = METHODS[method]
+                        a.plot(x, values[k], ".", color=colour, markersize=2.0, label=label)
+                a.plot(fine, exact[k], color=INK, linewidth=0.8, label="exact")
+                a.set(title=quantity, xlim=(0, 1), ylim=limits)
+            row[0].set_ylabel(title, color=INK, fontweight="bold")
+            row[0].legend(loc="upper right", markerscale=4, handlelength=1)
+        for a in axes[-1]:
+            a.set_xlabel("x [mm]")
+        figure.savefig(path, dpi=130, facecolor="white")
+        plt.close(figure)
+
+
+def convergence_figure(cells, panels, path):
+    """[Cui14] Fig. 7; a row of figures for each of `panels`, (title, {method: norms on all grids})."""
+    h = 1.0 / np.asarray(cells)
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(len(panels), len(NORMS), figsize=(11.4, 4.2 * len(panels)), layout="constrained",
+                                    sharey=True, sharex=True, squeeze=False)
+        for row, (title, errors) in zip(axes, panels):
+            for a, norm in zip(row, NORMS):
+                style(a)
+                for method, values in errors.items():
+                    e = [v[norm] for v in values]
+                    label, _, _, colour = METHODS[method]
+                    a.loglog(h, e, "o-", color=colour, markersize=4, linewidth=1.3,
+                             label=f"{label}: order {order(cells, e):.2f}")
+                a.set(title=f"{title}, {norm} norm [MPa]", ylim=(1e-4, 30.0))
+                a.set_xticks(h, [f"1/{n}" for n in cells])
+                a.minorticks_off()
+                a.legend(loc="upper left", fontsize=7.5, ncols=2)
+        for a in axes[-1]:
+            a.set_xlabel("h [mm]")
+        figure.savefig(path, dpi=130, facecolor="white")
+        plt.close(figure)
+
+
+def run(variants, resolution, target):
+    cells, repeats = CELLS[resolution], REPEATS[resolution]
+    variations = [v for v in VARIATIONS[resolution] if v != (EQUAL_VOLUMES, COURANT)]
+    reference = 1000 if 1000 in cells else cells[-1]
+    half = reference // 2
+    timed = ("fdm", "muscl", "mpm", "ugimp", "cpgimp")
+    of_points = [m for m in METHODS if METHODS[m][1] == POINTS]
+    variants.expect(len(cells) * (len(METHODS) + len(of_points) * len(variations)) + len(timed) * repeats)
+
+    default = {(m, n): calculate(variants, m, n) for m in METHODS for n in cells}
+    errors = {(m, EQUAL_VOLUMES, COURANT): [norms(default[m, n]) for n in cells] for m in METHODS}
+    shown = {}
+    for start, courant in variations:
+        for m in of_points:
+            results = [calculate(variants, m, n, start, courant) for n in cells]
+            errors[m, start, courant] = [norms(r) for r in results]
+            shown[m, start, courant] = results[cells.index(reference)]
+    seconds = {m: [] for m in timed}
+    for k in range(repeats):  # in turn, so that a slow minute of the machine meets all of them
+        for m in timed:
+            result = calculate(variants, m, reference, repeat=f"-timed-{k}")
+            if result is not None:
+                seconds[m].append(computing_seconds(result))
+    seconds = {m: float(np.median(s)) if s else np.nan for m, s in seconds.items()}
+
+    def values(method, norm, start=EQUAL_VOLUMES, courant=COURANT):
+        return [e[norm] for e in errors[method, start, courant]]
+
+    def order_of(*key):
+        return order(cells, values(*key))
+
+    def error_at(n, *key):
+        return values(*key)[cells.index(n)]
+
+    masses = (EQUAL_MASSES, min(c for p, c in VARIATIONS[resolution] if p == EQUAL_MASSES and c >= 0.1))
+    with_gas = {"fdm": default["fdm", reference]}
+    drawn = ("mpm", "ugimp", "cpgimp")
+    profiles_figure([
+        (f"2 points per cell, Courant {COURANT:g}", {m: default[m, reference] for m in drawn} | with_gas),
+        (f"points of equal mass, Courant {masses[1]:g}", {m: shown[m, *masses] for m in drawn} | with_gas)],
+        target / "profiles.png")
+    gas = {m: errors[m, EQUAL_VOLUMES, COURANT] for m in ("fdm", "muscl")}
+    convergence_figure(cells, [
+        ("2 points per cell", gas | {m: errors[m, EQUAL_VOLUMES, COURANT] for m in of_points}),
+        ("Points of equal mass", gas | {m: errors[m, EQUAL_MASSES, COURANT] for m in of_points})],
+        target / "convergence.png")
+
+    acceptance = []
+    starts = ((EQUAL_VOLUMES, "2 points per cell"), (EQUAL_MASSES, "points of equal mass"))
+    for start, words in starts:
+        for norm in NORMS:
+            fdm, gimp = order_of("fdm", norm), order_of("cpgimp", norm, start)
+            acceptance.append((f"Order of the pressure, {norm}: FDM over GIMP, {words}",
+                               f"{fdm:.2f} / {gimp:.2f} = {fdm / gimp:.2f}", "at least 1.5", bool(fdm >= 1.5 * gimp)))
+    for start, words in starts:
+        for norm in NORMS:
+            fdm = error_at(half, "fdm", norm)
+            gimp = min(error_at(reference, m, norm, start) for m in ("ugimp", "cpgimp"))
+            what = f"Error of the pressure, {norm}: FDM on {half} cells against GIMP on {reference}, {words}"
+            acceptance.append((what, f"{fdm:.2e} against {gimp:.2e} MPa", "not above", bool(fdm <= gimp)))
+    s = seconds
+    acceptance.append((f"Cost on {reference} cells, FDM : MPM : GIMP", f"1 : {s['mpm'] / s['fdm']:.1f} : "
+                       f"{s['cpgimp'] / s['fdm']:.1f}", "in this order (paper 46 : 52 : 78 = 1 : 1.1 : 1.7)",
+                       bool(s["fdm"] < s["mpm"] < s["cpgimp"])))
+
+    def cells_of_row(method, start):
+        per_cell = "–" if METHODS[method][1] == GAS else "{} / {}".format(*start)
+        e = values(method, "L1", start)
+        return [METHODS[method][0], per_cell, *(f"{v:.2e}" for v in e), f"{order(cells, e):.2f}",
+                f"{order_of(method, 'L2', start):.2f}", f"{error_at(reference, method, 'L2', start):.2e}"]
+    header = ["method", "points per cell, left / right", *(f"L1, {n} cells" for n in cells),
+              "order L1", "order L2", f"L2, {reference} cells"]
+    body = [cells_of_row(method, start) for method, start, courant in errors if courant == COURANT]
+    courants = sorted({c for _, _, c in errors}, reverse=True)
+    steps_header = ["method", "points per cell, left / right", *(f"error, Courant {c:g}" for c in courants),
+                    *(f"order, {c:g}" for c in courants)]
+    steps_body = [[METHODS[m][0], "{} / {}".format(*start),
+                   *(f"{error_at(reference, m, 'L1', start, c):.2e}" for c in courants),
+                   *(f"{order_of(m, 'L1', start, c):.2f}" for c in courants)]
+                  for m, start, c in errors if c == courants[-1] and m in of_points and len(courants) > 1]
+    paper = {"fdm": "46 (1)", "mpm": "52 (1.13)", "ugimp": "78 (1.70)", "cpgimp": "78 (1.70)"}
+    steps = {m: f"{default[m, reference].log['step']}" if default[m, reference] else "–" for m in timed}
+    cost = [[METHODS[m][0], f"{1e3 * s[m]:.1f}", steps[m], f"{s[m] / s['fdm']:.2f}", paper.get(m, "–")] for m in timed]
+    blocks = [
+        ("text", SETUP.format(reference=reference)),
+        ("figure", "profiles.png", f"The state at 0.143 ms on {reference} cells, values of all cells and points "
+                                   "([Cui14] Fig. 6)"),
+        ("figure", "convergence.png", f"Error norms of the pressure against the cell ([Cui14] Fig. 7), Courant number "
+                                      f"{COURANT:g} for points, 0.8 for cells"),
+        ("table", f"Error norms of the pressure [MPa] over the tube of 1 mm, Courant number {COURANT:g} for points, "
+                  "0.8 for cells; orders: fitted over all grids", header, body),
+        *([("table", f"Shorter steps: L1 norm of the pressure [MPa] on {reference} cells, and its order", steps_header,
+            steps_body)] if steps_body else []),
+        ("table", f"Computing time on {reference} cells without output, one thread, 2 points per cell, median of "
+                  f"{repeats} runs taken in turn",
+         ["method", "ours [ms]", "steps", "over FDM", "paper [s] (over FDM)"], cost),
+        ("text", DISCUSSION),
+    ]
+    return {"acceptance": acceptance, "blocks": blocks, "costs": costs(variants.costs)}
+
+
+def costs(rows):
+    """The many small runs, added up by case."""
+    total = {}
+    for run, cells, points, steps, threads, wall in rows:
+        case = run.split(",")[0]
+        n, *sums = total.get((case, threads), (0, 0, 0, 0, 0.0))
+        total[case, threads] = (n + 1, max(sums[0], cells), max(sums[1], points), sums[2] + steps, sums[3] + wall)
+    return [(f"{case}, {n} runs (largest grid, steps of all)", cells, points, steps, threads, wall)
+            for (case, threads), (n, cells, points, steps, wall) in total.items()]
+
+
+SETUP = """
+<p>A closed tube of 1 mm, parted at its middle: density 1 and 0.125 g/mm³, pressure 1 and 0.1 MPa, at rest, γ = 1.4;
+the state at 0.143 ms is compared with the exact solution. FDM is the scheme of the paper, Lax-Wendroff with adaptive
+viscosity in its corrected, conservative form; the program's default, MUSCL-Hancock, stands beside it. MPM is the
+method with linear shape functions. The paper tells neither the points per cell nor the time step nor which GIMP: here
+GIMP is calculated with points of constant size and with points that stretch with the material, and the points stand
+in two ways, 2 per cell everywhere (points of equal volume) and 8 per cell left and 1 right (of equal mass).
+Acceptance lines take the better GIMP, that of stretching points where orders are compared. Decks:
+<code>cases/paper_sod_1d</code>,
+<code>cases/sod_points_1d</code>; {reference} cells where nothing else is said.</p>
+"""
+
+DISCUSSION = """
+<h3>What it shows</h3>
+<ul>
+<li><b>The gas cells do what the paper says.</b> Their profiles lie on the exact solution, and on half as many cells
+their errors are below those of either GIMP, however the points stand and whatever their step. The order is about 1 in
+L1 and 0.75 in L2: a shock and a contact that are spread over some cells each allow no more, in any scheme. The paper
+does not tell which norm it plots.</li>
+<li><b>The ratio of the orders depends on how the points stand at the start.</b> With 2 points per cell it is that of
+the paper, and more (on the three coarsest grids alone it is 1.4 in L1). The points that meet the step of pressure at
+the start then differ eightfold in mass; a spike stays at the contact and the points ring towards the shock, errors
+that fall slowly with the cell. Points of equal mass (8 and 1 per cell) suffer much less from it: GIMP with stretching
+points and B-splines converge nearly as fast as the gas cells, and the lines that ask for 1.5 are missed. What is left
+between them and the gas cells is a factor of 2 to 3 in L1. Shorter steps and more points per cell change the orders
+less, as the table tells.</li>
+<li><b>MPM.</b> Linear shape functions ring as the paper says, and at the default step they get worse on finer grids;
+so do points of constant size. The page on material points (<code>docs/validation/points.md</code>) tells why: the
+density that the points carry drifts from the one that they have in space. Short steps help, here at least: at a
+Courant number of 0.02, a twentieth of the default, MPM with points of equal mass converges down to 1/1000 and has an
+error of the pressure 75 times below that of 2 points per cell at the default step. The tables of
+<code>docs/validation/points.md</code> add the other orders of the update, transfers and viscosities: none makes MPM
+converge at the default step.</li>
+<li><b>Cost.</b> The order FDM, MPM, GIMP is that of the paper; the ratios are not: MPM takes some eight times as long
+as the gas cells here, 1.1 times in the paper. The points take twice as many steps, and a gas cell in one direction
+costs this program a quarter of what two points and their nodes cost. GIMP with points of constant size takes longer
+than with stretching ones; why has not been looked into.</li>
+</ul>
+"""
