@@ -29,7 +29,8 @@ AFTERBURN = (
 )
 # Walls: Z, size of the domain (r, y) [m], cell [m], end [s].
 WALLS = ((0.5, (0.8, 1.2), 0.0025, 0.7e-3), (1, (1.6, 2.4), 0.005, 2.4e-3), (2, (2.8, 4.0), 0.008, 6e-3),
-         (3, (4.0, 5.6), 0.0125, 10e-3), (5, (6.4, 8.4), 0.02, 18e-3))
+         (3, (4.0, 5.6), 0.0125, 10e-3), (5, (6.4, 8.4), 0.02, 18e-3), (7, (8.4, 11.2), 0.028, 25e-3),
+         (10, (11.2, 15.2), 0.04, 36e-3))
 QUANTITIES = {"peak_overpressure": ("peak overpressure", "kPa", 1e-3, "incident_overpressure"),
               "arrival_time": ("arrival", "ms", 1e3, "arrival"),
               "positive_impulse": ("positive impulse", "Pa s", 1.0, "incident_impulse"),
@@ -49,8 +50,10 @@ def free_air_deck(cell, points, afterburn="", ambient="", mass=1.0, size=14, end
 
 
 def wall_deck(z, size, cell, end, afterburn=""):
-    """The charge on the axis, z from a rigid wall at y = 0; gauges on it at the foot of the axis and beside it."""
-    return (f'title = "1 kg of TNT, {z:g} m from a wall"\n[domain]\ngeometry = "axisymmetric2d"\nsize = {list(size)}\n'
+    """The charge on the axis, z from a rigid wall at y = 0; gauges on it at the foot of the axis and beside it. Half of
+    the way goes in one dimension."""
+    return (f'title = "1 kg of TNT, {z:g} m from a wall"\nstart = "remap"\n[remap]\nradius = {0.5 * z}\n'
+            f'cell = 1e-3\n[domain]\ngeometry = "axisymmetric2d"\nsize = {list(size)}\n'
             f'cell = {cell}\n[boundaries]\ny_low = "wall"\n[[charge]]\nexplosive = "TNT"\nmass = 1\n'
             f'position = [0, {z}]\n' + gauges_text([("wall", (0, 0)), ("aside", (ASIDE * z, 0))])
             + (f"[afterburn]\n{afterburn}" if afterburn else "")
