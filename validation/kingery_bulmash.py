@@ -143,7 +143,8 @@ def wall_rows(walls, plain, curves):
         here, rough, burnt = (w["aside"] for w in (walls[z], walls[z, "coarse"], walls[z, "burnt"]))
         peak, impulse = (curves("spherical", z * SLANT, f"reflected_{x}") for x in ("overpressure", "impulse"))
         exact = reflected(plain[f"z{z:g}"]["peak_overpressure"])
-        rows.append([f"{z:g}", f"{log['domain']['cell_size'] * 1e3:g}", f"{here['peak_overpressure'] / 1e3:.4g}", f"{peak / 1e3:.4g}"]
+        rows.append([f"{z:g}", f"{log['domain']['cell_size'] * 1e3:g}",
+                     f"{here['peak_overpressure'] / 1e3:.4g}", f"{peak / 1e3:.4g}"]
                     + [per_cent(x["peak_overpressure"] / peak) for x in (here, rough)]
                     + [f"{here['positive_impulse']:.4g}", f"{impulse:.4g}"]
                     + [per_cent(x["positive_impulse"] / impulse) for x in (here, rough, burnt)]
