@@ -191,7 +191,8 @@ def farther_table(runs, reference):
     for cell, run in runs.items():
         r = ratios(run, reference, FARTHER)
         for key in ("peak_overpressure", "front_overpressure"):
-            rows.append([cell, f"{CHARGE_RADIUS / float(cell):.0f}", QUANTITIES[key], *(span(r[key][d]) for d in FARTHER)])
+            rows.append([cell, f"{CHARGE_RADIUS / float(cell):.0f}", QUANTITIES[key],
+                         *(span(r[key][d]) for d in FARTHER)])
     return table(["h [mm]", "cells per charge radius", "", *(f"{d:g} m" for d in FARTHER)], rows)
 
 
@@ -414,7 +415,8 @@ def validate(arguments, work):
               "farther": farther_table(farther, far_reference),
               "equal": equal_accuracy(octants, reference), "cut_overs": cut_over_table(cut_overs),
               "vanished": f"{60 / 0.95:.0f}", "points_same": points_worst(starts, None),
-              "points_finest": points_worst(starts, [key for key in starts if key[0] == "gas"][-1]), "starts": start_table(starts)}
+              "points_finest": points_worst(starts, [key for key in starts if key[0] == "gas"][-1]),
+              "starts": start_table(starts)}
     template = (ROOT / "validation" / "remap.md.in").read_text()
     page = re.sub(r"@(\w+)@", lambda match: values[match.group(1)].rstrip("\n"), template)
     (target / "remap.md").write_text(page)

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "deck/build.hpp"
+#include "run/start.hpp"
 
 namespace brisance::deck {
 
@@ -22,9 +23,9 @@ std::optional<Model> model_of(Section const& section) {
   return model;
 }
 
-/// A time [s] at which the charge has burnt in every cell: its farthest corner is lit, and its cells have burnt
+/// A time [s] at which the charge has burnt in every cell [m]: its farthest corner is lit, and its cells have burnt
 /// through.
-double burnt_at(run::Charge const& charge, grid::Domain const& domain) {
+double burnt_at(run::Charge const& charge, grid::Domain const& domain, double cell) {
   if (charge.detonation == run::Detonation::instantaneous) return 0.0;
   auto const bounds = shape::bounds(charge.shape);
   Vec3 const middle = shape::centre(charge.shape);
@@ -36,7 +37,7 @@ double burnt_at(run::Charge const& charge, grid::Domain const& domain) {
   }
   // The centre of a cell that the charge fills in part may lie beyond the corner, by half its diagonal at most; a cell
   // burns for 1.5 h/D.
-  return last + (1.5 + 0.5 * std::sqrt(3.0)) * domain.h / charge.explosive.detonation_speed;
+  return last + (1.5 + 0.5 * std::sqrt(3.0)) * cell / charge.explosive.detonation_speed;
 }
 
 }  // namespace
@@ -89,7 +90,17 @@ void Builder::afterburn() {
       return;
     }
     double burnt = 0.0;
-    for (run::Charge const& charge : out_.charges) burnt = std::max(burnt, burnt_at(charge, out_.domain));
+    // A charge that is remapped burns on the cells of the 1D calculation.
+    bool const remapped = deck_.text("start") == "remap";
+    Section const* remap = deck_.section("remap");
+    double const given = remapped && remap != nullptr ? remap->number("cell").value_or(0.0) : 0.0;
+    for (run::Charge const& charge : out_.charges) {
+      auto const bounds = shape::bounds(charge.shape);
+      double radius = 0.0;
+      for (int d = 0; d < dims(); ++d) radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
+      double const fine = given > 0.0 ? given : radius / run::start_cells_per_radius;
+      burnt = std::max(burnt, burnt_at(charge, out_.domain, remapped ? fine : out_.domain.h));
+    }
     if (domain_known_ && model->begin < burnt) {
       error(*section, "begin",
             fmt::format("{} lies before the end of the detonation, and unburnt explosive has no afterburn: write at "

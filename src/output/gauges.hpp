@@ -35,9 +35,9 @@ struct BlastWave {
 /// 5 % of the front's steepest rate. The arrival is where the pressure passes half of the front's height. Later,
 /// stronger shocks (reflections) do not move it.
 ///
-/// Overpressure at the front. Where the pressure falls steeply behind a shock, the cells that capture the shock clip its
-/// peak, by some per cent even on fine grids. As with records of experiments, the decay is therefore continued back to
-/// the arrival: the logarithm of the overpressure, as a straight line fitted between half of and three times the
+/// Overpressure at the front. Where the pressure falls steeply behind a shock, the cells that capture the shock clip
+/// its peak, by some per cent even on fine grids. As with records of experiments, the decay is therefore continued back
+/// to the arrival: the logarithm of the overpressure, as a straight line fitted between half of and three times the
 /// captured front's half width behind its top. It is given where that line leaves less than 1 % (rms), falls, and adds
 /// less than a quarter.
 [[nodiscard]] BlastWave analyse_blast(std::vector<double> const& time, std::vector<double> const& overpressure);
