@@ -1,4 +1,6 @@
-"""Concrete and soil: single points, calibration of the tensile damage, spall, a crater on three grids, a column."""
+"""Concrete and soil: single points, calibration of the tensile damage, spall, a crater on four grids, a column of soil,
+a beam with bars, a slab on soil."""
+import re
 import subprocess
 import sys
 import tomllib
@@ -275,47 +277,170 @@ def bar(run):
     return {"bar": table(header, rows)}, {"concrete_bar": figure}
 
 
+def growth(origin, moved, spacing, radius, height):
+    """By how much a cylinder on the axis has grown, and its upper face sunk in [m3], from the motion of its outermost
+    points."""
+    def ring(points, component):
+        return (2.0 * np.pi * origin[points, 0] * spacing * moved[points, component]).sum()
+    top, bottom = origin[:, 1] > height - spacing, origin[:, 1] < spacing
+    side = origin[:, 0] > radius - spacing
+    sunk = -ring(top, 1)
+    return 2.0 * np.pi * radius * spacing * moved[side, 0].sum() - ring(bottom, 1) - sunk, sunk
+
+
 def crater(run):
-    """The crater on three grids, with and without the crack band."""
-    cells = (10.0, 5.0, 2.5)
-    values, rows, last = {}, [], {}
-    for law in ("crack_band", "none"):
-        for cell in cells:
+    """The crater on four grids with the crack band, on three without."""
+    cells = {"crack_band": (10.0, 5.0, 2.5, 1.25), "none": (10.0, 5.0, 2.5)}
+    rows, last = [], {}
+    for law in cells:
+        values = {}
+        for cell in cells[law]:
             result = run("concrete_crater_2d", f"{cell:g}-{law}",
                          {"domain.cell": f"{cell:g} mm", "points.regularisation": law})
             zones = result.log["points"]["broken_zones"][0]
             dump = result.dump(result.dumps()[-1])
-            origin = dump["position"] - dump["displacement"]
-            volume = 2.0 * np.pi * origin[:, 0] * (0.5 * result.h) ** 2
-            top = (origin[:, 1] > 0.3 - 0.5 * result.h) & (dump["damage"] >= 0.5)
-            diameter = 2.0 * np.sqrt(volume[top].sum() / (0.5 * result.h) / np.pi)
-            crushed = (volume * dump["compression_damage"]).sum()
+            origin, spacing = dump["position"] - dump["displacement"], 0.5 * result.h
+            volume = 2.0 * np.pi * origin[:, 0] * spacing ** 2
+            top = (origin[:, 1] > 0.3 - spacing) & (dump["damage"] >= 0.5)
+            grown, sunk = growth(origin, dump["displacement"], spacing, 0.4, 0.3)
             drift = result.log["points"]["audit"]["energy"]["drift"]
-            values[law, cell] = (zones["damaged"]["volume"], diameter, (volume * dump["damage"]).sum(), crushed,
-                                 zones["cracked"]["volume"] + zones["crushed"]["volume"])
-            v = values[law, cell]
-            rows.append([law, f"{cell:g}", f"{v[0] * 1e6:.0f}", f"{v[1] * 1e3:.0f}", f"{v[2] * 1e6:.0f}",
-                         f"{v[3] * 1e6:.1f}", f"{v[4] * 1e6:.0f}", f"{100 * drift:+.2f} %"])
+            values[cell] = (1e6 * zones["damaged"]["volume"], 1e6 * volume[dump["damage"] >= 0.75].sum(),
+                            2e3 * np.sqrt(volume[top].sum() / spacing / np.pi), 1e6 * (volume * dump["damage"]).sum(),
+                            1e6 * (volume * dump["compression_damage"]).sum(), 1e6 * grown, 1e6 * sunk,
+                            1e6 * (zones["cracked"]["volume"] + zones["crushed"]["volume"]))
+            rows.append([law, f"{cell:g}"] + [f"{v:.{n}f}" for v, n in zip(values[cell], (0, 0, 0, 0, 1, 2, 2, 0))]
+                        + [f"{100 * drift:+.2f} %"])
             last[law, cell] = (origin, dump)
-        fine, middle = values[law, cells[2]], values[law, cells[1]]
-        rows.append([law, "change 5 to 2.5"] + [f"{100 * (b / a - 1):+.1f} %" for a, b in zip(middle, fine)] + [""])
+        for middle, fine in zip(cells[law][1:], cells[law][2:]):
+            rows.append([law, f"change {middle:g} to {fine:g}"]
+                        + [f"{100 * (b / a - 1):+.1f} %" for a, b in zip(values[middle], values[fine])] + [""])
     with plt.rc_context(RC):
-        figure, axes = plt.subplots(2, 3, figsize=(10.5, 5.4), sharex=True, sharey=True)
-        for row, law in zip(axes, ("crack_band", "none")):
-            for axis, cell in zip(row, cells):
+        figure, axes = plt.subplots(2, 4, figsize=(12.5, 4.8), sharex=True, sharey=True)
+        for row, law in zip(axes, cells):
+            for axis, cell in zip(row, cells[law]):
                 origin, dump = last[law, cell]
-                marks = axis.scatter(1e3 * origin[:, 0], 1e3 * origin[:, 1], c=dump["damage"], s=(0.32 * cell) ** 2,
+                marks = axis.scatter(1e3 * origin[:, 0], 1e3 * origin[:, 1], c=dump["damage"], s=(0.27 * cell) ** 2,
                                      cmap="inferno_r", vmin=0, vmax=1, linewidths=0)
                 axis.set(title=f"{law}, {cell:g} mm", aspect="equal", xlim=(0, 330), ylim=(60, 305))
-        for axis in axes[1]:
+        axes[1, 3].set_axis_off()
+        for axis in (*axes[1, :3], axes[0, 3]):
             axis.set_xlabel("radius [mm]")
+            axis.tick_params(labelbottom=True)
         for axis in axes[:, 0]:
             axis.set_ylabel("height [mm]")
         figure.tight_layout()
         figure.colorbar(marks, ax=axes, label="damage", shrink=0.7)
-    header = ["regularisation", "cell mm", "volume with D >= 1/2 cm3", "diameter on the face mm", "integral of D cm3",
-              "integral of D_c cm3", "volume with D = 1 cm3", "energy drift"]
+    header = ["regularisation", "cell mm", "volume with D >= 1/2 cm3", "with D >= 3/4 cm3", "diameter on the face mm",
+              "integral of D cm3", "integral of D_c cm3", "growth of the block cm3", "face sunk in cm3",
+              "volume with D = 1 cm3", "energy drift"]
     return {"crater": table(header, rows)}, {"concrete_crater": figure}
+
+
+def without_table(text, name):
+    """A deck without its tables [[name]]."""
+    return re.sub(rf"^\[\[{name}\]\][^\n]*\n(?:(?!\[)[^\n]*\n)*", "", text, flags=re.MULTILINE)
+
+
+def cracked_section(file, width, depth, area):
+    """Bending stiffness [N m2] and lever arm [m] of a cracked section, linear in compression; bars of 200 GPa."""
+    hjc, eos = file["strength"], file["eos"]
+    bulk = eos["P_crush"] / eos["mu_crush"]
+    share = area / (width * depth) * 200e9 * (3.0 * bulk + hjc["G"]) / (9.0 * bulk * hjc["G"])
+    neutral = depth * (np.sqrt(share ** 2 + 2.0 * share) - share)
+    lever = depth - neutral / 3.0
+    return 200e9 * area * (depth - neutral) * lever, lever
+
+
+def beam(run):
+    """A beam under a pressure pulse with and without bars."""
+    deck = (ROOT / "cases" / "reinforced_beam_3d" / "deck.toml").read_text()
+    rows = []
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(1, 3, figsize=(11.0, 3.0))
+        for bars, colour in ((True, COLOURS[3]), (False, ORANGE)):
+            name = "with bars" if bars else "without"
+            result = run("reinforced_beam_3d", "bars" if bars else "plain",
+                         text=None if bars else without_table(deck, "reinforcement"))
+            gauge = result.gauge("middle")
+            low = np.argmin(gauge["displacement_z"])
+            zones = result.log["points"]["broken_zones"][0]
+            stress = estimate = "-"
+            axes[0].plot(1e3 * gauge["time"], -1e3 * gauge["displacement_z"], color=colour, label=name)
+            if bars:
+                stiffness, lever = cracked_section(material("concrete-48MPa"), 0.04, 0.06, np.pi * 0.004 ** 2)
+                time, mean, most = [], [], []
+                for path in result.dumps():
+                    dump = result.dump(path)
+                    x = dump["position"][:, 0] - dump["displacement"][:, 0]
+                    steel = (dump["bar_part"] > 0.0) & (x < 0.05)
+                    time.append(dump["time"])
+                    mean.append(dump["bar_stress"][steel].mean())
+                    most.append(dump["bar_stress"][dump["bar_part"] > 0.0].max())
+                    if abs(dump["time"] - 2e-3) < 1e-6:
+                        axis = axes[2]
+                        marks = axis.scatter(*(1e3 * dump["position"][:, ::2].T), c=dump["damage"], s=3,
+                                             cmap="inferno_r", vmin=0, vmax=1, linewidths=0)
+                        axis.set(title="Damage with bars, 2 ms", xlabel="from the middle [mm]", ylabel="height [mm]",
+                                 aspect="equal")
+                        figure.colorbar(marks, ax=axis, shrink=0.8)
+                axes[1].plot(1e3 * np.array(time), 1e-6 * np.array(mean), color=colour, label="mean within 50 mm")
+                axes[1].plot(1e3 * np.array(time), 1e-6 * np.array(most), "--", color=colour, label="largest")
+                axes[1].axhline(500, color=MUTED, linewidth=0.8)
+                axes[1].text(0.05, 505, "yield", color=MUTED, fontsize=7.5)
+                # Simply supported over 2 x 0.38 m, evenly loaded.
+                moment = 9.6 * stiffness * -gauge["displacement_z"][low] / 0.76 ** 2
+                stress = f"{max(mean) * 1e-6:.0f} ({max(most) * 1e-6:.0f})"
+                estimate = f"{moment / (np.pi * 0.004 ** 2 * lever) * 1e-6:.0f}"
+            rows.append([name, f"{-1e3 * gauge['displacement_z'][low]:.2f}"
+                         + (" and moving" if low > 0.99 * len(gauge["time"]) else ""),
+                         f"{1e3 * gauge['time'][low]:.2f}", stress, estimate, f"{1e3 * zones['cracked']['volume']:.2f}",
+                         f"{100 * result.log['points']['audit']['energy']['drift']:+.2f} %"])
+        axes[0].set(title="Deflection of the middle", xlabel="time [ms]", ylabel="[mm]")
+        axes[1].set(title="Stress of the bars", xlabel="time [ms]", ylabel="[MPa]")
+        for axis in axes[:2]:
+            style(axis)
+            axis.legend()
+        figure.tight_layout()
+    header = ["beam", "largest deflection mm", "at ms", "bar stress MPa: mean in the middle (largest)",
+              "of a cracked section at this deflection", "cracked of 1.28 l", "energy drift"]
+    return {"beam": table(header, rows)}, {"concrete_beam": figure}
+
+
+def ground(run):
+    """A slab under a pressure pulse, on soil and free."""
+    deck = (ROOT / "cases" / "slab_on_soil_2d" / "deck.toml").read_text()
+    soil = re.compile(r"^\[\[\w+\]\][^\n]*\n(?:(?!\[)[^\n]*\n)*?name = \"soil\"\n(?:(?!\[)[^\n]*\n)*",
+                      re.MULTILINE)  # body and gauge
+    rows, shots = [], []
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(1, 3, figsize=(11.0, 3.0))
+        for name, text, colour in (("on soil", None, COLOURS[3]), ("free", soil.sub("", deck), ORANGE)):
+            result = run("slab_on_soil_2d", name.replace(" ", "_"), text=text)
+            below = result.gauge("slab.below")
+            axes[0].plot(1e3 * below["time"], -1e3 * below["displacement_y"], color=colour, label=name)
+            zones = result.log["points"]["broken_zones"][0]
+            energy = result.log["points"]["audit"]["energy"]
+            pushed = f"{result.gauge('soil')['pressure'].max() * 1e-6:.2f}" if text is None else "-"
+            rows.append([name, f"{-1e3 * below['displacement_y'].min():.2f}", pushed,
+                         f"{1e3 * zones['cracked']['volume']:.1f}", f"{100 * energy['drift']:+.2f} %"])
+            shots.append(result.dump(result.dumps()[-1]))
+        for axis, dump, name in zip(axes[1:], shots, ("on soil", "free")):
+            slab = dump["body"] == 0
+            x = 1e3 * dump["position"]
+            if not slab.all():
+                axis.scatter(x[~slab, 0], x[~slab, 1], c="#d9cfbf", s=1.0, linewidths=0)
+            marks = axis.scatter(x[slab, 0], x[slab, 1], c=dump["damage"][slab], s=2.0, cmap="inferno_r", vmin=0,
+                                 vmax=1, linewidths=0)
+            axis.set(title=f"Damage, {name}, {1e3 * dump['time']:.0f} ms", xlabel="radius [mm]", ylabel="height [mm]",
+                     aspect="equal", xlim=(0, 820), ylim=(-150, 170))
+        axes[0].set(title="Lower face, middle", xlabel="time [ms]", ylabel="[mm]")
+        style(axes[0])
+        axes[0].legend()
+        figure.tight_layout()
+        figure.colorbar(marks, ax=axes[2], shrink=0.6)
+    header = ["slab", "largest deflection of the lower face mm", "largest pressure in the soil MPa", "cracked l",
+              "energy drift"]
+    return {"ground": table(header, rows)}, {"concrete_ground": figure}
 
 
 def column(run):
@@ -338,13 +463,21 @@ def column(run):
     bulk = np.sort(x[:, 0])[int(0.99 * len(x))]
     height = x[x[:, 0] < 0.01, 1].max()
     slope = np.degrees(np.arctan2(height, bulk))
-    drift = result.log["points"]["audit"]["energy"]["drift"]
+    energy = result.log["points"]["audit"]["energy"]
+    coarse = run("soil_column_2d", "column-20", {"domain.cell": "20 mm"}).log["points"]["audit"]["energy"]
+
+    def part(key, of):
+        return f"{100 * of[key] / of['largest']:.1f} %"
     rows = [["run-out (99 % of the mass) / half width", f"{bulk / 0.1:.2f}", "1 + 1.9 a^(2/3) = 5.8"],
             ["height left / half width", f"{height / 0.1:.2f}", "0.65 a^(2/5) = 1.1"],
             ["mean slope", f"{slope:.0f} degrees", "below the angle of friction, 33"],
-            ["energy drift", f"{100 * drift:+.1f} %", ""]]
+            ["kinetic energy lost at held nodes, of all energy", part("lost_at_held_nodes", energy),
+             f"(cells of 20 mm: {part('lost_at_held_nodes', coarse)})"],
+            ["energy drift beside it", f"{100 * energy['drift']:+.2f} %",
+             f"(cells of 20 mm: {100 * coarse['drift']:+.2f} %)"]]
     return {"column": table(["quantity", "calculated", "experiments with sand [Lube05]"], rows)}, {
         "concrete_column": figure}
 
 
-PARTS = {"paths": paths, "calibration": calibration, "impact": impact, "bar": bar, "crater": crater, "column": column}
+PARTS = {"paths": paths, "calibration": calibration, "impact": impact, "bar": bar, "crater": crater, "column": column,
+         "beam": beam, "ground": ground}

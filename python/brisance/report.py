@@ -259,6 +259,15 @@ def drift_verdict(energy):
     return badge("warn", "within 1 %") if abs(drift) <= COARSE_DRIFT else badge("bad", "more than 1 %")
 
 
+def dissipation_words(energy):
+    """Kinetic energy of the points that was lost and is counted."""
+    held, filtered = energy.get("lost_at_held_nodes") or 0.0, energy.get("filtered") or 0.0
+    if not held and not filtered:
+        return ""
+    return (f"Points lost {number(held, 3)} J of kinetic energy at held nodes, a plastic impact, and PIC and XPIC took "
+            f"{number(filtered, 3)} J; the drift does not hold them. ")
+
+
 def point_audit_section(points):
     audit = points["audit"]
     mass, energy, momentum = audit["mass"], audit["energy"], audit["momentum"]
@@ -275,7 +284,8 @@ def point_audit_section(points):
     driven = f"Loads, constraints and body forces did {number(work, 4)} J of work. " if work else ""
     lost = f"{audit['lost_points']:,} points left the domain. " if audit["lost_points"] else ""
     return (table(["account", "initial", "left the domain", "now", "change", ("text", "verdict")], rows)
-            + f'<p class="note">{lost}{driven}Points carry their mass, so that it is exact. The energy (kinetic and '
+            + f'<p class="note">{lost}{driven}{dissipation_words(energy)}'
+            "Points carry their mass, so that it is exact. The energy (kinetic and "
             "internal) is not conserved by construction: its drift, relative to the largest energy of the run, shows "
             "how well the motion is resolved. Momentum changes where symmetry planes, walls, loads or constraints act."
             "</p>")
@@ -415,7 +425,8 @@ def region_section(run):
             + f"<p class=\"note\">The region woke at {number(region['awake_since'] * 1e3)} ms. "
             f"{region['points_born']:,} points of gas came in through its faces and {region['points_left']:,} left; "
             f"{number(sum(region['ledger']['mass']), 3)} kg are under way between gas and points. The bridge took "
-            f"{100 * region['bridge_share']:.0f} % of the time. The energy of points is not conserved by "
+            f"{100 * region['bridge_share']:.0f} % of the time. "
+            f"{dissipation_words(energy)}The energy of points is not conserved by "
             "construction: its drift shows how well the flow around the bodies is resolved.</p>")
 
 

@@ -204,6 +204,15 @@ void print_broken_zones(run::World const& world) {
   }
 }
 
+/// Kinetic energy that the points lost, where it is known.
+void print_dissipation(run::EnergyBalance const& energy) {
+  auto const& [held, filtered] = energy.dissipated;
+  if (held == 0.0 && filtered == 0.0) return;
+  print(stdout, "kinetic energy lost and counted: {} at held nodes, {} by PIC and XPIC; {:.2g} % of the energy\n",
+        quantity(held, "J"), quantity(filtered, "J"),
+        energy.largest > 0.0 ? 100.0 * (held + filtered) / energy.largest : 0.0);
+}
+
 void print_point_audit(run::World const& world) {
   auto const& a = world.audit;
   auto const energy = world.energy_balance();
@@ -211,6 +220,7 @@ void print_point_audit(run::World const& world) {
         a.relative_error()[0], quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"),
         energy.work != 0.0 ? fmt::format(" by the work {} of outer forces", quantity(energy.work, "J")) : "",
         100.0 * energy.drift());
+  print_dissipation(energy);
   auto const& lost = world.points->losses();
   if (lost.points > 0) {
     print(stdout, "{} points left the domain with {:.4g} kg and {}\n", lost.points, lost.mass,
@@ -232,6 +242,7 @@ void print_region_audit(run::World const& world) {
         two ? fmt::format(", second fluid {:.1e}", error[1]) : "",
         paper && worst > balanced ? ", as transport = \"paper\" counts twice what flows out of the region" : "",
         quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"), drift);
+  print_dissipation(energy);
   if (std::abs(drift) > large_drift) {
     print(stdout, "warning: the energy drifts by more than {:g} %: smaller cells or a wider region may help\n",
           large_drift);

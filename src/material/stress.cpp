@@ -321,68 +321,46 @@ void blend(Fluids const& fluids, PointArrays const& a, Blend& m) {
       fluids.ambient);
 }
 
-/// Density, viscosity, energy, pressure and sound speed. `least_speed` [m/s] bounds the sound speed of what is not
+/// The pressure of an equation of state, linear in the energy. `slowest` [m/s] bounds the sound speed of what is not
 /// burnt out from below: the front of a programmed burn runs through points that have no stiffness yet.
 template <class PointwiseEos>
-void pressure_stage(PointwiseEos const eos, PointArrays const& a, StepData const step, double shear, double least_speed,
-                    Scratch const& t) {
-  int const n = a.n;
-  double const* const volumetric = a.volumetric;
-  double const* const work = t.work;
-  double const* const floor = t.floor;
-  double const* const burn = t.burn;
-  double* const density = a.density;
-  double* const energy = a.energy;
-  double* const pressure = a.pressure;
-  double* const viscosity = a.viscosity;
-  double* const sound_speed = a.sound_speed;
-  double const stiffening = 4.0 / 3.0 * shear;
-  double const linear = step.linear_viscosity * step.length / step.dt;
-  double const onset = step.linear_onset > 0.0 ? step.linear_onset * step.dt / step.length : 0.0;
-  double const quadratic = step.quadratic_viscosity * (step.length / step.dt) * (step.length / step.dt);
-  BRISANCE_VECTOR_LOOP
-  for (int k = 0; k < n; ++k) {
-    double const ratio = volume_ratio(volumetric[k]);
-    double const rho0 = density[k];
-    double const e0 = energy[k];
-    double const p0 = pressure[k];
+struct PressureOfEnergy {
+  PointwiseEos eos;
+  double const* floor;
+  double const* burn;
+  double slowest;
+
+  struct At {
+    double f, df, g, per_e;  ///< p1 = f + per_e e1
+    double change, floor;
+
+    /// At the new density, before the energy of this step.
+    [[nodiscard]] double bulk(double e0) const {
+      double const stiff = (1.0 + g) * (f + per_e * e0) + df - f;
+      return stiff > 0.0 ? stiff : 0.0;
+    }
+    [[nodiscard]] End end(double p0, double e0, double deviatoric, double q) const {
+      double const known = e0 + deviatoric - (0.5 * p0 + q) * change;
+      double const implicit = 1.0 + 0.5 * per_e * change;
+      double const e_free = (known - 0.5 * f * change) / (implicit > 0.5 ? implicit : 0.5);
+      double const p_free = f + per_e * e_free;
+      double const e_cut = known - 0.5 * floor * change;
+      double const bulk = (1.0 + g) * p_free + df - f;
+      return {p_free < floor ? floor : p_free, p_free < floor ? e_cut : e_free, bulk > 0.0 ? bulk : 0.0};
+    }
+  };
+  [[nodiscard]] At at(int k, Volumes const v) const {
     double const F = burn[k];
-    double const V0 = 1.0 / rho0;
-    double const V1 = V0 * ratio;
-    double const rho1 = rho0 / ratio;
-    double const dV = V1 - V0;
-
-    double const f = F * eos.reference(k, rho1);
-    double const df = F * eos.rho_d_reference(k, rho1);
     double const g = F * eos.gruneisen(k);
-    double const per_e = g * rho1;  // p1 = f + per_e e1
-
-    // Bulk sound speed for the viscosity: at the new density, before the energy of this step.
-    double const stiff = (1.0 + g) * (f + per_e * e0) + df - f;
-    double const c = std::sqrt((stiff > 0.0 ? stiff : 0.0) * V1);
-    double const closing = ratio < 1.0 ? 1.0 - ratio : 0.0;  // -d dt in compression
-    double const strong = closing / (closing + onset * c + 1e-300);
-    double const q = rho1 * closing * (linear * c * strong + quadratic * closing);
-
-    double const known = e0 + 0.5 * (V0 + V1) * work[k] - (0.5 * p0 + q) * dV;
-    double const implicit = 1.0 + 0.5 * per_e * dV;
-    double const e_free = (known - 0.5 * f * dV) / (implicit > 0.5 ? implicit : 0.5);
-    double const p_free = f + per_e * e_free;
-    double const bound = floor[k];
-    double const e_cut = known - 0.5 * bound * dV;
-    double const e1 = p_free < bound ? e_cut : e_free;
-    double const p1 = p_free < bound ? bound : p_free;
-
-    double const bulk = (1.0 + g) * p_free + df - f;
-    double const longitudinal = std::sqrt(((bulk > 0.0 ? bulk : 0.0) + stiffening) * V1);
-    density[k] = rho1;
-    energy[k] = e1;
-    pressure[k] = p1;
-    viscosity[k] = q;
-    double const least = F < 1.0 ? least_speed : 0.0;
-    sound_speed[k] = longitudinal > least ? longitudinal : least;
+    return {F * eos.reference(k, v.density),
+            F * eos.rho_d_reference(k, v.density),
+            g,
+            g * v.density,
+            v.after - v.before,
+            floor[k]};
   }
-}
+  [[nodiscard]] double least_speed(int k) const { return burn[k] < 1.0 ? slowest : 0.0; }
+};
 
 void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step, Scratch& t) {
   if (auto const* hjc = std::get_if<Hjc>(&solid.strength)) return update_concrete(solid, *hjc, a, step, t);
@@ -399,17 +377,18 @@ void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step
       },
       solid.strength);
   double const shear = shear_modulus(solid.strength);
-  double const least_speed = solid.detonation_speed;
-  auto const with_common = [&](auto const& eos) {
-    pressure_stage(CommonEos<std::decay_t<decltype(eos)>>{eos}, a, step, shear, least_speed, t);
+  auto const with = [&](auto const& eos) {
+    finish(PressureOfEnergy<std::decay_t<decltype(eos)>>{eos, t.floor, t.burn, solid.detonation_speed}, a, step, shear,
+           t);
   };
+  auto const with_common = [&](auto const& eos) { with(CommonEos<std::decay_t<decltype(eos)>>{eos}); };
   if (!solid.mixes()) {
     std::visit(with_common, solid.eos);
   } else if (!mixes_anywhere(*solid.mixture, a)) {
     std::visit(with_common, solid.mixture->ambient);
   } else {
     blend(*solid.mixture, a, t.blend);
-    pressure_stage(OwnEos{t.blend.G, t.blend.f, t.blend.df}, a, step, shear, least_speed, t);
+    with(OwnEos{t.blend.G, t.blend.f, t.blend.df});
   }
 }
 

@@ -221,7 +221,7 @@ void update_concrete(Solid const& solid, Hjc const& model, PointArrays const& a,
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) work[k] += scale[k] * trial_work[k];
   plastic_flow(a, solid.specific_heat, solid.taylor_quinney, t);
-  finish_cold(a, step, model.G, w.p1, w.modulus, t);
+  finish(ColdPressure{w.p1, w.modulus}, a, step, model.G, t);
 }
 
 }  // namespace brisance::material

@@ -45,7 +45,7 @@ void update_soil(Solid const& solid, DruckerPrager const& model, PointArrays con
   }
   scale_deviator(a, t);
   plastic_flow(a, solid.specific_heat, solid.taylor_quinney, t);
-  finish_cold(a, step, model.G, p1, modulus, t);
+  finish(ColdPressure{p1, modulus}, a, step, model.G, t);
 }
 
 }  // namespace brisance::material

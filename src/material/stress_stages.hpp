@@ -189,10 +189,28 @@ inline void plastic_flow(PointArrays const& a, double specific_heat, double tayl
   return grown < 0.1 ? 0.1 : grown;  // this way round NaN stays NaN and is found
 }
 
-/// The end of a step whose pressure knows no energy: viscosity, energy, density, pressure and sound speed, from the
-/// pressure at the end of the step and the bulk modulus rho c^2 [Pa] there.
-inline void finish_cold(PointArrays const& a, StepData const& step, double shear, double const* p1,
-                        double const* modulus, Scratch const& t) {
+/// Where a point ends in a step.
+struct End {
+  double pressure;  ///< [Pa]
+  double energy;    ///< [J/kg]
+  double modulus;   ///< rho c^2 of the bulk [Pa]
+};
+
+/// What the pressure of a step works with.
+struct Volumes {
+  double before;  ///< specific volume at the start of the step [m3/kg]
+  double after;
+  double density;  ///< at the end of the step [kg/m3]
+};
+
+/// The end of a step for all solids: viscosity, density, energy, pressure and sound speed. `law` knows the pressure, at
+/// two points of it for each point k:
+///     auto known = law.at(k, volumes)                       what does not depend on the energy of this step
+///     known.bulk(e0) -> double                              rho c^2 of the bulk, for the viscosity [Pa]
+///     known.end(p0, e0, deviatoric, q) -> End               `deviatoric`: work of the deviator [J/kg], q: viscosity
+/// and `law.least_speed(k)` [m/s], which bounds the sound speed from below.
+template <class Law>
+void finish(Law const law, PointArrays const& a, StepData const step, double shear, Scratch const& t) {
   int const n = a.n;
   double const* const volumetric = a.volumetric;
   double const* const work = t.work;
@@ -208,20 +226,44 @@ inline void finish_cold(PointArrays const& a, StepData const& step, double shear
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) {
     double const ratio = volume_ratio(volumetric[k]);
-    double const V0 = 1.0 / density[k];
+    double const rho0 = density[k];
+    double const V0 = 1.0 / rho0;
     double const V1 = V0 * ratio;
-    double const rho1 = density[k] / ratio;
-    double const c = std::sqrt(modulus[k] * V1);
-    double const closing = ratio < 1.0 ? 1.0 - ratio : 0.0;
+    double const rho1 = rho0 / ratio;
+    auto const known = law.at(k, {V0, V1, rho1});
+
+    double const c = std::sqrt(known.bulk(energy[k]) * V1);
+    double const closing = ratio < 1.0 ? 1.0 - ratio : 0.0;  // -d dt in compression
     double const strong = closing / (closing + onset * c + 1e-300);
     double const q = rho1 * closing * (linear * c * strong + quadratic * closing);
-    energy[k] += 0.5 * (V0 + V1) * work[k] - (0.5 * (pressure[k] + p1[k]) + q) * (V1 - V0);
+
+    End const end = known.end(pressure[k], energy[k], 0.5 * (V0 + V1) * work[k], q);
+    double const longitudinal = std::sqrt((end.modulus + stiffening) * V1);
+    double const least = law.least_speed(k);
     density[k] = rho1;
-    pressure[k] = p1[k];
+    energy[k] = end.energy;
+    pressure[k] = end.pressure;
     viscosity[k] = q;
-    sound_speed[k] = std::sqrt((modulus[k] + stiffening) * V1);
+    sound_speed[k] = longitudinal > least ? longitudinal : least;
   }
 }
+
+/// A pressure that knows no energy: found before, with rho c^2 [Pa] of the bulk.
+struct ColdPressure {
+  double const* pressure;
+  double const* modulus;
+
+  struct At {
+    double p1, modulus, change;
+
+    [[nodiscard]] double bulk(double /*e0*/) const { return modulus; }
+    [[nodiscard]] End end(double p0, double e0, double deviatoric, double q) const {
+      return {p1, e0 + (deviatoric - (0.5 * (p0 + p1) + q) * change), modulus};
+    }
+  };
+  [[nodiscard]] At at(int k, Volumes const v) const { return {pressure[k], modulus[k], v.after - v.before}; }
+  [[nodiscard]] double least_speed(int /*k*/) const { return 0.0; }
+};
 
 /// The points of a chunk whose strength depends on the pressure.
 void update_concrete(Solid const& solid, Hjc const& model, PointArrays const& a, StepData const& step, Scratch& t);

@@ -231,15 +231,6 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   for (int b = 0; b < blocks; ++b) {
     w.holds.push_back(holds_of(grid_, b, w.patches[b], constraints, w.field_of));
     w.around.push_back(blocks_around(grid_, b));
-    w.node_weight.emplace_back();
-    if (w.contact) {
-      Patch const& patch = w.patches[b];
-      for (int k = 0; k < patch.n[2]; ++k) {
-        for (int j = 0; j < patch.n[1]; ++j) {
-          for (int i = 0; i < patch.n[0]; ++i) w.node_weight[b].push_back(node_weight(grid_, b, patch, {i, j, k}));
-        }
-      }
-    }
     w.node_weight.push_back(any_rigid ? node_weights(grid_, b, w.patches[b]) : std::vector<double>{});
     for (Body const& body : bodies_) {
       FieldList const fields = fields_of(body, options_, grid_.domain().dimensions());
@@ -258,6 +249,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.shocked.assign(blocks, 0);
   w.impulse.assign(blocks, Vec3{0.0, 0.0, 0.0});
   w.work.assign(blocks, 0.0);
+  w.dissipation.assign(blocks, Dissipation{});
   w.lost.resize(blocks);
   w.trouble.resize(blocks);
 }

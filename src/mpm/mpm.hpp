@@ -157,6 +157,13 @@ struct Losses {
   long points = 0;
 };
 
+/// Kinetic energy that points lost and that went nowhere [J].
+struct Dissipation {
+  /// At nodes that constraints hold: what arrives there with another velocity takes theirs, a plastic impact.
+  double held = 0.0;
+  double filtered = 0.0;  ///< by the fraction of PIC, and by XPIC
+};
+
 /// Where a point is kept.
 struct Place {
   int block = -1;
@@ -238,6 +245,8 @@ class Mpm {
   [[nodiscard]] Vec3 const& constraint_impulse() const { return constraint_impulse_; }
   /// Work that constraints, rigid bodies, surface pressures and the body force did on the points since the start [J].
   [[nodiscard]] double outer_work() const { return outer_work_; }
+  /// Since the start; of bodies with FLIP and XPIC.
+  [[nodiscard]] Dissipation const& dissipation() const { return dissipation_; }
   /// The point of a body with the given identity; `hint` is where it was last.
   [[nodiscard]] Place find(int body, long identity, Place hint = {}) const;
   /// The point of a body nearest to x [m]: its identity, or -1 for an empty body.
@@ -302,6 +311,7 @@ class Mpm {
   Losses losses_;
   Vec3 constraint_impulse_{0.0, 0.0, 0.0};
   double outer_work_ = 0.0;
+  Dissipation dissipation_;
   double fastest_ = 0.0;  ///< fastest signal of all points, weighted [m/s]
   double time_ = 0.0;
   long step_ = 0;

@@ -335,14 +335,17 @@ struct Kernels {
   /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity. With
   /// `keeps_energy` the nodes hold kinetic energy per mass in the place of their mass, and what the points' velocity
   /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C + h^4/32 B:B (B: the mixed derivatives), heats:
-  /// h^2/4 is the second moment of the B-splines. `exchange`: see `Mpm::share_momentum`, or null.
-  static void move(SetView const& v, Options const& options, double dt, bool keeps_energy, NodeState const* nodes,
-                   NodeVelocity const* exchange) {
+  /// h^2/4 is the second moment of the B-splines. `exchange`: see `Mpm::share_momentum`, or null. `halt`: how
+  /// constraints change the nodes' velocity, or null. Returns the kinetic energy that points which follow increments
+  /// lose by `halt` (gains count negative) and by the filters.
+  static Dissipation move(SetView const& v, Options const& options, double dt, bool keeps_energy,
+                          NodeState const* nodes, NodeVelocity const* exchange, NodeVelocity const* halt) {
     PointSet& set = *v.set;
     double const h = v.h;
     Transfer const transfer = v.body->transfer.value_or(options.transfer);
     double const pic = transfer == Transfer::flip ? options.pic_fraction : 0.0;
     bool const affine = set.field(Field::affine_xx) != nullptr;
+    Dissipation dissipated;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       auto const u = vector_at(set, Field::velocity_x, begin);
       auto const way = vector_at(set, Field::move_x, begin);
@@ -400,12 +403,27 @@ struct Kernels {
           fresh[d][q] = velocity[d];
           change[d][q] = added[d];
         }
+        if (halt != nullptr) {
+          Lanes4 stopped;
+          velocity_at<S, D>(*v.patch, k, q, halt, stopped);
+          for (int d = 0; d < 3; ++d) {
+            dissipated.held -= set.field(Field::mass)[begin + q] * stopped[d] * (u[d][q] + 0.5 * stopped[d]);
+          }
+        }
         if (exchange == nullptr) continue;
         Lanes4 taken;
         velocity_at<S, D>(*v.patch, k, q, exchange, taken);
         for (int d = 0; d < 3; ++d) change[d][q] += taken[d];
       }
       auto const filtered = vector_at(set, Field::filtered_x, begin);
+      bool const filters = pic > 0.0 || filtered[0] != nullptr;
+      double const* mass = set.field(Field::mass) + begin;
+      for (int d = 0; filters && d < 3; ++d) {
+        for (int q = 0; q < n; ++q) {
+          double const whole = u[d][q] + change[d][q];
+          dissipated.filtered += 0.5 * mass[q] * whole * whole;
+        }
+      }
       for (int d = 0; d < 3; ++d) {
         double* to = u[d];
         double* x = way[d];
@@ -419,8 +437,10 @@ struct Kernels {
         if (double const* noise = filtered[d]) {
           for (int q = 0; q < n; ++q) to[q] -= noise[q];
         }
+        for (int q = 0; filters && q < n; ++q) dissipated.filtered -= 0.5 * mass[q] * to[q] * to[q];
       }
     });
+    return dissipated;
   }
 
   /// Strain and spin increments of a chunk, [Cui14] Eqs. (27)-(28), in rows of `chunk`: 0-5 strain, 6-8 spin, 9 volume.

@@ -49,6 +49,8 @@ void Mpm::advance(double dt) {
     scratch.present.resize(work_->fields);
     scratch.exchange.resize(work_->fields);
     scratch.exchanges.resize(work_->fields);
+    scratch.halt.resize(work_->fields);
+    scratch.halts.resize(work_->fields);
   }
   bool const first = options_.order == StressOrder::usf;
   if (first) {
@@ -452,7 +454,11 @@ void Mpm::integrate(double dt) {
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
         if (own) {
           NodeVelocity const* exchange = scratch.exchanges[f] == 0 ? nullptr : scratch.exchange[f].data();
-          kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(), exchange);
+          NodeVelocity const* halt = scratch.halts[f] == 0 ? nullptr : scratch.halt[f].data();
+          Dissipation const lost =
+              kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(), exchange, halt);
+          w.dissipation[block].held += lost.held;
+          w.dissipation[block].filtered += lost.filtered;
           w.work[block] += work_on(block, body, outer);
         } else {
           for (int d = 0; d < 3; ++d) {
@@ -552,12 +558,19 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
     make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid},
                     Access{&scratch, &w.rigid, weights, &given});
   }
+  for (int f = 0; f < w.fields; ++f) {
+    scratch.halts[f] = scratch.present[f] != 0 && !w.rigid[f] && !w.holds[block].empty() ? 1 : 0;
+    if (scratch.halts[f] == 0) continue;
+    NodeVelocity* halt = scratch.halt[f].get(count);
+    std::fill(halt, halt + count, NodeVelocity{});
+  }
   for (Hold const& hold : w.holds[block]) {
     for (int f = 0; f < w.fields; ++f) {
       if (scratch.present[f] == 0 || w.rigid[f] || (hold.field >= 0 && hold.field != f)) continue;
       NodeState& r = scratch.state[f].data()[hold.node];
       double const m = r.momentum[3];
       if (!(m > w.mass_floor)) continue;
+      NodeVelocity& halt = scratch.halt[f].data()[hold.node];
       for (int d = 0; d < 3; ++d) {
         if (!hold.held[d]) continue;
         double const change = hold.velocity[d] - r.momentum[d];
@@ -565,11 +578,15 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
         given.work += hold.weight * m * change * hold.velocity[d];
         r.force[d] += change;
         r.momentum[d] = hold.velocity[d];
+        // `force` is the whole change of the step, the one against the start of the step.
+        given.drive += hold.weight * m * (r.force[d] - halt[d]) * hold.velocity[d];
+        halt[d] = r.force[d];
       }
     }
   }
   w.impulse[block] = given.impulse;
   w.work[block] = given.work;
+  w.dissipation[block] = {given.drive, 0.0};
 }
 
 void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch) {

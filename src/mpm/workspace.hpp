@@ -59,6 +59,8 @@ struct Scratch {
   std::vector<NodeArray<NodeVelocity>> gradient;  ///< of the volume [m2]: contact
   std::vector<NodeArray<NodeVelocity>> exchange;  ///< velocity that bodies without APIC take over at shared nodes
   std::vector<char> exchanges;
+  std::vector<NodeArray<NodeVelocity>> halt;  ///< change of velocity from the start of the step by constraints
+  std::vector<char> halts;
   std::vector<NodeArray<double>> extent;  ///< contact
   std::vector<char> present;
   std::vector<double> strain;     ///< locking control: strain and spin of a whole set
@@ -70,6 +72,7 @@ struct Scratch {
 struct Given {
   Vec3 impulse{0.0, 0.0, 0.0};
   double work = 0.0;
+  double drive = 0.0;  ///< work of the constraints if they had stopped the nodes alone, without the forces of the step
 };
 
 struct Outbox {
@@ -112,6 +115,7 @@ struct Mpm::Workspace {
   std::vector<std::array<int, 27>> around;       ///< blocks around each block
   std::vector<std::vector<double>> node_weight;  ///< per block, where there are rigid bodies: see `Hold::weight`
   std::vector<double> work;                      ///< per block: of outer forces in this step
+  std::vector<Dissipation> dissipation;          ///< per block: in this step
   std::vector<Vec3> impulse;                     ///< per block: of holds in this step
   std::vector<Losses> lost;                      ///< per block
   std::vector<std::string> trouble;              ///< per block: what went wrong

@@ -163,7 +163,9 @@ json points(run::World const& world, double wall_seconds) {
               {"lost", json_or_null(energy.lost)},
               {"largest", json_or_null(energy.largest)},
               {"drift", json_or_null(energy.drift())},
-              {"work", json_or_null(energy.work)}}},
+              {"work", json_or_null(energy.work)},
+              {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
+              {"filtered", json_or_null(energy.dissipated.filtered)}}},
             {"lost_points", p.losses().points}}}};
 }
 
@@ -206,6 +208,8 @@ json mpm_region(run::World const& world, double wall_seconds) {
             {"current", json_or_null(energy.current)},
             {"outflow", json_or_null(energy.lost)},
             {"work", json_or_null(energy.work)},
+            {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
+            {"filtered", json_or_null(energy.dissipated.filtered)},
             {"drift", json_or_null(energy.drift())}}}};
 }
 

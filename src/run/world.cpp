@@ -205,7 +205,10 @@ EnergyBalance World::energy_balance() const {
   balance.initial = audit.initial.energy;
   balance.current = audit.current.energy;
   balance.lost = audit.outflow.energy;
-  if (points != nullptr) balance.work = points->outer_work();
+  if (points != nullptr) {
+    balance.work = points->outer_work();
+    balance.dissipated = points->dissipation();
+  }
   balance.largest = std::max(std::abs(balance.initial), std::abs(balance.current));
   for (std::size_t n = 0; !body_histories.empty() && n < body_histories.front().size(); ++n) {
     double sum = 0.0;

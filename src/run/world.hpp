@@ -122,12 +122,16 @@ struct BodyReport {
 struct EnergyBalance {
   double initial = 0.0;  ///< kinetic and internal [J]
   double current = 0.0;
-  double lost = 0.0;     ///< left through the domain's faces [J]
-  double largest = 0.0;  ///< of the initial energy and all recorded ones [J]
-  double work = 0.0;     ///< done by loads, the body force, and constraints and rigid bodies in motion [J]
+  double lost = 0.0;            ///< left through the domain's faces [J]
+  double largest = 0.0;         ///< of the initial energy and all recorded ones [J]
+  double work = 0.0;            ///< done by loads, the body force, and constraints and rigid bodies in motion [J]
+  mpm::Dissipation dissipated;  ///< kinetic energy that was lost and is known
 
-  /// (current + lost - work - initial) / largest; 0 where there is no energy.
-  [[nodiscard]] double drift() const { return largest > 0.0 ? (current + lost - work - initial) / largest : 0.0; }
+  /// (current + lost + dissipated - work - initial) / largest; 0 where there is no energy.
+  [[nodiscard]] double drift() const {
+    double const known = lost + dissipated.held + dissipated.filtered;
+    return largest > 0.0 ? (current + known - work - initial) / largest : 0.0;
+  }
 };
 
 void archive(Archive& a, Totals& totals);

@@ -258,5 +258,86 @@ TEST_P(EachShape, ConstraintImpulseIsTheChangeOfMomentum) {
   EXPECT_NEAR(impulse / change, 1.0, 1e-11);            // sums of 360 steps
 }
 
+// The same on a rigid body: what it gives is counted once per node too, whichever block holds the node.
+TEST_P(EachShape, ImpulseOfARigidBodyIsTheChangeOfMomentum) {
+  Problem problem;
+  problem.box(Geometry::planar2d, 1.0, {12, 12, 1}, Boundary::outflow);
+  problem.domain.boundary[0] = Boundary::symmetry;
+  problem.options.shape = GetParam();
+  problem.options.block_cells = 4;
+  int const floor = problem.add(unit_solid(0.0));
+  int const body = problem.add(unit_solid(0.3));
+  problem.bodies[floor].rigid_velocity = Vec3{0.0, 1e-4, 0.0};
+  problem.contacts.push_back({floor, body, 0.3});
+  problem.start();
+  problem.fill(floor, shape::Box{{0.0, 1.0, -1.0}, {9.0, 3.0, 1.0}});
+  problem.fill(body, shape::Box{{0.0, 3.5, -1.0}, {6.5, 9.0, 1.0}}, [](Vec3 const&) { return Vec3{0.0, -0.01, 0.0}; });
+  double const before = problem.mpm->sums(body).momentum[1];
+  problem.run(90.0, 0.25);
+  double const change = problem.mpm->sums(body).momentum[1] - before;
+  double const impulse = problem.mpm->constraint_impulse()[1];
+  std::printf("%s: change of momentum %.6g, impulse error %.1e\n", name_of(GetParam()), change, impulse / change - 1.0);
+  EXPECT_GT(std::abs(change), 0.5 * std::abs(before));  // it did hit
+  EXPECT_NEAR(impulse / change, 1.0, 1e-11);            // sums of 360 steps
+}
+
+/// A body without stiffness: nothing but constraints and filters change the velocity of its points.
+material::Solid dust() { return material::elastic_solid(1.0, 1e-30, 0.0); }
+
+// Dust that falls on held nodes, at rest and in motion, beside a mirror plane and cut into blocks: all kinetic energy
+// that it loses is counted, less the work of the constraints.
+TEST_P(EachShape, KineticEnergyLostAtHeldNodesIsCounted) {
+  for (double const v : {0.0, 0.004}) {
+    Problem problem;
+    problem.box(Geometry::planar2d, 1.0, {12, 12, 1}, Boundary::outflow);
+    problem.domain.boundary[0] = Boundary::symmetry;
+    problem.options.shape = GetParam();
+    problem.options.block_cells = 4;
+    shape::Shape const ground = shape::Box{{-1.0, -1.0, -1.0}, {13.0, 3.0, 1.0}};
+    problem.constraints.push_back({ground, {false, true, false}, {0.0, v, 0.0}, -1});
+    // Some nodes are held twice.
+    problem.constraints.push_back({shape::Box{{-1.0, -1.0, -1.0}, {4.5, 3.0, 1.0}}, {true, true, false}, {}, -1});
+    int const body = problem.add(dust());
+    problem.start();
+    problem.fill(body, shape::Box{{0.0, 3.5, -1.0}, {6.5, 9.0, 1.0}}, [](Vec3 const& x) {
+      return Vec3{1e-3 * x[1], -0.01 - 1e-4 * x[0], 0.0};
+    });
+    double const before = problem.energy();
+    problem.run(150.0, 0.25);
+    double const lost = before + problem.mpm->outer_work() - problem.energy();
+    double const counted = problem.mpm->dissipation().held;
+    std::printf("%s: of %.4g J %.4g J are lost, counted with an error of %.1e\n", name_of(GetParam()), before, lost,
+                counted / lost - 1.0);
+    EXPECT_GT(lost, 0.05 * before);
+    EXPECT_NEAR(counted / lost, 1.0, 1e-11);  // sums of 600 steps
+    EXPECT_EQ(problem.mpm->dissipation().filtered, 0.0);
+  }
+}
+
+// The same for what PIC and XPIC take.
+TEST_P(EachShape, KineticEnergyThatFiltersTakeIsCounted) {
+  for (Transfer const transfer : {Transfer::flip, Transfer::xpic}) {
+    Problem problem;
+    problem.box(Geometry::planar2d, 1.0, {12, 12, 1}, Boundary::outflow);
+    problem.options.shape = GetParam();
+    problem.options.block_cells = 4;
+    problem.options.transfer = transfer;
+    problem.options.pic_fraction = 0.1;
+    int const body = problem.add(dust());
+    problem.start();
+    problem.fill(body, shape::Box{{3.0, 3.0, -1.0}, {9.0, 9.0, 1.0}}, [](Vec3 const& x) {
+      return Vec3{1e-3 * std::sin(7.0 * x[0] + x[1]), 1e-3 * std::cos(3.0 * x[1]), 0.0};
+    });
+    double const before = problem.energy();
+    problem.run(20.0, 0.25);
+    double const lost = before - problem.energy();
+    double const counted = problem.mpm->dissipation().filtered;
+    std::printf("%s, %s: of %.4g J %.4g J are lost, counted with an error of %.1e\n", name_of(GetParam()),
+                name_of(transfer), before, lost, counted / lost - 1.0);
+    EXPECT_GT(lost, 0.1 * before);
+    EXPECT_NEAR(counted / lost, 1.0, 1e-11);  // sums of 80 steps
+  }
+}
+
 }  // namespace
 }  // namespace brisance::test

@@ -31,7 +31,7 @@ class Pages(Folders):
         self.assertEqual(page.count("<img "), 7)
         for part in ("Made-up &lt;points&gt;", "quadratic B-spline, MUSL, XPIC(2), locking control", "2,000",
                      "body force (0, -9.81, 0) m/s²", "Mirrored at the axis", "drift", "-0.2 %", "within 1 %",
-                     "copper: a handbook", "z: -2.9"):
+                     "copper: a handbook", "z: -2.9", "Points lost 0.25 J of kinetic energy at held nodes"):
             self.assertIn(part, page)
         self.assertNotIn("Overpressure field", page)
 

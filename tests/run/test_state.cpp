@@ -88,6 +88,7 @@ std::vector<double> bits_of(World& world) {
   }
   for (double const p : world.points->constraint_impulse()) bits.push_back(p);
   bits.push_back(world.points->outer_work());
+  bits.insert(bits.end(), {world.points->dissipation().held, world.points->dissipation().filtered});
   auto const add_sums = [&](std::vector<BodyRecord> const& records) {
     for (BodyRecord const& r : records) {
       mpm::BodySums const& s = r.sums;
@@ -267,6 +268,7 @@ TEST(State, TheCaseOfThePointsHoldsWhatItClaims) {
   EXPECT_GT(world.points->losses().points, 0);
   EXPECT_NE(world.points->outer_work(), 0.0);
   EXPECT_NE(norm(world.points->constraint_impulse()), 0.0);
+  EXPECT_NE(world.points->dissipation().held, 0.0);
   EXPECT_GT(world.point_gauges[0].points.back().plastic_strain, 0.0);
 }
 
