@@ -448,7 +448,8 @@ def run(variants, resolution, target):
     history_figure(panels, target / "slab3d_history.png")
 
     times, diameters, round_by = back_face(shots)
-    spreading = len(diameters) >= 2 and all(a < b for a, b in zip(diameters, diameters[1:]))
+    spreading = (len(diameters) >= 2 and diameters[0] < diameters[-1]
+                 and all(a <= b for a, b in zip(diameters, diameters[1:])))
     spread = ", ".join(f"{1e3 * d:.0f} mm at {1e3 * t:.2f} ms" for t, d in zip(times[-3:], diameters[-3:]))
     acceptance = acceptance_of(main, what)
     acceptance.append((f"back face, 4 kg, {what}: the damage spreads from the centre outwards, alike in all directions",
