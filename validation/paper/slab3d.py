@@ -174,7 +174,7 @@ def size_figure(diameters, plane, path):
         axis.plot(np.cbrt(mass) / HEIGHT, empirical(mass) / HEIGHT, color=INK, linewidth=1.2, label="[Cui14] Eq. (67)")
         for values, marker, label in ((TESTS, "s", "tests"), (PAPER, "^", "CFDMP, [Cui14]")):
             x, y = [np.cbrt(m) / HEIGHT for m in values], [d / HEIGHT for d in values.values()]
-            axis.plot(x, y, marker, color=ORANGE, markersize=6, label=label, linestyle="",
+            axis.plot(x, y, marker, color=ORANGE, markersize=6 if marker == "s" else 11, label=label, linestyle="",
                       fillstyle="full" if marker == "s" else "none")
         for values, label, colour in ((diameters, "Brisance, 3D", COLOURS[3]),
                                       (plane, "Brisance, axisymmetric", COLOURS[1])):
