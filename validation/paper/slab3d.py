@@ -174,7 +174,7 @@ def size_figure(diameters, plane, path):
         axis.plot(np.cbrt(mass) / HEIGHT, empirical(mass) / HEIGHT, color=INK, linewidth=1.2, label="[Cui14] Eq. (67)")
         for values, marker, label in ((TESTS, "s", "tests"), (PAPER, "^", "CFDMP, [Cui14]")):
             x, y = [np.cbrt(m) / HEIGHT for m in values], [d / HEIGHT for d in values.values()]
-            axis.plot(x, y, marker, color=ORANGE, markersize=6, label=label, linestyle="",
+            axis.plot(x, y, marker, color=ORANGE, markersize=6 if marker == "s" else 11, label=label, linestyle="",
                       fillstyle="full" if marker == "s" else "none")
         for values, label, colour in ((diameters, "Brisance, 3D", COLOURS[3]),
                                       (plane, "Brisance, axisymmetric", COLOURS[1])):
@@ -448,7 +448,8 @@ def run(variants, resolution, target):
     history_figure(panels, target / "slab3d_history.png")
 
     times, diameters, round_by = back_face(shots)
-    spreading = len(diameters) >= 2 and all(a < b for a, b in zip(diameters, diameters[1:]))
+    spreading = (len(diameters) >= 2 and diameters[0] < diameters[-1]
+                 and all(a <= b for a, b in zip(diameters, diameters[1:])))
     spread = ", ".join(f"{1e3 * d:.0f} mm at {1e3 * t:.2f} ms" for t, d in zip(times[-3:], diameters[-3:]))
     acceptance = acceptance_of(main, what)
     acceptance.append((f"back face, 4 kg, {what}: the damage spreads from the centre outwards, alike in all directions",
