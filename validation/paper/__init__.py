@@ -64,7 +64,7 @@ def calculate(name, arguments, work):
 
 def command(name, arguments):
     return f"validation/run paper --example {name} --resolution {arguments.resolution}" + (
-        f" --threads {arguments.threads}" if arguments.threads != 1 else "")
+        f" --threads {arguments.threads}" if arguments.threads != 1 else "") + (" --reuse" if arguments.reuse else "")
 
 
 def compose(work, target, resolution):
