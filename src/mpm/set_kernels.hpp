@@ -420,8 +420,8 @@ struct Kernels {
       double const* mass = set.field(Field::mass) + begin;
       for (int d = 0; filters && d < 3; ++d) {
         for (int q = 0; q < n; ++q) {
-          double const whole = u[d][q] + change[d][q];
-          dissipated.filtered += 0.5 * mass[q] * whole * whole;
+          double const moved = u[d][q] + change[d][q];
+          dissipated.filtered += 0.5 * mass[q] * moved * moved;
         }
       }
       for (int d = 0; d < 3; ++d) {
