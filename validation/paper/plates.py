@@ -12,16 +12,16 @@ CASE = "paper_plates"
 # case: (factor of all lengths and times, TNT [kg], test, CFDMP, LS-DYNA), the last three peak deflection over thickness
 CASES = {1: (1, 0.468, 2.60, 2.69, 2.59), 2: (2, 3.75, 2.70, 2.71, 2.62), 3: (4, 30.0, None, 2.68, None),
          4: (1, 1.094, 4.85, 5.20, 4.98), 5: (2, 8.75, 5.35, 5.45, 5.24), 6: (4, 70.0, None, 5.625, None)}
-THICKNESS, HOLE, STANDOFF = 0.010, 0.250, 0.100  # of case 1, the radius of the hole; charge centre to the plate [m]
+THICKNESS, HOLE = 0.010, 0.250  # of case 1, and the radius of the hole [m]
 CELLS = {"quick": 3, "standard": 4, "fine": 6}  # over the thickness, in all cases
 GRIDS = {"quick": (3,), "standard": (3, 4, 6), "fine": (4, 6, 8)}  # of case 1
 MISES_TIMES = (0.3e-3, 0.5e-3, 1.0e-3)
 LONG = 2.0  # case 5 is calculated so many times longer, for its final shape
 LIMIT = 5.0  # per cent
-WALL_END = "0.3 ms"
+WALL_END, WALL_GAUGES = "0.3 ms", 26
 # Case 1 on the coarsest grid: what is changed of the deck, and what is added to it.
 VARIANTS = {
-    "plate slides in the clamp": ("slide", {"constraint.held": '=["y"]'}, ""),
+    "plate slides in the clamp": ("slide", {"constraint.held": '=["y"]', "end.time": "0.8 ms"}, ""),
     "charge on the grid from the start": ("direct", {"start": "direct"}, ""),
     "domain higher by 160 mm": ("high", {"domain.upper": '=["280 mm", "500 mm"]'}, ""),
     "9 points of the gas per cell": ("points", {"mpm_region.points_per_direction": 3}, ""),
@@ -52,13 +52,19 @@ def deck(case, cells):
     return re.sub(r'"(-?[\d.]+) (mm|ms|us)"', lambda m: f'"{number(factor * float(m[1]))} {m[2]}"', text)
 
 
-def of_gas_alone(text):
-    """The same burst of case 1 on gas cells over a rigid wall in the place of the plate's face."""
+def over_a_wall(text, points):
+    """The same burst of case 1 over a rigid plane in the place of the plate's face: gas cells alone, or the gas before
+    the plane by points, for which it is a mirror."""
     text = text[:text.index("[[body]]")]
     text = text.replace('lower = [0, "-60 mm"]', 'lower = [0, "10 mm"]', 1)
-    radius = 110.0 - 10.0 - 20.0 - 12.0  # about where the burst of the plate's deck ends
-    return text + (f'[boundaries]\ny_low = "wall"\n[remap]\nradius = "{number(radius)} mm"\n[output]\n'
-                   f'fields = ["impulse"]\n[end]\ntime = "{WALL_END}"\n')
+    # Alone, the burst ends about where that of the plate's deck does.
+    start = '[remap]\nradius = "68 mm"\n'
+    if points:
+        start = '[mpm_region]\npoints_per_direction = 2\nbox = {lower = [0, "10 mm"], upper = ["280 mm", "45 mm"]}\n'
+    return text + start + (
+        '[boundaries]\ny_low = "wall"\n[[gauge]]\nname = "wall"\n'
+        f'line = {{from = [0, "10 mm"], to = ["250 mm", "10 mm"], count = {WALL_GAUGES}}}\n[output]\n'
+        f'gauge_interval = "1 us"\nfields = ["impulse"]\n[end]\ntime = "{WALL_END}"\n')
 
 
 def held_plate(text):
@@ -79,12 +85,19 @@ def wall_impulse(result):
     return 2.0 * np.pi * np.sum(row * h * (np.arange(len(row)) + 0.5)) * h, row[0]
 
 
+def gauged_impulse(result):
+    """Impulse on a wall [N s] to the radius of the hole, and specific impulse in its middle [Pa s], by its gauges."""
+    r = np.linspace(0.0, HOLE, WALL_GAUGES)
+    i = np.array([result.gauge(f"wall-{n + 1}")["impulse"][-1] for n in range(WALL_GAUGES)])
+    return 2.0 * np.pi * np.trapz(i * r, r), i[0]
+
+
 def loaded_plate(text, wall):
     """The plate of case 1 alone, under the impulse that gas cells give a rigid wall: rings of pressure that fall to
     nothing within 20 us."""
     row, h = wall_row(wall)
     r = h * (np.arange(len(row)) + 0.5)
-    text = re.sub(r"^start = .*\n|^field_times = .*\n|^fields = .*\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^start = .*\n|^fields = .*\n", "", text, flags=re.MULTILINE)
     text = re.sub(r"\[\[charge\]\].*?(?=\[\[body)", "", text, flags=re.DOTALL)
     text = re.sub(r"\[mpm_region\].*?(?=\[\[con)", "", text, flags=re.DOTALL)
     rings = np.concatenate((np.arange(0.0, 100.0, 5.0), np.arange(100.0, 251.0, 10.0)))
@@ -126,7 +139,7 @@ def nearest_dump(result, time):
 def back_face(points):
     """Radius [m] and height [m] of the lowest layer of points, in the order of the radius."""
     start = points["position"] - points["displacement"]
-    layer = start[:, 1] < start[:, 1].min() + 1e-9
+    layer = start[:, 1] < start[:, 1].min() + 0.02 * THICKNESS  # the points are some tenths apart
     order = np.argsort(start[layer, 0])
     return points["position"][layer][order, 0], points["displacement"][layer][order, 1]
 
@@ -139,8 +152,8 @@ def histories(runs, path):
             for k, case in enumerate(members):
                 factor, _, test = CASES[case][:3]
                 t, u = deflection(runs[case], factor)[:2]
-                colour = (ORANGE, COLOURS[1], COLOURS[3])[k]
-                a.plot(t / factor * 1e3, u, color=colour, linewidth=1.5, label=f"case {case}")
+                colour = (ORANGE, COLOURS[0], COLOURS[3])[k]
+                a.plot(t / factor * 1e3, u, color=colour, linewidth=(4.0, 2.4, 1.0)[k], label=f"case {case}")
                 if test is not None:
                     a.axhline(test, color=colour, linewidth=0.9, linestyle="--", label=f"case {case}, peak of the test")
             a.set(xlabel="time over the scale of the lengths [ms]", xlim=(0, 0.55), ylim=(0, None))
@@ -155,7 +168,7 @@ def histories(runs, path):
 def mises(runs, path):
     """[Cui14] Fig. 18."""
     with plt.rc_context(RC):
-        figure, axes = plt.subplots(2, 3, figsize=(12.0, 4.6), layout="compressed", sharex=True, sharey=True)
+        figure, axes = plt.subplots(2, 3, figsize=(12.0, 2.7), layout="compressed", sharex=True, sharey=True)
         for row, case in zip(axes, (2, 5)):
             for a, time in zip(row, MISES_TIMES):
                 p, when = plate(runs[case], nearest_dump(runs[case], time))
@@ -189,6 +202,13 @@ def profile(result, path):
         plt.close(figure)
 
 
+def draw_in(result):
+    """How far the plate of case 1 or 4 has moved inwards at the edge of the hole [m], in the dump next to 0.5 ms."""
+    p, _ = plate(result, nearest_dump(result, 0.5e-3))
+    start = p["position"][:, 0] - p["displacement"][:, 0]
+    return -np.mean(p["displacement"][np.abs(start - HOLE) < result.h, 0])
+
+
 def variants_figure(runs, path):
     with plt.rc_context(RC):
         figure, a = plt.subplots(figsize=(7.4, 3.8), layout="constrained")
@@ -199,7 +219,7 @@ def variants_figure(runs, path):
             t, u = deflection(result, 1)[:2]
             a.plot(t * 1e3, u, line, color=colour, linewidth=1.4, label=label)
         a.axhline(CASES[1][2], color="#66727f", linewidth=0.9, linestyle=":", label="peak of the test")
-        a.set(xlabel="time [ms]", ylabel="deflection / thickness", xlim=(0, 0.55), ylim=(0, None))
+        a.set(xlabel="time [ms]", ylabel="deflection / thickness", xlim=(0, 0.8), ylim=(0, None))
         a.legend(fontsize=7.5, loc="lower right")
         figure.savefig(path, dpi=130, facecolor="white")
         plt.close(figure)
@@ -209,7 +229,8 @@ def run(variants, resolution, target):
     cells = CELLS[resolution]
     coarse = GRIDS[resolution][0]
     grids = {}
-    variants.expect(len(CASES) + 2 * len(GRIDS[resolution]) + len(VARIANTS) + 2)
+    chosen = {label: v for label, v in VARIANTS.items() if resolution != "quick" or label in SHOWN}
+    variants.expect(len(CASES) + 2 * len(GRIDS[resolution]) + len(chosen) + 4)
     runs = {}
     for case in CASES:
         end = {"end.time": f"{number(0.55 * CASES[case][0] * (LONG if case == 5 else 1.0))} ms"}
@@ -217,15 +238,17 @@ def run(variants, resolution, target):
     for n in GRIDS[resolution]:
         grids[n] = runs[1] if n == cells else variants(CASE, f"case1-{n}", text=deck(1, n))
     others = {label: variants(CASE, f"{name}-{coarse}", changes, added, text=deck(1, coarse))
-              for label, (name, changes, added) in VARIANTS.items()}
-    wall = variants(CASE, "wall", {}, text=of_gas_alone(deck(1, 4)))
+              for label, (name, changes, added) in chosen.items()}
+    wall = variants(CASE, "wall", {}, text=over_a_wall(deck(1, 4), points=False))
+    mirror = variants(CASE, "mirror", {}, text=over_a_wall(deck(1, 4), points=True))
     held = {n: variants(CASE, f"held-{n}", {"end.time": WALL_END}, text=held_plate(deck(1, n)))
             for n in GRIDS[resolution]}
     alone = {
         "plate alone, impulse of the rigid wall": variants(
             CASE, f"alone-{coarse}", text=loaded_plate(deck(1, coarse), wall)),
         "the same, plate slides in the clamp": variants(
-            CASE, f"alone-slide-{coarse}", {"constraint.held": '=["y"]'}, text=loaded_plate(deck(1, coarse), wall)),
+            CASE, f"alone-slide-{coarse}", VARIANTS["plate slides in the clamp"][1],
+            text=loaded_plate(deck(1, coarse), wall)),
     }
 
     histories(runs, target / "histories.png")
@@ -290,10 +313,14 @@ def run(variants, resolution, target):
         table.append([f"{n} cells over the thickness", *row_of(r)])
     for label, r in (others | alone).items():
         table.append([f"{label}, {coarse} cells", *row_of(r)])
-    loads = [["gas cells of 2.5 mm, rigid wall", f"{full:.0f}", "", f"{middle:.0f}"]]
+    by_gauges, of_points = gauged_impulse(wall), gauged_impulse(mirror)
+    loads = [["gas cells of 2.5 mm over a rigid wall", f"{full:.0f}", "", f"{by_gauges[0]:.0f}", "",
+              f"{middle:.0f}"],
+             ["points over a mirror plane, cells of 2.5 mm", "-", "-", f"{of_points[0]:.0f}",
+              per_cent(of_points[0] / by_gauges[0]), f"{of_points[1]:.0f}"]]
     for n, r in held.items():
-        loads.append([f"points, plate held, {n} cells over its thickness", f"{held_impulse(r):.0f}",
-                      per_cent(held_impulse(r) / full), "-"])
+        loads.append([f"points over a plate that is held, {n} cells over its thickness", f"{held_impulse(r):.0f}",
+                      per_cent(held_impulse(r) / full), "-", "-", "-"])
     blocks = [
         ("text", SETUP),
         ("table", "Peak deflection of the middle of the back face over the thickness ([Cui14] Tables 1 and 2)", header,
@@ -301,11 +328,13 @@ def run(variants, resolution, target):
         ("figure", "histories.png", "Deflection of the middle of the back face"),
         ("figure", "profile.png", "Back face of case 5 ([Cui14] Fig. 17). It still swings elastically"),
         ("figure", "mises.png", "Mises stress, true shapes ([Cui14] Fig. 18)"),
-        ("table", "Case 1 on several grids and in variants", ["run", "peak deflection / t", "time of the peak [ms]",
-         "largest momentum [N s]", "largest kinetic energy [kJ]", "points", "wall time [s]"], table),
+        ("table", "Case 1 on several grids and in variants; drawn in: about 0.5 ms",
+         ["run", "peak deflection / t", "time of the peak [ms]", "drawn in at D/2 [mm]", "largest momentum [N s]",
+          "largest kinetic energy [kJ]", "points", "wall time [s]"], table),
         ("figure", "variants.png", "Case 1 on several grids and in variants"),
-        ("table", f"Vertical impulse on the whole face (radius 280 mm) of case 1 to {WALL_END}",
-         ["run", "impulse [N s]", "against the wall", "in the middle [Pa s]"], loads),
+        ("table", f"Impulse on the face of case 1 to {WALL_END}",
+         ["run", "on the whole face [N s]", "against the wall", "within D/2, by gauges [N s]", "against the wall",
+          "in the middle [Pa s]"], loads),
         ("text", DISCUSSION),
     ]
     return {"acceptance": acceptance, "blocks": blocks, "costs": variants.costs}
@@ -315,7 +344,8 @@ def row_of(result):
     _, u, peak, when = deflection(result, 1)
     body = result.gauge("plate")
     rising = " (still rising)" if when > 0.98 * result.log["time"] else ""
-    return [f"{peak:.2f}{rising}", f"{when * 1e3:.2f}", f"{-body['momentum_y'].min():.0f}",
+    inwards = draw_in(result)
+    return [f"{peak:.2f}{rising}", f"{when * 1e3:.2f}", f"{inwards * 1e3:.2f}", f"{-body['momentum_y'].min():.0f}",
             f"{body['kinetic_energy'].max() / 1e3:.2f}", f"{result.log['points']['count']:,}",
             f"{result.log['wall_seconds']:.0f}"]
 
@@ -334,5 +364,42 @@ plates themselves, of unknown thickness, are left out. All cases of a column hav
 only the rate of strain tells the scales apart. Nothing was fitted. Deck: <code>cases/paper_plates</code>.</p>
 """
 DISCUSSION = """
-<p>DISCUSSION</p>
+<h3>What it shows</h3>
+<ul>
+<li><b>The deflections are too small</b>: at the standard resolution by 8 to 16 % of the tests, and finer grids move
+them away from the tests (case 1: 2.34, 2.29 and 2.17 on 3, 4 and 6 cells over the thickness). None of the four
+meets the 5 %. Three things decide, and nothing was adjusted to hide them.</li>
+<li><b>The load without the structure is right and settled.</b> Over a rigid wall the gas cells give 10.8 kPa s in
+the middle, on cells of 2.5 mm, and 10.9 on 1.25 mm; Kingery and Bulmash's reflected impulse at this distance is
+10.5 (<code>brisance kb</code>). The sum up to D/2 changes by 0.5 % from 2.5 to 1.25 mm.</li>
+<li><b>Gas that sticks to the plate loads it too much.</b> As in the paper, gas and plate share the motion of the
+grid, so that the gas is at rest along the plate. The products, which run outwards at kilometres per second, are
+braked over some five cells of points, and presumably push for longer with the heat of it: a plate that is held gets
+27 % more impulse than the wall on 3 and 4 cells and 18 % on 6. The same points over a mirror plane, along which
+they slip, stay 7 % below the wall. The error falls with the cell, slowly. A plate alone, pushed by the impulse of
+the rigid wall, deflects 2.04 (on 4 and 6 cells as much; in separate runs APIC, GIMP and the control of locking
+changed that by less than 1 %, while XPIC of order 3 damped it to 1.76): that is where the coupled runs seem to go.
+The paper's 2.69 and the agreement of a coarse calculation with a test may owe something to this error. A contact
+between gas and plate that lets the gas slip was tried with the frictional contact of bodies: gas then leaks through
+the plate; a bond along the normal alone leaks too. It is left open.</li>
+<li><b>The clamp</b> matters more than all settings of the method. Held at D/2 the plate cannot be drawn in. If it
+may slide between the thick plates without friction, case 1 rises from 2.34 to 2.91, with a draw-in of 0.9 mm at the
+edge of the hole (after 0.5 ms). The test lies between the two. How much its clamp gave way is not known, nor was it
+fitted: the friction that would meet 2.60 could be found, and would prove nothing.</li>
+<li><b>Scale.</b> Deflection over thickness grows by 0.3 to 0.4 % per doubling of the lengths in both series. That
+is what Johnson and Cook's rate term must give: half the rate lowers the yield stress by C ln 2 = 1 %. The tests
+have +4 % (cases 1 to 2) and +10 % (4 to 5), the paper -1 to +5 %: rate hardening alone does not explain either;
+scatter of the tests, the clamp, and in the paper probably the grid do. With so small an effect of the scale a
+calculation meets both 4.85 and 5.35 within 5 % only where case 4 lies between 5.06 and 5.09.</li>
+<li><b>Audit.</b> Mass is exact. The drift of the energy is 0.3 to 0.7 % of the charge's: 8 kJ in case 1, where the
+plate has 11 kJ at most. It is small for the gas, and no proof that the plate gets the right share.</li>
+<li><b>Further checks</b> (table): the charge on the grid from the start instead of a remap +0.6 %; a higher domain:
+nothing; 9 points of the gas per cell instead of 4: -0.3 %; linear viscosity of the gas of 0.06 instead of 0.75:
+-1.8 %; the plate by APIC: -1.9 %; control of locking: -0.1 %. On 3 cells, after 0.1 ms, no gas of the burst was
+found within or behind a plate that is held. Behind the plate stands air at rest at the start, in front of it as
+well; the thick plates, which would reflect the gas that runs outwards, are left out.</li>
+<li><b>Shapes.</b> Case 5 is a dome at its peak and more of a cone afterwards. It was not compared with the
+photograph of [Cui14] Fig. 17 by numbers. The Mises stress tells what the paper says: in case 2 much of the plate
+stays elastic, in case 5 nearly all of it yields.</li>
+</ul>
 """
