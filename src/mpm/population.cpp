@@ -43,6 +43,13 @@ void sort_by_cell(PointSet const& gas, Patch const& patch, double h, PopulationS
   for (int c = 0; c < cells; ++c) s.start[c + 1] += s.start[c];
 }
 
+/// Points of a cell beyond which it is crowded.
+int crowd_of(PopulationPlace const& place, PopulationOptions const& options) {
+  int standard = 1;
+  for (int d = 0; d < place.patch->dimensions; ++d) standard *= place.points_per_direction;
+  return static_cast<int>(options.crowd * standard);
+}
+
 /// Needs `sort_by_cell`; leaves `start` as it was.
 void list_points(PopulationScratch& s) {
   s.sorted.resize(s.cell.size());
@@ -453,6 +460,7 @@ PopulationCount split_points(PointSet& set, PopulationPlace const& place, Popula
   double const h = gas.domain->h;
   int const dims = patch.dimensions;
   bool const sized = set.field(Field::half_x) != nullptr;
+  int const most = crowd_of(place, options);
   Walls walls;
   for (int pass = 0; pass < most_passes; ++pass) {
     scratch.due.clear();
@@ -464,6 +472,12 @@ PopulationCount split_points(PointSet& set, PopulationPlace const& place, Popula
     if (scratch.due.empty()) break;
     if (pass == 0) walls = walls_of(place);
     sort_by_cell(set, patch, h, scratch);
+    // In a crowded cell the halves would merge at once, and split again, and so on.
+    std::erase_if(scratch.due, [&](int q) {
+      int const c = scratch.cell[q];
+      return scratch.start[c + 1] - scratch.start[c] >= most;
+    });
+    if (scratch.due.empty()) break;
     list_points(scratch);
     // All choose before any moves.
     scratch.ways.clear();
@@ -505,9 +519,7 @@ PopulationCount merge_points(PointSet& set, PopulationPlace const& place, Popula
   Gas gas(set, place);
   Patch const& patch = *place.patch;
   int const cells = patch.cells[0] * patch.cells[1] * patch.cells[2];
-  int standard = 1;
-  for (int d = 0; d < patch.dimensions; ++d) standard *= place.points_per_direction;
-  int const most = static_cast<int>(options.crowd * standard);
+  int const most = crowd_of(place, options);
   int const limit = std::max(2 * most, compositions);
 
   sort_by_cell(set, patch, gas.domain->h, scratch);

@@ -80,7 +80,8 @@ struct PopulationScratch {
 /// gradient, and the kinetic energy of that comes out of the internal energy, of which it may be a hundredth. A half
 /// that falls into a neighbouring block goes to `out`. New points have the identity -1. All sums are kept: mass,
 /// momentum, angular momentum, centre, energy, volume and both fluids. Afterwards no point is above the bound, except
-/// on a face of the domain, where there is no room.
+/// on a face of the domain, where there is no room, and in a crowded cell (crowd n^D points or more), where the halves
+/// would merge at once.
 PopulationCount split_points(PointSet& gas, PopulationPlace const& place, PopulationOptions const& options,
                              PopulationScratch& scratch, Outbox& out);
 

@@ -255,7 +255,9 @@ TEST(Splitting, KeepsEverySumAndBoundsTheVolume) {
       stir(s, random, true, false);
       Sums const before = s.sums();
       mpm::PopulationPlace const place{s.grid.get(), 0, s.patches.data(), 2};
-      auto const count = mpm::split_points(s.set, place, {}, s.scratch, s.out);
+      mpm::PopulationOptions options;
+      options.crowd = 1e6;  // these points overlap; no cell shall count as crowded
+      auto const count = mpm::split_points(s.set, place, options, s.scratch, s.out);
       EXPECT_GT(count.split, 100);
       EXPECT_EQ(s.set.size(), 60 + count.split);
       for (int q = 0; q < s.set.size(); ++q) EXPECT_LE(Problem::volume(s.set, q), 2.0 * s.standard(q));
@@ -264,6 +266,20 @@ TEST(Splitting, KeepsEverySumAndBoundsTheVolume) {
       expect_same(s.sums(), before, but);
       EXPECT_EQ(count.heat == 0.0, !affine);
     }
+  }
+}
+
+TEST(Splitting, LeavesACrowdedCellAlone) {
+  // More volume than the cell has, in as many points as it may hold: their halves would merge at once and split again,
+  // in every call.
+  for (int const points : {15, 16, 30}) {
+    Synthetic s(Geometry::planar2d, false, false);
+    for (int n = 0; n < points; ++n) s.add({0.1 + 0.001 * n, 0.1, 0.0}, 1.0);
+    mpm::PopulationPlace const place{s.grid.get(), 0, s.patches.data(), 2};
+    auto const count = mpm::split_points(s.set, place, {}, s.scratch, s.out);
+    EXPECT_EQ(count.split > 0, points < 16) << points;
+    // A pass may double what a cell that is not crowded holds, no more.
+    EXPECT_LE(s.set.size(), 32) << points;
   }
 }
 
