@@ -264,8 +264,7 @@ void Builder::numerics() {
   n.density_floor = section->number("density_floor").value_or(n.density_floor);
   n.pressure_floor = section->number("pressure_floor").value_or(n.pressure_floor);
   n.viscosity = section->number("viscosity").value_or(n.viscosity);
-  n.ideal_products = section->number("ideal_products").value_or(n.ideal_products);
-  if (n.ideal_products > 0.0) cut_over(n.ideal_products);
+  if (auto const volume = section->number("ideal_products")) cut_over(*volume);
   if (n.block_cells != 0 && n.block_cells < 4) {
     error(*section, "block_cells",
           fmt::format("{} is too small; allowed: 0 (chosen by the program) or 4 to 4096", n.block_cells));

@@ -93,13 +93,13 @@ void Builder::afterburn() {
     // A charge that is remapped burns on the cells of the 1D calculation.
     bool const remapped = deck_.text("start") == "remap";
     Section const* remap = deck_.section("remap");
-    double const given = remapped && remap != nullptr ? remap->number("cell").value_or(0.0) : 0.0;
+    double const asked = remap != nullptr ? remap->number("cell").value_or(0.0) : 0.0;
     for (run::Charge const& charge : out_.charges) {
       auto const bounds = shape::bounds(charge.shape);
       double radius = 0.0;
       for (int d = 0; d < dims(); ++d) radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
-      double const fine = given > 0.0 ? given : radius / run::start_cells_per_radius;
-      burnt = std::max(burnt, burnt_at(charge, out_.domain, remapped ? fine : out_.domain.h));
+      double const cell = remapped ? run::start_cell(asked, radius) : out_.domain.h;
+      burnt = std::max(burnt, burnt_at(charge, out_.domain, cell));
     }
     if (domain_known_ && model->begin < burnt) {
       error(*section, "begin",

@@ -166,8 +166,6 @@ struct Numerics {
   double density_floor = 1e-6;   ///< guard [kg/m3]
   double pressure_floor = 1e-3;  ///< guard [Pa]
   double viscosity = 0.0;        ///< lax-wendroff: constant eta; 0: eta of [Cui14] Eq. (5) with |u| + c
-  /// Relative volume from which products are an ideal gas; 0: where their reference curve has vanished.
-  double ideal_products = 0.0;
 };
 
 struct Output {

@@ -275,7 +275,7 @@ StartPlan plan_start(Case const& setup, std::size_t number) {
           : shape::Shape(shape::Cylinder{{0.0, 0.0, 0.0}, plan.charge_radius, 1.0, {0.0, 0.0, 1.0}});
   plan.charge_mass = setup.charges[number].explosive.density() * shape::volume(ball, plan.geometry);
   Start const& start = setup.start;
-  plan.cell = start.cell > 0.0 ? start.cell : plan.charge_radius / start_cells_per_radius;
+  plan.cell = start_cell(start.cell, plan.charge_radius);
   plan.reach = reach_of(setup, number, !start.time && !start.radius);
   plan.radius = plan.reach.radius;
   if (start.radius) {

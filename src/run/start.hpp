@@ -18,6 +18,11 @@ class World;
 /// (L1) away from their limit, with 400 below 1 %.
 inline constexpr double start_cells_per_radius = 400.0;
 
+/// Cell of the 1D calculation of a charge of this radius [m]: the one asked for, where it is not 0.
+[[nodiscard]] inline double start_cell(double asked, double charge_radius) {
+  return asked > 0.0 ? asked : charge_radius / start_cells_per_radius;
+}
+
 /// How far a burst may spread until it meets something, and what that is.
 struct Reach {
   double radius = 0.0;  ///< around the charge's centre [m]

@@ -41,8 +41,7 @@ struct Jwl {
   [[nodiscard]] double reference(double rho) const {
     double const v = rho0 / rho;
     double const x = rho * (omega / rho0);  // omega / V
-    double const full =
-        A * (1.0 - x * (1.0 / R1)) * exp_nonpositive(-R1 * v) + B * (1.0 - x * (1.0 / R2)) * exp_nonpositive(-R2 * v);
+    double const full = curve(x, exp_nonpositive(-R1 * v), exp_nonpositive(-R2 * v));
     double const t = remaining(v);
     return full * (t * t * (3.0 - 2.0 * t));
   }
@@ -52,7 +51,7 @@ struct Jwl {
     double const e1 = exp_nonpositive(-R1 * v);
     double const e2 = exp_nonpositive(-R2 * v);
     double const derivative = A * (R1 * v - omega - x * (1.0 / R1)) * e1 + B * (R2 * v - omega - x * (1.0 / R2)) * e2;
-    double const full = A * (1.0 - x * (1.0 / R1)) * e1 + B * (1.0 - x * (1.0 / R2)) * e2;
+    double const full = curve(x, e1, e2);
     double const t = remaining(v);
     return derivative * (t * t * (3.0 - 2.0 * t)) + full * (v * (6.0 * t * (1.0 - t)) * (2.0 / ideal_beyond));
   }
@@ -64,6 +63,10 @@ struct Jwl {
   }
 
  private:
+  /// The terms of A and B, from omega / V and their exponentials [Pa].
+  [[nodiscard]] double curve(double x, double e1, double e2) const {
+    return A * (1.0 - x * (1.0 / R1)) * e1 + B * (1.0 - x * (1.0 / R2)) * e2;
+  }
   /// Way from `ideal_beyond` (0) back to half of it (1).
   [[nodiscard]] double remaining(double v) const {
     double const t = (ideal_beyond - v) * (2.0 / ideal_beyond);
