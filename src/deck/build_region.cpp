@@ -83,6 +83,7 @@ void Builder::mpm_region_options(Section const& section, run::MpmRegion& region)
   if (section.text("order") == "musl") region.order = mpm::StressOrder::musl;
   region.linear_viscosity = section.number("linear_viscosity").value_or(region.linear_viscosity);
   region.quadratic_viscosity = section.number("quadratic_viscosity").value_or(region.quadratic_viscosity);
+  region.slip = section.boolean("slip").value_or(region.slip);
   region.shock_conduction = section.number("shock_conduction").value_or(region.shock_conduction);
   region.courant = section.number("courant").value_or(region.courant);
   region.reference_pressure = section.number("reference_pressure");

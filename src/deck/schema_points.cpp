@@ -183,6 +183,12 @@ Table const& mpm_region_table() {
              .of(r.quadratic_viscosity)
              .like("1.5")
              .means("Quadratic coefficient of the bulk viscosity of the gas points"),
+         typed(Type::boolean, "slip")
+             .of(r.slip)
+             .like("false")
+             .means("Gas slips along solids: it shares their velocity across their surfaces only. false: gas sticks to "
+                    "them, by the shared grid of [Cui14]; it then loads a plate some 20 % too much on 4 cells over its "
+                    "thickness"),
          number("shock_conduction", "1", 0.0, 10.0)
              .of(r.shock_conduction)
              .like("0.2")
@@ -213,10 +219,9 @@ Table const& constraint_table() {
                    .means("fixed, velocity: components of the velocity that are prescribed");
     held.choices = {"x", "y", "z"};
     return Table{
-        "The velocity of material points in a part of space is prescribed, by way of the grid nodes there. In an "
-        "`[mpm_region]` that holds the gas there too, also with `body` where the body has no contact with another: "
-        "both "
-        "share the nodes.",
+        "The velocity of material points in a part of space is prescribed, by way of the grid nodes there. Gas that "
+        "slips along bodies (`mpm_region.slip`) is not held, but stays at the surface of those that are; gas that "
+        "sticks to them is held with them.",
         {word("kind", {"fixed", "roller", "velocity"})
              .of("fixed")
              .like("\"roller\"")

@@ -176,7 +176,8 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   if (body_count == 0) throw InputError("a calculation with material points needs at least one body");
   if (options_.xpic_order < 1) throw InputError("the order of XPIC is at least 1");
 
-  // Bodies with a contact and rigid bodies have grid fields of their own; all others share the first.
+  // Bodies with a contact and rigid bodies have grid fields of their own, fluids that slip have one in common; all
+  // others share the first.
   Workspace& w = *work_;
   w.field_of.assign(bodies_.size(), 0);
   std::vector<char> own(bodies_.size(), 0);
@@ -190,9 +191,23 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   for (int b = 0; b < body_count; ++b) {
     if (bodies_[b].rigid_velocity) own[b] = 1;
   }
-  bool const any_shared = std::find(own.begin(), own.end(), 0) != own.end();
-  w.fields = any_shared ? 1 : 0;
-  for (int b = 0; b < body_count; ++b) w.field_of[b] = own[b] != 0 ? w.fields++ : 0;
+  auto const in_common = [&](bool slips) {
+    int members = 0;
+    for (int b = 0; b < body_count; ++b) {
+      if (own[b] != 0 || bodies_[b].slips != slips) continue;
+      w.field_of[b] = w.fields;
+      ++members;
+    }
+    if (members > 0) ++w.fields;
+  };
+  w.fields = 0;
+  in_common(false);
+  in_common(true);
+  for (int b = 0; b < body_count; ++b) {
+    if (own[b] != 0) w.field_of[b] = w.fields++;
+  }
+  w.slips.assign(w.fields, 0);
+  for (int b = 0; b < body_count; ++b) w.slips[w.field_of[b]] = bodies_[b].slips ? 1 : 0;
   w.contact = w.fields > 1;
   for (int b = 0; b < body_count; ++b) {
     w.maps_back = w.maps_back || order_of(b) == StressOrder::musl;
@@ -217,11 +232,19 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     if (bodies_[b].rigid_velocity) w.rigid[w.field_of[b]] = bodies_[b].rigid_velocity;
   }
   w.laws.assign(static_cast<std::size_t>(w.fields) * w.fields, Law{});
+  for (int a = 0; a < w.fields; ++a) {
+    for (int b = 0; b < w.fields; ++b) {
+      if (w.slips[a] == w.slips[b]) continue;
+      w.laws[a * w.fields + b].kind = Law::Kind::slips;
+      w.slides = true;
+    }
+  }
   for (Contact const& c : contacts) {
     int const a = w.field_of[c.first];
     int const b = w.field_of[c.second];
-    w.laws[a * w.fields + b] = {false, c.friction};
-    w.laws[b * w.fields + a] = {false, c.friction};
+    w.laws[a * w.fields + b] = {Law::Kind::contact, c.friction};
+    w.laws[b * w.fields + a] = {Law::Kind::contact, c.friction};
+    w.touches = true;
   }
 
   int const blocks = grid_.block_count();
@@ -244,6 +267,8 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.momentum.resize(slots);
   w.momentum_present.assign(slots, 0);
   w.gradient.resize(slots);
+  w.area.resize(slots);
+  w.area_present.assign(slots, 0);
   w.extent.resize(slots);
   w.present.assign(slots, 0);
   w.shocked.assign(blocks, 0);
@@ -550,6 +575,7 @@ std::size_t Mpm::bytes() const {
   for (auto const& nodes : work_->state) total += nodes.bytes();
   for (auto const& nodes : work_->velocity) total += nodes.bytes();
   for (auto const& nodes : work_->gradient) total += nodes.bytes();
+  for (auto const& nodes : work_->area) total += nodes.bytes();
   for (auto const& nodes : work_->extent) total += nodes.bytes();
   return total;
 }

@@ -59,6 +59,9 @@ struct Options {
   Vec3 body_force{0.0, 0.0, 0.0};  ///< acceleration of everything [m/s2]
   /// A further acceleration [m/s2] of the points that varies with their position [m] and the time [s]; null: none.
   std::function<Vec3(Vec3 const& x, double time)> acceleration;
+  /// Planes across each direction, low and high [m], behind which bodies go on: open faces of a domain that cuts them.
+  /// Fluids that slip do not flow around their ends there.
+  std::array<std::optional<double>, 6> ends{};
   int block_cells = 0;  ///< cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D
 };
 
@@ -85,6 +88,9 @@ struct Body {
   /// around it that is evened out in a step, times q / (p + q). Bulk viscosity alone overheats the first points that a
   /// shock reaches, at walls and at faces of the region, for good. 0: none.
   double shock_conduction = 0.0;
+  /// A fluid that slips along all bodies that do not: it shares their velocity across their surfaces only, where the
+  /// others stick together. All that slip share one field of the grid.
+  bool slips = false;
 };
 
 /// What fills (a part of) a body.
@@ -175,6 +181,7 @@ void archive(Archive& a, BodySums& sums);
 struct Scratch;
 struct Hoops;
 struct OuterForces;
+struct SetView;
 
 class Mpm {
  public:
@@ -287,6 +294,9 @@ class Mpm {
 
   // One block at a time, in a thread's scratch.
   void clear_velocity(int block);
+  template <class SetKernels>
+  void map_areas(int block, int body, SetView const& view, SetKernels&& kernels);
+  void share_pressure(int block, Scratch& scratch) const;
   void gather_gradients(int block, Scratch& scratch) const;
   void gather_extents(int block, Scratch& scratch) const;
   void gather_velocity(int block, Scratch& scratch, bool scalars = false) const;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "core/loops.hpp"
@@ -577,28 +578,74 @@ struct Kernels {
     return fastest;
   }
 
-  /// Gradient of the volume at the nodes: contact normals.
-  static void map_gradient(SetView const& v, NodeVelocity* nodes) {
+  /// A point's volume in the plane or on the line that is resolved, per that of a cell: of a ring its cross section.
+  static double cells_filled(SetView const& v, grid::Geometry geometry, int q) {
     PointSet const& set = *v.set;
+    double volume = set.field(Field::mass)[q] / set.field(Field::density)[q];
+    int const m = grid::radial_exponent(geometry);
+    if (m > 0) {
+      double const r = set.field(Field::position_x)[q];
+      volume /= m == 1 ? 2.0 * std::numbers::pi * r : 4.0 * std::numbers::pi * r * r;
+    }
+    for (int d = 0; d < D; ++d) volume /= v.h;
+    return volume;
+  }
+
+  /// What the points fill of the cells around the nodes, and its gradient per h: surfaces and their normals.
+  static void map_gradient(SetView const& v, grid::Geometry geometry, NodeVelocity* nodes) {
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
-      double const* mass = set.field(Field::mass) + begin;
-      double const* density = set.field(Field::density) + begin;
       for (int q = 0; q < n; ++q) {
-        double const f = mass[q] / density[q] / v.h;
-        add_with_gradient<S, D>(*v.patch, k, q, nodes, whole, Lanes4{}, Lanes4{f, 0.0, 0.0, 0.0},
+        double const f = cells_filled(v, geometry, begin + q);
+        add_with_gradient<S, D>(*v.patch, k, q, nodes, whole, Lanes4{0.0, 0.0, 0.0, f}, Lanes4{f, 0.0, 0.0, 0.0},
                                 Lanes4{0.0, f, 0.0, 0.0}, Lanes4{0.0, 0.0, f, 0.0});
       }
     });
   }
 
+  /// Area of the surface that the points around a node show to it, as a vector that points out of them [m2]: with it a
+  /// pressure at the nodes is in balance with the same pressure within the points.
+  static void map_area(SetView const& v, Hoops const& hoops, NodeVelocity* nodes) {
+    PointSet const& set = *v.set;
+    double const hoop = hoops.yy + hoops.zz;
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      double const* mass = set.field(Field::mass) + begin;
+      double const* density = set.field(Field::density) + begin;
+      double const* radius = set.field(Field::position_x) + begin;
+      for (int q = 0; q < n; ++q) {
+        double const volume = mass[q] / density[q];
+        double const f = volume / v.h;
+        Lanes4 b{};
+        if (hoop > 0.0) b[0] = hoop * volume / radius[q];
+        add_with_gradient<S, D>(*v.patch, k, q, nodes, whole, b, Lanes4{f, 0.0, 0.0, 0.0}, Lanes4{0.0, f, 0.0, 0.0},
+                                Lanes4{0.0, 0.0, f, 0.0});
+      }
+    });
+  }
+
+  /// Volume of a fluid's points, and the same times the pressure that they push with.
+  static void map_pressure(SetView const& v, NodeVelocity* nodes) {
+    PointSet const& set = *v.set;
+    double const reference = v.body->reference_pressure;
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      double const* mass = set.field(Field::mass) + begin;
+      double const* density = set.field(Field::density) + begin;
+      double const* pressure = set.field(Field::pressure) + begin;
+      double const* viscosity = set.field(Field::viscosity) + begin;
+      for (int q = 0; q < n; ++q) {
+        double const volume = mass[q] / density[q];
+        double const push = volume * (pressure[q] + viscosity[q] - reference);
+        add<S, D>(*v.patch, k, q, nodes, whole, Lanes4{push, volume, 0.0, 0.0});
+      }
+    });
+  }
+
   /// How far the points reach beyond the nodes along the normals given there (zero: none wanted).
-  static void map_extent(SetView const& v, Vec3 const* normals, double* extents) {
+  static void map_extent(SetView const& v, grid::Geometry geometry, Vec3 const* normals, double* extents) {
     PointSet const& set = *v.set;
     Patch const& patch = *v.patch;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       for (int q = 0; q < n; ++q) {
-        double const volume = set.field(Field::mass)[begin + q] / set.field(Field::density)[begin + q];
-        double const half = 0.5 * std::pow(volume, 1.0 / D);
+        double const half = 0.5 * v.h * std::pow(cells_filled(v, geometry, begin + q), 1.0 / D);
         int const rows = D > 1 ? S::support : 1;
         int const planes = D > 2 ? S::support : 1;
         for (int c = 0; c < planes; ++c) {

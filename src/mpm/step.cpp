@@ -37,6 +37,56 @@ CellMeans mean_pressures(SetView const& v, Scratch& scratch) {
   return means;
 }
 
+/// Calls visit(d, side, face) for each of the `Options::ends` within reach of a block's nodes, with the index of the
+/// nodes on it.
+template <class Visit>
+void for_ends(Options const& options, Patch const& patch, double h, Visit&& visit) {
+  for (int d = 0; d < patch.dimensions; ++d) {
+    for (int side = 0; side < 2; ++side) {
+      std::optional<double> const& end = options.ends[2 * d + side];
+      if (!end) continue;
+      int const face = patch.reach + static_cast<int>(std::lround((*end - patch.first[d]) / h));
+      if (face >= 0 && face < patch.n[d]) visit(d, side, face);
+    }
+  }
+}
+
+/// A body that reaches one of the ends goes on behind it: what it fills there is the mirror image of what it fills
+/// before it, so that it has no surface on the end. Of the points of one block: all nodes that one touches behind an
+/// end have their image in the block's patch.
+void continue_behind_ends(Options const& options, Patch const& patch, double h, NodeVelocity* filled) {
+  for_ends(options, patch, h, [&](int d, int, int face) {
+    Lanes4 sign{1.0, 1.0, 1.0, 1.0};
+    sign[d] = -1.0;
+    int const stride = d == 0 ? 1 : d == 1 ? patch.n[0] : patch.n[0] * patch.n[1];
+    int const width = std::min({patch.reach, face, patch.n[d] - 1 - face});
+    for (int node = 0; node < patch.count(); ++node) {
+      if (node / stride % patch.n[d] != face) continue;
+      filled[node] += sign * filled[node];
+      for (int k = 1; k <= width; ++k) {
+        NodeVelocity const before = filled[node - k * stride];
+        NodeVelocity const behind = filled[node + k * stride];
+        filled[node - k * stride] = before + sign * behind;
+        filled[node + k * stride] = behind + sign * before;
+      }
+    }
+  });
+}
+
+/// There it shows no area to an end either.
+void cut_at_ends(Options const& options, Patch const& patch, double h, NodeVelocity* area) {
+  for_ends(options, patch, h, [&](int d, int side, int face) {
+    int const stride = d == 0 ? 1 : d == 1 ? patch.n[0] : patch.n[0] * patch.n[1];
+    double const outwards = side == 0 ? -1.0 : 1.0;
+    for (int node = 0; node < patch.count(); ++node) {
+      if (std::abs(node / stride % patch.n[d] - face) > patch.reach || outwards * area[node][d] <= 0.0) continue;
+      area[node][d] = 0.0;
+    }
+  });
+}
+
+Vec3 vector_of(NodeVelocity const& v) { return {v[0], v[1], v[2]}; }
+
 }  // namespace
 
 void Mpm::advance(double dt) {
@@ -45,6 +95,7 @@ void Mpm::advance(double dt) {
     scratch.state.resize(work_->fields);
     scratch.velocity.resize(work_->fields);
     scratch.gradient.resize(work_->fields);
+    scratch.area.resize(work_->fields);
     scratch.extent.resize(work_->fields);
     scratch.present.resize(work_->fields);
     scratch.exchange.resize(work_->fields);
@@ -79,13 +130,15 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   OuterForces const outer = outer_forces();
   if (with_mass) std::fill(w.present.begin(), w.present.end(), 0);
   if (with_mass) std::fill(w.momentum_present.begin(), w.momentum_present.end(), 0);
+  if (with_forces) std::fill(w.area_present.begin(), w.area_present.end(), 0);
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
     Patch const& patch = w.patches[block];
     for_sets(block, [&](PointSet& set, int body) {
       int const slot = w.slot(block, w.field_of[body]);
       NodeState* nodes = w.state[slot].get(patch.count());
-      NodeVelocity* gradient = w.contact ? w.gradient[slot].get(patch.count()) : nullptr;
+      bool const surface = w.contact && w.slips[w.field_of[body]] == 0;
+      NodeVelocity* gradient = surface ? w.gradient[slot].get(patch.count()) : nullptr;
       if (w.present[slot] == 0) {
         std::fill(nodes, nodes + patch.count(), NodeState{});
         if (gradient != nullptr) std::fill(gradient, gradient + patch.count(), NodeVelocity{});
@@ -104,7 +157,8 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
         } else {
           kernels.template map_state<false, true>(view, hoops, outer, mean, nodes);
         }
-        if (with_mass && gradient != nullptr) kernels.map_gradient(view, gradient);
+        if (with_forces && w.slides) map_areas(block, body, view, kernels);
+        if (with_mass && gradient != nullptr) kernels.map_gradient(view, grid_.domain().geometry, gradient);
         if (with_mass && w.shared[w.field_of[body]] != 0 && !affine(body)) {
           NodeVelocity* own = w.momentum[slot].get(patch.count());
           if (w.momentum_present[slot] == 0) std::fill(own, own + patch.count(), NodeVelocity{});
@@ -113,8 +167,79 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
         }
       });
     });
+    for (int f = 0; with_mass && w.slides && f < w.fields; ++f) {
+      int const slot = w.slot(block, f);
+      if (w.slips[f] == 0 && w.present[slot] != 0) continue_behind_ends(options_, patch, h, w.gradient[slot].data());
+    }
   });
-  if (with_mass && w.contact) map_extents();
+  if (with_mass && w.touches) map_extents();
+}
+
+/// What `share_pressure` needs of one set: of fluids only where there are bodies around.
+template <class SetKernels>
+void Mpm::map_areas(int block, int body, SetView const& view, SetKernels&& kernels) {
+  Workspace& w = *work_;
+  int const f = w.field_of[body];
+  bool const slips = w.slips[f] != 0;
+  if (slips) {
+    auto const has_bodies = [&](int there) {
+      if (there == grid::no_neighbour) return false;
+      for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        if (w.slips[w.field_of[b]] == 0 && !points(there, static_cast<int>(b)).empty()) return true;
+      }
+      return false;
+    };
+    if (std::none_of(w.around[block].begin(), w.around[block].end(), has_bodies)) return;
+  }
+  int const slot = w.slot(block, f);
+  int const count = view.patch->count();
+  NodeVelocity* nodes = w.area[slot].get(count);
+  if (w.area_present[slot] == 0) std::fill(nodes, nodes + count, NodeVelocity{});
+  w.area_present[slot] = 1;
+  if (slips) {
+    kernels.map_pressure(view, nodes);
+  } else {
+    kernels.map_area(view, hoops_of(grid_.domain().geometry), nodes);
+  }
+}
+
+/// The pressure of a fluid that slips along bodies acts on the area that these show to the nodes, and they push back as
+/// much. Then gas at rest under an even pressure stays at rest, and the bodies bear that pressure and no other up to
+/// their outermost points, also where the velocity of the nodes is not shared; by the shared velocity alone they would
+/// bear what the gas around happens to give to nodes that they hardly weigh on.
+void Mpm::share_pressure(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  int const count = w.patches[block].count();
+  for (int g = 0; g < w.fields; ++g) {
+    if (w.slips[g] == 0 || scratch.present[g] == 0) continue;
+    if (!w.gather(w.area, w.area_present, block, g, scratch.area[g], true)) continue;
+    NodeVelocity const* pressure = scratch.area[g].data();
+    NodeState* fluid = scratch.state[g].data();
+    for (int f = 0; f < w.fields; ++f) {
+      if (!w.slips_along(g, f) || scratch.present[f] == 0) continue;
+      if (!w.gather(w.area, w.area_present, block, f, scratch.area[f])) continue;
+      cut_at_ends(options_, w.patches[block], grid_.domain().h, scratch.area[f].data());
+      NodeVelocity const* area = scratch.area[f].data();
+      NodeVelocity const* filled = scratch.gradient[f].data();
+      NodeState* body = scratch.state[f].data();
+      for (int node = 0; node < count; ++node) {
+        if (!(fluid[node].momentum[3] > w.mass_floor && body[node].momentum[3] > w.mass_floor)) continue;
+        Surface const surface = surface_at(filled[node]);
+        Lanes4 push = area[node];
+        if (surface.felt) {
+          // Deep in the body next to no gas is there to bear what does not point along the normal, in which they move
+          // as one.
+          Vec3 const& n = surface.normal;
+          double const across = push[0] * n[0] + push[1] * n[1] + push[2] * n[2];
+          push = Lanes4{across * n[0], across * n[1], across * n[2], 0.0};
+        }
+        double const p = pressure[node][0] / pressure[node][1];
+        push *= Lanes4{p, p, p, 0.0};
+        fluid[node].force += push;
+        body[node].force -= push;
+      }
+    }
+  }
 }
 
 OuterForces Mpm::outer_forces() const {
@@ -167,7 +292,7 @@ void Mpm::map_extents() {
     gather_gradients(block, scratch);
     for (int f = 0; f < w.fields; ++f) {
       int const slot = w.slot(block, f);
-      if (w.present[slot] == 0) continue;
+      if (w.present[slot] == 0 || w.slips[f] != 0) continue;
       std::vector<Vec3> normals(patch.count(), Vec3{0.0, 0.0, 0.0});
       bool any = false;
       for (int node = 0; node < patch.count(); ++node) {
@@ -175,7 +300,7 @@ void Mpm::map_extents() {
         bool met = false;
         bool rigid = false;
         for (int g = 0; g < w.fields; ++g) {
-          if (g == f || scratch.present[g] == 0) continue;
+          if (g == f || w.slips[g] != 0 || scratch.present[g] == 0) continue;
           NodeVelocity const& gradient = scratch.gradient[g].data()[node];
           others += gradient;
           rigid = rigid || w.rigid[g].has_value();
@@ -192,7 +317,7 @@ void Mpm::map_extents() {
         if (w.field_of[body] != f) return;
         SetView const view{&set, &bodies_[body], &patch, h};
         with_kernels(options_.shape, patch.dimensions,
-                     [&](auto kernels) { kernels.map_extent(view, normals.data(), extents); });
+                     [&](auto kernels) { kernels.map_extent(view, grid_.domain().geometry, normals.data(), extents); });
       });
     }
   });
@@ -201,6 +326,7 @@ void Mpm::map_extents() {
 void Mpm::gather_gradients(int block, Scratch& scratch) const {
   Workspace const& w = *work_;
   for (int f = 0; f < w.fields; ++f) {
+    if (w.slips[f] != 0) continue;
     scratch.present[f] = w.gather(w.gradient, block, f, scratch.gradient[f]) ? 1 : 0;
   }
 }
@@ -357,14 +483,22 @@ void Mpm::constrain_velocity(int block, Scratch& scratch) const {
       NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
       double extent(int f, int node) const { return s->extent[f].data()[node]; }
     };
-    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid}, Access{&scratch});
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips}, Access{&scratch});
   }
   for (Hold const& hold : w.holds[block]) {
     for (int f = 0; f < w.fields; ++f) {
-      if (scratch.present[f] == 0 || w.rigid[f] || (hold.field >= 0 && hold.field != f)) continue;
+      if (scratch.present[f] == 0 || w.rigid[f] || !w.held(f, hold)) continue;
       NodeVelocity& v = scratch.velocity[f].data()[hold.node];
       for (int d = 0; d < 3; ++d) {
         if (hold.held[d]) v[d] = hold.velocity[d];
+      }
+      for (int g = 0; g < w.fields; ++g) {
+        if (!w.slips_along(g, f) || scratch.present[g] == 0) continue;
+        NodeVelocity& fluid = scratch.velocity[g].data()[hold.node];
+        Surface const surface = surface_at(scratch.gradient[f].data()[hold.node]);
+        if (!(fluid[3] > w.mass_floor) || !surface.felt) continue;
+        Vec3 const change = surface.stopped(vector_of(v - fluid));
+        for (int d = 0; d < 3; ++d) fluid[d] += change[d];
       }
     }
   }
@@ -374,7 +508,7 @@ void Mpm::gather_extents(int block, Scratch& scratch) const {
   Workspace const& w = *work_;
   Patch const& patch = w.patches[block];
   for (int f = 0; f < w.fields; ++f) {
-    if (scratch.present[f] == 0) continue;
+    if (scratch.present[f] == 0 || w.slips[f] != 0) continue;
     double* extents = scratch.extent[f].get(patch.count());
     std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
     for (Link const& link : patch.links) {
@@ -410,6 +544,13 @@ void Mpm::integrate(double dt) {
     Vec3 const force = options_.body_force;
     for (int f = 0; f < w.fields; ++f) {
       scratch.present[f] = w.gather(w.state, block, f, scratch.state[f]) ? 1 : 0;
+    }
+    if (w.contact) {
+      gather_gradients(block, scratch);
+      if (w.touches) gather_extents(block, scratch);
+    }
+    if (w.slides) share_pressure(block, scratch);
+    for (int f = 0; f < w.fields; ++f) {
       if (scratch.present[f] == 0) continue;
       NodeState* nodes = scratch.state[f].data();
       // Eq. (22): from mass, momentum and force to the new velocity and its change.
@@ -423,10 +564,6 @@ void Mpm::integrate(double dt) {
         r.force = r.force * Lanes4{push, push, push, 1.0} + gravity;
         r.momentum = r.momentum * Lanes4{inverse, inverse, inverse, 1.0} + r.force * Lanes4{1.0, 1.0, 1.0, 0.0};
       }
-    }
-    if (w.contact) {
-      gather_gradients(block, scratch);
-      gather_extents(block, scratch);
     }
     constrain_state(block, scratch);
     share_momentum(block, scratch);
@@ -555,18 +692,18 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
       double extent(int f, int node) const { return s->extent[f].data()[node]; }
     };
     double const* weights = w.node_weight[block].empty() ? nullptr : w.node_weight[block].data();
-    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid},
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips},
                     Access{&scratch, &w.rigid, weights, &given});
   }
   for (int f = 0; f < w.fields; ++f) {
-    scratch.halts[f] = scratch.present[f] != 0 && !w.rigid[f] && !w.holds[block].empty() ? 1 : 0;
+    scratch.halts[f] = scratch.present[f] != 0 && !w.rigid[f] && w.slips[f] == 0 && !w.holds[block].empty() ? 1 : 0;
     if (scratch.halts[f] == 0) continue;
     NodeVelocity* halt = scratch.halt[f].get(count);
     std::fill(halt, halt + count, NodeVelocity{});
   }
   for (Hold const& hold : w.holds[block]) {
     for (int f = 0; f < w.fields; ++f) {
-      if (scratch.present[f] == 0 || w.rigid[f] || (hold.field >= 0 && hold.field != f)) continue;
+      if (scratch.present[f] == 0 || w.rigid[f] || !w.held(f, hold)) continue;
       NodeState& r = scratch.state[f].data()[hold.node];
       double const m = r.momentum[3];
       if (!(m > w.mass_floor)) continue;
@@ -581,6 +718,21 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
         // `force` is the whole change of the step, the one against the start of the step.
         given.drive += hold.weight * m * (r.force[d] - halt[d]) * hold.velocity[d];
         halt[d] = r.force[d];
+      }
+      // What slips along the body stays at its surface.
+      for (int g = 0; g < w.fields; ++g) {
+        if (!w.slips_along(g, f) || scratch.present[g] == 0) continue;
+        NodeState& fluid = scratch.state[g].data()[hold.node];
+        double const mass = fluid.momentum[3];
+        Surface const surface = surface_at(scratch.gradient[f].data()[hold.node]);
+        if (!(mass > w.mass_floor) || !surface.felt) continue;
+        Vec3 const change = surface.stopped(vector_of(r.momentum - fluid.momentum));
+        for (int d = 0; d < 3; ++d) {
+          fluid.force[d] += change[d];
+          fluid.momentum[d] += change[d];
+          given.impulse[d] += hold.weight * mass * change[d];
+          given.work += hold.weight * mass * change[d] * r.momentum[d];
+        }
       }
     }
   }
@@ -622,7 +774,7 @@ void Mpm::update_stress(double dt) {
     }
     if (w.contact) {
       gather_gradients(block, scratch);
-      gather_extents(block, scratch);
+      if (w.touches) gather_extents(block, scratch);
     }
     constrain_velocity(block, scratch);
     if (first) signals_[block] = 0.0;

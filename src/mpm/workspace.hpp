@@ -48,7 +48,12 @@ struct Hoops {
 
 /// Law between two grid fields.
 struct Law {
-  bool glued = true;
+  enum class Kind {
+    glued,    ///< one velocity
+    contact,  ///< they part and slide
+    slips,    ///< one velocity across the surface of that which does not slip
+  };
+  Kind kind = Kind::glued;
   double friction = 0.0;
 };
 
@@ -56,7 +61,9 @@ struct Law {
 struct Scratch {
   std::vector<NodeArray<NodeState>> state;
   std::vector<NodeArray<NodeVelocity>> velocity;
-  std::vector<NodeArray<NodeVelocity>> gradient;  ///< of the volume [m2]: contact
+  /// Part of the cells around a node that a field fills, and h times its gradient: contact.
+  std::vector<NodeArray<NodeVelocity>> gradient;
+  std::vector<NodeArray<NodeVelocity>> area;      ///< see `Mpm::share_pressure`
   std::vector<NodeArray<NodeVelocity>> exchange;  ///< velocity that bodies without APIC take over at shared nodes
   std::vector<char> exchanges;
   std::vector<NodeArray<NodeVelocity>> halt;  ///< change of velocity from the start of the step by constraints
@@ -93,7 +100,10 @@ struct Mpm::Workspace {
   std::vector<int> field_of;                ///< body -> grid field
   std::vector<std::optional<Vec3>> rigid;   ///< velocity of rigid grid fields
   std::vector<Law> laws;                    ///< field x field
+  std::vector<char> slips;                  ///< per field: of the bodies that slip
   bool contact = false;                     ///< more than one field
+  bool slides = false;                      ///< some fields slip along others
+  bool touches = false;                     ///< some fields part and slide
   bool filters = false;                     ///< some body uses XPIC
   bool maps_back = false;                   ///< some body is updated by MUSL
   bool strains_early = false;               ///< some body is updated by USL
@@ -104,6 +114,8 @@ struct Mpm::Workspace {
   std::vector<NodeArray<NodeState>> state;  ///< block x field, as the points wrote them
   std::vector<NodeArray<NodeVelocity>> velocity;
   std::vector<NodeArray<NodeVelocity>> gradient;
+  std::vector<NodeArray<NodeVelocity>> area;  ///< of bodies their area, of fluids that slip along them their pressure
+  std::vector<char> area_present;
   std::vector<NodeArray<double>> extent;
   std::vector<char> present;  ///< block x field: were written in this step
   /// Fields that bodies with APIC share with others, and what those others alone gave the nodes: see `share_momentum`.
@@ -125,6 +137,14 @@ struct Mpm::Workspace {
   double mass_floor = std::numeric_limits<double>::min();  ///< nodes below it are empty [kg]
 
   [[nodiscard]] int slot(int block, int field) const { return block * fields + field; }
+
+  [[nodiscard]] bool slips_along(int fluid, int body) const {
+    return laws[fluid * fields + body].kind == Law::Kind::slips && slips[fluid] != 0;
+  }
+  /// Constraints hold bodies; what slips along these need not be held.
+  [[nodiscard]] bool held(int field, Hold const& hold) const {
+    return hold.field < 0 ? slips[field] == 0 : hold.field == field;
+  }
 
   /// Sums what the points of all blocks around wrote for the nodes of a block. False, and nothing done, where the field
   /// has no points there.

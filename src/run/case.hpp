@@ -128,6 +128,7 @@ struct MpmRegion {
   double viscosity_onset = 0.1;                    ///< of the linear term: sound waves pass undamped, see `mpm::Body`
   double quadratic_viscosity = 1.5;
   double shock_conduction = 1.0;  ///< of the gas, see `mpm::Body`
+  bool slip = true;               ///< gas and other fluids slip along solids, see `mpm::Body`
   /// Taken off the pressure in the forces [Pa]; absent: the lowest pressure of the gas, the ambient one at most.
   std::optional<double> reference_pressure;
 

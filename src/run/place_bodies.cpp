@@ -18,10 +18,19 @@ void place_bodies(World& w, grid::Domain const& domain, std::vector<mpm::Body> o
     if (b.initiation.empty()) body.solid.detonation_speed = 0.0;
     body.points_per_direction = b.points_per_direction;
     if (b.rigid) body.rigid_velocity = b.velocity;
+    body.slips = w.setup.mpm_region && w.setup.mpm_region->slip && !b.rigid && !b.solid.has_deviator();
     bodies.push_back(std::move(body));
   }
   bodies.insert(bodies.end(), others.begin(), others.end());
-  w.points = std::make_unique<mpm::Mpm>(domain, bodies, p.options, p.constraints, p.contacts);
+  mpm::Options options = p.options;
+  for (int d = 0; d < w.setup.domain.dimensions(); ++d) {
+    for (int side = 0; side < 2; ++side) {
+      auto const boundary = w.setup.domain.boundary[2 * d + side];
+      if (boundary != grid::Boundary::outflow && boundary != grid::Boundary::inflow) continue;
+      options.ends[2 * d + side] = side == 0 ? w.setup.domain.lower[d] : w.setup.domain.upper(d);
+    }
+  }
+  w.points = std::make_unique<mpm::Mpm>(domain, bodies, options, p.constraints, p.contacts);
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     Body const& b = p.bodies[n];
     int const number = static_cast<int>(n);

@@ -198,6 +198,7 @@ void place_region(World& w) {
   gas.quadratic_viscosity = settings.quadratic_viscosity;
   gas.shock_conduction = settings.shock_conduction;
   gas.courant = settings.courant;
+  gas.slips = settings.slip;
   place_bodies(w, region.points_domain(), {gas});
   int const gas_body = static_cast<int>(w.points->bodies().size()) - 1;
   fill_gas(w, gas_body, boxes_of(w.setup));

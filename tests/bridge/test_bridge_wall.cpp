@@ -127,5 +127,100 @@ TEST(SteelWall, ReflectsAPlaneShock) {
   }
 }
 
+/// A ball of hot gas bursts above a plate that is held, or above a wall of the domain in the place of its face.
+struct Burst {
+  /// To the side, which is closed, so that the edge of the plate is no part of the question.
+  static constexpr int cells = 64;
+  static constexpr int below = 16;     // where there is a plate
+  static constexpr int points = 10;    // cells of points above the face
+  static constexpr double end = 0.15;  // nothing has come to the open top
+  double impulse = 0.0;                ///< of the wall on the gas, or of what keeps the plate at rest [N s]
+  double along = 0.0;                  ///< radial velocity of the points within two cells of the face [m/s]
+
+  [[nodiscard]] static run::Case above(int rows_below) {
+    auto c = coupled_case(grid::Geometry::axisymmetric2d, {cells, 2 * cells + rows_below, 1}, grid::Boundary::outflow);
+    c.domain.boundary[0] = c.domain.boundary[1] = grid::Boundary::symmetry;
+    return c;
+  }
+  void run(run::World& w, int gas, double face) {
+    run_to(w, end);
+    double mass = 0.0;
+    for_each_point(w, gas, [&](mpm::PointSet const& set, int q) {
+      double const r = set.field(Field::position_x)[q];
+      double const y = (set.field(Field::position_y)[q] - face) * cells;
+      if (y < 0.0 || y > 2.0 || r < 0.3 || r > 0.6) return;
+      along += set.field(Field::mass)[q] * set.field(Field::velocity_x)[q];
+      mass += set.field(Field::mass)[q];
+    });
+    if (mass > 0.0) along /= mass;
+  }
+  static void light(run::Case& c, double face) {
+    run::Region ball;
+    ball.shape = shape::Sphere{{0.0, face + 0.35, 0.0}, 0.1};
+    ball.state = {14.0, 400.0, {0.0, 0.0, 0.0}};
+    c.regions = {ball};
+  }
+  /// The wall, before it gas cells or points.
+  [[nodiscard]] static Burst on_wall(bool by_points) {
+    auto c = above(0);
+    c.domain.boundary[2] = grid::Boundary::wall;
+    c.mpm_region.reset();
+    if (by_points) {
+      c.mpm_region.emplace();
+      set_region(c, {0, 0, 0}, {cells, points, 1});
+    }
+    light(c, 0.0);
+    run::World w(c);
+    Burst burst;
+    if (by_points) {
+      burst.run(w, 0, 0.0);
+    } else {
+      run_to(w, end);
+    }
+    burst.impulse = w.totals().momentum[1];
+    return burst;
+  }
+  /// The plate, whose face lies a part of a cell above a node.
+  [[nodiscard]] static Burst on_plate(bool slip, double part) {
+    auto c = above(below);
+    double const face = (below + part) * c.domain.h;
+    set_region(c, {0, 0, 0}, {cells, below + points, 1});
+    c.mpm_region->slip = slip;
+    run::Body plate;
+    plate.name = "plate";
+    plate.solid = material::elastic_solid(1400.0, 1.4e5, 0.3);
+    plate.shape = shape::Box{{-1.0, face - 6.0 * c.domain.h, -1.0}, {2.0, face, 1.0}};
+    c.points.bodies = {plate};
+    mpm::Constraint hold;
+    hold.region = plate.shape;
+    c.points.constraints = {hold};
+    light(c, face);
+    run::World w(c);
+    Burst burst;
+    burst.run(w, 1, face);
+    burst.impulse = w.points->constraint_impulse()[1];
+    return burst;
+  }
+};
+
+// A burst close to a plate that is held does there what it does before a wall of the domain, along which the points
+// slip as well, wherever within a cell the face of the plate lies. Gas that sticks stands still beside it. The burst is
+// small, 6 cells in radius; measured: the impulse up to 10 % higher, in the plate of example 5.4 of [Cui14] up to 5 %.
+TEST(HeldPlate, FeelsTheBurstAsAWallDoes) {
+  Burst const wall = Burst::on_wall(true);
+  std::printf("impulse on a wall: points %.4f of gas cells\n", wall.impulse / Burst::on_wall(false).impulse);
+  for (double const part : {0.0, 0.25, 0.5, 0.75}) {
+    Burst const plate = Burst::on_plate(true, part);
+    std::printf("face %.2f of a cell above a node: impulse on the plate %.4f of that on a wall, speed along it %.3f\n",
+                part, plate.impulse / wall.impulse, plate.along / wall.along);
+    EXPECT_NEAR(plate.impulse / wall.impulse, 1.0, 0.12);
+    EXPECT_NEAR(plate.along / wall.along, 1.0, 0.12);
+  }
+  Burst const stuck = Burst::on_plate(false, 0.0);
+  std::printf("where gas sticks: impulse %.4f, speed along it %.3f\n", stuck.impulse / wall.impulse,
+              stuck.along / wall.along);
+  EXPECT_LT(stuck.along / wall.along, 0.5);
+}
+
 }  // namespace
 }  // namespace brisance::test
