@@ -13,6 +13,7 @@ TESTS = {4.0: 0.250, 10.0: 0.300}  # crush diameters [m], [Luccioni06] after [Cu
 PAPER = {4.0: 0.261}
 LIMIT = 0.10
 CELLS = {"quick": None, "standard": 25.0, "fine": 12.5}  # of the 3D runs [mm]; none: axisymmetric
+FINER = {"quick": (), "standard": (12.5,), "fine": ()}  # cells of further 3D runs of 4 kg [mm]
 PLANE_CELL = {"quick": 25.0, "standard": 12.5, "fine": 12.5}  # of the axisymmetric runs of all charges [mm]
 PLANE_GRIDS = {"quick": (25.0, 12.5), "standard": (25.0, 12.5, 6.25), "fine": (25.0, 12.5, 6.25, 3.125)}
 FLOOR_GRIDS = {"quick": (10.0,), "standard": (10.0, 5.0), "fine": (10.0, 5.0, 2.5)}
@@ -288,9 +289,10 @@ def drift(result):
 
 
 def back_face(shots):
-    """Times and diameters of the broken zone around the centre of the back face, until a third of the face is broken;
-    and how round it is at the last of them: its reach along the diagonal over that along the edge."""
-    early = [s for s in shots if 0.0 < s.share(False) < 1.0 / 3.0]
+    """Times and diameters of the broken zone around the centre of the back face, until a quarter of the face is broken
+    (a larger disc comes near the edges of the slab, which is square: it is 1.19 at a third); and how round it is at
+    the last of them: its reach along the diagonal over that along the edge."""
+    early = [s for s in shots if 0.0 < s.share(False) < 0.25]
     zones = [s.central_zone(top=False) for s in early]
     if not zones:
         return [], [], np.nan
@@ -376,16 +378,13 @@ LOAD = """<p><b>The load.</b> Gas cells against a rigid floor give the impulse o
 within 15 % of Kingery and Bulmash already on coarse grids; the peak is spread over the cells and grows with every
 finer grid. Before the slab, where points calculate the gas, the same holds.</p>"""
 
-INTERFACE = """<p><b>Which shape function.</b> Gas and solids share the velocities of the nodes. Gas in a cell that
-holds solid too cannot be compressed, for the solid holds the nodes of that cell; the solid there then bears what the
-gas does not. With quadratic B-splines this concerns the outermost cells even where the face lies between cells, and
-the stress of the outermost points becomes several times the pressure, that of the next ones false tension, which
-cracks concrete below a pressed face. GIMP points at two to a cell do not reach beyond their cell while the face lies
-between cells. That is why these decks have <code>shape_function = "gimp"</code> and their upper face between cells.
-Fields of velocity of their own for gas and solids with a contact between them were tried and change nothing: where
-the gas presses, the contact makes both velocities equal again. A face that recedes lets in gas that is compressed
-already, which does little harm. The table gives the stress of the four outermost points of an elastic solid behind a
-shock over the mean four cells deeper (1 is right, somewhat more while the wave goes in).</p>"""
+INTERFACE = """<p><b>Which shape function.</b> The gas slips along the solids and presses on the area that these show
+to the nodes. Where the face lies between cells the outermost points then bear the pressure: within 10 % with GIMP and
+linear functions, within 30 % with quadratic B-splines (with one velocity for all, as in the paper, 6 to 8 times, and
+tension in the next points, which cracks concrete below a pressed face). In the middle of a cell it is twice the
+pressure still: gas cannot be compressed in a cell whose nodes the solid holds. These decks have <code>shape_function =
+"gimp"</code> and their upper face between cells. The table gives the stress of the four outermost points of an elastic
+solid behind a shock over the mean four cells deeper (1 is right, somewhat more while the wave goes in).</p>"""
 
 
 def discussion(values):
@@ -400,16 +399,20 @@ front face fails in a ring outside some 0.4 m and in a disc around the centre, a
 concrete opens its cracks by 15 um to be broken (G_f / sigma_0), and an impulse of 4 kPa s gives this slab 12
 m/s at its centre: within 1 ms nearly all of it is cracked. A crack that leaves two sound halves and concrete
 that is ground to powder both have D = 1.</li>
-<li>The disc is not settled when the run ends (second table). Where the disc and the ring meet, for the
-larger charges, the number says how much of the slab is cracked, not how much is crushed.</li>
-<li>The grid: the fourth table. At 4 kg the zone is 0.6 to 1.7 times the measured one, in 3D and on all grids; it does
-not settle on these. Separate radial cracks would need cells of some mm in 3D.</li>
+<li>The disc is not settled when the run ends (second table): at 4 kg it meets the test at 1 ms and would not before or
+after. Where the disc and the ring meet, for the larger charges, the number says how much of the slab is cracked, not
+how much is crushed.</li>
+<li>The grid: the fourth table. At 4 kg the zone is 0.6 to 1.5 times the measured one, in 3D and on all grids; it does
+not settle on these, and the agreement of the 3D run on 25 mm is no proof of anything. Separate radial cracks would
+need cells of some mm in 3D.</li>
 <li>Other laws, without any fit: the fifth table (standard and fine). With the friction that [HJC93] leaves broken
-concrete a little less breaks at 4 kg, and all of the face at 10 kg. Without tensile damage strain in tension counts as
-crushing: D_c reaches 1, at 4 kg a seventh of the front face breaks, in patches that do not hang together, at 10 kg half
-of it. The result hangs on how damage by tension is counted, which the paper does not print.</li>
-<li>Energy: 4 to 5 % are lost in 3D on cells of 25 mm, on which the burst has 9 cells per radius when it is put into the
-grid; 1 to 2 % in the axisymmetric runs.</li>
+concrete less breaks around the centre. Without tensile damage strain in tension counts as crushing: D_c reaches 1 in
+patches that do not hang together, a tenth of the front face at most. The result hangs on how damage by tension is
+counted, which the paper does not print.</li>
+<li>Energy: 3 to 4 % are lost in 3D on cells of 25 mm, on which the burst has 7 to 15 cells per radius when it is put
+into the grid, 2 % on 12.5 mm, and 0.2 % in the plane on 6.25 mm.</li>
+<li>While gas stuck to the slab, as in the paper, the zone at 4 kg was 429 mm: the braked gas pressed longer, and false
+tension below the face helped it to crack.</li>
 </ul>"""
 
 
@@ -418,7 +421,7 @@ def run(variants, resolution, target):
     order = (4.0, 10.0, 2.0, 20.0)
     grids = PLANE_GRIDS[resolution]
     regularised = [("crack_band", g) for g in grids] + [("none", plane_cell)]
-    variants.expect((4 if cell else 0) + len(MASSES) + len(regularised) - 1
+    variants.expect((4 if cell else 0) + len(FINER[resolution]) + len(MASSES) + len(regularised) - 1
                     + (2 * len(OTHER_LAWS) if cell else 0) + len(INTERFACES) + len(FLOOR_GRIDS[resolution]))
     solid = {}
     if cell:
@@ -454,12 +457,15 @@ def run(variants, resolution, target):
     acceptance = acceptance_of(main, what)
     acceptance.append((f"back face, 4 kg, {what}: the damage spreads from the centre outwards, alike in all directions",
                        f"disc of {spread}; reach along the diagonal / along the edge {round_by:.2f}",
-                       "a growing disc around the centre, round to 10 %, until a third of the face is broken",
+                       "a growing disc around the centre, round to 10 %, until a quarter of the face is broken",
                        bool(spreading and abs(round_by - 1.0) <= 0.1)))
     mesh_rows = []
-    for (law, g), (s, result) in meshes.items():
+    finer = [(g, solid_run(variants, 4.0, g)) for g in FINER[resolution]]
+    in_space = [(f"3D, {g:g}", slabs(r), r) for g, r in ([(cell, solid[4.0][1])] if cell else []) + finer]
+    in_plane = [(f"{law}, {g:g}", s, r) for (law, g), (s, r) in meshes.items()]
+    for name, s, result in in_space + in_plane:
         last = s[-1]
-        mesh_rows.append([law, f"{g:g}", f"{1e3 * last.diameter(last.central_zone()):.0f}",
+        mesh_rows.append([name, f"{1e3 * last.diameter(last.central_zone()):.0f}",
                           f"{100 * last.share(True):.0f} %", f"{100 * last.share(False):.0f} %",
                           f"{last.lattice(True, 'compression_damage').max():.2f}", drift(result)])
     crushing = max(s[-1].lattice(True, "compression_damage").max() for s, _ in main.values())
@@ -476,8 +482,8 @@ def run(variants, resolution, target):
               ("figure", "slab3d_history.png", "Zone with damage 1 around the centre of the front face; the band holds "
                "the diameters of Eq. (67) from 2 to 20 kg"),
               crushing_block(main),
-              ("table", "4 kg, axisymmetric: the grid and the crack band, at 1 ms",
-               ["regularisation", "cell mm", "zone mm", "front face broken", "back face broken", "largest D_c, front",
+              ("table", "4 kg: the grid and, axisymmetric, the crack band, at 1 ms",
+               ["run, cell mm", "zone mm", "front face broken", "back face broken", "largest D_c, front",
                 "energy drift"], mesh_rows),
               *of_laws,
               ("text", LOAD),
