@@ -296,7 +296,7 @@ class Mpm {
   void clear_velocity(int block);
   template <class SetKernels>
   void map_areas(int block, int body, SetView const& view, SetKernels&& kernels);
-  void share_pressure(int block, Scratch& scratch) const;
+  void share_pressure(int block, double dt, Scratch& scratch) const;
   void gather_gradients(int block, Scratch& scratch) const;
   void gather_extents(int block, Scratch& scratch) const;
   void gather_velocity(int block, Scratch& scratch, bool scalars = false) const;

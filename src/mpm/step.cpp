@@ -207,8 +207,9 @@ void Mpm::map_areas(int block, int body, SetView const& view, SetKernels&& kerne
 /// much. Then gas at rest under an even pressure stays at rest, and the bodies bear that pressure and no other up to
 /// their outermost points, also where the velocity of the nodes is not shared; by the shared velocity alone they would
 /// bear what the gas around happens to give to nodes that they hardly weigh on.
-void Mpm::share_pressure(int block, Scratch& scratch) const {
+void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
   Workspace const& w = *work_;
+  scratch.pressed = {};
   int const count = w.patches[block].count();
   for (int g = 0; g < w.fields; ++g) {
     if (w.slips[g] == 0 || scratch.present[g] == 0) continue;
@@ -237,6 +238,12 @@ void Mpm::share_pressure(int block, Scratch& scratch) const {
         push *= Lanes4{p, p, p, 0.0};
         fluid[node].force += push;
         body[node].force -= push;
+        if (!w.rigid[f]) continue;
+        for (int d = 0; d < 3; ++d) {
+          double const impulse = w.node_weight[block][node] * dt * push[d];
+          scratch.pressed.impulse[d] += impulse;
+          scratch.pressed.work += impulse * (*w.rigid[f])[d];
+        }
       }
     }
   }
@@ -549,7 +556,7 @@ void Mpm::integrate(double dt) {
       gather_gradients(block, scratch);
       if (w.touches) gather_extents(block, scratch);
     }
-    if (w.slides) share_pressure(block, scratch);
+    if (w.slides) share_pressure(block, dt, scratch);
     for (int f = 0; f < w.fields; ++f) {
       if (scratch.present[f] == 0) continue;
       NodeState* nodes = scratch.state[f].data();
@@ -656,7 +663,7 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
       r.force = Lanes4{0.0, 0.0, 0.0, r.force[3]};
     }
   }
-  Given given;
+  Given given = scratch.pressed;
   if (w.contact) {
     struct Access {
       Scratch* s;

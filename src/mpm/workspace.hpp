@@ -57,6 +57,13 @@ struct Law {
   double friction = 0.0;
 };
 
+/// Momentum that was given to nodes, and the work that it did.
+struct Given {
+  Vec3 impulse{0.0, 0.0, 0.0};
+  double work = 0.0;
+  double drive = 0.0;  ///< work of the constraints if they had stopped the nodes alone, without the forces of the step
+};
+
 /// What one thread needs while it works on one block: the summed nodes of each grid field.
 struct Scratch {
   std::vector<NodeArray<NodeState>> state;
@@ -64,6 +71,7 @@ struct Scratch {
   /// Part of the cells around a node that a field fills, and h times its gradient: contact.
   std::vector<NodeArray<NodeVelocity>> gradient;
   std::vector<NodeArray<NodeVelocity>> area;      ///< see `Mpm::share_pressure`
+  Given pressed;                                  ///< what rigid bodies gave to the fluids that press on them
   std::vector<NodeArray<NodeVelocity>> exchange;  ///< velocity that bodies without APIC take over at shared nodes
   std::vector<char> exchanges;
   std::vector<NodeArray<NodeVelocity>> halt;  ///< change of velocity from the start of the step by constraints
@@ -73,13 +81,6 @@ struct Scratch {
   std::vector<double> strain;     ///< locking control: strain and spin of a whole set
   std::vector<double> cell_sums;  ///< locking control: volume and volume change per cell
   std::vector<int> order;
-};
-
-/// Momentum that was given to nodes, and the work that it did.
-struct Given {
-  Vec3 impulse{0.0, 0.0, 0.0};
-  double work = 0.0;
-  double drive = 0.0;  ///< work of the constraints if they had stopped the nodes alone, without the forces of the step
 };
 
 struct Outbox {

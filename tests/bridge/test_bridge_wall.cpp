@@ -181,7 +181,7 @@ struct Burst {
     return burst;
   }
   /// The plate, whose face lies a part of a cell above a node.
-  [[nodiscard]] static Burst on_plate(bool slip, double part) {
+  [[nodiscard]] static Burst on_plate(bool slip, double part, bool rigid = false) {
     auto c = above(below);
     double const face = (below + part) * c.domain.h;
     set_region(c, {0, 0, 0}, {cells, below + points, 1});
@@ -191,9 +191,13 @@ struct Burst {
     plate.solid = material::elastic_solid(1400.0, 1.4e5, 0.3);
     plate.shape = shape::Box{{-1.0, face - 6.0 * c.domain.h, -1.0}, {2.0, face, 1.0}};
     c.points.bodies = {plate};
-    mpm::Constraint hold;
-    hold.region = plate.shape;
-    c.points.constraints = {hold};
+    if (rigid) {
+      c.points.bodies[0].rigid = true;
+    } else {
+      mpm::Constraint hold;
+      hold.region = plate.shape;
+      c.points.constraints = {hold};
+    }
     light(c, face);
     run::World w(c);
     Burst burst;
@@ -216,6 +220,11 @@ TEST(HeldPlate, FeelsTheBurstAsAWallDoes) {
     EXPECT_NEAR(plate.impulse / wall.impulse, 1.0, 0.12);
     EXPECT_NEAR(plate.along / wall.along, 1.0, 0.12);
   }
+  Burst const rigid = Burst::on_plate(true, 0.0, true);
+  std::printf("rigid plate: impulse %.4f, speed along it %.3f\n", rigid.impulse / wall.impulse,
+              rigid.along / wall.along);
+  EXPECT_NEAR(rigid.impulse / wall.impulse, 1.0, 0.12);
+  EXPECT_NEAR(rigid.along / wall.along, 1.0, 0.12);
   Burst const stuck = Burst::on_plate(false, 0.0);
   std::printf("where gas sticks: impulse %.4f, speed along it %.3f\n", stuck.impulse / wall.impulse,
               stuck.along / wall.along);
