@@ -591,13 +591,19 @@ struct Kernels {
     return volume;
   }
 
+  /// nodes += w b + f grad w for one point.
+  static void add_surface(SetView const& v, Weights<S, D> const& k, int q, Lanes4 const& b, double f,
+                          NodeVelocity* nodes) {
+    add_with_gradient<S, D>(*v.patch, k, q, nodes, whole, b, Lanes4{f, 0.0, 0.0, 0.0}, Lanes4{0.0, f, 0.0, 0.0},
+                            Lanes4{0.0, 0.0, f, 0.0});
+  }
+
   /// What the points fill of the cells around the nodes, and its gradient per h: surfaces and their normals.
   static void map_gradient(SetView const& v, grid::Geometry geometry, NodeVelocity* nodes) {
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       for (int q = 0; q < n; ++q) {
         double const f = cells_filled(v, geometry, begin + q);
-        add_with_gradient<S, D>(*v.patch, k, q, nodes, whole, Lanes4{0.0, 0.0, 0.0, f}, Lanes4{f, 0.0, 0.0, 0.0},
-                                Lanes4{0.0, f, 0.0, 0.0}, Lanes4{0.0, 0.0, f, 0.0});
+        add_surface(v, k, q, Lanes4{0.0, 0.0, 0.0, f}, f, nodes);
       }
     });
   }
@@ -616,8 +622,7 @@ struct Kernels {
         double const f = volume / v.h;
         Lanes4 b{};
         if (hoop > 0.0) b[0] = hoop * volume / radius[q];
-        add_with_gradient<S, D>(*v.patch, k, q, nodes, whole, b, Lanes4{f, 0.0, 0.0, 0.0}, Lanes4{0.0, f, 0.0, 0.0},
-                                Lanes4{0.0, 0.0, f, 0.0});
+        add_surface(v, k, q, b, f, nodes);
       }
     });
   }

@@ -37,8 +37,14 @@ CellMeans mean_pressures(SetView const& v, Scratch& scratch) {
   return means;
 }
 
-/// Calls visit(d, side, face) for each of the `Options::ends` within reach of a block's nodes, with the index of the
-/// nodes on it.
+/// How far apart neighbours along d stand among a patch's nodes.
+int stride_of(Patch const& patch, int d) { return d == 0 ? 1 : d == 1 ? patch.n[0] : patch.n[0] * patch.n[1]; }
+
+/// Storage index along d of a patch's node.
+int index_along(Patch const& patch, int d, int node) { return node / stride_of(patch, d) % patch.n[d]; }
+
+/// Calls visit(d, side, face) for each of the `Options::ends` within reach of a block's nodes, with the index along d
+/// of the nodes on it.
 template <class Visit>
 void for_ends(Options const& options, Patch const& patch, double h, Visit&& visit) {
   for (int d = 0; d < patch.dimensions; ++d) {
@@ -58,10 +64,10 @@ void continue_behind_ends(Options const& options, Patch const& patch, double h, 
   for_ends(options, patch, h, [&](int d, int, int face) {
     Lanes4 sign{1.0, 1.0, 1.0, 1.0};
     sign[d] = -1.0;
-    int const stride = d == 0 ? 1 : d == 1 ? patch.n[0] : patch.n[0] * patch.n[1];
+    int const stride = stride_of(patch, d);
     int const width = std::min({patch.reach, face, patch.n[d] - 1 - face});
     for (int node = 0; node < patch.count(); ++node) {
-      if (node / stride % patch.n[d] != face) continue;
+      if (index_along(patch, d, node) != face) continue;
       filled[node] += sign * filled[node];
       for (int k = 1; k <= width; ++k) {
         NodeVelocity const before = filled[node - k * stride];
@@ -76,16 +82,20 @@ void continue_behind_ends(Options const& options, Patch const& patch, double h, 
 /// There it shows no area to an end either.
 void cut_at_ends(Options const& options, Patch const& patch, double h, NodeVelocity* area) {
   for_ends(options, patch, h, [&](int d, int side, int face) {
-    int const stride = d == 0 ? 1 : d == 1 ? patch.n[0] : patch.n[0] * patch.n[1];
     double const outwards = side == 0 ? -1.0 : 1.0;
     for (int node = 0; node < patch.count(); ++node) {
-      if (std::abs(node / stride % patch.n[d] - face) > patch.reach || outwards * area[node][d] <= 0.0) continue;
+      if (std::abs(index_along(patch, d, node) - face) > patch.reach || outwards * area[node][d] <= 0.0) continue;
       area[node][d] = 0.0;
     }
   });
 }
 
-Vec3 vector_of(NodeVelocity const& v) { return {v[0], v[1], v[2]}; }
+/// What the velocity of a fluid that slips along a held body changes by at a node, to stay at the body's surface.
+Vec3 follow(double mass_floor, NodeVelocity const& filled, NodeVelocity const& body, NodeVelocity const& fluid) {
+  Surface const surface = surface_at(filled);
+  if (!(fluid[3] > mass_floor) || !surface.felt) return {0.0, 0.0, 0.0};
+  return surface.stopped({body[0] - fluid[0], body[1] - fluid[1], body[2] - fluid[2]});
+}
 
 }  // namespace
 
@@ -502,9 +512,7 @@ void Mpm::constrain_velocity(int block, Scratch& scratch) const {
       for (int g = 0; g < w.fields; ++g) {
         if (!w.slips_along(g, f) || scratch.present[g] == 0) continue;
         NodeVelocity& fluid = scratch.velocity[g].data()[hold.node];
-        Surface const surface = surface_at(scratch.gradient[f].data()[hold.node]);
-        if (!(fluid[3] > w.mass_floor) || !surface.felt) continue;
-        Vec3 const change = surface.stopped(vector_of(v - fluid));
+        Vec3 const change = follow(w.mass_floor, scratch.gradient[f].data()[hold.node], v, fluid);
         for (int d = 0; d < 3; ++d) fluid[d] += change[d];
       }
     }
@@ -731,9 +739,7 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
         if (!w.slips_along(g, f) || scratch.present[g] == 0) continue;
         NodeState& fluid = scratch.state[g].data()[hold.node];
         double const mass = fluid.momentum[3];
-        Surface const surface = surface_at(scratch.gradient[f].data()[hold.node]);
-        if (!(mass > w.mass_floor) || !surface.felt) continue;
-        Vec3 const change = surface.stopped(vector_of(r.momentum - fluid.momentum));
+        Vec3 const change = follow(w.mass_floor, scratch.gradient[f].data()[hold.node], r.momentum, fluid.momentum);
         for (int d = 0; d < 3; ++d) {
           fluid.force[d] += change[d];
           fluid.momentum[d] += change[d];
