@@ -20,7 +20,8 @@ inline constexpr int chunk = 64;  ///< points that are worked on together
 /// Weights and gradients [1/cell] of a chunk of points.
 template <class S, int D>
 struct Weights {
-  std::array<int, chunk> base;  ///< index of the first node in the patch
+  alignas(64) int base[chunk];      ///< index of the first node in the patch
+  alignas(64) int first[D][chunk];  ///< the same along each direction, from the patch's first cell
   alignas(64) double w[D][S::support][chunk];
   alignas(64) double g[D][S::support][chunk];
 };
@@ -35,42 +36,35 @@ template <class S, int D>
 void find_weights(Patch const& patch, double h, std::array<double const*, 3> const& position, HalfLengths const& half,
                   int n, Weights<S, D>& out) {
   double const inverse_h = 1.0 / h;
-  for (int q = 0; q < n; ++q) out.base[q] = 0;
   int stride = 1;
+  int corner = 0;
   for (int d = 0; d < D; ++d) {
-    double const* x = position[d];
+    double const* const x = position[d];
     double const origin = patch.first[d];
     int const cells = patch.cells[d];
-    int const reach = patch.reach;
-    int* base = out.base.data();
-    double* weight[S::support];
-    double* gradient[S::support];
-    for (int s = 0; s < S::support; ++s) {
-      weight[s] = out.w[d][s];
-      gradient[s] = out.g[d][s];
-    }
-    auto const one = [&](int q, double l) __attribute__((always_inline)) {
-      int first = 0;
+    // Plain pointers with constant strides: of arrays of pointers GCC cannot tell that they go on evenly.
+    int* const first = out.first[d];
+    double* const weight = out.w[d][0];
+    double* const gradient = out.g[d][0];
+    alignas(64) double length[chunk];
+    double const* const own = half.own[d];
+    for (int q = 0; S::sized && q < n; ++q) length[q] = (own != nullptr ? own[q] : half.constant[d]) * inverse_h;
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) {
       double w[S::support];
       double g[S::support];
-      S::weights((x[q] - origin) * inverse_h, l, cells, first, w, g);
-      base[q] += stride * (first + reach);
+      S::weights((x[q] - origin) * inverse_h, S::sized ? length[q] : 0.0, cells, first[q], w, g);
       for (int s = 0; s < S::support; ++s) {
-        weight[s][q] = w[s];
-        gradient[s][q] = g[s];
+        weight[s * chunk + q] = w[s];
+        gradient[s * chunk + q] = g[s];
       }
-    };
-    double const* own = half.own[d];
-    if (S::sized && own != nullptr) {
-      BRISANCE_VECTOR_LOOP
-      for (int q = 0; q < n; ++q) one(q, own[q] * inverse_h);
-    } else {
-      double const l = half.constant[d] * inverse_h;
-      BRISANCE_VECTOR_LOOP
-      for (int q = 0; q < n; ++q) one(q, l);
     }
+    int* const base = out.base;
+    for (int q = 0; q < n; ++q) base[q] = (d == 0 ? 0 : base[q]) + stride * first[q];
+    corner += stride * patch.reach;
     stride *= patch.n[d];
   }
+  for (int q = 0; q < n; ++q) out.base[q] += corner;
 }
 
 /// Weights of APIC's affine part [1/cell], in place of the gradients: w (x_I - x)/D with D = sum w (x_I - x)^2, which
@@ -86,17 +80,23 @@ template <class S, int D>
 void find_affine_weights(Patch const& patch, double h, std::array<double const*, 3> const& position, int n,
                          Weights<S, D> const& weights, AffineWeights<S, D>& out) {
   for (int d = 0; d < D; ++d) {
-    int const below = d == 0 ? 1 : d == 1 ? patch.n[0] : patch.n[0] * patch.n[1];
+    double const* const x = position[d];
+    double const origin = patch.first[d];
+    int const* const index = weights.first[d];
+    double const* const weight = weights.w[d][0];
+    double const* const gradient = weights.g[d][0];
+    double* const distance = out.first[d];
+    double* const g = out.g[d][0];
+    BRISANCE_VECTOR_LOOP
     for (int q = 0; q < n; ++q) {
-      int const i = (weights.base[q] / below) % patch.n[d] - patch.reach;
-      double const first = patch.first[d] + i * h - position[d][q];
-      out.first[d][q] = first;
+      double const first = origin + index[q] * h - x[q];
+      distance[q] = first;
       if constexpr (S::support == 2) {
-        for (int s = 0; s < S::support; ++s) out.g[d][s][q] = weights.g[d][s][q];
+        for (int s = 0; s < S::support; ++s) g[s * chunk + q] = gradient[s * chunk + q];
       } else {
         double moment = 0.0;
-        for (int s = 0; s < S::support; ++s) moment += weights.w[d][s][q] * (first + s * h) * (first + s * h);
-        for (int s = 0; s < S::support; ++s) out.g[d][s][q] = weights.w[d][s][q] * (first + s * h) * h / moment;
+        for (int s = 0; s < S::support; ++s) moment += weight[s * chunk + q] * (first + s * h) * (first + s * h);
+        for (int s = 0; s < S::support; ++s) g[s * chunk + q] = weight[s * chunk + q] * (first + s * h) * h / moment;
       }
     }
   }

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "core/lanes.hpp"
 #include "grid/grid.hpp"
 #include "material/solid.hpp"
 #include "mpm/points.hpp"
@@ -181,7 +182,6 @@ void archive(Archive& a, BodySums& sums);
 struct Scratch;
 struct Hoops;
 struct OuterForces;
-struct SetView;
 
 class Mpm {
  public:
@@ -294,8 +294,8 @@ class Mpm {
 
   // One block at a time, in a thread's scratch.
   void clear_velocity(int block);
-  template <class SetKernels>
-  void map_areas(int block, int body, SetView const& view, SetKernels&& kernels);
+  void continue_behind_ends(int block);
+  Lanes4* area_nodes(int block, int body);
   void share_pressure(int block, double dt, Scratch& scratch) const;
   void gather_gradients(int block, Scratch& scratch) const;
   void gather_extents(int block, Scratch& scratch) const;

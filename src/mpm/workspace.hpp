@@ -77,6 +77,7 @@ struct Scratch {
   std::vector<NodeArray<NodeVelocity>> halt;  ///< change of velocity from the start of the step by constraints
   std::vector<char> halts;
   std::vector<NodeArray<double>> extent;  ///< contact
+  std::vector<Vec3> normals;              ///< contact, of one field
   std::vector<char> present;
   std::vector<double> strain;     ///< locking control: strain and spin of a whole set
   std::vector<double> cell_sums;  ///< locking control: volume and volume change per cell

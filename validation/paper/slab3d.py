@@ -16,7 +16,7 @@ CELLS = {"quick": None, "standard": 25.0, "fine": 12.5}  # of the 3D runs [mm]; 
 FINER = {"quick": (), "standard": (12.5,), "fine": ()}  # cells of further 3D runs of 4 kg [mm]
 PLANE_CELL = {"quick": 25.0, "standard": 12.5, "fine": 12.5}  # of the axisymmetric runs of all charges [mm]
 PLANE_GRIDS = {"quick": (25.0, 12.5), "standard": (25.0, 12.5, 6.25), "fine": (25.0, 12.5, 6.25, 3.125)}
-FLOOR_GRIDS = {"quick": (10.0,), "standard": (10.0, 5.0), "fine": (10.0, 5.0, 2.5)}
+FLOOR_GRIDS = {"quick": (10.0,), "standard": (10.0, 5.0, 2.5), "fine": (10.0, 5.0, 2.5)}  # the last for all charges
 INTERFACES = (("gimp", 500.0), ("linear", 500.0), ("bspline", 500.0), ("gimp", 502.5), ("linear", 502.5))
 BROKEN = 0.999  # damage that counts as 1 in files of single precision
 MAP = {"cmap": "inferno_r", "vmin": 0.0, "vmax": 1.0}
@@ -226,15 +226,44 @@ def interface_rows(variants):
     return rows
 
 
-def floor_rows(variants, resolution):
-    """Load on a rigid floor below 4 kg against Kingery and Bulmash's reflected values."""
-    text = (ROOT / "cases" / CASE / "rigid.toml").read_text()
+class Floor:
+    """A charge over a rigid floor, gas cells alone: what its gauges say of the load."""
+
+    def __init__(self, variants, mass, cell):
+        text = (ROOT / "cases" / CASE / "rigid.toml").read_text()
+        result = variants(CASE, f"floor-{mass:g}kg-{cell:g}", {"mass": f"{mass:g} kg", "domain.cell": f"{cell:g} mm"},
+                          text=text)
+        gauges = [result.gauge(f"floor-{n + 1}") for n in range(len(list(result.folder.glob("gauges/floor-*.csv"))))]
+        self.radius = np.linspace(0.0, 0.8, len(gauges))  # as in the deck
+        self.peak = np.array([g["overpressure"].max() for g in gauges])
+        self.impulse = np.array([g["impulse"].max() for g in gauges])
+
+    def diameter(self, quantity, level):
+        """Twice the radius [m] at which `quantity` falls below `level`; infinite where it does not within 0.8 m."""
+        values = getattr(self, quantity)
+        below = np.flatnonzero(values < level)
+        if len(below) == 0:
+            return np.inf
+        k = below[0]
+        if k == 0:
+            return 0.0
+        part = (values[k - 1] - level) / (values[k - 1] - values[k])
+        return 2.0 * (self.radius[k - 1] + part * (self.radius[k] - self.radius[k - 1]))
+
+
+def load_block(floors):
+    """The load at the edge of the zone that Eq. (67) gives."""
     rows = []
-    for cell in FLOOR_GRIDS[resolution]:
-        result = variants(CASE, f"floor-{cell:g}", {"domain.cell": f"{cell:g} mm"}, text=text)
-        gauge = result.gauge("floor-1")
-        rows.append([f"{cell:g}", f"{1e-6 * gauge['overpressure'].max():.1f}", f"{1e-3 * gauge['impulse'].max():.2f}"])
-    return rows
+    for mass, floor in floors.items():
+        edge = 0.5 * empirical(mass)
+        row = [f"{mass:g}", f"{1e3 * empirical(mass):.0f}"]
+        for values, scale, digits in ((floor.peak, 1e-6, 1), (floor.impulse, 1e-3, 2)):
+            at = np.interp(edge, floor.radius, values)
+            row += [f"{scale * values[0]:.{digits}f}", f"{scale * at:.{digits}f}", f"{at / values[0]:.2f}"]
+        rows.append(row)
+    return ("table", "The load on a rigid floor, in the centre and at the edge of the zone that Eq. (67) gives",
+            ["charge kg", "Eq. (67) mm", "peak, centre MPa", "peak, edge MPa", "edge / centre", "impulse, centre kPa s",
+             "impulse, edge kPa s", "edge / centre"], rows)
 
 
 def plane_run(variants, mass, cell, **changes):
@@ -340,17 +369,38 @@ def growth_block(runs):
 
 
 def crushing_block(runs):
-    """Compression damage alone: its size, and where it falls to what it is at the measured edge of 4 kg."""
-    early = {m: min(shots, key=lambda s: abs(s.time - 0.3e-3)) for m, (shots, _) in runs.items()}
-    level = float(np.interp(0.5 * TESTS[4.0], *crushing_profile(early[4.0])))
+    """Compression damage alone, when the first wave has passed."""
     rows = []
-    for mass, shot in early.items():
+    for mass, shot in after_the_wave(runs).items():
         profile = crushing_profile(shot)
-        rows.append([f"{mass:g}", *(f"{np.interp(r, *profile):.3f}" for r in (0.0, 0.125, 0.25, 0.5)),
-                     f"{1e3 * crushing_diameter(shot, level):.0f}", f"{1e3 * empirical(mass):.0f}"])
-    return ("table", "Mean compression damage D_c of the front face at 0.3 ms, when the first wave has passed, and the "
-            f"diameter within which it is at least {level:.3f}, its value for 4 kg at the measured edge (250 mm)",
-            ["charge kg", "centre", "at 125 mm", "at 250 mm", "at 500 mm", "diameter mm", "Eq. (67) mm"], rows)
+        rows.append([f"{mass:g}", *(f"{np.interp(r, *profile):.3f}" for r in (0.0, 0.125, 0.25, 0.5))])
+    return ("table", "Mean compression damage D_c of the front face at 0.3 ms, when the first wave has passed",
+            ["charge kg", "centre", "at 125 mm", "at 250 mm", "at 500 mm"], rows)
+
+
+def after_the_wave(runs):
+    return {m: min(shots, key=lambda s: abs(s.time - 0.3e-3)) for m, (shots, _) in runs.items()}
+
+
+def fitted_block(runs, floors):
+    """What a threshold of each local measure of the load gives, fitted to the test of 4 kg."""
+    early = after_the_wave(runs)
+    edge = 0.5 * TESTS[4.0]
+
+    def text(diameter):
+        return f"{1e3 * diameter:.0f}" if np.isfinite(diameter) else "above 1600"
+    rows = []
+    for quantity, name, scale, unit in (("peak", "peak pressure on a rigid floor", 1e-6, "MPa"),
+                                        ("impulse", "impulse on a rigid floor", 1e-3, "kPa s")):
+        level = float(np.interp(edge, floors[4.0].radius, getattr(floors[4.0], quantity)))
+        rows.append([name, f"{scale * level:.3g} {unit}",
+                     *(text(floors[m].diameter(quantity, level)) for m in MASSES)])
+    level = float(np.interp(edge, *crushing_profile(early[4.0])))
+    rows.append(["mean D_c of the front face at 0.3 ms", f"{level:.3f}",
+                 *(text(crushing_diameter(early[m], level)) for m in MASSES)])
+    rows.append(["Eq. (67)", "–", *(f"{1e3 * empirical(m):.0f}" for m in MASSES)])
+    return ("table", "Diameter [mm] within which a measure of the load exceeds the value that it has at the edge of the "
+            "test of 4 kg", ["measure", "value", *(f"{m:g} kg" for m in MASSES)], rows)
 
 
 def acceptance_of(runs, what):
@@ -378,6 +428,14 @@ LOAD = """<p><b>The load.</b> Gas cells against a rigid floor give the impulse o
 within 15 % of Kingery and Bulmash already on coarse grids; the peak is spread over the cells and grows with every
 finer grid. Before the slab, where points calculate the gas, the same holds.</p>"""
 
+NO_THRESHOLD = """<p><b>No damage that grows with the load at its place can give the diameters of Eq. (67).</b> From 2
+to 20 kg its zone grows by a factor of 1.7, the load on the slab by 8 to 9. At the edge of the zone the load is 6.5 to
+7.5 times as large for 20 kg as for 2 kg, but below one charge it falls only by 6 to 25 % from the centre to that edge;
+Kingery and Bulmash's reflected impulse at 0.5 m grows by the same factor, 7.5. A law by which a point breaks for what
+it has suffered itself, with one set of constants for all charges, breaks nothing at 2 kg or the middle metre at 20 kg.
+The table after next shows it for the load and for D_c: fitted to 4 kg, they miss the other three by far. What kept the
+zones so small is not known; of tests that Eq. (67) was fitted to, [Cui14] names two.</p>"""
+
 INTERFACE = """<p><b>Which shape function.</b> The gas slips along the solids and presses on the area that these show
 to the nodes. Where the face lies between cells the outermost points then bear the pressure: within 10 % with GIMP and
 linear functions, within 30 % with quadratic B-splines (with one velocity for all, as in the paper, 6 to 8 times, and
@@ -391,25 +449,30 @@ def discussion(values):
     return f"""<p><b>Where we differ, and why.</b></p><ul>
 <li>Damage by compression stays small: at most {values["crushing"]:.2f} at single points of the front face, whatever
 the charge. [HJC93] with its constants asks for a plastic strain of 0.04 (p + T)/fc, and at the pressures here, 20 to
-100 MPa, the face suffers a small part of that. Nor has this damage an edge: the load falls slowly, on a rigid floor to
-0.78 of its impulse at 0.2 m from the centre, and D_c with it (third table). No threshold of D_c gives the measured
-sizes: that which fits 4 kg by construction is exceeded far beyond the measured diameter by 10 kg.</li>
+100 MPa, the face suffers a small part of that. Other constants would make it larger everywhere, but not give it the
+edge that it lacks: see above.</li>
 <li>What breaks is broken in tension, after the pressure has gone: the back spalls, the slab bends, and its
 front face fails in a ring outside some 0.4 m and in a disc around the centre, above the spalled part. Plain
 concrete opens its cracks by 15 um to be broken (G_f / sigma_0), and an impulse of 4 kPa s gives this slab 12
 m/s at its centre: within 1 ms nearly all of it is cracked. A crack that leaves two sound halves and concrete
 that is ground to powder both have D = 1.</li>
-<li>The disc is not settled when the run ends (second table): at 4 kg it meets the test at 1 ms and would not before or
-after. Where the disc and the ring meet, for the larger charges, the number says how much of the slab is cracked, not
-how much is crushed.</li>
-<li>The grid: the fourth table. At 4 kg the zone is 0.3 to 1.0 times the measured one, in 3D and on all grids; it does
-not settle on these. A region of points that reaches two cells higher brings the axisymmetric numbers to 375, 150 and
-213 mm: the cracks of a face that bends decide by a hair, and the agreement of the 3D run on 25 mm is no proof of
-anything. Separate radial cracks would need cells of some mm in 3D.</li>
-<li>Other laws, without any fit: the fifth table (standard and fine). With the friction that [HJC93] leaves broken
-concrete less breaks around the centre. Without tensile damage strain in tension counts as crushing: D_c reaches 1 in
-patches that do not hang together, a tenth of the front face at most. The result hangs on how damage by tension is
-counted, which the paper does not print.</li>
+<li>The disc is not settled when the run ends ("The same zone in time"): at 4 kg it meets the test at 1 ms and would not
+before or after. Where the disc and the ring meet, for the larger charges, the number says how much of the slab is
+cracked, not how much is crushed.</li>
+<li>The grid: at 4 kg the zone is 0.3 to 1.0 times the measured one, in 3D and on all grids; it does not settle on
+these. A region of points that reaches two cells higher brings the axisymmetric numbers to 375, 150 and 213 mm: the
+cracks of a face that bends decide by a hair, and the agreement of the 3D run on 25 mm is no proof of anything.
+Separate radial cracks would need cells of some mm in 3D.</li>
+<li>Other laws, without any fit ("Other laws", standard and fine). With the friction that [HJC93] leaves broken concrete
+less breaks around the centre. Without tensile damage strain in tension counts as crushing: D_c reaches 1 in patches
+that do not hang together, a tenth of the front face at most. The result hangs on how damage by tension is counted,
+which the paper does not print.</li>
+<li>Tried apart from this report, axisymmetric on 12.5 mm. With four times the fracture energy and friction the zones of
+2, 4, 10 and 20 kg are 25, 75, 62 and 62 mm at 1 ms and 150, 200, 238 and 388 mm at 2 ms: the growth of Eq. (67), but at
+that moment only, in a slab that is broken nearly everywhere. With the friction alone 4 kg stays at 125 mm from 1.5 to 3
+ms and then jumps to 450 mm. The rate law without crack band and with sigma_0 doubled leaves the front face sound but
+for 3 %, as the tested slab was, and gives 25 mm at 4 kg and 12 mm at 10 kg; with a divided by 5 as well nothing breaks
+there. No set was found whose zones stand still, and none was taken over.</li>
 <li>Energy: 3 to 4 % are lost in 3D on cells of 25 mm, on which the burst has 7 to 15 cells per radius when it is put
 into the grid, 2 % on 12.5 mm, and 0.2 % in the plane on 6.25 mm.</li>
 <li>While gas stuck to the slab, as in the paper, the zone at 4 kg was 429 mm: the braked gas pressed longer, and false
@@ -423,7 +486,8 @@ def run(variants, resolution, target):
     grids = PLANE_GRIDS[resolution]
     regularised = [("crack_band", g) for g in grids] + [("none", plane_cell)]
     variants.expect((4 if cell else 0) + len(FINER[resolution]) + len(MASSES) + len(regularised) - 1
-                    + (2 * len(OTHER_LAWS) if cell else 0) + len(INTERFACES) + len(FLOOR_GRIDS[resolution]))
+                    + (2 * len(OTHER_LAWS) if cell else 0) + len(INTERFACES) + len(FLOOR_GRIDS[resolution])
+                    + len(MASSES) - 1)
     solid = {}
     if cell:
         results = {m: solid_run(variants, m, cell) for m in order}
@@ -437,7 +501,10 @@ def run(variants, resolution, target):
         meshes[law, g] = (slabs(result), result)
     others = other_rows(variants, plane) if cell else []
     interface = interface_rows(variants)
-    floor = floor_rows(variants, resolution)
+    *coarser, finest = FLOOR_GRIDS[resolution]
+    floors = {m: Floor(variants, m, finest) for m in MASSES}
+    under_four = {g: Floor(variants, 4.0, g) for g in coarser} | {finest: floors[4.0]}
+    floor = [[f"{g:g}", f"{1e-6 * f.peak[0]:.1f}", f"{1e-3 * f.impulse[0]:.2f}"] for g, f in under_four.items()]
 
     main = solid or plane
     what = "3D" if solid else "axisymmetric"
@@ -483,6 +550,9 @@ def run(variants, resolution, target):
               ("figure", "slab3d_history.png", "Zone with damage 1 around the centre of the front face; the band holds "
                "the diameters of Eq. (67) from 2 to 20 kg"),
               crushing_block(main),
+              ("text", NO_THRESHOLD),
+              load_block(floors),
+              fitted_block(main, floors),
               ("table", "4 kg: the grid and, axisymmetric, the crack band, at 1 ms",
                ["run, cell mm", "zone mm", "front face broken", "back face broken", "largest D_c, front",
                 "energy drift"], mesh_rows),

@@ -1,0 +1,393 @@
+/// What grid fields do to each other and what constraints do to them: the pressure of fluids on the surfaces of bodies,
+/// contact, held nodes, and momentum that points of different transfers share; see `mpm.hpp`.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/parallel.hpp"
+#include "mpm/contact.hpp"
+#include "mpm/mpm.hpp"
+#include "mpm/set_kernels.hpp"
+#include "mpm/workspace.hpp"
+
+namespace brisance::mpm {
+
+namespace {
+
+/// How far apart neighbours along d stand among a patch's nodes.
+int stride_of(Patch const& patch, int d) { return d == 0 ? 1 : d == 1 ? patch.n[0] : patch.n[0] * patch.n[1]; }
+
+/// Storage index along d of a patch's node.
+int index_along(Patch const& patch, int d, int node) { return node / stride_of(patch, d) % patch.n[d]; }
+
+/// Calls visit(d, side, face) for each of the `Options::ends` within reach of a block's nodes, with the index along d
+/// of the nodes on it.
+template <class Visit>
+void for_ends(Options const& options, Patch const& patch, double h, Visit&& visit) {
+  for (int d = 0; d < patch.dimensions; ++d) {
+    for (int side = 0; side < 2; ++side) {
+      std::optional<double> const& end = options.ends[2 * d + side];
+      if (!end) continue;
+      int const face = patch.reach + static_cast<int>(std::lround((*end - patch.first[d]) / h));
+      if (face >= 0 && face < patch.n[d]) visit(d, side, face);
+    }
+  }
+}
+
+/// There it shows no area to an end either.
+void cut_at_ends(Options const& options, Patch const& patch, double h, NodeVelocity* area) {
+  for_ends(options, patch, h, [&](int d, int side, int face) {
+    double const outwards = side == 0 ? -1.0 : 1.0;
+    for (int node = 0; node < patch.count(); ++node) {
+      if (std::abs(index_along(patch, d, node) - face) > patch.reach || outwards * area[node][d] <= 0.0) continue;
+      area[node][d] = 0.0;
+    }
+  });
+}
+
+/// What the velocity of a fluid that slips along a held body changes by at a node, to stay at the body's surface.
+Vec3 follow(double mass_floor, NodeVelocity const& filled, NodeVelocity const& body, NodeVelocity const& fluid) {
+  Surface const surface = surface_at(filled);
+  if (!(fluid[3] > mass_floor) || !surface.felt) return {0.0, 0.0, 0.0};
+  return surface.stopped({body[0] - fluid[0], body[1] - fluid[1], body[2] - fluid[2]});
+}
+
+}  // namespace
+
+/// A body that reaches one of the ends goes on behind it: what it fills there is the mirror image of what it fills
+/// before it, so that it has no surface on the end. Of the points of one block: all nodes that one touches behind an
+/// end have their image in the block's patch.
+void Mpm::continue_behind_ends(int block) {
+  Workspace& w = *work_;
+  Patch const& patch = w.patches[block];
+  for (int f = 0; f < w.fields; ++f) {
+    int const slot = w.slot(block, f);
+    if (w.slips[f] != 0 || w.present[slot] == 0) continue;
+    NodeVelocity* filled = w.gradient[slot].data();
+    for_ends(options_, patch, grid_.domain().h, [&](int d, int, int face) {
+      Lanes4 sign{1.0, 1.0, 1.0, 1.0};
+      sign[d] = -1.0;
+      int const stride = stride_of(patch, d);
+      int const width = std::min({patch.reach, face, patch.n[d] - 1 - face});
+      for (int node = 0; node < patch.count(); ++node) {
+        if (index_along(patch, d, node) != face) continue;
+        filled[node] += sign * filled[node];
+        for (int k = 1; k <= width; ++k) {
+          NodeVelocity const before = filled[node - k * stride];
+          NodeVelocity const behind = filled[node + k * stride];
+          filled[node - k * stride] = before + sign * behind;
+          filled[node + k * stride] = behind + sign * before;
+        }
+      }
+    });
+  }
+}
+
+/// Where a set adds what `share_pressure` needs of it: a body its area, a fluid its pressure, the latter only where
+/// there are bodies around; null elsewhere.
+Lanes4* Mpm::area_nodes(int block, int body) {
+  Workspace& w = *work_;
+  int const f = w.field_of[body];
+  if (w.slips[f] != 0) {
+    auto const has_bodies = [&](int there) {
+      if (there == grid::no_neighbour) return false;
+      for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        if (w.slips[w.field_of[b]] == 0 && !points(there, static_cast<int>(b)).empty()) return true;
+      }
+      return false;
+    };
+    if (std::none_of(w.around[block].begin(), w.around[block].end(), has_bodies)) return nullptr;
+  }
+  int const slot = w.slot(block, f);
+  int const count = w.patches[block].count();
+  Lanes4* nodes = w.area[slot].get(count);
+  if (w.area_present[slot] == 0) std::fill(nodes, nodes + count, NodeVelocity{});
+  w.area_present[slot] = 1;
+  return nodes;
+}
+
+/// The pressure of a fluid that slips along bodies acts on the area that these show to the nodes, and they push back as
+/// much. Then gas at rest under an even pressure stays at rest, and the bodies bear that pressure and no other up to
+/// their outermost points, also where the velocity of the nodes is not shared; by the shared velocity alone they would
+/// bear what the gas around happens to give to nodes that they hardly weigh on.
+void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  scratch.pressed = {};
+  int const count = w.patches[block].count();
+  for (int g = 0; g < w.fields; ++g) {
+    if (w.slips[g] == 0 || scratch.present[g] == 0) continue;
+    if (!w.gather(w.area, w.area_present, block, g, scratch.area[g], true)) continue;
+    NodeVelocity const* pressure = scratch.area[g].data();
+    NodeState* fluid = scratch.state[g].data();
+    for (int f = 0; f < w.fields; ++f) {
+      if (!w.slips_along(g, f) || scratch.present[f] == 0) continue;
+      if (!w.gather(w.area, w.area_present, block, f, scratch.area[f])) continue;
+      cut_at_ends(options_, w.patches[block], grid_.domain().h, scratch.area[f].data());
+      NodeVelocity const* area = scratch.area[f].data();
+      NodeVelocity const* filled = scratch.gradient[f].data();
+      NodeState* body = scratch.state[f].data();
+      for (int node = 0; node < count; ++node) {
+        if (!(fluid[node].momentum[3] > w.mass_floor && body[node].momentum[3] > w.mass_floor)) continue;
+        Surface const surface = surface_at(filled[node]);
+        Lanes4 push = area[node];
+        if (surface.felt) {
+          // Deep in the body next to no gas is there to bear what does not point along the normal, in which they move
+          // as one.
+          Vec3 const& n = surface.normal;
+          double const across = push[0] * n[0] + push[1] * n[1] + push[2] * n[2];
+          push = Lanes4{across * n[0], across * n[1], across * n[2], 0.0};
+        }
+        double const p = pressure[node][0] / pressure[node][1];
+        push *= Lanes4{p, p, p, 0.0};
+        fluid[node].force += push;
+        body[node].force -= push;
+        if (!w.rigid[f]) continue;
+        for (int d = 0; d < 3; ++d) {
+          double const impulse = w.node_weight[block][node] * dt * push[d];
+          scratch.pressed.impulse[d] += impulse;
+          scratch.pressed.work += impulse * (*w.rigid[f])[d];
+        }
+      }
+    }
+  }
+}
+
+void Mpm::map_extents() {
+  Workspace& w = *work_;
+  double const h = grid_.domain().h;
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
+    int const block = active_[n];
+    Patch const& patch = w.patches[block];
+    Scratch& scratch = w.scratch[thread];
+    gather_gradients(block, scratch);
+    for (int f = 0; f < w.fields; ++f) {
+      int const slot = w.slot(block, f);
+      if (w.present[slot] == 0 || w.slips[f] != 0) continue;
+      std::vector<Vec3>& normals = scratch.normals;
+      normals.assign(patch.count(), Vec3{0.0, 0.0, 0.0});
+      bool any = false;
+      for (int node = 0; node < patch.count(); ++node) {
+        NodeVelocity others{};
+        bool met = false;
+        bool rigid = false;
+        for (int g = 0; g < w.fields; ++g) {
+          if (g == f || w.slips[g] != 0 || scratch.present[g] == 0) continue;
+          NodeVelocity const& gradient = scratch.gradient[g].data()[node];
+          others += gradient;
+          rigid = rigid || w.rigid[g].has_value();
+          met = met || gradient[0] != 0.0 || gradient[1] != 0.0 || gradient[2] != 0.0;
+        }
+        if (!met) continue;
+        normals[node] = contact_normal(scratch.gradient[f].data()[node], w.rigid[f].has_value(), others, rigid);
+        any = true;
+      }
+      double* extents = w.extent[slot].get(patch.count());
+      std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
+      if (!any) continue;
+      for_sets(block, [&](PointSet& set, int body) {
+        if (w.field_of[body] != f) return;
+        SetView const view{&set, &bodies_[body], &patch, h};
+        with_kernels(options_.shape, patch.dimensions,
+                     [&](auto kernels) { kernels.map_extent(view, grid_.domain().geometry, normals.data(), extents); });
+      });
+    }
+  });
+}
+
+void Mpm::gather_gradients(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  for (int f = 0; f < w.fields; ++f) {
+    if (w.slips[f] != 0) continue;
+    scratch.present[f] = w.gather(w.gradient, block, f, scratch.gradient[f]) ? 1 : 0;
+  }
+}
+
+void Mpm::constrain_velocity(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  int const count = w.patches[block].count();
+  for (int f = 0; f < w.fields; ++f) {
+    if (scratch.present[f] == 0 || !w.rigid[f]) continue;
+    NodeVelocity* nodes = scratch.velocity[f].data();
+    for (int node = 0; node < count; ++node) {
+      for (int d = 0; d < 3; ++d) nodes[node][d] = (*w.rigid[f])[d];
+    }
+  }
+  if (w.contact) {
+    struct Access {
+      Scratch* s;
+      double mass(int f, int node) const { return s->velocity[f].data()[node][3]; }
+      Vec3 get(int f, int node) const {
+        NodeVelocity const& v = s->velocity[f].data()[node];
+        return {v[0], v[1], v[2]};
+      }
+      void set(int f, int node, Vec3 const& v) const {
+        for (int d = 0; d < 3; ++d) s->velocity[f].data()[node][d] = v[d];
+      }
+      NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
+      double extent(int f, int node) const { return s->extent[f].data()[node]; }
+    };
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips}, Access{&scratch});
+  }
+  for (Hold const& hold : w.holds[block]) {
+    for (int f = 0; f < w.fields; ++f) {
+      if (scratch.present[f] == 0 || w.rigid[f] || !w.held(f, hold)) continue;
+      NodeVelocity& v = scratch.velocity[f].data()[hold.node];
+      for (int d = 0; d < 3; ++d) {
+        if (hold.held[d]) v[d] = hold.velocity[d];
+      }
+      for (int g = 0; g < w.fields; ++g) {
+        if (!w.slips_along(g, f) || scratch.present[g] == 0) continue;
+        NodeVelocity& fluid = scratch.velocity[g].data()[hold.node];
+        Vec3 const change = follow(w.mass_floor, scratch.gradient[f].data()[hold.node], v, fluid);
+        for (int d = 0; d < 3; ++d) fluid[d] += change[d];
+      }
+    }
+  }
+}
+
+void Mpm::gather_extents(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  Patch const& patch = w.patches[block];
+  for (int f = 0; f < w.fields; ++f) {
+    if (scratch.present[f] == 0 || w.slips[f] != 0) continue;
+    double* extents = scratch.extent[f].get(patch.count());
+    std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
+    for (Link const& link : patch.links) {
+      int const slot = w.slot(link.source, f);
+      if (w.present[slot] == 0) continue;
+      double const* from = w.extent[slot].data();
+      for (int k = link.lower[2]; k <= link.upper[2]; ++k) {
+        for (int j = link.lower[1]; j <= link.upper[1]; ++j) {
+          for (int i = link.lower[0]; i <= link.upper[0]; ++i) {
+            double& to = extents[patch.index(i, j, k)];
+            to = std::max(to, from[link.source_index(i, j, k)]);
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Points of APIC take over the velocity of their nodes, all others add its change to their own. Where both share nodes
+/// the first give and take momentum there that the others must take and give: they add the difference between the
+/// nodes' common velocity and their own one.
+void Mpm::share_momentum(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  int const count = w.patches[block].count();
+  for (int f = 0; f < w.fields; ++f) {
+    scratch.exchanges[f] = 0;
+    if (w.shared[f] == 0 || scratch.present[f] == 0) continue;
+    if (!w.gather(w.momentum, w.momentum_present, block, f, scratch.exchange[f])) continue;
+    scratch.exchanges[f] = 1;
+    NodeState const* nodes = scratch.state[f].data();
+    NodeVelocity* exchange = scratch.exchange[f].data();
+    for (int node = 0; node < count; ++node) {
+      double const own = exchange[node][3];
+      // Where the others are alone the difference is round-off.
+      bool const both = own > w.mass_floor && nodes[node].momentum[3] - own > 1e-12 * own;
+      double const inverse = both ? 1.0 / own : 0.0;
+      double const part = both ? 1.0 : 0.0;
+      NodeVelocity const common = nodes[node].momentum - nodes[node].force;
+      exchange[node] = part * common - inverse * exchange[node];
+    }
+  }
+}
+
+void Mpm::constrain_state(int block, Scratch& scratch) {
+  Workspace& w = *work_;
+  int const count = w.patches[block].count();
+  for (int f = 0; f < w.fields; ++f) {
+    if (scratch.present[f] == 0 || !w.rigid[f]) continue;
+    Vec3 const& v = *w.rigid[f];
+    NodeState* nodes = scratch.state[f].data();
+    for (int node = 0; node < count; ++node) {
+      NodeState& r = nodes[node];
+      r.momentum = Lanes4{v[0], v[1], v[2], r.momentum[3]};
+      r.force = Lanes4{0.0, 0.0, 0.0, r.force[3]};
+    }
+  }
+  Given given = scratch.pressed;
+  if (w.contact) {
+    struct Access {
+      Scratch* s;
+      std::vector<std::optional<Vec3>> const* rigid;
+      double const* weights;  ///< of the nodes; null: nobody wants to know what rigid bodies give
+      Given* given;
+      double mass(int f, int node) const { return s->state[f].data()[node].momentum[3]; }
+      Vec3 get(int f, int node) const {
+        Lanes4 const& v = s->state[f].data()[node].momentum;
+        return {v[0], v[1], v[2]};
+      }
+      void set(int f, int node, Vec3 const& v) const {
+        NodeState& r = s->state[f].data()[node];
+        for (int d = 0; d < 3; ++d) {
+          double const change = v[d] - r.momentum[d];
+          r.force[d] += change;
+          r.momentum[d] = v[d];
+          if (weights == nullptr) continue;
+          // Between two bodies that are not rigid these cancel.
+          double const impulse = weights[node] * r.momentum[3] * change;
+          given->impulse[d] += impulse;
+          if (Vec3 const* pusher = rigid_at(node)) given->work += impulse * (*pusher)[d];
+        }
+      }
+      /// Velocity of the rigid body that reaches the node, or null.
+      Vec3 const* rigid_at(int node) const {
+        for (std::size_t g = 0; g < rigid->size(); ++g) {
+          if ((*rigid)[g] && s->present[g] != 0 && mass(static_cast<int>(g), node) > 0.0) return &*(*rigid)[g];
+        }
+        return nullptr;
+      }
+      NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
+      double extent(int f, int node) const { return s->extent[f].data()[node]; }
+    };
+    double const* weights = w.node_weight[block].empty() ? nullptr : w.node_weight[block].data();
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips},
+                    Access{&scratch, &w.rigid, weights, &given});
+  }
+  for (int f = 0; f < w.fields; ++f) {
+    scratch.halts[f] = scratch.present[f] != 0 && !w.rigid[f] && w.slips[f] == 0 && !w.holds[block].empty() ? 1 : 0;
+    if (scratch.halts[f] == 0) continue;
+    NodeVelocity* halt = scratch.halt[f].get(count);
+    std::fill(halt, halt + count, NodeVelocity{});
+  }
+  for (Hold const& hold : w.holds[block]) {
+    for (int f = 0; f < w.fields; ++f) {
+      if (scratch.present[f] == 0 || w.rigid[f] || !w.held(f, hold)) continue;
+      NodeState& r = scratch.state[f].data()[hold.node];
+      double const m = r.momentum[3];
+      if (!(m > w.mass_floor)) continue;
+      NodeVelocity& halt = scratch.halt[f].data()[hold.node];
+      for (int d = 0; d < 3; ++d) {
+        if (!hold.held[d]) continue;
+        double const change = hold.velocity[d] - r.momentum[d];
+        given.impulse[d] += hold.weight * m * change;
+        given.work += hold.weight * m * change * hold.velocity[d];
+        r.force[d] += change;
+        r.momentum[d] = hold.velocity[d];
+        // `force` is the whole change of the step, the one against the start of the step.
+        given.drive += hold.weight * m * (r.force[d] - halt[d]) * hold.velocity[d];
+        halt[d] = r.force[d];
+      }
+      // What slips along the body stays at its surface.
+      for (int g = 0; g < w.fields; ++g) {
+        if (!w.slips_along(g, f) || scratch.present[g] == 0) continue;
+        NodeState& fluid = scratch.state[g].data()[hold.node];
+        double const mass = fluid.momentum[3];
+        Vec3 const change = follow(w.mass_floor, scratch.gradient[f].data()[hold.node], r.momentum, fluid.momentum);
+        for (int d = 0; d < 3; ++d) {
+          fluid.force[d] += change[d];
+          fluid.momentum[d] += change[d];
+          given.impulse[d] += hold.weight * mass * change[d];
+          given.work += hold.weight * mass * change[d] * r.momentum[d];
+        }
+      }
+    }
+  }
+  w.impulse[block] = given.impulse;
+  w.work[block] = given.work;
+  w.dissipation[block] = {given.drive, 0.0};
+}
+
+}  // namespace brisance::mpm
