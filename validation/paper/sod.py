@@ -279,6 +279,6 @@ converge at the default step.</li>
 <li><b>Cost.</b> The order FDM, MPM, GIMP is that of the paper; the ratios are not: MPM takes five times as long as
 the gas cells here on a quiet machine and up to twelve times on a busy one, 1.1 times in the paper. The points take
 twice as many steps, and a gas cell in one direction costs this program a fraction of what two points and their nodes
-cost. GIMP with points of constant size takes longer than with stretching ones; why has not been looked into.</li>
+cost.</li>
 </ul>
 """
