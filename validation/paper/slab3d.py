@@ -399,7 +399,7 @@ def fitted_block(runs, floors):
     rows.append(["mean D_c of the front face at 0.3 ms", f"{level:.3f}",
                  *(text(crushing_diameter(early[m], level)) for m in MASSES)])
     rows.append(["Eq. (67)", "–", *(f"{1e3 * empirical(m):.0f}" for m in MASSES)])
-    return ("table", "Diameter [mm] within which a measure of the load exceeds its value at the edge of the test of 4 kg",
+    return ("table", "Diameter [mm] within which a measure of the load exceeds that at the edge of the test of 4 kg",
             ["measure", "value", *(f"{m:g} kg" for m in MASSES)], rows)
 
 
