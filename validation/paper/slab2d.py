@@ -233,13 +233,13 @@ per cent, at 125 mm and, behind the widest bridge, at 132 mm. The paper sees the
 Its bridge interpolates the fluxes and the state of the interface nodes; this one carries a ledger and lets whole gas
 cells act as points. With w = 8 the paper's second gauge lies within the bridge, where this program's gauge reads the
 gas cells, and so follows the first one most closely.</li>
-<li><b>Points alone are dearer and less even</b>, as in the paper: they take more than twice as many steps, because of
-fast points beside the contact, and fill the whole domain. The cost ratio is nearly three times that of the paper. The
-noise along the front depends on the method of the points: with this program's defaults for gas points (B-splines,
-APIC) it is only a little above that of the points behind a bridge, and three times that of the gas cells; with linear
-shape functions and FLIP, which may be closer to the method of the paper, it is nine times as large. From 20 us on the
-steps of linear functions become so short that this run ends there: a trial with linear functions and APIC had taken
-3949 steps when it was given up at 22.8 us.</li>
+<li><b>Points alone are dearer and less even</b>, as in the paper: they take more than twice as many steps, because
+of fast points beside the contact, and fill the whole domain. The cost ratio is twice that of the paper or more (7 to
+12 on several machines and days). The noise along the front depends on the method of the points: with this program's
+defaults for gas points (B-splines, APIC) it is only a little above that of the points behind a bridge, and three
+times that of the gas cells; with linear shape functions and FLIP, which may be closer to the method of the paper, it
+is nine times as large. From 20 us on the steps of linear functions become so short that this run ends there: a trial
+with linear functions and APIC had taken 3949 steps when it was given up at 22.8 us.</li>
 <li><b>What points alone get wrong</b> is more than noise. On the axis of symmetry the wave comes 1.4 us late and its
 peak is 17 % higher, and the front is flat there: at 20 us its foot is 4 mm behind that of the gas, and 0.6 mm only at
 30 degrees. With 6 points per cell and direction in the charge instead of 3 the front is round and its foot 0.6 mm
