@@ -35,7 +35,7 @@ void for_ends(Options const& options, Patch const& patch, double h, Visit&& visi
   }
 }
 
-/// There it shows no area to an end either.
+/// A body that goes on behind an end shows no area to it.
 void cut_at_ends(Options const& options, Patch const& patch, double h, NodeVelocity* area) {
   for_ends(options, patch, h, [&](int d, int side, int face) {
     double const outwards = side == 0 ? -1.0 : 1.0;
