@@ -36,8 +36,8 @@ template <class S, int D>
 void find_weights(Patch const& patch, double h, std::array<double const*, 3> const& position, HalfLengths const& half,
                   int n, Weights<S, D>& out) {
   double const inverse_h = 1.0 / h;
+  for (int q = 0; q < n; ++q) out.base[q] = 0;
   int stride = 1;
-  int corner = 0;
   for (int d = 0; d < D; ++d) {
     double const* const x = position[d];
     double const origin = patch.first[d];
@@ -59,12 +59,12 @@ void find_weights(Patch const& patch, double h, std::array<double const*, 3> con
         gradient[s * chunk + q] = g[s];
       }
     }
+    int const reach = patch.reach;
     int* const base = out.base;
-    for (int q = 0; q < n; ++q) base[q] = (d == 0 ? 0 : base[q]) + stride * first[q];
-    corner += stride * patch.reach;
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) base[q] += stride * (first[q] + reach);
     stride *= patch.n[d];
   }
-  for (int q = 0; q < n; ++q) out.base[q] += corner;
 }
 
 /// Weights of APIC's affine part [1/cell], in place of the gradients: w (x_I - x)/D with D = sum w (x_I - x)^2, which
