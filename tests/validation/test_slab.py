@@ -81,8 +81,8 @@ class Measures(unittest.TestCase):
     def test_extent_of_compression_damage(self):
         s = slab(False, 40, lambda x, y, z: max(0.0, 1.0 - np.hypot(x, y)))
         s.values["compression_damage"] = s.values["damage"]
-        self.assertAlmostEqual(slab3d.crushing_diameter(s, 0.6), 0.8, delta=0.01)
-        self.assertEqual(slab3d.crushing_diameter(s, 1.1), 0.0)
+        self.assertAlmostEqual(slab3d.diameter_above(*slab3d.crushing_profile(s), 0.6), 0.8, delta=0.01)
+        self.assertEqual(slab3d.diameter_above(*slab3d.crushing_profile(s), 1.1), 0.0)
 
     def test_rings_of_the_back_face(self):
         s = slab(False, 40, lambda x, y, z: float(0.3 < np.hypot(x, y) < 0.5))

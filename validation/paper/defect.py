@@ -19,10 +19,7 @@ def in_block(shot):
 
 def rings(shot, edges):
     """Mean damage of the back face in rings between radii."""
-    chosen = shot.layer(False)
-    radius = np.hypot(shot.origin[chosen, 0], shot.origin[chosen, 1])
-    damage = shot.values["damage"][chosen]
-    return [float(damage[(radius >= a) & (radius < b)].mean()) for a, b in zip(edges, edges[1:])]
+    return slab3d.rings(shot, False, "damage", edges)
 
 
 def comparison_figure(whole, thin, times, path):
@@ -32,7 +29,7 @@ def comparison_figure(whole, thin, times, path):
                                     height_ratios=(1, 1, 0.3))
         for k, t in enumerate(times):
             for n, (label, shots) in enumerate((("sound", whole), ("defect", thin))):
-                shot = min(shots, key=lambda s, t=t: abs(s.time - t))
+                shot = slab3d.nearest(shots, t)
                 column = axes[:, 2 * k + n]
                 image = slab3d.face_figure(column[0], shot, False)
                 slab3d.face_figure(column[1], shot, True)
@@ -44,12 +41,6 @@ def comparison_figure(whole, thin, times, path):
         figure.colorbar(image, ax=axes, shrink=0.5, label="damage D")
         figure.savefig(path, dpi=100, facecolor="white")
         plt.close(figure)
-
-
-def profile(shot, width):
-    """Radii [m] and mean damage of the back face in rings of this width."""
-    edges = np.arange(0.0, 0.5 + 0.5 * width, width)
-    return edges[:-1] + 0.5 * width, rings(shot, edges)
 
 
 def annulus_figure(thin, early, path):
@@ -65,7 +56,7 @@ def annulus_figure(thin, early, path):
         style(curves)
         curves.axvspan(0.0, 1e3 * BLOCK, color=COLOURS[0], alpha=0.3, linewidth=0, label="block")
         for shot, colour in zip(shown, plt.get_cmap("viridis_r")(np.linspace(0.1, 1.0, len(shown)))):
-            radius, damage = profile(shot, 2.0 * shot.spacing)
+            radius, damage = slab3d.profile(shot, False, "damage", 2.0 * shot.spacing, 0.5)
             curves.plot(1e3 * radius, damage, color=colour, linewidth=1.4, label=f"{1e3 * shot.time:.2f} ms")
         curves.set(title="mean damage of the back face", xlabel="radius [mm]", xlim=(0, 500), ylim=(0, 1.02))
         curves.legend()
@@ -87,14 +78,14 @@ def run(variants, resolution, target):
     rows = []
     for label, shots in (("sound", whole), ("defect", thin)):
         wanted = (0.2e-3, *times[:1], 0.3e-3, *times[1:])
-        near = [min(shots, key=lambda s, t=t: abs(s.time - t)) for t in wanted]
+        near = [slab3d.nearest(shots, t) for t in wanted]
         for shot in dict.fromkeys(near):  # each once
             rows.append([label, f"{1e3 * shot.time:.2f}", *(f"{v:.2f}" for v in rings(shot, edges)),
                          f"{100 * shot.share(False):.0f} %", f"{100 * shot.share(True):.0f} %"])
     last = thin[-1]
     block = in_block(last)
     broken = float((last.values["damage"][block] >= slab3d.BROKEN).mean())
-    at_end = min(whole, key=lambda s: abs(s.time - last.time))
+    at_end = slab3d.nearest(whole, last.time)
     share_thin, share_whole = last.share(False), at_end.share(False)
     # The paper's picture has no time: ours is when the ring around the block begins to break.
     early = next((s for s in thin if rings(s, [0.1, 0.2])[0] >= 0.5), last)

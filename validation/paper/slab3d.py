@@ -90,26 +90,39 @@ def slabs(result):
     return [Slab(result, path) for path in result.dumps()]
 
 
-def crushing_profile(shot, width=0.025):
-    """Radii [m] and mean compression damage of the front face in rings around the centre."""
-    chosen = shot.layer(True)
-    across = shot.origin[chosen][:, :1 if shot.plane else 2]
-    ring = (np.sqrt((across ** 2).sum(axis=1)) / width).astype(int)
-    damage = shot.values["compression_damage"][chosen]
-    rings = np.arange(int(1.0 / width))
-    return (rings + 0.5) * width, np.array([damage[ring == k].mean() for k in rings])
+def nearest(shots, time):
+    """The dump nearest to a time [s]."""
+    return min(shots, key=lambda shot: abs(shot.time - time))
 
 
-def crushing_diameter(shot, level):
-    """Twice the largest radius [m] at which the mean compression damage of the front face is at least `level`."""
-    radius, damage = crushing_profile(shot)
-    above = np.flatnonzero(damage >= level)
+def rings(shot, top, key, edges):
+    """Mean of a quantity on a face in rings between radii around the centre [m]."""
+    chosen = shot.layer(top)
+    radius = np.sqrt((shot.origin[chosen][:, :1 if shot.plane else 2] ** 2).sum(axis=1))
+    values = shot.values[key][chosen]
+    return [float(values[(radius >= a) & (radius < b)].mean()) for a, b in zip(edges, edges[1:])]
+
+
+def profile(shot, top, key, width, reach):
+    """Radii [m] and means of a quantity on a face in rings of this width, up to `reach`."""
+    edges = width * np.arange(round(reach / width) + 1)
+    return edges[:-1] + 0.5 * width, np.array(rings(shot, top, key, edges))
+
+
+def crushing_profile(shot):
+    """Radii [m] and mean compression damage of the front face."""
+    return profile(shot, True, "compression_damage", 0.025, 1.0)
+
+
+def diameter_above(radius, values, level):
+    """Twice the largest radius [m] at which a profile is at least `level`."""
+    above = np.flatnonzero(values >= level)
     if len(above) == 0:
         return 0.0
     k = above[-1]
     if k + 1 == len(radius):
         return 2.0 * radius[k]
-    return 2.0 * (radius[k] + (damage[k] - level) / (damage[k] - damage[k + 1]) * (radius[k + 1] - radius[k]))
+    return 2.0 * (radius[k] + (values[k] - level) / (values[k] - values[k + 1]) * (radius[k + 1] - radius[k]))
 
 
 def history(shots):
@@ -147,7 +160,7 @@ def face_figure(axis, shot, top, key="damage"):
 
 def damage_figure(shots, path, times):
     """[Cui14] Fig. 14: the faces at some times, and the section."""
-    chosen = [min(shots, key=lambda s, t=t: abs(s.time - t)) for t in times]
+    chosen = [nearest(shots, t) for t in times]
     with plt.rc_context(RC):
         figure, axes = plt.subplots(3, len(chosen), figsize=(3.5 * len(chosen), 7.6), layout="constrained",
                                     height_ratios=(1, 1, 0.3), squeeze=False)
@@ -233,37 +246,54 @@ class Floor:
         text = (ROOT / "cases" / CASE / "rigid.toml").read_text()
         result = variants(CASE, f"floor-{mass:g}kg-{cell:g}", {"mass": f"{mass:g} kg", "domain.cell": f"{cell:g} mm"},
                           text=text)
-        gauges = [result.gauge(f"floor-{n + 1}") for n in range(len(list(result.folder.glob("gauges/floor-*.csv"))))]
+        gauges = [result.gauge(f"floor-{n + 1}") for n in range(result.log["gauges"])]
         self.radius = np.linspace(0.0, 0.8, len(gauges))  # as in the deck
         self.peak = np.array([g["overpressure"].max() for g in gauges])
         self.impulse = np.array([g["impulse"].max() for g in gauges])
 
-    def diameter(self, quantity, level):
-        """Twice the radius [m] at which `quantity` falls below `level`; infinite where it does not within 0.8 m."""
-        values = getattr(self, quantity)
-        below = np.flatnonzero(values < level)
-        if len(below) == 0:
-            return np.inf
-        k = below[0]
-        if k == 0:
-            return 0.0
-        part = (values[k - 1] - level) / (values[k - 1] - values[k])
-        return 2.0 * (self.radius[k - 1] + part * (self.radius[k] - self.radius[k - 1]))
+    def at(self, quantity, radius):
+        """Value of a quantity of `LOADS` at a radius [m]."""
+        return float(np.interp(radius, self.radius, getattr(self, quantity)))
+
+
+# What `Floor` knows of the load: (unit of the tables, factor to it, digits).
+LOADS = {"peak": ("MPa", 1e-6, 1), "impulse": ("kPa s", 1e-3, 2)}
+
+
+def load_figure(floors, path):
+    """The load over the radius, with the edges of the zones that Eq. (67) gives, and its value at that of 4 kg."""
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(1, 2, figsize=(10.0, 3.6), layout="constrained")
+        for axis, quantity, label in zip(axes, LOADS, ("peak pressure [Pa]", "impulse [Pa s]")):
+            style(axis)
+            for (mass, floor), colour in zip(floors.items(), COLOURS):
+                axis.semilogy(1e3 * floor.radius, getattr(floor, quantity), color=colour, linewidth=1.4,
+                              label=f"{mass:g} kg")
+                edge = 0.5 * empirical(mass)
+                axis.plot(1e3 * edge, floor.at(quantity, edge), "s", color=ORANGE, markersize=6,
+                          label="edge of Eq. (67)" if mass == MASSES[-1] else None)
+            axis.axhline(floors[4.0].at(quantity, 0.5 * TESTS[4.0]), color=ORANGE, linewidth=0.9, linestyle="--",
+                         label="value at the test of 4 kg")
+            axis.set(xlabel="radius [mm]", ylabel=label, xlim=(0, 800))
+        axes[0].legend(fontsize=7.5)
+        figure.savefig(path, dpi=120, facecolor="white")
+        plt.close(figure)
 
 
 def load_block(floors):
     """The load at the edge of the zone that Eq. (67) gives."""
+    header = ["charge kg", "Eq. (67) mm"]
+    for quantity, (unit, _, _) in LOADS.items():
+        header += [f"{quantity}, centre {unit}", f"{quantity}, edge {unit}", "edge / centre"]
     rows = []
     for mass, floor in floors.items():
-        edge = 0.5 * empirical(mass)
         row = [f"{mass:g}", f"{1e3 * empirical(mass):.0f}"]
-        for values, scale, digits in ((floor.peak, 1e-6, 1), (floor.impulse, 1e-3, 2)):
-            at = np.interp(edge, floor.radius, values)
-            row += [f"{scale * values[0]:.{digits}f}", f"{scale * at:.{digits}f}", f"{at / values[0]:.2f}"]
+        for quantity, (_, scale, digits) in LOADS.items():
+            centre, edge = (floor.at(quantity, r) for r in (0.0, 0.5 * empirical(mass)))
+            row += [f"{scale * centre:.{digits}f}", f"{scale * edge:.{digits}f}", f"{edge / centre:.2f}"]
         rows.append(row)
-    return ("table", "The load on a rigid floor, in the centre and at the edge of the zone that Eq. (67) gives",
-            ["charge kg", "Eq. (67) mm", "peak, centre MPa", "peak, edge MPa", "edge / centre", "impulse, centre kPa s",
-             "impulse, edge kPa s", "edge / centre"], rows)
+    caption = "The load on a rigid floor, in the centre and at the edge of the zone that Eq. (67) gives"
+    return "table", caption, header, rows
 
 
 def plane_run(variants, mass, cell, **changes):
@@ -362,7 +392,7 @@ def growth_block(runs):
     for mass, (shots, _) in runs.items():
         row = [f"{mass:g}"]
         for t in times:
-            shot = min(shots, key=lambda s, t=t: abs(s.time - 1e-3 * t))
+            shot = nearest(shots, 1e-3 * t)
             row.append(f"{1e3 * shot.diameter(shot.central_zone()):.0f}")
         rows.append(row)
     return "table", "The same zone in time [mm]", ["charge kg", *(f"{t:g} ms" for t in times)], rows
@@ -372,52 +402,29 @@ def crushing_block(runs):
     """Compression damage alone, when the first wave has passed."""
     rows = []
     for mass, shot in after_the_wave(runs).items():
-        profile = crushing_profile(shot)
-        rows.append([f"{mass:g}", *(f"{np.interp(r, *profile):.3f}" for r in (0.0, 0.125, 0.25, 0.5))])
+        damage = crushing_profile(shot)
+        rows.append([f"{mass:g}", *(f"{np.interp(r, *damage):.3f}" for r in (0.0, 0.125, 0.25, 0.5))])
     return ("table", "Mean compression damage D_c of the front face at 0.3 ms, when the first wave has passed",
             ["charge kg", "centre", "at 125 mm", "at 250 mm", "at 500 mm"], rows)
 
 
-def load_figure(floors, path):
-    """The load over the radius, with the edges of the zones that Eq. (67) gives, and its value at that of 4 kg."""
-    with plt.rc_context(RC):
-        figure, axes = plt.subplots(1, 2, figsize=(10.0, 3.6), layout="constrained")
-        for axis, quantity, label in zip(axes, ("peak", "impulse"), ("peak pressure [Pa]", "impulse [Pa s]")):
-            style(axis)
-            for (mass, floor), colour in zip(floors.items(), COLOURS):
-                values = getattr(floor, quantity)
-                axis.semilogy(1e3 * floor.radius, values, color=colour, linewidth=1.4, label=f"{mass:g} kg")
-                edge = 0.5 * empirical(mass)
-                axis.plot(1e3 * edge, np.interp(edge, floor.radius, values), "s", color=ORANGE, markersize=6,
-                          label="edge of Eq. (67)" if mass == MASSES[-1] else None)
-            level = np.interp(0.5 * TESTS[4.0], floors[4.0].radius, getattr(floors[4.0], quantity))
-            axis.axhline(level, color=ORANGE, linewidth=0.9, linestyle="--", label="value at the test of 4 kg")
-            axis.set(xlabel="radius [mm]", ylabel=label, xlim=(0, 800))
-        axes[0].legend(fontsize=7.5)
-        figure.savefig(path, dpi=120, facecolor="white")
-        plt.close(figure)
-
-
 def after_the_wave(runs):
-    return {m: min(shots, key=lambda s: abs(s.time - 0.3e-3)) for m, (shots, _) in runs.items()}
+    return {m: nearest(shots, 0.3e-3) for m, (shots, _) in runs.items()}
 
 
 def fitted_block(runs, floors):
     """What a threshold of each local measure of the load gives, fitted to the test of 4 kg."""
-    early = after_the_wave(runs)
-    edge = 0.5 * TESTS[4.0]
-
-    def text(diameter):
-        return f"{1e3 * diameter:.0f}" if np.isfinite(diameter) else "above 1600"
+    measures = (("peak pressure on a rigid floor", "{:.3g} MPa",
+                 {m: (f.radius, 1e-6 * f.peak) for m, f in floors.items()}),
+                ("impulse on a rigid floor", "{:.3g} kPa s",
+                 {m: (f.radius, 1e-3 * f.impulse) for m, f in floors.items()}),
+                ("mean D_c of the front face at 0.3 ms", "{:.3f}",
+                 {m: crushing_profile(shot) for m, shot in after_the_wave(runs).items()}))
     rows = []
-    for quantity, name, scale, unit in (("peak", "peak pressure on a rigid floor", 1e-6, "MPa"),
-                                        ("impulse", "impulse on a rigid floor", 1e-3, "kPa s")):
-        level = float(np.interp(edge, floors[4.0].radius, getattr(floors[4.0], quantity)))
-        rows.append([name, f"{scale * level:.3g} {unit}",
-                     *(text(floors[m].diameter(quantity, level)) for m in MASSES)])
-    level = float(np.interp(edge, *crushing_profile(early[4.0])))
-    rows.append(["mean D_c of the front face at 0.3 ms", f"{level:.3f}",
-                 *(text(crushing_diameter(early[m], level)) for m in MASSES)])
+    for name, value, profiles in measures:
+        level = np.interp(0.5 * TESTS[4.0], *profiles[4.0])
+        rows.append([name, value.format(level),
+                     *(f"{1e3 * diameter_above(*profiles[m], level):.0f}" for m in MASSES)])
     rows.append(["Eq. (67)", "–", *(f"{1e3 * empirical(m):.0f}" for m in MASSES)])
     return ("table", "Diameter [mm] within which a measure of the load exceeds that at the edge of the test of 4 kg",
             ["measure", "value", *(f"{m:g} kg" for m in MASSES)], rows)
