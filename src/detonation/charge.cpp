@@ -125,11 +125,30 @@ double lighting_time(Vec3 const& x, std::vector<InitiationPoint> const& points, 
   return earliest;
 }
 
+namespace {
+
+constexpr double break_out = 1.0;  // how long products break out, of the time of the burn
+
+}  // namespace
+
+void expect_instantaneous_burst(gas::Gas& gas, shape::Shape const& shape, double detonation_speed) {
+  shape::Box const bounds = shape::bounds(shape);
+  double radius = 0.0;
+  for (int d = 0; d < gas.grid().domain().dimensions(); ++d) {
+    radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
+  }
+  gas.expect_burst(gas.time(), gas.time() + (1.0 + break_out) * radius / detonation_speed);
+}
+
 void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charges, double detonation_speed) {
   grid::Domain const& domain = gas.grid().domain();
   int const dims = domain.dimensions();
   constexpr double never_unburnt = -std::numeric_limits<double>::infinity();
-  double last = 0.0;
+  constexpr double never = std::numeric_limits<double>::infinity();
+  struct BurnTime {
+    double begin, end;
+  };
+  std::vector<BurnTime> burn_times(charges.size(), {never, -never});
   for (int b = 0; b < gas.grid().block_count(); ++b) {
     grid::Block const& block = gas.grid().blocks()[b];
     gas::PaddedBox const box(block, dims);
@@ -139,14 +158,16 @@ void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charge
       for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
         for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
           Index3 const cell = grid::image_cell(domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-          for (BurningCharge const& charge : charges) {
+          for (std::size_t c = 0; c < charges.size(); ++c) {
+            BurningCharge const& charge = charges[c];
             if (fill_fraction(charge.shape, domain, cell) <= 0.0) continue;
             Vec3 x = domain.centre(cell);
             Vec3 const middle = centre(charge.shape);
             for (int d = dims; d < 3; ++d) x[d] = middle[d];
             double const t = lighting_time(x, charge.initiation, detonation_speed);
             times[box.offset(i, j, k)] = t;
-            last = std::max(last, t);
+            burn_times[c].begin = std::min(burn_times[c].begin, t);
+            burn_times[c].end = std::max(burn_times[c].end, t + 1.5 * domain.h / detonation_speed);
             any = true;
           }
         }
@@ -154,7 +175,13 @@ void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charge
     }
     if (any) gas.set_lighting(b, std::move(times));
   }
-  gas.set_burn(detonation_speed, last + 1.5 * domain.h / detonation_speed);
+  double last = 0.0;
+  for (auto const& [begin, end] : burn_times) {
+    if (!(begin < end)) continue;  // nothing of the charge lies in the domain
+    gas.expect_burst(begin, end + break_out * (end - begin));
+    last = std::max(last, end);
+  }
+  gas.set_burn(detonation_speed, last);
 }
 
 }  // namespace brisance::detonation

@@ -120,6 +120,24 @@ void Gas::set_burn(double detonation_speed, double end_time) {
   burn_end_ = end_time;
 }
 
+bool Gas::bursting() const {
+  return std::any_of(bursts_.begin(), bursts_.end(),
+                     [this](auto const& burst) { return time_ >= burst[0] && time_ < burst[1]; });
+}
+
+double Gas::next_burst() const {
+  double next = std::numeric_limits<double>::infinity();
+  for (auto const& burst : bursts_) {
+    if (burst[0] > time_) next = std::min(next, burst[0]);
+  }
+  return next;
+}
+
+double Gas::tension() const {
+  return material::bears_tension(fluids_.ambient) || (fluids_.two && material::bears_tension(fluids_.second)) ? 1.0
+                                                                                                              : 0.0;
+}
+
 double Gas::burn_fraction_at(double lighting_time) const {
   double const F = (time_at_step_end_ - lighting_time) * detonation_speed_ / (1.5 * grid_->domain().h);
   return std::min(1.0, std::max(F, smallest_burn_fraction));
@@ -155,6 +173,7 @@ void Gas::start(double time) {
     awake_[b] = quiescent ? 0 : 1;
   });
   prepare_workspaces();
+  find_near_walls();
   measure_all();
 }
 
@@ -271,7 +290,8 @@ void Gas::advance(double dt, bool reverse) {
     context.viscosity = options_.viscosity;
     context.shock_sensor = options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && dims > 1;
     context.progress = components() > progress;
-    context.bounded_phase = options_.afterburn.has_value();
+    context.tension = tension();
+    context.bounded_phase = options_.afterburn && options_.afterburn->energy > 0.0;
     context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
     parallel_for(grid_->block_count(), [&](int b, int thread) {
       if (awake_[b] && !blocks_[b].all_held) sweep_block(b, context, last, workspaces_[thread]);

@@ -61,7 +61,7 @@ struct MixtureState {
 struct Account {
   Components outflow{};  ///< of each component through the domain's faces, integrated [unit m3]
   long guarded_cells = 0;
-  long fallback_faces = 0;
+  long fallback_faces = 0;        ///< faces whose flux was replaced by, or blended with, a first-order one
   double guard_mass = 0.0;        ///< [kg]
   double guard_energy = 0.0;      ///< [J]
   double afterburn_energy = 0.0;  ///< released by the products after the detonation [J]
@@ -134,6 +134,13 @@ class Gas {
   /// Speed of the detonation [m/s] for the burn fraction, and the time after which everything is burnt.
   void set_burn(double detonation_speed, double end_time);
   [[nodiscard]] bool burning() const { return time_ < burn_end_; }
+
+  /// Tells that a charge bursts in an interval of time [s]: it burns or its products break out. What that means for the
+  /// steps decides who takes them.
+  void expect_burst(double begin, double end) { bursts_.push_back({begin, end}); }
+  [[nodiscard]] bool bursting() const;
+  /// When the next burst begins [s]; infinite: there is none to come.
+  [[nodiscard]] double next_burst() const;
   /// Burn fraction F of a cell, [Cui14] Eq. (53): min(1, (t - t_L) D / (1.5 h)), 0 before lighting.
   [[nodiscard]] double burn_fraction(int block, int i, int j, int k) const;
 
@@ -176,6 +183,7 @@ class Gas {
     std::vector<Role> roles;  ///< empty: all own
     bool all_held = false;
     std::array<std::vector<std::vector<WatchedFace>>, 3> watched;  ///< per direction and bundle
+    std::array<std::vector<std::vector<WallRun>>, 3> near_walls;   ///< the same; empty: none near
     std::vector<double> lighting;
     Account account;
     double signal = 0.0;
@@ -200,6 +208,10 @@ class Gas {
                        BundleArrays& arrays);
   void measure_all();
   void prepare_workspaces();
+  /// Finds the cells near rigid surfaces, from the obstacles and the faces of the domain. See walls.cpp.
+  void find_near_walls();
+  /// 1 where a fluid bears tension, else 0, see `margin`.
+  [[nodiscard]] double tension() const;
   [[noreturn]] void report_not_a_number(int block, int direction) const;
   [[nodiscard]] Primitive to_primitive(double const* components, double F) const;
   [[nodiscard]] double burn_fraction_at(double lighting_time) const;
@@ -221,6 +233,7 @@ class Gas {
   double fastest_signal_ = 0.0;
   double detonation_speed_ = 0.0;
   double burn_end_ = 0.0;
+  std::vector<std::array<double, 2>> bursts_;  ///< begin and end [s]
 };
 
 }  // namespace brisance::gas

@@ -44,7 +44,14 @@ inline constexpr int a_progress_flux = a_progress + 1;
 inline constexpr int a_lambda = a_progress + 2;   ///< lambda
 inline constexpr int a_release = a_progress + 3;  ///< energy that the afterburn released in the step [J/m3]
 inline constexpr int a_phase = a_progress + 4;    ///< density of the second fluid itself [kg/m3]
-inline constexpr int array_count = a_progress + 5;
+inline constexpr int a_risk = a_progress + 5;     ///< 1 where the fluxes beside the cell are checked for positivity
+inline constexpr int a_share = a_progress + 6;    ///< of the slopes that a shock near a wall keeps
+inline constexpr int a_B_left = a_progress + 7;   ///< closure sum B at the faces, where `bounded_phase` bounds it
+inline constexpr int a_B_right = a_progress + 8;
+inline constexpr int array_count = a_progress + 9;
+// Scratch of the closure at the faces: arrays that are in use only before or after it.
+inline constexpr int a_scratch_xi = a_flux;
+inline constexpr int a_scratch_H = a_flux + 1;
 
 /// The arrays of a conserved component and of its flux.
 inline constexpr int state_array(int component) { return component == progress ? a_progress : a_state + component; }
@@ -67,6 +74,19 @@ struct Floors {
   double pressure = 1e-3;  ///< [Pa]
 };
 
+/// Consecutive cells of a bundle near a rigid surface that faces the sweep: a wall or plane of symmetry of the domain,
+/// or an obstacle.
+struct WallRun {
+  int q = 0;           ///< bundle index of the first cell
+  int count = 0;       ///< number of cells
+  int distance = 0;    ///< cells between the first one and the surface
+  int change = 0;      ///< of the distance from one cell to the next: -1, 0 or 1
+  bool above = false;  ///< the surface lies beyond the high end of the cells
+};
+
+/// Cells between a rigid surface and the last cell that is near it, plus one.
+inline constexpr int near_wall_cells = 8;
+
 /// Constants of one sweep.
 struct SweepContext {
   Fluids const* fluids = nullptr;
@@ -81,8 +101,10 @@ struct SweepContext {
   bool radial = false;
   bool solid = false;
   bool burning = false;
-  bool progress = false;       ///< the second fluid carries a progress of its afterburn
-  bool bounded_phase = false;  ///< see `bound_phase_density`
+  bool progress = false;                             ///< the second fluid carries a progress of its afterburn
+  bool bounded_phase = false;                        ///< see `bound_phase_density` and `bound_reference_energy`
+  double tension = 0.0;                              ///< 1 where a fluid bears tension, else 0: see `margin`
+  std::vector<WallRun> const* near_walls = nullptr;  ///< cells of the bundle near rigid surfaces
 
   [[nodiscard]] int normal() const { return momentum_x + direction; }
   [[nodiscard]] int transverse1() const { return momentum_x + (direction + 1) % 3; }
@@ -100,7 +122,7 @@ struct Lift {
 /// What happened to the block's own cells of a bundle.
 struct GuardCount {
   std::vector<Lift> lifts;
-  long fallback_faces = 0;  ///< lax-wendroff faces that fell back to Rusanov's flux
+  long fallback_faces = 0;  ///< faces whose flux was replaced by, or blended with, a first-order one
 };
 
 }  // namespace brisance::gas

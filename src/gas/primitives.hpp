@@ -44,10 +44,21 @@ inline bool is_own(BundleLayout const& b, int q) {
   return layer >= g && layer < g + b.length;
 }
 
-/// Is the cell above the floors of density and of stiffness, xi rho c^2 = p (xi + 1) + H? False for anything that is no
-/// number.
-[[nodiscard]] inline bool is_sound(Floors const floors, double rho, double p, double xi, double H) {
-  return (rho >= 0.999999 * floors.density) & (p * (xi + 1.0) + H >= 0.999999 * floors.pressure * (xi + 1.0));
+/// The part of H that counts in `margin`.
+[[nodiscard]] inline double held_by_tension(double H, double tension) {
+  return tension * std::max(H, 0.0) + std::min(H, 0.0);
+}
+
+/// How far a state is from losing its meaning [Pa]: where a fluid bears tension (1) the stiffness xi rho c^2 =
+/// p (xi + 1) + H; where none does (0) a negative pressure has no meaning either, for the energy is then less than that
+/// of the cold products.
+[[nodiscard]] inline double margin(double p, double xi, double H, double tension) {
+  return p * (xi + 1.0) + held_by_tension(H, tension);
+}
+
+/// Is the cell above the floors of density and of `margin`? False for anything that is no number.
+[[nodiscard]] inline bool is_sound(Floors const floors, double tension, double rho, double p, double xi, double H) {
+  return (rho >= 0.999999 * floors.density) & (margin(p, xi, H, tension) >= 0.999999 * floors.pressure * (xi + 1.0));
 }
 
 /// Lifts one cell to the floors.
@@ -72,8 +83,8 @@ inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
   double const kinetic = 0.5 * (mx * mx + my * my + mz * mz) / rho;
   double const p = (E - kinetic - B) / xi;
   lift.finite = std::isfinite(p);
-  if (lift.finite && !is_sound(floors, rho, p, xi, H)) {
-    double const lifted = (floors.pressure - H / (xi + 1.0)) * xi + B + kinetic;
+  if (lift.finite && !is_sound(floors, s.tension, rho, p, xi, H)) {
+    double const lifted = (floors.pressure - held_by_tension(H, s.tension) / (xi + 1.0)) * xi + B + kinetic;
     lift.energy = lifted - E;
     a[energy][q] = lifted;
   }
@@ -87,7 +98,7 @@ inline void lift_cells(SweepContext const& s, BundleLayout const& b, BundleArray
   Floors const floors = s.floors;
   for (int q = begin; q < begin + n; ++q) {
     double const rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
-    if (is_sound(floors, rho, a[a_p][q], a[a_xi][q], a[a_H][q])) continue;
+    if (is_sound(floors, s.tension, rho, a[a_p][q], a[a_xi][q], a[a_H][q])) continue;
     Lift const lift = lift_cell(s, a, q);
     if (is_own(b, q)) guards.lifts.push_back(lift);
   }
@@ -97,6 +108,7 @@ template <bool Two>
 void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   int const n = b.total;
   Floors const floors = s.floors;
+  double const tension = s.tension;
   double* const rho0 = a[density];
   double* const rho1 = a[second_density];
   double* const alpha = a[volume_fraction];
@@ -131,7 +143,7 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
       w[q] = mw[q] * r;
       double const rho_e = E[q] - 0.5 * (mu[q] * u[q] + mv[q] * v[q] + mw[q] * w[q]);
       p[q] = (rho_e - B[q]) / xi[q];
-      unsound += is_sound(floors, rho, p[q], xi[q], H[q]) ? 0 : 1;
+      unsound += is_sound(floors, tension, rho, p[q], xi[q], H[q]) ? 0 : 1;
     }
     if (unsound == 0 || lifted) break;
     lift_cells(s, b, a, 0, n, guards);
@@ -176,6 +188,7 @@ double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, in
     closure_row_single(s, n, rho0, xi, B, H);
   }
   Floors const floors = s.floors;
+  double const tension = s.tension;
   double const use_y = dimensions > 1 ? 1.0 : 0.0;
   double const use_z = dimensions > 2 ? 1.0 : 0.0;
   for (bool lifted = false;; lifted = true) {
@@ -191,7 +204,7 @@ double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, in
       double const y = use_y * std::abs(my[q]);
       double const z = use_z * std::abs(mz[q]);
       signal[q] = std::max(x, std::max(y, z)) * inverse + c;
-      unsound += is_sound(floors, rho, p[q], xi[q], H[q]) ? 0 : 1;
+      unsound += is_sound(floors, tension, rho, p[q], xi[q], H[q]) ? 0 : 1;
     }
     if (unsound == 0 || lifted) break;
     lift_cells(s, b, a, begin, n, guards);

@@ -237,6 +237,17 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
                                  : signals<false>(s, layout, a, layout.begin(r), layout.count(), dims, guards);
     blocks_[b].signal = std::max(blocks_[b].signal, fastest);
   }
+  if (grid::radial_exponent(grid_->domain().geometry) > 0 && block.origin[0] == 0) {
+    // What leaves a cell at an axis or a centre empties it two or three times as fast.
+    grid::Domain const& domain = grid_->domain();
+    double const factor = (domain.radial_area(1) - domain.radial_area(0)) * domain.h / domain.cell_volume(0);
+    for_each_run(layout, block, [&](int q, int offset, int count) {
+      for (int n = (block.n[0] - offset % block.n[0]) % block.n[0]; n < count; n += block.n[0]) {
+        double const rho = a[density][q + n] + (s.two ? a[second_density][q + n] : 0.0);
+        blocks_[b].signal = std::max(blocks_[b].signal, factor * a[momentum_x][q + n] / rho);
+      }
+    });
+  }
   if (!options_.peak_fields || s.dt <= 0.0) return;
   int const cells = block.cell_count();
   double* const peak = peaks_[b].data() + static_cast<std::ptrdiff_t>(peak_pressure) * cells;
@@ -268,15 +279,17 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     SweepContext s = sweep;
     load_bundle(b, layout, s, a);
     GuardCount guards;
+    auto const& near_walls = data.near_walls[sweep.direction];
+    s.near_walls = near_walls.empty() || near_walls[index].empty() ? nullptr : &near_walls[index];
     if (s.two)
       primitives<true>(s, layout, a, guards);
     else
       primitives<false>(s, layout, a, guards);
     if (options_.scheme == Scheme::muscl_hancock) {
       if (s.two)
-        muscl_hancock<true>(s, layout, a);
+        muscl_hancock<true>(s, layout, a, guards);
       else
-        muscl_hancock<false>(s, layout, a);
+        muscl_hancock<false>(s, layout, a, guards);
     } else {
       if (s.two)
         lax_wendroff<true>(s, layout, a, guards);
@@ -311,6 +324,7 @@ void Gas::measure_all() {
   SweepContext context;
   context.fluids = &fluids_;
   context.h = grid_->domain().h;
+  context.tension = tension();
   parallel_for(grid_->block_count(), [&](int b, int thread) {
     grid::Block const& block = grid_->blocks()[b];
     BundleArrays& a = workspaces_[thread];

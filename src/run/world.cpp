@@ -154,7 +154,11 @@ void place_charges(World& w, gas::MixtureState const& ambient) {
     };
     double const before = products();
     detonation::place_charge(gas, filled, charge.explosive, ambient);
-    if (charge.detonation == Detonation::programmed) burning.push_back({charge.shape, charge.initiation});
+    if (charge.detonation == Detonation::programmed) {
+      burning.push_back({charge.shape, charge.initiation});
+    } else {
+      detonation::expect_instantaneous_burst(gas, charge.shape, charge.explosive.detonation_speed);
+    }
 
     ChargeReport report;
     report.explosive = charge.explosive.name;

@@ -60,8 +60,8 @@ std::vector<Flux> reference_step(std::vector<Cell> const& w, double lambda) {
     Cell const& m = w[(i + n - 1) % n];
     Cell const& o = w[i];
     Cell const& q = w[(i + 1) % n];
-    bool const contact =
-        std::abs(q.rho - m.rho) > 0.1 * std::min(m.rho, q.rho) && std::abs(q.p - m.p) < 0.05 * std::min(m.p, q.p);
+    bool const contact = std::abs(q.rho - m.rho) > 0.1 * std::min(m.rho, q.rho) &&
+                         std::max({m.p, o.p, q.p}) - std::min({m.p, o.p, q.p}) < 0.05 * std::min({m.p, o.p, q.p});
     Cell const d{slope_of(o.rho - m.rho, q.rho - o.rho, contact), slope_of(o.u - m.u, q.u - o.u, false),
                  slope_of(o.v - m.v, q.v - o.v, false), slope_of(o.p - m.p, q.p - o.p, false)};
     Cell const half{o.rho - 0.5 * lambda * (o.u * d.rho + o.rho * d.u), o.u - 0.5 * lambda * (o.u * d.u + d.p / o.rho),

@@ -15,9 +15,10 @@ struct HllFlux {
   double work;      ///< pressure part of the energy flux [W/m2]
 };
 
-[[nodiscard]] inline HllFlux hll(FaceSide const& L, FaceSide const& R) {
-  double const SL = std::min(0.0, std::min(L.u - L.c, R.u - R.c));
-  double const SR = std::max(0.0, std::max(L.u + L.c, R.u + R.c));
+/// With bounds of the waves that are known: `low` and `high` [m/s].
+[[nodiscard]] inline HllFlux hll(FaceSide const& L, FaceSide const& R, double low, double high) {
+  double const SL = std::min(0.0, low);
+  double const SR = std::max(0.0, high);
   double const r = 1.0 / (SR - SL);
   HllFlux flux;
   flux.from_left = SR * (L.u - SL) * r;
@@ -25,6 +26,11 @@ struct HllFlux {
   flux.pressure = L.p - SL * (R.p - L.p) * r;
   flux.work = (SR * L.p * L.u - SL * R.p * R.u) * r;
   return flux;
+}
+
+/// With the bounds of [Davis88].
+[[nodiscard]] inline HllFlux hll(FaceSide const& L, FaceSide const& R) {
+  return hll(L, R, std::min(L.u - L.c, R.u - R.c), std::max(L.u + L.c, R.u + R.c));
 }
 
 }  // namespace brisance::gas

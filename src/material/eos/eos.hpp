@@ -2,10 +2,12 @@
 ///
 /// Contract. Every EOS is a trivially copyable value in Mie-Grueneisen form with a constant Grueneisen coefficient G,
 ///     p(rho, e) = f(rho) + G rho e,
-/// and provides three scalar functions plus its parameter table:
+/// and provides three scalar functions and a constant plus its parameter table:
 ///     gruneisen()           G, pure number
 ///     reference(rho)        f(rho) [Pa]; equals p_ref - G rho e_ref in the usual notation
 ///     rho_d_reference(rho)  rho f'(rho) [Pa]
+///     bears_tension         whether its pressure can be negative; that of gases cannot
+///     cold_energy(rho)      of gases: specific energy without thermal energy [J/kg], none has less
 /// Everything else (energy, sound speed) follows and is written once, below.
 /// All equations of state of the method have a constant G; one that has not would add G(rho) to the contract.
 #pragma once
@@ -46,6 +48,21 @@ template <class E>
   return std::sqrt(bulk_modulus(eos, rho, p) / rho);
 }
 
+[[nodiscard]] inline bool bears_tension(Eos const& eos) {
+  return std::visit([](auto const& m) { return m.bears_tension; }, eos);
+}
+/// Specific energy of a gas without thermal energy [J/kg]; 0 of what bears tension.
+[[nodiscard]] inline double cold_energy(Eos const& eos, double rho) {
+  return std::visit(
+      [=](auto const& m) {
+        if constexpr (requires { m.cold_energy(rho); }) {
+          return m.cold_energy(rho);
+        } else {
+          return 0.0;
+        }
+      },
+      eos);
+}
 [[nodiscard]] inline double pressure(Eos const& eos, double rho, double e) {
   return std::visit([=](auto const& m) { return pressure(m, rho, e); }, eos);
 }

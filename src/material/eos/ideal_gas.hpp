@@ -11,6 +11,7 @@ struct IdealGas {
   double gamma = 1.4;  ///< ratio of specific heats
 
   static constexpr char const* name = "ideal_gas";
+  static constexpr bool bears_tension = false;  ///< can its pressure be negative?
   static constexpr auto parameters() {
     return std::array{Parameter<IdealGas>{"gamma", "1", &IdealGas::gamma, 1.0001, 10.0, "ratio of specific heats"}};
   }
@@ -18,6 +19,7 @@ struct IdealGas {
   [[nodiscard]] double gruneisen() const { return gamma - 1.0; }
   [[nodiscard]] double reference(double /*rho*/) const { return 0.0; }
   [[nodiscard]] double rho_d_reference(double /*rho*/) const { return 0.0; }
+  [[nodiscard]] double cold_energy(double /*rho*/) const { return 0.0; }
 };
 
 }  // namespace brisance::material

@@ -25,6 +25,7 @@ struct Jwl {
   static constexpr double never_ideal = 1e300;
 
   static constexpr char const* name = "jwl";
+  static constexpr bool bears_tension = false;  ///< can its pressure be negative?
   static constexpr auto parameters() {
     return std::array{
         Parameter<Jwl>{"rho0", "kg/m3", &Jwl::rho0, 1.0, 1e5, "density of the unreacted explosive"},
@@ -54,6 +55,12 @@ struct Jwl {
     double const full = curve(x, e1, e2);
     double const t = remaining(v);
     return derivative * (t * t * (3.0 - 2.0 * t)) + full * (v * (6.0 * t * (1.0 - t)) * (2.0 / ideal_beyond));
+  }
+  /// Specific energy of the curve without thermal energy, the terms of A and B on an isentrope [J/kg].
+  [[nodiscard]] double cold_energy(double rho) const {
+    double const v = rho0 / rho;
+    double const t = remaining(v);
+    return (A / R1 * exp_nonpositive(-R1 * v) + B / R2 * exp_nonpositive(-R2 * v)) / rho0 * (t * t * (3.0 - 2.0 * t));
   }
 
   /// Density [kg/m3] below which both exponentials are lost beside any pressure in double precision (below exp(-60)):

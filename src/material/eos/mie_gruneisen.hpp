@@ -16,6 +16,7 @@ struct MieGruneisen {
   double Gamma = 2.17;   ///< Grueneisen coefficient
 
   static constexpr char const* name = "mie_gruneisen";
+  static constexpr bool bears_tension = true;  ///< can its pressure be negative?
   static constexpr auto parameters() {
     return std::array{
         Parameter<MieGruneisen>{"rho0", "kg/m3", &MieGruneisen::rho0, 1.0, 1e5, "stress-free density"},

@@ -1,0 +1,294 @@
+/// Keeps cells sound by construction: where the flow is violent the flux through a face is blended with a first-order
+/// one, as far as needed, the same for both sides of the face.
+///
+/// An update along one direction is a mean of two half updates, one per face [PerthameShu96], [ZhangShu10]:
+///     U_new = w_h V_h + w_l V_l,   w_h + w_l = 1,
+///     V_h = U + S - (l_h / w_h) (F_h - f(U)),   V_l = U + S + (l_l / w_l) (F_l - f(U)),
+/// l = dt A / volume, f(U) the flux of the cell's own state, S = -(l_h - l_l) (f(U) - p n) the spreading of a radial
+/// flow. The weights follow the waves that enter the cell: with the HLL flux V is a mean of U and of the solution of
+/// the Riemann problem as long as the waves cross at most one cell. The set of sound states (partial densities not
+/// negative, volume fraction within 0 and 1, thermal energy not negative) is convex, so if both V are sound, so is the
+/// new state. F = F_first + theta (F_high - F_first) with the largest theta for which both V beside the face are sound
+/// [HuAdamsShu13]; the volume fraction and the speed of the face are blended alike. Everything that a face needs lies
+/// within two cells of it: blocks agree without asking one another.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/loops.hpp"
+#include "gas/kernels.hpp"
+#include "gas/primitives.hpp"
+#include "gas/riemann/hll.hpp"
+
+namespace brisance::gas {
+
+// Where fluxes are checked: the pressure changes by this factor within three cells, or the kinetic energy is this
+// multiple of margin / xi, a Mach number of about 8.
+inline constexpr double steep_pressure = 4.0;
+inline constexpr double cold_flow = 30.0;
+
+/// A state of a cell, or a flux, in the directions of the sweep.
+struct Flow {
+  double rho0, rho1, alpha, mu, mv, mw, E, speed;
+};
+
+/// The limiter of one bundle.
+template <bool Two>
+class FluxLimiter {
+ public:
+  FluxLimiter(SweepContext const& s, BundleLayout const& b, BundleArrays& a) : s_(s), st_(b.stride), a_(a) {}
+
+  /// Limits the flux through face q. True if it was changed.
+  bool limit(int q) {
+    int const r = q + st_;
+    bool const left_solid = is_solid(q);
+    bool const right_solid = is_solid(r);
+    if (left_solid && right_solid) return false;
+    Side const L = side(left_solid ? r : q, left_solid);
+    Side const R = side(right_solid ? q : r, right_solid);
+    Speeds speeds = waves(L, R);
+    // The waves that enter each cell through its other face.
+    double const from_below = left_solid ? 0.0 : std::max(0.0, face_waves(q - st_).high);
+    double const from_above = right_solid ? 0.0 : std::max(0.0, -face_waves(r).low);
+    double const lh = s_.radial ? a_[a_area_high][q] : s_.dt / s_.h;
+    double const ll = s_.radial ? a_[a_area_low][r] : s_.dt / s_.h;
+    // Factors of F - f(U) in the half updates; 0 where there is no cell.
+    double const kL =
+        left_solid ? 0.0 : lh / weight(lh * std::max(0.0, -speeds.low), lh * from_below, has_area(q, a_area_low));
+    double const kR =
+        right_solid ? 0.0 : ll / weight(ll * std::max(0.0, speeds.high), ll * from_above, has_area(r, a_area_high));
+    auto const left_margins = [&](Flow const& f) { return kL == 0.0 ? Margins::of_wall() : half_update(L, f, -kL); };
+    auto const right_margins = [&](Flow const& f) { return kR == 0.0 ? Margins::of_wall() : half_update(R, f, kR); };
+
+    Flow const high = given(q);
+    // The usual case: sound whatever the first-order flux would do.
+    if (left_margins(high).reach(L.most_wanted(least(L))) && right_margins(high).reach(R.most_wanted(least(R)))) {
+      return false;
+    }
+    Flow first = hll_flux(L, R, speeds);
+    // An estimate of the speeds that was too small shows: raise them up to what the grid can follow.
+    constexpr int most_raises = 12;
+    for (int n = 0; n < most_raises && !(left_margins(first).exceed(least(L)) && right_margins(first).exceed(least(R)));
+         ++n) {
+      double const grid_low = kL > 0.0 ? -1.0 / kL : -1.0 / kR;
+      double const grid_high = kR > 0.0 ? 1.0 / kR : 1.0 / kL;
+      if (speeds.low <= grid_low && speeds.high >= grid_high) break;
+      speeds.low = std::max(std::min(speeds.low * 1.5, -0.1 * speeds.high), std::min(speeds.low, grid_low));
+      speeds.high = std::min(std::max(speeds.high * 1.5, -0.1 * speeds.low), std::max(speeds.high, grid_high));
+      first = hll_flux(L, R, speeds);
+    }
+    Margins const left_bounds = L.bounds(left_margins(first), least(L));
+    Margins const right_bounds = R.bounds(right_margins(first), least(R));
+    auto const sound = [&](Flow const& f) {
+      return left_margins(f).reach(left_bounds) && right_margins(f).reach(right_bounds);
+    };
+    if (sound(high)) return false;
+    double low_theta = 0.0;
+    double high_theta = 1.0;
+    constexpr int bisections = 6;
+    for (int n = 0; n < bisections; ++n) {
+      double const theta = 0.5 * (low_theta + high_theta);
+      (sound(blend(first, high, theta)) ? low_theta : high_theta) = theta;
+    }
+    // Nothing of a flux that is no number may remain.
+    put(q, low_theta > 0.0 ? blend(first, high, low_theta) : first);
+    return true;
+  }
+
+ private:
+  /// How far a state is from losing its meaning, in two ways [Pa or J/m3].
+  struct Margins {
+    double pressure;  ///< see `margin`
+    double heat;      ///< thermal energy per volume, where no fluid bears tension
+
+    static constexpr double unsound = -1e300;
+    static Margins of_nothing() { return {unsound, unsound}; }
+    static Margins of_wall() { return {-unsound, -unsound}; }
+    [[nodiscard]] bool reach(Margins const& bounds) const { return pressure >= bounds.pressure && heat >= bounds.heat; }
+    [[nodiscard]] bool exceed(double least) const { return pressure > least && heat > least; }
+  };
+  static constexpr double kept = 0.05;  ///< of the margins, by every half update
+
+  /// A cell beside a face, mirrored or not.
+  struct Side {
+    Flow U;       ///< its state
+    Flow spread;  ///< its state with the spreading of a radial flow
+    double u, p, c, xi, burn;
+    Margins margins;
+
+    /// Margins that every half update should have.
+    [[nodiscard]] Margins most_wanted(double least) const {
+      return {std::max(least, kept * margins.pressure), std::max(least, kept * margins.heat)};
+    }
+    /// Margins that a half update may not fall below: a part of the cell's own, or what the first-order flux leaves
+    /// where that is less.
+    [[nodiscard]] Margins bounds(Margins const& first, double least) const {
+      auto const bound = [least](double own, double of_first) {
+        return std::max(std::min(of_first, least), kept * std::min(of_first, own));
+      };
+      return {bound(margins.pressure, first.pressure), bound(margins.heat, first.heat)};
+    }
+  };
+  struct Speeds {
+    double low, high;
+  };
+
+  [[nodiscard]] bool is_solid(int q) { return s_.solid && a_[a_solid][q] > 0.5; }
+
+  Side side(int q, bool mirrored) {
+    double const sign = mirrored ? -1.0 : 1.0;
+    Side x;
+    double const rho1 = Two ? a_[second_density][q] : 0.0;
+    x.U = {a_[density][q],
+           rho1,
+           Two ? a_[volume_fraction][q] : 0.0,
+           sign * a_[s_.normal()][q],
+           a_[s_.transverse1()][q],
+           a_[s_.transverse2()][q],
+           a_[energy][q],
+           0.0};
+    x.u = sign * a_[a_u][q];
+    x.p = a_[a_p][q];
+    x.xi = a_[a_xi][q];
+    x.burn = s_.burning ? a_[a_burn][q] : 1.0;
+    double const H = a_[a_H][q];
+    x.margins.pressure = margin(x.p, x.xi, H, s_.tension);
+    x.margins.heat = heat(x.U.rho0, rho1, x.U.alpha, x.p * x.xi + a_[a_B][q]);
+    x.c = std::sqrt(std::max(0.0, (x.p * (x.xi + 1.0) + H) / (x.xi * (x.U.rho0 + rho1))));
+    x.spread = x.U;
+    if (s_.radial) {
+      double const k = -(a_[a_area_high][q] - a_[a_area_low][q]) * a_[a_u][q];
+      x.spread.rho0 += k * x.U.rho0;
+      x.spread.rho1 += k * x.U.rho1;
+      x.spread.mu += k * x.U.mu;
+      x.spread.mv += k * x.U.mv;
+      x.spread.mw += k * x.U.mw;
+      x.spread.E += k * (x.U.E + x.p);
+    }
+    return x;
+  }
+
+  /// Bounds of the waves between two states: those of [Davis88], and the shock that the pressure drives into the
+  /// lighter side, with the velocity of the contact from the acoustic impedances.
+  static Speeds waves(Side const& L, Side const& R) {
+    double const zL = (L.U.rho0 + L.U.rho1) * L.c;
+    double const zR = (R.U.rho0 + R.U.rho1) * R.c;
+    double const contact = (zL * L.u + zR * R.u + (L.p - R.p)) / (zL + zR);
+    constexpr double slope = 0.6;  // (gamma + 1) / 4 of air
+    double const forth = slope * std::max(0.0, contact - R.u);
+    double const back = slope * std::max(0.0, L.u - contact);
+    double const shock_high = R.u + forth + std::sqrt(R.c * R.c + forth * forth);
+    double const shock_low = L.u - back - std::sqrt(L.c * L.c + back * back);
+    return {std::min(shock_low, R.u - R.c), std::max(shock_high, L.u + L.c)};
+  }
+
+  Speeds face_waves(int q) {
+    int const r = q + st_;
+    bool const left_solid = is_solid(q);
+    bool const right_solid = is_solid(r);
+    return waves(side(left_solid ? r : q, left_solid), side(right_solid ? q : r, right_solid));
+  }
+
+  /// Has the cell's face an area? An axis or centre has none.
+  [[nodiscard]] bool has_area(int q, int areas) { return !s_.radial || a_[areas][q] != 0.0; }
+
+  /// Share of a face in the update of a cell: what its waves need, and half of what is left.
+  static double weight(double own, double other, bool other_has_area) {
+    if (!other_has_area) return 1.0;
+    double const sum = own + other;
+    double const share = sum >= 1.0 ? own / sum : own + 0.5 * (1.0 - sum);
+    return std::min(0.8, std::max(0.2, share));
+  }
+
+  Flow given(int q) {
+    return {a_[a_flux + density][q],
+            Two ? a_[a_flux + second_density][q] : 0.0,
+            Two ? a_[a_flux + volume_fraction][q] : 0.0,
+            a_[a_flux + s_.normal()][q],
+            a_[a_flux + s_.transverse1()][q],
+            a_[a_flux + s_.transverse2()][q],
+            a_[a_flux + energy][q],
+            a_[a_face_speed][q]};
+  }
+  void put(int q, Flow const& f) {
+    a_[a_flux + density][q] = f.rho0;
+    if constexpr (Two) {
+      a_[a_flux + second_density][q] = f.rho1;
+      a_[a_flux + volume_fraction][q] = f.alpha;
+    }
+    a_[a_flux + s_.normal()][q] = f.mu;
+    a_[a_flux + s_.transverse1()][q] = f.mv;
+    a_[a_flux + s_.transverse2()][q] = f.mw;
+    a_[a_flux + energy][q] = f.E;
+    a_[a_face_speed][q] = f.speed;
+  }
+
+  static Flow hll_flux(Side const& L, Side const& R, Speeds const& s) {
+    HllFlux const h = hll({0.0, L.u, L.p, 0.0, L.c}, {0.0, R.u, R.p, 0.0, R.c}, s.low, s.high);
+    auto const carried = [&h](double left, double right) { return h.from_left * left + h.from_right * right; };
+    return {carried(L.U.rho0, R.U.rho0),          carried(L.U.rho1, R.U.rho1), carried(L.U.alpha, R.U.alpha),
+            carried(L.U.mu, R.U.mu) + h.pressure, carried(L.U.mv, R.U.mv),     carried(L.U.mw, R.U.mw),
+            carried(L.U.E, R.U.E) + h.work,       h.from_left + h.from_right};
+  }
+
+  static Flow blend(Flow const& first, Flow const& high, double theta) {
+    auto const mean = [theta](double x, double y) { return x + theta * (y - x); };
+    return {mean(first.rho0, high.rho0), mean(first.rho1, high.rho1),  mean(first.alpha, high.alpha),
+            mean(first.mu, high.mu),     mean(first.mv, high.mv),      mean(first.mw, high.mw),
+            mean(first.E, high.E),       mean(first.speed, high.speed)};
+  }
+
+  /// The margins of U + S + k (F - f(U)).
+  [[nodiscard]] Margins half_update(Side const& x, Flow const& F, double k) const {
+    Flow const& U = x.U;
+    Flow const& base = x.spread;
+    double const rho0 = base.rho0 + k * (F.rho0 - U.rho0 * x.u);
+    double const rho1 = base.rho1 + k * (F.rho1 - U.rho1 * x.u);
+    double const alpha = U.alpha + k * (F.alpha - U.alpha * F.speed);
+    double const mu = base.mu + k * (F.mu - (U.mu * x.u + x.p));
+    double const mv = base.mv + k * (F.mv - U.mv * x.u);
+    double const mw = base.mw + k * (F.mw - U.mw * x.u);
+    double const E = base.E + k * (F.E - (U.E + x.p) * x.u);
+    double const rho = rho0 + rho1;
+    constexpr double round_off = 1e-13;
+    if (!(rho > 0.0) || rho0 < -round_off * rho || rho1 < -round_off * rho || alpha < -round_off ||
+        alpha > 1.0 + round_off) {
+      return Margins::of_nothing();
+    }
+    double const rho_e = E - 0.5 * (mu * mu + mv * mv + mw * mw) / rho;
+    Mixture const m = mixture(*s_.fluids, rho0, rho1, alpha, x.burn);
+    Margins const result{margin(m.pressure(rho_e), m.xi, m.H, s_.tension), heat(rho0, rho1, alpha, rho_e)};
+    return result.pressure == result.pressure ? result : Margins::of_nothing();
+  }
+
+  /// Energy above that of the cold fluids: unlike the pressure a concave function of the state, for in the mean of two
+  /// states of products with little thermal energy the pressure may be negative. Without limit where tension is borne.
+  [[nodiscard]] double heat(double rho0, double rho1, double alpha, double rho_e) const {
+    if (s_.tension > 0.0) return -Margins::unsound;
+    Fluids const& fluids = *s_.fluids;
+    double const cold0 = rho0 * material::cold_energy(fluids.ambient, phase_density(rho0, 1.0 - alpha));
+    double const cold1 = Two ? rho1 * material::cold_energy(fluids.second, phase_density(rho1, alpha)) : 0.0;
+    return rho_e - cold0 - cold1;
+  }
+
+  [[nodiscard]] double least(Side const& x) const { return s_.floors.pressure * (x.xi + 1.0); }
+
+  SweepContext const& s_;
+  int st_;
+  BundleArrays& a_;
+};
+
+/// Limits the fluxes beside the cells that `find_contacts_and_risks` marked.
+template <bool Two>
+void limit_fluxes(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
+  int const st = b.stride;
+  double const* const risk = a[a_risk];
+  FluxLimiter<Two> limiter(s, b, a);
+  for (int q = st; q < b.total - 2 * st; ++q) {
+    if (std::max(risk[q], risk[q + st]) < 0.5) continue;
+    if (limiter.limit(q) && is_own(b, q)) ++guards.fallback_faces;
+  }
+}
+
+}  // namespace brisance::gas
