@@ -11,6 +11,7 @@
 
 #include "app/check.hpp"
 #include "app/driver.hpp"
+#include "app/materials_text.hpp"
 #include "app/print.hpp"
 #include "app/progress.hpp"
 #include "app/signals.hpp"
@@ -42,16 +43,18 @@ constexpr double balanced = 1e-10;     // relative error of the audit that is ro
 constexpr double large_drift = 0.5;    // of the energy of gas and points together [%]
 constexpr std::size_t most_rows = 30;  // gauges that the terminal's table shows
 
-/// The deck's case; its errors and warnings go to stderr.
-run::Case load(std::string const& path) {
+/// What the deck says, with a case; its errors and warnings go to stderr.
+deck::Result load_deck(std::string const& path) {
   deck::Result result = deck::read_file(path);
   for (auto const& warning : result.warnings) print(stderr, "{}\n", warning);
   if (!result.case_) {
     for (auto const& error : result.errors) print(stderr, "{}\n", deck::format(error));
     throw InputError(fmt::format("{}: {} error{}", path, result.errors.size(), result.errors.size() == 1 ? "" : "s"));
   }
-  return std::move(*result.case_);
+  return result;
 }
+
+run::Case load(std::string const& path) { return std::move(*load_deck(path).case_); }
 
 /// Reads the profile that a deck begins with.
 void load_profile(run::Case& setup) {
@@ -430,13 +433,16 @@ ExitCode run_deck(RunArguments const& arguments) {
 }
 
 ExitCode check_deck(CheckArguments const& arguments) {
-  run::Case setup = load(arguments.deck);
+  deck::Result deck = load_deck(arguments.deck);
+  run::Case& setup = *deck.case_;
   load_profile(setup);
   Plan const p = plan(setup);
   if (arguments.json) {
-    print(stdout, "{}\n", plan_json(setup, p).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    nlohmann::json answer = plan_json(setup, p);
+    answer["material_parameters"] = materials_json(deck.materials);
+    print(stdout, "{}\n", answer.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
-    print(stdout, "{}", plan_text(setup, p));
+    print(stdout, "{}{}", plan_text(setup, p), materials_text(deck.materials));
   }
   return ExitCode::done;
 }
@@ -536,8 +542,23 @@ ExitCode kb(KbArguments const& arguments) {
       print(stdout, "{:<24} {:>10.4g} {}\n", field.label, *value * field.display_factor, field.display_unit);
     } else {
       auto const range = empirical::validity(field, burst);
-      print(stdout, "{:<24} {:>10} (known for Z from {:.3g} to {:.3g})\n", field.label, "-", range.lowest,
-            range.highest);
+      bool const derived = field.value == &empirical::Blast::dynamic_pressure;
+      print(stdout, "{:<24} {:>10} (known for Z from {:.4g} to {:.4g}{})\n", field.label, "-", range.lowest,
+            range.highest,
+            derived && blast.scaled_distance < range.lowest
+                ? fmt::format(": up to an overpressure of {:g} ambient pressures, where air is still an ideal gas",
+                              empirical::strongest_ideal_shock)
+                : "");
+    }
+  }
+  if (by_pressure && by_impulse) {
+    double const z = blast.scaled_distance * std::cbrt(*by_pressure / *by_impulse);
+    if (auto const other = empirical::other_incident_impulse(z, burst)) {
+      print(
+          stdout,
+          "\nThe incident impulse of hemispherical bursts circulates with two values of one coefficient. This one, of "
+          "the\nmetric listings, joins the curve of small Z better; the other changes the impulse by {:+.1f} %.\n",
+          100.0 * (*other - 1.0));
     }
   }
   return ExitCode::done;

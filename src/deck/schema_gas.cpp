@@ -69,7 +69,13 @@ Table const& inflow_table() {
 Table const& ambient_table() {
   static Table const table{
       "The fluid that fills the domain before anything happens.",
-      {typed(Type::text, "fluid").of("air").like("\"air\"").means("A fluid of the library or of `[fluids.NAME]`"),
+      {typed(Type::text, "fluid")
+           .of("air")
+           .like("\"air\"")
+           .means("A fluid of the library or of `[fluids.NAME]`. Of the two waters `water` is for strong shocks within "
+                  "a few "
+                  "radii of a charge (sound at rest 1625 m/s, peaks too high), `water_mg` for weak waves, arrivals and "
+                  "structures (1480 m/s, peaks too low); how far off each is stands in materials.md"),
        pressure().note("that of the fluid, 101325 Pa for air").means("Pressure"),
        density().note("that of the fluid, 1.225 kg/m3 for air").means("Density"),
        number("temperature", "K", 1.0, 1e4)
