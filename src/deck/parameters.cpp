@@ -100,7 +100,7 @@ void note_origin(std::vector<MaterialNumber>& numbers, Section const& own) {
     auto const dot = n.key.find('.');
     std::string const table = dot == std::string::npos ? "" : n.key.substr(0, dot);
     if (!n.word.empty() && own.table->find(n.key) != nullptr && own.table->find(n.key)->table != nullptr) {
-      n.said = origin(own.section(n.key), "model", elastic);  // "eos = {model = ...}" of a solid
+      n.said = origin(own.section(n.key), "model", elastic && n.key != "failure");  // "eos = {model = ...}" of a solid
     } else {
       n.said = origin(table.empty() ? &own : own.section(table), n.key.substr(dot + 1), elastic);
     }

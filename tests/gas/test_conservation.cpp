@@ -112,6 +112,7 @@ TEST(Underwater, EnergyIsConservedWhereProductsEnd) {
       double const water = problem.total(gas::density);
       double const energy = problem.total(gas::energy);
       problem.run_to(4e-4);
+      std::printf("%ld steps\n", problem.steps);
       gas::Account const account = problem.gas->account();
       EXPECT_NEAR(problem.total(gas::density) / water, 1.0 + account.guard_mass / water, 1e-12);
       // A sum of some 1e6 updates that cancel; measured: 3e-15. It was up to 0.35 where a row without products had no
