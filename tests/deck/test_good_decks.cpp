@@ -100,14 +100,19 @@ TEST(GoodDecks, EveryNumberOfAMaterialIsTold) {
             "specific_heat = 0 J/kg/K <- default\n"
             "temperature = 293.15 K <- \"20 degC\"\n"
             "taylor_quinney = 0.9 1 <- default\n");
-  // Of gas, products and bodies; those of the library and one that is defined and not used.
+  // Of gas and products, of the library and the deck's own.
   auto const all = deck::read_text(test::file_text(test::root() / "tests/deck/good/all_keys.toml"), "d");
   std::string names;
   for (auto const& m : all.materials) {
     names += fmt::format("{}{}{} ", m.name, m.from_library ? ":library" : "", m.used ? "" : ":unused");
     EXPECT_GE(m.numbers.size(), 3U) << m.name;
   }
-  EXPECT_EQ(names, "");
+  EXPECT_EQ(names, "air:library mine ");
+  // One that no body is made of.
+  auto const spare = deck::read_text(soil_deck("33") + "[solids.spare]\ndensity = 2000\nE = 1e9\nnu = 0.2\n", "d");
+  ASSERT_EQ(spare.materials.size(), 2U);
+  EXPECT_EQ(spare.materials[1].name, "spare");
+  EXPECT_FALSE(spare.materials[1].used);
 }
 
 // Degrees Celsius without their unit are hardly ever kelvin.
