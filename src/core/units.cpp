@@ -80,9 +80,12 @@ constexpr std::array dimensions{
     Named{"J", "an energy"},
     Named{"J/kg", "an energy per mass"},
     Named{"J/(kg K)", "an energy per mass and temperature"},
+    Named{"J/kg/K", "an energy per mass and temperature"},
     Named{"W", "a power"},
     Named{"N", "a force"},
     Named{"Pa s", "an impulse per area"},
+    Named{"J/m2", "an energy per area"},
+    Named{"J/m3", "an energy per volume"},
     Named{"Hz", "a frequency"},
     Named{"s-1", "a rate"},
     Named{"1/s", "a rate"},
@@ -623,6 +626,7 @@ class UnitText {
     }
     std::string better(remedy_in(meant, word));
     if (better.empty()) better = nearly(word);
+    if (better.empty()) better = remedy_in(meant, lowered(word));
     bool const asked = better.find('?') != std::string::npos;
     // The whole unit is the better place to point at where the word does not tell.
     problem_ = fmt::format("has the unknown unit {}{}", shown(better.empty() ? text_ : word),
@@ -717,7 +721,6 @@ std::string dimension(std::string_view si_unit) {
   for (auto const& known : dimensions) {
     if (si_unit == known.unit) return known.name;
   }
-  if (si_unit == "J/m3") return "an energy per volume";
   return "a quantity";
 }
 

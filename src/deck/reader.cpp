@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t largest_deck = 1U << 20U;  ///< bytes
 constexpr std::size_t longest_list = 10000;      ///< elements
 constexpr double coldest = 150.0;                ///< temperature [K] below which degrees Celsius are suspected
+constexpr double right_angle_in_radians = 1.58;  ///< largest number alone that may be an angle in radians
 constexpr int most_key_parts = 32;               ///< parts of one dotted key
 
 Place place_in(toml::source_region const& source, Place fallback) {
@@ -266,6 +267,11 @@ class Walker {
       report_.warning(place, path,
                       fmt::format("{} is {:.6g} K or {:.6g} degrees Celsius, colder than any air{}", show(node), value,
                                   value - 273.15, in_kelvin(node)));
+    }
+    if (key.unit == "deg" && node.is_number() && value > 0.0 && value < right_angle_in_radians) {
+      report_.warning(place, path,
+                      fmt::format("{} is {:g} degrees: a number alone is in degrees, did you mean \"{} rad\"?",
+                                  show(node), value, show(node)));
     }
     return value;
   }

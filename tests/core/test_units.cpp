@@ -183,6 +183,7 @@ INSTANTIATE_TEST_SUITE_P(
     DidYouMean, TrapOfUnits,
     testing::Values(
         Trap{"5 kt", "m/s", {"did you mean \"knot\""}}, Trap{"5 kt", "kg", {"\"1000 t\" (a mass)"}},
+        Trap{"5 KT", "kg", {"\"1000 t\" (a mass)"}}, Trap{"5 PSF", "Pa", {"did you mean \"lbf/ft2\"?"}},
         Trap{"5 oz", "kg", {"did you mean \"ounce\""}}, Trap{"15 C", "K", {"did you mean \"degC\"?"}},
         Trap{"15 deg C", "K", {"did you mean \"degC\"?"}}, Trap{"59 F", "K", {"did you mean \"degF\"?"}},
         Trap{"30 lb/in2", "Pa", {"is a mass per area", "did you mean lbf/in2 (psi)"}},

@@ -68,6 +68,13 @@ TEST(GoodDecks, AnglesAreDegreesOrHaveAUnit) {
        {"33", "33.0", "\"33\"", "\"33 deg\"", "\"33 degree\"", "\"33 degrees\"", "\"33 °\"", "\"33°\""})
     EXPECT_EQ(friction(text), 33.0) << text;
   EXPECT_NEAR(friction("\"0.5 rad\""), 28.64788975654116, 1e-13);
+  auto const radians = deck::read_text(soil_deck("0.576"), "d");
+  ASSERT_EQ(radians.warnings.size(), 1U);
+  EXPECT_NE(radians.warnings[0].find("strength.friction: 0.576 is 0.576 degrees: a number alone is in degrees, did you "
+                                     "mean \"0.576 rad\"?"),
+            std::string::npos)
+      << radians.warnings[0];
+  EXPECT_TRUE(deck::read_text(soil_deck("\"0.576 deg\""), "d").warnings.empty());
 }
 
 // What was understood, beside what the deck says.
