@@ -574,6 +574,7 @@ class UnitText {
       out_ += ')';
     } else if (take('%')) {
       out_ += '%';
+      return true;  // "50 %2" is a slip
     } else {
       std::size_t length = 0;
       while (length < rest_.size() && letter(rest_[length])) ++length;
@@ -690,7 +691,7 @@ std::string ascii_text(std::string_view text) {
     std::string_view to;
   };
   constexpr std::array spellings{
-      Spelling{"\u00b5", "u"}, Spelling{"\u03bc", "u"}, Spelling{"\u00b7", "."}, Spelling{"\u22c5", "."},
+      Spelling{"\u00b5", "u"}, Spelling{"\u03bc", "u"}, Spelling{"\u00b7", "*"}, Spelling{"\u22c5", "*"},
       Spelling{"\u00d7", "*"}, Spelling{"\u2212", "-"}, Spelling{"\u00a0", " "}, Spelling{"\u2009", " "},
       Spelling{"\u202f", " "}, Spelling{"\u2103", "degC"}, Spelling{"\u2109", "degF"}, Spelling{"\u00b0", "deg"},
       Spelling{"\u00ba", "deg"}, Spelling{"\u2032", "'"}, Spelling{"\u2033", "\""},

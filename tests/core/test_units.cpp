@@ -207,6 +207,7 @@ INSTANTIATE_TEST_SUITE_P(
         Trap{"5 kPa-ms", "Pa s", {"did you mean \"kPa ms\"?"}}, Trap{"5 Pas", "Pa s", {"did you mean \"Pa s\"?"}},
         Trap{"5 J/kg K", "J/(kg K)", {"did you mean J/(kg K)?"}},
         Trap{"5 J/kg.K", "J/kg/K", {"did you mean J/(kg K)?"}}, Trap{"5 lb", "N", {"did you mean lbf or kgf?"}},
+        Trap{"5·22 m", "m", {"unknown unit"}}, Trap{"50 %2", "1", {"unknown unit \"%2\""}},
         Trap{"10^3 kg", "kg", {"as in 1e3"}}, Trap{"10² kg", "kg", {"as in 1e3"}},
         Trap{"1 000 kg", "kg", {"unknown unit \"000 kg\""}}, Trap{"1d3 kg", "kg", {"wrong dimension"}},
         Trap{"0x10 m", "m", {"unknown unit \"x10 m\""}}, Trap{"5 kg TNT", "kg", {"unknown unit \"TNT\""}},
