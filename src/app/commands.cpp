@@ -500,10 +500,20 @@ ExitCode kb(KbArguments const& arguments) {
   auto const by_impulse = tnt_mass(explosive->tnt_equivalent_impulse);
   auto const scaled_distance = by_pressure ? std::optional(blast.scaled_distance) : std::nullopt;
 
+  auto const burst = arguments.burst == "spherical" ? empirical::Burst::spherical : empirical::Burst::hemispherical;
+  std::optional<double> other;  // incident impulse by the other fit over this one
+  if (by_pressure && by_impulse) {
+    double const z = blast.scaled_distance * std::cbrt(*by_pressure / *by_impulse);
+    other = empirical::other_incident_impulse(z, burst);
+  }
+
   if (arguments.json) {
     nlohmann::json quantities = nlohmann::json::object();
     for (auto const& field : empirical::blast_fields) {
-      quantities[std::string(field.key)] = {{"value", output::json_or_null(blast.*field.value)}, {"unit", field.unit}};
+      auto const range = empirical::validity(field, burst);
+      quantities[std::string(field.key)] = {{"value", output::json_or_null(blast.*field.value)},
+                                            {"unit", field.unit},
+                                            {"scaled_distances", {range.lowest, range.highest}}};
     }
     nlohmann::json const answer{{"explosive", explosive->name},
                                 {"mass", charge.mass},
@@ -514,6 +524,7 @@ ExitCode kb(KbArguments const& arguments) {
                                 {"scaled_distance", output::json_or_null(scaled_distance)},
                                 {"ambient_pressure", setup.ambient.state.pressure},
                                 {"ambient_density", setup.ambient.state.density},
+                                {"incident_impulse_of_other_fit", output::json_or_null(other)},
                                 {"quantities", quantities}};
     print(stdout, "{}\n", answer.dump(2));
     return ExitCode::done;
@@ -532,7 +543,6 @@ ExitCode kb(KbArguments const& arguments) {
           distance / std::cbrt(by_pressure.value_or(charge.mass)));
   }
   print(stdout, "\n");
-  auto const burst = arguments.burst == "spherical" ? empirical::Burst::spherical : empirical::Burst::hemispherical;
   for (auto const& field : empirical::blast_fields) {
     auto const value = blast.*field.value;
     bool const of_impulse = field.scaling == empirical::Scaling::impulse || field.scaling == empirical::Scaling::time;
@@ -551,15 +561,11 @@ ExitCode kb(KbArguments const& arguments) {
                 : "");
     }
   }
-  if (by_pressure && by_impulse) {
-    double const z = blast.scaled_distance * std::cbrt(*by_pressure / *by_impulse);
-    if (auto const other = empirical::other_incident_impulse(z, burst)) {
-      print(
-          stdout,
+  if (other) {
+    print(stdout,
           "\nThe incident impulse of hemispherical bursts circulates with two values of one coefficient. This one, of "
           "the\nmetric listings, joins the curve of small Z better; the other changes the impulse by {:+.1f} %.\n",
           100.0 * (*other - 1.0));
-    }
   }
   return ExitCode::done;
 }

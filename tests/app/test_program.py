@@ -200,6 +200,11 @@ class KingeryBulmash(Case):
             return self.brisance("kb", "--charge", "1 kg", "--distance", distance, "--burst", "hemispherical").stdout
         self.assertIn("two values of one coefficient", text("2 m"))
         self.assertIn("changes the impulse by -0.7 %", text("2 m"))
+        answer = self.kb("--charge", "1 kg", "--distance", "2 m", "--burst", "hemispherical")
+        self.assertAlmostEqual(answer["incident_impulse_of_other_fit"], 0.99314, places=5)
+        self.assertIsNone(self.kb("--charge", "1 kg", "--distance", "2 m", "--burst",
+                                  "spherical")["incident_impulse_of_other_fit"])
+        self.assertEqual(answer["quantities"]["duration"]["scaled_distances"], [0.178, 40.0])
         self.assertNotIn("two values", text("0.9 m"))
 
     def test_bad_values_name_the_option(self):
