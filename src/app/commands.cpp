@@ -11,6 +11,7 @@
 
 #include "app/check.hpp"
 #include "app/driver.hpp"
+#include "app/materials_text.hpp"
 #include "app/print.hpp"
 #include "app/progress.hpp"
 #include "app/signals.hpp"
@@ -42,16 +43,18 @@ constexpr double balanced = 1e-10;     // relative error of the audit that is ro
 constexpr double large_drift = 0.5;    // of the energy of gas and points together [%]
 constexpr std::size_t most_rows = 30;  // gauges that the terminal's table shows
 
-/// The deck's case; its errors and warnings go to stderr.
-run::Case load(std::string const& path) {
+/// What the deck says, with a case; its errors and warnings go to stderr.
+deck::Result load_deck(std::string const& path) {
   deck::Result result = deck::read_file(path);
   for (auto const& warning : result.warnings) print(stderr, "{}\n", warning);
   if (!result.case_) {
     for (auto const& error : result.errors) print(stderr, "{}\n", deck::format(error));
     throw InputError(fmt::format("{}: {} error{}", path, result.errors.size(), result.errors.size() == 1 ? "" : "s"));
   }
-  return std::move(*result.case_);
+  return result;
 }
+
+run::Case load(std::string const& path) { return std::move(*load_deck(path).case_); }
 
 /// Reads the profile that a deck begins with.
 void load_profile(run::Case& setup) {
@@ -430,13 +433,16 @@ ExitCode run_deck(RunArguments const& arguments) {
 }
 
 ExitCode check_deck(CheckArguments const& arguments) {
-  run::Case setup = load(arguments.deck);
+  deck::Result deck = load_deck(arguments.deck);
+  run::Case& setup = *deck.case_;
   load_profile(setup);
   Plan const p = plan(setup);
   if (arguments.json) {
-    print(stdout, "{}\n", plan_json(setup, p).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    nlohmann::json answer = plan_json(setup, p);
+    answer["material_parameters"] = materials_json(deck.materials);
+    print(stdout, "{}\n", answer.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
-    print(stdout, "{}", plan_text(setup, p));
+    print(stdout, "{}{}", plan_text(setup, p), materials_text(deck.materials));
   }
   return ExitCode::done;
 }
@@ -494,10 +500,20 @@ ExitCode kb(KbArguments const& arguments) {
   auto const by_impulse = tnt_mass(explosive->tnt_equivalent_impulse);
   auto const scaled_distance = by_pressure ? std::optional(blast.scaled_distance) : std::nullopt;
 
+  auto const burst = arguments.burst == "spherical" ? empirical::Burst::spherical : empirical::Burst::hemispherical;
+  std::optional<double> other;  // incident impulse by the other fit over this one
+  if (by_pressure && by_impulse) {
+    double const z = blast.scaled_distance * std::cbrt(*by_pressure / *by_impulse);
+    other = empirical::other_incident_impulse(z, burst);
+  }
+
   if (arguments.json) {
     nlohmann::json quantities = nlohmann::json::object();
     for (auto const& field : empirical::blast_fields) {
-      quantities[std::string(field.key)] = {{"value", output::json_or_null(blast.*field.value)}, {"unit", field.unit}};
+      auto const range = empirical::validity(field, burst);
+      quantities[std::string(field.key)] = {{"value", output::json_or_null(blast.*field.value)},
+                                            {"unit", field.unit},
+                                            {"scaled_distances", {range.lowest, range.highest}}};
     }
     nlohmann::json const answer{{"explosive", explosive->name},
                                 {"mass", charge.mass},
@@ -508,6 +524,7 @@ ExitCode kb(KbArguments const& arguments) {
                                 {"scaled_distance", output::json_or_null(scaled_distance)},
                                 {"ambient_pressure", setup.ambient.state.pressure},
                                 {"ambient_density", setup.ambient.state.density},
+                                {"incident_impulse_of_other_fit", output::json_or_null(other)},
                                 {"quantities", quantities}};
     print(stdout, "{}\n", answer.dump(2));
     return ExitCode::done;
@@ -526,7 +543,6 @@ ExitCode kb(KbArguments const& arguments) {
           distance / std::cbrt(by_pressure.value_or(charge.mass)));
   }
   print(stdout, "\n");
-  auto const burst = arguments.burst == "spherical" ? empirical::Burst::spherical : empirical::Burst::hemispherical;
   for (auto const& field : empirical::blast_fields) {
     auto const value = blast.*field.value;
     bool const of_impulse = field.scaling == empirical::Scaling::impulse || field.scaling == empirical::Scaling::time;
@@ -536,9 +552,20 @@ ExitCode kb(KbArguments const& arguments) {
       print(stdout, "{:<24} {:>10.4g} {}\n", field.label, *value * field.display_factor, field.display_unit);
     } else {
       auto const range = empirical::validity(field, burst);
-      print(stdout, "{:<24} {:>10} (known for Z from {:.3g} to {:.3g})\n", field.label, "-", range.lowest,
-            range.highest);
+      bool const derived = field.value == &empirical::Blast::dynamic_pressure;
+      print(stdout, "{:<24} {:>10} (known for Z from {:.4g} to {:.4g}{})\n", field.label, "-", range.lowest,
+            range.highest,
+            derived && blast.scaled_distance < range.lowest
+                ? fmt::format(": up to an overpressure of {:g} ambient pressures, where air is still an ideal gas",
+                              empirical::strongest_ideal_shock)
+                : "");
     }
+  }
+  if (other) {
+    print(stdout,
+          "\nThe incident impulse of hemispherical bursts circulates with two values of one coefficient. This one, of "
+          "the\nmetric listings, joins the curve of small Z better; the other changes the impulse by {:+.1f} %.\n",
+          100.0 * (*other - 1.0));
   }
   return ExitCode::done;
 }

@@ -409,8 +409,10 @@ Result read_text(std::string_view text, std::string_view name) {
   Report report{std::string(name)};
   auto const deck = read(text, deck_schema(), report);
   if (deck) {
-    run::Case built = Builder(*deck, report).build();
+    Builder builder(*deck, report);
+    run::Case built = builder.build();
     if (!report.failed()) {
+      result.materials = builder.materials(built);
       built.deck_path = name;
       built.deck_text = text;
       result.case_ = std::move(built);

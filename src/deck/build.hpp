@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "deck/deck.hpp"
 #include "deck/library.hpp"
 #include "deck/reader.hpp"
 #include "run/case.hpp"
@@ -33,6 +34,8 @@ class Builder {
  public:
   Builder(Section const& deck, Report& report) : deck_(deck), report_(report) {}
   run::Case build();
+  /// The materials of the case that was built, and the deck's others.
+  [[nodiscard]] std::vector<MaterialNumbers> materials(run::Case const& built) const;
 
  private:
   using Boundary = grid::Boundary;

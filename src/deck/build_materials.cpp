@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "deck/build.hpp"
+#include "deck/parameters.hpp"
 #include "material/chapman_jouguet.hpp"
 
 namespace brisance::deck {
@@ -101,6 +102,45 @@ std::vector<std::string> Builder::solid_names() const {
   auto names = library().solid_names();
   for (auto const& s : own_solids_) names.push_back(s.name);
   return names;
+}
+
+std::vector<MaterialNumbers> Builder::materials(run::Case const& built) const {
+  std::vector<MaterialNumbers> out;
+  auto const add = [&](auto const* material, std::string_view table, bool used) {
+    if (material == nullptr) return;
+    for (auto const& known : out) {
+      if (known.name == material->name) return;
+    }
+    MaterialNumbers one;
+    one.name = material->name;
+    one.used = used;
+    one.numbers = numbers_of(*material);
+    auto const* all = deck_.sections(table);
+    for (std::size_t n = 0; all != nullptr && n < all->size(); ++n) {
+      if ((*all)[n].name != material->name) continue;
+      one.from_library = false;
+      note_origin(one.numbers, (*all)[n]);
+    }
+    if (one.from_library) one.note = library().note(one.name);
+    out.push_back(std::move(one));
+  };
+  if (has_gas_) {
+    add(fluid(built.ambient.fluid.name), "fluids", true);
+    if (built.second_fluid && built.charges.empty()) {
+      add(fluid(built.second_fluid->name), "fluids", true);
+      add(explosive(built.second_fluid->name), "explosives", true);
+    }
+    for (auto const& charge : built.charges) add(explosive(charge.explosive.name), "explosives", true);
+  }
+  for (auto const& body : built.points.bodies) {
+    add(solid(body.solid.name), "solids", true);
+    add(explosive(body.solid.name), "explosives", true);
+    add(fluid(body.solid.name), "fluids", true);
+  }
+  for (auto const& own : own_explosives_) add(&own, "explosives", false);
+  for (auto const& own : own_fluids_) add(&own, "fluids", false);
+  for (auto const& own : own_solids_) add(&own, "solids", false);
+  return out;
 }
 
 material::Fluid Builder::products(material::Explosive const& e) {

@@ -22,11 +22,31 @@ struct Diagnostic {
 /// "file:line:column: error: key: message"
 [[nodiscard]] std::string format(Diagnostic const& diagnostic);
 
+/// One number of a material, as it is calculated with.
+struct MaterialNumber {
+  std::string key;      ///< in the material's table: "density", "strength.friction"
+  double value = 0.0;   ///< [unit]
+  std::string unit;     ///< SI, or deg
+  std::string meaning;  ///< in words
+  std::string word;     ///< a model in the place of a number, e.g. "drucker_prager"
+  std::string said;     ///< what the deck says, or where else the value is from
+};
+
+/// A material of a deck as it was understood.
+struct MaterialNumbers {
+  std::string name;
+  bool from_library = true;
+  bool used = true;  ///< is it in the calculation, or only defined?
+  std::string note;  ///< of the library: what it is for and how far off it is
+  std::vector<MaterialNumber> numbers;
+};
+
 /// Outcome of reading a deck: a case, or all its errors in the order of the text.
 struct Result {
   std::optional<run::Case> case_;
   std::vector<Diagnostic> errors;
-  std::vector<std::string> warnings;  ///< of a deck without errors; complete lines in the format of errors
+  std::vector<std::string> warnings;       ///< of a deck without errors; complete lines in the format of errors
+  std::vector<MaterialNumbers> materials;  ///< of a deck without errors: those in use, then the deck's others
 };
 
 /// Reads a deck from a file. A file that cannot be read throws IoError; everything else ends in `Result::errors`.

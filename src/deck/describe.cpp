@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "core/parameter.hpp"
 #include "deck/library.hpp"
+#include "deck/parameters.hpp"
 #include "deck/schema.hpp"
 #include "material/afterburn.hpp"
 #include "run/point_fields.hpp"
@@ -22,10 +23,12 @@ std::string value_line(std::string_view key, double value, std::string_view unit
   return fmt::format("  {:<18} {:>12.6g} {:<7} {}\n", key, value, unit_text(unit), meaning);
 }
 
-template <class Model>
-std::string parameter_lines(Model const& model) {
+std::string number_lines(std::vector<MaterialNumber> const& numbers) {
   std::string out;
-  for (auto const& p : Model::parameters()) out += value_line(p.key, model.*p.member, p.unit, p.meaning);
+  for (auto const& n : numbers) {
+    out += n.word.empty() ? value_line(n.key.substr(n.key.find('.') + 1), n.value, n.unit, n.meaning)
+                          : fmt::format("  {:<18} {:>12}\n", n.key, n.word);
+  }
   return out;
 }
 
@@ -41,12 +44,6 @@ std::string model_lines() {
 template <class Variant>
 char const* model_name(Variant const& model) {
   return std::visit([](auto const& m) { return m.name; }, model);
-}
-
-template <class Variant>
-std::string model_text(char const* title, Variant const& model) {
-  return fmt::format("  {:<18} {:>12}\n", title, model_name(model)) +
-         std::visit([](auto const& m) { return parameter_lines(m); }, model);
 }
 
 /// Yield stress at the start [Pa], of concrete f'c, of soil that at no pressure; 0 without one.
@@ -69,7 +66,9 @@ std::string aliases_of(std::vector<Named<Material>> const& all, std::string cons
 std::string head(std::string const& name, char const* kind, std::string const& aliases, std::string const& source) {
   std::string out = fmt::format("{}: {}\n", name, kind);
   if (!aliases.empty()) out += fmt::format("  also called: {}\n", aliases);
-  return out + fmt::format("  source: {}\n\n", source);
+  out += fmt::format("  source: {}\n", source);
+  if (auto const note = library().note(name); !note.empty()) out += fmt::format("  {}\n", note);
+  return out + "\n";
 }
 
 std::string words_line(char const* title, std::string_view table, std::string_view key) {
@@ -87,7 +86,7 @@ std::string describe_library() {
   std::string out =
       "Explosives          density  detonation   CJ pressure  energy   TNT equivalent\n"
       "                    kg/m3    speed m/s    GPa          MJ/kg    pressure  impulse\n";
-  for (auto const& [e, aliases] : library().explosives) {
+  for (auto const& [e, aliases, note] : library().explosives) {
     out += fmt::format("  {:<18}{:<9.4g}{:<13.4g}{:<13.4g}{:<9.3g}{:<10}{}\n", e.name, e.density(), e.detonation_speed,
                        e.cj_pressure / 1e9, e.specific_energy() / 1e6, equivalent_text(e.tnt_equivalent_pressure),
                        equivalent_text(e.tnt_equivalent_impulse));
@@ -95,13 +94,16 @@ std::string describe_library() {
   out +=
       "\nFluids              density  pressure     equation\n"
       "                    kg/m3    kPa          of state\n";
-  for (auto const& [f, aliases] : library().fluids) {
+  for (auto const& [f, aliases, note] : library().fluids) {
     out += fmt::format("  {:<18}{:<9.4g}{:<13.6g}{}\n", f.name, f.density, f.pressure / 1e3, model_name(f.eos));
+  }
+  for (auto const& [f, aliases, note] : library().fluids) {
+    if (!note.empty()) out += fmt::format("  {}: {}\n", f.name, note);
   }
   out +=
       "\nSolids              density  bulk sound   shear        yield    equation       strength       failure\n"
       "                    kg/m3    speed m/s    modulus GPa  MPa      of state\n";
-  for (auto const& [s, aliases] : library().solids) {
+  for (auto const& [s, aliases, note] : library().solids) {
     out += fmt::format("  {:<18}{:<9.4g}{:<13.4g}{:<13.4g}{:<9.4g}{:<15}{:<15}{}\n", s.name, s.density,
                        std::sqrt(material::bulk_modulus(s.eos, s.density, 0.0) / s.density),
                        material::shear_modulus(s.strength) / 1e9, yield_of(s.strength) / 1e6, model_name(s.eos),
@@ -113,43 +115,16 @@ std::string describe_library() {
 std::string describe_material(std::string const& name) {
   Library const& all = library();
   if (auto const* e = all.explosive(name)) {
-    std::string out = head(e->name, "explosive", aliases_of(all.explosives, e->name), e->source);
-    out += parameter_lines(e->products);
-    out += value_line("energy", e->energy, "J/m3", "energy E0 per unit volume of the unreacted explosive");
-    out += value_line("detonation_speed", e->detonation_speed, "m/s", "Chapman-Jouguet detonation speed D");
-    out += value_line("cj_pressure", e->cj_pressure, "Pa", "Chapman-Jouguet pressure");
-    out += value_line("", e->specific_energy(), "J/kg", "energy per mass");
-    if (e->tnt_equivalent_pressure) {
-      out +=
-          value_line("tnt_equivalent", *e->tnt_equivalent_pressure, "1", "mass of TNT with the same peak overpressure");
-    }
-    if (e->tnt_equivalent_impulse) {
-      out += value_line("tnt_equivalent", *e->tnt_equivalent_impulse, "1", "mass of TNT with the same impulse");
-    }
-    if (e->afterburn_energy) {
-      out += value_line("afterburn", *e->afterburn_energy, "J/kg", "energy of the products' combustion in air");
-    }
-    return out;
+    return head(e->name, "explosive", aliases_of(all.explosives, e->name), e->source) + number_lines(numbers_of(*e)) +
+           value_line("", e->specific_energy(), "J/kg", "energy per mass");
   }
   if (auto const* f = all.fluid(name)) {
-    std::string out = head(f->name, "fluid", aliases_of(all.fluids, f->name), f->source);
-    out += model_text("eos", f->eos);
-    out += value_line("density", f->density, "kg/m3", "default density");
-    out += value_line("pressure", f->pressure, "Pa", "default pressure");
-    return out +
+    return head(f->name, "fluid", aliases_of(all.fluids, f->name), f->source) + number_lines(numbers_of(*f)) +
            value_line("", material::sound_speed(f->eos, f->density, f->pressure), "m/s", "sound speed of this state");
   }
   if (auto const* s = all.solid(name)) {
-    std::string out = head(s->name, "solid", aliases_of(all.solids, s->name), s->source);
-    out += value_line("density", s->density, "kg/m3", "density at the start");
-    out += model_text("eos", s->eos) + model_text("strength", s->strength) + model_text("failure", s->failure);
-    out += value_line("specific_heat", s->specific_heat, "J/kg/K", "specific heat");
-    out += value_line("temperature", s->temperature, "K", "temperature at the start");
-    out += value_line("taylor_quinney", s->taylor_quinney, "1", "part of the plastic work that heats");
-    if (s->minimum_pressure > -unbounded) {
-      out += value_line("minimum_pressure", s->minimum_pressure, "Pa", "tension cut-off");
-    }
-    return out + value_line("", material::sound_speed(*s, s->density, 0.0), "m/s", "longitudinal sound speed");
+    return head(s->name, "solid", aliases_of(all.solids, s->name), s->source) + number_lines(numbers_of(*s)) +
+           value_line("", material::sound_speed(*s, s->density, 0.0), "m/s", "longitudinal sound speed");
   }
   auto names = all.explosive_names();
   for (auto const& more : {all.fluid_names(), all.solid_names()}) names.insert(names.end(), more.begin(), more.end());

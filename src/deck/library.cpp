@@ -222,8 +222,9 @@ void check(Report const& report, EmbeddedFile const& file) {
 
 template <class Material>
 Named<Material> named(std::optional<Material> material, Section const& section) {
-  Named<Material> out{std::move(*material), {}};
+  Named<Material> out{std::move(*material), {}, {}};
   if (auto const* aliases = section.strings("aliases")) out.aliases = *aliases;
+  out.note = section.text("note").value_or("");
   return out;
 }
 
@@ -264,6 +265,18 @@ Library load() {
 material::Explosive const* Library::explosive(std::string_view name) const { return find(explosives, name); }
 material::Fluid const* Library::fluid(std::string_view name) const { return find(fluids, name); }
 material::Solid const* Library::solid(std::string_view name) const { return find(solids, name); }
+std::string Library::note(std::string_view name) const {
+  auto const in = [name](auto const& all) {
+    for (auto const& entry : all) {
+      if (same_name(entry.material.name, name)) return entry.note;
+    }
+    return std::string();
+  };
+  for (std::string note : {in(explosives), in(fluids), in(solids)}) {
+    if (!note.empty()) return note;
+  }
+  return {};
+}
 std::vector<std::string> Library::explosive_names() const { return names_of(explosives); }
 std::vector<std::string> Library::fluid_names() const { return names_of(fluids); }
 std::vector<std::string> Library::solid_names() const { return names_of(solids); }

@@ -17,6 +17,7 @@ template <class Material>
 struct Named {
   Material material;
   std::vector<std::string> aliases;
+  std::string note;  ///< what it is for and how far off it is; empty for most
 };
 
 struct Library {
@@ -28,6 +29,8 @@ struct Library {
   [[nodiscard]] material::Explosive const* explosive(std::string_view name) const;
   [[nodiscard]] material::Fluid const* fluid(std::string_view name) const;
   [[nodiscard]] material::Solid const* solid(std::string_view name) const;
+  /// The note of the material of that name, "" without one.
+  [[nodiscard]] std::string note(std::string_view name) const;
   /// All names, without the aliases.
   [[nodiscard]] std::vector<std::string> explosive_names() const;
   [[nodiscard]] std::vector<std::string> fluid_names() const;

@@ -88,7 +88,7 @@ std::string deck_table_text(std::string const& name, Table const& table, std::ma
   return out;
 }
 
-constexpr std::string_view introduction = R"(# Deck reference
+constexpr std::string_view introduction = R"manual(# Deck reference
 
 This page is printed from the program's schema by `brisance info --deck-reference`; edit the schema, not this file.
 
@@ -110,8 +110,14 @@ point = [4, 2, 1]
 time = "5 ms"
 ```
 
-- A **quantity** is a number in SI units or a string with a unit, as in `"12.5 kg"`, `"20 us"`, `"25 MPa"`, `"50 mm"`, `"15 degC"`. The
-  units are those of UDUNITS; the dimension is checked. The ranges below are in SI units.
+- A **quantity** is a number in SI units, for an angle in degrees, or a string with a unit, as in `"12.5 kg"`, `"20 us"`, `"25 MPa"`, `"50 mm"`, `"15 degC"`,
+  `"33 deg"`. The dimension is checked; an angle is one of its own, not a pure number. The ranges below are in SI units and degrees.
+- A **unit** is a product of whole powers: `"kg/m3"`, `"kg m^-3"`, `"J/(kg K)"`, `"1/s"`; `/` holds for the next unit alone. There are, with their prefixes and names
+  (`"millimeters"`): `m`, `in`, `ft`, `yd`, `mi`, `mil`, `nautical_mile`; `g`, `t`, `lb` (`lbs`, `lbm`), `ounce`, `grain`, `slug`, `short_ton`, `long_ton`; `s`, `sec`, `min`, `h`, `hr`, `d`;
+  `K`, `degC`, `degF`, `degR`; `deg`, `°`, `rad`; `N`, `kgf`, `gf`, `lbf`, `ozf`, `kip`, `dyne`; `Pa`, `bar`, `atm`, `psi` (`psia`), `ksi`, `torr`, `mmHg`, `inHg`; `J`, `erg`, `eV`, `Btu`; `W`;
+  `Hz`; `l`, `L`, `cc`; `knot`; `standard_gravity`; `mol`; `A`, `V`; `%`. Case counts in symbols. What has several meanings (`ton`, `kiloton`, `gr`, `cal`, `gallon`) or looks like another
+  unit (`kt`, `oz`, `C`, `F`, `Mm`, `lb/in2` for a pressure) is refused with what to write. `brisance check` prints every number of a material as it was understood.
+- A temperature below 150 K is warned of: a number alone is in kelvin.
 - A **point** is a list with one quantity per resolved direction: three in cartesian3d, two in planar2d and axisymmetric2d, one in
   the 1D geometries, where the brackets may be left out. Directions that are not resolved may be written as 0.
 - Positions in tables of messages are counted from 1: `charge[2].mass` is the mass of the second `[[charge]]`.
@@ -121,7 +127,7 @@ time = "5 ms"
   `[[constraint]]` and `[[surface_pressure]]`.
 - In planar2d and cylindrical1d masses and energies are per metre of the direction that is not resolved (`"10 kg"` and `"10 kg/m"`
   mean the same), in planar1d per square metre. In axisymmetric2d and spherical1d they are those of the whole body.
-)";
+)manual";
 
 }  // namespace
 

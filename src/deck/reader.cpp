@@ -18,6 +18,8 @@ namespace {
 
 constexpr std::size_t largest_deck = 1U << 20U;  ///< bytes
 constexpr std::size_t longest_list = 10000;      ///< elements
+constexpr double coldest = 150.0;                ///< temperature [K] below which degrees Celsius are suspected
+constexpr double right_angle_in_radians = 1.58;  ///< largest number alone that may be an angle in radians
 constexpr int most_key_parts = 32;               ///< parts of one dotted key
 
 Place place_in(toml::source_region const& source, Place fallback) {
@@ -257,11 +259,26 @@ class Walker {
     }
     if (value < key.minimum || value > key.maximum) {
       report_.error(place, path,
-                    fmt::format("{} is out of range; allowed: {}; write for example {}", show(node), range_text(key),
-                                example(key)));
+                    fmt::format("{} is out of range; allowed: {}{}; write for example {}", show(node), range_text(key),
+                                key.unit == "K" && value < key.minimum ? in_kelvin(node) : "", example(key)));
       return std::nullopt;
     }
+    if (key.unit == "K" && value < coldest) {
+      report_.warning(place, path,
+                      fmt::format("{} is {:.6g} K or {:.6g} degrees Celsius, colder than any air{}", show(node), value,
+                                  value - 273.15, in_kelvin(node)));
+    }
+    if (key.unit == "deg" && node.is_number() && value > 0.0 && value < right_angle_in_radians) {
+      report_.warning(place, path,
+                      fmt::format("{} is {:g} degrees: a number alone is in degrees, did you mean \"{} rad\"?",
+                                  show(node), value, show(node)));
+    }
     return value;
+  }
+
+  /// For a temperature that looks like degrees Celsius.
+  static std::string in_kelvin(toml::node const& node) {
+    return node.is_number() ? fmt::format("; a number alone is in kelvin, did you mean \"{} degC\"?", show(node)) : "";
   }
 
   std::optional<long> whole(Key const& key, toml::node const& node, std::string const& path, Place place) {

@@ -242,7 +242,11 @@ std::vector<Key> file_keys(char const* kind) {
   return {word("kind", {kind}).required().like(fmt::format("\"{}\"", kind)).means("Kind of material"),
           typed(Type::text, "name").required().like("\"TNT\"").means("Name"),
           typed(Type::names, "aliases").note("none").like("[\"trotyl\"]").means("Other names"),
-          typed(Type::text, "source").required().like("\"handbook, page 12\"").means("Source of the numbers")};
+          typed(Type::text, "source").required().like("\"handbook, page 12\"").means("Source of the numbers"),
+          typed(Type::text, "note")
+              .of("")
+              .like("\"for weak waves\"")
+              .means("What the material is for and how far off it is")};
 }
 
 }  // namespace brisance::deck

@@ -201,7 +201,7 @@ std::optional<double> curve(std::optional<double> Blast::*value, Burst burst, do
 
 /// Peak dynamic pressure behind a shock of overpressure ps in air at pa, gamma = 1.4: q = 5 ps^2 / (2 (7 pa + ps)).
 std::optional<double> dynamic_pressure(std::optional<double> ps, double pa) {
-  if (!ps || *ps > 10.0 * pa) return std::nullopt;
+  if (!ps || *ps > strongest_ideal_shock * pa) return std::nullopt;
   return 2.5 * *ps * *ps / (7.0 * pa + *ps);
 }
 
@@ -221,7 +221,29 @@ Range validity(Field const& field, Burst burst) {
     range.lowest = std::min(range.lowest, piece.lowest);
     range.highest = std::max(range.highest, piece.highest);
   }
+  if (field.value != &Blast::dynamic_pressure) return range;
+  // The overpressure falls with the distance.
+  auto const holds = [burst](double z) { return kingery_bulmash(1.0, z, burst).dynamic_pressure.has_value(); };
+  double above = range.lowest;
+  double at = range.highest;
+  while (!holds(above)) {
+    double const middle = 0.5 * (above + at);
+    if (middle == above || middle == at) break;
+    (holds(middle) ? at : above) = middle;
+  }
+  range.lowest = at;
   return range;
+}
+
+std::optional<double> other_incident_impulse(double z, Burst burst) {
+  constexpr double difference = -0.002;  // of the coefficient of U^2
+  for (Piece const& piece : pieces) {
+    if (piece.value != &Blast::incident_impulse || piece.burst != burst || burst != Burst::hemispherical) continue;
+    if (piece.lowest < 0.9 || z < piece.lowest || z > piece.highest) continue;
+    double const u = piece.k0 + piece.k1 * std::log10(z);
+    return std::pow(10.0, difference * u * u);
+  }
+  return std::nullopt;
 }
 
 Blast kingery_bulmash(double tnt_mass, double distance, Burst burst, Atmosphere const& atmosphere) {

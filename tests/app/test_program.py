@@ -186,6 +186,27 @@ class KingeryBulmash(Case):
         far = self.kb("--charge", "1 kg", "--distance", "100 m", "--burst", "spherical")
         self.assertIsNone(far["quantities"]["incident_overpressure"]["value"])
 
+    def test_the_dynamic_pressure_names_its_own_range(self):
+        # 1 kg at 0.8 m: 1521 kPa, 15 ambient pressures; the other curves go down to Z = 0.0531.
+        text = self.brisance("kb", "--charge", "1 kg", "--distance", "0.8 m", "--burst", "spherical").stdout
+        self.assertRegex(text, r"dynamic pressure +- \(known for Z from 0\.964\d* to 40: up to an overpressure of 10 "
+                               r"ambient pressures")
+        self.assertNotIn("two values", text)
+        far = self.brisance("kb", "--charge", "1 kg", "--distance", "41 m", "--burst", "spherical").stdout
+        self.assertRegex(far, r"dynamic pressure +- \(known for Z from 0\.964\d* to 40\)")
+
+    def test_the_hemispherical_impulse_tells_its_variant(self):
+        def text(distance):
+            return self.brisance("kb", "--charge", "1 kg", "--distance", distance, "--burst", "hemispherical").stdout
+        self.assertIn("two values of one coefficient", text("2 m"))
+        self.assertIn("changes the impulse by -0.7 %", text("2 m"))
+        answer = self.kb("--charge", "1 kg", "--distance", "2 m", "--burst", "hemispherical")
+        self.assertAlmostEqual(answer["incident_impulse_of_other_fit"], 0.99314, places=5)
+        self.assertIsNone(self.kb("--charge", "1 kg", "--distance", "2 m", "--burst",
+                                  "spherical")["incident_impulse_of_other_fit"])
+        self.assertEqual(answer["quantities"]["duration"]["scaled_distances"], [0.178, 40.0])
+        self.assertNotIn("two values", text("0.9 m"))
+
     def test_bad_values_name_the_option(self):
         bad = ("--distance", "5 kg", "--burst", "spherical")
         self.assertIn('--distance: "5 kg" is a mass', self.brisance("kb", "--charge", "1 kg", *bad, code=2).stderr)
@@ -206,6 +227,29 @@ class Info(Case):
         text = self.brisance("info", "tnt").stdout
         for word in ("TNT: explosive", "source:", "detonation_speed", "m/s"):
             self.assertIn(word, text)
+
+    def test_which_water_is_for_what(self):
+        overview = self.brisance("info").stdout
+        self.assertRegex(overview, r"water: for shocks of 0.5 to 4 GPa.*1625 m/s.*Cole \(1948\)")
+        self.assertRegex(overview, r"water_mg: for shocks below 1 GPa.*1480 m/s.*Cole \(1948\)")
+        self.assertIn("for shocks below 1 GPa", self.brisance("info", "water_mg").stdout)
+        self.assertIn("for shocks of 0.5 to 4 GPa", self.brisance("info", "water").stdout)
+
+    def test_peaks_in_the_two_waters_are_those_of_the_documentation(self):
+        # docs/materials.md, "Two waters": percent off Cole's 52.4 MPa / Z^1.13 with cells of 2 mm, rounded.
+        deck = (SOURCE / "cases/underwater_1d/deck.toml").read_text()
+        for fluid, expected in (("water", (26, 19, 16, 14)), ("water_mg", (-4, -15, -21, -23))):
+            path = self.folder / f"{fluid}.toml"
+            path.write_text(deck.replace('"water_mg"', f'"{fluid}"'))
+            out = self.folder / fluid
+            self.brisance("run", path, "--output", out, "--quiet")
+            gauges = json.loads((out / "summary.json").read_text())["gauges"]
+            for gauge, percent in zip(gauges, expected):
+                cole = 52.4e6 * float(gauge["name"][1:]) ** -1.13
+                self.assertAlmostEqual(100 * (gauge["peak_overpressure"] / cole - 1), percent, delta=1.5,
+                                       msg=f"{fluid} {gauge['name']}")
+            audit = json.loads((out / "run.json").read_text())["audit"]["relative_error"]
+            self.assertLess(audit["energy"], 1e-12)
 
     def test_unknown_material(self):
         self.assertIn('did you mean "TNT"?', self.brisance("info", "TMT", code=2).stderr)
@@ -231,6 +275,39 @@ class Check(Case):
             self.assertGreaterEqual(len(decks), 1, page)
             for text in decks:
                 self.brisance("check", self.deck(text))
+
+    def test_check_prints_what_it_understood_of_materials(self):
+        deck = self.folder / "soil.toml"
+        deck.write_text("""
+[end]
+time = 1e-3
+[domain]
+size = [1, 1, 1]
+cell = 0.05
+[points]
+body_force = [0, 0, -9.81]
+[[body]]
+material = "sand"
+shape = "box"
+lower = [0, 0, 0]
+upper = [1, 1, 0.5]
+[solids.sand]
+density = "1.6 g/cm3"
+E = "5 MPa"
+nu = 0.3
+strength = {model = "drucker_prager", cohesion = 0, friction = "33 degrees"}
+""")
+        text = self.brisance("check", deck).stdout
+        self.assertRegex(text, r'\nsand, from the deck\n  density +1600 kg/m3 +"1.6 g/cm3"\n  E +5000000 Pa +"5 MPa"\n')
+        self.assertRegex(text, r'\n  strength.friction +33 deg +"33 degrees"\n')
+        self.assertRegex(text, r'\n  eos.K +4166666.67 Pa +from E and nu\n')
+        parameters = json.loads(self.brisance("check", deck, "--json").stdout)["material_parameters"]
+        self.assertEqual(parameters["sand"]["parameters"]["strength.friction"],
+                         {"value": 33.0, "unit": "deg", "deck": '"33 degrees"'})
+        deck.write_text(SMALL + '[ambient]\nfluid = "water_mg"\n')
+        text = self.brisance("check", deck).stdout
+        self.assertRegex(text, r"\nwater_mg, from the library\n  for shocks below 1 GPa.*Cole")
+        self.assertRegex(text, r"\n  C0 +1480 m/s\n")
 
     def test_check_promises_what_run_does(self):
         deck = self.deck(SMALL)

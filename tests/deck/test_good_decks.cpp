@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -48,6 +49,102 @@ TEST(GoodDecks, ExamplesAreReadWithoutWarnings) {
         << path << ": " << (result.errors.empty() ? "" : deck::format(result.errors.front()));
     EXPECT_TRUE(result.warnings.empty()) << path << ": " << (result.warnings.empty() ? "" : result.warnings.front());
   }
+}
+
+std::string soil_deck(std::string const& friction, std::string const& more = "") {
+  return "[end]\ntime = 1e-3\n[domain]\nsize = [1, 1, 1]\ncell = 0.05\n[points]\nbody_force = [0, 0, -9.81]\n"
+         "[[body]]\nmaterial = \"sand\"\nshape = \"box\"\nlower = [0, 0, 0]\nupper = [1, 1, 0.5]\n"
+         "[solids.sand]\ndensity = \"1.6 g/cm3\"\nE = \"5 MPa\"\nnu = 0.3\n" +
+         more + "strength = {model = \"drucker_prager\", cohesion = 0, friction = " + friction + "}\n";
+}
+
+// An angle is degrees, however it is written.
+TEST(GoodDecks, AnglesAreDegreesOrHaveAUnit) {
+  auto const friction = [](std::string const& text) {
+    run::Case const c = read(soil_deck(text));
+    return std::get<material::DruckerPrager>(c.points.bodies.at(0).solid.strength).friction;
+  };
+  for (auto const* text :
+       {"33", "33.0", "\"33\"", "\"33 deg\"", "\"33 degree\"", "\"33 degrees\"", "\"33 °\"", "\"33°\""})
+    EXPECT_EQ(friction(text), 33.0) << text;
+  EXPECT_NEAR(friction("\"0.5 rad\""), 28.64788975654116, 1e-13);
+  auto const radians = deck::read_text(soil_deck("0.576"), "d");
+  ASSERT_EQ(radians.warnings.size(), 1U);
+  EXPECT_NE(radians.warnings[0].find("strength.friction: 0.576 is 0.576 degrees: a number alone is in degrees, did you "
+                                     "mean \"0.576 rad\"?"),
+            std::string::npos)
+      << radians.warnings[0];
+  EXPECT_TRUE(deck::read_text(soil_deck("\"0.576 deg\""), "d").warnings.empty());
+}
+
+// What was understood, beside what the deck says.
+TEST(GoodDecks, EveryNumberOfAMaterialIsTold) {
+  auto const result = deck::read_text(soil_deck("\"33 degrees\"", "temperature = \"20 degC\"\n"), "d");
+  ASSERT_TRUE(result.case_);
+  ASSERT_EQ(result.materials.size(), 1U);
+  auto const& sand = result.materials[0];
+  EXPECT_EQ(sand.name, "sand");
+  EXPECT_FALSE(sand.from_library);
+  std::string told;
+  for (auto const& n : sand.numbers) {
+    told += n.word.empty() ? fmt::format("{} = {:.6g} {}", n.key, n.value, n.unit) : n.key + " = " + n.word;
+    told += " <- " + n.said + "\n";
+  }
+  EXPECT_EQ(told,
+            "density = 1600 kg/m3 <- \"1.6 g/cm3\"\n"
+            "E = 5e+06 Pa <- \"5 MPa\"\n"
+            "nu = 0.3 1 <- 0.3\n"
+            "eos = linear <- from E and nu\n"
+            "eos.rho0 = 1600 kg/m3 <- density\n"
+            "eos.K = 4.16667e+06 Pa <- from E and nu\n"
+            "strength = drucker_prager <- \"drucker_prager\"\n"
+            "strength.G = 1.92308e+06 Pa <- from E and nu\n"
+            "strength.cohesion = 0 Pa <- 0\n"
+            "strength.friction = 33 deg <- \"33 degrees\"\n"
+            "strength.dilation = 0 deg <- default\n"
+            "strength.tension = 0 Pa <- default\n"
+            "failure = none <- default\n"
+            "specific_heat = 0 J/kg/K <- default\n"
+            "temperature = 293.15 K <- \"20 degC\"\n"
+            "taylor_quinney = 0.9 1 <- default\n");
+  // Of gas and products, of the library and the deck's own.
+  auto const all = deck::read_text(test::file_text(test::root() / "tests/deck/good/all_keys.toml"), "d");
+  std::string names;
+  for (auto const& m : all.materials) {
+    names += fmt::format("{}{}{} ", m.name, m.from_library ? ":library" : "", m.used ? "" : ":unused");
+    EXPECT_GE(m.numbers.size(), 3U) << m.name;
+  }
+  EXPECT_EQ(names, "air:library mine ");
+  // One that no body is made of.
+  auto const spare = deck::read_text(soil_deck("33") + "[solids.spare]\ndensity = 2000\nE = 1e9\nnu = 0.2\n", "d");
+  ASSERT_EQ(spare.materials.size(), 2U);
+  EXPECT_EQ(spare.materials[1].name, "spare");
+  EXPECT_FALSE(spare.materials[1].used);
+}
+
+// Degrees Celsius without their unit are hardly ever kelvin.
+TEST(GoodDecks, ColdTemperaturesAreWarnedOf) {
+  auto const warnings = [](std::string const& temperature) {
+    auto const result = deck::read_text(
+        small_domain + "[ambient]\ntemperature = " + temperature + "\n[[charge]]\nmass = 1\nposition = [1, 1, 1]\n",
+        "d");
+    EXPECT_TRUE(result.case_) << temperature;
+    std::string out;
+    for (auto const& w : result.warnings) out += w;
+    return out;
+  };
+  EXPECT_EQ(
+      warnings("15"),
+      "d:7:15: warning: ambient.temperature: 15 is 15 K or -258.15 degrees Celsius, colder than any air; a number "
+      "alone is in kelvin, did you mean \"15 degC\"?");
+  EXPECT_EQ(warnings("\"-130 degC\""),
+            "d:7:15: warning: ambient.temperature: \"-130 degC\" is 143.15 K or -130 degrees Celsius, colder than any "
+            "air");
+  for (auto const* good : {"150", "288.15", "\"15 degC\"", "\"59 degF\"", "\"-60 degC\""})
+    EXPECT_EQ(warnings(good), "") << good;
+  auto const solid = deck::read_text(soil_deck("33", "temperature = 20\n"), "d");
+  ASSERT_EQ(solid.warnings.size(), 1U);
+  EXPECT_NE(solid.warnings[0].find("solids.sand.temperature: 20 is 20 K"), std::string::npos) << solid.warnings[0];
 }
 
 TEST(GoodDecks, TheDemonstrationIsSmallAndItsMassExact) {

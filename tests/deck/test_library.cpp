@@ -23,7 +23,7 @@ TEST(Library, NamesAndAliasesAreUnique) {
     EXPECT_TRUE(taken.insert(name).second) << name << " of " << owner;
   };
   auto const all = [&](auto const& materials) {
-    for (auto const& [material, aliases] : materials) {
+    for (auto const& [material, aliases, note] : materials) {
       std::set<std::string> own;
       for (auto name : aliases) {
         for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -42,13 +42,13 @@ TEST(Library, NamesAndAliasesAreUnique) {
 
 TEST(Library, ExplosivesAreConsistentAndSourced) {
   ASSERT_FALSE(deck::library().explosives.empty());
-  for (auto const& [explosive, aliases] : deck::library().explosives) {
+  for (auto const& [explosive, aliases, note] : deck::library().explosives) {
     EXPECT_TRUE(material::check(explosive).consistent()) << explosive.name;
     EXPECT_FALSE(explosive.source.empty()) << explosive.name;
   }
-  for (auto const& [fluid, aliases] : deck::library().fluids) EXPECT_FALSE(fluid.source.empty()) << fluid.name;
+  for (auto const& [fluid, aliases, note] : deck::library().fluids) EXPECT_FALSE(fluid.source.empty()) << fluid.name;
   ASSERT_GE(deck::library().solids.size(), 6U);
-  for (auto const& [solid, aliases] : deck::library().solids) EXPECT_FALSE(solid.source.empty()) << solid.name;
+  for (auto const& [solid, aliases, note] : deck::library().solids) EXPECT_FALSE(solid.source.empty()) << solid.name;
 }
 
 TEST(Library, TheValuesAreThoseOfTheFiles) {
@@ -130,7 +130,7 @@ TEST(Library, UnknownMaterialsNameTheNearest) {
 
 TEST(Library, UnknownTntEquivalentsStayUnknown) {
   auto const& all = deck::library();
-  for (auto const& [explosive, aliases] : all.explosives) {
+  for (auto const& [explosive, aliases, note] : all.explosives) {
     if (!explosive.name.starts_with("TNT")) continue;
     EXPECT_EQ(explosive.tnt_equivalent_pressure, 1.0) << explosive.name;
     EXPECT_EQ(explosive.tnt_equivalent_impulse, 1.0) << explosive.name;

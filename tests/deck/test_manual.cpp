@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/units.hpp"
 #include "deck/deck.hpp"
 #include "deck/schema.hpp"
 #include "files.hpp"
@@ -20,6 +21,37 @@ TEST(Manual, ItsShortestDeckIsReadAndShort) {
   auto const result = deck::read_text(example, "manual");
   EXPECT_TRUE(result.case_.has_value()) << (result.errors.empty() ? "" : deck::format(result.errors.front()));
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+}
+
+// What stands in backquotes in its paragraph on units is a unit; what it says to be refused is.
+TEST(Manual, ItsUnitsAreUnits) {
+  std::string const manual = deck::reference_manual();
+  auto const begin = manual.find("There are, with their prefixes");
+  auto const end = manual.find("Case counts in symbols");
+  auto const last = manual.find("is refused with what to write");
+  ASSERT_LT(begin, end);
+  ASSERT_LT(end, last);
+  auto const words = [&manual](std::size_t from, std::size_t to) {
+    std::vector<std::string> out;
+    for (std::size_t at = manual.find('`', from); at < to; at = manual.find('`', at)) {
+      std::size_t const close = manual.find('`', at + 1);
+      std::string word = manual.substr(at + 1, close - at - 1);
+      if (word.front() == '"') word = word.substr(1, word.size() - 2);
+      out.push_back(word);
+      at = close + 1;
+    }
+    return out;
+  };
+  auto const problem = [](std::string const& word) { return units::parse("1 " + word, "kg6").problem; };
+  auto const good = words(begin, end);
+  EXPECT_GT(good.size(), 50U);
+  for (auto const& word : good) EXPECT_EQ(problem(word).find(" unit "), std::string::npos) << problem(word);
+  auto const bad = words(end, last);
+  EXPECT_GE(bad.size(), 10U);
+  for (auto const& word : bad) {
+    if (word == "lb/in2") continue;  // a mass per area
+    EXPECT_NE(problem(word).find(" unit "), std::string::npos) << word;
+  }
 }
 
 TEST(Manual, TheDecksOfTheUserGuideAreRead) {

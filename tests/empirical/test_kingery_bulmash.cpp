@@ -174,14 +174,50 @@ TEST(KingeryBulmash, AbsentOutsideTheRange) {
       EXPECT_FALSE(at(range.highest * (1.0 + 1e-9)).has_value()) << field.key;
       EXPECT_FALSE(at(range.lowest * (1.0 - 1e-9)).has_value()) << field.key;
       EXPECT_TRUE(at(range.highest).has_value()) << field.key;
-      // The dynamic pressure has a limit of its own, in the overpressure.
-      EXPECT_EQ(at(range.lowest).has_value(), field.key != "dynamic_pressure") << field.key;
+      EXPECT_TRUE(at(range.lowest).has_value()) << field.key;
     }
   }
   EXPECT_EQ(validity(blast_fields[0], Burst::spherical).lowest, 0.0531);
   EXPECT_EQ(validity(blast_fields[0], Burst::hemispherical).lowest, 0.0674);
   EXPECT_EQ(validity(blast_fields[5], Burst::spherical).lowest, 0.147);
   EXPECT_EQ(validity(blast_fields[5], Burst::hemispherical).lowest, 0.178);
+}
+
+// The dynamic pressure ends where the overpressure is that of ten atmospheres, at any altitude.
+TEST(KingeryBulmash, DynamicPressureEndsWhereTheShockIsTooStrong) {
+  Field const& dynamic = blast_fields.back();
+  ASSERT_EQ(dynamic.key, "dynamic_pressure");
+  for (Burst burst : {Burst::spherical, Burst::hemispherical}) {
+    double const z = validity(dynamic, burst).lowest;
+    EXPECT_NEAR(*kingery_bulmash(1.0, z, burst).incident_overpressure, 10.0 * 101325.0, 1e-6) << z;
+    EXPECT_LT(validity(blast_fields[0], burst).lowest, 0.1 * z);
+    Atmosphere const high{54020.0, 320.5};
+    double const length = std::cbrt(101325.0 / high.pressure);
+    EXPECT_TRUE(kingery_bulmash(1.0, z * length * 1.0001, burst, high).dynamic_pressure.has_value());
+    EXPECT_FALSE(kingery_bulmash(1.0, z * length * 0.9999, burst, high).dynamic_pressure.has_value());
+  }
+  // By the table above: 934.86 kPa at Z = 1 and 1521.4 kPa at 0.8; 833.7 kPa at 1.25 and 1356.7 kPa at 1.
+  EXPECT_NEAR(validity(dynamic, Burst::spherical).lowest, 0.964, 0.001);
+  EXPECT_NEAR(validity(dynamic, Burst::hemispherical).lowest, 1.145, 0.001);
+}
+
+// Of the two coefficients in circulation the one that is used joins the branch of smaller Z better.
+TEST(KingeryBulmash, TheCoefficientInUseMakesTheSmallerStep) {
+  auto const impulse = [](double z) { return *kingery_bulmash(1.0, z, Burst::hemispherical).incident_impulse; };
+  double const step = impulse(0.955 * (1.0 + 1e-9)) / impulse(0.955 * (1.0 - 1e-9));
+  double const other = *other_incident_impulse(0.955, Burst::hemispherical);
+  EXPECT_NEAR(step, 1.0052, 1e-4);
+  EXPECT_NEAR(step * other, 0.9869, 1e-4);
+  EXPECT_GT(std::abs(step * other - 1.0), 2.0 * std::abs(step - 1.0));
+  // By the other coefficient, written out, at Z = 2: 133.53 kPa ms/kg^(1/3).
+  EXPECT_NEAR(impulse(2.0) * *other_incident_impulse(2.0, Burst::hemispherical), 133.532, 0.001);
+  for (double z : {0.955, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0}) {
+    EXPECT_GT(*other_incident_impulse(z, Burst::hemispherical), 0.981) << z;
+    EXPECT_LE(*other_incident_impulse(z, Burst::hemispherical), 1.0) << z;
+    EXPECT_FALSE(other_incident_impulse(z, Burst::spherical)) << z;
+  }
+  EXPECT_FALSE(other_incident_impulse(0.95, Burst::hemispherical));
+  EXPECT_FALSE(other_incident_impulse(41.0, Burst::hemispherical));
 }
 
 TEST(KingeryBulmash, SachsScaling) {

@@ -211,6 +211,7 @@ MaterialFiles read_material_files() {
     }
     files.names.insert(files.names.end(), lower.begin(), lower.end());
 
+    if (keys.has("note")) (void)keys.text("note");
     auto const kind = keys.text("kind");
     if (kind == "explosive") {
       auto explosive = read_explosive(keys, path.filename().string());

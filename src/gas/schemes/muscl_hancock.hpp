@@ -281,8 +281,9 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
   differences<Solid, false, 1>(s, b, a, a[a_v], a[a_slope + f_v]);
   differences<Solid, false, 1>(s, b, a, a[a_w], a[a_slope + f_w]);
   differences<Solid, false, 1>(s, b, a, a[a_p], a[a_slope + f_p]);
+  bool const curved = Two || material::follows_density(s.fluids->ambient);  // does B have a slope?
+  if (curved) differences<Solid, true, 1>(s, b, a, a[a_B], a[a_slope + f_rho_e]);
   if constexpr (Two) {
-    differences<Solid, true, 1>(s, b, a, a[a_B], a[a_slope + f_rho_e]);
     differences<Solid, true, 1>(s, b, a, a[second_density], a[a_slope + f_second]);
     differences<Solid, true, 1>(s, b, a, a[volume_fraction], a[a_slope + f_alpha]);
   }
@@ -417,6 +418,16 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
       R_e[q] = R_p[q] * xi[q] + m_B;
       L_c[q] = std::sqrt((L_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * L_rho0[q]));
       R_c[q] = std::sqrt((R_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * R_rho0[q]));
+    }
+    // The slope of B, as with two fluids: a face between a row that has the second fluid and one that has not gets the
+    // same flux from both sides.
+    if (curved) {
+      BRISANCE_VECTOR_LOOP
+      for (int q = st; q < end; ++q) {
+        double const change = half_lambda * u[q];
+        L_e[q] += keep[q] * (0.5 - change) * d_B[q];
+        R_e[q] -= keep[q] * (0.5 + change) * d_B[q];
+      }
     }
   }
 

@@ -63,6 +63,12 @@ template <class E>
       },
       eos);
 }
+
+/// Does the reference pressure f depend on the density?
+[[nodiscard]] inline bool follows_density(Eos const& eos) {
+  return !std::holds_alternative<IdealGas>(eos) && !std::holds_alternative<StiffenedGas>(eos);
+}
+
 [[nodiscard]] inline double pressure(Eos const& eos, double rho, double e) {
   return std::visit([=](auto const& m) { return pressure(m, rho, e); }, eos);
 }
