@@ -63,8 +63,7 @@ void RegionPlacing::for_each(CellRange const& range, Visit const& visit) const {
     for (Share const& s : shares) obstacles += s.shape >= first_obstacle ? s.part : 0.0;
     if (SolidCells::solid(obstacles)) return true;
     // What an obstacle takes of a cell that stays gas is gas of the regions.
-    std::vector<Share> parts =
-        obstacles > 0.0 ? shape::shares_of_cell(regions_, setup_->domain, r.lower) : shares;
+    std::vector<Share> parts = obstacles > 0.0 ? shape::shares_of_cell(regions_, setup_->domain, r.lower) : shares;
     if (parts.empty()) return true;
     scale(parts);
     return visit(r, parts);
@@ -86,13 +85,11 @@ bool RegionPlacing::measure(long most) {
                           });
     if (cut > most) return false;
     double const missing = asked_[n] - full - part;
-    if (part > 0.0 && std::abs(missing) > 1e-13 * asked_[n] && asked_[n] > full)
-      scales_[n] = (asked_[n] - full) / part;
+    if (part > 0.0 && std::abs(missing) > 1e-13 * asked_[n] && asked_[n] > full) scales_[n] = (asked_[n] - full) / part;
   }
   placed_.assign(regions_.size(), 0.0);
   for_each(shape::all_cells(domain), [&](CellRange const& r, std::vector<Share> const& shares) {
-    for (Share const& s : shares)
-      placed_[static_cast<std::size_t>(s.shape)] += s.part * shape::volume_of(r, domain);
+    for (Share const& s : shares) placed_[static_cast<std::size_t>(s.shape)] += s.part * shape::volume_of(r, domain);
     return ++cut <= most;
   });
   return cut <= most;
@@ -177,8 +174,9 @@ bool RegionPlacing::vanishes(std::size_t region) const {
   if (!(asked_[region] > 0.0)) return true;
   bool found = false;
   for_each(shape::cells_around(regions_[region], setup_->domain), [&](CellRange const&, std::vector<Share> const& s) {
-    found = std::any_of(s.begin(), s.end(),
-                        [&](Share const& share) { return share.shape == static_cast<int>(region) && share.part > 0.0; });
+    found = std::any_of(s.begin(), s.end(), [&](Share const& share) {
+      return share.shape == static_cast<int>(region) && share.part > 0.0;
+    });
     return !found;
   });
   return !found;

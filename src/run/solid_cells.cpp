@@ -179,8 +179,8 @@ double SolidCells::thickness(std::size_t obstacle) const {
   if (auto const* sphere = std::get_if<shape::Sphere>(&s)) return 2.0 * sphere->radius;
   if (auto const* half = std::get_if<shape::Hemisphere>(&s)) return half->radius;
   if (auto const* cylinder = std::get_if<shape::Cylinder>(&s)) {
-    bool const endless = domain_.geometry != grid::Geometry::cartesian3d &&
-                         domain_.geometry != grid::Geometry::axisymmetric2d;
+    bool const endless =
+        domain_.geometry != grid::Geometry::cartesian3d && domain_.geometry != grid::Geometry::axisymmetric2d;
     return endless ? 2.0 * cylinder->radius : std::min(2.0 * cylinder->radius, cylinder->length);
   }
   shape::Box const box = shape::bounds(s);
@@ -202,16 +202,14 @@ bool SolidCells::vanishes(std::size_t obstacle) const {
   if (!(shape::volume_inside(shapes_[obstacle], domain_) > 0.0)) return true;
   bool holds = false;
   bool lost = false;
-  shape::for_each_share(shapes_, domain_, around(obstacle, 0),
-                        [&](CellRange const&, std::vector<Share> const& shares) {
-                          bool const here = std::any_of(shares.begin(), shares.end(), [&](Share const& s) {
-                            return s.shape == static_cast<int>(obstacle);
-                          });
-                          bool const full = solid(sum_of(shares));
-                          if (here && full && largest_of(shares) == static_cast<int>(obstacle)) holds = true;
-                          if (here && !full) lost = true;
-                          return !holds;
-                        });
+  shape::for_each_share(shapes_, domain_, around(obstacle, 0), [&](CellRange const&, std::vector<Share> const& shares) {
+    bool const here = std::any_of(shares.begin(), shares.end(),
+                                  [&](Share const& s) { return s.shape == static_cast<int>(obstacle); });
+    bool const full = solid(sum_of(shares));
+    if (here && full && largest_of(shares) == static_cast<int>(obstacle)) holds = true;
+    if (here && !full) lost = true;
+    return !holds;
+  });
   return !holds && lost;
 }
 
