@@ -32,11 +32,11 @@ constexpr double bytes_per_record = 100.0;      // one line of a gauge file
 constexpr double bytes_per_point = 300.0;       // of a metal: its 27 values, and the room that the arrays keep
 constexpr double bytes_per_node = 160.0;        // mass, momentum, force and velocity of a node on one grid field
 constexpr double bytes_per_point_record = 200.0;
-constexpr double coarse_body = 4.0;         // points across a body's shortest side below which it hardly bends
-constexpr double coarse_charge = 5.0;       // cells per charge radius below which the near field is poorly resolved
-constexpr long most_cut_cells = 1'000'000;  // of regions and obstacles that `check` counts
-constexpr double coarse_obstacle = 0.2;     // part of its volume that an obstacle may win or lose without a warning
-constexpr double coarse_burst = 15.0;       // cells per radius of a remapped burst below which its shock is
+constexpr double coarse_body = 4.0;       // points across a body's shortest side below which it hardly bends
+constexpr double coarse_charge = 5.0;     // cells per charge radius below which the near field is poorly resolved
+constexpr long most_cut_cells = 200'000;  // of regions and obstacles that `check` counts
+constexpr double coarse_obstacle = 0.2;   // part of its volume that an obstacle may win or lose without a warning
+constexpr double coarse_burst = 15.0;     // cells per radius of a remapped burst below which its shock is
 
 double machine_memory() {
   double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));

@@ -68,6 +68,7 @@ run::Case Builder::build() {
   start();
   checkpoint();
   compare();
+  unused_materials();
   return std::move(out_);
 }
 

@@ -203,7 +203,8 @@ void Builder::charge(Section const& section, std::string& first_explosive,
     }
   }
   charge.shape = *body;
-  if (domain_known_ && boundaries_known_ && !inside_domain(section, *body)) return;
+  if (domain_known_ && boundaries_known_ && (!inside_domain(section, *body) || !fits_between_obstacles(section, *body)))
+    return;
   placed.emplace_back(&section, *body);
   if (!initiation(section, *body, "charge", charge.detonation, charge.initiation)) return;
   if (charge.detonation == run::Detonation::programmed) burning_charges_.emplace_back(&section, charge.shape);

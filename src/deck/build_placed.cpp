@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/error.hpp"
 #include "deck/build.hpp"
 #include "mpm/holds.hpp"
 #include "run/place_gas_regions.hpp"
@@ -162,6 +163,45 @@ void Builder::check_regions() {
               ? "the region fills nothing: later regions or obstacles take all of its place; remove it, or write it "
                 "after the regions that cover it"
               : "the region fills nothing of the domain: move it, or make it larger");
+  }
+}
+
+bool Builder::fits_between_obstacles(Section const& section, shape::Shape const& body) {
+  if (out_.obstacles.empty() || deck_.text("start") == "remap") return true;
+  auto const near = shape::bounds(body);
+  bool const beside = std::any_of(out_.obstacles.begin(), out_.obstacles.end(), [&](run::Obstacle const& o) {
+    auto const b = overlap(near, shape::bounds(o.shape));
+    for (int d = 0; d < dims(); ++d) {
+      if (b.upper[d] - b.lower[d] < -out_.domain.h) return false;
+    }
+    return true;
+  });
+  if (!beside) return true;
+  run::SolidCells const solid(out_.domain, out_.obstacles);
+  try {
+    (void)detonation::fill_cells(body, grid::Grid(out_.domain), shape::volume(body, geometry()), "the charge",
+                                 [&](Index3 const& cell) { return solid(cell); });
+  } catch (InputError const& problem) {
+    error(section, place_key(section), problem.what());
+    return false;
+  }
+  return true;
+}
+
+void Builder::unused_materials() {
+  std::set<std::string> used;
+  auto const use = [&](Section const& section, std::string_view key) {
+    if (auto const name = section.text(key)) used.insert(*name);
+  };
+  if (Section const* ambient = deck_.section("ambient")) use(*ambient, "fluid");
+  each("charge", [&](Section const& section) { use(section, "explosive"); });
+  each("region", [&](Section const& section) { use(section, "fluid"); });
+  each("body", [&](Section const& section) { use(section, "material"); });
+  for (auto const* key : {"explosives", "fluids", "solids"}) {
+    each(key, [&](Section const& section) {
+      if (used.contains(section.name)) return;
+      report_.warning(section.place, section.path, "nothing in this deck is made of it: name it where it is meant");
+    });
   }
 }
 
