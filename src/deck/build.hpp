@@ -192,8 +192,8 @@ class Builder {
   void check_obstacles();
   /// Warns of gaps beside boxes that are narrower than a cell and would be closed.
   void closed_gaps(run::SolidCells const& solid);
-  /// A charge beside obstacles finds room between solid cells; false after an error.
-  bool fits_between_obstacles(Section const& section, shape::Shape const& body);
+  /// A charge beside obstacles finds room between solid cells.
+  void fits_between_obstacles(Section const& section, shape::Shape const& body);
   /// Own materials that nothing is made of.
   void unused_materials();
   /// A region has cells of its own.

@@ -152,13 +152,16 @@ void Builder::charges() {
                         placed[j].first->path, point_text(*common, dims())));
     }
     auto const* bodies = deck_.sections("obstacle");
+    bool apart = domain_known_ && boundaries_known_;
     for (auto const& [index, obstacle] : obstacle_shapes_) {
       auto const common = common_point(placed[i].second, obstacle);
       if (!common) continue;
+      apart = false;
       error(*placed[i].first, place_key(*placed[i].first),
             fmt::format("{} reaches into {} around {} m: move one of them", placed[i].first->path,
                         (*bodies)[index].path, point_text(*common, dims())));
     }
+    if (apart) fits_between_obstacles(*placed[i].first, placed[i].second);
   }
 }
 
@@ -203,8 +206,7 @@ void Builder::charge(Section const& section, std::string& first_explosive,
     }
   }
   charge.shape = *body;
-  if (domain_known_ && boundaries_known_ && (!inside_domain(section, *body) || !fits_between_obstacles(section, *body)))
-    return;
+  if (domain_known_ && boundaries_known_ && !inside_domain(section, *body)) return;
   placed.emplace_back(&section, *body);
   if (!initiation(section, *body, "charge", charge.detonation, charge.initiation)) return;
   if (charge.detonation == run::Detonation::programmed) burning_charges_.emplace_back(&section, charge.shape);

@@ -166,8 +166,8 @@ void Builder::check_regions() {
   }
 }
 
-bool Builder::fits_between_obstacles(Section const& section, shape::Shape const& body) {
-  if (out_.obstacles.empty() || deck_.text("start") == "remap") return true;
+void Builder::fits_between_obstacles(Section const& section, shape::Shape const& body) {
+  if (out_.obstacles.empty() || deck_.text("start") == "remap") return;
   auto const near = shape::bounds(body);
   bool const beside = std::any_of(out_.obstacles.begin(), out_.obstacles.end(), [&](run::Obstacle const& o) {
     auto const b = overlap(near, shape::bounds(o.shape));
@@ -176,16 +176,14 @@ bool Builder::fits_between_obstacles(Section const& section, shape::Shape const&
     }
     return true;
   });
-  if (!beside) return true;
+  if (!beside) return;
   run::SolidCells const solid(out_.domain, out_.obstacles);
   try {
     (void)detonation::fill_cells(body, grid::Grid(out_.domain), shape::volume(body, geometry()), "the charge",
                                  [&](Index3 const& cell) { return solid(cell); });
   } catch (InputError const& problem) {
     error(section, place_key(section), problem.what());
-    return false;
   }
-  return true;
 }
 
 void Builder::unused_materials() {
