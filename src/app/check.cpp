@@ -301,6 +301,9 @@ void plan_points(run::Case const& setup, Plan& p) {
   for (run::Body const& body : points.bodies) {
     p.bodies.push_back(realised(body, setup.domain, p.machine_memory_bytes));
     p.points += static_cast<double>(p.bodies.back().points);
+    if (p.bodies.back().points == 0) {
+      throw InputError(fmt::format("body \"{}\" holds no material point: it is much smaller than a cell", body.name));
+    }
     if (double const across = points_across(body, setup.domain);
         body.solid.has_deviator() && !body.rigid && across < coarse_body - 0.01) {
       p.warnings.push_back(

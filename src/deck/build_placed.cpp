@@ -17,7 +17,8 @@ namespace brisance::deck {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double most_nodes = 2e7;  ///< that are looked at to find one
+constexpr double most_nodes = 2e7;      ///< that are looked at to find one
+constexpr long most_looks = 1'000'000;  ///< at cells, to find a gap in a wall
 
 shape::Box overlap(shape::Box const& a, shape::Box const& b) {
   shape::Box common;
@@ -93,7 +94,13 @@ void Builder::check_obstacles() {
   }
   if (!sound) return;
   closed_gaps(solid);
-  auto const leak = solid.leak();
+  long left = most_looks;
+  auto const leak = solid.leak(left);
+  if (!leak && left <= 0) {
+    report_.warning(sections.front().place, "obstacle",
+                    "so many cells lie at the surfaces of obstacles that not all were looked at for walls too thin to "
+                    "hold the gas");
+  }
   if (!leak) return;
   Section const& section = sections[obstacle_shapes_[leak->obstacle].first];
   double const t = solid.thickness(leak->obstacle);

@@ -213,26 +213,34 @@ bool SolidCells::vanishes(std::size_t obstacle) const {
   return !holds && lost;
 }
 
-std::optional<Leak> SolidCells::leak() const {
-  double const least = thick * domain_.h;
+bool SolidCells::may_leak(std::size_t obstacle) const {
+  // A box lies along the grid: one layer of its cells is solid all over, or none is.
+  return !std::holds_alternative<shape::Box>(shapes_[obstacle]) && thickness(obstacle) < thick * domain_.h;
+}
+
+std::optional<Leak> SolidCells::leak(long& most) const {
   std::vector<CellRange> ranges;
-  for (std::size_t n = 0; n < shapes_.size(); ++n) {
-    if (thickness(n) < least) {
+  std::vector<CellRange> near(shapes_.size());
+  for (std::size_t n = 0; n < shapes_.size(); ++n) near[n] = around(n, 1);
+  for (std::size_t n = 0; n < shapes_.size() && most > 0; ++n) {
+    ranges.clear();
+    if (may_leak(n)) {
       ranges.push_back(around(n, 0));
-      continue;
+    } else {
+      for (std::size_t other = 0; other < n; ++other) {
+        CellRange const both = common(near[n], near[other]);
+        if (!empty(both) && !may_leak(other)) ranges.push_back(both);
+      }
     }
-    for (std::size_t other = 0; other < n; ++other) {
-      CellRange const both = common(around(n, 1), around(other, 1));
-      if (thickness(other) >= least && !empty(both)) ranges.push_back(both);
+    for (CellRange const& range : ranges) {
+      if (auto const found = leak_in(range, most)) return found;
+      if (most <= 0) break;
     }
-  }
-  for (CellRange const& range : ranges) {
-    if (auto const found = leak_in(range)) return found;
   }
   return std::nullopt;
 }
 
-std::optional<Leak> SolidCells::leak_in(CellRange const& range) const {
+std::optional<Leak> SolidCells::leak_in(CellRange const& range, long& most) const {
   int const dims = domain_.dimensions();
   int const p = parts_of(dims);
   grid::Domain fine = domain_;
@@ -271,9 +279,10 @@ std::optional<Leak> SolidCells::leak_in(CellRange const& range) const {
 
   std::optional<Leak> leak;
   auto const look = [&](CellRange const& r, std::vector<Share> const& shares) {
+    if (--most <= 0) return false;
     if (solid(sum_of(shares))) return true;
     Index3 const cell = r.lower;
-    // One thick convex obstacle alone has no gaps.
+    // One thick convex obstacle alone has no gaps, nor has a box.
     int obstacles = 0;
     bool thin = false;
     for (std::size_t n = 0; n < shapes_.size(); ++n) {
@@ -281,7 +290,7 @@ std::optional<Leak> SolidCells::leak_in(CellRange const& range) const {
       for (int d = 0; d < dims; ++d) inside = inside && cell[d] >= near[n].lower[d] && cell[d] < near[n].upper[d];
       if (!inside) continue;
       ++obstacles;
-      thin = thin || thickness(n) < thick * domain_.h;
+      thin = thin || may_leak(n);
     }
     if (obstacles < 2 && !thin) return true;
     for (int face = 0; face < 2 * dims; ++face) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,13 +46,20 @@ class SolidCells {
   /// Does the obstacle make no cell solid, and not all its cells be solid by others?
   [[nodiscard]] bool vanishes(std::size_t obstacle) const;
   /// A face between two gas cells through which gas would flow although obstacles lie between what the two cells stand
-  /// for: a wall that is too thin for the cells. Nothing where there is none.
-  [[nodiscard]] std::optional<Leak> leak() const;
+  /// for: a wall that is too thin for the cells. Nothing where there is none. Looks at `most` cells at the surfaces of
+  /// obstacles, which then says how many more it may look at; 0: not all have been seen.
+  [[nodiscard]] std::optional<Leak> leak(long& most) const;
+  [[nodiscard]] std::optional<Leak> leak() const {
+    long most = std::numeric_limits<long>::max();
+    return leak(most);
+  }
   /// The least extent of an obstacle [m], in the directions that are resolved.
   [[nodiscard]] double thickness(std::size_t obstacle) const;
 
  private:
-  [[nodiscard]] std::optional<Leak> leak_in(shape::CellRange const& range) const;
+  [[nodiscard]] std::optional<Leak> leak_in(shape::CellRange const& range, long& most) const;
+  /// May one obstacle alone be a wall with gaps?
+  [[nodiscard]] bool may_leak(std::size_t obstacle) const;
   /// Cells around an obstacle, and so many more on each side.
   [[nodiscard]] shape::CellRange around(std::size_t obstacle, int layers) const;
 
