@@ -129,11 +129,10 @@ void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive 
       double const scale = before < 1.0 ? 1.0 / (1.0 - before) : 0.0;
       for (int c = 0; c < gas.components(); ++c) u[c] *= scale;
     }
-    gas.set_conserved(b, at, old * u[gas::density],
-                      (two ? old * u[gas::second_density] : 0.0) + held * explosive.density(),
-                      {old * u[gas::momentum_x], old * u[gas::momentum_y], old * u[gas::momentum_z]},
-                      held * explosive.energy + old * u[gas::energy],
-                      (two ? old * u[gas::volume_fraction] : 0.0) + held);
+    gas.set_conserved(
+        b, at, old * u[gas::density], (two ? old * u[gas::second_density] : 0.0) + held * explosive.density(),
+        {old * u[gas::momentum_x], old * u[gas::momentum_y], old * u[gas::momentum_z]},
+        held * explosive.energy + old * u[gas::energy], (two ? old * u[gas::volume_fraction] : 0.0) + held);
     before = held;
   }
 }
@@ -159,7 +158,8 @@ void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charge
     bool found = false;
     for (int k = low[2]; k <= high[2] && !found; ++k) {
       for (int j = low[1]; j <= high[1] && !found; ++j) {
-        for (int i = low[0]; i <= high[0] && !found; ++i) found = fill_fraction(charges[n].shape, domain, {i, j, k}) > 0.0;
+        for (int i = low[0]; i <= high[0] && !found; ++i)
+          found = fill_fraction(charges[n].shape, domain, {i, j, k}) > 0.0;
       }
     }
     if (!found) only[n] = gas.grid().cell_at(centre(charges[n].shape));

@@ -39,8 +39,8 @@ struct FilledCells {
 using TakenCells = std::map<Index3, double>;
 
 /// Puts products (unburnt or not: the same mass and energy) into the cells: partial density alpha rho0 and energy alpha
-/// E0, at rest. What was in the cell before keeps its state in the rest of it. `taken` is what earlier charges left, and
-/// is brought up to date. Throws InputError where charges overlap.
+/// E0, at rest. What was in the cell before keeps its state in the rest of it. `taken` is what earlier charges left,
+/// and is brought up to date. Throws InputError where charges overlap.
 void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive, TakenCells& taken);
 
 /// Lighting time of a point: the earliest arrival of a detonation wave from the initiation points, [Cui14] Sec. 4.1

@@ -163,8 +163,7 @@ class GasView;
 /// What a charge would become on a grid, beside the solid cells of obstacles; the cells that it takes are added to
 /// `taken`. Throws InputError where it does not fit.
 [[nodiscard]] ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
-                                           SolidCells const* solid = nullptr,
-                                           detonation::TakenCells* taken = nullptr);
+                                           SolidCells const* solid = nullptr, detonation::TakenCells* taken = nullptr);
 
 /// The fluids of the gas of a case.
 [[nodiscard]] gas::Fluids fluids_of(Case const& setup);
@@ -189,7 +188,7 @@ class World {
   std::vector<ChargeReport> charges;
   std::vector<RegionReport> regions;      ///< what became of each region of the gas
   std::vector<ObstacleReport> obstacles;  ///< and of each obstacle
-  std::vector<StartReport> starts;  ///< of each charge, where the case starts by a remap
+  std::vector<StartReport> starts;        ///< of each charge, where the case starts by a remap
   std::vector<BodyReport> bodies;
   std::vector<GaugeHistory> gauges;
   std::vector<PointGaugeHistory> point_gauges;
