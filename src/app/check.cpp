@@ -36,6 +36,7 @@ constexpr double coarse_body = 4.0;       // points across a body's shortest sid
 constexpr double coarse_charge = 5.0;     // cells per charge radius below which the near field is poorly resolved
 constexpr long most_cut_cells = 200'000;  // of regions and obstacles that `check` counts
 constexpr double coarse_obstacle = 0.2;   // part of its volume that an obstacle may win or lose without a warning
+constexpr double few_steps = 5.0;         // that a load must last for its impulse to be right within some per cent
 constexpr double coarse_burst = 15.0;     // cells per radius of a remapped burst below which its shock is
 
 double machine_memory() {
@@ -248,12 +249,16 @@ double fastest_signal(run::Body const& body) {
   return std::max(sound, burn) + norm(body.velocity);
 }
 
-/// Steps at the length that the start allows.
-double estimated_point_steps(run::Case const& setup) {
+/// Length of a step that the start allows [s].
+double estimated_point_step(run::Case const& setup) {
   double fastest = 0.0;
   for (run::Body const& body : setup.points.bodies) fastest = std::max(fastest, fastest_signal(body));
-  double const steps =
-      setup.end.time * fastest / (setup.points.options.courant * setup.domain.h) + 5.0;  // 5 for the gentle start
+  return setup.points.options.courant * setup.domain.h / fastest;
+}
+
+/// Steps at the length that the start allows.
+double estimated_point_steps(run::Case const& setup) {
+  double const steps = setup.end.time / estimated_point_step(setup) + 5.0;  // 5 for the gentle start
   return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
 }
 
@@ -311,6 +316,15 @@ void plan_points(run::Case const& setup, Plan& p) {
                       "cell of {} would give {:g}",
                       body.name, across, quantity(setup.domain.h * across / coarse_body, "m", 2), coarse_body));
     }
+  }
+  double const step = estimated_point_step(setup);
+  for (std::size_t n = 0; n < points.pressures.size(); ++n) {
+    auto const& times = points.pressures[n].times;
+    if (times.size() < 2 || !std::isfinite(step) || times.back() - times.front() >= few_steps * step) continue;
+    p.warnings.push_back(
+        fmt::format("surface pressure {} acts for {}, and a step takes about {}: its impulse will not be right, or it "
+                    "passes between two steps; a smaller points.courant or cell makes the steps shorter",
+                    n + 1, quantity(times.back() - times.front(), "s", 3), quantity(step, "s", 2)));
   }
   double const records =
       setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;

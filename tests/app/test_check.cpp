@@ -107,6 +107,24 @@ TEST(Plan, TellsWhatIsAskedAndWhatIsPlaced) {
   EXPECT_NE(warnings.find("region 1 is only 0.8 cells thick"), std::string::npos) << warnings;
 }
 
+TEST(Plan, WarnsOfLoadsThatAreShorterThanSteps) {
+  auto const warnings = [](std::string const& duration) {
+    auto const result = deck::read_text(
+        "[domain]\ngeometry = \"planar1d\"\nsize = 1\ncell = 0.01\n[end]\ntime = 1e-3\n[[body]]\nname = "
+        "\"bar\"\nmaterial = "
+        "\"RHA\"\nlower = 0.2\nupper = 0.8\n[[surface_pressure]]\nnormal = \"-x\"\npressure = 1e6\nduration = \"" +
+            duration + "\"\n",
+        "load.toml");
+    for (auto const& error : result.errors) ADD_FAILURE() << deck::format(error);
+    std::string all;
+    for (auto const& w : plan(result.case_.value()).warnings) all += w;
+    return all;
+  };
+  // A step takes 0.4 h/c, about 0.7 us.
+  EXPECT_EQ(warnings("10 us"), "");
+  EXPECT_NE(warnings("1 us").find("surface pressure 1 acts for 1 us"), std::string::npos) << warnings("1 us");
+}
+
 TEST(Plan, TextAndJsonTellTheSame) {
   auto const setup = small_case("[end]\ntime = \"0.2 ms\"\n");
   Plan const p = plan(setup);
