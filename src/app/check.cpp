@@ -14,6 +14,7 @@
 #include "core/parallel.hpp"
 #include "gas/components.hpp"
 #include "output/json.hpp"
+#include "output/placed.hpp"
 #include "output/run_log.hpp"
 #include "output/writer.hpp"
 #include "run/place_region.hpp"
@@ -31,9 +32,12 @@ constexpr double bytes_per_record = 100.0;      // one line of a gauge file
 constexpr double bytes_per_point = 300.0;       // of a metal: its 27 values, and the room that the arrays keep
 constexpr double bytes_per_node = 160.0;        // mass, momentum, force and velocity of a node on one grid field
 constexpr double bytes_per_point_record = 200.0;
-constexpr double coarse_body = 4.0;    // points across a body's shortest side below which it hardly bends
-constexpr double coarse_charge = 5.0;  // cells per charge radius below which the near field is poorly resolved
-constexpr double coarse_burst = 15.0;  // cells per radius of a remapped burst below which its shock is
+constexpr double coarse_body = 4.0;       // points across a body's shortest side below which it hardly bends
+constexpr double coarse_charge = 5.0;     // cells per charge radius below which the near field is poorly resolved
+constexpr long most_cut_cells = 200'000;  // of regions and obstacles that `check` counts
+constexpr double coarse_obstacle = 0.2;   // part of its volume that an obstacle may win or lose without a warning
+constexpr double few_steps = 5.0;         // that a load must last for its impulse to be right within some per cent
+constexpr double coarse_burst = 15.0;     // cells per radius of a remapped burst below which its shock is
 
 double machine_memory() {
   double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
@@ -159,11 +163,43 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
   }
 }
 
+/// Regions and obstacles as they will be placed.
+void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Plan& p) {
+  double const h = setup.domain.h;
+  if (run::RegionPlacing regions(setup); regions.measure(most_cut_cells)) {
+    regions.give_way(taken);
+    p.regions = regions.reports();
+  }
+  for (std::size_t n = 0; n < setup.regions.size(); ++n) {
+    auto const box = shape::bounds(setup.regions[n].shape);
+    double across = std::numeric_limits<double>::infinity();
+    for (int d = 0; d < setup.domain.dimensions(); ++d) across = std::min(across, (box.upper[d] - box.lower[d]) / h);
+    if (across < 1.0) {
+      p.warnings.push_back(
+          fmt::format("region {} is only {:.2g} cells thick: it has its mass and energy, but they are spread over the "
+                      "cells that it touches; a cell of {} would give it one of its own",
+                      n + 1, across, quantity(h * across, "m", 2)));
+    }
+  }
+  if (auto obstacles = run::SolidCells(setup.domain, setup.obstacles).reports(most_cut_cells)) {
+    p.obstacles = std::move(*obstacles);
+    for (run::ObstacleReport const& o : p.obstacles) {
+      if (std::abs(o.excess) <= coarse_obstacle * o.asked_volume) continue;
+      p.warnings.push_back(fmt::format(
+          "obstacle \"{}\" is {:.0f} % {} on these cells than it is: smaller cells, or faces between cells, would "
+          "give it its size",
+          o.name, 100.0 * std::abs(o.excess) / o.asked_volume, o.excess > 0.0 ? "larger" : "smaller"));
+    }
+  }
+}
+
 void plan_gas(run::Case const& setup, Plan& p) {
   grid::Grid const grid(setup.domain, setup.numerics.block_cells);
   p.blocks = grid.block_count();
   p.memory_bytes = estimated_memory(setup, grid);
   p.steps = estimated_steps(setup);
+  run::SolidCells const solid(setup.domain, setup.obstacles);
+  detonation::TakenCells taken;
   int number = 0;
   for (run::Charge const& charge : setup.charges) {
     ++number;
@@ -172,7 +208,7 @@ void plan_gas(run::Case const& setup, Plan& p) {
       plan_start(setup, number - 1, what, p);
       continue;
     }
-    p.charges.push_back(run::realised_charge(charge, grid, what));
+    p.charges.push_back(run::realised_charge(charge, grid, what, &solid, &taken));
     double const resolution = p.charges.back().cells_per_radius;
     if (resolution < coarse_charge) {
       p.warnings.push_back(fmt::format(
@@ -180,6 +216,7 @@ void plan_gas(run::Case const& setup, Plan& p) {
           resolution, quantity(setup.domain.h * resolution / coarse_charge, "m", 2), coarse_charge));
     }
   }
+  plan_placed(setup, taken, p);
   double const values = gas_components(setup) + (setup.output.peak_fields ? peak_components : 0.0);
   p.checkpoint_bytes = static_cast<double>(setup.domain.cell_count()) * values * double_bytes;
   p.dump_bytes =
@@ -212,12 +249,16 @@ double fastest_signal(run::Body const& body) {
   return std::max(sound, burn) + norm(body.velocity);
 }
 
-/// Steps at the length that the start allows.
-double estimated_point_steps(run::Case const& setup) {
+/// Length of a step that the start allows [s].
+double estimated_point_step(run::Case const& setup) {
   double fastest = 0.0;
   for (run::Body const& body : setup.points.bodies) fastest = std::max(fastest, fastest_signal(body));
-  double const steps =
-      setup.end.time * fastest / (setup.points.options.courant * setup.domain.h) + 5.0;  // 5 for the gentle start
+  return setup.points.options.courant * setup.domain.h / fastest;
+}
+
+/// Steps at the length that the start allows.
+double estimated_point_steps(run::Case const& setup) {
+  double const steps = setup.end.time / estimated_point_step(setup) + 5.0;  // 5 for the gentle start
   return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
 }
 
@@ -265,6 +306,9 @@ void plan_points(run::Case const& setup, Plan& p) {
   for (run::Body const& body : points.bodies) {
     p.bodies.push_back(realised(body, setup.domain, p.machine_memory_bytes));
     p.points += static_cast<double>(p.bodies.back().points);
+    if (p.bodies.back().points == 0) {
+      throw InputError(fmt::format("body \"{}\" holds no material point: it is much smaller than a cell", body.name));
+    }
     if (double const across = points_across(body, setup.domain);
         body.solid.has_deviator() && !body.rigid && across < coarse_body - 0.01) {
       p.warnings.push_back(
@@ -272,6 +316,15 @@ void plan_points(run::Case const& setup, Plan& p) {
                       "cell of {} would give {:g}",
                       body.name, across, quantity(setup.domain.h * across / coarse_body, "m", 2), coarse_body));
     }
+  }
+  double const step = estimated_point_step(setup);
+  for (std::size_t n = 0; n < points.pressures.size(); ++n) {
+    auto const& times = points.pressures[n].times;
+    if (times.size() < 2 || !std::isfinite(step) || times.back() - times.front() >= few_steps * step) continue;
+    p.warnings.push_back(
+        fmt::format("surface pressure {} acts for {}, and a step takes about {}: its impulse will not be right, or it "
+                    "passes between two steps; a smaller points.courant or cell makes the steps shorter",
+                    n + 1, quantity(times.back() - times.front(), "s", 3), quantity(step, "s", 2)));
   }
   double const records =
       setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
@@ -318,6 +371,8 @@ void plan_region(run::Case const& setup, Plan& p) {
   p.points += r.gas_points;
   p.blocks = gas.blocks;
   p.charges = gas.charges;
+  p.regions = gas.regions;
+  p.obstacles = gas.obstacles;
   p.starts = gas.starts;
   double const shorter = std::min(r.gas_steps, r.point_steps);
   p.steps = setup.mpm_region->subcycling ? std::max({shorter, r.gas_steps / 4.0, r.point_steps / 64.0})
@@ -428,6 +483,23 @@ std::string region_text(run::Case const& setup, RegionPlan const& r) {
                          : fmt::format("{} cells wide, on the sides {} of the region", setup.mpm_region->width, faces));
 }
 
+constexpr std::size_t most_listed = 20;
+
+double density_of(run::Body const& body) { return body.density.value_or(body.solid.density); }
+
+std::string region_line(std::size_t number, run::RegionReport const& r) {
+  return fmt::format(
+      "{:<12} {}: {}, volume asked {:.6g} m3, placed {:.6g}; mass asked {:.6g} kg, placed {:.6g}; energy asked {}, "
+      "placed {}\n",
+      "", number + 1, r.fluid, r.asked_volume, r.volume, r.asked_mass, r.mass, quantity(r.asked_energy, "J", 6),
+      quantity(r.energy, "J", 6));
+}
+
+std::string obstacle_line(run::ObstacleReport const& o) {
+  return fmt::format("{:<12} {}: volume asked {:.6g} m3, placed {:.6g} in {} cells\n", "", o.name, o.asked_volume,
+                     o.volume, o.cells);
+}
+
 }  // namespace
 
 std::string plan_text(run::Case const& setup, Plan const& p) {
@@ -499,8 +571,10 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
                              norm(v) > 0.0 ? fmt::format(", ({:g}, {:g}, {:g}) m/s", v[0], v[1], v[2]) : "",
                              body.rigid ? ", rigid" : ""));
     if (std::isfinite(b.mass))
-      line("", fmt::format("mass of the points {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}", b.mass,
-                           b.geometric_mass, relative_error(b)));
+      line("", fmt::format("mass of the points {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}; volume {:.6g} "
+                           "and {:.6g} m3",
+                           b.mass, b.geometric_mass, relative_error(b), b.mass / density_of(body),
+                           b.geometric_mass / density_of(body)));
   }
   for (std::size_t n = 0; n < p.charges.size(); ++n) {
     auto const& c = p.charges[n];
@@ -511,13 +585,20 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
                      charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
     line("", fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
                          c.realised_mass, relative_error(c)));
-    line("",
-         fmt::format("energy {}, {:.3g} cells per radius", quantity(c.realised_energy, "J", 6), c.cells_per_radius));
+    double const density = charge.explosive.density();
+    line("", fmt::format("volume asked {:.6g} m3, realised {:.6g} m3; energy asked {}, realised {}; {:.3g} cells per "
+                         "radius",
+                         c.asked_mass / density, c.realised_mass / density,
+                         quantity(c.asked_mass * charge.explosive.specific_energy(), "J", 6),
+                         quantity(c.realised_energy, "J", 6), c.cells_per_radius));
     if (n < p.starts.size()) line("start", p.starts[n]);
   }
   if (setup.afterburn) line("afterburn", afterburn_text(*setup.afterburn));
   if (!setup.regions.empty()) line("regions", fmt::format("{}", setup.regions.size()));
+  for (std::size_t n = 0; n < p.regions.size(); ++n) out += region_line(n, p.regions[n]);
   if (!setup.obstacles.empty()) line("obstacles", fmt::format("{}", setup.obstacles.size()));
+  for (std::size_t n = 0; n < p.obstacles.size() && n < most_listed; ++n) out += obstacle_line(p.obstacles[n]);
+  if (p.obstacles.size() > most_listed) line("", fmt::format("and {} more", p.obstacles.size() - most_listed));
   for (MaterialLine const& m : materials_of(setup))
     line("material", fmt::format("{} ({}): {}", m.name, m.role, m.source));
 
@@ -539,21 +620,30 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
 nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
   using nlohmann::json;
   json charges = json::array();
-  for (auto const& c : p.charges) {
+  for (std::size_t n = 0; n < p.charges.size(); ++n) {
+    auto const& c = p.charges[n];
+    auto const& explosive = setup.charges[n].explosive;
     charges.push_back({{"explosive", c.explosive},
                        {"asked_mass", c.asked_mass},
                        {"realised_mass", c.realised_mass},
                        {"relative_error", relative_error(c)},
+                       {"asked_volume", c.asked_mass / explosive.density()},
+                       {"realised_volume", c.realised_mass / explosive.density()},
+                       {"asked_energy", c.asked_mass * explosive.specific_energy()},
                        {"realised_energy", c.realised_energy},
                        {"cells_per_radius", c.cells_per_radius}});
   }
   json bodies = json::array();
-  for (auto const& b : p.bodies) {
+  for (std::size_t n = 0; n < p.bodies.size(); ++n) {
+    auto const& b = p.bodies[n];
+    double const density = density_of(setup.points.bodies[n]);
     bodies.push_back({{"name", b.name},
                       {"material", b.material},
                       {"points", b.points},
                       {"mass", output::json_or_null(b.mass)},
                       {"geometric_mass", output::json_or_null(b.geometric_mass)},
+                      {"volume", output::json_or_null(b.mass / density)},
+                      {"geometric_volume", output::json_or_null(b.geometric_mass / density)},
                       {"relative_error", output::json_or_null(relative_error(b))}});
   }
   json materials = json::array();
@@ -596,6 +686,8 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
           {"gauges", setup.points.gauges.size() + setup.gauges.size()},
           {"gauge_bytes", p.gauge_bytes},
           {"obstacles", setup.obstacles.size()},
+          {"placed_regions", output::regions_json(p.regions)},
+          {"placed_obstacles", output::obstacles_json(p.obstacles)},
           {"fields", fields},
           {"dumps", p.dumps},
           {"dump_bytes", p.dump_bytes},

@@ -31,6 +31,9 @@ struct Plan {
   double steps = 0.0;                 ///< estimate
   std::vector<run::ChargeReport> charges;
   std::vector<std::string> starts;  ///< how each charge starts, where it is remapped
+  /// What regions and obstacles become; empty where that would take long to count.
+  std::vector<run::RegionReport> regions;
+  std::vector<run::ObstacleReport> obstacles;
   std::vector<run::BodyReport> bodies;
   double points = 0.0;  ///< material points; 0: a calculation of the gas alone
   std::optional<RegionPlan> region;

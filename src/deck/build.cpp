@@ -68,6 +68,7 @@ run::Case Builder::build() {
   start();
   checkpoint();
   compare();
+  unused_materials();
   return std::move(out_);
 }
 
@@ -304,6 +305,7 @@ void Builder::end() {
   if (!time) return;
   out_.end.time = *time;
   end_known_ = true;
+  check_onsets();
 }
 
 void Builder::checkpoint() {
@@ -362,6 +364,13 @@ void Builder::output() {
     error(*section, "field_times",
           fmt::format("{:g} s lies after the end of the calculation at {:g} s: remove it or calculate longer",
                       o.field_times.back(), time));
+  }
+  for (auto const& [key, interval, what] : {std::tuple{"field_interval", o.field_interval, "dumps are written"},
+                                            std::tuple{"gauge_interval", o.gauge_interval, "gauges record"}}) {
+    if (section->given(key) && interval > time) {
+      warn(*section, key,
+           fmt::format("is longer than the calculation, {:g} s: {} at its start and its end only", time, what));
+    }
   }
   too_many(*section, "field_interval", o.field_interval, most_dumps, "field dumps");
   too_many(*section, "gauge_interval", o.gauge_interval, most_records, "records per gauge");

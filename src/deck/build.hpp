@@ -14,6 +14,7 @@
 #include "deck/library.hpp"
 #include "deck/reader.hpp"
 #include "run/case.hpp"
+#include "run/solid_cells.hpp"
 
 namespace brisance::deck {
 
@@ -57,6 +58,15 @@ class Builder {
   std::set<std::string, std::less<>> wrong_materials_;  ///< names of own materials with an error of their own
   std::vector<std::pair<std::size_t, shape::Shape>> obstacle_shapes_;  ///< index of the section, shape
   std::vector<std::pair<Section const*, shape::Shape>> burning_charges_;
+  std::vector<Section const*> region_sections_;      ///< of the regions of the case, in their order
+  std::vector<Section const*> constraint_sections_;  ///< of its constraints
+  struct Onset {
+    Section const* section;
+    double time;             ///< [s]
+    std::string_view key;    ///< that tells it
+    std::string_view never;  ///< what does not happen where it lies after the end
+  };
+  std::vector<Onset> onsets_;  ///< of what may begin later than at the start
 
   // --- build.cpp: domain, boundaries, numerics, output
 
@@ -171,6 +181,39 @@ class Builder {
   /// Gauges from `first` on: unique names, in the domain, not in an obstacle. One error per table.
   void check_gauges(Section const& section, std::string_view key, std::size_t first, std::set<std::string>& names);
   [[nodiscard]] run::Burst automatic_burst() const;
+
+  // --- build_placed.cpp: things that would fill, hold or do nothing
+
+  /// Does the shape fill anything of the domain?
+  [[nodiscard]] bool fills(shape::Shape const& shape) const;
+  /// Parts that are cut out of a shape, or all of it, must be there.
+  bool check_composition(Section const& section, std::string_view key, std::vector<Section> const& parts,
+                         std::vector<shape::Shape> const& shapes, shape::Shape const& before);
+  /// Has the body points in the loaded layer of a surface pressure?
+  [[nodiscard]] bool has_points_in(shape::Shape const& body, shape::Shape const& layer, long points_per_cell) const;
+  /// An obstacle makes cells solid, and no gas flows through it.
+  void check_obstacles();
+  /// Warns of gaps beside boxes that are narrower than a cell and would be closed.
+  void closed_gaps(run::SolidCells const& solid);
+  /// A charge beside obstacles finds room between solid cells.
+  void fits_between_obstacles(Section const& section, shape::Shape const& body);
+  /// Own materials that nothing is made of.
+  void unused_materials();
+  /// A region has cells of its own.
+  void check_regions();
+  /// Is a gauge between solid cells only?
+  [[nodiscard]] bool walled_in(run::SolidCells const& solid, Vec3 const& p) const;
+  [[nodiscard]] bool is_rigid(std::size_t body) const;
+  /// A constraint holds nodes, bodies are there, and no other says something else.
+  void check_constraints();
+  /// A node of the grid within a box that all the regions hold.
+  [[nodiscard]] std::optional<Vec3> held_node(std::vector<shape::Shape const*> const& regions,
+                                              shape::Box const& within) const;
+  /// The box whose nodes a body gives mass to; -1: all bodies that are not rigid.
+  [[nodiscard]] shape::Box reach_of_bodies(int body) const;
+  void check_contradictions(std::size_t number);
+  /// Charges that are lit, and loads that begin, after the end.
+  void check_onsets();
 
   // --- build_afterburn.cpp
 

@@ -306,6 +306,7 @@ void Builder::points_options() {
 
 void Builder::constraints() {
   each("constraint", [&](Section const& section) { constraint(section); });
+  check_constraints();
 }
 
 void Builder::constraint(Section const& section) {
@@ -397,7 +398,9 @@ void Builder::constraint(Section const& section) {
       return;
     }
   }
-  if (sound) out_.points.constraints.push_back(std::move(out));
+  if (!sound) return;
+  out_.points.constraints.push_back(std::move(out));
+  constraint_sections_.push_back(&section);
 }
 
 void Builder::contacts() {
@@ -414,6 +417,14 @@ void Builder::contacts() {
     auto const first = body_named(section, "bodies", (*names)[0]);
     auto const second = body_named(section, "bodies", (*names)[1]);
     if (!first || !second) return;
+    if (is_rigid(static_cast<std::size_t>(*first)) && is_rigid(static_cast<std::size_t>(*second))) {
+      error(
+          section, "bodies",
+          fmt::format("{} and {} are both rigid and keep their velocities, so that their contact does nothing: remove "
+                      "it, or let one of them deform",
+                      (*names)[0], (*names)[1]));
+      return;
+    }
     for (mpm::Contact const& other : out_.points.contacts) {
       if (std::minmax(other.first, other.second) != std::minmax(*first, *second)) continue;
       error(section, "bodies",
@@ -494,6 +505,13 @@ bool Builder::pressure_history(Section const& section, mpm::SurfacePressure& pre
   }
   pressure.times = *times;
   pressure.pressures = *pressures;
+  std::size_t acts = 0;
+  while (acts < pressures->size() && (*pressures)[acts] == 0.0) ++acts;
+  if (acts == pressures->size()) {
+    warn(*history, "pressures", "they are all 0: the load has no effect");
+  } else {
+    onsets_.push_back({&section, (*times)[acts > 0 ? acts - 1 : 0], "history", "never acts"});
+  }
   return true;
 }
 
@@ -506,6 +524,12 @@ bool Builder::loaded_layer(Section const& section, mpm::SurfacePressure& pressur
     region = *shape;
   }
   if (section.broken("thickness")) return false;
+  if (is_rigid(static_cast<std::size_t>(pressure.body))) {
+    report_.error(section.place_of("body"), section.path_of("body"),
+                  fmt::format("\"{}\" is rigid and keeps its velocity, whatever pushes: remove the pressure",
+                              body_names_[static_cast<std::size_t>(pressure.body)]));
+    return false;
+  }
   auto const& body = body_shapes_[static_cast<std::size_t>(pressure.body)];
   if (!body || !domain_known_) return false;  // reported where the body is defined
   Section const& owner = (*deck_.sections("body"))[static_cast<std::size_t>(pressure.body)];
@@ -535,9 +559,17 @@ bool Builder::loaded_layer(Section const& section, mpm::SurfacePressure& pressur
   double const layer = out_.domain.h / static_cast<double>(*per_cell);  // of points
   double const asked = section.number("thickness").value_or(layer);
   if (asked > depth + tiny()) {
-    error(section, "thickness",
-          fmt::format("{} is more than the body has below the loaded face, {:.6g} m: make it smaller",
-                      section.shown("thickness"), depth));
+    bool const given = section.given("thickness");
+    error(section,
+          given                     ? "thickness"
+          : section.given("region") ? "region"
+                                    : "normal",
+          given ? fmt::format("{} is more than the body has below the loaded face, {:.6g} m: make it smaller",
+                              section.shown("thickness"), depth)
+                : fmt::format(
+                      "a layer of points is {:.6g} m thick, more than there is of the body below the loaded face, "
+                      "{:.6g} m: make the region thicker",
+                      asked, depth));
     return false;
   }
   // The inner side of the layer lies where sub-cells end, so that their points hold just its volume. A sub-cell that
@@ -556,6 +588,14 @@ bool Builder::loaded_layer(Section const& section, mpm::SurfacePressure& pressur
   slab.lower[d] = high ? side : face - layer;
   slab.upper[d] = high ? face + layer : side;
   pressure.region = section.given("region") ? shape::combine(shape::Operation::intersection, {region, slab}) : slab;
+  if (!has_points_in(*body, pressure.region, *per_cell)) {
+    report_.error(
+        section.place_of("region"), section.path_of(section.given("region") ? "region" : "normal"),
+        fmt::format("no point of the body lies in the loaded layer, {:.4g} m below the face at {} = {:.6g} m: "
+                    "move the region, or make it larger than the points are apart, {:.4g} m",
+                    pressure.thickness, directions[d], face, layer));
+    return false;
+  }
   return true;
 }
 

@@ -152,13 +152,16 @@ void Builder::charges() {
                         placed[j].first->path, point_text(*common, dims())));
     }
     auto const* bodies = deck_.sections("obstacle");
+    bool apart = domain_known_ && boundaries_known_;
     for (auto const& [index, obstacle] : obstacle_shapes_) {
       auto const common = common_point(placed[i].second, obstacle);
       if (!common) continue;
+      apart = false;
       error(*placed[i].first, place_key(*placed[i].first),
             fmt::format("{} reaches into {} around {} m: move one of them", placed[i].first->path,
                         (*bodies)[index].path, point_text(*common, dims())));
     }
+    if (apart) fits_between_obstacles(*placed[i].first, placed[i].second);
   }
 }
 
@@ -281,6 +284,15 @@ bool Builder::initiation(Section const& section, shape::Shape const& body, char 
   if (!word || section.broken("initiation")) return false;
   detonation = *word == "instantaneous" ? run::Detonation::instantaneous : run::Detonation::programmed;
   auto const* all = section.sections("initiation");
+  // A body may be hollow.
+  auto const middle_is_explosive = [&](Section const& blamed, std::string_view key) {
+    if (!domain_known_ || shape::contains(body, out_.domain, shape::centre(body))) return true;
+    report_.error(blamed.place_of(key), blamed.path_of(key),
+                  fmt::format("the middle of the {}, {} m, holds no explosive that could be lit there: give a position "
+                              "within the explosive, initiation = [{{position = [...]}}]",
+                              what, point_text(shape::centre(body), dims())));
+    return false;
+  };
   if (detonation == run::Detonation::instantaneous) {
     if (all == nullptr) return true;
     error(section, "initiation",
@@ -289,6 +301,7 @@ bool Builder::initiation(Section const& section, shape::Shape const& body, char 
     return false;
   }
   if (all == nullptr || all->empty()) {
+    if (!middle_is_explosive(section, "initiation")) return false;
     points.push_back({shape::centre(body), 0.0});
     return true;
   }
@@ -321,8 +334,16 @@ bool Builder::initiation(Section const& section, shape::Shape const& body, char 
         sound = false;
         continue;
       }
+    } else if (!middle_is_explosive(given, "position")) {
+      sound = false;
+      continue;
     }
     points.push_back(p);
+  }
+  if (!points.empty()) {
+    auto const first =
+        std::min_element(points.begin(), points.end(), [](auto const& a, auto const& b) { return a.delay < b.delay; });
+    onsets_.push_back({&section, first->delay, "initiation", "never detonates"});
   }
   return sound;
 }
@@ -367,7 +388,9 @@ void Builder::regions() {
     if (!s || !body) return;
     region.state = *s;
     out_.regions.push_back(std::move(region));
+    region_sections_.push_back(&section);
   });
+  check_regions();
 }
 
 void Builder::obstacles() {
@@ -385,6 +408,7 @@ void Builder::obstacles() {
     obstacle_shapes_.emplace_back(i, *body);
     out_.obstacles.push_back({section.text("name").value_or(fmt::format("obstacle-{}", i + 1)), *body});
   }
+  check_obstacles();
 }
 
 void Builder::gauges() {
@@ -439,6 +463,10 @@ void Builder::line(Section const& section, std::string const& name) {
   auto const to = point(*given, "to");
   auto const count = given->integer("count");
   if (!from || !to || !count) return;
+  if (norm(*to - *from) <= tiny()) {
+    error(*given, "to", "is the same point as `from`: a line has a length; write one gauge with a point");
+    return;
+  }
   if (!room_for_gauges(*given, "count", static_cast<double>(*count))) return;
   for (long i = 0; i < *count; ++i) {
     double const s = static_cast<double>(i) / static_cast<double>(*count - 1);
@@ -464,6 +492,11 @@ void Builder::plane(Section const& section, std::string const& name) {
     return;
   }
   if (!origin || !edge1 || !edge2 || counts == nullptr) return;
+  double const along = dot(*edge1, *edge2);
+  if (dot(*edge1, *edge1) * dot(*edge2, *edge2) - along * along <= std::pow(tiny(), 4)) {
+    error(*given, "edge2", "it spans no plane with edge1: the edges are parallel, or one of them has no length");
+    return;
+  }
   if (!room_for_gauges(*given, "counts", (*counts)[0] * (*counts)[1])) return;
   auto const n1 = static_cast<int>((*counts)[0]);
   auto const n2 = static_cast<int>((*counts)[1]);
@@ -479,6 +512,7 @@ void Builder::check_gauges(Section const& section, std::string_view key, std::si
                            std::set<std::string>& names) {
   bool place_reported = false;
   bool name_reported = false;
+  run::SolidCells const solid(out_.domain, domain_known_ ? out_.obstacles : std::vector<run::Obstacle>{});
   for (std::size_t i = first; i < out_.gauges.size(); ++i) {
     auto const& gauge = out_.gauges[i];
     if (!names.insert(gauge.name).second && !name_reported) {
@@ -501,6 +535,14 @@ void Builder::check_gauges(Section const& section, std::string_view key, std::si
       error(section, key,
             fmt::format("gauge {} at {} m lies inside obstacle[{}]: move it into the gas", gauge.name,
                         point_text(gauge.position, dims()), obstacle_shapes_[k].first + 1));
+      place_reported = true;
+    }
+    if (!place_reported && solid.any() && walled_in(solid, gauge.position)) {
+      error(
+          section, key,
+          fmt::format("gauge {} at {} m has only solid cells of obstacles around it and would record nothing: move it "
+                      "half a cell ({:.4g} m) or more away from the obstacle",
+                      gauge.name, point_text(gauge.position, dims()), 0.5 * out_.domain.h));
       place_reported = true;
     }
     for (std::size_t k = 0; k < body_shapes_.size() && !place_reported; ++k) {

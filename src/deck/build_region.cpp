@@ -190,8 +190,20 @@ void Builder::check_mpm_region(bridge::Region const& region) {
                       point_text(*place, dims())));
   }
   auto const* obstacles = deck_.sections("obstacle");
+  run::SolidCells const solid(out_.domain, out_.obstacles);
   for (auto const& [index, shape] : obstacle_shapes_) {
-    auto const place = wrong_place(shape, true, taken);
+    std::optional<Vec3> place;
+    shape::for_each_share({shape}, out_.domain, shape::cells_around(shape, out_.domain),
+                          [&](shape::CellRange const& r, std::vector<shape::Share> const&) {
+                            for (int k = r.lower[2]; k < r.upper[2] && !place; ++k) {
+                              for (int j = r.lower[1]; j < r.upper[1] && !place; ++j) {
+                                for (int i = r.lower[0]; i < r.upper[0] && !place; ++i) {
+                                  if (taken({i, j, k}) && solid({i, j, k})) place = out_.domain.centre({i, j, k});
+                                }
+                              }
+                            }
+                            return !place;
+                          });
     if (!place) continue;
     error((*obstacles)[index], place_key((*obstacles)[index]),
           fmt::format("the obstacle reaches at {} m into the MPM region or the 3 cells beside it: move it, make the "

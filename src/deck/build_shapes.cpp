@@ -302,6 +302,10 @@ std::optional<shape::Shape> Builder::composed_shape(Section const& section) {
     }
     if (all.size() < parts->size()) whole.reset();
     if (!whole) continue;
+    if (!check_composition(section, key, *parts, all, *whole)) {
+      whole.reset();
+      continue;
+    }
     all.insert(all.begin(), *whole);
     whole = shape::combine(operation, std::move(all));
   }

@@ -230,17 +230,21 @@ Table const& gauge_table() {
 }
 
 Table const& obstacle_table() {
-  static Table const table{"A rigid body inside the gas.",
-                           joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
-                                  shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
-                           {},
-                           {}};
+  static Table const table{
+      "A rigid body inside the gas. A cell is solid from half its volume on. An obstacle that makes no "
+      "cell solid, and a wall so thin that gas would pass between its cells, is refused.",
+      joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
+             shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
+      {},
+      {}};
   return table;
 }
 
 Table const& region_table() {
   static Table const table{
-      "A part of the domain with another state or fluid at the start; later regions overwrite earlier ones.",
+      "A part of the domain with another state or fluid at the start. It fills its own volume: a cell that it cuts "
+      "gets "
+      "that part of its mass, momentum and energy. Later regions overwrite earlier ones, charges and obstacles all.",
       joined(shape_keys({"sphere", "hemisphere", "cylinder", "box"}),
              {typed(Type::text, "fluid")
                   .note("that of the ambient")

@@ -40,7 +40,8 @@ double symmetry_images(shape::Shape const& shape, grid::Domain const& domain, st
   return images;
 }
 
-FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume, std::string const& what) {
+FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume, std::string const& what,
+                       std::function<bool(Index3 const&)> const& solid) {
   grid::Domain const& domain = grid.domain();
   FilledCells filled;
   filled.images = symmetry_images(shape, domain, what);
@@ -53,16 +54,23 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
     for (int j = low[1]; j <= high[1]; ++j) {
       for (int i = low[0]; i <= high[0]; ++i) {
         double const f = fill_fraction(shape, domain, {i, j, k});
-        if (f <= 0.0) continue;
+        if (f <= 0.0 || (solid != nullptr && solid({i, j, k}))) continue;
         filled.cells.push_back({i, j, k});
         filled.fractions.push_back(f);
         (f < 1.0 ? part : full) += f * domain.cell_volume(i);
       }
     }
   }
+  auto const no_room = [&] {
+    return InputError(fmt::format(
+        "{} does not fit between solid cells: obstacles take the cells that would hold it; move them apart by a cell "
+        "of {:.6g} m, or make the cells smaller",
+        what, domain.h));
+  };
   double const wanted = volume / filled.images;
   if (filled.cells.empty()) {  // smaller than the sampling: one cell takes it all
     Index3 const cell = grid.cell_at(centre(shape));
+    if (solid != nullptr && solid(cell)) throw no_room();
     filled.cells.push_back(cell);
     filled.fractions.push_back(wanted / domain.cell_volume(cell[0]));
     if (filled.fractions[0] > 1.0) throw InputError(fmt::format("{} does not fit into the domain", what));
@@ -89,32 +97,43 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
       if (f < 1.0 || all) f = std::min(1.0, f * factor);
     }
   }
+  if (full + part < wanted * (1.0 - 1e-9)) throw no_room();
   return filled;
 }
 
-void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive,
-                  gas::MixtureState const& ambient) {
-  auto const around = gas.conserved(ambient);
+void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive, TakenCells& taken) {
   for (std::size_t n = 0; n < filled.cells.size(); ++n) {
     Index3 const& cell = filled.cells[n];
     int const b = gas.grid().block_of(cell);
     grid::Block const& block = gas.grid().blocks()[b];
     int const at = block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
     double const alpha = filled.fractions[n];
-    // Charges may share a cell: each takes its part from what the ambient fluid still has.
-    double const before = gas.fields().at(b, gas::volume_fraction)[at];
+    // Charges may share a cell: each takes its part from what was there before them.
+    double& before = taken[cell];
     double const rest = 1.0 - before - alpha;
     if (rest < -1e-12) {
       Vec3 const x = gas.grid().domain().centre(cell);
       throw InputError(
           fmt::format("charges overlap in the cell at ({:.6g}, {:.6g}, {:.6g}) m; move them apart", x[0], x[1], x[2]));
     }
-    double const air = std::max(rest, 0.0);
-    double const products = gas.fields().at(b, gas::second_density)[at] + alpha * explosive.density();
-    double const chemical =
-        gas.fields().at(b, gas::energy)[at] - (1.0 - before) * around[gas::energy] + alpha * explosive.energy;
-    gas.set_conserved(b, at, air * around[gas::density], products, {0.0, 0.0, 0.0},
-                      chemical + air * around[gas::energy], before + alpha);
+    double const old = std::max(rest, 0.0);
+    double const held = before + alpha;  // by charges
+    bool const two = gas.components() > gas::single_fluid_components;
+    gas::Components u{};
+    for (int c = 0; c < gas.components(); ++c) u[c] = gas.fields().at(b, c)[at];
+    if (before > 0.0) {
+      // Back to what was there before the charges.
+      u[gas::second_density] -= before * explosive.density();
+      u[gas::volume_fraction] -= before;
+      u[gas::energy] -= before * explosive.energy;
+      double const scale = before < 1.0 ? 1.0 / (1.0 - before) : 0.0;
+      for (int c = 0; c < gas.components(); ++c) u[c] *= scale;
+    }
+    gas.set_conserved(
+        b, at, old * u[gas::density], (two ? old * u[gas::second_density] : 0.0) + held * explosive.density(),
+        {old * u[gas::momentum_x], old * u[gas::momentum_y], old * u[gas::momentum_z]},
+        held * explosive.energy + old * u[gas::energy], (two ? old * u[gas::volume_fraction] : 0.0) + held);
+    before = held;
   }
 }
 
@@ -149,6 +168,21 @@ void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charge
     double begin, end;
   };
   std::vector<BurnTime> burn_times(charges.size(), {never, -never});
+  // A charge that is smaller than the sampling fills the one cell at its centre.
+  std::vector<Index3> only(charges.size(), Index3{-1, -1, -1});
+  for (std::size_t n = 0; n < charges.size(); ++n) {
+    shape::Box const box = bounds(charges[n].shape);
+    Index3 const low = gas.grid().cell_at(box.lower);
+    Index3 const high = gas.grid().cell_at(box.upper);
+    bool found = false;
+    for (int k = low[2]; k <= high[2] && !found; ++k) {
+      for (int j = low[1]; j <= high[1] && !found; ++j) {
+        for (int i = low[0]; i <= high[0] && !found; ++i)
+          found = fill_fraction(charges[n].shape, domain, {i, j, k}) > 0.0;
+      }
+    }
+    if (!found) only[n] = gas.grid().cell_at(centre(charges[n].shape));
+  }
   for (int b = 0; b < gas.grid().block_count(); ++b) {
     grid::Block const& block = gas.grid().blocks()[b];
     gas::PaddedBox const box(block, dims);
@@ -158,16 +192,16 @@ void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charge
       for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
         for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
           Index3 const cell = grid::image_cell(domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-          for (std::size_t c = 0; c < charges.size(); ++c) {
-            BurningCharge const& charge = charges[c];
-            if (fill_fraction(charge.shape, domain, cell) <= 0.0) continue;
+          for (std::size_t n = 0; n < charges.size(); ++n) {
+            BurningCharge const& charge = charges[n];
+            if (cell != only[n] && fill_fraction(charge.shape, domain, cell) <= 0.0) continue;
             Vec3 x = domain.centre(cell);
             Vec3 const middle = centre(charge.shape);
             for (int d = dims; d < 3; ++d) x[d] = middle[d];
             double const t = lighting_time(x, charge.initiation, detonation_speed);
             times[box.offset(i, j, k)] = t;
-            burn_times[c].begin = std::min(burn_times[c].begin, t);
-            burn_times[c].end = std::max(burn_times[c].end, t + 1.5 * domain.h / detonation_speed);
+            burn_times[n].begin = std::min(burn_times[n].begin, t);
+            burn_times[n].end = std::max(burn_times[n].end, t + 1.5 * domain.h / detonation_speed);
             any = true;
           }
         }

@@ -1,6 +1,8 @@
 /// Charges on the grid: which cells they fill, how the explosive burns.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <vector>
 
 #include "gas/gas.hpp"
@@ -27,15 +29,19 @@ struct FilledCells {
 [[nodiscard]] double symmetry_images(shape::Shape const& shape, grid::Domain const& domain, std::string const& what);
 
 /// Cells of a charge. The cells that it fills in part are scaled so that the volume in the domain times `images` is
-/// `volume` exactly.
+/// `volume` exactly. Cells that are `solid` take nothing of it; those beside them take more. Throws InputError where
+/// there is no room.
 [[nodiscard]] FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume,
-                                     std::string const& what);
+                                     std::string const& what,
+                                     std::function<bool(Index3 const&)> const& solid = nullptr);
+
+/// Part of each cell that charges have taken.
+using TakenCells = std::map<Index3, double>;
 
 /// Puts products (unburnt or not: the same mass and energy) into the cells: partial density alpha rho0 and energy alpha
-/// E0; the ambient fluid keeps its state in the rest of the cell. The gas must be at rest there. Throws InputError
-/// where charges overlap.
-void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive,
-                  gas::MixtureState const& ambient);
+/// E0, at rest. What was in the cell before keeps its state in the rest of it. `taken` is what earlier charges left,
+/// and is brought up to date. Throws InputError where charges overlap.
+void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive, TakenCells& taken);
 
 /// Lighting time of a point: the earliest arrival of a detonation wave from the initiation points, [Cui14] Sec. 4.1
 /// [s].

@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "mpm/holds.hpp"
 #include "mpm/workspace.hpp"
 
 namespace brisance::mpm {
@@ -94,19 +95,6 @@ std::array<int, 27> blocks_around(grid::Grid const& grid, int block) {
     }
   }
   return around;
-}
-
-/// Is a node in the region or on its surface?
-bool holds_node(shape::Shape const& region, grid::Domain const& domain, Vec3 const& x) {
-  if (shape::contains(region, domain, x)) return true;
-  double const nudge = 1e-6 * domain.h;
-  int const dims = domain.dimensions();
-  for (int sides = 0; sides < (1 << dims); ++sides) {
-    Vec3 y = x;
-    for (int d = 0; d < dims; ++d) y[d] += ((sides >> d) & 1) != 0 ? nudge : -nudge;
-    if (shape::contains(region, domain, y)) return true;
-  }
-  return false;
 }
 
 /// How much of a node belongs to a block: 0 where another block counts it, halves on mirror planes.
@@ -329,16 +317,23 @@ void Mpm::load(SurfacePressure const& pressure) {
   work_->loads.push_back({pressure.body, pressure.times, pressure.pressures});
   int const number = static_cast<int>(work_->loads.size());
   carry(pressure.body, Field::load_x, 4);  // load_number is the fourth
+  bool touched = false;
   for (int b = 0; b < grid_.block_count(); ++b) {
     PointSet& old = sets_[set_index(b, pressure.body)];
     for (int q = 0; q < old.size(); ++q) {
       Vec3 x{0.0, 0.0, 0.0};
       for (int d = 0; d < 3; ++d) x[d] = old.field(Field::position_x + d)[q];
       if (!shape::contains(pressure.region, grid_.domain(), x)) continue;
+      touched = true;
       for (int d = 0; d < 3; ++d) old.field(Field::load_x + d)[q] = -pressure.normal[d] / pressure.thickness;
       old.field(Field::load_number)[q] = number;
     }
   }
+  if (touched) return;
+  throw InputError(fmt::format(
+      "surface pressure {} acts on nothing: no point of body \"{}\" lies in the loaded layer of its region; "
+      "move the region, or make it larger than the points are apart",
+      number, bodies_[pressure.body].name));
 }
 
 void Mpm::set_lighting(int body, std::function<double(Vec3 const&)> const& lighting_time) {

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "core/parallel.hpp"
 #include "output/fields.hpp"
 #include "output/json.hpp"
+#include "output/placed.hpp"
 #include "output/zones.hpp"
 #include "shape/shape.hpp"
 
@@ -64,6 +66,9 @@ json charges(run::World const& world) {
       entry["centre"] = shape::centre(charge.shape);
       entry["source"] = charge.explosive.source;
       entry["density"] = charge.explosive.density();
+      entry["asked_volume"] = json_or_null(report.asked_mass / charge.explosive.density());
+      entry["realised_volume"] = json_or_null(report.realised_mass / charge.explosive.density());
+      entry["asked_energy"] = json_or_null(report.asked_mass * charge.explosive.specific_energy());
       entry["detonation"] = charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous";
       entry["tnt_equivalent_pressure"] = json_or_null(charge.explosive.tnt_equivalent_pressure);
       entry["tnt_equivalent_impulse"] = json_or_null(charge.explosive.tnt_equivalent_impulse);
@@ -111,6 +116,8 @@ json points(run::World const& world, double wall_seconds) {
     auto const& report = world.bodies[b];
     bool const gas = static_cast<int>(b) == world.gas_body();
     auto const* body = gas ? nullptr : &world.setup.points.bodies[b];
+    // Gas has no density of its own.
+    double const density = gas ? std::nan("") : body->density.value_or(body->solid.density);
     bodies.push_back({{"name", report.name},
                       {"material", report.material},
                       {"source", gas ? world.setup.ambient.fluid.source : body->solid.source},
@@ -118,6 +125,8 @@ json points(run::World const& world, double wall_seconds) {
                       {"points_per_direction", p.bodies()[b].points_per_direction},
                       {"mass", json_or_null(report.mass)},
                       {"geometric_mass", json_or_null(report.geometric_mass)},
+                      {"volume", json_or_null(report.mass / density)},
+                      {"geometric_volume", json_or_null(report.geometric_mass / density)},
                       {"velocity", gas ? world.setup.ambient.state.velocity : body->velocity},
                       {"rigid", !gas && body->rigid},
                       {"bars", report.bars},
@@ -318,6 +327,8 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"charges", charges(world)},
            {"starts", starts(world)},
            {"obstacles", world.setup.obstacles.size()},
+           {"placed_regions", regions_json(world.regions)},
+           {"placed_obstacles", obstacles_json(world.obstacles)},
            {"gauges", world.gauges.size()},
            {"dumps", status.dumps},
            {"resumed_at_steps", status.resumed_at},

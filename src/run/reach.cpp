@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "run/place_region.hpp"
+#include "run/solid_cells.hpp"
 
 namespace brisance::run {
 
@@ -31,26 +32,24 @@ double distance_to_cell(grid::Domain const& domain, Index3 const& cell, Vec3 con
   return std::sqrt(sum);
 }
 
-/// Distance of a point from the nearest cell whose centre lies in the shape; `bound` where none is nearer.
-double distance_to_shape(grid::Domain const& domain, shape::Shape const& shape, Vec3 const& x, double bound) {
-  shape::Box const box = shape::bounds(shape);
-  Index3 first{0, 0, 0};
-  Index3 last{0, 0, 0};
+/// Distance of a point from the nearest solid cell that an obstacle reaches into; `bound` where none is nearer.
+double distance_to_obstacle(grid::Domain const& domain, SolidCells const& solid, shape::Shape const& shape,
+                            Vec3 const& x, double bound) {
+  shape::CellRange range = shape::cells_around(shape, domain);
   for (int d = 0; d < domain.dimensions(); ++d) {
-    double const low = std::max(box.lower[d], x[d] - bound);
-    double const high = std::min(box.upper[d], x[d] + bound);
     auto const cell = [&](double y) {
       double const at = std::floor((y - domain.lower[d]) / domain.h);
       return static_cast<int>(std::clamp(at, 0.0, domain.cells[d] - 1.0));
     };
-    first[d] = cell(low);
-    last[d] = cell(high);
+    range.lower[d] = std::max(range.lower[d], cell(x[d] - bound));
+    range.upper[d] = std::min(range.upper[d], cell(x[d] + bound) + 1);
   }
-  for (int k = first[2]; k <= last[2]; ++k) {
-    for (int j = first[1]; j <= last[1]; ++j) {
-      for (int i = first[0]; i <= last[0]; ++i) {
+  for (int k = range.lower[2]; k < range.upper[2]; ++k) {
+    for (int j = range.lower[1]; j < range.upper[1]; ++j) {
+      for (int i = range.lower[0]; i < range.upper[0]; ++i) {
         double const distance = distance_to_cell(domain, {i, j, k}, x);
-        if (distance < bound && shape::contains(shape, domain, domain.centre({i, j, k}))) bound = distance;
+        if (distance >= bound || shape::shares_of_cell({shape}, domain, {i, j, k}).empty()) continue;
+        if (solid({i, j, k})) bound = distance;
       }
     }
   }
@@ -92,8 +91,9 @@ Reach reach_of(Case const& setup, std::size_t number, bool with_gauges, int grou
     double const part = own / (own + charge_radius(setup.charges[other].shape));
     bound(part * norm(away) - h, fmt::format("the burst of charge {}", other + 1));
   }
+  SolidCells const solid(domain, setup.obstacles);
   for (Obstacle const& obstacle : setup.obstacles) {
-    double const distance = distance_to_shape(domain, obstacle.shape, centre, reach.radius + h);
+    double const distance = distance_to_obstacle(domain, solid, obstacle.shape, centre, reach.radius + h);
     bound(distance - h, fmt::format("obstacle \"{}\"", obstacle.name));
   }
   if (setup.mpm_region) {

@@ -487,12 +487,17 @@ void describe_charge(Case const& setup, gas::Fluids const& fluids, detonation::P
   p.constants = detonation::constants_of(charge.explosive, fluids, ambient_mixture(setup.ambient.state));
 }
 
-ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what) {
+ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
+                             SolidCells const* solid, detonation::TakenCells* taken) {
   double const density = charge.explosive.density();
-  auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what);
+  std::function<bool(Index3 const&)> is_solid;
+  if (solid != nullptr && solid->any()) is_solid = [&](Index3 const& cell) { return (*solid)(cell); };
+  auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what, is_solid);
   double volume = 0.0;
-  for (std::size_t n = 0; n < filled.cells.size(); ++n)
+  for (std::size_t n = 0; n < filled.cells.size(); ++n) {
     volume += filled.fractions[n] * grid.domain().cell_volume(filled.cells[n][0]);
+    if (taken != nullptr) (*taken)[filled.cells[n]] += filled.fractions[n];
+  }
   ChargeReport report;
   report.explosive = charge.explosive.name;
   report.asked_mass = charge.mass;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.hpp"
 #include "core/timer.hpp"
@@ -51,37 +52,16 @@ gas::Options options_of(Case const& c) {
   return o;
 }
 
-template <class Visit>
-void for_each_cell(grid::Grid const& grid, Visit&& visit) {
-  for (int b = 0; b < grid.block_count(); ++b) {
-    grid::Block const& block = grid.blocks()[b];
-    for (int k = 0; k < block.n[2]; ++k) {
-      for (int j = 0; j < block.n[1]; ++j) {
-        for (int i = 0; i < block.n[0]; ++i) {
-          visit(b, block.offset(i, j, k), Index3{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-        }
-      }
-    }
-  }
-}
-
-void place_regions(Case const& c, grid::Grid const& grid, gas::Gas& gas) {
-  for (Region const& region : c.regions) {
-    gas::MixtureState state = ambient_mixture(region.state);
-    if (region.second_fluid) {
-      state.volume_fraction = 1.0;
-      state.second_density = region.state.density;
-      state.ambient_density = c.ambient.state.density;
-    }
-    for_each_cell(grid, [&](int b, int offset, Index3 const& cell) {
-      if (shape::contains(region.shape, grid.domain(), grid.domain().centre(cell))) gas.set(b, offset, state);
-    });
-  }
-}
-
-void place_obstacles(Case const& c, grid::Grid const& grid, gas::Gas& gas, gas::MixtureState const& ambient) {
-  if (c.obstacles.empty()) return;
+void place_obstacles(Case const& c, std::vector<std::uint8_t> const& flags, grid::Grid const& grid, gas::Gas& gas,
+                     gas::MixtureState const& ambient) {
   grid::Domain const& domain = grid.domain();
+  auto const is_solid = [&](Index3 const& cell) {
+    return flags[static_cast<std::size_t>(cell[0]) +
+                 static_cast<std::size_t>(domain.cells[0]) *
+                     (static_cast<std::size_t>(cell[1]) +
+                      static_cast<std::size_t>(domain.cells[1]) * static_cast<std::size_t>(cell[2]))] != 0;
+  };
+  if (c.obstacles.empty()) return;
   for (int b = 0; b < grid.block_count(); ++b) {
     grid::Block const& block = grid.blocks()[b];
     gas::PaddedBox const box(block, domain.dimensions());
@@ -90,11 +70,8 @@ void place_obstacles(Case const& c, grid::Grid const& grid, gas::Gas& gas, gas::
     for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
       for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
         for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
-          Vec3 const x =
-              domain.centre(grid::image_cell(domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k}));
-          bool const inside = std::any_of(c.obstacles.begin(), c.obstacles.end(),
-                                          [&](Obstacle const& o) { return shape::contains(o.shape, domain, x); });
-          if (!inside) continue;
+          Index3 const cell{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k};
+          if (!is_solid(grid::image_cell(domain, cell))) continue;
           solid[box.offset(i, j, k)] = 1;
           any = true;
           bool const own = i >= 0 && j >= 0 && k >= 0 && i < block.n[0] && j < block.n[1] && k < block.n[2];
@@ -106,7 +83,7 @@ void place_obstacles(Case const& c, grid::Grid const& grid, gas::Gas& gas, gas::
   }
 }
 
-void place_charges(World& w, gas::MixtureState const& ambient);
+detonation::TakenCells place_charges(World& w, SolidCells const& solid);
 
 void place_gas(World& w) {
   Case const& setup = w.setup;
@@ -117,10 +94,15 @@ void place_gas(World& w) {
   gas::Gas& gas = *w.gas;
   grid::Grid const& grid = w.grid;
   gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
-  place_regions(setup, grid, gas);
-
-  if (!setup.start.remap) place_charges(w, ambient);
-  place_obstacles(setup, grid, gas, ambient);
+  RegionPlacing regions(setup);
+  regions.fill(gas);
+  SolidCells const solid(setup.domain, setup.obstacles);
+  if (!setup.start.remap) regions.give_way(place_charges(w, solid));
+  w.regions = regions.reports();
+  if (solid.any()) {
+    place_obstacles(setup, solid.all(), grid, gas, ambient);
+    w.obstacles = *solid.reports(std::numeric_limits<long>::max());
+  }
   for (Gauge const& gauge : setup.gauges) w.gauges.push_back({gauge, {}});
   if (!setup.start.remap || setup.start.from_checkpoint) return;
   // Until the remap the gauges hold ambient gas.
@@ -130,17 +112,21 @@ void place_gas(World& w) {
   place_start(w);
 }
 
-void place_charges(World& w, gas::MixtureState const& ambient) {
+detonation::TakenCells place_charges(World& w, SolidCells const& solid) {
   Case const& setup = w.setup;
   gas::Gas& gas = *w.gas;
   grid::Grid const& grid = w.grid;
   std::vector<detonation::BurningCharge> burning;
+  detonation::TakenCells taken;
+  std::function<bool(Index3 const&)> is_solid;
+  if (solid.any()) is_solid = [&](Index3 const& cell) { return solid(cell); };
   int number = 0;
   for (Charge const& charge : setup.charges) {
     ++number;
     std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
     double const density = charge.explosive.density();
-    detonation::FilledCells const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what);
+    detonation::FilledCells const filled =
+        detonation::fill_cells(charge.shape, grid, charge.mass / density, what, is_solid);
     // What the cells really hold, not what they were meant to: read before and after.
     auto const products = [&] {
       double mass = 0.0;
@@ -153,7 +139,7 @@ void place_charges(World& w, gas::MixtureState const& ambient) {
       return mass;
     };
     double const before = products();
-    detonation::place_charge(gas, filled, charge.explosive, ambient);
+    detonation::place_charge(gas, filled, charge.explosive, taken);
     if (charge.detonation == Detonation::programmed) {
       burning.push_back({charge.shape, charge.initiation});
     } else {
@@ -170,6 +156,7 @@ void place_charges(World& w, gas::MixtureState const& ambient) {
     w.charges.push_back(report);
   }
   if (!burning.empty()) detonation::set_programmed_burn(gas, burning, setup.charges.front().explosive.detonation_speed);
+  return taken;
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include "gas/gas.hpp"
 #include "grid/grid.hpp"
 #include "run/case.hpp"
+#include "run/place_gas_regions.hpp"
+#include "run/solid_cells.hpp"
 #include "run/start.hpp"
 
 namespace brisance {
@@ -158,8 +160,10 @@ struct FieldInfo {
 
 class GasView;
 
-/// What a charge would become on a grid. Throws InputError where it does not fit.
-[[nodiscard]] ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what);
+/// What a charge would become on a grid, beside the solid cells of obstacles; the cells that it takes are added to
+/// `taken`. Throws InputError where it does not fit.
+[[nodiscard]] ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
+                                           SolidCells const* solid = nullptr, detonation::TakenCells* taken = nullptr);
 
 /// The fluids of the gas of a case.
 [[nodiscard]] gas::Fluids fluids_of(Case const& setup);
@@ -182,7 +186,9 @@ class World {
   Clock clock;
   Audit audit;
   std::vector<ChargeReport> charges;
-  std::vector<StartReport> starts;  ///< of each charge, where the case starts by a remap
+  std::vector<RegionReport> regions;      ///< what became of each region of the gas
+  std::vector<ObstacleReport> obstacles;  ///< and of each obstacle
+  std::vector<StartReport> starts;        ///< of each charge, where the case starts by a remap
   std::vector<BodyReport> bodies;
   std::vector<GaugeHistory> gauges;
   std::vector<PointGaugeHistory> point_gauges;

@@ -250,7 +250,8 @@ std::optional<double> closed_volume(Shape const& shape, grid::Domain const& doma
   return volume(shape, g) / images;
 }
 
-/// Volume of the part of a shape in the domain.
+}  // namespace
+
 double volume_inside(Shape const& shape, grid::Domain const& domain) {
   if (auto const closed = closed_volume(shape, domain)) return *closed;
   int const dims = domain.dimensions();
@@ -261,8 +262,6 @@ double volume_inside(Shape const& shape, grid::Domain const& domain) {
   }
   return volume_within(shape, domain.geometry, box);
 }
-
-}  // namespace
 
 Placement place_particles(Shape const& shape, grid::Domain const& domain, int per_direction) {
   if (per_direction < 1 || per_direction > 64)

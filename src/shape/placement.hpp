@@ -22,4 +22,8 @@ struct Placement {
 /// of `volume`. Throws InputError when `per_direction` is not positive.
 [[nodiscard]] Placement place_particles(Shape const& shape, grid::Domain const& domain, int per_direction);
 
+/// Volume of the part of a shape that lies in the domain [m3], in the units of `Domain::cell_volume`: with the same
+/// exactness.
+[[nodiscard]] double volume_inside(Shape const& shape, grid::Domain const& domain);
+
 }  // namespace brisance::shape

@@ -88,11 +88,6 @@ bool inside(Shape const& shape, int dimensions, Vec3 const& x) {
       shape);
 }
 
-/// What a cube sees of a shape. `cut` may be said too often, the others are certain.
-enum class Cover { outside, cut, inside };
-
-Cover cover(Shape const& shape, int dimensions, Vec3 const& middle, double half);
-
 Cover cover(Combination const& whole, int dimensions, Vec3 const& middle, double half) {
   bool const all = whole.operation == Operation::intersection;
   // Intersection: outside wins, inside needs all. Union: the reverse. Difference: the first without the union of
@@ -113,31 +108,6 @@ Cover cover(Combination const& whole, int dimensions, Vec3 const& middle, double
   if (rest == Cover::inside) return Cover::outside;
   Cover const body = cover(whole.parts.front(), dimensions, middle, half);
   return body == Cover::outside || rest == Cover::outside ? body : Cover::cut;
-}
-
-Cover cover(Shape const& shape, int dimensions, Vec3 const& middle, double half) {
-  return std::visit(
-      [&](auto const& s) {
-        using S = std::decay_t<decltype(s)>;
-        if constexpr (is_primitive<S>) {
-          double const reach = half * std::sqrt(static_cast<double>(dimensions));
-          double const d = distance(s, dimensions, middle);
-          return d >= reach ? Cover::outside : d <= -reach ? Cover::inside : Cover::cut;
-        }
-        if constexpr (std::is_same_v<S, Mesh>) {
-          Vec3 const x = seen_from(s, dimensions, middle);
-          Vec3 low = x;
-          Vec3 high = x;
-          for (int d = 0; d < dimensions; ++d) {
-            low[d] -= half;
-            high[d] += half;
-          }
-          if (s.touches(low, high)) return Cover::cut;
-          return s.contains(x) ? Cover::inside : Cover::outside;
-        }
-        if constexpr (std::is_same_v<S, std::shared_ptr<Combination const>>) return cover(*s, dimensions, middle, half);
-      },
-      shape);
 }
 
 /// Where the line x + t e_x, x[0] = 0, lies in a convex primitive; empty when from > to.
@@ -276,6 +246,31 @@ Shape tube(Vec3 const& centre, double inner_radius, double outer_radius, double 
   // The bore is a little longer, so that no skin is left at the ends.
   return combine(Operation::difference,
                  {Cylinder{centre, outer_radius, length, axis}, Cylinder{centre, inner_radius, 1.5 * length, axis}});
+}
+
+Cover cover(Shape const& shape, int dimensions, Vec3 const& middle, double half) {
+  return std::visit(
+      [&](auto const& s) {
+        using S = std::decay_t<decltype(s)>;
+        if constexpr (is_primitive<S>) {
+          double const reach = half * std::sqrt(static_cast<double>(dimensions));
+          double const d = distance(s, dimensions, middle);
+          return d >= reach ? Cover::outside : d <= -reach ? Cover::inside : Cover::cut;
+        }
+        if constexpr (std::is_same_v<S, Mesh>) {
+          Vec3 const x = seen_from(s, dimensions, middle);
+          Vec3 low = x;
+          Vec3 high = x;
+          for (int d = 0; d < dimensions; ++d) {
+            low[d] -= half;
+            high[d] += half;
+          }
+          if (s.touches(low, high)) return Cover::cut;
+          return s.contains(x) ? Cover::inside : Cover::outside;
+        }
+        if constexpr (std::is_same_v<S, std::shared_ptr<Combination const>>) return cover(*s, dimensions, middle, half);
+      },
+      shape);
 }
 
 bool contains(Shape const& shape, Vec3 const& x) { return inside(shape, 3, x); }
@@ -529,6 +524,10 @@ void breaks(Shape const& shape, int direction, double from, double to, std::vect
 std::vector<Station> stations(Shape const& shape, int direction, double from, double to, int count, double slack) {
   std::vector<double> ends;
   breaks(shape, direction, from + slack, to - slack, ends);
+  return stations(std::move(ends), from, to, count, slack);
+}
+
+std::vector<Station> stations(std::vector<double> ends, double from, double to, int count, double slack) {
   std::sort(ends.begin(), ends.end());
   ends.push_back(to);
   std::vector<Station> all;

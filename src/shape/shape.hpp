@@ -81,6 +81,12 @@ struct Combination {
 /// Axis-aligned box around the shape; what a difference takes away does not make it smaller.
 [[nodiscard]] Box bounds(Shape const& shape);
 
+/// What a cube sees of a shape. `cut` may be said too often, the others are certain.
+enum class Cover { outside, cut, inside };
+
+/// Of the cube around `middle` with edges of 2 `half`; of the given directions only the first `dimensions` count.
+[[nodiscard]] Cover cover(Shape const& shape, int dimensions, Vec3 const& middle, double half);
+
 /// Part of the cell's volume that lies in the shape, 0 to 1, by `samples` points per direction with the geometry's
 /// volume weight; exact for spheres and boxes in 1D, and along x for combinations and meshes. Cells fully inside or
 /// outside return exactly 1 or 0.
@@ -105,6 +111,9 @@ struct Station {
 /// its breaks. Breaks closer than `slack` to each other or to the ends do not count.
 [[nodiscard]] std::vector<Station> stations(Shape const& shape, int direction, double from, double to, int count,
                                             double slack);
+
+/// The same for breaks that are known, in any order.
+[[nodiscard]] std::vector<Station> stations(std::vector<double> ends, double from, double to, int count, double slack);
 
 /// Volume [m3] of the part of the shape within a box, by lines along x, each of them exact, as many as it takes.
 [[nodiscard]] double volume_within(Shape const& shape, grid::Geometry geometry, Box const& box);

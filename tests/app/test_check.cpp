@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "app/check.hpp"
 #include "core/error.hpp"
@@ -59,6 +60,69 @@ TEST(Plan, EstimatesTheStepsWithinAFactorOfTwo) {
   auto const steps = static_cast<double>(world.clock.step);
   EXPECT_GT(estimate, 0.5 * steps);
   EXPECT_LT(estimate, 2.0 * steps);
+}
+
+TEST(Plan, TellsWhatIsAskedAndWhatIsPlaced) {
+  auto const read = [](std::string const& text) {
+    auto const result = deck::read_text(
+        "[domain]\ngeometry = \"planar2d\"\nsize = [1, 1]\ncell = 0.05\n[end]\ntime = 1e-3\n" + text, "placed.toml");
+    for (auto const& error : result.errors) ADD_FAILURE() << deck::format(error);
+    return result.case_.value();
+  };
+  auto const setup = read(
+      "[[charge]]\nmass = 2\nposition = [0.5, 0.5]\n"
+      "[[region]]\nshape = \"cylinder\"\nradius = 0.3\nposition = [0.5, 0.5]\npressure = \"3 bar\"\ndensity = 2\n"
+      "[[obstacle]]\nname = \"slab\"\nshape = \"box\"\nlower = [0, 0]\nupper = [1, 0.13]\n");
+  Plan const p = plan(setup);
+  auto const json = plan_json(setup, p);
+  double const charge = 2.0 / setup.charges[0].explosive.density();
+  double const disc = 0.09 * std::numbers::pi;
+  auto const& region = json["placed_regions"][0];
+  EXPECT_NEAR(region["asked_volume"].get<double>(), disc, 1e-12);
+  EXPECT_NEAR(region["volume"].get<double>(), disc - charge, 1e-12);
+  EXPECT_NEAR(region["asked_mass"].get<double>(), 2.0 * disc, 1e-12);
+  EXPECT_NEAR(region["mass"].get<double>(), 2.0 * (disc - charge), 1e-12);
+  EXPECT_NEAR(region["energy"].get<double>(), 3e5 / 0.4 * (disc - charge), 1e-6);
+  auto const& obstacle = json["placed_obstacles"][0];
+  EXPECT_EQ(obstacle["name"], "slab");
+  EXPECT_NEAR(obstacle["asked_volume"].get<double>(), 0.13, 1e-12);
+  EXPECT_NEAR(obstacle["volume"].get<double>(), 0.15, 1e-12);
+  EXPECT_EQ(obstacle["cells"], 60);
+  EXPECT_NEAR(json["charges"][0]["asked_volume"].get<double>(), charge, 1e-15);
+  EXPECT_NEAR(json["charges"][0]["realised_volume"].get<double>() / charge, 1.0, 1e-12);
+  std::string const text = plan_text(setup, p);
+  EXPECT_NE(text.find("slab: volume asked 0.13 m3, placed 0.15 in 60 cells"), std::string::npos) << text;
+  EXPECT_NE(text.find("1: air, volume asked 0.282743 m3, placed 0.281516"), std::string::npos) << text;
+  // The world does what the plan says.
+  run::World const world{run::Case(setup)};
+  EXPECT_NEAR(world.regions[0].volume, p.regions[0].volume, 1e-14);
+  EXPECT_EQ(world.obstacles[0].cells, p.obstacles[0].cells);
+  // What is too coarse is said.
+  auto const coarse = read(
+      "[[obstacle]]\nname = \"bar\"\nshape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.23, 0.6]\n"
+      "[[region]]\nshape = \"cylinder\"\nradius = 0.02\nposition = [0.7, 0.7]\npressure = \"3 bar\"\n");
+  std::string warnings;
+  for (auto const& w : plan(coarse).warnings) warnings += w;
+  EXPECT_NE(warnings.find("obstacle \"bar\" is 67 % larger on these cells"), std::string::npos) << warnings;
+  EXPECT_NE(warnings.find("region 1 is only 0.8 cells thick"), std::string::npos) << warnings;
+}
+
+TEST(Plan, WarnsOfLoadsThatAreShorterThanSteps) {
+  auto const warnings = [](std::string const& duration) {
+    auto const result = deck::read_text(
+        "[domain]\ngeometry = \"planar1d\"\nsize = 1\ncell = 0.01\n[end]\ntime = 1e-3\n[[body]]\nname = "
+        "\"bar\"\nmaterial = "
+        "\"RHA\"\nlower = 0.2\nupper = 0.8\n[[surface_pressure]]\nnormal = \"-x\"\npressure = 1e6\nduration = \"" +
+            duration + "\"\n",
+        "load.toml");
+    for (auto const& error : result.errors) ADD_FAILURE() << deck::format(error);
+    std::string all;
+    for (auto const& w : plan(result.case_.value()).warnings) all += w;
+    return all;
+  };
+  // A step takes 0.4 h/c, about 0.7 us.
+  EXPECT_EQ(warnings("10 us"), "");
+  EXPECT_NE(warnings("1 us").find("surface pressure 1 acts for 1 us"), std::string::npos) << warnings("1 us");
 }
 
 TEST(Plan, TextAndJsonTellTheSame) {

@@ -292,6 +292,50 @@ TEST(GoodDecks, TheAfterburnTakesTheEnergyOfItsExplosive) {
   ASSERT_TRUE(region.afterburn);
 }
 
+TEST(GoodDecks, WhatHasNoEffectWarns) {
+  auto const warnings = [](std::string const& text) {
+    auto const result = deck::read_text(text, "d");
+    EXPECT_TRUE(result.case_) << (result.errors.empty() ? "" : deck::format(result.errors.front()));
+    std::string all;
+    for (auto const& w : result.warnings) all += w + "\n";
+    return all;
+  };
+  std::string const charge = "[[charge]]\nmass = 1\nposition = [1, 1, 1]\n";
+  EXPECT_EQ(warnings(small_domain + charge), "");
+  EXPECT_EQ(warnings(small_domain + charge + "initiation = [{delay = \"0.9 ms\"}]\n"), "");
+  EXPECT_NE(
+      warnings(small_domain + charge + "initiation = [{delay = \"2 ms\"}, {delay = \"1 ms\"}]\n")
+          .find("charge[1].initiation: never detonates within this calculation: its time 0.001 s lies after the end"),
+      std::string::npos);
+  EXPECT_NE(warnings(small_domain + charge + "[output]\ngauge_interval = 1\n").find("output.gauge_interval: is longer"),
+            std::string::npos);
+  // A slot of 20 mm in cells of 50 mm between two walls is closed; one of 60 mm is not.
+  auto const walls = [&](double slot) {
+    return small_domain + charge + "[[obstacle]]\nshape = \"box\"\nlower = [0, 0, 0]\nupper = [0.51, 2, 0.2]\n" +
+           fmt::format("[[obstacle]]\nshape = \"box\"\nlower = [{}, 0, 0]\nupper = [1.5, 2, 0.2]\n", 0.51 + slot);
+  };
+  EXPECT_NE(warnings(walls(0.02)).find("obstacle[2].lower: the gap of 0.02 m between it and obstacle[1]"),
+            std::string::npos)
+      << warnings(walls(0.02));
+  EXPECT_EQ(warnings(walls(0.06)), "");
+  std::string const plate =
+      small_domain +
+      "[[body]]\nname = \"plate\"\nmaterial = \"RHA\"\nshape = \"box\"\nlower = [0.5, 0.5, 0.5]\nupper = [1, 1, 0.6]\n"
+      "velocity = [0, 0, 1]\n";
+  EXPECT_EQ(warnings(plate), "");
+  EXPECT_NE(warnings(plate + "[[surface_pressure]]\nnormal = \"+z\"\nhistory = {times = [0, 0.002, 0.003], pressures = "
+                             "[0, 0, 1e6]}\n")
+                .find("surface_pressure[1].history: never acts within this calculation"),
+            std::string::npos);
+  EXPECT_NE(
+      warnings(plate + "[[constraint]]\nregion = {shape = \"box\", lower = [1.5, 0.5, 0.5], upper = [1.7, 1, 1]}\n")
+          .find("constraint[1].region: holds no node of a body at the start"),
+      std::string::npos);
+  EXPECT_EQ(
+      warnings(plate + "[[constraint]]\nregion = {shape = \"box\", lower = [0.5, 0.5, 0.5], upper = [0.5001, 1, 1]}\n"),
+      "");
+}
+
 TEST(GoodDecks, OneDimensionMayDoWithoutBrackets) {
   run::Case const c = read_good("shock_tube.toml");
   EXPECT_EQ(c.domain.cells, (Index3{1000, 1, 1}));

@@ -1,0 +1,15 @@
+/// What was asked for and what the grid holds of it, for `check` and the run log.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "run/place_gas_regions.hpp"
+#include "run/solid_cells.hpp"
+
+namespace brisance::output {
+
+[[nodiscard]] nlohmann::json regions_json(std::vector<run::RegionReport> const& regions);
+[[nodiscard]] nlohmann::json obstacles_json(std::vector<run::ObstacleReport> const& obstacles);
+
+}  // namespace brisance::output
