@@ -21,6 +21,7 @@ constexpr double arrival_fraction = 0.5;  // of the front's height
 // have bent, and not farther than that needs.
 constexpr double decay_begin = 1.0;
 constexpr double decay_end = 4.0;
+constexpr double most_fall = 0.5;  // of the logarithm between the two ends: where it is more, they come nearer
 constexpr int decay_places = 24;   // at which it is read
 constexpr int fewest_samples = 4;  // that the record must have there
 // Scatter about the straight line, rms of the logarithm, beyond which there is no simple decay: so much on a slow one,
@@ -151,10 +152,16 @@ bool falls_on(History const& t, History const& p, Decay const& decay, double fro
 void read_decay(History const& t, History const& p, Front& front) {
   double const half_width = t[front.top] - front.arrival;
   double const begin = t[front.top] + decay_begin * half_width;
-  double const end = t[front.top] + decay_end * half_width;
+  double end = t[front.top] + decay_end * half_width;
   if (!(half_width > 0.0) || end > t.back()) return;
-  auto const decay = fitted_decay(t, p, front.top, begin, begin, end);
+  auto decay = fitted_decay(t, p, front.top, begin, begin, end);
   if (!decay || !(decay->rate > 0.0)) return;
+  if (double const most = most_fall / decay->rate; end - begin > most) {
+    // The logarithm of a blast is straight at first only.
+    end = begin + std::max(most, half_width);
+    decay = fitted_decay(t, p, front.top, begin, begin, end);
+    if (!decay || !(decay->rate > 0.0)) return;
+  }
   double const fall = decay->rate * (end - begin);
   // A line that the scatter could have tilted tells nothing.
   if (decay->rms > std::min(decay_scatter + decay_curvature * fall, 0.5 * fall)) return;
