@@ -28,6 +28,8 @@ std::string ratio(bool known, double value, std::optional<double> const& referen
 
 std::string percent(double part) { return fmt::format("{:.0f} %", 100.0 * part); }
 
+std::string cell_count(double cells) { return fmt::format("{:.{}f}", cells, cells < 9.95 ? 1 : 0); }
+
 std::size_t name_width(std::vector<output::GaugeSummary> const& gauges) {
   std::size_t width = 5;
   for (auto const& g : gauges) width = std::max(width, g.name.size());
@@ -89,9 +91,9 @@ void clipping_note(std::vector<output::GaugeSummary> const& gauges, std::string&
   }
   if (worst == nullptr || *worst->wave.expected_clipping < marked_clipping) return;
   out += fmt::format(
-      "clipped: what the cells are expected to cut off the recorded peak; at gauge {} {}, with {:.2g} cells in the "
+      "clipped: what the cells are expected to cut off the recorded peak; at gauge {} {}, with {} cells in the "
       "half width of the peak.{}\n",
-      worst->name, percent(*worst->wave.expected_clipping), *worst->wave.cells_per_half_width,
+      worst->name, percent(*worst->wave.expected_clipping), cell_count(*worst->wave.cells_per_half_width),
       worst->wave.peak_front_overpressure ? " \"Peak at front\" is the peak that the decay behind it tells." : "");
 }
 
@@ -117,8 +119,8 @@ std::string gauge_plan_text(std::vector<GaugePlan> const& gauges) {
   }
   std::string out;
   for (GaugePlan const* g : known) {
-    out += fmt::format("{:<12} {}: {:.2g} cells in the half width of the {}peak; its record will be about {} low\n",
-                       g == known.front() ? "peaks" : "", g->name, g->peak->cells_per_half_width,
+    out += fmt::format("{:<12} {}: {} cells in the half width of the {}peak; its record will be about {} low\n",
+                       g == known.front() ? "peaks" : "", g->name, cell_count(g->peak->cells_per_half_width),
                        g->peak->reflected ? "reflected " : "", percent(g->peak->clipping));
   }
   if (count > known.size()) out += fmt::format("{:<12} the other {} will be clipped less\n", "", count - known.size());

@@ -28,7 +28,8 @@ constexpr int fewest_samples = 4;  // that the record must have there
 // and so much of what the pressure falls by between the two ends, for a fast one is curved within these cells.
 constexpr double decay_scatter = 0.01;
 constexpr double decay_curvature = 0.04;
-constexpr double most_added = 0.5;  // of the front's height: beyond it the record does not show the wave
+constexpr double fewest_fall = 5e-4;  // of the logarithm between the two ends: less is a plateau
+constexpr double most_added = 0.5;    // of the front's height: beyond it the record does not show the wave
 // The record must fall on, by at least this part of what the line says, until the line has fallen to 64 %: a plateau
 // behind an overshoot does not.
 constexpr double least_fall = 0.25;
@@ -164,7 +165,7 @@ void read_decay(History const& t, History const& p, Front& front) {
   }
   double const fall = decay->rate * (end - begin);
   // A line that the scatter could have tilted tells nothing.
-  if (decay->rms > std::min(decay_scatter + decay_curvature * fall, 0.5 * fall)) return;
+  if (fall < fewest_fall || decay->rms > std::min(decay_scatter + decay_curvature * fall, 0.5 * fall)) return;
 
   // The sharp wave: what stood before the front until `at`, then the line. It has the impulse of the record.
   double impulse = 0.0;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "empirical/kingery_bulmash.hpp"
+#include "material/hugoniot.hpp"
 #include "output/blast_wave.hpp"
 #include "shape/shape.hpp"
 
@@ -63,6 +65,17 @@ bool touches_a_wall(grid::Domain const& domain, Vec3 const& centre, double radiu
   return false;
 }
 
+/// Where (1 - s) exp(-b s), b > -1, is a half.
+double half_of_friedlander(double b) {
+  double from = 0.0;
+  double to = 1.0;
+  for (int n = 0; n < 60; ++n) {
+    double const middle = 0.5 * (from + to);
+    ((1.0 - middle) * std::exp(-b * middle) > 0.5 ? from : to) = middle;
+  }
+  return to;
+}
+
 }  // namespace
 
 double friedlander_half_width(double peak, double impulse, double duration) {
@@ -75,14 +88,28 @@ double friedlander_half_width(double peak, double impulse, double duration) {
     double const middle = 0.5 * (low + high);
     (integral(middle) > share ? low : high) = middle;
   }
-  double const b = low;
-  double from = 0.0;
-  double to = 0.5;
-  for (int n = 0; n < 60; ++n) {
-    double const middle = 0.5 * (from + to);
-    ((1.0 - middle) * std::exp(-b * middle) > 0.5 ? from : to) = middle;
-  }
-  return to * duration;
+  return half_of_friedlander(low) * duration;
+}
+
+double decay_time(material::Eos const& eos, run::FluidState const& air, FrontCurve const& overpressure, double radius) {
+  auto const at = [&](double r) {
+    return material::shocked(eos, air.density, air.pressure, air.pressure + overpressure(r));
+  };
+  constexpr double part = 0.02;  // of the radius, for the derivatives along the front
+  auto const behind = at(radius);
+  auto const before = at(radius * (1.0 - part));
+  auto const after = at(radius * (1.0 + part));
+  double const width = 2.0 * part * radius;
+  double const p_along = (after.pressure - before.pressure) / width;
+  double const u_along = (after.jump - before.jump) / width;
+  double const modulus = material::bulk_modulus(eos, behind.density, behind.pressure);  // rho c^2
+  double const w = behind.speed - behind.jump;                                          // the front sees the gas leave
+  // Mass with energy: -w p_r + rho c^2 u_r = -a; momentum: -w u_r + p_r / rho = -b.
+  double const a = behind.speed * p_along + 2.0 * modulus * behind.jump / radius;
+  double const b = behind.speed * u_along;
+  double const p_r = -(a * w + modulus * b) / (modulus / behind.density - w * w);
+  double const p_t = behind.speed * (p_along - p_r);
+  return p_t < 0.0 ? (behind.pressure - air.pressure) / -p_t : std::numeric_limits<double>::infinity();
 }
 
 std::optional<ExpectedPeak> expected_peak(run::Case const& setup, Vec3 const& x) {
@@ -104,16 +131,28 @@ std::optional<ExpectedPeak> expected_peak(run::Case const& setup, Vec3 const& x)
                                           charge.explosive.specific_energy() / tnt_energy);
     if (!(distance > 0.0) || !(mass > 0.0)) continue;
     double const radius = shape::equivalent_radius(charge.mass / charge.explosive.density(), domain.geometry);
-    bool const on_ground = setup.burst == run::Burst::hemispherical || touches_a_wall(domain, centre, radius);
-    auto const wave = empirical::kingery_bulmash(
-        mass, distance, on_ground ? empirical::Burst::hemispherical : empirical::Burst::spherical, atmosphere);
-    bool const reflected = reflects(setup, centre, radius, x);
-    auto const& peak = reflected ? wave.reflected_overpressure : wave.incident_overpressure;
-    auto const& impulse = reflected ? wave.reflected_impulse : wave.incident_impulse;
-    if (!peak || !impulse || !wave.duration || !wave.incident_overpressure || !wave.shock_speed) continue;
+    auto const burst = setup.burst == run::Burst::hemispherical || touches_a_wall(domain, centre, radius)
+                           ? empirical::Burst::hemispherical
+                           : empirical::Burst::spherical;
+    auto const curves = [&](double r) { return empirical::kingery_bulmash(mass, r, burst, atmosphere); };
+    auto const wave = curves(distance);
     ExpectedPeak expected;
-    expected.reflected = reflected;
-    expected.half_width = friedlander_half_width(*peak, *impulse, *wave.duration);
+    expected.reflected = reflects(setup, centre, radius, x);
+    if (!wave.incident_overpressure || !wave.shock_speed) continue;
+    if (expected.reflected) {
+      if (!wave.reflected_overpressure || !wave.reflected_impulse || !wave.duration) continue;
+      expected.half_width =
+          friedlander_half_width(*wave.reflected_overpressure, *wave.reflected_impulse, *wave.duration);
+    } else {
+      // The impulse of the curves tells the mean of a pulse that is much steeper at first, near the charge.
+      auto const overpressure = [&](double r) {
+        return curves(r).incident_overpressure.value_or(*wave.incident_overpressure);
+      };
+      double const decay = decay_time(air.fluid.eos, air.state, overpressure, distance);
+      if (!std::isfinite(decay)) continue;
+      expected.half_width =
+          wave.duration ? half_of_friedlander(*wave.duration / decay - 1.0) * *wave.duration : std::log(2.0) * decay;
+    }
     expected.strength = 1.4 * *wave.incident_overpressure / (air.state.density * sound * sound);
     expected.cells_per_half_width = expected.half_width * *wave.shock_speed / domain.h;
     expected.clipping = clipping(expected.cells_per_half_width, expected.strength);
