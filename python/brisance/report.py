@@ -396,10 +396,10 @@ def record_table(gauges):
                      value(gauge, "peak_front_overpressure", 1e-3, arrived),
                      value(gauge, "cells_per_half_width", 1.0, arrived, 3),
                      ("clipped", percent + "†") if clipped(gauge) else percent])
-    note = ('<p class="note">Largest impulse: of the running integral of the overpressure over the whole record. Mean at '
-            "the end: of the last tenth of the record. Negative phase: the one that holds the lowest overpressure. Peak at "
-            "the front: the record's peak as the decay behind it tells it. Cells: that the incident shock passes until the "
-            "pressure has fallen to half of the peak; so many clip it by the part in the last column.</p>")
+    note = ('<p class="note">Largest impulse: of the running integral of the overpressure over the whole record. Mean '
+            "at the end: of the last tenth of the record. Negative phase: the one that holds the lowest overpressure. "
+            "Peak at the front: the record's peak as the decay behind it tells it. Cells: that the incident shock passes "
+            "until the pressure has fallen to half of the peak; so many clip it by the part in the last column.</p>")
     head = ["gauge", "[Pa s]", "at [ms]", "mean at the end [kPa]", "peak [kPa]", "impulse [Pa s]", "duration [ms]",
             "at the front [kPa]", "cells in the half width", "clipped by"]
     groups = [("", 1), ("largest impulse", 2), ("", 1), ("negative phase", 3), ("peak", 3)]
@@ -508,8 +508,8 @@ def gas_sections(run, figures):
                 "of or behind obstacles the ratio is no measure of quality.</p>" if with_reference else "")
         yield "Gauges", results + note + figure(
             figures.gauge_histories(run),
-            "Overpressure (blue, left axis; ring: the peak that the decay behind it tells) and running impulse (orange, "
-            "right axis) at the gauges"
+            "Overpressure (blue, left axis; ring: the peak that the decay behind it tells) and running impulse "
+            "(orange, right axis) at the gauges"
             + (f". {KB_TITLE}: diamond for arrival and peak, tick for the end of the positive "
                "phase, dashed line for the impulse." if with_reference else "."))
     yield "Scaled distance", figure(figures.scaled_distance(run), "Results of the gauges against scaled distance"
