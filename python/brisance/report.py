@@ -398,8 +398,9 @@ def record_table(gauges):
                      ("clipped", percent + "†") if clipped(gauge) else percent])
     note = ('<p class="note">Largest impulse: of the running integral of the overpressure over the whole record. Mean '
             "at the end: of the last tenth of the record. Negative phase: the one that holds the lowest overpressure. "
-            "Peak at the front: the record's peak as the decay behind it tells it. Cells: that the incident shock passes "
-            "until the pressure has fallen to half of the peak; so many clip it by the part in the last column.</p>")
+            "Peak at the front: the record's peak as the decay behind it tells it. Cells: that the incident shock "
+            "passes until the pressure has fallen to half of the peak; so many clip it by the part in the last "
+            "column.</p>")
     head = ["gauge", "[Pa s]", "at [ms]", "mean at the end [kPa]", "peak [kPa]", "impulse [Pa s]", "duration [ms]",
             "at the front [kPa]", "cells in the half width", "clipped by"]
     groups = [("", 1), ("largest impulse", 2), ("", 1), ("negative phase", 3), ("peak", 3)]

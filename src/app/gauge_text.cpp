@@ -156,8 +156,8 @@ std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges
   }
   if (worst == nullptr) return std::nullopt;
   auto const& peak = *worst->peak;
-  double const wanted =
-      size * peak.cells_per_half_width / output::cells_for_clipping(tolerable_clipping, peak.strength);
+  double const wanted = size * peak.cells_per_half_width /
+                        output::cells_for_clipping(tolerable_clipping, {peak.strength, peak.reflected});
   return fmt::format(
       "the cells will clip the peak at {} gauge{} by more than {}, at \"{}\" by about {}: a cell of {} would clip that "
       "one by {}; impulses and arrivals need fewer cells, and the summary tells the peak at the front",

@@ -89,7 +89,7 @@ struct Front {
   bool thin = true;                    ///< rises within the cells that capture a shock
   bool reflected = false;              ///< the fluid is at rest behind it
   double cell_time = 0.0;              ///< in which the incident shock passes a cell [s]; 0: not known
-  double strength = 0.0;               ///< overpressure of the incident shock, as `captured_length` has it
+  double strength = 0.0;               ///< of the incident shock, see `IncidentShock`
   double begin = 0.0;                  ///< of the sharp wave [s]; without a reading the arrival
   std::optional<double> overpressure;  ///< of the sharp wave
 };
@@ -217,7 +217,7 @@ Front read_front(History const& t, History const& p, std::size_t foot, std::size
     }
     front.cell_time = cell / incident.speed;
     front.strength = 1.4 * (incident.pressure - pressure) / material::bulk_modulus(eos, density, pressure);
-    double const cells = std::min(thin_margin * (1.0 + 3.0 * captured_length(front.strength)), most_cells);
+    double const cells = std::min(thin_margin * (1.0 + 3.0 * captured_length({front.strength})), most_cells);
     // What lies between two samples is not known.
     double const rise =
         rises_through(t, p, foot, top, p[foot] + 0.9 * height) - rises_through(t, p, foot, top, p[foot] + 0.1 * height);
@@ -241,7 +241,7 @@ void read_half_width(History const& t, History const& p, Front const& front, Bla
   wave.half_width = width;
   if (front.cell_time > 0.0) {
     wave.cells_per_half_width = width / front.cell_time;
-    wave.expected_clipping = clipping(*wave.cells_per_half_width, front.strength);
+    wave.expected_clipping = clipping(*wave.cells_per_half_width, {front.strength, front.reflected});
   }
 }
 
@@ -369,21 +369,26 @@ std::vector<double> running_impulse(History const& t, History const& p) {
   return sum;
 }
 
-double captured_length(double overpressure) { return 0.55 * std::pow(std::max(overpressure, 1e-6), -0.23); }
+double captured_length(IncidentShock const& shock) {
+  double const x = std::max(shock.strength, 1e-6);
+  double const passing = 0.55 * std::pow(x, -0.23);
+  // Near walls the scheme is of first order where a shock is strong.
+  return passing + (shock.reflected ? 1.15 * x * x / (1.0 + x * x) : 0.0);
+}
 
-double clipping(double cells, double overpressure) {
+double clipping(double cells, IncidentShock const& shock) {
   if (!(cells > 0.0)) return 1.0;
-  double const a = captured_length(overpressure) * std::log(2.0) / cells;
+  double const a = captured_length(shock) * std::log(2.0) / cells;
   // (1 - exp(-x / w)) exp(-x / l) is largest where exp(-x / w) = a / (1 + a), a = w / l.
   return -std::expm1(a * std::log(a) - (1.0 + a) * std::log1p(a));
 }
 
-double cells_for_clipping(double part, double overpressure) {
+double cells_for_clipping(double part, IncidentShock const& shock) {
   double low = 1e-3;
   double high = 1e9;
   for (int n = 0; n < 100; ++n) {
     double const middle = std::sqrt(low * high);
-    (clipping(middle, overpressure) > part ? low : high) = middle;
+    (clipping(middle, shock) > part ? low : high) = middle;
   }
   return high;
 }

@@ -79,16 +79,21 @@ struct BlastWave {
 [[nodiscard]] std::vector<double> running_impulse(std::vector<double> const& time,
                                                   std::vector<double> const& overpressure);
 
-/// Length over which the default gas scheme captures a shock of this overpressure, in cells: behind the front the
-/// pressure comes up to that of the wave as 1 - exp(-x / length). `overpressure` is in parts of rho c^2 / 1.4, which
-/// for air is the ambient pressure. From runs on converging grids, see docs/theory.md.
-[[nodiscard]] double captured_length(double overpressure);
+/// The incident shock of a peak, as far as its capture by the cells depends on it.
+struct IncidentShock {
+  double strength = 0.0;   ///< overpressure in parts of rho c^2 / 1.4, which for air is the ambient pressure
+  bool reflected = false;  ///< the peak is that of its reflection from a wall
+};
+
+/// Length over which the default gas scheme captures a shock, in cells: behind the front the pressure comes up to that
+/// of the wave as 1 - exp(-x / length). From runs on converging grids, see docs/theory.md.
+[[nodiscard]] double captured_length(IncidentShock const& shock);
 
 /// Part of a shock's peak that the cells cut off, where the incident shock passes `cells` cells until the overpressure
 /// has fallen to half: the largest value of (1 - exp(-x / captured_length)) 2^(-x / cells) falls short of 1 by it.
-[[nodiscard]] double clipping(double cells, double overpressure);
+[[nodiscard]] double clipping(double cells, IncidentShock const& shock);
 
 /// The number of cells that clips a peak by `part`.
-[[nodiscard]] double cells_for_clipping(double part, double overpressure);
+[[nodiscard]] double cells_for_clipping(double part, IncidentShock const& shock);
 
 }  // namespace brisance::output

@@ -155,7 +155,7 @@ std::optional<ExpectedPeak> expected_peak(run::Case const& setup, Vec3 const& x)
     }
     expected.strength = 1.4 * *wave.incident_overpressure / (air.state.density * sound * sound);
     expected.cells_per_half_width = expected.half_width * *wave.shock_speed / domain.h;
-    expected.clipping = clipping(expected.cells_per_half_width, expected.strength);
+    expected.clipping = clipping(expected.cells_per_half_width, {expected.strength, expected.reflected});
     if (!strongest || expected.strength > strongest->strength) strongest = expected;
   }
   return strongest;

@@ -15,7 +15,7 @@ struct ExpectedPeak {
                                       ///< impulse
   double cells_per_half_width = 0.0;  ///< that the incident shock passes in this time
   double clipping = 0.0;              ///< part of the peak that such cells cut off, see `clipping`
-  double strength = 0.0;              ///< of the incident shock, as `clipping` has it
+  double strength = 0.0;              ///< of the incident shock, see `IncidentShock`
   bool reflected = false;             ///< a wall or a body stands behind the gauge, facing the charge
 };
 
