@@ -162,7 +162,7 @@ std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges
       "the cells will clip the peak at {} gauge{} by more than {}, at \"{}\" by about {}: a cell of {} would clip that "
       "one by {}; impulses and arrivals need fewer cells, and the summary tells the peak at the front",
       clipped, clipped == 1 ? "" : "s", percent(alarming_clipping), worst->name, percent(peak.clipping),
-      quantity(wanted, "m", 2), percent(tolerable_clipping));
+      quantity(wanted, "m", 3), percent(tolerable_clipping));
 }
 
 std::string gauge_tables(run::World const& world) {
