@@ -3,6 +3,7 @@ what `brisance check` says before the run and the summary after it."""
 import json
 import math
 import subprocess
+from string import Template
 
 from common import ROOT, Variants, commit, per_cent, table
 
@@ -95,19 +96,9 @@ def validate(arguments, work):
     in_the_open, at_walls = (rows_of(variants, wall, numbers) for wall in (False, True))
     target = work if arguments.quick else ROOT / "docs" / "validation"
     target.mkdir(parents=True, exist_ok=True)
-    text = f"""# What cells clip of a peak
-
-`validation/run clipping{' --quick' if arguments.quick else ''}`, built from {arguments.commit or commit()}.
-
-1 kg of TNT in `spherical1d`, Courant number 0.8, a gauge at the distance Z, in the open or on a rigid sphere there. N: cells that the incident shock passes while the pressure falls to half of its peak; w: the length over which
-the shock is captured, from the peak of the record by the formula of [theory](../theory.md), section "Gauges", beside the law that `brisance check` and the summary use. Right is the peak that the decay on {REFERENCE} cells tells, at the
-wall its reflection by Rankine-Hugoniot. *Peak at the front* is `peak_front_overpressure` of the same run as the record. Only grids with {FEWEST} cells per charge radius and more.
-
-## In the open
-
-{table(HEADER, in_the_open)}
-## At a rigid wall
-
-{table(HEADER, at_walls)}"""
+    text = Template((ROOT / "validation" / "clipping.md.in").read_text()).substitute(
+        command="validation/run clipping" + (" --quick" if arguments.quick else ""),
+        commit=arguments.commit or commit(), reference=REFERENCE, fewest=FEWEST,
+        in_the_open=table(HEADER, in_the_open), at_walls=table(HEADER, at_walls))
     (target / "clipping.md").write_text(text)
     print(f"wrote {target / 'clipping.md'}; results of the runs: {work}")
