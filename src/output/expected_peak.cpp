@@ -54,6 +54,18 @@ bool reflects(run::Case const& setup, Vec3 const& charge, double radius, Vec3 co
   return false;
 }
 
+/// Does something solid stand between the charge and x?
+bool in_shadow(run::Case const& setup, Vec3 const& charge, Vec3 const& x) {
+  double const distance = norm(x - charge);
+  double const last = distance - setup.domain.h;  // a gauge on a surface touches what it stands on
+  constexpr int most_steps = 400;
+  double const step = std::max(0.5 * setup.domain.h, distance / most_steps);
+  for (double way = 0.0; way < last; way += step) {
+    if (is_solid(setup, charge + (way / distance) * (x - charge))) return true;
+  }
+  return false;
+}
+
 bool touches_a_wall(grid::Domain const& domain, Vec3 const& centre, double radius) {
   for (int face = 0; face < 2 * domain.dimensions(); ++face) {
     int const d = face / 2;
@@ -129,7 +141,7 @@ std::optional<ExpectedPeak> expected_peak(run::Case const& setup, Vec3 const& x)
     double const distance = norm(x - centre);
     double const mass = charge.mass * charge.explosive.tnt_equivalent_pressure.value_or(
                                           charge.explosive.specific_energy() / tnt_energy);
-    if (!(distance > 0.0) || !(mass > 0.0)) continue;
+    if (!(distance > 0.0) || !(mass > 0.0) || in_shadow(setup, centre, x)) continue;
     double const radius = shape::equivalent_radius(charge.mass / charge.explosive.density(), domain.geometry);
     auto const burst = setup.burst == run::Burst::hemispherical || touches_a_wall(domain, centre, radius)
                            ? empirical::Burst::hemispherical

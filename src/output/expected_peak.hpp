@@ -34,7 +34,8 @@ using FrontCurve = std::function<double(double)>;
 
 /// From the charge whose wave is the strongest at x: its mass of TNT (by its energy where its equivalent is not known)
 /// in the open, or on the ground where it touches a wall. Nothing where the curves do not tell: no charge, planar and
-/// cylindrical waves, an ambient fluid that is no ideal gas, or outside of their range.
+/// cylindrical waves, an ambient fluid that is no ideal gas, behind obstacles and bodies, or outside
+/// of their range.
 [[nodiscard]] std::optional<ExpectedPeak> expected_peak(run::Case const& setup, Vec3 const& x);
 
 }  // namespace brisance::output

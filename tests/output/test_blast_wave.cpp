@@ -283,7 +283,7 @@ TEST(ExpectedPeak, WallsObstaclesAndMirrorsReflectTheGroundUnderTheChargeDoesNot
   house.obstacles.push_back({"house", shape::Box{{4.0, 2.0, 0.0}, {4.6, 3.0, 3.0}}});
   EXPECT_TRUE(reflected(house));
   house.gauges.front().position = {4.62, 2.5, 2.0};  // behind it
-  EXPECT_FALSE(reflected(house));
+  EXPECT_FALSE(expected_peak(house, house.gauges.front().position));
 
   auto on_ground = tnt_case(Geometry::cartesian3d, {100, 100, 100}, 0.05, {2.5, 2.5, 0.03}, {4.0, 2.5, 0.0});
   on_ground.domain.boundary[4] = Boundary::wall;
