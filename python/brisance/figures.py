@@ -109,6 +109,11 @@ def history_panel(panel, gauge, history):
         title += f",  Z = {gauge['scaled_distance']:.3g} m/kg$^{{1/3}}$"
     panel.set_title(title)
 
+    front = gauge.get("peak_front_overpressure")
+    if front is not None:
+        panel.plot(gauge["time_of_peak"] * 1e3, front * 1e-3, marker="o", markersize=5, color="none",
+                   markeredgecolor=BLUE, linestyle="none", zorder=5)
+
     impulse = panel.twinx()
     impulse.plot(time, history["impulse"], color=ORANGE, linewidth=1.1)
     impulse.set_ylabel("impulse [Pa s]", color=ORANGE)

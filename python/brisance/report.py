@@ -17,6 +17,7 @@ SMALL_DRIFT = 1e-6
 FINE_DRIFT = 1e-3
 COARSE_DRIFT = 1e-2
 COUPLED_DRIFT = 5e-3  # of gas and points together
+CLIPPED = 0.05  # part of a peak that the cells cut off, from which on the report marks it
 KB_TITLE = "Kingery-Bulmash"
 
 
@@ -348,7 +349,10 @@ def gauge_table(run):
         for key, factor, _ in quantities:
             value = gauge[key] * factor if arrived and gauge[key] is not None else None
             mark = "*" if key == "positive_impulse" and value and not gauge["positive_phase_complete"] else ""
-            row.append(number(value, 4, True) + mark)
+            if key == "peak_overpressure" and value and clipped(gauge):
+                row.append(("clipped", number(value, 4, True) + "†"))
+            else:
+                row.append(number(value, 4, True) + mark)
             if with_reference:
                 # The curves' peak is one of the front: it was read from records in the same way.
                 known = key if key != "front_overpressure" else "peak_overpressure"
@@ -359,7 +363,48 @@ def gauge_table(run):
     out = table(head, rows, groups if with_reference else None)
     if any(g["positive_impulse"] and not g["positive_phase_complete"] for g in gauges):
         out += '<p class="note">* The record ends within the positive phase: the impulse is that up to its end.</p>'
-    return out, with_reference
+    if any(clipped(g) for g in gauges):
+        out += ('<p class="note">† The cells are expected to cut off 5 % of this peak or more, see the next table. The '
+                "peak at the front is freed from most of that.</p>")
+    return out + record_table(gauges), with_reference
+
+
+def clipped(gauge):
+    return (gauge.get("expected_clipping") or 0.0) >= CLIPPED
+
+
+def record_table(gauges):
+    """What the whole record holds, beyond the first positive phase; nothing where the results are older than that."""
+    if not any("largest_impulse" in g for g in gauges):
+        return ""
+    rows = []
+    for gauge in gauges:
+        negative = gauge.get("negative_phase")
+        arrived = gauge["arrival_time"] is not None
+        reached = arrived or negative is not None
+
+        def value(source, key, factor, known, digits=4):
+            return number(source[key] * factor if known and source.get(key) is not None else None, digits, True)
+
+        part = gauge.get("expected_clipping")
+        percent = "–" if part is None else f"{100 * part:.0f} %"
+        rows.append([text(gauge["name"]), value(gauge, "largest_impulse", 1.0, arrived),
+                     value(gauge, "time_of_largest_impulse", 1e3, arrived),
+                     value(gauge, "final_overpressure", 1e-3, reached),
+                     value(negative, "peak", 1e-3, negative), value(negative, "impulse", 1.0, negative),
+                     value(negative, "duration", 1e3, negative),
+                     value(gauge, "peak_front_overpressure", 1e-3, arrived),
+                     value(gauge, "cells_per_half_width", 1.0, arrived, 3),
+                     ("clipped", percent + "†") if clipped(gauge) else percent])
+    note = ('<p class="note">Largest impulse: of the running integral of the overpressure over the whole record. Mean '
+            "at the end: of the last tenth of the record. Negative phase: the one that holds the lowest overpressure. "
+            "Peak at the front: the record's peak as the decay behind it tells it. Cells: that the incident shock "
+            "passes until the pressure has fallen to half of the peak; so many clip it by the part in the last "
+            "column.</p>")
+    head = ["gauge", "[Pa s]", "at [ms]", "mean at the end [kPa]", "peak [kPa]", "impulse [Pa s]", "duration [ms]",
+            "at the front [kPa]", "cells in the half width", "clipped by"]
+    groups = [("", 1), ("largest impulse", 2), ("", 1), ("negative phase", 3), ("peak", 3)]
+    return table(head, rows, groups) + note
 
 
 def verdict(error):
@@ -464,7 +509,8 @@ def gas_sections(run, figures):
                 "of or behind obstacles the ratio is no measure of quality.</p>" if with_reference else "")
         yield "Gauges", results + note + figure(
             figures.gauge_histories(run),
-            "Overpressure (blue, left axis) and running impulse (orange, right axis) at the gauges"
+            "Overpressure (blue, left axis; ring: the peak that the decay behind it tells) and running impulse "
+            "(orange, right axis) at the gauges"
             + (f". {KB_TITLE}: diamond for arrival and peak, tick for the end of the positive "
                "phase, dashed line for the impulse." if with_reference else "."))
     yield "Scaled distance", figure(figures.scaled_distance(run), "Results of the gauges against scaled distance"

@@ -224,6 +224,8 @@ void plan_gas(run::Case const& setup, Plan& p) {
   double const records =
       setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
   p.gauge_bytes = records * bytes_per_record * static_cast<double>(setup.gauges.size());
+  p.gauges = plan_gauges(setup);
+  if (auto const warning = clipping_warning(p.gauges, setup.domain.h)) p.warnings.push_back(*warning);
 }
 
 /// Nodes that carry the points: their cells, with the margins of the patches, once for each grid field.
@@ -374,6 +376,7 @@ void plan_region(run::Case const& setup, Plan& p) {
   p.regions = gas.regions;
   p.obstacles = gas.obstacles;
   p.starts = gas.starts;
+  p.gauges = gas.gauges;
   double const shorter = std::min(r.gas_steps, r.point_steps);
   p.steps = setup.mpm_region->subcycling ? std::max({shorter, r.gas_steps / 4.0, r.point_steps / 64.0})
                                          : std::max(r.gas_steps, r.point_steps);
@@ -605,6 +608,7 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
   out += "\n";
   std::size_t const gauges = setup.points.gauges.size() + setup.gauges.size();
   line("gauges", gauges == 0 ? "none" : fmt::format("{}, about {}", gauges, bytes(p.gauge_bytes)));
+  out += gauge_plan_text(p.gauges);
   std::string fields;
   for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
   auto const point_fields = output::dumped_point_fields(setup);
@@ -685,6 +689,7 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
           {"mpm_region", region},
           {"gauges", setup.points.gauges.size() + setup.gauges.size()},
           {"gauge_bytes", p.gauge_bytes},
+          {"gauge_peaks", gauge_plan_json(p.gauges)},
           {"obstacles", setup.obstacles.size()},
           {"placed_regions", output::regions_json(p.regions)},
           {"placed_obstacles", output::obstacles_json(p.obstacles)},

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/gauge_text.hpp"
 #include "run/case.hpp"
 #include "run/world.hpp"
 
@@ -39,6 +40,7 @@ struct Plan {
   std::optional<RegionPlan> region;
   long dumps = 0;
   double dump_bytes = 0.0;        ///< of one dump, of fields and points, uncompressed
+  std::vector<GaugePlan> gauges;  ///< of the gas
   double gauge_bytes = 0.0;       ///< of all gauge files, estimate
   double checkpoint_bytes = 0.0;  ///< of one checkpoint without gauge histories, estimate for points
   std::vector<std::string> warnings;

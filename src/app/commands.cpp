@@ -11,6 +11,7 @@
 
 #include "app/check.hpp"
 #include "app/driver.hpp"
+#include "app/gauge_text.hpp"
 #include "app/materials_text.hpp"
 #include "app/print.hpp"
 #include "app/progress.hpp"
@@ -93,41 +94,6 @@ void print_starts(run::World const& world) {
           world.setup.ambient.fluid.name, r.before.mass[0], r.before.mass[1], quantity(r.before.energy, "J", 6),
           r.after.mass[0], r.after.mass[1], quantity(r.after.energy, "J", 6), r.error());
   }
-}
-
-std::string cell(std::optional<double> value, char const* unit) { return value ? quantity(*value, unit) : "-"; }
-
-std::string ratio(bool known, double value, std::optional<double> const& reference) {
-  return known && reference ? fmt::format("{:.3f}", value / *reference) : "-";
-}
-
-void print_gauges(run::World const& world) {
-  auto const gauges = output::summarise(world.setup, world.gauges);
-  if (gauges.empty()) return;
-  bool const compared = world.setup.burst != run::Burst::none;
-  std::size_t width = 5;
-  for (auto const& g : gauges) width = std::max(width, g.name.size());
-  print(stdout, "\n{:<{}}  {:>10} {:>14} {:>11} {:>13}", "gauge", width, "distance", "peak overpr.", "arrival",
-        "impulse");
-  print(stdout, "{}\n", compared ? "   ratio to Kingery-Bulmash: peak  arrival  impulse" : "");
-  for (std::size_t n = 0; n < std::min(gauges.size(), most_rows); ++n) {
-    auto const& g = gauges[n];
-    bool const arrived = g.wave.arrival_time.has_value();
-    bool const complete = g.wave.positive_duration.has_value();
-    print(stdout, "{:<{}}  {:>10} {:>14} {:>11} {:>12}{}", g.name, width, cell(g.distance, "m"),
-          arrived ? quantity(g.wave.peak_overpressure, "Pa") : "-", cell(g.wave.arrival_time, "s"),
-          arrived ? quantity(g.wave.positive_impulse, "Pa s") : "-", arrived && !complete ? "+" : " ");
-    if (compared) {
-      print(stdout, "  {:>30} {:>8} {:>8}", ratio(arrived, g.wave.peak_overpressure, g.empirical.incident_overpressure),
-            ratio(arrived, g.wave.arrival_time.value_or(0.0), g.empirical.arrival),
-            ratio(complete, g.wave.positive_impulse, g.empirical.incident_impulse));
-    }
-    print(stdout, "\n");
-  }
-  if (gauges.size() > most_rows) print(stdout, "... and {} more in summary.csv\n", gauges.size() - most_rows);
-  bool const cut = std::any_of(gauges.begin(), gauges.end(),
-                               [](auto const& g) { return g.wave.arrival_time && !g.wave.positive_duration; });
-  if (cut) print(stdout, "+: the calculation ended within the positive phase\n");
 }
 
 void print_audit(run::World const& world) {
@@ -416,7 +382,7 @@ ExitCode run_deck(RunArguments const& arguments) {
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(stdout, "{}: {} steps in {}\n", ending.reason, world.clock.step, wall_time(seconds));
   if (world.bridge != nullptr) {
-    print_gauges(world);
+    print(stdout, "{}", gauge_tables(world));
     print_points(world);
     print_broken_zones(world);
     print_region_audit(world);
@@ -425,7 +391,7 @@ ExitCode run_deck(RunArguments const& arguments) {
     print_broken_zones(world);
     print_point_audit(world);
   } else {
-    print_gauges(world);
+    print(stdout, "{}", gauge_tables(world));
     print_audit(world);
   }
   print(stdout, "\nresults: {}\npictures and comparison: brisance report {}\n", folder.string(), folder.string());

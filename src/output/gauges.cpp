@@ -10,6 +10,7 @@
 
 #include "output/file.hpp"
 #include "output/json.hpp"
+#include "run/positive_phase.hpp"
 #include "shape/shape.hpp"
 
 namespace brisance::output {
@@ -17,79 +18,6 @@ namespace brisance::output {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double foot_fraction = 0.01;    // of the record's peak: below it nothing has arrived
-constexpr double front_end_drop = 0.01;   // of the reached pressure
-constexpr double front_end_slope = 0.05;  // of the front's steepest rise
-constexpr double arrival_fraction = 0.5;  // of the front's height
-
-/// Time at which the straight line through samples i - 1 and i takes `value`.
-double crossing(std::vector<double> const& t, std::vector<double> const& p, std::size_t i, double value) {
-  return t[i - 1] + (t[i] - t[i - 1]) * (value - p[i - 1]) / (p[i] - p[i - 1]);
-}
-
-// Where the decay behind a front is read, in half widths of the captured front behind its top.
-constexpr double decay_begin = 0.5;
-constexpr double decay_end = 3.0;
-constexpr double decay_scatter = 0.01;  // of the overpressure, rms: beyond it there is no simple decay
-constexpr double most_added = 0.25;     // of the front's height
-constexpr int decay_places = 24;        // at which it is read
-constexpr int fewest_samples = 4;       // that the record must have there
-
-/// The sample at the top of the front whose foot is sample `foot`.
-std::size_t front_top(std::vector<double> const& t, std::vector<double> const& p, std::size_t foot) {
-  std::size_t top = foot;
-  double steepest = foot > 0 ? (p[foot] - p[foot - 1]) / (t[foot] - t[foot - 1]) : 0.0;
-  for (std::size_t i = foot + 1; i < p.size(); ++i) {
-    double const slope = (p[i] - p[i - 1]) / (t[i] - t[i - 1]);
-    if (p[i] < (1.0 - front_end_drop) * p[top] || slope < front_end_slope * steepest) break;
-    if (p[i] > p[top]) top = i;
-    steepest = std::max(steepest, slope);
-  }
-  return top;
-}
-
-/// Overpressure at the front that passed at `arrival` and whose top is sample `top`, see `analyse_blast`.
-std::optional<double> at_front(std::vector<double> const& t, std::vector<double> const& p, std::size_t top,
-                               double arrival) {
-  // A slow rise may end the front before its top, where steps are much shorter than the way through a cell.
-  double const look = 2.0 * t[top] - arrival;
-  for (std::size_t i = top + 1; i < p.size() && t[i] <= look; ++i) top = p[i] > p[top] ? i : top;
-  double const half_width = t[top] - arrival;
-  double const begin = t[top] + decay_begin * half_width;
-  double const end = t[top] + decay_end * half_width;
-  if (!(half_width > 0.0) || end > t.back()) return std::nullopt;
-  // Read at even places between the samples, so that the result does not jump when a sample enters or leaves.
-  int samples = 0;
-  for (std::size_t i = top; i < p.size() && t[i] <= end; ++i) samples += t[i] >= begin ? 1 : 0;
-  if (samples < fewest_samples) return std::nullopt;
-  // Sums of the straight line of log p over the time since the arrival.
-  constexpr double n = decay_places;
-  double sx = 0.0;
-  double sy = 0.0;
-  double sxx = 0.0;
-  double sxy = 0.0;
-  double syy = 0.0;
-  std::size_t i = top + 1;
-  for (int k = 0; k < decay_places; ++k) {
-    double const time = begin + (end - begin) * k / (decay_places - 1);
-    while (i + 1 < p.size() && t[i] < time) ++i;
-    double const value = p[i - 1] + (p[i] - p[i - 1]) * (time - t[i - 1]) / (t[i] - t[i - 1]);
-    if (!(value > 0.0)) return std::nullopt;
-    double const x = (time - arrival) / half_width;
-    double const y = std::log(value / p[top]);
-    sx += x;
-    sy += y;
-    sxx += x * x;
-    sxy += x * y;
-    syy += y * y;
-  }
-  double const slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
-  double const level = (sy - slope * sx) / n;
-  double const left = std::max(0.0, syy - level * sy - slope * sxy) / n;
-  if (!(slope < 0.0) || left > decay_scatter * decay_scatter || level > std::log1p(most_added)) return std::nullopt;
-  return p[top] * std::exp(std::max(0.0, level));
-}
 
 /// The charge whose centre is nearest to x, or null.
 run::Charge const* nearest_charge(run::Case const& setup, Vec3 const& x) {
@@ -111,6 +39,15 @@ nlohmann::json blast_json(empirical::Blast const& blast) {
           {"arrival_time", json_or_null(blast.arrival)},
           {"positive_duration", json_or_null(blast.duration)},
           {"positive_impulse", json_or_null(blast.incident_impulse)}};
+}
+
+nlohmann::json negative_json(std::optional<NegativePhase> const& phase) {
+  if (!phase) return {};
+  return {{"peak", json_or_null(phase->peak)},
+          {"time", json_or_null(phase->time)},
+          {"impulse", json_or_null(phase->impulse)},
+          {"duration", json_or_null(phase->duration)},
+          {"complete", phase->duration.has_value()}};
 }
 
 std::string cell(std::optional<double> value) { return value ? fmt::format("{:.8g}", *value) : ""; }
@@ -153,43 +90,6 @@ bool empirical_applies(run::Case const& setup) {
 
 }  // namespace
 
-BlastWave analyse_blast(std::vector<double> const& t, std::vector<double> const& p) {
-  BlastWave wave;
-  std::size_t const n = std::min(t.size(), p.size());
-  if (n == 0) return wave;
-  auto const largest = std::size_t(std::max_element(p.begin(), p.begin() + std::ptrdiff_t(n)) - p.begin());
-  wave.peak_overpressure = p[largest];
-  wave.peak_time = t[largest];
-  if (!(wave.peak_overpressure > 0.0)) return wave;
-
-  std::size_t foot = 0;
-  while (p[foot] < foot_fraction * wave.peak_overpressure) ++foot;
-  std::size_t const top = front_top(t, p, foot);
-  double const level = arrival_fraction * p[top];
-  std::size_t front = foot;
-  while (p[front] < level) ++front;
-  wave.arrival_time = front == 0 ? t[0] : crossing(t, p, front, level);
-  if (front > 0) wave.front_overpressure = at_front(t, p, top, *wave.arrival_time);
-
-  // The positive phase holds the whole front, also its foot.
-  std::size_t begin = front;
-  while (begin > 0 && p[begin - 1] > 0.0) --begin;
-  if (begin > 0) {
-    double const start = crossing(t, p, begin, 0.0);
-    wave.positive_impulse += 0.5 * p[begin] * (t[begin] - start);
-  }
-  for (std::size_t i = begin + 1; i < n; ++i) {
-    if (p[i] <= 0.0) {
-      double const end = crossing(t, p, i, 0.0);
-      wave.positive_impulse += 0.5 * p[i - 1] * (end - t[i - 1]);
-      wave.positive_duration = end - *wave.arrival_time;
-      break;
-    }
-    wave.positive_impulse += 0.5 * (p[i - 1] + p[i]) * (t[i] - t[i - 1]);
-  }
-  return wave;
-}
-
 empirical::Blast empirical_blast(run::Case const& setup, double distance) {
   if (!empirical_applies(setup)) return {};
   auto const& charge = setup.charges.front();
@@ -213,12 +113,6 @@ empirical::Blast empirical_blast(run::Case const& setup, double distance) {
     *blast.arrival += first->delay;
   }
   return blast;
-}
-
-std::vector<double> running_impulse(std::vector<double> const& t, std::vector<double> const& p) {
-  std::vector<double> sum(t.size(), 0.0);
-  for (std::size_t i = 1; i < t.size(); ++i) sum[i] = sum[i - 1] + 0.5 * (p[i - 1] + p[i]) * (t[i] - t[i - 1]);
-  return sum;
 }
 
 std::string sanitised(std::string const& name) {
@@ -296,14 +190,19 @@ std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::Gau
   std::vector<GaugeSummary> summaries;
   std::vector<double> time;
   std::vector<double> overpressure;
+  auto const& air = setup.ambient;
+  Surroundings around{air.fluid.eos, air.state.density, air.state.pressure, setup.domain.h, {}};
   for (auto const& history : gauges) {
     time.clear();
     overpressure.clear();
+    around.velocity.clear();
     for (auto const& record : history.records) {
       time.push_back(record.time);
       overpressure.push_back(record.pressure - setup.ambient.state.pressure);
+      around.velocity.push_back(record.velocity);
     }
-    GaugeSummary summary{history.gauge.name, history.gauge.position, analyse_blast(time, overpressure), {}, {}, {}};
+    GaugeSummary summary{
+        history.gauge.name, history.gauge.position, analyse_blast(time, overpressure, &around), {}, {}, {}};
     if (auto const* charge = nearest_charge(setup, history.gauge.position)) {
       double const distance = norm(history.gauge.position - shape::centre(charge->shape));
       summary.distance = distance;
@@ -324,7 +223,9 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
       "front_overpressure [Pa],arrival_time [s],positive_duration [s],positive_impulse [Pa s],positive_phase_complete,"
       "KB_peak_overpressure [Pa],KB_arrival_time [s],KB_positive_duration [s],KB_positive_impulse [Pa s],"
       "ratio_peak_overpressure,ratio_front_overpressure,ratio_arrival_time,ratio_positive_duration,ratio_positive_"
-      "impulse\n";
+      "impulse,largest_impulse [Pa s],time_of_largest_impulse [s],final_overpressure [Pa],negative_peak [Pa],time_of_"
+      "negative_peak [s],negative_impulse [Pa s],negative_duration [s],peak_front_overpressure [Pa],half_width [s],"
+      "cells_per_half_width,expected_clipping,reflected\n";
   nlohmann::json gauges = nlohmann::json::array();
   for (std::size_t g = 0; g < summaries.size(); ++g) {
     auto const& s = summaries[g];
@@ -338,13 +239,19 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
     auto const ratio_duration = ratio(w.positive_duration, e.duration);
     // An impulse that the record cuts off cannot be compared.
     auto const ratio_impulse = ratio(complete ? std::optional(w.positive_impulse) : std::nullopt, e.incident_impulse);
-    csv += fmt::format("{},{:.8g},{:.8g},{:.8g},{},{},{:.8g},{:.8g},{},{},{},{:.8g},{},{},{},{},{},{},{},{},{},{}\n",
+    csv += fmt::format("{},{:.8g},{:.8g},{:.8g},{},{},{:.8g},{:.8g},{},{},{},{:.8g},{},{},{},{},{},{},{},{},{},{}",
                        csv_field(s.name), s.position[0], s.position[1], s.position[2], cell(s.distance),
                        cell(s.scaled_distance), w.peak_overpressure, w.peak_time, cell(w.front_overpressure),
                        cell(w.arrival_time), cell(w.positive_duration), w.positive_impulse, complete ? "yes" : "no",
                        cell(e.incident_overpressure), cell(e.arrival), cell(e.duration), cell(e.incident_impulse),
                        cell(ratio_peak), cell(ratio_front), cell(ratio_arrival), cell(ratio_duration),
                        cell(ratio_impulse));
+    auto const of_negative = [&](auto value) { return w.negative ? cell((*w.negative).*value) : ""; };
+    csv += fmt::format(",{:.8g},{:.8g},{:.8g},{},{},{},{},{},{},{},{},{}\n", w.largest_impulse, w.largest_impulse_time,
+                       w.final_overpressure, of_negative(&NegativePhase::peak), of_negative(&NegativePhase::time),
+                       of_negative(&NegativePhase::impulse), of_negative(&NegativePhase::duration),
+                       cell(w.peak_front_overpressure), cell(w.half_width), cell(w.cells_per_half_width),
+                       cell(w.expected_clipping), w.half_width ? w.reflected ? "yes" : "no" : "");
     gauges.push_back({{"name", s.name},
                       {"file", g < files.size() ? files[g] : ""},
                       {"position", s.position},
@@ -357,6 +264,15 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
                       {"positive_duration", json_or_null(w.positive_duration)},
                       {"positive_impulse", json_or_null(w.positive_impulse)},
                       {"positive_phase_complete", complete},
+                      {"largest_impulse", json_or_null(w.largest_impulse)},
+                      {"time_of_largest_impulse", json_or_null(w.largest_impulse_time)},
+                      {"final_overpressure", json_or_null(w.final_overpressure)},
+                      {"negative_phase", negative_json(w.negative)},
+                      {"peak_front_overpressure", json_or_null(w.peak_front_overpressure)},
+                      {"half_width", json_or_null(w.half_width)},
+                      {"cells_per_half_width", json_or_null(w.cells_per_half_width)},
+                      {"expected_clipping", json_or_null(w.expected_clipping)},
+                      {"reflected", w.half_width ? nlohmann::json(w.reflected) : nlohmann::json()},
                       {"kingery_bulmash", blast_json(e)},
                       {"ratio",
                        {{"peak_overpressure", json_or_null(ratio_peak)},
@@ -370,6 +286,7 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
   nlohmann::json summary{{"units", "SI: m, s, Pa, Pa s, m/kg^(1/3)"},
                          {"burst", burst_name(setup.burst)},
                          {"ambient_pressure", setup.ambient.state.pressure},
+                         {"arrival_threshold", run::arrival_threshold * setup.ambient.state.pressure},
                          {"gauges", std::move(gauges)}};
   if (empirical_applies(setup) && setup.charges.front().explosive.tnt_equivalent_pressure)
     summary["kingery_bulmash_curve"] = empirical_curve(setup);

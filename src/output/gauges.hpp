@@ -8,39 +8,10 @@
 #include <vector>
 
 #include "empirical/kingery_bulmash.hpp"
+#include "output/blast_wave.hpp"
 #include "run/world.hpp"
 
 namespace brisance::output {
-
-/// The blast parameters of one overpressure history.
-struct BlastWave {
-  double peak_overpressure = 0.0;  ///< largest overpressure of the whole record [Pa]
-  double peak_time = 0.0;          ///< when [s]
-  /// Overpressure behind the first shock at its arrival, from the decay that follows it [Pa]; absent where the record
-  /// shows no shock with a steady decay.
-  std::optional<double> front_overpressure;
-  /// Arrival of the first shock [s]; absent when nothing arrived.
-  std::optional<double> arrival_time;
-  /// From the arrival to the first return to ambient pressure [s]; absent when the record ends before.
-  std::optional<double> positive_duration;
-  /// Integral of the overpressure over the positive phase, or over what the record holds of it [Pa s].
-  double positive_impulse = 0.0;
-};
-
-/// Reads the blast parameters off a history (times [s] rising, overpressures [Pa]); linear between the samples.
-///
-/// Arrival. A captured shock is a steep ramp over a few cells whose middle is the best estimate of where the front is,
-/// while its foot runs ahead by an amount that depends on the cell size. The first rise above 1 % of the record's peak
-/// starts the first front; the front ends where the pressure falls by 1 % of what it has reached, or rises at less than
-/// 5 % of the front's steepest rate. The arrival is where the pressure passes half of the front's height. Later,
-/// stronger shocks (reflections) do not move it.
-///
-/// Overpressure at the front. Where the pressure falls steeply behind a shock, the cells that capture the shock clip
-/// its peak, by some per cent even on fine grids. As with records of experiments, the decay is therefore continued back
-/// to the arrival: the logarithm of the overpressure, as a straight line fitted between half of and three times the
-/// captured front's half width behind its top. It is given where that line leaves less than 1 % (rms), falls, and adds
-/// less than a quarter.
-[[nodiscard]] BlastWave analyse_blast(std::vector<double> const& time, std::vector<double> const& overpressure);
 
 /// Kingery-Bulmash values at `distance` [m] from the case's charge in its ambient air: pressures by the explosive's TNT
 /// equivalent for pressure, times and impulses by that for impulse, each absent where it is unknown; arrival counts
@@ -57,10 +28,6 @@ struct GaugeSummary {
   std::optional<double> scaled_distance;  ///< distance / cube root of its mass of TNT, if known [m/kg^(1/3)]
   empirical::Blast empirical;
 };
-
-/// Running integral of a history by the trapezoidal rule [Pa s].
-[[nodiscard]] std::vector<double> running_impulse(std::vector<double> const& time,
-                                                  std::vector<double> const& overpressure);
 
 /// A name that is safe as a file name: letters, digits, '.', '-' and '_' stay, everything else becomes '_'.
 [[nodiscard]] std::string sanitised(std::string const& name);

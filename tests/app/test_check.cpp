@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "app/check.hpp"
+#include "app/gauge_text.hpp"
 #include "core/error.hpp"
 #include "small_case.hpp"
 
@@ -29,11 +31,11 @@ TEST(Plan, CountsDumpsAndWarnsOfCoarseCharges) {
   EXPECT_TRUE(plan(setup).warnings.empty());
   setup.domain.h = 12.5e-3;  // radius 52.7 mm: 4.2 cells
   setup.domain.cells[0] = 80;
-  ASSERT_EQ(plan(setup).warnings.size(), 1U);
+  ASSERT_GE(plan(setup).warnings.size(), 1U);
   EXPECT_NE(plan(setup).warnings[0].find("4.2 cells per radius"), std::string::npos) << plan(setup).warnings[0];
   setup.domain.h = 50e-3;
   setup.domain.cells[0] = 20;
-  ASSERT_EQ(plan(setup).warnings.size(), 1U);
+  ASSERT_GE(plan(setup).warnings.size(), 1U);
   EXPECT_NE(plan(setup).warnings[0].find("1.1 cells per radius"), std::string::npos) << plan(setup).warnings[0];
 }
 
@@ -137,6 +139,51 @@ TEST(Plan, TextAndJsonTellTheSame) {
                            "TNT (explosive): ", "air (ambient fluid): "}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   }
+}
+
+TEST(Gauges, CheckSaysWhatTheCellsWillClipOfTheirPeaks) {
+  auto setup = small_case("[end]\ntime = \"0.2 ms\"\n");  // 0.8 m from 1 kg, cells of 5 mm
+  Plan const fine = plan(setup);
+  ASSERT_EQ(fine.gauges.size(), 1U);
+  ASSERT_TRUE(fine.gauges[0].peak);
+  auto const row = plan_json(setup, fine)["gauge_peaks"][0];
+  EXPECT_EQ(row["name"], "g");
+  EXPECT_GT(row["expected_clipping"].get<double>(), 0.04);
+  EXPECT_LT(row["expected_clipping"].get<double>(), 0.10);
+  EXPECT_EQ(row["reflected"], false);
+  EXPECT_NE(plan_text(setup, fine).find("cells in the half width of the peak; its record will be about"),
+            std::string::npos);
+  // Four times as coarse: a warning with the cell that would clip it by 5 %.
+  setup.domain.h = 20e-3;
+  setup.domain.cells[0] = 50;
+  Plan const coarse = plan(setup);
+  EXPECT_NEAR(coarse.gauges[0].peak->cells_per_half_width, 0.25 * fine.gauges[0].peak->cells_per_half_width, 1e-6);
+  auto const warning = clipping_warning(coarse.gauges, setup.domain.h);
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("at \"g\" by about"), std::string::npos) << *warning;
+  EXPECT_NE(std::ranges::find(coarse.warnings, *warning), coarse.warnings.end());
+  EXPECT_FALSE(clipping_warning(fine.gauges, 5e-3));
+  // Where the curves do not tell, nothing is said.
+  setup.ambient.fluid.eos = material::StiffenedGas{};
+  EXPECT_TRUE(plan_json(setup, plan(setup))["gauge_peaks"][0]["expected_clipping"].is_null());
+}
+
+TEST(Gauges, TablesShowTheWholeRecordAndDashesWhereNothingArrived) {
+  auto setup = small_case("[end]\ntime = \"0.9 ms\"\n");
+  setup.gauges.push_back({"far", {0.99, 0.0, 0.0}});
+  run::World world{std::move(setup)};
+  world.sample_gauges();
+  std::string const before = gauge_tables(world);
+  EXPECT_NE(before.find("\ng "), std::string::npos) << before;
+  EXPECT_EQ(before.find("Pa"), std::string::npos) << before;  // dashes only
+  while (!world.finished()) {
+    run::advance(world, world.setup.end.time);
+    world.sample_gauges();
+  }
+  std::string const after = gauge_tables(world);
+  for (char const* words : {"clipped", "peak at front", "most impulse", "mean at end", "negative peak", "\nfar "})
+    EXPECT_NE(after.find(words), std::string::npos) << words << after;
+  EXPECT_NE(after.find("Pa s"), std::string::npos);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "core/math.hpp"
 #include "material/eos/eos.hpp"
+#include "material/hugoniot.hpp"
 
 namespace {
 
@@ -108,6 +109,39 @@ TEST(Eos, ReferenceIsSmoothAcrossTheStressFreeDensity) {
 TEST(Eos, ExponentialIsExactToRoundOff) {
   for (double x = 0.0; x >= -700.0; x -= 0.37) EXPECT_NEAR(exp_nonpositive(x) / std::exp(x), 1.0, 1e-15) << x;
   EXPECT_EQ(exp_nonpositive(-1e6), exp_nonpositive(-700.0));
+}
+
+TEST(Hugoniot, MassMomentumAndEnergyBalanceAcrossTheShock) {
+  for (auto const& s : samples()) {
+    double const rho = s.densities[1];
+    // From a shock that is almost sound to one that doubles the bulk modulus.
+    for (double const part : {1e-4, 0.05, 1.0}) {
+      double const behind = s.pressure + part * bulk_modulus(s.eos, rho, s.pressure);
+      auto const shock = shocked(s.eos, rho, s.pressure, behind);
+      double const flux = rho * shock.speed;
+      EXPECT_NEAR(shock.density * (shock.speed - shock.jump) / flux, 1.0, 1e-9) << s.name;
+      EXPECT_NEAR(flux * shock.jump / (behind - s.pressure), 1.0, 1e-9) << s.name;
+      double const gained = internal_energy(s.eos, shock.density, behind) - internal_energy(s.eos, rho, s.pressure);
+      double const work = behind * shock.jump / flux - 0.5 * shock.jump * shock.jump;
+      EXPECT_NEAR(gained / work, 1.0, 1e-6) << s.name << ' ' << part;
+      EXPECT_GE(shock.speed, sound_speed(s.eos, rho, s.pressure)) << s.name;
+    }
+  }
+}
+
+TEST(Hugoniot, IdealGasHasItsClosedForms) {
+  IdealGas const air{1.4};
+  for (double const mach : {1.0001, 1.5, 3.0, 10.0}) {
+    double const p0 = 101325.0;
+    double const behind = p0 * (1.0 + 7.0 / 6.0 * (mach * mach - 1.0));
+    auto const shock = shocked(air, 1.225, p0, behind);
+    EXPECT_NEAR(shock.speed / sound_speed(air, 1.225, p0), mach, 1e-7 * mach);
+    EXPECT_NEAR(shock.density / 1.225, 6.0 * mach * mach / (mach * mach + 5.0), 1e-7);
+    double const p = behind - p0;
+    double const wall = 2.0 * p * (7.0 * p0 + 4.0 * p) / (7.0 * p0 + p);
+    EXPECT_NEAR((incident_of_reflected(air, 1.225, p0, p0 + wall).pressure - p0) / p, 1.0, 1e-6) << mach;
+  }
+  EXPECT_EQ(shocked(air, 1.225, 101325.0, 101325.0).jump, 0.0);
 }
 
 }  // namespace

@@ -293,6 +293,44 @@ TEST(Summary, DistanceScaledDistanceAndRatioBesideKingeryBulmash) {
   EXPECT_TRUE(row.starts_with("g,1,4,3,5,2.5,")) << row;
 }
 
+TEST(Summary, HoldsTheWholeRecordAndNullsWhereNothingArrived) {
+  auto const setup = tnt_case(8.0, run::Burst::none);
+  auto room = history("room", {1.0, 4.0, 3.0});
+  auto quiet = history("quiet", {1.0, 5.0, 3.0});
+  for (int i = 0; i <= 1000; ++i) {
+    double const t = i * 1e-5;
+    double const p = t < 1e-3 ? 0.0 : t < 2e-3 ? 1e5 : t < 3e-3 ? -2e4 : 5e4;
+    room.records.push_back({t, 101325.0 + p, 1.2, {0.0, 0.0, 0.0}});
+    quiet.records.push_back({t, 101325.0 + 3.0 * std::sin(1e3 * t), 1.2, {0.0, 0.0, 0.0}});
+  }
+  ScratchFolder folder;
+  write_summary(folder.path(), setup, summarise(setup, {room, quiet}), {});
+  auto const json = nlohmann::json::parse(read_file(folder.path() / "summary.json"));
+  EXPECT_NEAR(json["arrival_threshold"].get<double>(), 10.1325, 1e-9);
+  auto const& r = json["gauges"][0];
+  EXPECT_NEAR(r["positive_impulse"].get<double>(), 100.0, 1.0);
+  EXPECT_NEAR(r["largest_impulse"].get<double>(), 100.0 - 20.0 + 350.0, 2.0);
+  EXPECT_NEAR(r["time_of_largest_impulse"].get<double>(), 1e-2, 1e-9);
+  EXPECT_NEAR(r["final_overpressure"].get<double>(), 5e4, 1e-3);
+  EXPECT_NEAR(r["negative_phase"]["peak"].get<double>(), -2e4, 1e-6);
+  EXPECT_NEAR(r["negative_phase"]["impulse"].get<double>(), -20.0, 0.2);
+  EXPECT_NEAR(r["negative_phase"]["duration"].get<double>(), 1e-3, 2e-5);
+  EXPECT_EQ(r["negative_phase"]["complete"], true);
+  auto const& q = json["gauges"][1];
+  for (char const* key : {"arrival_time", "positive_duration", "negative_phase", "cells_per_half_width",
+                          "expected_clipping", "peak_front_overpressure", "front_overpressure", "reflected"})
+    EXPECT_TRUE(q[key].is_null()) << key;
+
+  std::istringstream csv(read_file(folder.path() / "summary.csv"));
+  std::string header;
+  std::string row;
+  std::getline(csv, header);
+  EXPECT_NE(
+      header.find(",largest_impulse [Pa s],time_of_largest_impulse [s],final_overpressure [Pa],negative_peak [Pa]"),
+      std::string::npos);
+  while (std::getline(csv, row)) EXPECT_EQ(std::ranges::count(header, ','), std::ranges::count(row, ','));
+}
+
 TEST(Summary, KingeryBulmashIsAbsentWhereItDoesNotApply) {
   EXPECT_FALSE(empirical_blast(tnt_case(8.0, run::Burst::none), 5.0).incident_overpressure);
   auto two = tnt_case(8.0, run::Burst::spherical);

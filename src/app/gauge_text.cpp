@@ -1,0 +1,178 @@
+#include "app/gauge_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/text.hpp"
+#include "output/blast_wave.hpp"
+#include "output/gauges.hpp"
+
+namespace brisance::app {
+
+namespace {
+
+constexpr std::size_t most_rows = 30;        // gauges that a table at the end shows
+constexpr std::size_t most_lines = 8;        // gauges that `check` shows
+constexpr double marked_clipping = 0.05;     // of the peak: beyond it the table is followed by a note
+constexpr double alarming_clipping = 0.10;   // of the peak: beyond it `check` warns
+constexpr double tolerable_clipping = 0.05;  // for which the warning names the cell
+
+std::string cell(std::optional<double> value, char const* unit) { return value ? quantity(*value, unit) : "-"; }
+
+std::string ratio(bool known, double value, std::optional<double> const& reference) {
+  return known && reference ? fmt::format("{:.3f}", value / *reference) : "-";
+}
+
+std::string percent(double part) { return fmt::format("{:.0f} %", 100.0 * part); }
+
+std::string cell_count(double cells) { return fmt::format("{:.{}f}", cells, cells < 9.95 ? 1 : 0); }
+
+std::size_t name_width(std::vector<output::GaugeSummary> const& gauges) {
+  std::size_t width = 5;
+  for (auto const& g : gauges) width = std::max(width, g.name.size());
+  return width;
+}
+
+/// Peak, arrival and impulse, beside Kingery-Bulmash.
+void blast_table(std::vector<output::GaugeSummary> const& gauges, bool compared, std::string& out) {
+  auto const width = name_width(gauges);
+  out += fmt::format("\n{:<{}}  {:>10} {:>14} {:>8} {:>11} {:>13}", "gauge", width, "distance", "peak overpr.",
+                     "clipped", "arrival", "impulse");
+  out += compared ? "   ratio to Kingery-Bulmash: peak  arrival  impulse\n" : "\n";
+  for (std::size_t n = 0; n < std::min(gauges.size(), most_rows); ++n) {
+    auto const& g = gauges[n];
+    bool const arrived = g.wave.arrival_time.has_value();
+    bool const complete = g.wave.positive_duration.has_value();
+    out +=
+        fmt::format("{:<{}}  {:>10} {:>14} {:>8} {:>11} {:>12}{}", g.name, width, cell(g.distance, "m"),
+                    arrived ? quantity(g.wave.peak_overpressure, "Pa") : "-",
+                    g.wave.expected_clipping ? percent(*g.wave.expected_clipping) : "-", cell(g.wave.arrival_time, "s"),
+                    arrived ? quantity(g.wave.positive_impulse, "Pa s") : "-", arrived && !complete ? "+" : " ");
+    if (compared) {
+      out += fmt::format("  {:>30} {:>8} {:>8}",
+                         ratio(arrived, g.wave.peak_overpressure, g.empirical.incident_overpressure),
+                         ratio(arrived, g.wave.arrival_time.value_or(0.0), g.empirical.arrival),
+                         ratio(complete, g.wave.positive_impulse, g.empirical.incident_impulse));
+    }
+    out += "\n";
+  }
+  if (gauges.size() > most_rows) out += fmt::format("... and {} more in summary.csv\n", gauges.size() - most_rows);
+  if (std::ranges::any_of(gauges, [](auto const& g) { return g.wave.arrival_time && !g.wave.positive_duration; }))
+    out += "+: the calculation ended within the positive phase\n";
+}
+
+/// The whole record: rooms, negative phases, and the peak without what the cells clip.
+void record_table(std::vector<output::GaugeSummary> const& gauges, std::string& out) {
+  auto const width = name_width(gauges);
+  out += fmt::format("\n{:<{}}  {:>14} {:>14} {:>11} {:>14} {:>14} {:>14} {:>11}\n", "gauge", width, "peak at front",
+                     "most impulse", "at", "mean at end", "negative peak", "impulse", "duration");
+  for (std::size_t n = 0; n < std::min(gauges.size(), most_rows); ++n) {
+    auto const& w = gauges[n].wave;
+    bool const arrived = w.arrival_time.has_value();
+    bool const negative = w.negative.has_value();
+    out += fmt::format("{:<{}}  {:>14} {:>14} {:>11} {:>14} {:>14} {:>14} {:>11}\n", gauges[n].name, width,
+                       cell(w.peak_front_overpressure, "Pa"), arrived ? quantity(w.largest_impulse, "Pa s") : "-",
+                       arrived ? quantity(w.largest_impulse_time, "s") : "-",
+                       arrived || negative ? quantity(w.final_overpressure, "Pa") : "-",
+                       negative ? quantity(w.negative->peak, "Pa") : "-",
+                       negative ? quantity(w.negative->impulse, "Pa s") : "-",
+                       negative ? cell(w.negative->duration, "s") : "-");
+  }
+}
+
+void clipping_note(std::vector<output::GaugeSummary> const& gauges, std::string& out) {
+  output::GaugeSummary const* worst = nullptr;
+  for (auto const& g : gauges) {
+    if (g.wave.expected_clipping && (worst == nullptr || *g.wave.expected_clipping > *worst->wave.expected_clipping))
+      worst = &g;
+  }
+  if (worst == nullptr || *worst->wave.expected_clipping < marked_clipping) return;
+  out += fmt::format(
+      "clipped: what the cells are expected to cut off the recorded peak; at gauge {} {}, with {} cells in the "
+      "half width of the peak.{}\n",
+      worst->name, percent(*worst->wave.expected_clipping), cell_count(*worst->wave.cells_per_half_width),
+      worst->wave.peak_front_overpressure ? " \"Peak at front\" is the peak that the decay behind it tells." : "");
+}
+
+}  // namespace
+
+std::vector<GaugePlan> plan_gauges(run::Case const& setup) {
+  std::vector<GaugePlan> plans;
+  plans.reserve(setup.gauges.size());
+  for (run::Gauge const& gauge : setup.gauges)
+    plans.push_back({gauge.name, output::expected_peak(setup, gauge.position)});
+  return plans;
+}
+
+std::string gauge_plan_text(std::vector<GaugePlan> const& gauges) {
+  std::vector<GaugePlan const*> known;
+  for (GaugePlan const& g : gauges) {
+    if (g.peak) known.push_back(&g);
+  }
+  std::size_t const count = known.size();
+  if (count > most_lines) {
+    std::ranges::stable_sort(known, [](auto* a, auto* b) { return a->peak->clipping > b->peak->clipping; });
+    known.resize(most_lines);
+  }
+  std::string out;
+  for (GaugePlan const* g : known) {
+    out += fmt::format("{:<12} {}: {} cells in the half width of the {}peak; its record will be about {} low\n",
+                       g == known.front() ? "peaks" : "", g->name, cell_count(g->peak->cells_per_half_width),
+                       g->peak->reflected ? "reflected " : "", percent(g->peak->clipping));
+  }
+  if (count > known.size()) out += fmt::format("{:<12} the other {} will be clipped less\n", "", count - known.size());
+  return out;
+}
+
+nlohmann::json gauge_plan_json(std::vector<GaugePlan> const& gauges) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (GaugePlan const& g : gauges) {
+    nlohmann::json row{{"name", g.name},
+                       {"half_width", nullptr},
+                       {"cells_per_half_width", nullptr},
+                       {"expected_clipping", nullptr},
+                       {"reflected", nullptr}};
+    if (g.peak) {
+      row["half_width"] = g.peak->half_width;
+      row["cells_per_half_width"] = g.peak->cells_per_half_width;
+      row["expected_clipping"] = g.peak->clipping;
+      row["reflected"] = g.peak->reflected;
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges, double size) {
+  GaugePlan const* worst = nullptr;
+  std::size_t clipped = 0;
+  for (GaugePlan const& g : gauges) {
+    if (!g.peak || g.peak->clipping < alarming_clipping) continue;
+    ++clipped;
+    if (worst == nullptr || g.peak->clipping > worst->peak->clipping) worst = &g;
+  }
+  if (worst == nullptr) return std::nullopt;
+  auto const& peak = *worst->peak;
+  double const wanted = size * peak.cells_per_half_width /
+                        output::cells_for_clipping(tolerable_clipping, {peak.strength, peak.reflected});
+  return fmt::format(
+      "the cells will clip the peak at {} gauge{} by more than {}, at \"{}\" by about {}: a cell of {} would clip that "
+      "one by {}; impulses and arrivals need fewer cells, and the summary tells the peak at the front",
+      clipped, clipped == 1 ? "" : "s", percent(alarming_clipping), worst->name, percent(peak.clipping),
+      quantity(wanted, "m", 3), percent(tolerable_clipping));
+}
+
+std::string gauge_tables(run::World const& world) {
+  auto const gauges = output::summarise(world.setup, world.gauges);
+  std::string out;
+  if (gauges.empty()) return out;
+  blast_table(gauges, world.setup.burst != run::Burst::none, out);
+  record_table(gauges, out);
+  clipping_note(gauges, out);
+  return out;
+}
+
+}  // namespace brisance::app
