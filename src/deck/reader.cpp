@@ -16,9 +16,8 @@ namespace brisance::deck {
 
 namespace {
 
-constexpr std::size_t largest_deck = 1U << 20U;  ///< bytes
-constexpr std::size_t longest_list = 10000;      ///< elements
-constexpr int most_key_parts = 32;               ///< parts of one dotted key
+constexpr std::size_t longest_list = 10000;  ///< elements
+constexpr int most_key_parts = 32;           ///< parts of one dotted key
 
 Place place_in(toml::source_region const& source, Place fallback) {
   if (source.begin.line == 0) return fallback;
@@ -610,9 +609,13 @@ std::vector<Diagnostic> Report::errors() const {
   return sorted;
 }
 
+std::string size_problem(std::string const& bytes) {
+  return fmt::format("the deck has {} bytes; allowed: at most {}", bytes, largest_deck);
+}
+
 std::optional<Section> read(std::string_view text, Table const& schema, Report& report) {
   if (text.size() > largest_deck) {
-    report.error({}, "", fmt::format("the deck has {} bytes; allowed: at most {}", text.size(), largest_deck));
+    report.error({}, "", size_problem(fmt::format("{}", text.size())));
     return std::nullopt;
   }
   if (auto const place = overlong_key(text)) {
