@@ -114,7 +114,9 @@ TEST(Plan, OfACaseThatNoMachineHoldsTakesNoTime) {
     EXPECT_NEAR(p.charges[0].cells_per_radius, 500.0, 1e-6);
     EXPECT_GT(p.memory_bytes, 1.9e9 * 88.0);
     EXPECT_FALSE(plan_text(setup, p).empty());
-    if (p.memory_bytes > p.machine_memory_bytes) EXPECT_THROW(refuse_unless_it_fits(p), InputError);
+    if (p.memory_bytes > p.machine_memory_bytes) {
+      EXPECT_THROW(refuse_unless_it_fits(p), InputError);
+    }
   }
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));  // 6 minutes before
 }

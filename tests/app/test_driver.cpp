@@ -295,7 +295,7 @@ TEST(Drive, ConditionalEndsOutliveAStop) {
     auto const setup = small_case(std::string("[end]\ntime = \"20 ms\"\n") + condition);
     std::string reason;
     long steps = 0;
-    for (long const stop_at : {-1L, 57L, 560L}) {
+    for (long const stop_at : {-1L, 57L, 311L}) {
       Scratch const scratch;
       run::World world{run::Case(setup)};
       std::atomic<bool> stop{false};
@@ -308,7 +308,7 @@ TEST(Drive, ConditionalEndsOutliveAStop) {
         EXPECT_EQ(ending.code, ExitCode::done);
         reason = ending.reason;
         steps = world.clock.step;
-        ASSERT_GT(steps, 560);
+        ASSERT_GT(steps, 311);
         continue;
       }
       ASSERT_EQ(ending.code, ExitCode::stopped_by_user);
