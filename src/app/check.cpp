@@ -126,14 +126,14 @@ bool is_small_list(grid::Domain const& domain, Index3 const& parts) {
   return blocks <= most_blocks_tried && *std::ranges::max_element(domain.cells) <= longest_row_tried;
 }
 
-/// A charge that fills too many cells to try it out: it has the mass that its cells are scaled to.
+/// A charge that fills too many cells to try it out.
 run::ChargeReport untried_charge(run::Charge const& charge, grid::Domain const& domain, std::string const& what) {
   (void)detonation::symmetry_images(charge.shape, domain, what);  // refuses what it refuses later
   double const volume = charge.mass / charge.explosive.density();
   run::ChargeReport report;
   report.explosive = charge.explosive.name;
   report.asked_mass = charge.mass;
-  report.realised_mass = charge.mass;
+  report.realised_mass = std::numeric_limits<double>::quiet_NaN();
   report.realised_energy = volume * charge.explosive.energy;
   report.cells_per_radius = shape::equivalent_radius(volume, domain.geometry) / domain.h;
   return report;
@@ -661,8 +661,10 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     line(p.charges.size() == 1 ? "charge" : fmt::format("charge {}", n + 1).c_str(),
          fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
                      charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
-    line("", fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
-                         c.realised_mass, relative_error(c)));
+    line("", std::isfinite(c.realised_mass)
+                 ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
+                               c.realised_mass, relative_error(c))
+                 : fmt::format("mass asked {:.8g} kg, realised: not tried out", c.asked_mass));
     line("",
          fmt::format("energy {}, {:.3g} cells per radius", quantity(c.realised_energy, "J", 6), c.cells_per_radius));
     if (n < p.starts.size()) line("start", p.starts[n]);
@@ -695,8 +697,8 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
   for (auto const& c : p.charges) {
     charges.push_back({{"explosive", c.explosive},
                        {"asked_mass", c.asked_mass},
-                       {"realised_mass", c.realised_mass},
-                       {"relative_error", relative_error(c)},
+                       {"realised_mass", output::json_or_null(c.realised_mass)},
+                       {"relative_error", output::json_or_null(relative_error(c))},
                        {"realised_energy", c.realised_energy},
                        {"cells_per_radius", c.cells_per_radius}});
   }

@@ -383,8 +383,10 @@ ExitCode run_deck(RunArguments const& arguments) {
             body.mass, body.geometric_mass);
     }
     for (auto const& charge : expected.charges) {
-      print(stdout, "{}: asked {:.8g} kg, realised {:.8g} kg and {}\n", charge.explosive, charge.asked_mass,
-            charge.realised_mass, quantity(charge.realised_energy, "J"));
+      bool const tried = std::isfinite(charge.realised_mass);
+      print(stdout, "{}: asked {:.8g} kg, {}{}\n", charge.explosive, charge.asked_mass,
+            tried ? fmt::format("realised {:.8g} kg and ", charge.realised_mass) : "",
+            quantity(charge.realised_energy, "J"));
     }
     std::vector<std::string> warnings;
     for (auto const& warning : expected.warnings) warnings.push_back("warning: " + warning);

@@ -211,6 +211,28 @@ TEST(Drive, EndsWhenAllBodiesHaveLeft) {
   EXPECT_EQ(again.clock.step, world.clock.step);
 }
 
+// What is left is rigid and at rest: nothing more happens, up to the end.
+TEST(Drive, GoesOnToTheEndWithRigidBodiesAlone) {
+  for (int const movers : {1, 0}) {
+    Scratch const scratch;
+    auto setup = run::two_blocks();
+    run::Body anvil = setup.points.bodies[1];
+    anvil.rigid = true;
+    setup.points.bodies = {anvil, setup.points.bodies[0]};
+    setup.points.bodies.resize(1 + movers);
+    if (movers > 0) setup.points.bodies[1].velocity = {-3000.0, 0.0, 0.0};
+    setup.points.gauges.clear();
+    setup.end.time = 50e-6;
+    run::World world(std::move(setup));
+    output::Writer writer(world, scratch.path());
+    auto const ending = drive(world, writer, go_on, ignore);
+    EXPECT_EQ(ending.code, ExitCode::done);
+    EXPECT_EQ(ending.reason, "reached the end time 50 us");
+    EXPECT_EQ(world.clock.time, 50e-6);
+    EXPECT_EQ(world.points->sums(0).largest_displacement, 0.0);
+  }
+}
+
 TEST(Drive, EndsWhenTheGaugesArePastTheirPositivePhase) {
   auto const run_with = [](std::string const& end, double far) {
     Scratch const scratch;
