@@ -307,7 +307,9 @@ double si_quantity(char const* option, std::string const& text, char const* unit
 /// The newest good checkpoint of the folder. Throws where there is none, or where it is of another case.
 std::unique_ptr<output::CheckpointReader> checkpoint_of(fs::path const& folder, run::Case const& setup) {
   auto found = output::newest_checkpoint(folder);
-  for (auto const& problem : found.problems) print(stderr, "warning: {}\n", problem);
+  std::vector<std::string> warnings;
+  for (auto const& problem : found.problems) warnings.push_back("warning: " + problem);
+  print(stderr, "{}", listed(warnings));
   if (found.reader == nullptr) {
     throw IoError(fmt::format(
         "--resume: \"{}\" holds no {}checkpoint: the run ended before it wrote one, or --output names another folder; "

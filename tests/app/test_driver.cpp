@@ -10,6 +10,7 @@
 
 #include "../run/points_case.hpp"
 #include "app/driver.hpp"
+#include "core/parallel.hpp"
 #include "gas/components.hpp"
 #include "output/checkpoint.hpp"
 #include "output/gauges.hpp"
@@ -342,6 +343,20 @@ TEST(Drive, ConditionalEndsOutliveAStop) {
       EXPECT_EQ(again.clock.step, steps);
     }
   }
+}
+
+TEST(Drive, ConditionalEndsDoNotDependOnThreads) {
+  std::vector<std::string> reasons;
+  int const before = threads();
+  for (int const count : {1, 4}) {
+    set_threads(count);
+    Scratch const scratch;
+    run::World world(small_case("[numerics]\nblock_cells = 16\n[end]\ntime = \"20 ms\"\nkinetic_energy = 0.3\n"));
+    output::Writer writer(world, scratch.path());
+    reasons.push_back(drive(world, writer, go_on, ignore).reason + fmt::format(" {:a}", world.kinetic_energy()));
+  }
+  set_threads(before);
+  EXPECT_EQ(reasons[0], reasons[1]);
 }
 
 TEST(Drive, StopsByTheClockWithACheckpoint) {

@@ -351,9 +351,9 @@ class Run(Case):
         deck = self.deck(SMALL.replace('cell = "5 mm"', 'cell = "2.5 mm"'))
         for redirection in ("| head -1", "2>&1 | head -1", "2>&1 | true", ">&-", ">&- 2>&- <&-"):
             with self.subTest(redirection):
-                done = subprocess.run(
-                    ["bash", "-c", f"'{PROGRAM}' run {deck} --output out --force {redirection}; exit ${{PIPESTATUS[0]}}"],
-                    cwd=self.folder, capture_output=True, text=True, timeout=300)
+                command = f"'{PROGRAM}' run {deck} --output out --force {redirection}; exit ${{PIPESTATUS[0]}}"
+                done = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, text=True,
+                                      timeout=300)
                 self.assertEqual(done.returncode, 0, done.stderr)
                 log = json.loads((self.folder / "out/run.json").read_text())
                 self.assertEqual((log["status"], log["dumps"]), ("done", 5))
