@@ -432,7 +432,7 @@ ExitCode run_deck(RunArguments const& arguments) {
   Ending const ending = drive(world, writer, StopSignals::requested(), after_step, resumed, start);
   if (show) progress.end();
 
-  if (ending.code == ExitCode::numerical_failure || ending.code == ExitCode::io_failure) {
+  if (ending.code != ExitCode::done && ending.code != ExitCode::stopped_by_user) {
     print(stderr, "brisance: error: {}\nWhat was written until then is in {}\n", ending.reason, folder.string());
     return ending.code;
   }

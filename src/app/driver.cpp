@@ -229,7 +229,8 @@ Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const&
     world.update_audit();
     writer.finish(world, ending->reason, static_cast<int>(ending->code));
     if (!sound) recorder.keep_stopped();
-  } catch (IoError const& error) {
+  } catch (Error const& error) {
+    // Also of a profile that the state at the end is not good for.
     if (ending->code != ExitCode::io_failure) ending = Ending{error.code(), error.what()};
     try {
       writer.close(world, ending->reason, static_cast<int>(ending->code));

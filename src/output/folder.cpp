@@ -53,7 +53,7 @@ void refuse_strangers(fs::path const& folder, Written const& written, std::set<s
     }
     if (!is_there(path)) return;
     if (fs::is_symlink(fs::symlink_status(path, ignored))) refuse_link(path);
-    if (listed.contains(name)) return;
+    if (listed.contains(name) && is_own_file(folder, name)) return;
     throw IoError(
         fmt::format("\"{}\" is in the way: this run would write it, and it is not on the list of what an earlier run "
                     "wrote (\"{}\"): move it, or name another folder with --output",

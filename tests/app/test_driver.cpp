@@ -274,6 +274,25 @@ TEST(Drive, GaugesThatNothingReachedAreWaitedFor) {
   EXPECT_EQ(drive(world, writer, go_on, ignore).reason, "reached the end time 50 us");
 }
 
+// A second charge is lit when the wave of the first is over: neither condition ends the run before.
+TEST(Drive, ChargesThatAreLitLaterAreWaitedFor) {
+  for (char const* condition : {"gauges = \"positive_phase\"\n", "kinetic_energy = 0.2\n"}) {
+    Scratch const scratch;
+    auto const result = deck::read_text(
+        std::string("[domain]\ngeometry = \"planar2d\"\nsize = [1, 0.8]\ncell = \"40 mm\"\n[[charge]]\nmass = 2\n"
+                    "position = [0.3, 0.4]\n[[charge]]\nmass = 2\nposition = [0.7, 0.4]\n"
+                    "initiation = [{position = [0.7, 0.4], delay = \"0.8 ms\"}]\n"
+                    "[[gauge]]\npoint = [0.5, 0.4]\n[end]\ntime = \"0.9 ms\"\n") +
+            condition,
+        "two.toml");
+    for (auto const& error : result.errors) ADD_FAILURE() << deck::format(error);
+    run::World world{run::Case(result.case_.value())};
+    output::Writer writer(world, scratch.path());
+    EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
+    EXPECT_GT(world.clock.time, 0.8e-3);
+  }
+}
+
 TEST(Drive, EndsWhenTheMotionHasCeased) {
   Scratch const scratch;
   run::World world(small_case("[end]\ntime = \"0.1 s\"\nkinetic_energy = 0.05\n"));
@@ -391,6 +410,17 @@ TEST(Drive, IsNotDoneBeforeItsProfileIsWritten) {
   EXPECT_NE(ending.reason.find("profiles"), std::string::npos) << ending.reason;
   EXPECT_EQ(log_of(scratch)["status"], "stopped");
   EXPECT_EQ(log_of(scratch)["exit_code"], 5);
+}
+
+TEST(Drive, IsNotDoneWithAStateThatIsNoProfile) {
+  Scratch const scratch;
+  run::World world(small_case("[output]\nprofile = true\n[end]\ntime = \"2 us\"\n"));
+  output::Writer writer(world, scratch.path());
+  auto const ending = drive(world, writer, go_on, ignore);
+  EXPECT_EQ(ending.code, ExitCode::bad_input);
+  EXPECT_NE(ending.reason.find("still burns"), std::string::npos) << ending.reason;
+  EXPECT_EQ(log_of(scratch)["status"], "stopped");
+  EXPECT_EQ(log_of(scratch)["exit_code"], 2);
 }
 
 TEST(Drive, WritesItsProfileBeforeItSaysDone) {
