@@ -12,6 +12,7 @@
 
 #include "core/error.hpp"
 #include "output/file.hpp"
+#include "output/folder.hpp"
 #include "output/manifest.hpp"
 
 namespace brisance::output {
@@ -235,6 +236,9 @@ void CheckpointFiles::write(CheckpointInfo const& info, ArchiveState const& stat
     fs::remove(all[n].path, error);
     if (error) throw_io_error("remove", all[n].path, error.value());
   }
+  // The list is read for each checkpoint: those that have gone shall not make it long.
+  constexpr long tidy_interval = 100;
+  if (++written_ % tidy_interval == 0) tidy_list(folder_.parent_path());
 }
 
 void CheckpointFiles::write_stopped(CheckpointInfo const& info, ArchiveState const& state) {

@@ -86,6 +86,7 @@ class CheckpointFiles {
 
   std::filesystem::path folder_;
   int keep_;
+  long written_ = 0;
 };
 
 }  // namespace brisance::output
