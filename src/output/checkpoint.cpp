@@ -238,7 +238,7 @@ void CheckpointFiles::write(CheckpointInfo const& info, ArchiveState const& stat
   }
   // The list is read for each checkpoint: those that have gone shall not make it long.
   constexpr long tidy_interval = 100;
-  if (++written_ % tidy_interval == 0) tidy_list(folder_.parent_path());
+  if (++written_ % tidy_interval == 0) tidy_list(folder_.parent_path(), "checkpoints/");
 }
 
 void CheckpointFiles::write_stopped(CheckpointInfo const& info, ArchiveState const& state) {

@@ -117,9 +117,9 @@ void drop_summary(fs::path const& folder) {
     if (listed.contains(file)) remove_listed(folder, file);
 }
 
-void tidy_list(fs::path const& folder) {
+void tidy_list(fs::path const& folder, std::string const& head) {
   auto names = listed_files(folder);
-  std::erase_if(names, [&](std::string const& name) { return !is_there(folder / name); });
+  std::erase_if(names, [&](std::string const& name) { return name.starts_with(head) && !is_there(folder / name); });
   replace_list(folder, names);
 }
 

@@ -47,7 +47,7 @@ void remove_listed(std::filesystem::path const& folder, std::string const& name)
 /// Removes what only the end of a run writes: summary and report.
 void drop_summary(std::filesystem::path const& folder);
 
-/// Leaves those files on the folder's list that exist.
-void tidy_list(std::filesystem::path const& folder);
+/// Takes files off the folder's list that do not exist, of those whose names begin with `head`.
+void tidy_list(std::filesystem::path const& folder, std::string const& head = "");
 
 }  // namespace brisance::output

@@ -42,7 +42,7 @@ double expected_bytes(run::World const& world, WriterOptions const& options) {
 /// The files of a run. Dumps and checkpoints are listed when they come.
 Written files_of(run::World const& world) {
   run::Case const& setup = world.setup;
-  Written files{{"run.json", "deck.toml", "summary.csv", "summary.json"}, {"report.html", "checkpoints/stopped.brz"}};
+  Written files{{"run.json", "deck.toml", "summary.csv", "summary.json"}, {"checkpoints/stopped.brz"}};
   auto const series = [&](char const* kind) {
     files.first.push_back(std::string(kind) + ".xmf2");
     int const dumps = static_cast<int>(dump_times(setup.output, setup.end.time).size());
