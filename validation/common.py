@@ -5,6 +5,7 @@ import json
 import os
 import platform
 import re
+import shutil
 import resource
 import signal
 import subprocess
@@ -209,6 +210,8 @@ class Variants:
         folder, deck = self.work / f"{case}-{name}", self.work / f"{case}-{name}.toml"
         deck.write_text(text)
         self.note(folder, build=self.build)
+        if not resume and (folder / "run.json").exists() and not (folder / "files.txt").exists():
+            shutil.rmtree(folder)  # of a version without a list of its files, which --force does not take
         command = [self.program, "run", deck, "--output", folder, "--threads", str(self.threads)]
         command += [] if sys.stderr.isatty() else ["--no-progress"]
         code, seconds = call([*command, "--resume" if resume else "--force"])

@@ -616,7 +616,9 @@ def main(arguments):
     try:
         content = page(results.Run(folder), figures, point_figures)
         temporary = folder / "report.html.part"
-        temporary.write_text(content, encoding="utf-8")
+        temporary.unlink(missing_ok=True)
+        with open(temporary, "x", encoding="utf-8") as file:  # a new file: not through a link that stands there
+            file.write(content)
         os.replace(temporary, folder / "report.html")
     except OSError as problem:
         print(problem, file=sys.stderr)

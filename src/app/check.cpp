@@ -13,6 +13,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "gas/components.hpp"
+#include "grid/partition.hpp"
 #include "output/json.hpp"
 #include "output/placed.hpp"
 #include "output/run_log.hpp"
@@ -32,12 +33,25 @@ constexpr double bytes_per_record = 100.0;      // one line of a gauge file
 constexpr double bytes_per_point = 300.0;       // of a metal: its 27 values, and the room that the arrays keep
 constexpr double bytes_per_node = 160.0;        // mass, momentum, force and velocity of a node on one grid field
 constexpr double bytes_per_point_record = 200.0;
+// Larger things are estimated: a look at a case of a thousand million cells must not take its memory or its time.
+constexpr double most_cells_tried = 5e6;  // in the box around a charge
+constexpr double most_points_tried = 5e6;
+constexpr double most_blocks_tried = 1e6;
+constexpr int longest_row_tried = 100'000'000;  // cells
+
+// Rates of docs/benchmarks.md: cells of a 3D step, or points, per second on one thread.
+constexpr double one_fluid_rate = 14e6;
+constexpr double two_fluid_rate = 12e6;    // products in a part of the domain
+constexpr double afterburn_share = 0.84;   // of the rate, where the afterburn's progress is carried
+constexpr double linear_point_rate = 8e6;  // of linear shape functions
+constexpr double point_rate = 5e6;
+constexpr double thread_share = 0.95;     // of a thread's rate, where it is not alone
 constexpr double coarse_body = 4.0;       // points across a body's shortest side below which it hardly bends
 constexpr double coarse_charge = 5.0;     // cells per charge radius below which the near field is poorly resolved
+constexpr double coarse_burst = 15.0;     // cells per radius of a remapped burst below which its shock is
 constexpr long most_cut_cells = 200'000;  // of regions and obstacles that `check` counts
 constexpr double coarse_obstacle = 0.2;   // part of its volume that an obstacle may win or lose without a warning
 constexpr double few_steps = 5.0;         // that a load must last for its impulse to be right within some per cent
-constexpr double coarse_burst = 15.0;     // cells per radius of a remapped burst below which its shock is
 
 double machine_memory() {
   double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
@@ -54,18 +68,79 @@ int gas_components(run::Case const& setup) {
   return setup.afterburn && setup.afterburn->carried() ? gas::afterburn_components : gas::two_fluid_components;
 }
 
-double estimated_memory(run::Case const& setup, grid::Grid const& grid) {
-  double const components = gas_components(setup);
-  double const cells = static_cast<double>(setup.domain.cell_count());
-  double slab_cells = 0.0;
-  for (grid::Block const& block : grid.blocks()) {
-    int face = 0;
-    for (int d = 0; d < setup.domain.dimensions(); ++d) face = std::max(face, block.cell_count() / block.n[d]);
-    slab_cells += 2.0 * grid::ghost_layers * face;
+double cells_of(grid::Domain const& domain) { return static_cast<double>(domain.cell_count()); }
+
+/// Cells in the ghost layers of all blocks. Blocks have at most two sizes in each direction.
+double ghost_cells(grid::Domain const& domain, Index3 const& parts) {
+  std::array<std::array<double, 2>, 3> size{};
+  std::array<std::array<double, 2>, 3> count{};
+  for (int d = 0; d < 3; ++d) {
+    double const n = domain.cells[d];
+    size[d] = {std::floor(n / parts[d]), std::floor(n / parts[d]) + 1.0};
+    count[d][1] = n - parts[d] * size[d][0];
+    count[d][0] = parts[d] - count[d][1];
   }
-  double values = components * (cells + slab_cells);
-  if (setup.output.peak_fields) values += peak_components * cells;
-  return values * double_bytes + std::min(largest_dump_cache, cells * 3.0 * double_bytes) + program_bytes;
+  double sum = 0.0;
+  for (int kind = 0; kind < 8; ++kind) {
+    double blocks = 1.0;
+    double cells = 1.0;
+    for (int d = 0; d < 3; ++d) {
+      blocks *= count[d][kind >> d & 1];
+      cells *= size[d][kind >> d & 1];
+    }
+    double face = 0.0;
+    for (int d = 0; d < domain.dimensions(); ++d) face = std::max(face, cells / size[d][kind >> d & 1]);
+    sum += blocks * 2.0 * grid::ghost_layers * face;
+  }
+  return sum;
+}
+
+void add_gas_memory(run::Case const& setup, Index3 const& parts, Plan& p) {
+  double const components = gas_components(setup);
+  double const cells = cells_of(setup.domain);
+  p.memory.push_back(
+      {fmt::format("state of the gas, {:g} values per cell", components), components * cells * double_bytes});
+  p.memory.push_back({"ghost layers of the blocks", components * ghost_cells(setup.domain, parts) * double_bytes});
+  if (setup.output.peak_fields)
+    p.memory.push_back({"peak fields (output.peak_fields)", peak_components * cells * double_bytes});
+  p.memory.push_back({"a field on its way to the disk", std::min(largest_dump_cache, cells * 3.0 * double_bytes)});
+}
+
+void sum_memory(Plan& p) {
+  p.memory.push_back({"the program itself", program_bytes});
+  p.memory_bytes = 0.0;
+  for (MemoryPart const& part : p.memory) p.memory_bytes += part.bytes;
+  std::ranges::stable_sort(p.memory, std::ranges::greater{}, &MemoryPart::bytes);
+}
+
+/// Cells around a shape, in the domain.
+double cells_around(shape::Shape const& shape, grid::Domain const& domain) {
+  auto const box = shape::bounds(shape);
+  double cells = 1.0;
+  for (int d = 0; d < domain.dimensions(); ++d)
+    cells *=
+        std::max(0.0, std::min(box.upper[d], domain.upper(d)) - std::max(box.lower[d], domain.lower[d])) / domain.h;
+  return cells;
+}
+
+/// May the grid's list of blocks be made for a look at it?
+bool is_small_list(grid::Domain const& domain, Index3 const& parts) {
+  double blocks = 1.0;
+  for (int d = 0; d < 3; ++d) blocks *= parts[d];
+  return blocks <= most_blocks_tried && *std::ranges::max_element(domain.cells) <= longest_row_tried;
+}
+
+/// A charge that fills too many cells to try it out.
+run::ChargeReport untried_charge(run::Charge const& charge, grid::Domain const& domain, std::string const& what) {
+  (void)detonation::symmetry_images(charge.shape, domain, what);  // refuses what it refuses later
+  double const volume = charge.mass / charge.explosive.density();
+  run::ChargeReport report;
+  report.explosive = charge.explosive.name;
+  report.asked_mass = charge.mass;
+  report.realised_mass = std::numeric_limits<double>::quiet_NaN();
+  report.realised_energy = volume * charge.explosive.energy;
+  report.cells_per_radius = shape::equivalent_radius(volume, domain.geometry) / domain.h;
+  return report;
 }
 
 double signal(material::Eos const& eos, run::FluidState const& state) {
@@ -194,10 +269,12 @@ void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Pl
 }
 
 void plan_gas(run::Case const& setup, Plan& p) {
-  grid::Grid const grid(setup.domain, setup.numerics.block_cells);
-  p.blocks = grid.block_count();
-  p.memory_bytes = estimated_memory(setup, grid);
+  Index3 const parts = grid::parts_of(setup.domain, setup.numerics.block_cells);
+  p.blocks = parts[0] * parts[1] * parts[2];
+  add_gas_memory(setup, parts, p);
   p.steps = estimated_steps(setup);
+  std::optional<grid::Grid> grid;
+  if (is_small_list(setup.domain, parts)) grid.emplace(setup.domain, setup.numerics.block_cells);
   run::SolidCells const solid(setup.domain, setup.obstacles);
   detonation::TakenCells taken;
   int number = 0;
@@ -208,7 +285,15 @@ void plan_gas(run::Case const& setup, Plan& p) {
       plan_start(setup, number - 1, what, p);
       continue;
     }
-    p.charges.push_back(run::realised_charge(charge, grid, what, &solid, &taken));
+    if (double const around = cells_around(charge.shape, setup.domain); grid && around <= most_cells_tried) {
+      p.charges.push_back(run::realised_charge(charge, *grid, what, &solid, &taken));
+    } else {
+      p.charges.push_back(untried_charge(charge, setup.domain, what));
+      p.warnings.push_back(
+          fmt::format("{} lies in a box of {} cells in a grid of {} blocks: it was not tried out "
+                      "what mass it has there",
+                      what, large_count(around), large_count(p.blocks)));
+    }
     double const resolution = p.charges.back().cells_per_radius;
     if (resolution < coarse_charge) {
       p.warnings.push_back(fmt::format(
@@ -229,15 +314,16 @@ void plan_gas(run::Case const& setup, Plan& p) {
 }
 
 /// Nodes that carry the points: their cells, with the margins of the patches, once for each grid field.
-double point_memory(run::Points const& points, Plan const& p, int dimensions) {
+void add_point_memory(run::Points const& points, Plan& p, int dimensions) {
   double nodes = 0.0;
   for (std::size_t b = 0; b < p.bodies.size(); ++b)
     nodes += static_cast<double>(p.bodies[b].points) / std::pow(points.bodies[b].points_per_direction, dimensions);
   constexpr double margins = 2.0;  // blocks of 8 cells with two layers around: (12/8)^3 and less
   double const records = std::min(p.steps, p.gauge_bytes / bytes_per_point_record);
   if (p.region) nodes += p.region->cells;
-  return p.points * bytes_per_point + nodes * margins * bytes_per_node + records * sizeof(run::PointRecord) +
-         program_bytes;
+  p.memory.push_back({"material points", p.points * bytes_per_point});
+  p.memory.push_back({"nodes around the material points", nodes * margins * bytes_per_node});
+  p.memory.push_back({"records of the gauges on bodies", records * sizeof(run::PointRecord)});
 }
 
 double fastest_signal(run::Body const& body) {
@@ -264,19 +350,22 @@ double estimated_point_steps(run::Case const& setup) {
   return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
 }
 
-/// The bodies as they will be filled. One that could not be kept in memory anyway is not filled but estimated.
-run::BodyReport realised(run::Body const& body, grid::Domain const& domain, double machine_memory_bytes) {
+/// The bodies as they will be filled. One that would have more than `most_points` is not filled but estimated.
+run::BodyReport realised(run::Body const& body, grid::Domain const& domain, double most_points) {
   run::BodyReport report;
   report.name = body.name;
   report.material = body.solid.name;
   double const density = body.density.value_or(body.solid.density);
-  auto const box = shape::bounds(body.shape);
-  double room = 1.0;  // cells in the box around the part of the body in the domain
-  for (int d = 0; d < domain.dimensions(); ++d)
-    room *= std::max(0.0, std::min(box.upper[d], domain.upper(d)) - std::max(box.lower[d], domain.lower[d])) / domain.h;
-  double const most = room * std::pow(body.points_per_direction, domain.dimensions());
-  if (most * bytes_per_point > 4.0 * machine_memory_bytes) {
-    report.points = static_cast<long>(most);
+  double const per_cell = std::pow(body.points_per_direction, domain.dimensions());
+  double const most = cells_around(body.shape, domain) * per_cell;
+  if (most > most_points) {
+    // The box around the part in the domain holds no more than the body, and the body no more than its volume.
+    double cell = domain.h;
+    for (int d = 1; d < domain.dimensions(); ++d) cell *= domain.h;
+    double const whole = grid::radial_exponent(domain.geometry) > 0
+                             ? most
+                             : shape::volume(body.shape, domain.geometry) / cell * per_cell;
+    report.points = static_cast<long>(std::min(most, whole));
     report.mass = report.geometric_mass = std::numeric_limits<double>::quiet_NaN();
     return report;
   }
@@ -306,7 +395,8 @@ void plan_points(run::Case const& setup, Plan& p) {
   auto const& points = setup.points;
   p.steps = estimated_point_steps(setup);
   for (run::Body const& body : points.bodies) {
-    p.bodies.push_back(realised(body, setup.domain, p.machine_memory_bytes));
+    // What no machine holds, or is a lot for a look, is not tried out.
+    p.bodies.push_back(realised(body, setup.domain, most_points_tried - p.points));
     p.points += static_cast<double>(p.bodies.back().points);
     if (p.bodies.back().points == 0) {
       throw InputError(fmt::format("body \"{}\" holds no material point: it is much smaller than a cell", body.name));
@@ -331,7 +421,7 @@ void plan_points(run::Case const& setup, Plan& p) {
   double const records =
       setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
   p.gauge_bytes = records * bytes_per_point_record * static_cast<double>(points.gauges.size());
-  p.memory_bytes = point_memory(points, p, setup.domain.dimensions());
+  add_point_memory(points, p, setup.domain.dimensions());
   p.checkpoint_bytes = p.points * bytes_per_point;
   double const dumped = p.points - (p.region && !setup.output.gas_points ? p.region->gas_points : 0.0);
   p.dump_bytes =
@@ -355,10 +445,12 @@ void plan_region(run::Case const& setup, Plan& p) {
   }
   Plan gas = p;
   plan_gas(setup, gas);
+  p.memory = gas.memory;
   p.region = r;
   // The gas fills what the bodies leave, with points of its own density.
   double cells = r.cells;
   plan_points(setup, p);
+  p.memory = gas.memory;  // that of the points follows when those of the gas are known
   for (std::size_t b = 0; b < p.bodies.size(); ++b) {
     cells -= static_cast<double>(p.bodies[b].points) /
              std::pow(setup.points.bodies[b].points_per_direction, domain.dimensions());
@@ -380,13 +472,34 @@ void plan_region(run::Case const& setup, Plan& p) {
   double const shorter = std::min(r.gas_steps, r.point_steps);
   p.steps = setup.mpm_region->subcycling ? std::max({shorter, r.gas_steps / 4.0, r.point_steps / 64.0})
                                          : std::max(r.gas_steps, r.point_steps);
-  p.memory_bytes = gas.memory_bytes + point_memory(setup.points, p, domain.dimensions()) - program_bytes;
+  add_point_memory(setup.points, p, domain.dimensions());
   double const dumped = p.points - (setup.output.gas_points ? 0.0 : r.gas_points);
   p.dump_bytes = gas.dump_bytes + output::PointSeries::bytes_per_dump(dumped, output::dumped_point_fields(setup),
                                                                       setup.output.single_precision);
   p.gauge_bytes += gas.gauge_bytes;
   p.checkpoint_bytes = gas.checkpoint_bytes + p.points * bytes_per_point;
   p.warnings.insert(p.warnings.end(), gas.warnings.begin(), gas.warnings.end());
+}
+
+/// Time of the steps, were no cell at rest.
+double estimated_seconds(run::Case const& setup, Plan const& p) {
+  double const parts = p.blocks > 0 ? p.blocks : std::max(1.0, p.cells / 512.0);  // points: blocks of 8^3 cells
+  double const workers = std::min<double>(threads(), parts);
+  double const rate = workers > 1.0 ? workers * thread_share : 1.0;
+  bool const gas = !setup.points.any() || setup.mpm_region;
+  double seconds = 0.0;
+  if (gas) {
+    double per_second = two_fluids(setup) ? two_fluid_rate : one_fluid_rate;
+    if (gas_components(setup) == gas::afterburn_components) per_second *= afterburn_share;
+    // A step has one sweep per direction, and the rates are those of three.
+    double const sweeps = setup.domain.dimensions() / 3.0;
+    seconds += p.cells * (p.region ? p.region->gas_steps : p.steps) * sweeps / per_second;
+  }
+  if (p.points > 0.0) {
+    bool const linear = setup.points.options.shape == mpm::ShapeFunction::linear;
+    seconds += p.points * (p.region ? p.region->point_steps : p.steps) / (linear ? linear_point_rate : point_rate);
+  }
+  return seconds / rate;
 }
 
 /// Name, role and source of every material of a case.
@@ -429,6 +542,10 @@ Plan plan(run::Case const& setup) {
   } else {
     plan_gas(setup, p);
   }
+  sum_memory(p);
+  p.disk_bytes =
+      static_cast<double>(p.dumps) * p.dump_bytes + p.gauge_bytes + (setup.checkpoint.keep + 1) * p.checkpoint_bytes;
+  p.seconds = estimated_seconds(setup, p);
   if (p.memory_bytes > p.machine_memory_bytes) {
     p.warnings.push_back(
         fmt::format("this machine has {} of memory: the case will be refused here", bytes(p.machine_memory_bytes)));
@@ -438,22 +555,50 @@ Plan plan(run::Case const& setup) {
 
 void refuse_unless_it_fits(Plan const& p) {
   if (p.memory_bytes <= p.machine_memory_bytes) return;
+  std::string const most = p.memory.empty() ? ""
+                                            : fmt::format(" (most of it, {}, for: {})", bytes(p.memory.front().bytes),
+                                                          p.memory.front().what);
   throw InputError(
-      p.region ? fmt::format(
-                     "the case needs about {} of memory for its {} cells and {} material points, and this machine has "
-                     "{}: use larger cells (domain.cell), a smaller domain or MPM region, fewer points per cell, or "
-                     "symmetry planes",
-                     bytes(p.memory_bytes), large_count(p.cells), large_count(p.points), bytes(p.machine_memory_bytes))
+      p.region
+          ? fmt::format(
+                "the case needs about {} of memory for its {} cells and {} material points{}, and this machine "
+                "has {}: use larger cells (domain.cell), a smaller domain or MPM region, fewer points per cell, or "
+                "symmetry planes",
+                bytes(p.memory_bytes), large_count(p.cells), large_count(p.points), most, bytes(p.machine_memory_bytes))
       : p.points > 0.0
-          ? fmt::format("the case needs about {} of memory for its {} material points, and this machine has {}: use "
+          ? fmt::format("the case needs about {} of memory for its {} material points{}, and this machine has {}: "
+                        "use "
                         "larger cells (domain.cell), fewer points per cell, or symmetry planes",
-                        bytes(p.memory_bytes), large_count(p.points), bytes(p.machine_memory_bytes))
-          : fmt::format("the case needs about {} of memory for its {} cells, and this machine has {}: use larger cells "
-                        "(domain.cell), a smaller domain, or symmetry planes",
-                        bytes(p.memory_bytes), large_count(p.cells), bytes(p.machine_memory_bytes)));
+                        bytes(p.memory_bytes), large_count(p.points), most, bytes(p.machine_memory_bytes))
+          : fmt::format("the case needs about {} of memory for its {} cells{}, and this machine has {}: use larger "
+                        "cells (domain.cell), a smaller domain, or symmetry planes",
+                        bytes(p.memory_bytes), large_count(p.cells), most, bytes(p.machine_memory_bytes)));
 }
 
 namespace {
+
+std::string end_text(run::End const& end) {
+  std::string text = quantity(end.time, "s");
+  if (end.steps > 0) text += fmt::format(", or {} steps", end.steps);
+  if (end.gauges) text += ", or when all gauges are past their positive phase";
+  if (end.kinetic_energy > 0.0)
+    text += fmt::format(", or when the kinetic energy stays below {:g} of its largest value", end.kinetic_energy);
+  if (end.wall_clock > 0.0) text += fmt::format("; stops after {} on the clock", clock_time(end.wall_clock));
+  return text;
+}
+
+/// The parts that count, the largest first.
+std::string memory_text(Plan const& p) {
+  constexpr double counts = 0.02;
+  std::string text;
+  double rest = p.memory_bytes;
+  for (MemoryPart const& part : p.memory) {
+    if (part.bytes < counts * p.memory_bytes) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : "; ", part.what, bytes(part.bytes));
+    rest -= part.bytes;
+  }
+  return rest > 0.5e-3 * p.memory_bytes ? text + fmt::format("; the rest {}", bytes(rest)) : text;
+}
 
 std::string afterburn_text(material::Afterburn const& a) {
   std::string const rate =
@@ -544,8 +689,7 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
                      setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff",
                      setup.numerics.courant, two_fluids(setup) ? "two fluids" : "one fluid"));
   }
-  line("end", setup.end.steps > 0 ? fmt::format("{}, or {} steps", quantity(setup.end.time, "s"), setup.end.steps)
-                                  : quantity(setup.end.time, "s"));
+  line("end", end_text(setup.end));
   if (p.region) {
     line("steps",
          fmt::format("about {}, in them {} of the gas and {} of the points (estimates; fewer while the region "
@@ -558,7 +702,15 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
                               large_count(p.steps), large_count(p.steps * p.cells)));
   }
-  line("memory", fmt::format("about {} of {}", bytes(p.memory_bytes), bytes(p.machine_memory_bytes)));
+  line("memory",
+       fmt::format("about {} of {}: {}", bytes(p.memory_bytes), bytes(p.machine_memory_bytes), memory_text(p)));
+  line("time", fmt::format("up to about {} on {} thread{} (estimate, from the rates of docs/benchmarks.md; less while "
+                           "the gas is quiet)",
+                           wall_time(p.seconds), threads(), threads() == 1 ? "" : "s"));
+  line("disk", fmt::format("up to about {} (estimate): {} dumps of {} before compression, gauges {}, {} checkpoints of "
+                           "{} at a time",
+                           bytes(p.disk_bytes), p.dumps, bytes(p.dump_bytes), bytes(p.gauge_bytes),
+                           setup.checkpoint.keep + 1, bytes(p.checkpoint_bytes)));
 
   out += "\n";
   if (gas) {
@@ -586,12 +738,15 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     line(p.charges.size() == 1 ? "charge" : fmt::format("charge {}", n + 1).c_str(),
          fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
                      charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
-    line("", fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
-                         c.realised_mass, relative_error(c)));
+    line("", std::isfinite(c.realised_mass)
+                 ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
+                               c.realised_mass, relative_error(c))
+                 : fmt::format("mass asked {:.8g} kg, realised: not tried out", c.asked_mass));
     double const density = charge.explosive.density();
-    line("", fmt::format("volume asked {:.6g} m3, realised {:.6g} m3; energy asked {}, realised {}; {:.3g} cells per "
-                         "radius",
-                         c.asked_mass / density, c.realised_mass / density,
+    line("", fmt::format("volume asked {:.6g} m3, realised {}; energy asked {}, realised {}; {:.3g} cells per radius",
+                         c.asked_mass / density,
+                         std::isfinite(c.realised_mass) ? fmt::format("{:.6g} m3", c.realised_mass / density)
+                                                        : std::string("not tried out"),
                          quantity(c.asked_mass * charge.explosive.specific_energy(), "J", 6),
                          quantity(c.realised_energy, "J", 6), c.cells_per_radius));
     if (n < p.starts.size()) line("start", p.starts[n]);
@@ -617,8 +772,9 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     fields += (fields.empty() ? "" : n == 0 ? " " : ", ") + point_fields[n].name;
   line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
   line("checkpoints", fmt::format("{} of about {} stay", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
-  for (auto const& w : p.warnings) out += fmt::format("\nwarning: {}\n", w);
-  return out;
+  std::vector<std::string> warnings;
+  for (auto const& w : p.warnings) warnings.push_back(fmt::format("\nwarning: {}", w));
+  return out + listed(warnings);
 }
 
 nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
@@ -629,10 +785,10 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
     auto const& explosive = setup.charges[n].explosive;
     charges.push_back({{"explosive", c.explosive},
                        {"asked_mass", c.asked_mass},
-                       {"realised_mass", c.realised_mass},
-                       {"relative_error", relative_error(c)},
+                       {"realised_mass", output::json_or_null(c.realised_mass)},
+                       {"relative_error", output::json_or_null(relative_error(c))},
                        {"asked_volume", c.asked_mass / explosive.density()},
-                       {"realised_volume", c.realised_mass / explosive.density()},
+                       {"realised_volume", output::json_or_null(c.realised_mass / explosive.density())},
                        {"asked_energy", c.asked_mass * explosive.specific_energy()},
                        {"realised_energy", c.realised_energy},
                        {"cells_per_radius", c.cells_per_radius}});
@@ -650,6 +806,8 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
                       {"geometric_volume", output::json_or_null(b.geometric_mass / density)},
                       {"relative_error", output::json_or_null(relative_error(b))}});
   }
+  json memory = json::array();
+  for (MemoryPart const& part : p.memory) memory.push_back({{"what", part.what}, {"bytes", part.bytes}});
   json materials = json::array();
   for (MaterialLine const& m : materials_of(setup))
     materials.push_back({{"name", m.name}, {"role", m.role}, {"source", m.source}});
@@ -678,6 +836,10 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
           {"blocks", p.blocks},
           {"boundaries", boundaries},
           {"memory_bytes", p.memory_bytes},
+          {"memory", memory},
+          {"estimated_seconds", p.seconds},
+          {"threads", threads()},
+          {"disk_bytes", p.disk_bytes},
           {"machine_memory_bytes", p.machine_memory_bytes},
           {"end_time", setup.end.time},
           {"estimated_steps", std::round(p.steps)},

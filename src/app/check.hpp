@@ -24,10 +24,17 @@ struct RegionPlan {
   double point_steps = 0.0;
 };
 
+/// What takes memory.
+struct MemoryPart {
+  std::string what;
+  double bytes = 0.0;
+};
+
 struct Plan {
   double cells = 0.0;
   int blocks = 0;
   double memory_bytes = 0.0;          ///< estimate for the whole program
+  std::vector<MemoryPart> memory;     ///< its parts, the largest first
   double machine_memory_bytes = 0.0;  ///< what this machine, or the limit set on this process, has
   double steps = 0.0;                 ///< estimate
   std::vector<run::ChargeReport> charges;
@@ -43,10 +50,13 @@ struct Plan {
   std::vector<GaugePlan> gauges;  ///< of the gas
   double gauge_bytes = 0.0;       ///< of all gauge files, estimate
   double checkpoint_bytes = 0.0;  ///< of one checkpoint without gauge histories, estimate for points
+  double disk_bytes = 0.0;        ///< of all that the run leaves, dumps uncompressed, and one checkpoint more
+  double seconds = 0.0;           ///< estimate of the time that the run takes on all threads
   std::vector<std::string> warnings;
 };
 
-/// Works the plan out. Throws InputError where the case cannot be realised.
+/// Works the plan out, by arithmetic where the case is large: what this machine cannot hold is not tried out. Throws
+/// InputError where the case cannot be realised.
 [[nodiscard]] Plan plan(run::Case const& setup);
 
 /// Throws InputError when the case needs more memory than the machine has.

@@ -27,6 +27,7 @@
 #include "output/checkpoint.hpp"
 #include "output/file.hpp"
 #include "output/json.hpp"
+#include "output/lock.hpp"
 #include "output/profile_file.hpp"
 #include "output/report.hpp"
 #include "output/run_log.hpp"
@@ -47,15 +48,44 @@ constexpr std::size_t most_rows = 30;  // gauges that the terminal's table shows
 /// What the deck says, with a case; its errors and warnings go to stderr.
 deck::Result load_deck(std::string const& path) {
   deck::Result result = deck::read_file(path);
-  for (auto const& warning : result.warnings) print(stderr, "{}\n", warning);
+  print(stderr, "{}", listed(result.warnings));
   if (!result.case_) {
-    for (auto const& error : result.errors) print(stderr, "{}\n", deck::format(error));
+    std::vector<std::string> lines;
+    for (std::size_t n = 0; n < result.errors.size(); ++n)
+      lines.push_back(n < most_messages ? deck::format(result.errors[n]) : "");
+    print(stderr, "{}", listed(lines));
     throw InputError(fmt::format("{}: {} error{}", path, result.errors.size(), result.errors.size() == 1 ? "" : "s"));
   }
   return result;
 }
 
 run::Case load(std::string const& path) { return std::move(*load_deck(path).case_); }
+
+/// Did a run of this very deck reach its end in the folder?
+bool has_finished(fs::path const& folder, run::Case const& setup) {
+  try {
+    auto const log = nlohmann::json::parse(output::read_file(folder / "run.json"));
+    return log.at("status") == "done" && log.at("deck") == setup.deck_text;
+  } catch (IoError const&) {
+    return false;
+  } catch (nlohmann::json::exception const&) {
+    return false;
+  }
+}
+
+/// Is the folder one that this user cannot write, but may look at?
+bool is_read_only(fs::path const& folder) { return access(folder.c_str(), W_OK) != 0; }
+
+/// The lock for a run in the folder, unless it is a finished one: then null.
+std::unique_ptr<output::FolderLock> lock_of(fs::path const& folder, RunArguments const& arguments,
+                                            run::Case const& setup) {
+  if (!arguments.resume) return std::make_unique<output::FolderLock>(folder);
+  // Without a folder there is no run either, and none is made.
+  if (!fs::is_directory(folder)) return nullptr;
+  if (is_read_only(folder) && has_finished(folder, setup)) return nullptr;
+  auto lock = std::make_unique<output::FolderLock>(folder);
+  return has_finished(folder, setup) ? nullptr : std::move(lock);
+}
 
 /// Reads the profile that a deck begins with.
 void load_profile(run::Case& setup) {
@@ -243,22 +273,12 @@ double si_quantity(char const* option, std::string const& text, char const* unit
   return *q.value;
 }
 
-/// Did a run of this very deck reach its end in the folder?
-bool has_finished(fs::path const& folder, run::Case const& setup) {
-  try {
-    auto const log = nlohmann::json::parse(output::read_file(folder / "run.json"));
-    return log.at("status") == "done" && log.at("deck") == setup.deck_text;
-  } catch (IoError const&) {
-    return false;
-  } catch (nlohmann::json::exception const&) {
-    return false;
-  }
-}
-
 /// The newest good checkpoint of the folder. Throws where there is none, or where it is of another case.
 std::unique_ptr<output::CheckpointReader> checkpoint_of(fs::path const& folder, run::Case const& setup) {
   auto found = output::newest_checkpoint(folder);
-  for (auto const& problem : found.problems) print(stderr, "warning: {}\n", problem);
+  std::vector<std::string> warnings;
+  for (auto const& problem : found.problems) warnings.push_back("warning: " + problem);
+  print(stderr, "{}", listed(warnings));
   if (found.reader == nullptr) {
     throw IoError(fmt::format(
         "--resume: \"{}\" holds no {}checkpoint: the run ended before it wrote one, or --output names another folder; "
@@ -304,15 +324,19 @@ std::string default_output_folder(std::string const& deck) {
 }
 
 ExitCode run_deck(RunArguments const& arguments) {
+  auto const start = std::chrono::steady_clock::now();
   run::Case setup = load(arguments.deck);
   set_threads(arguments.threads);
   Plan const expected = plan(setup);
   refuse_unless_it_fits(expected);
   if (!arguments.resume) load_profile(setup);
-  fs::path const folder = arguments.output.empty() ? default_output_folder(arguments.deck) : arguments.output;
+  fs::path const folder =
+      output::real_folder(arguments.output.empty() ? default_output_folder(arguments.deck) : arguments.output);
+  auto const lock = lock_of(folder, arguments, setup);
+  if (lock != nullptr && !lock->warning().empty()) print(stderr, "warning: {}\n", lock->warning());
   std::unique_ptr<output::CheckpointReader> checkpoint;
   if (arguments.resume) {
-    if (has_finished(folder, setup)) {
+    if (lock == nullptr && has_finished(folder, setup)) {
       if (!arguments.quiet) print(stdout, "{}: this run had reached its end, nothing is left to do\n", folder.string());
       return ExitCode::done;
     }
@@ -330,10 +354,14 @@ ExitCode run_deck(RunArguments const& arguments) {
             body.mass, body.geometric_mass);
     }
     for (auto const& charge : expected.charges) {
-      print(stdout, "{}: asked {:.8g} kg, realised {:.8g} kg and {}\n", charge.explosive, charge.asked_mass,
-            charge.realised_mass, quantity(charge.realised_energy, "J"));
+      bool const tried = std::isfinite(charge.realised_mass);
+      print(stdout, "{}: asked {:.8g} kg, {}{}\n", charge.explosive, charge.asked_mass,
+            tried ? fmt::format("realised {:.8g} kg and ", charge.realised_mass) : "",
+            quantity(charge.realised_energy, "J"));
     }
-    for (auto const& warning : expected.warnings) print(stderr, "warning: {}\n", warning);
+    std::vector<std::string> warnings;
+    for (auto const& warning : expected.warnings) warnings.push_back("warning: " + warning);
+    print(stderr, "{}", listed(warnings));
     if (checkpoint != nullptr) {
       print(stdout, "going on from {}: t = {}, step {}\n", checkpoint->path().string(),
             quantity(checkpoint->info().time, "s"), checkpoint->info().step);
@@ -343,15 +371,15 @@ ExitCode run_deck(RunArguments const& arguments) {
 
   bool const terminal = isatty(STDERR_FILENO) != 0;
   StopSignals const signals(terminal && !arguments.quiet);
-  auto const start = std::chrono::steady_clock::now();
   Progress progress(stderr, terminal);
   bool const show = arguments.progress && !arguments.quiet;
   setup.start.from_checkpoint = checkpoint != nullptr;
+  auto const burst = std::chrono::steady_clock::now();
   if (setup.start.remap && checkpoint == nullptr && !calculate_start(setup, progress, show)) {
     if (!arguments.quiet) print(stdout, "stopped by the user during the 1D calculation; nothing has been written\n");
     return ExitCode::stopped_by_user;
   }
-  double const start_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  double const start_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - burst).count();
   run::World world(std::move(setup));
   if (world.setup.start.remap && checkpoint == nullptr) world.timings["start"] += start_seconds;
   if (checkpoint != nullptr) read_world(world, *checkpoint);
@@ -370,14 +398,13 @@ ExitCode run_deck(RunArguments const& arguments) {
     if (show) progress.step(w);
   };
   Archive* const resumed = checkpoint != nullptr ? &checkpoint->archive() : nullptr;
-  Ending const ending = drive(world, writer, StopSignals::requested(), after_step, resumed);
+  Ending const ending = drive(world, writer, StopSignals::requested(), after_step, resumed, start);
   if (show) progress.end();
 
-  if (ending.code == ExitCode::numerical_failure || ending.code == ExitCode::io_failure) {
+  if (ending.code != ExitCode::done && ending.code != ExitCode::stopped_by_user) {
     print(stderr, "brisance: error: {}\nWhat was written until then is in {}\n", ending.reason, folder.string());
     return ending.code;
   }
-  if (ending.code == ExitCode::done && world.setup.output.profile) output::write_end_profile(world, folder);
   if (arguments.quiet) return ending.code;
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(stdout, "{}: {} steps in {}\n", ending.reason, world.clock.step, wall_time(seconds));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "app/ends.hpp"
 #include "app/text.hpp"
 #include "core/timer.hpp"
 #include "output/checkpoint.hpp"
@@ -21,6 +22,11 @@ constexpr std::chrono::seconds append_interval{2};
 constexpr int append_share = 20;
 /// By the clock, checkpoints take no more than this part of the time.
 constexpr int checkpoint_share = 20;
+
+std::string place_in_run(run::World const& world) {
+  return fmt::format("at t = {}, {:.1f} % of the time, step {}", quantity(world.clock.time, "s"),
+                     100.0 * world.clock.time / world.setup.end.time, world.clock.step);
+}
 
 /// The loop's bookkeeping of what has been written when.
 class Recorder {
@@ -72,12 +78,16 @@ class Recorder {
     next_by_clock_ += checkpoint_share * (std::chrono::steady_clock::now() - begin);
   }
 
+  /// What ends the calculation in its present state.
+  [[nodiscard]] std::optional<Ending> ending();
+
   /// Writes the state of a run that cannot go on.
   void keep_stopped() { checkpoints_.write_stopped(info(), state()); }
 
   /// Whatever of the present state has not been recorded yet.
   void record_last(bool state_is_sound) {
     if (state_is_sound && sampled_step_ != world_->clock.step) sample();
+    if (state_is_sound) world_->record_bodies();
     if (dumped_step_ != world_->clock.step || !state_is_sound) dump();
   }
 
@@ -108,7 +118,7 @@ class Recorder {
   /// What a checkpoint holds beside the world.
   void rest_of_state(Archive& archive) {
     archive.section("records");
-    archive(sampled_time_, sampled_step_, dumped_step_);
+    archive(sampled_time_, sampled_step_, dumped_step_, conditions_);
     writer_->archive(archive, *world_);
   }
 
@@ -151,6 +161,7 @@ class Recorder {
   long dumped_step_ = -1;
   long sampled_step_ = -1;
   double sampled_time_ = 0.0;
+  EndConditions conditions_;
   output::CheckpointFiles checkpoints_;
   long kept_step_ = -1;        ///< of the last checkpoint
   double next_by_time_ = 0.0;  ///< [s]
@@ -158,37 +169,54 @@ class Recorder {
   std::chrono::steady_clock::time_point next_append_ = std::chrono::steady_clock::now() + append_interval;
 };
 
-std::string place_in_run(run::World const& world) {
-  return fmt::format("at t = {}, {:.1f} % of the time, step {}", quantity(world.clock.time, "s"),
-                     100.0 * world.clock.time / world.setup.end.time, world.clock.step);
+std::optional<Ending> Recorder::ending() {
+  run::World const& world = *world_;
+  if (world.clock.time >= world.setup.end.time * (1.0 - 1e-12))
+    return Ending{ExitCode::done, fmt::format("reached the end time {}", quantity(world.setup.end.time, "s"))};
+  if (world.bodies_have_left()) return Ending{ExitCode::done, "all bodies have left the domain " + place_in_run(world)};
+  if (world.finished())
+    return Ending{ExitCode::done,
+                  fmt::format("reached the step limit end.steps = {} {}", world.setup.end.steps, place_in_run(world))};
+  if (auto const reason = conditions_.met(world))
+    return Ending{ExitCode::done, fmt::format("ended {}: {}", place_in_run(world), *reason)};
+  return std::nullopt;
 }
 
-Ending ending_of(run::World const& world) {
-  bool const in_time = world.clock.time >= world.setup.end.time * (1.0 - 1e-12);
-  return {ExitCode::done, in_time ? fmt::format("reached the end time {}", quantity(world.setup.end.time, "s"))
-                                  : fmt::format("reached the step limit end.steps = {} {}", world.setup.end.steps,
-                                                place_in_run(world))};
+/// Why the run ends before its end.
+Ending stopped(run::World const& world, bool by_user) {
+  return {ExitCode::stopped_by_user,
+          by_user ? "stopped by the user " + place_in_run(world)
+                  : fmt::format("stopped by the clock, end.wall_clock = {}, {}; --resume goes on",
+                                clock_time(world.setup.end.wall_clock), place_in_run(world))};
 }
 
 }  // namespace
 
 Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const& stop,
-             std::function<void(run::World const&)> const& after_step, Archive* resumed) {
+             std::function<void(run::World const&)> const& after_step, Archive* resumed,
+             std::chrono::steady_clock::time_point begin) {
   Recorder recorder(world, writer);
   if (resumed != nullptr) recorder.resume(*resumed);
   std::optional<Ending> ending;
   bool sound = true;
+  double const limit = world.setup.end.wall_clock;
+  long const first_step = world.clock.step;
+  // After one step at least, so that resumed runs get on, however short their time is.
+  auto const time_is_up = [&world, limit, begin, first_step] {
+    return limit > 0.0 && world.clock.step > first_step &&
+           std::chrono::steady_clock::now() - begin >= std::chrono::duration<double>(limit);
+  };
   try {
     if (resumed == nullptr) recorder.record();
-    while (!world.finished() && !stop) {
+    while (!(ending = recorder.ending()) && !stop && !time_is_up()) {
       run::advance(world, recorder.next_dump());
       recorder.record();
       after_step(world);
     }
-    ending = world.finished() ? ending_of(world)
-                              : Ending{ExitCode::stopped_by_user, "stopped by the user " + place_in_run(world)};
     auto const& plan = world.setup.checkpoint;
-    if (world.finished() ? plan.at_end : plan.on_signal) recorder.checkpoint();
+    bool const asked = ending ? plan.at_end : !stop || plan.on_signal;
+    if (!ending) ending = stopped(world, stop);
+    if (asked) recorder.checkpoint();
   } catch (NumericalError const& error) {
     ending = Ending{error.code(), fmt::format("numerical failure {}: {}", place_in_run(world), error.what())};
     sound = false;
@@ -201,8 +229,13 @@ Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const&
     world.update_audit();
     writer.finish(world, ending->reason, static_cast<int>(ending->code));
     if (!sound) recorder.keep_stopped();
-  } catch (IoError const& error) {
+  } catch (Error const& error) {
+    // Also of a profile that the state at the end is not good for.
     if (ending->code != ExitCode::io_failure) ending = Ending{error.code(), error.what()};
+    try {
+      writer.close(world, ending->reason, static_cast<int>(ending->code));
+    } catch (IoError const&) {  // the log stays what it was: it says that the run is under way
+    }
   }
   return *ending;
 }

@@ -1,5 +1,10 @@
 /// The command line.
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -13,8 +18,24 @@ using brisance::ExitCode;
 using brisance::app::print;
 
 constexpr char const* exit_codes =
-    "Exit codes: 0 done, 2 bad input, 3 stopped by the user, 4 numerical failure, 5 input/output failure.\n"
+    "Exit codes: 0 done, 2 bad input, 3 stopped by the user or the clock, 4 numerical failure, 5 input/output "
+    "failure.\n"
     "Documentation: README.md and docs/ of the source tree; `brisance COMMAND --help` for one command.";
+
+/// A file of results must not get the number of a standard stream that the caller has closed.
+void occupy_standard_streams() {
+  for (int descriptor = 0; descriptor <= 2; ++descriptor) {
+    if (fcntl(descriptor, F_GETFD) >= 0) continue;
+    // The lowest free number is this one.
+    [[maybe_unused]] int const opened = open("/dev/null", O_RDWR);
+  }
+}
+
+/// Whoever read the output has read enough, as `head` does: no failure.
+bool reader_has_gone() {
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  return poll(&out, 1, 0) == 1 && (out.revents & (POLLERR | POLLHUP)) != 0;
+}
 
 /// Runs a command and turns every failure into a message and an exit code.
 template <class Command>
@@ -36,6 +57,8 @@ ExitCode guarded(Command const& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  occupy_standard_streams();
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away must not end a calculation
   CLI::App app("Brisance: explosive blast in air.", "brisance");
   app.set_version_flag("--version", "brisance " BRISANCE_VERSION);
   app.require_subcommand(1);
@@ -103,7 +126,7 @@ int main(int argc, char** argv) {
     code = app.exit(error) == 0 ? ExitCode::done : ExitCode::bad_input;
   }
   bool const printed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  if (!printed && code == ExitCode::done) {
+  if (!printed && code == ExitCode::done && !reader_has_gone()) {
     print(stderr, "brisance: error: standard output could not be written\n");
     code = ExitCode::io_failure;
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -33,6 +34,8 @@ std::string wall_time(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
 }
 
+std::string clock_time(double seconds) { return seconds < 60.0 ? quantity(seconds, "s") : wall_time(seconds); }
+
 std::string bytes(double count) {
   if (count < 999.5) return fmt::format("{:.0f} B", count);
   if (count < 999.5e3) return fmt::format("{:.3g} kB", count / 1e3);
@@ -45,6 +48,13 @@ std::string large_count(double count) {
   if (count < 999.5e3) return fmt::format("{:.0f}", count);
   if (count < 999.5e6) return fmt::format("{:.3g} million", count / 1e6);
   return fmt::format("{:.4g} billion", count / 1e9);
+}
+
+std::string listed(std::vector<std::string> const& messages) {
+  std::string out;
+  for (std::size_t n = 0; n < std::min(messages.size(), most_messages); ++n) out += messages[n] + "\n";
+  if (messages.size() > most_messages) out += fmt::format("and {} more\n", messages.size() - most_messages);
+  return out;
 }
 
 }  // namespace brisance::app

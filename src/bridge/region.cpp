@@ -145,15 +145,34 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
     }
     return false;
   };
-  for (int level = 1; level <= width + 4; ++level) {
-    std::vector<std::size_t> found;
-    for_each([&](Index3 const& cell) {
-      if (layers_[at(cell)] != deep) return;
-      if (any_around(cell, [&](Index3 const& c) { return level == 1 ? layer(c) == 0 : layer(c) == level - 1; })) {
-        found.push_back(at(cell));
+  // Within a box, away from its faces, all around is region.
+  auto const in_the_open = [&](Index3 const& cell) {
+    return std::ranges::any_of(boxes, [&](CellBox const& box) {
+      for (int d = 0; d < dims; ++d) {
+        if (cell[d] <= box.lower[d] || cell[d] + 1 >= box.upper[d]) return false;
       }
+      return true;
     });
-    for (std::size_t const n : found) layers_[n] = static_cast<std::uint8_t>(level);
+  };
+  std::vector<Index3> front;
+  for_each([&](Index3 const& cell) {
+    if (layers_[at(cell)] != deep || in_the_open(cell)) return;
+    if (any_around(cell, [&](Index3 const& c) { return layer(c) == 0; })) front.push_back(cell);
+  });
+  // Each layer from the one before: what is deep is not looked through again.
+  for (int level = 1; level <= width + 4; ++level) {
+    for (Index3 const& cell : front) layers_[at(cell)] = static_cast<std::uint8_t>(level);
+    std::vector<Index3> next;
+    for (Index3 const& cell : front) {
+      any_around(cell, [&](Index3 const& c) {
+        if (!in_box(c) || layers_[at(c)] != deep) return false;
+        layers_[at(c)] = 0xff;  // taken, so that it comes once
+        next.push_back(c);
+        return false;
+      });
+    }
+    for (Index3 const& cell : next) layers_[at(cell)] = deep;
+    front = std::move(next);
   }
 
   int deepest = 0;

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include "core/error.hpp"
 #include "deck/deck.hpp"
@@ -301,6 +303,16 @@ void Builder::end() {
   Section const* section = deck_.section("end");
   if (section == nullptr) return;
   out_.end.steps = section->integer("steps").value_or(0);
+  out_.end.gauges = section->text("gauges").has_value();
+  out_.end.kinetic_energy = section->number("kinetic_energy").value_or(0.0);
+  out_.end.wall_clock = section->number("wall_clock").value_or(0.0);
+  auto const* gauges = deck_.sections("gauge");
+  bool const of_gas = has_gas_ && gauges != nullptr && std::any_of(gauges->begin(), gauges->end(), [](auto const& g) {
+                        return g.doubtful() || !g.given("body");
+                      });
+  if (out_.end.gauges && !of_gas && !deck_.broken("gauge")) {
+    error(*section, "gauges", "there is no gauge in the gas: add [[gauge]] with a point, or remove the key");
+  }
   auto const time = section->number("time");
   if (!time) return;
   out_.end.time = *time;
@@ -433,14 +445,25 @@ Result read_text(std::string_view text, std::string_view name) {
 }
 
 Result read_file(std::string const& path) {
+  Result too_large;
+  std::error_code unknown;  // of a pipe: the reading ends at the limit
+  auto const size = std::filesystem::file_size(path, unknown);
+  if (!unknown && size > largest_deck) {
+    too_large.errors.push_back({path, 1, 1, "", size_problem(fmt::format("{}", size))});
+    return too_large;
+  }
   std::ifstream file(path, std::ios::binary);
   std::string text;
   std::array<char, 65536> part{};
-  while (file.read(part.data(), part.size()), file.gcount() > 0) {
+  while (text.size() <= largest_deck && (file.read(part.data(), part.size()), file.gcount() > 0)) {
     text.append(part.data(), static_cast<std::size_t>(file.gcount()));
   }
   // A folder opens, but does not read.
   if (!file.is_open() || file.bad()) throw IoError(fmt::format("the deck \"{}\" cannot be read", path));
+  if (text.size() > largest_deck) {
+    too_large.errors.push_back({path, 1, 1, "", size_problem(fmt::format("more than {}", largest_deck))});
+    return too_large;
+  }
   return read_text(text, path);
 }
 

@@ -57,7 +57,7 @@ class Builder {
   std::vector<material::Solid> own_solids_;
   std::set<std::string, std::less<>> wrong_materials_;  ///< names of own materials with an error of their own
   std::vector<std::pair<std::size_t, shape::Shape>> obstacle_shapes_;  ///< index of the section, shape
-  std::vector<std::pair<Section const*, shape::Shape>> burning_charges_;
+  std::vector<std::pair<Section const*, shape::Shape>> charge_shapes_;
   std::vector<Section const*> region_sections_;      ///< of the regions of the case, in their order
   std::vector<Section const*> constraint_sections_;  ///< of its constraints
   struct Onset {
@@ -266,9 +266,10 @@ class Builder {
   /// Bodies, charges and obstacles that do not go with the region.
   void check_mpm_region(bridge::Region const& region);
   void check_body_place(bridge::Region const& region, std::size_t index);
-  /// Where the shape meets cells that are wrong for it; nothing: nowhere.
+  /// Where the shape meets cells that are wrong for it, in a box where that is enough; nothing: nowhere.
   template <class Wrong>
-  [[nodiscard]] std::optional<Vec3> wrong_place(shape::Shape const& shape, bool by_centres, Wrong&& wrong) const;
+  [[nodiscard]] std::optional<Vec3> wrong_place(shape::Shape const& shape, bool by_centres, Wrong&& wrong,
+                                                std::optional<shape::Box> const& within = {}) const;
 
   std::vector<std::string> body_names_;                   ///< of all bodies, also of those with errors
   std::vector<std::optional<shape::Shape>> body_shapes_;  ///< in the same order; nothing after an error

@@ -209,7 +209,7 @@ void Builder::charge(Section const& section, std::string& first_explosive,
   if (domain_known_ && boundaries_known_ && !inside_domain(section, *body)) return;
   placed.emplace_back(&section, *body);
   if (!initiation(section, *body, "charge", charge.detonation, charge.initiation)) return;
-  if (charge.detonation == run::Detonation::programmed) burning_charges_.emplace_back(&section, charge.shape);
+  charge_shapes_.emplace_back(&section, charge.shape);
   out_.charges.push_back(std::move(charge));
 }
 

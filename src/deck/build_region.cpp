@@ -140,9 +140,15 @@ bool Builder::mpm_region_boxes(Section const& section, run::MpmRegion& region) {
 }
 
 template <class Wrong>
-std::optional<Vec3> Builder::wrong_place(shape::Shape const& shape, bool by_centres, Wrong&& wrong) const {
+std::optional<Vec3> Builder::wrong_place(shape::Shape const& shape, bool by_centres, Wrong&& wrong,
+                                         std::optional<shape::Box> const& within) const {
   grid::Domain const& domain = out_.domain;
-  auto const bounds = shape::bounds(shape);
+  auto bounds = shape::bounds(shape);
+  for (int d = 0; within && d < dims(); ++d) {
+    bounds.lower[d] = std::max(bounds.lower[d], within->lower[d]);
+    bounds.upper[d] = std::min(bounds.upper[d], within->upper[d]);
+    if (bounds.upper[d] < bounds.lower[d]) return std::nullopt;
+  }
   Index3 first{0, 0, 0};
   Index3 last{0, 0, 0};
   for (int d = 0; d < dims(); ++d) {
@@ -178,11 +184,32 @@ void Builder::check_mpm_region(bridge::Region const& region) {
   std::vector<Index3> near;
   for (Index3 const& cell : region.lent()) near.push_back(region.clamped(cell));
   std::sort(near.begin(), near.end());
+  // Elsewhere nothing is wrong, and a large charge is not looked through there.
+  shape::Box around;
+  around.lower = {1e300, 1e300, 1e300};
+  around.upper = {-1e300, -1e300, -1e300};
+  for (auto const* cells : {&region.cells(), &region.lent()}) {
+    for (Index3 const& cell : *cells) {
+      for (int d = 0; d < dims(); ++d) {
+        double const low = out_.domain.lower[d] + cell[d] * out_.domain.h;
+        around.lower[d] = std::min(around.lower[d], low);
+        around.upper[d] = std::max(around.upper[d], low + out_.domain.h);
+      }
+    }
+  }
   auto const taken = [&](Index3 const& cell) {
     return region.inside(cell) || std::binary_search(near.begin(), near.end(), cell);
   };
-  for (auto const& [section, shape] : burning_charges_) {
-    auto const place = wrong_place(shape, false, taken);
+  for (auto const& [section, shape] : charge_shapes_) {
+    auto place = wrong_place(shape, false, taken, around);
+    // One between the places that are looked at is small, and its middle counts.
+    Vec3 const middle = shape::centre(shape);
+    Index3 cell{0, 0, 0};
+    for (int d = 0; d < dims(); ++d) {
+      cell[d] = std::clamp(static_cast<int>(std::floor((middle[d] - out_.domain.lower[d]) / out_.domain.h)), 0,
+                           out_.domain.cells[d] - 1);
+    }
+    if (!place && taken(cell)) place = middle;
     if (!place) continue;
     error(*section, place_key(*section),
           fmt::format("the charge reaches at {} m into the MPM region or the 3 cells beside it: move it, make the "

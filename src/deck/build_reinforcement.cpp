@@ -1,9 +1,46 @@
 /// Bars of smeared reinforcement.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "deck/build.hpp"
 
 namespace brisance::deck {
+
+namespace {
+
+/// What is wrong with the place of a bar: as with bodies, only a symmetry plane through its middle may cut it.
+std::optional<std::string> misplaced(mpm::Bar const& bar, grid::Domain const& domain, double tiny) {
+  for (int f = 0; f < 2 * domain.dimensions(); ++f) {
+    int const d = f / 2;
+    double const plane = f % 2 == 0 ? domain.lower[d] : domain.upper(d);
+    auto const depth = [&](Vec3 const& x) { return f % 2 == 0 ? x[d] - plane : plane - x[d]; };
+    double const least = std::min(depth(bar.from), depth(bar.to));
+    double const middle = 0.5 * (depth(bar.from) + depth(bar.to));
+    bool const mirror = domain.boundary[f] == grid::Boundary::symmetry;
+    if (least < -tiny && !(mirror && std::abs(middle) <= tiny)) {
+      return fmt::format(
+          "the bar reaches {:.4g} m over the face {} ({} = {:.6g} m), {}", -least, grid::face_names[f], directions[d],
+          plane,
+          mirror ? fmt::format("which is a symmetry plane, but its middle at {} = {:.6g} m does not lie "
+                               "on it: put the middle on the plane, or end the bar there",
+                               directions[d], f % 2 == 0 ? plane + middle : plane - middle)
+                 : fmt::format("which is \"{}\": end it within the body", grid::boundary_name(domain.boundary[f])));
+    }
+    // Along the plane and less than a radius from it the bar and its image are in each other's way.
+    bool const along = std::abs(depth(bar.from) - depth(bar.to)) <= 1e-3 * norm(bar.to - bar.from);
+    if (mirror && along && std::abs(middle) > tiny && least < 0.5 * bar.diameter - tiny) {
+      return fmt::format(
+          "the bar lies {:.4g} m from the symmetry plane {} ({} = {:.6g} m), less than its radius: it "
+          "would overlap its own mirror image; put its axis on the plane or farther away",
+          least, grid::face_names[f], directions[d], plane);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 void Builder::reinforcements() {
   each("reinforcement", [&](Section const& section) { reinforcement(section); });
@@ -66,6 +103,12 @@ void Builder::reinforcement(Section const& section) {
   for (long n = 0; n < *copies; ++n) {
     bar.from = *from + static_cast<double>(n) * step;
     bar.to = *to + static_cast<double>(n) * step;
+    if (domain_known_ && boundaries_known_) {
+      if (auto const problem = misplaced(bar, out_.domain, tiny())) {
+        error(section, "from", *copies > 1 ? fmt::format("copy {}: {}", n + 1, *problem) : *problem);
+        return;
+      }
+    }
     out_.points.bars.push_back(bar);
   }
 }

@@ -16,7 +16,6 @@ namespace brisance::deck {
 
 namespace {
 
-constexpr std::size_t largest_deck = 1U << 20U;  ///< bytes
 constexpr std::size_t longest_list = 10000;      ///< elements
 constexpr double coldest = 150.0;                ///< temperature [K] below which degrees Celsius are suspected
 constexpr double right_angle_in_radians = 1.58;  ///< largest number alone that may be an angle in radians
@@ -627,9 +626,13 @@ std::vector<Diagnostic> Report::errors() const {
   return sorted;
 }
 
+std::string size_problem(std::string const& bytes) {
+  return fmt::format("the deck has {} bytes; allowed: at most {}", bytes, largest_deck);
+}
+
 std::optional<Section> read(std::string_view text, Table const& schema, Report& report) {
   if (text.size() > largest_deck) {
-    report.error({}, "", fmt::format("the deck has {} bytes; allowed: at most {}", text.size(), largest_deck));
+    report.error({}, "", size_problem(fmt::format("{}", text.size())));
     return std::nullopt;
   }
   if (auto const place = overlong_key(text)) {

@@ -90,6 +90,11 @@ class Report {
   std::vector<std::string> warnings_;
 };
 
+inline constexpr std::size_t largest_deck = 1U << 20U;  ///< bytes
+
+/// Message about a deck with too many of them.
+[[nodiscard]] std::string size_problem(std::string const& bytes);
+
 /// Parses the text and reads it with the schema. Nothing only when the text is no TOML; else what could be read.
 [[nodiscard]] std::optional<Section> read(std::string_view text, Table const& schema, Report& report);
 

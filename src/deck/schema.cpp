@@ -68,9 +68,27 @@ Table const& output_table() {
 
 Table const& end_table() {
   static Table const table{
-      "When the calculation ends: at `time`, or after `steps` where these come first.",
-      {number("time", "s", 1e-12, longest).required().like("\"10 ms\"").means("Simulated time"),
-       typed(Type::integer, "steps", "1", 1, 1e12).note("no limit").like("1000").means("Number of steps")},
+      "When the calculation ends: at `time`, or before by what comes first of the others. The conditions are looked at "
+      "after every tenth step, from step 1000 on after about every hundredth of the steps done.",
+      {number("time", "s", 1e-12, longest).required().like("\"10 ms\"").means("Simulated time, at the latest"),
+       typed(Type::integer, "steps", "1", 1, 1e12).note("no limit").like("1000").means("Number of steps"),
+       word("gauges", {"positive_phase"})
+           .note("not by gauges")
+           .like("\"positive_phase\"")
+           .means("`positive_phase`: end when a wave of more than 1e-4 of the ambient pressure has arrived at every "
+                  "gauge of the gas and the pressure there has come back to the ambient one for the first time. "
+                  "Reflections that come later are not waited for"),
+       number("kinetic_energy", "1", 1e-12, 0.5)
+           .note("not by it")
+           .like("0.01")
+           .means("End when the kinetic energy of gas and bodies has been below this part of its largest value during "
+                  "the last third of the time so far. Up to 0.06 the turning points of a vibration are no end"),
+       number("wall_clock", "s", 1e-3, 1e8)
+           .note("no limit")
+           .like("\"2 h\"")
+           .means("Time of the clock on the wall after which this program stops with a checkpoint and exit code 3, "
+                  "whatever `[checkpoint]` says; `--resume` goes on, for as long again. It does not change the "
+                  "results")},
       {},
       {}};
   return table;

@@ -308,7 +308,8 @@ Table const& reinforcement_table() {
       "of the "
       "axis, which carry its stress along it beside their own. In cartesian3d. A bar of two cells and more in diameter "
       "is a "
-      "`[[body]]` of its own, cut out of the other. Where bars cross, the points belong to the first.",
+      "`[[body]]` of its own, cut out of the other. Where bars cross, the points belong to the first. A bar with its "
+      "middle on a symmetry plane goes on behind it as its mirror image, as bodies do.",
       {typed(Type::text, "body").note("the only body").like("\"slab\"").means("Name of the body"),
        position("from").required().like("[0, 0.1, 0.03]").means("One end of the axis, in the body"),
        position("to").required().like("[1, 0.1, 0.03]").means("The other"),

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/error.hpp"
+#include "grid/partition.hpp"
 
 namespace brisance::grid {
 
@@ -29,9 +30,16 @@ std::uint64_t morton(Index3 const& p) {
 
 }  // namespace
 
-Grid::Grid(Domain const& domain, int block_cells) : domain_(domain) {
+Index3 parts_of(Domain const& domain, int block_cells) {
   int const dims = domain.dimensions();
   int const target = std::max(block_cells > 0 ? block_cells : default_block_cells(dims), minimum_cells);
+  Index3 parts{1, 1, 1};
+  for (int d = 0; d < dims; ++d) parts[d] = domain.cells[d] / target + (domain.cells[d] % target != 0 ? 1 : 0);
+  return parts;
+}
+
+Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), parts_(parts_of(domain, block_cells)) {
+  int const dims = domain.dimensions();
   std::array<std::vector<int>, 3> start;
   for (int d = 0; d < 3; ++d) {
     int const n = domain.cells[d];
@@ -39,8 +47,7 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain) {
       throw InputError(
           fmt::format("the domain has {} cell(s) in direction {}, at least {} are needed", n, "xyz"[d], minimum_cells));
     }
-    int const parts = d < dims ? (n + target - 1) / target : 1;
-    parts_[d] = parts;
+    int const parts = parts_[d];
     part_of_cell_[d].resize(static_cast<std::size_t>(n));
     start[d].resize(static_cast<std::size_t>(parts) + 1);
     for (int part = 0; part <= parts; ++part) start[d][part] = static_cast<int>(static_cast<long>(n) * part / parts);

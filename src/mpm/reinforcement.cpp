@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/error.hpp"
@@ -11,6 +12,71 @@
 #include "mpm/workspace.hpp"
 
 namespace brisance::mpm {
+
+namespace {
+
+/// How far x lies within the domain from a mirror plane; infinite for other faces.
+double depth(grid::Domain const& domain, int face, Vec3 const& x) {
+  int const d = face / 2;
+  if (domain.boundary[face] != grid::Boundary::symmetry) return std::numeric_limits<double>::infinity();
+  return face % 2 == 0 ? x[d] - domain.lower[d] : domain.upper(d) - x[d];
+}
+
+/// Part of a bar on this side of the mirror planes. What crosses one goes on behind it as the mirror image; a bar in
+/// one has its other half beyond it.
+double share_of_axis(Bar const& bar, grid::Domain const& domain) {
+  double begin = 0.0;
+  double end = 1.0;
+  double halves = 1.0;
+  double const near = 1e-9 * domain.h;
+  for (int face = 0; face < 2 * domain.dimensions(); ++face) {
+    double const from = depth(domain, face, bar.from);
+    double const to = depth(domain, face, bar.to);
+    if (std::isinf(from)) continue;
+    if (std::abs(from) < near && std::abs(to) < near) {
+      halves *= 0.5;
+    } else if (from < 0.0 && to < 0.0) {
+      return 0.0;
+    } else if (from < 0.0) {
+      begin = std::max(begin, from / (from - to));
+    } else if (to < 0.0) {
+      end = std::min(end, from / (from - to));
+    }
+  }
+  return halves * std::max(0.0, end - begin);
+}
+
+/// The same of the tube of a radius around its axis, by samples of equal volume.
+double share_of_tube(Bar const& bar, double radius, grid::Domain const& domain) {
+  constexpr int rings = 8;
+  constexpr int angles = 16;
+  constexpr int slices = 64;
+  Vec3 const axis = bar.to - bar.from;
+  Vec3 const n = (1.0 / norm(axis)) * axis;
+  int least = 0;
+  for (int d = 1; d < 3; ++d) least = std::abs(n[d]) < std::abs(n[least]) ? d : least;
+  Vec3 e1{0.0, 0.0, 0.0};
+  e1[least] = 1.0;
+  e1 = e1 - dot(e1, n) * n;
+  e1 = (1.0 / norm(e1)) * e1;
+  Vec3 const e2{n[1] * e1[2] - n[2] * e1[1], n[2] * e1[0] - n[0] * e1[2], n[0] * e1[1] - n[1] * e1[0]};
+  int within = 0;
+  for (int k = 0; k < slices; ++k) {
+    for (int j = 0; j < angles; ++j) {
+      double const angle = 2.0 * std::numbers::pi * (j + 0.5) / angles;
+      for (int i = 0; i < rings; ++i) {
+        double const r = radius * std::sqrt((i + 0.5) / rings);
+        Vec3 const x = bar.from + ((k + 0.5) / slices) * axis + (r * std::cos(angle)) * e1 + (r * std::sin(angle)) * e2;
+        bool inside = true;
+        for (int face = 0; face < 2 * domain.dimensions(); ++face) inside = inside && depth(domain, face, x) >= 0.0;
+        within += inside ? 1 : 0;
+      }
+    }
+  }
+  return static_cast<double>(within) / (rings * angles * slices);
+}
+
+}  // namespace
 
 void Mpm::carry(int body, Field first, int components) {
   for (int b = 0; b < grid_.block_count(); ++b) {
@@ -42,15 +108,7 @@ BarReport Mpm::reinforce(Bar const& bar) {
   if (!(length > 0.0 && bar.diameter > 0.0)) throw InputError("a bar needs a length and a diameter");
   Vec3 const n = (1.0 / length) * axis;
   double const radius = std::max(0.5 * bar.diameter, domain.h);
-  // A bar in a mirror plane has its other half beyond it.
-  double share = 1.0;
-  for (int face = 0; face < 2 * domain.dimensions(); ++face) {
-    int const d = face / 2;
-    double const plane = face % 2 == 0 ? domain.lower[d] : domain.upper(d);
-    bool const mirror = domain.boundary[face] == grid::Boundary::symmetry;
-    double const near = 1e-9 * domain.h;
-    if (mirror && std::abs(bar.from[d] - plane) < near && std::abs(bar.to[d] - plane) < near) share *= 0.5;
-  }
+  double const share = share_of_axis(bar, domain);
   carry(bar.body, Field::bar_number, 7);  // all that are named bar_
   auto const around = [&](PointSet const& set, int q) {
     Vec3 x{0.0, 0.0, 0.0};
@@ -71,7 +129,7 @@ BarReport Mpm::reinforce(Bar const& bar) {
     }
   }
   double const asked = share * 0.25 * std::numbers::pi * bar.diameter * bar.diameter * length;
-  double const steel = share * std::numbers::pi * radius * radius * length;
+  double const steel = share_of_tube(bar, radius, domain) * std::numbers::pi * radius * radius * length;
   if (tube + taken < 0.7 * steel) {
     throw InputError(
         fmt::format("a bar of body \"{}\" from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) m does not lie within the "

@@ -12,6 +12,8 @@
 
 #include "core/error.hpp"
 #include "output/file.hpp"
+#include "output/folder.hpp"
+#include "output/manifest.hpp"
 
 namespace brisance::output {
 
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Changes with every change of what the archive holds.
-constexpr std::uint32_t format_version = 2;
+constexpr std::uint32_t format_version = 3;
 
 /// The line break shows a transfer that takes the file for text.
 constexpr std::string_view magic = "BRISANCE STATE\r\n";
@@ -33,7 +35,6 @@ constexpr std::size_t header_size = at_header_checksum + 4;
 constexpr std::size_t stream_buffer = 1U << 20U;
 
 using Header = std::array<char, header_size>;
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 template <class T>
 void put(Header& header, std::size_t at, T value) {
@@ -47,11 +48,15 @@ T get(Header const& header, std::size_t at) {
   return value;
 }
 
-File opened(fs::path const& path, char const* mode, std::string_view what) {
-  File file(std::fopen(path.c_str(), mode), &std::fclose);
-  if (!file) throw_io_error(what, path, errno);
+File buffered(File file) {
   std::setvbuf(file.get(), nullptr, _IOFBF, stream_buffer);
   return file;
+}
+
+File opened(fs::path const& path) {
+  File file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) throw_io_error("open", path, errno);
+  return buffered(std::move(file));
 }
 
 void write(std::FILE* file, void const* bytes, std::size_t count, fs::path const& path) {
@@ -76,7 +81,7 @@ void flush_folder(fs::path const& folder) {
 }
 
 void write_part(fs::path const& part, CheckpointInfo& info, ArchiveState const& state) {
-  File file = opened(part, "wb", "create");
+  File file = buffered(create_file(part));
   Header header{};
   write(file.get(), header.data(), header.size(), part);
   std::uint32_t sum = 0;
@@ -133,8 +138,7 @@ double state_bytes(ArchiveState const& state) {
 
 void write_checkpoint(fs::path const& path, CheckpointInfo info, ArchiveState const& state) {
   std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  if (error) throw_io_error("create", path.parent_path(), error.value());
+  make_folder(path.parent_path());
   fs::path const part = path.parent_path() / "checkpoint.part";
   info.program = program_build();
   try {
@@ -147,7 +151,7 @@ void write_checkpoint(fs::path const& path, CheckpointInfo info, ArchiveState co
   flush_folder(path.parent_path());
 }
 
-CheckpointReader::CheckpointReader(fs::path path) : path_(std::move(path)), file_(opened(path_, "rb", "open")) {
+CheckpointReader::CheckpointReader(fs::path path) : path_(std::move(path)), file_(opened(path_)) {
   std::error_code error;
   auto const size = fs::file_size(path_, error);
   if (error) throw_io_error("read", path_, error.value());
@@ -210,20 +214,35 @@ FoundCheckpoint newest_checkpoint(fs::path const& folder) {
   return found;
 }
 
-void put_aside(fs::path const& refused) { rename_file(refused, refused.string() + ".refused"); }
+void put_aside(fs::path const& refused) {
+  fs::path const aside = refused.string() + ".refused";
+  list_files(refused.parent_path().parent_path(), {"checkpoints/" + aside.filename().string()});
+  rename_file(refused, aside);
+}
+
+void CheckpointFiles::write_listed(std::string const& name, CheckpointInfo const& info, ArchiveState const& state) {
+  list_files(folder_.parent_path(), {"checkpoints/checkpoint.part", "checkpoints/" + name});
+  write_checkpoint(folder_ / name, info, state);
+}
 
 void CheckpointFiles::write(CheckpointInfo const& info, ArchiveState const& state) {
-  write_checkpoint(folder_ / fmt::format("checkpoint_{:08d}.brz", info.step), info, state);
-  auto const all = listed(folder_);
+  write_listed(fmt::format("checkpoint_{:08d}.brz", info.step), info, state);
+  auto all = listed(folder_);
+  auto const files = listed_files(folder_.parent_path());
+  std::erase_if(all,
+                [&](Numbered const& one) { return !files.contains("checkpoints/" + one.path.filename().string()); });
   for (std::size_t n = static_cast<std::size_t>(keep_); n < all.size(); ++n) {
     std::error_code error;
     fs::remove(all[n].path, error);
     if (error) throw_io_error("remove", all[n].path, error.value());
   }
+  // The list is read for each checkpoint: those that have gone shall not make it long.
+  constexpr long tidy_interval = 100;
+  if (++written_ % tidy_interval == 0) tidy_list(folder_.parent_path(), "checkpoints/");
 }
 
 void CheckpointFiles::write_stopped(CheckpointInfo const& info, ArchiveState const& state) {
-  write_checkpoint(folder_ / "stopped.brz", info, state);
+  write_listed("stopped.brz", info, state);
 }
 
 }  // namespace brisance::output

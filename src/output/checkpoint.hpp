@@ -76,14 +76,17 @@ class CheckpointFiles {
  public:
   CheckpointFiles(std::filesystem::path const& folder, int keep) : folder_(folder / "checkpoints"), keep_(keep) {}
 
-  /// Writes a checkpoint and removes all but the newest. Throws IoError.
+  /// Writes a checkpoint and removes all but the newest of those that runs have written here. Throws IoError.
   void write(CheckpointInfo const& info, ArchiveState const& state);
   /// Writes the state of a run that cannot go on, as `stopped.brz`: to be looked at, not to be resumed.
   void write_stopped(CheckpointInfo const& info, ArchiveState const& state);
 
  private:
+  void write_listed(std::string const& name, CheckpointInfo const& info, ArchiveState const& state);
+
   std::filesystem::path folder_;
   int keep_;
+  long written_ = 0;
 };
 
 }  // namespace brisance::output

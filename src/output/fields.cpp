@@ -9,6 +9,7 @@
 #include "output/dump_file.hpp"
 #include "output/file.hpp"
 #include "output/folder.hpp"
+#include "output/manifest.hpp"
 
 namespace brisance::output {
 
@@ -90,18 +91,15 @@ std::string time_series_index(std::string const& entries) {
 }
 
 void drop_later_dumps(fs::path const& folder, std::string const& kind, int count, std::string const& entries) {
-  for (auto const& [number, path] : dumps_of(folder, kind)) {
-    std::error_code error;
-    if (number >= count) fs::remove(path, error);
-    if (error) throw_io_error("remove", path, error.value());
+  for (auto const& name : listed_files(folder)) {
+    auto const number = dump_number(kind, name);
+    if (number && *number >= count) remove_listed(folder, name);
   }
   fs::path const index = folder / (kind + ".xmf2");
   if (count > 0) {
     replace_file(index, time_series_index(entries));
   } else {
-    std::error_code error;
-    fs::remove(index, error);
-    if (error) throw_io_error("remove", index, error.value());
+    remove_listed(folder, kind + ".xmf2");
   }
 }
 
@@ -109,11 +107,9 @@ FieldSeries::FieldSeries(fs::path folder, FieldOptions options) : folder_(std::m
 
 void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
                        BlockValues const& values) {
-  std::error_code error;
-  fs::create_directories(folder_ / "fields", error);
-  if (error) throw_io_error("create", folder_ / "fields", error.value());
-
-  std::string const name = fmt::format("fields/fields_{:06d}.h5", count_);
+  make_folder(folder_ / "fields");
+  std::string const name = dump_name("fields", count_);
+  list_files(folder_, {name});
   fs::path const temporary = folder_ / (name + ".part");
   auto const& domain = grid.domain();
   QuietHdf5 const quiet;
@@ -128,7 +124,8 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
     for (auto const& field : fields) write_field(file, field, grid, options_, values);
     file.write(temporary);
   } catch (...) {
-    fs::remove(temporary, error);
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
     throw;
   }
   rename_file(temporary, folder_ / name);

@@ -2,14 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <set>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "core/error.hpp"
 #include "output/file.hpp"
+#include "output/manifest.hpp"
 
 namespace brisance::output {
 
@@ -17,35 +21,46 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Files that a run leaves in its folder.
-constexpr std::array result_files{"run.json",    "deck.toml",    "summary.csv", "summary.json", "fields.xmf2",
-                                  "points.xmf2", "energies.csv", "bodies.csv",  "report.html"};
 constexpr std::array end_files{"summary.csv", "summary.json", "report.html"};
 
-bool ends_with_one_of(std::string const& name, std::initializer_list<char const*> endings) {
-  for (std::string const ending : endings)
-    if (name.ends_with(ending)) return true;
-  return false;
+bool is_there(fs::path const& path) {
+  std::error_code ignored;
+  return fs::exists(fs::symlink_status(path, ignored));
 }
 
-/// Everything in the folder that a run has written.
-std::vector<fs::path> earlier_results(fs::path const& folder) {
-  std::vector<fs::path> found;
-  for (auto const* file : result_files)
-    if (fs::exists(folder / file)) found.push_back(folder / file);
-  for (std::string const kind : {"fields", "points"})
-    for (auto const& [number, path] : dumps_of(folder, kind)) found.push_back(path);
-  if (fs::is_directory(folder / "gauges"))
-    for (auto const& entry : fs::directory_iterator(folder / "gauges"))
-      if (ends_with_one_of(entry.path().string(), {".csv"})) found.push_back(entry.path());
-  if (fs::is_directory(folder / "profiles"))
-    for (auto const& entry : fs::directory_iterator(folder / "profiles"))
-      if (ends_with_one_of(entry.path().string(), {".h5", ".h5.part"})) found.push_back(entry.path());
-  if (fs::is_directory(folder / "checkpoints"))
-    for (auto const& entry : fs::directory_iterator(folder / "checkpoints"))
-      if (ends_with_one_of(entry.path().string(), {".brz", ".brz.refused", "checkpoint.part"}))
-        found.push_back(entry.path());
+/// Checkpoints that a resumed run would take for its own.
+std::vector<std::string> checkpoints_in(fs::path const& folder) {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (auto entry = fs::directory_iterator(folder / "checkpoints", error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    std::string const name = entry->path().filename().string();
+    if (name.starts_with("checkpoint_") && name.ends_with(".brz")) found.push_back("checkpoints/" + name);
+  }
   return found;
+}
+
+/// Throws where a file of somebody else, or a link, stands where the run will write.
+void refuse_strangers(fs::path const& folder, Written const& written, std::set<std::string> const& listed) {
+  auto const look_at = [&](std::string const& name) {
+    fs::path const path = folder / name;
+    fs::path const parent = path.parent_path();
+    std::error_code ignored;
+    auto const kind = fs::symlink_status(parent, ignored);
+    if (parent != folder && fs::exists(kind)) {
+      if (fs::is_symlink(kind)) refuse_link(parent);
+      if (!fs::is_directory(kind)) throw_io_error("use as a folder of results", parent, ENOTDIR);
+    }
+    if (!is_there(path)) return;
+    if (fs::is_symlink(fs::symlink_status(path, ignored))) refuse_link(path);
+    if (listed.contains(name) && is_own_file(folder, name)) return;
+    throw IoError(
+        fmt::format("\"{}\" is in the way: this run would write it, and it is not on the list of what an earlier run "
+                    "wrote (\"{}\"): move it, or name another folder with --output",
+                    path.string(), (folder / manifest_name).string()));
+  };
+  for (auto const* names : {&written.first, &written.later})
+    for (auto const& name : *names) look_at(name);
 }
 
 std::string readable_size(double bytes) {
@@ -60,45 +75,95 @@ std::string readable_size(double bytes) {
 
 }  // namespace
 
-std::vector<std::pair<int, fs::path>> dumps_of(fs::path const& folder, std::string const& kind) {
-  std::vector<std::pair<int, fs::path>> found;
-  if (!fs::is_directory(folder / kind)) return found;
-  for (auto const& entry : fs::directory_iterator(folder / kind)) {
-    std::string const name = entry.path().filename().string();
-    if (!name.starts_with(kind + "_") || !ends_with_one_of(name, {".h5", ".h5.part"})) continue;
-    int number = 0;
-    std::from_chars(name.data() + kind.size() + 1, name.data() + name.size(), number);
-    found.emplace_back(number, entry.path());
-  }
-  return found;
+fs::path real_folder(fs::path folder) {
+  fs::path const whole = folder.has_filename() ? folder : folder.parent_path();
+  std::error_code error;
+  if (!fs::is_symlink(fs::symlink_status(whole, error))) return folder;
+  fs::path real = fs::canonical(whole, error);
+  if (error) throw_io_error("use as output folder", folder, error.value());
+  return real;
 }
 
-void drop_summary(fs::path const& folder) {
-  for (auto const* file : end_files) {
+void create_folder(fs::path const& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
+    throw_io_error("use as output folder", folder, ENOTDIR);
+  fs::create_directories(folder, error);
+  if (error) throw_io_error("create the output folder", folder, error.value());
+}
+
+std::string dump_name(std::string const& kind, int number) { return fmt::format("{0}/{0}_{1:06d}.h5", kind, number); }
+
+std::optional<int> dump_number(std::string const& kind, std::string const& name) {
+  std::string const head = fmt::format("{0}/{0}_", kind);
+  if (!name.starts_with(head)) return std::nullopt;
+  int number = 0;
+  std::from_chars(name.data() + head.size(), name.data() + name.size(), number);
+  return dump_name(kind, number) == name ? std::optional<int>(number) : std::nullopt;
+}
+
+void remove_listed(fs::path const& folder, std::string const& name) {
+  for (std::string const& file : {name, name + ".part"}) {
+    if (!is_own_file(folder, file)) continue;
     std::error_code error;
     fs::remove(folder / file, error);
     if (error) throw_io_error("remove", folder / file, error.value());
   }
 }
 
-void prepare_folder(fs::path const& folder, Earlier what_with_earlier, double needed_bytes) try {
-  std::error_code error;
-  if (fs::exists(folder) && !fs::is_directory(folder)) throw_io_error("use as output folder", folder, ENOTDIR);
-  fs::create_directories(folder, error);
-  if (error) throw_io_error("create the output folder", folder, error.value());
+void drop_summary(fs::path const& folder) {
+  auto const listed = listed_files(folder);
+  for (auto const* file : end_files)
+    if (listed.contains(file)) remove_listed(folder, file);
+}
 
-  auto const earlier = earlier_results(folder);
-  if (!earlier.empty() && what_with_earlier == Earlier::refuse)
+void tidy_list(fs::path const& folder, std::string const& head) {
+  auto names = listed_files(folder);
+  std::erase_if(names, [&](std::string const& name) { return name.starts_with(head) && !is_there(folder / name); });
+  replace_list(folder, names);
+}
+
+void prepare_folder(fs::path const& folder, Earlier what_with_earlier, double needed_bytes,
+                    Written const& written) try {
+  create_folder(folder);
+  auto listed = listed_files(folder);
+  auto const earlier = std::ranges::find_if(listed, [&](std::string const& name) { return is_own_file(folder, name); });
+  if (earlier != listed.end() && what_with_earlier == Earlier::refuse)
     throw IoError(
         fmt::format("the output folder \"{}\" already holds the results of a run ({}): go on with that run with "
                     "--resume, name another folder with --output, or replace them with --force",
-                    folder.string(), earlier.front().lexically_relative(folder).string()));
+                    folder.string(), is_there(folder / "run.json") ? "run.json" : *earlier));
+  bool const has_list = is_there(folder / manifest_name);
+  if (!has_list && what_with_earlier != Earlier::keep && is_there(folder / "run.json"))
+    throw IoError(
+        fmt::format("the output folder \"{}\" holds results (run.json) without the list of their files, \"{}\", as "
+                    "earlier versions of the program left them: what a run wrote cannot be told from what is yours; "
+                    "remove them by hand, or name another folder with --output",
+                    folder.string(), manifest_name));
+
+  // A folder of an earlier version is gone on with: what it holds under the names of results is taken for such.
+  if (!has_list && what_with_earlier == Earlier::keep) {
+    for (auto const* names : {&written.first, &written.later})
+      for (auto const& name : *names)
+        if (is_own_file(folder, name)) listed.insert(name);
+  }
+  Written all = written;
+  if (what_with_earlier != Earlier::keep) {
+    auto const checkpoints = checkpoints_in(folder);
+    all.later.insert(all.later.end(), checkpoints.begin(), checkpoints.end());
+  }
+  refuse_strangers(folder, all, listed);
 
   fs::path const trial = folder / ".brisance-write-test";
   replace_file(trial, "x\n");
   fs::remove(trial);
+  if (what_with_earlier != Earlier::keep) {
+    for (auto const& name : listed) remove_listed(folder, name);
+    listed.clear();
+  }
+  listed.insert(written.first.begin(), written.first.end());
+  if (!listed.empty() || has_list) replace_list(folder, listed);
   if (what_with_earlier == Earlier::keep) return;
-  for (auto const& path : earlier) fs::remove(path);
 
   double const available = static_cast<double>(fs::space(folder).available);
   if (available < needed_bytes)

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace brisance::output {
@@ -15,18 +15,39 @@ enum class Earlier {
   keep,     ///< the run goes on with them
 };
 
+/// What a run will write: paths relative to the folder.
+struct Written {
+  std::vector<std::string> first;  ///< before anything else, or named in advance
+  std::vector<std::string> later;  ///< may come, and is listed when it does
+};
+
+/// The folder that a path leads to: itself unless it is a link. What is written below is written through no link.
+[[nodiscard]] std::filesystem::path real_folder(std::filesystem::path folder);
+
+/// Creates a folder with its parents.
+void create_folder(std::filesystem::path const& folder);
+
 /// Makes the folder ready for a run's results.
 ///
-/// Creates it (with its parents) where it does not exist and proves by a trial file that it can be written. Throws
-/// IoError when it holds the results of another run and `earlier` refuses them, and when less than `needed_bytes` are
-/// free on its file system.
-void prepare_folder(std::filesystem::path const& folder, Earlier earlier, double needed_bytes);
+/// Creates it (with its parents) where it does not exist and proves by a trial file that it can be written. Results of
+/// an earlier run are the files of its list (manifest.hpp): they refuse the run, or go, or stay, as `earlier` says; no
+/// other file is touched. Throws IoError when they refuse it, when a file of somebody else, or a link, stands where
+/// the run will write, and when less than `needed_bytes` are free on its file system.
+void prepare_folder(std::filesystem::path const& folder, Earlier earlier, double needed_bytes,
+                    Written const& written = {});
 
-/// The dumps of a kind ("fields" or "points") that the folder holds, with their numbers, unfinished ones included.
-[[nodiscard]] std::vector<std::pair<int, std::filesystem::path>> dumps_of(std::filesystem::path const& folder,
-                                                                          std::string const& kind);
+/// "fields/fields_000012.h5": a dump of a kind ("fields" or "points").
+[[nodiscard]] std::string dump_name(std::string const& kind, int number);
+/// Its number; nothing for other names.
+[[nodiscard]] std::optional<int> dump_number(std::string const& kind, std::string const& name);
+
+/// Removes a file that is listed in the folder, and its unfinished form, where they are files and not links.
+void remove_listed(std::filesystem::path const& folder, std::string const& name);
 
 /// Removes what only the end of a run writes: summary and report.
 void drop_summary(std::filesystem::path const& folder);
+
+/// Takes files off the folder's list that do not exist, of those whose names begin with `head`.
+void tidy_list(std::filesystem::path const& folder, std::string const& head = "");
 
 }  // namespace brisance::output

@@ -133,11 +133,12 @@ std::string csv_field(std::string const& text) {
 }
 
 std::vector<std::string> gauge_files(fs::path const& folder, std::vector<std::string> const& gauges) {
+  if (!gauges.empty()) make_folder(folder / "gauges");
+  return gauge_file_names(gauges);
+}
+
+std::vector<std::string> gauge_file_names(std::vector<std::string> const& gauges) {
   std::vector<std::string> names;
-  if (gauges.empty()) return names;
-  std::error_code error;
-  fs::create_directories(folder / "gauges", error);
-  if (error) throw_io_error("create", folder / "gauges", error.value());
   std::set<std::string> taken;
   for (auto const& gauge : gauges) {
     std::string const base = sanitised(gauge);

@@ -32,7 +32,10 @@ struct GaugeSummary {
 /// A name that is safe as a file name: letters, digits, '.', '-' and '_' stay, everything else becomes '_'.
 [[nodiscard]] std::string sanitised(std::string const& name);
 
-/// Makes the folder of the gauges' files and gives each gauge a file of its own: paths relative to the output folder.
+/// A file of its own for each gauge: paths relative to the output folder.
+[[nodiscard]] std::vector<std::string> gauge_file_names(std::vector<std::string> const& gauges);
+
+/// The same, and makes the folder of these files.
 [[nodiscard]] std::vector<std::string> gauge_files(std::filesystem::path const& folder,
                                                    std::vector<std::string> const& gauges);
 

@@ -8,6 +8,7 @@
 #include "output/dump_file.hpp"
 #include "output/file.hpp"
 #include "output/folder.hpp"
+#include "output/manifest.hpp"
 
 namespace brisance::output {
 
@@ -84,11 +85,9 @@ PointSeries::PointSeries(fs::path folder, FieldOptions options) : folder_(std::m
 
 void PointSeries::dump(double time, long step, grid::Geometry geometry, long count,
                        std::vector<FieldSpec> const& fields, PointValues const& values) {
-  std::error_code error;
-  fs::create_directories(folder_ / "points", error);
-  if (error) throw_io_error("create", folder_ / "points", error.value());
-
-  std::string const name = fmt::format("points/points_{:06d}.h5", count_);
+  make_folder(folder_ / "points");
+  std::string const name = dump_name("points", count_);
+  list_files(folder_, {name});
   fs::path const temporary = folder_ / (name + ".part");
   QuietHdf5 const quiet;
   try {
@@ -101,7 +100,8 @@ void PointSeries::dump(double time, long step, grid::Geometry geometry, long cou
     for (auto const& field : fields) write_field(file, field, count, options_, values, buffer);
     file.write(temporary);
   } catch (...) {
-    fs::remove(temporary, error);
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
     throw;
   }
   rename_file(temporary, folder_ / name);

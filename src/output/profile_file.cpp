@@ -6,6 +6,7 @@
 #include "core/error.hpp"
 #include "output/dump_file.hpp"
 #include "output/file.hpp"
+#include "output/manifest.hpp"
 
 namespace brisance::output {
 
@@ -106,12 +107,6 @@ class Reader {
   fs::path path_;
   Handle file_;
 };
-
-void make_folder(fs::path const& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw_io_error("create", folder, error.value());
-}
 
 }  // namespace
 
@@ -231,20 +226,28 @@ detonation::Profile read_profile(fs::path const& path) {
   return p;
 }
 
+namespace {
+
+void write_listed(fs::path const& folder, std::string const& name, detonation::Profile const& profile) {
+  make_folder(folder / "profiles");
+  list_files(folder, {name});
+  write_profile(folder / name, profile);
+}
+
+}  // namespace
+
 void write_start_profiles(run::World const& world, fs::path const& folder) {
   auto const& profiles = world.setup.start.profiles;
   for (std::size_t n = 0; n < profiles.size(); ++n) {
     bool known = false;
     for (std::size_t other = 0; other < n; ++other) known = known || profiles[other] == profiles[n];
     if (known) continue;
-    make_folder(folder / "profiles");
-    write_profile(folder / "profiles" / fmt::format("start_{}.h5", n + 1), *profiles[n]);
+    write_listed(folder, fmt::format("profiles/start_{}.h5", n + 1), *profiles[n]);
   }
 }
 
 void write_end_profile(run::World const& world, fs::path const& folder) {
-  make_folder(folder / "profiles");
-  write_profile(folder / "profiles" / "end.h5", run::profile_of(world));
+  write_listed(folder, "profiles/end.h5", run::profile_of(world));
 }
 
 }  // namespace brisance::output

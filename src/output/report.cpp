@@ -13,6 +13,8 @@
 
 #include "core/error.hpp"
 #include "output/file.hpp"
+#include "output/folder.hpp"
+#include "output/manifest.hpp"
 
 namespace brisance::output {
 
@@ -86,6 +88,7 @@ Outcome run_program(std::vector<std::string> arguments) {
 fs::path write_report(fs::path const& folder) {
   if (!fs::exists(folder / "run.json"))
     throw IoError(fmt::format("\"{}\" is not the output folder of a run: it holds no run.json", folder.string()));
+  if (fs::exists(folder / manifest_name)) list_files(real_folder(folder), {"report.html"});
   std::string const python = interpreter();
   fs::path const script = package_folder() / "brisance" / "report.py";
   auto const outcome = run_program({python, script.string(), folder.string()});

@@ -11,6 +11,7 @@
 #include "output/file.hpp"
 #include "output/folder.hpp"
 #include "output/json.hpp"
+#include "output/profile_file.hpp"
 #include "output/run_log.hpp"
 #include "run/point_fields.hpp"
 
@@ -38,10 +39,39 @@ double expected_bytes(run::World const& world, WriterOptions const& options) {
          options.checkpoint_bytes;
 }
 
+/// The files of a run. Dumps and checkpoints are listed when they come.
+Written files_of(run::World const& world) {
+  run::Case const& setup = world.setup;
+  Written files{{"run.json", "deck.toml", "summary.csv", "summary.json"}, {"checkpoints/stopped.brz"}};
+  auto const series = [&](char const* kind) {
+    files.first.push_back(std::string(kind) + ".xmf2");
+    int const dumps = static_cast<int>(dump_times(setup.output, setup.end.time).size());
+    // One more where the run is stopped between two.
+    for (int n = 0; n <= dumps; ++n) files.later.push_back(dump_name(kind, n));
+  };
+  if (world.gas != nullptr) series("fields");
+  if (!dumped_point_fields(setup).empty()) series("points");
+  if (world.points != nullptr) files.first.emplace_back("energies.csv");
+  if (world.points != nullptr && world.gas != nullptr) files.first.emplace_back("bodies.csv");
+  std::vector<std::string> gauges;
+  for (auto const& history : world.gauges) gauges.push_back(history.gauge.name);
+  for (auto const& history : world.point_gauges) gauges.push_back(history.gauge.name);
+  for (auto& name : gauge_file_names(gauges)) files.first.push_back(std::move(name));
+  if (setup.start.remap) {
+    for (std::size_t n = 1; n <= setup.charges.size(); ++n)
+      files.later.push_back(fmt::format("profiles/start_{}.h5", n));
+  }
+  if (setup.output.profile) files.later.emplace_back("profiles/end.h5");
+  return files;
+}
+
 /// Prepares the folder before the members that write into it are built.
-fs::path prepared(fs::path folder, run::World const& world, WriterOptions const& options) {
-  prepare_folder(folder, options.earlier, expected_bytes(world, options));
-  return folder;
+fs::path prepared(fs::path const& folder, run::World const& world, WriterOptions const& options) {
+  // Before it is looked at whether it is a link: one that leads nowhere cannot be created.
+  create_folder(folder);
+  fs::path real = real_folder(folder);
+  prepare_folder(real, options.earlier, expected_bytes(world, options), files_of(world));
+  return real;
 }
 
 FieldSpec spec_of(std::string const& name, std::vector<run::FieldInfo> const& known) {
@@ -105,8 +135,8 @@ std::vector<double> dump_times(run::Output const& output, double end_time) {
   return times;
 }
 
-Writer::Writer(run::World const& world, fs::path folder, WriterOptions const& options)
-    : folder_(prepared(std::move(folder), world, options)),
+Writer::Writer(run::World const& world, fs::path const& folder, WriterOptions const& options)
+    : folder_(prepared(folder, world, options)),
       fields_(dumped_fields(world.setup)),
       point_fields_(dumped_point_fields(world.setup)),
       series_(folder_, {world.setup.output.single_precision, options.compression}),
@@ -173,6 +203,12 @@ void Writer::finish(run::World const& world, std::string const& end_reason, int 
     if (!world.starts.empty()) more["starts"] = starts(world);
     write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names(), more);
   }
+  if (exit_code == 0 && world.setup.output.profile) write_end_profile(world, folder_);
+  close(world, end_reason, exit_code);
+}
+
+void Writer::close(run::World const& world, std::string const& end_reason, int exit_code) {
+  tidy_list(folder_);
   write_log(world, exit_code == 0 ? "done" : "stopped", end_reason, exit_code);
 }
 

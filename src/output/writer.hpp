@@ -1,6 +1,7 @@
 /// Everything that a run leaves in its output folder:
 ///
 ///     run.json            run log: versions, machine, steps, timings, audit, charges; rewritten during the run
+///     files.txt           the list of all that runs have written here, see manifest.hpp
 ///     deck.toml           the deck as read
 ///     fields.xmf2         index of the field dumps, opens in ParaView; fields/fields_NNNNNN.h5
 ///     points.xmf2         index of the dumps of the material points; points/points_NNNNNN.h5
@@ -39,7 +40,7 @@ struct WriterOptions {
 class Writer {
  public:
   /// Prepares the folder and writes the deck and the first run log. Throws IoError.
-  Writer(run::World const& world, std::filesystem::path folder, WriterOptions const& options = {});
+  Writer(run::World const& world, std::filesystem::path const& folder, WriterOptions const& options = {});
 
   /// Writes one dump of the gas fields, of the material points or of both, and brings the run log up to date.
   void dump_fields(run::World const& world);
@@ -47,8 +48,12 @@ class Writer {
   /// Appends what the gauges recorded since the last call.
   void append_gauges(run::World const& world);
 
-  /// Writes the rest of the gauges, the summary and the last run log. `end_reason` is one line for people.
+  /// Writes the rest of the gauges, the summary, the end profile of a run that is done, and at last the run log that
+  /// says so. `end_reason` is one line for people.
   void finish(run::World const& world, std::string const& end_reason, int exit_code);
+
+  /// Writes the last run log alone: of a run whose other results could not be written.
+  void close(run::World const& world, std::string const& end_reason, int exit_code);
 
   /// What has been written, in a checkpoint. Reading makes the folder what it was when the checkpoint was written:
   /// later dumps and records go; the world must have been read before.

@@ -182,9 +182,13 @@ struct Output {
   bool profile = false;     ///< write the state at the end as a profile for other decks
 };
 
+/// What comes first ends the calculation.
 struct End {
-  double time = 0.0;  ///< [s]
-  long steps = 0;     ///< 0: no limit
+  double time = 0.0;            ///< [s]
+  long steps = 0;               ///< 0: no limit
+  bool gauges = false;          ///< when all gauges of the gas are past their positive phase
+  double kinetic_energy = 0.0;  ///< when it stays below this part of its largest value; 0: not by it
+  double wall_clock = 0.0;      ///< of the program, after which it stops with a checkpoint [s]; 0: no limit
 };
 
 /// When the whole state is written, from which a run can go on. Whatever is chosen here does not change the results.

@@ -110,6 +110,12 @@ void World::sample_points() {
   }
 }
 
+void World::record_bodies() {
+  if (points == nullptr || body_histories.empty() || body_histories[0].back().time >= clock.time) return;
+  for (std::size_t body = 0; body < body_histories.size(); ++body)
+    body_histories[body].push_back({clock.time, points->sums(static_cast<int>(body))});
+}
+
 void World::sample_gauges() {
   if (gauges.empty() && points == nullptr) return;
   PhaseTimer const timer(timings["gauges"]);

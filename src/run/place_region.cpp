@@ -18,7 +18,7 @@ using mpm::Field;
 /// Cells beside the bodies in a box that the program chooses: the bridge, two layers that solids keep clear of, and
 /// room for the bodies to move.
 constexpr int usual_room = 8;
-constexpr double most_cells = 5e7;  // of a region: 8 points in each fill 100 GB
+constexpr double most_cells = 5e7;  // of a region, and of the box around it: 8 points in each fill 100 GB
 
 /// Layers of cells outside the region that give the nodes there all they need: B-splines of points near the face reach
 /// nodes one cell outside, and these reach as far again.
@@ -178,6 +178,18 @@ bridge::Region region_of(Case const& setup) {
         fmt::format("the MPM region has {:.4g} cells; allowed: at most {:.3g}: make it smaller, or the "
                     "cells larger",
                     cells, most_cells));
+  }
+  double around = 1.0;  // cells of the smallest box that holds all: they are kept too, a few bytes each
+  for (int d = 0; d < setup.domain.dimensions(); ++d) {
+    auto const low = std::ranges::min_element(boxes, {}, [d](bridge::CellBox const& b) { return b.lower[d]; });
+    auto const high = std::ranges::max_element(boxes, {}, [d](bridge::CellBox const& b) { return b.upper[d]; });
+    around *= std::max(0, high->upper[d] - low->lower[d]);
+  }
+  if (around > most_cells) {
+    throw InputError(fmt::format(
+        "the boxes of the MPM region lie so far apart that the box around them has {:.4g} cells; allowed: at "
+        "most {:.3g}: put them closer together, or calculate them apart",
+        around, most_cells));
   }
   return {setup.domain, boxes, setup.mpm_region->width, lent_layers(setup.points.options.shape)};
 }

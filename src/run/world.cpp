@@ -179,8 +179,10 @@ World::~World() = default;
 
 bool World::finished() const {
   bool const time_over = clock.time >= setup.end.time * (1.0 - 1e-12);
-  return time_over || (setup.end.steps > 0 && clock.step >= setup.end.steps);
+  return time_over || (setup.end.steps > 0 && clock.step >= setup.end.steps) || bodies_have_left();
 }
+
+bool World::bodies_have_left() const { return gas == nullptr && points->point_count() == 0; }
 
 long World::active_cells() const {
   if (gas == nullptr) return 0;

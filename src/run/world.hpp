@@ -198,13 +198,20 @@ class World {
   Timings timings;
   std::optional<double> awake_since;  ///< when the MPM region woke [s]
 
+  /// Is the end time or the step limit reached, or have all bodies left the domain?
   [[nodiscard]] bool finished() const;
+  /// Of a calculation of bodies alone: none of their points is left.
+  [[nodiscard]] bool bodies_have_left() const;
+  /// Kinetic energy of gas and points [J]; summed in a fixed order.
+  [[nodiscard]] double kinetic_energy() const;
   /// Number of cells of the blocks that are awake.
   [[nodiscard]] long active_cells() const;
   /// Sums over the domain, in a fixed order.
   [[nodiscard]] Totals totals() const;
   /// Records every gauge at the present time.
   void sample_gauges();
+  /// Records the sums over each body at the present time, where that has not been done: for the end of a run.
+  void record_bodies();
   /// The body of the gas points, -1 without an MPM region.
   [[nodiscard]] int gas_body() const { return bridge == nullptr ? -1 : bridge->gas_body(); }
   /// Brings `audit.current`, `audit.outflow` and the guard counts up to date.

@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "app/check.hpp"
 #include "app/gauge_text.hpp"
 #include "core/error.hpp"
+#include "grid/grid.hpp"
 #include "small_case.hpp"
 
 namespace brisance::app {
@@ -125,6 +128,82 @@ TEST(Plan, WarnsOfLoadsThatAreShorterThanSteps) {
   // A step takes 0.4 h/c, about 0.7 us.
   EXPECT_EQ(warnings("10 us"), "");
   EXPECT_NE(warnings("1 us").find("surface pressure 1 acts for 1 us"), std::string::npos) << warnings("1 us");
+}
+
+TEST(Plan, TellsWhatTheMemoryIsFor) {
+  auto setup = small_case("[end]\ntime = \"0.2 ms\"\n");
+  setup.domain.cells[0] = 10'000'000;
+  Plan const p = plan(setup);
+  double sum = 0.0;
+  for (auto const& part : p.memory) sum += part.bytes;
+  EXPECT_NEAR(sum / p.memory_bytes, 1.0, 1e-12);
+  EXPECT_EQ(p.memory[0].what, "state of the gas, 8 values per cell");
+  EXPECT_EQ(p.memory[0].bytes, 8.0 * 8.0 * 1e7);
+  EXPECT_NE(plan_text(setup, p).find("state of the gas, 8 values per cell 640 MB; "), std::string::npos)
+      << plan_text(setup, p);
+}
+
+TEST(Plan, TellsTimeAndDisk) {
+  auto setup = small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n");
+  setup.domain.cells[0] = 1000;  // one block: one thread
+  Plan p = plan(setup);
+  // One of three sweeps at 12 million cells a second, docs/benchmarks.md.
+  EXPECT_NEAR(p.seconds * 12e6 / (p.steps * 1000.0 / 3.0), 1.0, 1e-12);
+  EXPECT_EQ(p.disk_bytes, 5.0 * p.dump_bytes + p.gauge_bytes + 3.0 * p.checkpoint_bytes);
+  std::string const text = plan_text(setup, p);
+  for (char const* part : {"up to about", "(estimate, from the rates of docs/benchmarks.md", "5 dumps of"})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  auto const json = plan_json(setup, p);
+  EXPECT_EQ(json["estimated_seconds"], p.seconds);
+  EXPECT_EQ(json["disk_bytes"], p.disk_bytes);
+  setup.charges.clear();
+  setup.second_fluid.reset();
+  EXPECT_NEAR(plan(setup).seconds * 14e6 / (plan(setup).steps * 1000.0 / 3.0), 1.0, 1e-12);
+}
+
+// 2e9 cells, in any form: answered by arithmetic.
+TEST(Plan, OfACaseThatNoMachineHoldsTakesNoTime) {
+  auto const begin = std::chrono::steady_clock::now();
+  auto setup = small_case("[end]\ntime = \"0.2 ms\"\n");
+  setup.domain.cells = {2'000'000'000, 1, 1};
+  EXPECT_GT(plan(setup).memory_bytes, 2e9 * 88.0);
+  setup.domain.geometry = grid::Geometry::cartesian3d;
+  setup.domain.cells = {1250, 1250, 1250};
+  setup.domain.h = 1.0;
+  setup.charges[0].shape = shape::Sphere{{600.0, 600.0, 600.0}, 500.0};
+  setup.charges[0].mass = 1630.0 * 4.0 / 3.0 * M_PI * 1.25e8;
+  setup.gauges[0].position = {1200.0, 600.0, 600.0};
+  for (int const block_cells : {0, 4}) {
+    setup.numerics.block_cells = block_cells;
+    Plan const p = plan(setup);
+    EXPECT_NEAR(p.charges[0].cells_per_radius, 500.0, 1e-6);
+    EXPECT_GT(p.memory_bytes, 1.9e9 * 88.0);
+    EXPECT_FALSE(plan_text(setup, p).empty());
+    if (p.memory_bytes > p.machine_memory_bytes) {
+      EXPECT_THROW(refuse_unless_it_fits(p), InputError);
+    }
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));  // 6 minutes before
+}
+
+TEST(Plan, CountsTheGhostLayersOfUnequalBlocks) {
+  auto setup = small_case("[end]\ntime = \"0.2 ms\"\n");
+  setup.charges.clear();
+  setup.second_fluid.reset();
+  setup.domain.geometry = grid::Geometry::cartesian3d;
+  setup.domain.cells = {33, 70, 50};
+  grid::Grid const grid(setup.domain);
+  double ghosts = 0.0;
+  for (auto const& block : grid.blocks()) {
+    int face = 0;
+    for (int d = 0; d < 3; ++d) face = std::max(face, block.cell_count() / block.n[d]);
+    ghosts += 2.0 * grid::ghost_layers * face;
+  }
+  Plan const p = plan(setup);
+  EXPECT_EQ(p.blocks, grid.block_count());
+  auto const part = std::ranges::find(p.memory, "ghost layers of the blocks", &MemoryPart::what);
+  ASSERT_NE(part, p.memory.end());
+  EXPECT_NEAR(part->bytes / (ghosts * 6.0 * 8.0), 1.0, 1e-12);
 }
 
 TEST(Plan, TextAndJsonTellTheSame) {

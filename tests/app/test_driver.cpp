@@ -1,14 +1,19 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "../run/points_case.hpp"
 #include "app/driver.hpp"
+#include "core/parallel.hpp"
 #include "gas/components.hpp"
 #include "output/checkpoint.hpp"
+#include "output/gauges.hpp"
 #include "small_case.hpp"
 
 namespace brisance::app {
@@ -176,6 +181,255 @@ TEST(Drive, AnOutputFailureEndsTheRunAtOnce) {
   EXPECT_EQ(ending.code, ExitCode::io_failure);
   EXPECT_NE(ending.reason.find(scratch.path().string()), std::string::npos) << ending.reason;
   EXPECT_LT(world.clock.time, 1e-4);
+}
+
+// All bodies gone is a normal end, and not a step of infinite length.
+TEST(Drive, EndsWhenAllBodiesHaveLeft) {
+  Scratch const scratch;
+  auto setup = run::two_blocks();
+  setup.points.bodies = {setup.points.bodies[0]};
+  setup.points.bodies[0].velocity = {-3000.0, 0.0, 0.0};
+  setup.points.gauges = {{"tip", 0, Vec3{0.0195, 0.012, 0.0}}, {"body", 0, {}}};
+  setup.end.time = 1.0;
+  run::World world(std::move(setup));
+  output::Writer writer(world, scratch.path());
+  auto const ending = drive(world, writer, go_on, ignore);
+  EXPECT_EQ(ending.code, ExitCode::done);
+  EXPECT_TRUE(ending.reason.starts_with("all bodies have left the domain at t = ")) << ending.reason;
+  // Its last points start 22 mm from the face.
+  EXPECT_NEAR(world.clock.time, 0.022 / 3000.0, 0.5e-6);
+  EXPECT_EQ(log_of(scratch)["status"], "done");
+  auto const summary = nlohmann::json::parse(std::ifstream(scratch.path() / "summary.json"));
+  EXPECT_TRUE(summary["point_gauges"][0]["left_the_domain"]);
+  EXPECT_EQ(summary["bodies"][0]["end"]["mass"], 0.0);
+  // The checkpoint at the end is one from which nothing more comes.
+  run::World again(run::Case(world.setup));
+  output::CheckpointReader checkpoint(scratch.path() / "checkpoints" /
+                                      fmt::format("checkpoint_{:08d}.brz", world.clock.step));
+  again.archive(checkpoint.archive());
+  output::Writer resumed(again, scratch.path(), {.earlier = output::Earlier::keep});
+  EXPECT_EQ(drive(again, resumed, go_on, ignore, &checkpoint.archive()).reason, ending.reason);
+  EXPECT_EQ(again.clock.step, world.clock.step);
+}
+
+// What is left is rigid and at rest: nothing more happens, up to the end.
+TEST(Drive, GoesOnToTheEndWithRigidBodiesAlone) {
+  for (int const movers : {1, 0}) {
+    Scratch const scratch;
+    auto setup = run::two_blocks();
+    run::Body anvil = setup.points.bodies[1];
+    anvil.rigid = true;
+    setup.points.bodies = {anvil, setup.points.bodies[0]};
+    setup.points.bodies.resize(1 + movers);
+    if (movers > 0) setup.points.bodies[1].velocity = {-3000.0, 0.0, 0.0};
+    setup.points.gauges.clear();
+    setup.end.time = 50e-6;
+    run::World world(std::move(setup));
+    output::Writer writer(world, scratch.path());
+    auto const ending = drive(world, writer, go_on, ignore);
+    EXPECT_EQ(ending.code, ExitCode::done);
+    EXPECT_EQ(ending.reason, "reached the end time 50 us");
+    EXPECT_EQ(world.clock.time, 50e-6);
+    EXPECT_EQ(world.points->sums(0).largest_displacement, 0.0);
+  }
+}
+
+TEST(Drive, EndsWhenTheGaugesArePastTheirPositivePhase) {
+  auto const run_with = [](std::string const& end, double far) {
+    Scratch const scratch;
+    auto setup = small_case("[[gauge]]\nname = \"far\"\npoint = 0.9\n[end]\ntime = \"10 ms\"\n" + end);
+    setup.gauges[1].position[0] = far;
+    run::World world(std::move(setup));
+    output::Writer writer(world, scratch.path());
+    auto const ending = drive(world, writer, go_on, ignore);
+    EXPECT_EQ(ending.code, ExitCode::done);
+    return std::tuple(ending.reason, world.clock.step, output::summarise(world.setup, world.gauges));
+  };
+  auto const [reason, step, gauges] = run_with("gauges = \"positive_phase\"\n", 0.9);
+  EXPECT_NE(reason.find("all gauges are past their positive phase (end.gauges)"), std::string::npos) << reason;
+  ASSERT_EQ(gauges.size(), 2U);
+  double last = 0.0;
+  for (auto const& g : gauges) {
+    ASSERT_TRUE(g.wave.positive_duration);
+    last = std::max(last, *g.wave.arrival_time + *g.wave.positive_duration);
+  }
+  // Soon after the last of them: one look later at most.
+  auto const [whole_reason, whole_step, whole] = run_with("", 0.9);
+  EXPECT_EQ(whole_reason, "reached the end time 10 ms");
+  EXPECT_GT(whole_step, step);
+  for (int g = 0; g < 2; ++g) {
+    EXPECT_EQ(gauges[g].wave.positive_impulse, whole[g].wave.positive_impulse);
+    EXPECT_EQ(gauges[g].wave.positive_duration, whole[g].wave.positive_duration);
+    EXPECT_EQ(gauges[g].wave.peak_overpressure, whole[g].wave.peak_overpressure);
+  }
+  EXPECT_LT(last, 3e-3);
+  EXPECT_LT(step, whole_step / 2);
+}
+
+TEST(Drive, GaugesThatNothingReachedAreWaitedFor) {
+  Scratch const scratch;
+  auto setup = small_case("[end]\ntime = \"0.05 ms\"\ngauges = \"positive_phase\"\n");
+  run::World world(std::move(setup));
+  output::Writer writer(world, scratch.path());
+  EXPECT_EQ(drive(world, writer, go_on, ignore).reason, "reached the end time 50 us");
+}
+
+// A second charge is lit when the wave of the first is over: neither condition ends the run before.
+TEST(Drive, ChargesThatAreLitLaterAreWaitedFor) {
+  for (char const* condition : {"gauges = \"positive_phase\"\n", "kinetic_energy = 0.2\n"}) {
+    Scratch const scratch;
+    auto const result = deck::read_text(
+        std::string("[domain]\ngeometry = \"planar2d\"\nsize = [1, 0.8]\ncell = \"40 mm\"\n[[charge]]\nmass = 2\n"
+                    "position = [0.3, 0.4]\n[[charge]]\nmass = 2\nposition = [0.7, 0.4]\n"
+                    "initiation = [{position = [0.7, 0.4], delay = \"0.8 ms\"}]\n"
+                    "[[gauge]]\npoint = [0.5, 0.4]\n[end]\ntime = \"0.9 ms\"\n") +
+            condition,
+        "two.toml");
+    for (auto const& error : result.errors) ADD_FAILURE() << deck::format(error);
+    run::World world{run::Case(result.case_.value())};
+    output::Writer writer(world, scratch.path());
+    EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
+    EXPECT_GT(world.clock.time, 0.8e-3);
+  }
+}
+
+TEST(Drive, EndsWhenTheMotionHasCeased) {
+  Scratch const scratch;
+  run::World world(small_case("[end]\ntime = \"0.1 s\"\nkinetic_energy = 0.05\n"));
+  output::Writer writer(world, scratch.path());
+  auto const ending = drive(world, writer, go_on, ignore);
+  EXPECT_EQ(ending.code, ExitCode::done);
+  EXPECT_NE(ending.reason.find("below 0.05 of its largest value (end.kinetic_energy)"), std::string::npos)
+      << ending.reason;
+  EXPECT_LT(world.clock.time, 0.1);
+  EXPECT_GT(world.clock.time, 1e-3);
+}
+
+// A spring that swings comes to rest twice in a period, which is no end: a bar that is pulled apart and let go.
+TEST(Drive, TurningPointsOfAVibrationAreNoEnd) {
+  run::Case setup;
+  setup.domain.geometry = grid::Geometry::planar1d;
+  setup.domain.h = 1e-3;
+  setup.domain.cells = {64, 1, 1};
+  setup.domain.boundary.fill(grid::Boundary::wall);
+  run::Body bar;
+  bar.name = "bar";
+  bar.solid = material::elastic_solid(8000.0, 200e9, 0.0);  // 5 km/s
+  bar.shape = shape::Box{{0.0, 0.0, 0.0}, {0.05, 0.0, 0.0}};
+  bar.velocity = {1.0, 0.0, 0.0};  // away from the wall that holds its other end
+  setup.points.bodies = {bar};
+  double const period = 4.0 * 0.05 / 5000.0;
+  setup.end.time = 3.0 * period;
+  setup.end.kinetic_energy = 0.05;
+  Scratch const scratch;
+  run::World world(run::Case{setup});
+  output::Writer writer(world, scratch.path());
+  EXPECT_EQ(drive(world, writer, go_on, ignore).reason, "reached the end time 120 us");
+  auto const& records = world.body_histories[0];
+  double least = 1e300;
+  for (auto const& r : records) least = std::min(least, r.sums.kinetic_energy);
+  EXPECT_LT(least, 0.05 * records[0].sums.kinetic_energy) << "it never came to rest: the test shows nothing";
+}
+
+// Interrupted anywhere, a run comes to the same end by its own state.
+TEST(Drive, ConditionalEndsOutliveAStop) {
+  for (char const* condition : {"gauges = \"positive_phase\"\n", "kinetic_energy = 0.3\n"}) {
+    auto const setup = small_case(std::string("[end]\ntime = \"20 ms\"\n") + condition);
+    std::string reason;
+    long steps = 0;
+    for (long const stop_at : {-1L, 57L, 311L}) {
+      Scratch const scratch;
+      run::World world{run::Case(setup)};
+      std::atomic<bool> stop{false};
+      Ending ending;
+      {
+        output::Writer writer(world, scratch.path());
+        ending = drive(world, writer, stop, [&](run::World const& w) { stop = w.clock.step == stop_at; });
+      }
+      if (stop_at < 0) {
+        EXPECT_EQ(ending.code, ExitCode::done);
+        reason = ending.reason;
+        steps = world.clock.step;
+        ASSERT_GT(steps, 311);
+        continue;
+      }
+      ASSERT_EQ(ending.code, ExitCode::stopped_by_user);
+      run::World again{run::Case(setup)};
+      auto found = output::newest_checkpoint(scratch.path());
+      again.archive(found.reader->archive());
+      output::Writer writer(again, scratch.path(), {.earlier = output::Earlier::keep});
+      EXPECT_EQ(drive(again, writer, go_on, ignore, &found.reader->archive()).reason, reason);
+      EXPECT_EQ(again.clock.step, steps);
+    }
+  }
+}
+
+TEST(Drive, ConditionalEndsDoNotDependOnThreads) {
+  std::vector<std::string> reasons;
+  int const before = threads();
+  for (int const count : {1, 4}) {
+    set_threads(count);
+    Scratch const scratch;
+    run::World world(small_case("[numerics]\nblock_cells = 16\n[end]\ntime = \"20 ms\"\nkinetic_energy = 0.3\n"));
+    output::Writer writer(world, scratch.path());
+    reasons.push_back(drive(world, writer, go_on, ignore).reason + fmt::format(" {:a}", world.kinetic_energy()));
+  }
+  set_threads(before);
+  EXPECT_EQ(reasons[0], reasons[1]);
+}
+
+TEST(Drive, StopsByTheClockWithACheckpoint) {
+  auto const deck = "[end]\ntime = \"1 s\"\nwall_clock = \"20 ms\"\n[checkpoint]\non_signal = false\nat_end = false\n";
+  Scratch const scratch;
+  run::World world(small_case(deck));
+  output::Writer writer(world, scratch.path());
+  auto const ending = drive(world, writer, go_on, ignore);
+  EXPECT_EQ(ending.code, ExitCode::stopped_by_user);
+  EXPECT_NE(ending.reason.find("stopped by the clock, end.wall_clock = 20 ms, at t = "), std::string::npos)
+      << ending.reason;
+  EXPECT_EQ(checkpoints_of(scratch), std::vector<long>{world.clock.step});
+  EXPECT_EQ(log_of(scratch)["status"], "stopped");
+  EXPECT_EQ(log_of(scratch)["exit_code"], 3);
+  // Also one whose time was over before it began makes a step.
+  Scratch const second;
+  run::World late(small_case(deck));
+  output::Writer late_writer(late, scratch.path() / "late");
+  auto const long_ago = std::chrono::steady_clock::now() - std::chrono::hours(1);
+  EXPECT_EQ(drive(late, late_writer, go_on, ignore, nullptr, long_ago).code, ExitCode::stopped_by_user);
+  EXPECT_EQ(late.clock.step, 1);
+}
+
+// A run is done when all of it is written: one whose profile cannot be is not.
+TEST(Drive, IsNotDoneBeforeItsProfileIsWritten) {
+  Scratch const scratch;
+  run::World world(small_case("[output]\nprofile = true\n[end]\ntime = \"0.02 ms\"\n"));
+  output::Writer writer(world, scratch.path());
+  std::ofstream(scratch.path() / "profiles") << "in the way";
+  auto const ending = drive(world, writer, go_on, ignore);
+  EXPECT_EQ(ending.code, ExitCode::io_failure);
+  EXPECT_NE(ending.reason.find("profiles"), std::string::npos) << ending.reason;
+  EXPECT_EQ(log_of(scratch)["status"], "stopped");
+  EXPECT_EQ(log_of(scratch)["exit_code"], 5);
+}
+
+TEST(Drive, IsNotDoneWithAStateThatIsNoProfile) {
+  Scratch const scratch;
+  run::World world(small_case("[output]\nprofile = true\n[end]\ntime = \"2 us\"\n"));
+  output::Writer writer(world, scratch.path());
+  auto const ending = drive(world, writer, go_on, ignore);
+  EXPECT_EQ(ending.code, ExitCode::bad_input);
+  EXPECT_NE(ending.reason.find("still burns"), std::string::npos) << ending.reason;
+  EXPECT_EQ(log_of(scratch)["status"], "stopped");
+  EXPECT_EQ(log_of(scratch)["exit_code"], 2);
+}
+
+TEST(Drive, WritesItsProfileBeforeItSaysDone) {
+  Scratch const scratch;
+  run::World world(small_case("[output]\nprofile = true\n[end]\ntime = \"0.02 ms\"\n"));
+  output::Writer writer(world, scratch.path());
+  EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
+  EXPECT_EQ(log_of(scratch)["status"], "done");
+  EXPECT_TRUE(std::filesystem::exists(scratch.path() / "profiles/end.h5"));
 }
 
 }  // namespace

@@ -74,6 +74,18 @@ TEST(PointPlan, WhatCannotFitIsNotFilled) {
   EXPECT_EQ(plan_json(setup, p)["bodies"][0]["mass"], nullptr);
 }
 
+// What a machine holds, but a look does not try out: the volume tells the number of points.
+TEST(PointPlan, LargeBodiesAreEstimatedByTheirVolume) {
+  auto setup = run::two_blocks();
+  setup.domain.geometry = grid::Geometry::cartesian3d;
+  setup.domain.h = 0.01;
+  setup.domain.cells = {1250, 1250, 1250};
+  setup.points.bodies.resize(1);
+  setup.points.bodies[0].shape = shape::Sphere{{6.0, 6.0, 6.0}, 5.0};
+  double const points = 8.0 * 4.0 / 3.0 * M_PI * 1.25e8;
+  EXPECT_NEAR(plan(setup).points / points, 1.0, 1e-6);
+}
+
 TEST(PointPlan, WarnsOfThinBodies) {
   auto setup = run::two_blocks();
   EXPECT_TRUE(plan(setup).warnings.empty());

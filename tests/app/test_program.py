@@ -362,6 +362,93 @@ class Run(Case):
         self.assertIn("--force", refused.stderr)
         self.brisance("run", deck, "--quiet", "--force")
 
+    def test_force_leaves_what_is_not_the_runs(self):
+        deck = self.deck(SMALL)
+        self.brisance("run", deck, "--output", "out", "--quiet")
+        out = self.folder / "out"
+        mine = [out / name for name in ("gauges/mine.csv", "fields/mine.h5", "fields/fields_000099.h5", "notes.txt",
+                                        "checkpoints/mine.brz", "points.xmf2")]
+        for path in mine:
+            path.write_text("mine")
+        other = self.folder / "other.toml"
+        other.write_text(SMALL.replace('"near"', '"elsewhere"'))
+        self.brisance("run", other, "--output", "out", "--quiet", "--force")
+        for path in mine:
+            self.assertEqual(path.read_text(), "mine")
+        self.assertFalse((out / "gauges/near.csv").exists())
+        self.assertTrue((out / "gauges/elsewhere.csv").exists())
+        # A file of somebody else in the place of a result: neither written nor removed.
+        (out / "gauges/near.csv").write_text("mine")
+        self.assertIn('gauges/near.csv" is in the way',
+                      self.brisance("run", deck, "--output", "out", "--force", code=5).stderr)
+        self.assertEqual((out / "gauges/near.csv").read_text(), "mine")
+        self.assertTrue((out / "gauges/elsewhere.csv").exists())
+
+    def test_links_in_the_folder_are_not_followed(self):
+        deck = self.deck(SMALL)
+        theirs = self.folder / "theirs"
+        theirs.mkdir()
+        (theirs / "near.csv").write_text("mine")
+        (theirs / "deck.toml").write_text("mine")
+        self.brisance("run", deck, "--output", "out", "--quiet")
+        out = self.folder / "out"
+        (out / "gauges/near.csv").unlink()
+        (out / "gauges").rmdir()
+        (out / "gauges").symlink_to(theirs)
+        for option in ("--force", "--resume"):
+            (self.folder / deck).write_text(SMALL.replace("0.4 ms", "0.5 ms"))
+            self.assertIn('gauges" is a link', self.brisance("run", deck, "--output", "out", option, code=5).stderr)
+        (out / "gauges").unlink()
+        (out / "deck.toml").unlink()
+        (out / "deck.toml").symlink_to(theirs / "deck.toml")
+        self.assertIn('deck.toml" is a link', self.brisance("run", deck, "--output", "out", "--force", code=5).stderr)
+        for path in theirs.iterdir():
+            self.assertEqual(path.read_text(), "mine")
+        # The folder itself may be one: that is where the user wants the results.
+        (self.folder / "link").symlink_to(self.folder / "real")
+        (self.folder / "real").mkdir()
+        self.brisance("run", deck, "--output", "link/", "--quiet")
+        self.assertTrue((self.folder / "real/gauges/near.csv").exists())
+
+    def test_a_folder_belongs_to_one_run(self):
+        process, gauge = self.started()
+        for options in ((), ("--force",), ("--resume",)):
+            done = self.brisance("run", "case.toml", "--output", "out", *options, code=5)
+            self.assertIn(f"another run (process {process.pid} on ", done.stderr)
+        self.assertIsNone(process.poll())
+        size = gauge.stat().st_size
+        process.kill()
+        process.communicate()
+        self.assertGreaterEqual(gauge.stat().st_size, size)
+        self.deck(LONG.replace('"1 s"', '"1 s"\nsteps = 3'))
+        self.brisance("run", "case.toml", "--output", "out", "--force", "--quiet")
+        self.assertFalse((self.folder / "out/.brisance-lock").exists())
+
+    def test_a_reader_that_has_read_enough_ends_nothing(self):
+        deck = self.deck(SMALL.replace('cell = "5 mm"', 'cell = "2.5 mm"'))
+        for redirection in ("| head -1", "2>&1 | head -1", "2>&1 | true", ">&-", ">&- 2>&- <&-"):
+            with self.subTest(redirection):
+                command = f"'{PROGRAM}' run {deck} --output out --force {redirection}; exit ${{PIPESTATUS[0]}}"
+                done = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, text=True,
+                                      timeout=300)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                log = json.loads((self.folder / "out/run.json").read_text())
+                self.assertEqual((log["status"], log["dumps"]), ("done", 5))
+                self.assertTrue((self.folder / "out/summary.csv").exists())
+                self.assertEqual((self.folder / "out/deck.toml").read_text(), (self.folder / deck).read_text())
+        done = subprocess.run(["bash", "-c", f"'{PROGRAM}' info --deck-reference | head -1; exit ${{PIPESTATUS[0]}}"],
+                              capture_output=True, timeout=60)
+        self.assertEqual(done.returncode, 0)
+
+    def test_the_clock_stops_a_run_that_goes_on_later(self):
+        text = LONG.replace('time = "1 s"', 'time = "1 s"\nwall_clock = "0.3 s"')
+        self.assertIn("stopped by the clock", self.brisance("run", self.deck(text), "--output", "out", code=3).stdout)
+        before = json.loads((self.folder / "out/run.json").read_text())["step"]
+        self.deck(text.replace("wall_clock", f"steps = {before + 20}\n# wall_clock"))
+        self.brisance("run", "case.toml", "--output", "out", "--resume", "--quiet")
+        log = json.loads((self.folder / "out/run.json").read_text())
+        self.assertEqual((log["status"], log["step"]), ("done", before + 20))
+
     def test_report(self):
         self.brisance("run", self.deck(SMALL), "--output", "out", "--quiet")
         path = self.brisance("report", "out").stdout.strip()
@@ -546,6 +633,29 @@ class Failures(Case):
 
     def test_bad_deck(self):
         self.assertIn("case.toml:1:", self.brisance("run", self.deck("x = ["), code=2).stderr)
+
+    def test_a_deck_that_is_too_large_is_not_read(self):
+        path = self.folder / "large.toml"
+        with open(path, "w") as deck:
+            deck.truncate(1 << 40)  # takes no space, and would take hours to read
+        done = self.brisance("check", path, code=2)
+        self.assertIn("the deck has 1099511627776 bytes; allowed: at most 1048576", done.stderr)
+        self.assertIn("the deck has more than 1048576 bytes", self.brisance("check", "/dev/zero", code=2).stderr)
+        exact = SMALL + "#" * (1048576 - len(SMALL))
+        self.brisance("check", self.deck(exact))
+        self.brisance("check", self.deck(exact + "#"), code=2)
+
+    def test_long_lists_of_messages_are_cut(self):
+        deck = self.deck(SMALL + "".join(f"[[gauge]]\npoint = {n + 2}\n" for n in range(70)))
+        lines = self.brisance("check", deck, code=2).stderr.splitlines()
+        self.assertEqual(sum(": error: gauge[" in line for line in lines), 50)
+        self.assertEqual(lines[50:], ["and 20 more", "brisance: error: case.toml: 70 errors"])
+        body = '[[body]]\nname = "b{0}"\nmaterial = "RHA"\nshape = "box"\nlower = {1:.3f}\nupper = {2:.3f}\n'
+        thin = ('[domain]\ngeometry = "planar1d"\nsize = 2\ncell = "5 mm"\n[end]\ntime = "1 ms"\n'
+                + "".join(body.format(n, 0.02 * n, 0.02 * n + 0.005) for n in range(60)))
+        warned = self.brisance("check", self.deck(thin))
+        self.assertEqual(warned.stdout.count("across its shortest side"), 50)
+        self.assertIn("and 10 more", warned.stdout)
 
     def test_output_inside_a_file(self):
         deck = self.deck(SMALL)

@@ -209,6 +209,9 @@ class Case(unittest.TestCase):
             if path.is_dir() or key.startswith("checkpoints/"):
                 continue
             out[key] = path.read_bytes()
+        # Also not on the list; what is there follows from what is kept.
+        out["files.txt"] = b"".join(line for line in out["files.txt"].splitlines(keepends=True)
+                                    if not line.startswith(b"checkpoints/"))
         log = json.loads(out.pop("run.json"))
         for key in ("timings", "wall_seconds", "cell_updates_per_second", "started_at", "resumed_at_steps"):
             log.pop(key)

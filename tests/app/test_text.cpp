@@ -39,5 +39,13 @@ TEST(Text, TheOutputFolderIsNamedAfterTheDeck) {
   EXPECT_EQ(default_output_folder("cases/hemisphere_3d/deck.toml"), "hemisphere_3d-results");
 }
 
+TEST(Text, ListsShowTheFirstMessages) {
+  EXPECT_EQ(listed({}), "");
+  std::vector<std::string> messages(most_messages, "x");
+  EXPECT_EQ(listed(messages).size(), 100U);
+  messages.resize(1000, "y");
+  EXPECT_TRUE(listed(messages).ends_with("x\nand 950 more\n"));
+}
+
 }  // namespace
 }  // namespace brisance::app

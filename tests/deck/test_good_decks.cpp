@@ -263,6 +263,9 @@ TEST(GoodDecks, EveryKeyArrives) {
   EXPECT_FALSE(c.output.single_precision);
   EXPECT_EQ(c.output.fields, (std::vector<std::string>{"pressure", "velocity"}));
   EXPECT_EQ(c.end.steps, 500);
+  EXPECT_TRUE(c.end.gauges);
+  EXPECT_EQ(c.end.kinetic_energy, 0.02);
+  EXPECT_EQ(c.end.wall_clock, 10800.0);
   EXPECT_EQ(c.burst, run::Burst::none);
 }
 

@@ -79,6 +79,66 @@ TEST(Reinforcement, SteelIsThatOfTheBar) {
   EXPECT_NEAR(half->reinforce(along_x(0.0, 0.012)).volume, 0.125 * M_PI * 0.012 * 0.012 * 0.4, 1e-15);
 }
 
+/// The prism of 0.4 m along x about the plane x = 0, whole or its half beside a mirror there.
+std::unique_ptr<Mpm> about_plane(bool half) {
+  grid::Domain domain;
+  domain.h = h;
+  domain.cells = {half ? 12 : 24, 8, 8};
+  domain.lower = {half ? 0.0 : -0.24, -0.02, -0.02};
+  if (half) domain.boundary[0] = grid::Boundary::symmetry;
+  Body body;
+  body.name = "prism";
+  body.solid = material::elastic_solid(2400.0, E_matrix, 0.0);
+  auto points = std::make_unique<Mpm>(domain, std::vector<Body>{body}, Options{});
+  auto const placed = shape::place_particles(shape::Box{{-0.2, 0.0, 0.0}, {0.2, 0.12, 0.12}}, domain, 2);
+  Filling filling;
+  filling.positions = placed.positions;
+  filling.volumes = placed.volumes;
+  points->fill(0, filling);
+  return points;
+}
+
+// A bar through a mirror plane goes on behind it as its image: the half model holds half of the steel, at the same part
+// of each point as the whole one.
+TEST(Reinforcement, ThroughAMirrorPlaneHalfOfItIsThere) {
+  Bar straight;
+  straight.from = {-0.2, 0.06, 0.06};
+  straight.to = {0.2, 0.06, 0.06};
+  straight.diameter = 0.012;
+  Bar backwards = straight;
+  std::swap(backwards.from, backwards.to);
+  double const asked = 0.25 * M_PI * 0.012 * 0.012 * 0.4;
+  auto const whole = about_plane(false)->reinforce(straight);
+  EXPECT_NEAR(whole.volume, asked, 1e-12 * asked);
+  for (Bar const& bar : {straight, backwards}) {
+    auto half = about_plane(true);
+    auto const report = half->reinforce(bar);
+    EXPECT_NEAR(report.volume, 0.5 * asked, 1e-12 * asked);
+    EXPECT_NEAR(report.part, whole.part, 1e-12);
+    EXPECT_NEAR(steel_volume(*half), 0.5 * asked, 1e-12 * asked);
+  }
+  // One that only begins beyond it: what is on this side.
+  Bar longer = straight;
+  longer.from[0] = -0.1;
+  EXPECT_NEAR(about_plane(true)->reinforce(longer).volume, 0.5 * asked, 1e-12 * asked);
+  // Slanting through the plane: half of its length again, and the tube around it is cut by the plane in its middle.
+  Bar slanting = straight;
+  slanting.from = {-0.1, 0.04, 0.06};
+  slanting.to = {0.1, 0.08, 0.06};
+  double const length = std::hypot(0.2, 0.04);
+  auto const slant = about_plane(true)->reinforce(slanting);
+  EXPECT_NEAR(slant.volume, 0.125 * M_PI * 0.012 * 0.012 * length, 1e-15);
+  EXPECT_NEAR(slant.part, 0.09, 0.03);
+}
+
+// Along the plane, nearer to it than the tube is wide: the whole bar is on this side, and no surface is near.
+TEST(Reinforcement, BesideAMirrorPlaneItIsWhole) {
+  auto points = prism(0.0, true);
+  double const asked = 0.25 * M_PI * 0.008 * 0.008 * 0.4;
+  EXPECT_NEAR(points->reinforce(along_x(0.005, 0.008)).volume, asked, 1e-12 * asked);
+  EXPECT_NEAR(steel_volume(*points), asked, 1e-12 * asked);
+}
+
 TEST(Reinforcement, StretchedWithTheBodyItCarriesItsShare) {
   // Uniform stretching: the bar has E e, the force and the energy are those of both materials side by side. The strain
   // of the points is exact for a linear velocity; the stress has run for `steps` at the rate, e = rate t to 2e-3 at the

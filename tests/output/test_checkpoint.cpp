@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "output/checkpoint.hpp"
 #include "output/file.hpp"
+#include "output/manifest.hpp"
 #include "scratch.hpp"
 
 namespace brisance::output::test {
@@ -198,6 +199,23 @@ TEST(Checkpoint, AWriteThatFailsLeavesTheEarlierOnes) {
   fs::create_symlink("/dev/full", scratch.path() / "checkpoints/checkpoint.part");
   EXPECT_THROW(files.write(at_step(2), of(state)), IoError);
   EXPECT_EQ(newest_checkpoint(scratch.path()).reader->info().step, 1);
+}
+
+// A checkpoint of somebody else beside those of the run stays, and the list of what the run wrote stays short.
+TEST(Checkpoint, OnlyThoseOfTheRunMakeRoom) {
+  ScratchFolder const scratch;
+  State state;
+  fs::create_directory(scratch.path() / "checkpoints");
+  fs::path const mine = scratch.path() / "checkpoints/checkpoint_00000000.brz";
+  write_file(mine, "mine");
+  list_files(scratch.path(), {"summary.csv"});
+  CheckpointFiles files(scratch.path(), 1);
+  for (long step = 1; step <= 150; ++step) files.write(at_step(step), of(state));
+  EXPECT_EQ(read_file(mine), "mine");
+  EXPECT_EQ(std::ranges::distance(fs::directory_iterator(mine.parent_path())), 2);
+  std::string const list = read_file(scratch.path() / "files.txt");
+  EXPECT_LT(std::ranges::count(list, '\n'), 150);
+  EXPECT_TRUE(listed_files(scratch.path()).contains("summary.csv")) << "what is yet to come has been taken off";
 }
 
 }  // namespace

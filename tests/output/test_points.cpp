@@ -343,7 +343,7 @@ TEST(Points, SameBytesForAnyNumberOfThreads) {
       if (entry.is_regular_file() && entry.path().filename() != "run.json")
         written[fs::relative(entry.path(), folder.path())] = read_file(entry.path());
     }
-    EXPECT_EQ(written.size(), 9U);
+    EXPECT_EQ(written.size(), 10U);
     if (reference.empty()) reference = written;
     ASSERT_EQ(written.size(), reference.size());
     for (auto const& [name, content] : written)

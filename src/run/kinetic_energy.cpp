@@ -1,0 +1,48 @@
+/// The motion that a calculation still holds.
+#include "core/parallel.hpp"
+#include "run/world.hpp"
+
+namespace brisance::run {
+
+namespace {
+
+double gas_energy(World const& w) {
+  // One sum per block, then over blocks in order: the same bits for any number of threads.
+  std::vector<double> parts(static_cast<std::size_t>(w.grid.block_count()), 0.0);
+  bool const two = w.gas->fluids().two;
+  parallel_for(w.grid.block_count(), [&](int b, int) {
+    grid::Block const& block = w.grid.blocks()[b];
+    auto const& fields = w.gas->fields();
+    for (int k = 0; k < block.n[2]; ++k) {
+      for (int j = 0; j < block.n[1]; ++j) {
+        double row = 0.0;
+        for (int i = 0; i < block.n[0]; ++i) {
+          int const at = block.offset(i, j, k);
+          if (!w.gas->is_own(b, at)) continue;
+          double const density = fields.at(b, gas::density)[at] + (two ? fields.at(b, gas::second_density)[at] : 0.0);
+          double square = 0.0;
+          for (int d = 0; d < 3; ++d) {
+            double const m = fields.at(b, gas::momentum_x + d)[at];
+            square += m * m;
+          }
+          if (square > 0.0) row += 0.5 * square / density * w.setup.domain.cell_volume(block.origin[0] + i);
+        }
+        parts[b] += row;
+      }
+    }
+  });
+  double sum = 0.0;
+  for (double const part : parts) sum += part;
+  return sum;
+}
+
+}  // namespace
+
+double World::kinetic_energy() const {
+  double sum = gas == nullptr ? 0.0 : gas_energy(*this);
+  for (int body = 0; points != nullptr && body < static_cast<int>(points->bodies().size()); ++body)
+    sum += points->sums(body).kinetic_energy;
+  return sum;
+}
+
+}  // namespace brisance::run
