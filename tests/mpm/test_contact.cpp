@@ -235,6 +235,76 @@ TEST_P(EachShape, SurfacePressureAcceleratesAPlate) {
   EXPECT_NEAR(sums.momentum[0] / sums.momentum[1], 0.0, 1e-12);
 }
 
+/// Pressure [Pa] of a history at a time [s]: linear between its times, none before the first and after the last.
+double pressure_at(std::vector<double> const& times, std::vector<double> const& pressures, double t) {
+  double p = 0.0;
+  for (std::size_t n = 1; n < times.size(); ++n) {
+    if (t < times[n - 1] || t > times[n]) continue;
+    p = pressures[n - 1] + (pressures[n] - pressures[n - 1]) * (t - times[n - 1]) / (times[n] - times[n - 1]);
+  }
+  return p;
+}
+
+// Pressures that end while they are still high, that begin late, and two in turn on one face: the plate gets the area
+// below the history step by step, and nothing before and after it. Along every direction, from both sides.
+TEST(SurfacePressure, ActsFromItsFirstTimeToItsLast) {
+  struct Load {
+    std::vector<double> times, pressures;
+  };
+  double const p = 1e-6;
+  Load const ends{{0.0, 20.0}, {p, p}};           // a rectangle
+  Load const rises{{0.0, 20.0}, {0.0, 2.0 * p}};  // a saw tooth that falls at once
+  Load const late{{15.0, 25.0}, {3.0 * p, p}};    // jumps up, and down
+  Load const pulls{{5.0, 10.0, 20.0}, {-p, 2.0 * p, -3.0 * p}};
+  double const dt = 0.25;
+  for (std::vector<Load> const& loads :
+       {std::vector<Load>{ends}, std::vector<Load>{rises}, std::vector<Load>{late}, std::vector<Load>{pulls}}) {
+    for (int face = 0; face < 6; ++face) {
+      int const d = face / 2;
+      double const outwards = face % 2 == 0 ? -1.0 : 1.0;
+      Problem problem;
+      Index3 cells{4, 4, 4};
+      cells[d] = 8;
+      problem.box(Geometry::cartesian3d, 1.0, cells, Boundary::periodic);
+      problem.domain.boundary[2 * d] = problem.domain.boundary[2 * d + 1] = Boundary::outflow;
+      int const plate = problem.add(unit_solid(0.0));
+      problem.start();
+      shape::Box body{{0.0, 0.0, 0.0}, {4.0, 4.0, 4.0}};
+      body.lower[d] = 3.0;
+      body.upper[d] = 5.0;
+      problem.fill(plate, body);
+      for (Load const& one : loads) {
+        mpm::SurfacePressure load;
+        load.body = plate;
+        shape::Box region{{-1.0, -1.0, -1.0}, {5.0, 5.0, 5.0}};
+        region.lower[d] = face % 2 == 0 ? 2.5 : 4.5;
+        region.upper[d] = face % 2 == 0 ? 3.5 : 5.5;
+        load.region = region;
+        load.normal = {0.0, 0.0, 0.0};
+        load.normal[d] = outwards;
+        load.thickness = 0.5;
+        load.times = one.times;
+        load.pressures = one.pressures;
+        problem.mpm->load(load);
+      }
+      double impulse = 0.0;
+      bool acted = false;
+      for (int step = 0; step < 160; ++step) {
+        double const t = problem.mpm->time();
+        double force = 0.0;
+        for (Load const& one : loads) force += 16.0 * pressure_at(one.times, one.pressures, t);
+        impulse += -outwards * force * dt;
+        acted = acted || force != 0.0;
+        problem.mpm->advance(dt);
+        // The loaded layer carries its present volume: strains of p/E.
+        ASSERT_NEAR(problem.mpm->sums(plate).momentum[d], impulse, 1e-5 * 16.0 * p * 20.0)
+            << "face " << face << ", t = " << t;
+      }
+      EXPECT_TRUE(acted);
+    }
+  }
+}
+
 // A block that falls on held nodes beside a mirror plane, cut into blocks: nodes on planes and copies count once.
 TEST_P(EachShape, ConstraintImpulseIsTheChangeOfMomentum) {
   Problem problem;
