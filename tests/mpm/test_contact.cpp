@@ -354,6 +354,97 @@ TEST_P(EachShape, ImpulseOfARigidBodyIsTheChangeOfMomentum) {
 /// A body without stiffness: nothing but constraints and filters change the velocity of its points.
 material::Solid dust() { return material::elastic_solid(1.0, 1e-30, 0.0); }
 
+/// Two layers without stiffness, as wide as a periodic domain, that meet along direction d: the second comes with the
+/// velocity `coming` on the first, which is rigid or three times as dense.
+struct Meeting : Problem {
+  Meeting(ShapeFunction shape, Geometry geometry, int d, double side, Vec3 const& coming, double friction, bool rigid) {
+    Index3 cells{4, 4, 4};
+    cells[d] = 10;
+    box(geometry, 1.0, cells, Boundary::periodic);
+    domain.boundary[2 * d] = domain.boundary[2 * d + 1] = Boundary::outflow;
+    options.shape = shape;
+    material::Solid heavy = dust();
+    heavy.density = std::get<material::Linear>(heavy.eos).rho0 = 3.0;
+    add(heavy);
+    add(dust());
+    if (rigid) bodies[0].rigid_velocity = Vec3{0.0, 0.0, 0.0};
+    contacts.push_back({0, 1, friction});
+    start();
+    shape::Box low{{-1.0, -1.0, -1.0}, {5.0, 5.0, 5.0}};
+    shape::Box high = low;
+    low.lower[d] = 2.0;
+    low.upper[d] = high.lower[d] = 5.0;
+    high.upper[d] = 8.0;
+    fill(0, side > 0.0 ? low : high);
+    fill(1, side > 0.0 ? high : low, [&](Vec3 const&) { return coming; });
+  }
+};
+
+// Coulomb's law where bodies meet obliquely: the impulse along the surface is the friction times that across it, at
+// most what stops the slip, and against it. Across every direction, with slip in any, one and many steps.
+TEST_P(EachShape, FrictionIsAPartOfTheNormalImpulseAlsoInObliqueImpact) {
+  double const closing = 0.01;
+  for (Geometry const geometry : {Geometry::planar2d, Geometry::cartesian3d}) {
+    int const dims = grid::dimensions(geometry);
+    for (int face = 0; face < 2 * dims; ++face) {
+      int const d = face / 2;
+      double const side = face % 2 == 0 ? -1.0 : 1.0;
+      for (double const slip : {0.5, 1.0, 2.0}) {
+        for (double const friction : {0.3, 1.1, 2.5}) {
+          for (int turn = 0; turn < (dims == 2 ? 2 : 5); ++turn) {
+            double const angle = dims == 2 ? M_PI * turn : 0.4 * M_PI * turn + 0.3;
+            Vec3 along{0.0, 0.0, 0.0};
+            along[(d + 1) % dims] = std::cos(angle);
+            if (dims == 3) along[(d + 2) % 3] = std::sin(angle);
+            Vec3 coming = slip * closing * along;
+            coming[d] = -side * closing;
+            for (bool const rigid : {true, false}) {
+              Meeting meeting(GetParam(), geometry, d, side, coming, friction, rigid);
+              Vec3 const before = meeting.mpm->sums(1).momentum;
+              Vec3 const all = meeting.mpm->sums(0).momentum + before;
+              meeting.mpm->advance(0.1);
+              Vec3 const given = meeting.mpm->sums(1).momentum - before;
+              double const across = side * given[d];
+              Vec3 tangential = given;
+              tangential[d] = 0.0;
+              ASSERT_GT(across, 0.0);
+              double const part = std::min(friction, slip);
+              ASSERT_NEAR(norm(tangential + part * across * along) / across, 0.0, 1e-10)
+                  << "direction " << d << ", side " << side << ", slip " << slip << ", friction " << friction
+                  << ", turn " << turn << ", rigid " << rigid;
+              if (!rigid) {
+                Vec3 const after = meeting.mpm->sums(0).momentum + meeting.mpm->sums(1).momentum;
+                ASSERT_NEAR(norm(after - all), 0.0, 1e-13);
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+// The same over a whole impact: layer after layer arrives with all of its velocity and slides on.
+TEST_P(EachShape, ObliqueImpactLosesFrictionTimesItsNormalMomentum) {
+  double const friction = 0.3;
+  for (int face = 0; face < 6; ++face) {
+    int const d = face / 2;
+    double const side = face % 2 == 0 ? -1.0 : 1.0;
+    Vec3 coming{0.0, 0.0, 0.0};
+    coming[d] = -side * 0.01;
+    coming[(d + 1) % 3] = 0.012;
+    coming[(d + 2) % 3] = -0.016;
+    Meeting meeting(GetParam(), Geometry::cartesian3d, d, side, coming, friction, true);
+    Vec3 const before = meeting.mpm->sums(1).momentum;
+    meeting.run(100.0, 2.0);
+    Vec3 const given = meeting.mpm->sums(1).momentum - before;
+    double const across = side * given[d];
+    EXPECT_GT(across, 0.25 * norm(before) / std::sqrt(5.0));  // a good part of it has arrived
+    EXPECT_NEAR(given[(d + 1) % 3] / (-0.6 * friction * across), 1.0, 1e-6) << face;
+    EXPECT_NEAR(given[(d + 2) % 3] / (0.8 * friction * across), 1.0, 1e-6) << face;
+  }
+}
+
 // Dust that falls on held nodes, at rest and in motion, beside a mirror plane and cut into blocks: all kinetic energy
 // that it loses is counted, less the work of the constraints.
 TEST_P(EachShape, KineticEnergyLostAtHeldNodesIsCounted) {
