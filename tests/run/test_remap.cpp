@@ -224,14 +224,15 @@ TEST_F(Remap, KeepsMassEnergyAndMomentumFrom1dTo2d) {
 }
 
 /// An axisymmetric calculation of a cylinder, until its burst has the given radius; `ground` is the height of its
-/// middle above a wall, 0: in free air.
-detonation::Profile cylinder_burst(double ground, double burst, double mass_factor = 1.0) {
+/// middle above a wall, 0: in free air; `halved`: a symmetry plane through the middle leaves the upper half.
+detonation::Profile cylinder_burst(double ground, double burst, double mass_factor = 1.0, bool halved = false) {
   double const scale = std::cbrt(mass_factor);
   double const h = 0.0041 * scale;
   Case c = air_case(Geometry::axisymmetric2d, {64, 128, 1}, h, Boundary::outflow);
   c.domain.boundary[0] = Boundary::symmetry;
-  c.domain.lower[1] = ground > 0.0 ? 0.0 : -64 * h;
+  c.domain.lower[1] = ground > 0.0 || halved ? 0.0 : -64 * h;
   if (ground > 0.0) c.domain.boundary[2] = Boundary::wall;
+  if (halved) c.domain.boundary[2] = Boundary::symmetry;
   c.charges = {
       tnt_charge(Cylinder{{0.0, ground * scale, 0.0}, 0.8 * radius * scale, 2.4 * radius * scale, {0.0, 1.0, 0.0}},
                  Geometry::axisymmetric2d)};
@@ -262,6 +263,21 @@ TEST_F(Remap, KeepsMassEnergyAndMomentumFromAxisymmetric2dTo3d) {
   octant.start.profile = "cylinder.h5";
   octant.start.profiles = {fitted_profile(octant, 0, cylinder_burst(0.0, 0.16))};
   expect_conservation(octant, "octant of a cylinder");
+  // A profile of the upper half: its image is the lower one, above the plane, below it, and without a plane.
+  detonation::Profile const half = cylinder_burst(0.0, 0.16, 1.0, true);
+  EXPECT_TRUE(half.mirrored);
+  octant.start.profiles = {fitted_profile(octant, 0, half)};
+  expect_conservation(octant, "octant of a halved cylinder");
+  Case below = octant;
+  below.domain.lower[2] = -24 * 0.0101;
+  std::swap(below.domain.boundary[4], below.domain.boundary[5]);
+  below.charges[0].shape = Cylinder{{0.0, 0.0, below.domain.upper(2)}, 0.8 * radius, 2.4 * radius, z};
+  below.charges[0].initiation = {{shape::centre(below.charges[0].shape), 0.0}};
+  below.start.profiles = {fitted_profile(below, 0, half)};
+  expect_conservation(below, "octant of a halved cylinder below its plane");
+  Case whole = cylinder_case({0.2213, 0.2297, 0.2341}, {0.0, -1.0, 0.0}, {44, 45, 46}, 0.0);
+  whole.start.profiles = {fitted_profile(whole, 0, half)};
+  expect_conservation(whole, "a halved cylinder, whole");
   // The shock has been reflected by the ground 80 mm below.
   Case const ground = cylinder_case({0.2213, 0.2297, 0.08}, z, {44, 45, 30}, 0.08);
   EXPECT_TRUE(ground.start.profiles[0]->mirrored);
