@@ -67,8 +67,7 @@ geometry = "planar1d"
 size = 0.4
 cell = 0.01
 [mpm_region]
-lower = 0.2
-upper = 0.4
+box = {lower = 0.2, upper = 0.4}
 [[gauge]]
 point = 0.1
 [[region]]

@@ -1,7 +1,6 @@
 /// What the fuzzers of binary readers share: a file in memory that has a path, and how seeds are written.
 #pragma once
 
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -13,17 +12,20 @@
 
 namespace brisance::fuzz {
 
+/// The HDF5 library wants the true name of a file: one in the folder that Linux keeps in memory.
 class MemoryFile {
  public:
-  MemoryFile() : descriptor_(memfd_create("fuzz", 0)) {
+  MemoryFile() : path_("/dev/shm/brisance_fuzz_XXXXXX"), descriptor_(::mkstemp(path_.data())) {
     if (descriptor_ < 0) std::abort();
-    path_ = "/proc/self/fd/" + std::to_string(descriptor_);
   }
-  ~MemoryFile() { ::close(descriptor_); }
+  ~MemoryFile() {
+    ::close(descriptor_);
+    ::unlink(path_.c_str());
+  }
   MemoryFile(MemoryFile const&) = delete;
   MemoryFile& operator=(MemoryFile const&) = delete;
 
-  [[nodiscard]] std::filesystem::path const& path() const { return path_; }
+  [[nodiscard]] std::filesystem::path path() const { return path_; }
   void set(std::string_view bytes) {
     if (::ftruncate(descriptor_, 0) != 0) std::abort();
     for (std::size_t at = 0; at < bytes.size();) {
@@ -34,8 +36,8 @@ class MemoryFile {
   }
 
  private:
+  std::string path_;
   int descriptor_;
-  std::filesystem::path path_;
 };
 
 /// Where seeds are to be written in place of fuzzing: the variable BRISANCE_FUZZ_SEEDS names the folder.
