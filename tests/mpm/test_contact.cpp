@@ -257,8 +257,8 @@ TEST(SurfacePressure, ActsFromItsFirstTimeToItsLast) {
   Load const late{{15.0, 25.0}, {3.0 * p, p}};    // jumps up, and down
   Load const pulls{{5.0, 10.0, 20.0}, {-p, 2.0 * p, -3.0 * p}};
   double const dt = 0.25;
-  for (std::vector<Load> const& loads :
-       {std::vector<Load>{ends}, std::vector<Load>{rises}, std::vector<Load>{late}, std::vector<Load>{pulls}}) {
+  for (std::vector<Load> const& loads : {std::vector<Load>{ends}, std::vector<Load>{rises}, std::vector<Load>{late},
+                                         std::vector<Load>{pulls}, std::vector<Load>{ends, late, pulls}}) {
     for (int face = 0; face < 6; ++face) {
       int const d = face / 2;
       double const outwards = face % 2 == 0 ? -1.0 : 1.0;
@@ -302,6 +302,40 @@ TEST(SurfacePressure, ActsFromItsFirstTimeToItsLast) {
       }
       EXPECT_TRUE(acted);
     }
+  }
+}
+
+// A block under pressures on three of its faces at a time: the points at its edges and corners bear them all.
+TEST(SurfacePressure, OfSeveralFacesMeetAtTheEdges) {
+  Problem problem;
+  double const p = 1e-6;
+  problem.box(Geometry::cartesian3d, 1.0, {10, 10, 10}, Boundary::outflow);
+  problem.options.block_cells = 4;
+  int const block = problem.add(unit_solid(0.3));
+  problem.start();
+  problem.fill(block, shape::Box{{3.0, 3.0, 3.0}, {7.0, 6.0, 5.0}});
+  Vec3 const low{3.0, 3.0, 3.0};
+  Vec3 const area{6.0, 8.0, 12.0};
+  Vec3 const pressures{p, 3.0 * p, -2.0 * p};
+  for (int d = 0; d < 3; ++d) {
+    mpm::SurfacePressure load;
+    load.body = block;
+    shape::Box region{{0.0, 0.0, 0.0}, {10.0, 10.0, 10.0}};
+    region.upper[d] = low[d] + 0.5;
+    load.region = region;
+    load.normal = {0.0, 0.0, 0.0};
+    load.normal[d] = -1.0;
+    load.thickness = 0.5;
+    load.times = {0.0, 10.0 + d};
+    load.pressures = {pressures[d], pressures[d]};
+    problem.mpm->load(load);
+  }
+  problem.run(20.0, 0.25);
+  Vec3 const momentum = problem.mpm->sums(block).momentum;
+  for (int d = 0; d < 3; ++d) {
+    // A pressure still acts in the step that begins with its last moment.
+    double const impulse = pressures[d] * area[d] * (10.25 + d);
+    EXPECT_NEAR(momentum[d] / impulse, 1.0, 1e-5) << d;  // strains of p/E
   }
 }
 
