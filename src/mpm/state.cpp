@@ -35,7 +35,8 @@ void PointSet::archive(Archive& a) {
 
 namespace {
 
-/// Nodes, loads and bars are looked up by what a point carries: it must lie in its block and name what is there.
+/// Nodes, loads and bars are looked up by what a point carries: it must lie in its block, or within a cell of it where
+/// it has just crossed a face of the region, and name what is there.
 void check_points(Archive& a, PointSet const& set, grid::Grid const& grid, int block, Body const& body,
                   std::size_t loads) {
   if (!a.reading()) return;
@@ -50,7 +51,7 @@ void check_points(Archive& a, PointSet const& set, grid::Grid const& grid, int b
     for (int d = 0; d < domain.dimensions(); ++d) {
       double const low = domain.lower[d] + b.origin[d] * domain.h;
       double const x = set.field(Field::position_x + d)[q];
-      inside = inside && x >= low - 1e-6 * domain.h && x <= low + (b.n[d] + 1e-6) * domain.h;
+      inside = inside && x >= low - domain.h && x <= low + (b.n[d] + 1) * domain.h;
     }
     a.require(inside, fmt::format("the position of a point of body \"{}\"", body.name));
     constexpr double most_points = 9e15;  // whole numbers of a double
