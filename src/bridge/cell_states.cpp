@@ -143,6 +143,7 @@ void CellStates::at(int n, double part, GasState& state, GasSlopes& slopes) cons
 void CellStates::archive(Archive& a) {
   a.same(places_.size(), "the number of cells beside the region");
   a(levels_, times_);
+  a.require(levels_ >= 0 && levels_ <= static_cast<int>(times_.size()), "the number of times beside the region");
   for (auto* states : {&earlier_, &later_}) {
     for (GasState& s : *states) a(s.density, s.velocity, s.pressure, s.mass_fraction, s.volume_fraction);
   }

@@ -1,5 +1,7 @@
 /// The bridge in a checkpoint: what is under way between gas and points, and the counts since the start. The states
 /// that it reads of cells and points are read anew at the beginning of every step.
+#include <cmath>
+
 #include "bridge/bridge.hpp"
 #include "core/archive.hpp"
 
@@ -15,7 +17,9 @@ void Bridge::archive(Archive& a) {
   a.section("bridge");
   a.same(gas_body_, "the body of the gas points");
   a.same(ledger_.size(), "the size of the ledger");
-  a(awake_, last_step_, outwards_);
+  a(awake_, last_step_);
+  a.require(last_step_ >= 0.0 && std::isfinite(last_step_), "the last step of the points");
+  a.sized(outwards_, "the number of faces of the region");
   for (Ledger& account : ledger_) bridge::archive(a, account);
   a(traffic_.born, traffic_.left, traffic_.pressure_work, traffic_.pressure_impulse);
   bridge::archive(a, traffic_.outflow);

@@ -63,6 +63,10 @@ void Archive::differs(std::string_view what) const {
   throw IoError(fmt::format("{} is not that of the case as this program builds it", what));
 }
 
+void Archive::require(bool sound, std::string_view what) const {
+  if (reading() && !sound) throw IoError(fmt::format("before byte {} of its data {} makes no sense", position_, what));
+}
+
 void Archive::end() const {
   if (reading() && left() > 0)
     throw IoError(fmt::format("its data should end at byte {}, and go on to byte {}", position_, size_));

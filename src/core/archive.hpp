@@ -57,6 +57,17 @@ class Archive {
     if (!(value == own)) differs(what);
   }
 
+  /// Values whose number the reader knows, because other things are counted by it. Throws IoError where the archive
+  /// holds another number of them.
+  template <class T>
+  void sized(std::vector<T>& values, std::string_view what) {
+    same(static_cast<std::uint64_t>(values.size()), what);
+    for (T& value : values) visit(value);
+  }
+
+  /// Throws IoError unless what has been read makes sense; `what` says what does not.
+  void require(bool sound, std::string_view what) const;
+
   /// After the last value. Throws IoError where the archive goes on.
   void end() const;
 

@@ -1,5 +1,7 @@
 /// The state of the gas in a checkpoint: whatever the next step depends on, and the sums since the start. What the case
 /// alone determines (obstacles, lighting times) is built anew and only compared.
+#include <cmath>
+
 #include "core/archive.hpp"
 #include "gas/gas.hpp"
 
@@ -22,7 +24,10 @@ void Gas::archive(Archive& a) {
   a.section("gas");
   a.same(components(), "the number of gas components");
   a.same(grid_->block_count(), "the number of gas blocks");
-  a(time_, time_at_step_end_, fastest_signal_, awake_, timings_);
+  a(time_, time_at_step_end_, fastest_signal_);
+  a.require(std::isfinite(time_) && std::isfinite(time_at_step_end_) && fastest_signal_ >= 0.0, "the time of the gas");
+  a.sized(awake_, "the number of gas blocks");
+  a(timings_);
   a.same(watched_.size(), "the number of faces between gas and points");
   for (FaceFlux& flux : watched_) gas::archive(a, flux);
   for (int b = 0; b < grid_->block_count(); ++b) {

@@ -314,10 +314,24 @@ void Mpm::load(SurfacePressure const& pressure) {
   }
   if (!(pressure.thickness > 0.0))
     throw InputError("a surface pressure needs the thickness of the layer that takes it");
-  work_->loads.push_back({pressure.body, pressure.times, pressure.pressures});
-  int const number = static_cast<int>(work_->loads.size());
+  std::vector<ActiveLoad>& loads = work_->loads;
+  loads.push_back({pressure.body, pressure.times, pressure.pressures, {}});
+  int const number = static_cast<int>(loads.size());
   carry(pressure.body, Field::load_x, 4);  // load_number is the fourth
   bool touched = false;
+  Vec3 direction{0.0, 0.0, 0.0};
+  for (int d = 0; d < 3; ++d) direction[d] = -pressure.normal[d] / pressure.thickness;
+  // Points that bear another pressure already bear both.
+  auto const together = [&](int before, Vec3 const& its_direction) {
+    auto parts = loads[static_cast<std::size_t>(before) - 1].parts;
+    if (parts.empty()) parts.push_back({before - 1, its_direction});
+    parts.push_back({number - 1, direction});
+    for (std::size_t n = 0; n < loads.size(); ++n) {
+      if (loads[n].parts == parts) return static_cast<int>(n) + 1;
+    }
+    loads.push_back({pressure.body, {}, {}, std::move(parts)});
+    return static_cast<int>(loads.size());
+  };
   for (int b = 0; b < grid_.block_count(); ++b) {
     PointSet& old = sets_[set_index(b, pressure.body)];
     for (int q = 0; q < old.size(); ++q) {
@@ -325,8 +339,13 @@ void Mpm::load(SurfacePressure const& pressure) {
       for (int d = 0; d < 3; ++d) x[d] = old.field(Field::position_x + d)[q];
       if (!shape::contains(pressure.region, grid_.domain(), x)) continue;
       touched = true;
-      for (int d = 0; d < 3; ++d) old.field(Field::load_x + d)[q] = -pressure.normal[d] / pressure.thickness;
-      old.field(Field::load_number)[q] = number;
+      int const before = static_cast<int>(old.field(Field::load_number)[q]);
+      Vec3 taken = direction;
+      if (before > 0) {
+        for (int d = 0; d < 3; ++d) taken[d] = old.field(Field::load_x + d)[q];
+      }
+      old.field(Field::load_number)[q] = before > 0 ? together(before, taken) : number;
+      for (int d = 0; d < 3; ++d) old.field(Field::load_x + d)[q] = before > 0 ? 1.0 : taken[d];
     }
   }
   if (touched) return;

@@ -61,9 +61,10 @@ struct SetView {
   double h;
 };
 
-/// Outer forces of a step: the surface pressures [Pa] by their numbers, and the acceleration of `Options`.
+/// Outer forces of a step: the surface pressures [Pa] by their numbers, which multiply `load_x` component by component,
+/// and the acceleration of `Options`.
 struct OuterForces {
-  std::vector<double> pressures;
+  std::vector<Vec3> pressures;
   std::function<Vec3(Vec3 const& x, double time)> acceleration;
   double time = 0.0;
 };
@@ -171,8 +172,8 @@ struct Kernels {
           cz = Lanes4{f * s[5], f * s[4], f * s[2], 0.0};
           if (hoops.any()) b[0] -= volume * (hoops.yy * s[1] + hoops.zz * s[2]) / radius[q];
           if (load_number != nullptr && load_number[begin + q] > 0.0) {
-            double const push = volume * outer.pressures[static_cast<std::size_t>(load_number[begin + q]) - 1];
-            for (int d = 0; d < 3; ++d) b[d] += push * set.field(Field::load_x + d)[begin + q];
+            Vec3 const& push = outer.pressures[static_cast<std::size_t>(load_number[begin + q]) - 1];
+            for (int d = 0; d < 3; ++d) b[d] += volume * push[d] * set.field(Field::load_x + d)[begin + q];
           }
         }
         if (driven) {

@@ -2,6 +2,8 @@
 /// the start. Nodes, constraints, contacts and loads follow from the case and the points.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/archive.hpp"
 #include "core/error.hpp"
 #include "mpm/mpm.hpp"
@@ -31,18 +33,60 @@ void PointSet::archive(Archive& a) {
   }
 }
 
+namespace {
+
+/// Nodes, loads and bars are looked up by what a point carries: it must lie in its block, or within a cell of it where
+/// it has just crossed a face of the region, and name what is there.
+void check_points(Archive& a, PointSet const& set, grid::Grid const& grid, int block, Body const& body,
+                  std::size_t loads) {
+  if (!a.reading()) return;
+  grid::Domain const& domain = grid.domain();
+  grid::Block const& b = grid.blocks()[block];
+  auto const named = [&](Field field, int q, std::size_t count) {
+    double const* values = set.field(field);
+    return values == nullptr || (values[q] >= 0.0 && values[q] <= static_cast<double>(count));
+  };
+  for (int q = 0; q < set.size(); ++q) {
+    bool inside = true;
+    for (int d = 0; d < domain.dimensions(); ++d) {
+      double const low = domain.lower[d] + b.origin[d] * domain.h;
+      double const x = set.field(Field::position_x + d)[q];
+      inside = inside && x >= low - domain.h && x <= low + (b.n[d] + 1) * domain.h;
+    }
+    a.require(inside, fmt::format("the position of a point of body \"{}\"", body.name));
+    constexpr double most_points = 9e15;  // whole numbers of a double
+    double const identity = set.field(Field::identity)[q];
+    a.require(identity >= 0.0 && identity <= most_points && named(Field::load_number, q, loads) &&
+                  named(Field::bar_number, q, body.bars.size()),
+              fmt::format("what a point of body \"{}\" carries", body.name));
+  }
+}
+
+}  // namespace
+
 void Mpm::archive(Archive& a) {
   a.section("material points");
   a.same(grid_.block_count(), "the number of blocks of points");
   a.same(bodies_.size(), "the number of bodies");
   a.same(work_->loads.size(), "the number of surface pressures");
-  a(next_identity_, losses_.mass, losses_.momentum, losses_.energy, losses_.points, constraint_impulse_, outer_work_);
+  a.sized(next_identity_, "the number of bodies");
+  a(losses_.mass, losses_.momentum, losses_.energy, losses_.points, constraint_impulse_, outer_work_);
   a(dissipation_.held, dissipation_.filtered);
-  a(fastest_, time_, step_, signals_, timings_);
+  a(fastest_, time_, step_);
+  a.require(fastest_ >= 0.0 && std::isfinite(time_) && step_ >= 0, "the time of the points");
+  a.sized(signals_, "the number of blocks of points");
+  a(timings_);
   for (Body& body : bodies_) a(body.reference_pressure);  // that of a gas follows its points
-  for (PointSet& set : sets_) set.archive(a);
+  for (std::size_t n = 0; n < sets_.size(); ++n) {
+    sets_[n].archive(a);
+    check_points(a, sets_[n], grid_, static_cast<int>(n / bodies_.size()), bodies_[n % bodies_.size()],
+                 work_->loads.size());
+  }
   a.same(lent_.size(), "the number of blocks that points are lent to");
-  for (PointSet& set : lent_) set.archive(a);
+  for (std::size_t block = 0; block < lent_.size(); ++block) {
+    lent_[block].archive(a);
+    check_points(a, lent_[block], grid_, static_cast<int>(block), bodies_[lent_body_], work_->loads.size());
+  }
   if (a.reading()) find_active();
 }
 

@@ -128,7 +128,13 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
 
 OuterForces Mpm::outer_forces() const {
   OuterForces outer;
-  for (ActiveLoad const& load : work_->loads) outer.pressures.push_back(amplitude(load, time_));
+  for (ActiveLoad const& load : work_->loads) {
+    Vec3 p{0.0, 0.0, 0.0};
+    for (ActiveLoad::Part const& part : load.parts)
+      p = p + amplitude(work_->loads[static_cast<std::size_t>(part.load)], time_) * part.direction;
+    if (load.parts.empty()) p.fill(amplitude(load, time_));
+    outer.pressures.push_back(p);
+  }
   outer.acceleration = options_.acceleration;
   outer.time = time_;
   return outer;
@@ -158,9 +164,10 @@ double Mpm::work_on(int block, int body, OuterForces const& outer) const {
   if (load_number != nullptr) {
     for (int q = 0; q < set.size(); ++q) {
       if (load_number[q] <= 0.0) continue;
-      double const push =
-          mass[q] / set.field(Field::density)[q] * outer.pressures[static_cast<std::size_t>(load_number[q]) - 1];
-      for (int d = 0; d < 3; ++d) work += push * set.field(Field::load_x + d)[q] * set.field(Field::move_x + d)[q];
+      double const volume = mass[q] / set.field(Field::density)[q];
+      Vec3 const& p = outer.pressures[static_cast<std::size_t>(load_number[q]) - 1];
+      for (int d = 0; d < 3; ++d)
+        work += volume * p[d] * set.field(Field::load_x + d)[q] * set.field(Field::move_x + d)[q];
     }
   }
   return work;

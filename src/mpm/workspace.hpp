@@ -89,11 +89,18 @@ struct Outbox {
   std::vector<int> destination;  ///< block of each point
 };
 
-/// A surface pressure that acts.
+/// A surface pressure that acts, or several on the same points, at an edge of a body for one.
 struct ActiveLoad {
+  /// One of several: its index, and the force per volume of a unit of its pressure [1/m].
+  struct Part {
+    int load = 0;
+    Vec3 direction{0.0, 0.0, 0.0};
+    bool operator==(Part const&) const = default;
+  };
   int body = 0;
   std::vector<double> times;
   std::vector<double> pressures;
+  std::vector<Part> parts;  ///< empty: a pressure with times of its own
 };
 
 struct Mpm::Workspace {

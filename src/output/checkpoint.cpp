@@ -67,6 +67,13 @@ void write(std::FILE* file, void const* bytes, std::size_t count, fs::path const
   throw IoError(fmt::format("the checkpoint \"{}\" cannot be used: {}", path.string(), why));
 }
 
+/// Opens a checkpoint to read it; what is no file, a pipe for one, could keep the program waiting for ever.
+File opened_to_read(fs::path const& path) {
+  std::error_code error;
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) refuse(path, "it is no file");
+  return opened(path);
+}
+
 void archive_info(Archive& a, CheckpointInfo& info) {
   a.section("checkpoint");
   a(info.program, info.deck, info.step, info.time);
@@ -151,7 +158,7 @@ void write_checkpoint(fs::path const& path, CheckpointInfo info, ArchiveState co
   flush_folder(path.parent_path());
 }
 
-CheckpointReader::CheckpointReader(fs::path path) : path_(std::move(path)), file_(opened(path_)) {
+CheckpointReader::CheckpointReader(fs::path path) : path_(std::move(path)), file_(opened_to_read(path_)) {
   std::error_code error;
   auto const size = fs::file_size(path_, error);
   if (error) throw_io_error("read", path_, error.value());

@@ -136,6 +136,7 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
 
 void FieldSeries::archive(Archive& a) {
   a(count_, entries_);
+  a.require(count_ >= 0, "the number of dumps");
   if (a.reading()) drop_later_dumps(folder_, "fields", count_, entries_);
 }
 

@@ -113,6 +113,7 @@ void PointSeries::dump(double time, long step, grid::Geometry geometry, long cou
 
 void PointSeries::archive(Archive& a) {
   a(count_, entries_);
+  a.require(count_ >= 0, "the number of dumps");
   if (a.reading()) drop_later_dumps(folder_, "points", count_, entries_);
 }
 

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
 #include "core/archive.hpp"
 #include "core/error.hpp"
 #include "output/dump_file.hpp"
@@ -16,7 +20,10 @@ namespace {
 
 constexpr char const* format_name = "brisance profile";
 constexpr long format_version = 1;
-constexpr hsize_t most_values = 1U << 28U;  // of a dataset that is read: 2 GiB
+constexpr long most_cells = 1L << 26U;
+constexpr long most_components = 32;
+constexpr std::size_t most_constants = 1000;
+constexpr std::size_t most_points = 100000;  // of initiation
 
 constexpr std::array<char const*, gas::two_fluid_components> component_names{
     "density", "momentum_x", "momentum_y", "momentum_z", "energy", "shock", "second_density", "volume_fraction"};
@@ -44,7 +51,11 @@ void write_values(DumpFile& file, std::string const& name, std::vector<hsize_t> 
 /// An open profile; every failure is told as one of the file.
 class Reader {
  public:
-  explicit Reader(fs::path const& path) : path_(path), file_(open(path), H5Fclose) {}
+  explicit Reader(fs::path const& path) : path_(path), file_(open(path), H5Fclose) {
+    std::error_code error;
+    size_ = fs::file_size(path, error);
+    if (error) throw_io_error("read", path, error.value());
+  }
 
   [[noreturn]] void refuse(std::string const& why) const { refuse(path_, why); }
   [[noreturn]] static void refuse(fs::path const& path, std::string const& why) {
@@ -55,9 +66,13 @@ class Reader {
     Handle const attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
     if (attribute < 0) missing(name);
     Handle const type(H5Aget_type(attribute), H5Tclose);
+    Handle const space(H5Aget_space(attribute), H5Sclose);
     std::size_t const size = H5Tget_size(type);
     constexpr std::size_t longest = 65536;
-    if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || size > longest) missing(name);
+    if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || size > longest ||
+        H5Sget_simple_extent_npoints(space) != 1) {
+      missing(name);
+    }
     std::string value(size, '\0');
     if (H5Aread(attribute, type, value.data()) < 0) missing(name);
     value.resize(value.find('\0') == std::string::npos ? size : value.find('\0'));
@@ -78,15 +93,32 @@ class Reader {
     numbers(name, value);
     return value[0];
   }
-  /// The values of a dataset, and the attribute `names` where that is asked for.
-  std::vector<double> values(char const* name, std::string* names = nullptr) const {
+  /// A number that is not negative.
+  [[nodiscard]] double amount(char const* name) const {
+    auto const value = number<double>(name);
+    if (!(value >= 0.0 && std::isfinite(value))) missing(name);
+    return value;
+  }
+  /// The values of a dataset, at least and at most so many, and the attribute `names` where that is asked for. All of
+  /// them must be numbers, and lie in the file as they are: what a dataset announces beyond that, what other files hold
+  /// and what would have to be unpacked is not read.
+  std::vector<double> values(char const* name, std::size_t least, std::size_t most,
+                             std::string* names = nullptr) const {
     Handle const data(H5Dopen2(file_, fmt::format("/profile/{}", name).c_str(), H5P_DEFAULT), H5Dclose);
     if (data < 0) missing(name);
     Handle const space(H5Dget_space(data), H5Sclose);
+    Handle const type(H5Dget_type(data), H5Tclose);
+    Handle const layout(H5Dget_create_plist(data), H5Pclose);
     hssize_t const count = H5Sget_simple_extent_npoints(space);
-    if (count < 0 || static_cast<hsize_t>(count) > most_values) missing(name);
+    if (count < 0 || static_cast<std::size_t>(count) < least || static_cast<std::size_t>(count) > most) missing(name);
+    if (H5Tget_class(type) != H5T_FLOAT || H5Tget_size(type) != sizeof(double)) missing(name);
+    bool const elsewhere = H5Pget_layout(layout) == H5D_VIRTUAL || H5Pget_external_count(layout) != 0;
+    bool const packed = H5Pget_nfilters(layout) != 0;
+    std::uint64_t const bytes = sizeof(double) * static_cast<std::uint64_t>(count);
+    if (elsewhere || packed || bytes > size_ || H5Dget_storage_size(data) < bytes) missing(name);
     std::vector<double> out(static_cast<std::size_t>(count));
     if (count > 0 && H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.data()) < 0) missing(name);
+    if (!std::all_of(out.begin(), out.end(), [](double x) { return std::isfinite(x); })) missing(name);
     if (names != nullptr) *names = text(data, "names");
     return out;
   }
@@ -95,6 +127,8 @@ class Reader {
  private:
   static hid_t open(fs::path const& path) {
     if (!fs::exists(path)) throw IoError(fmt::format("the profile \"{}\" does not exist", path.string()));
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) refuse(path, "it is no file");
     hid_t const file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file < 0) refuse(path, "it is damaged or no HDF5 file");
     return file;
@@ -106,6 +140,7 @@ class Reader {
   QuietHdf5 quiet_;
   fs::path path_;
   Handle file_;
+  std::uint64_t size_ = 0;  ///< of the file [bytes]
 };
 
 }  // namespace
@@ -183,31 +218,33 @@ detonation::Profile read_profile(fs::path const& path) {
   std::array<long, 2> cells{};
   file.numbers("cells", cells);
   long const components = file.number<long>("components");
-  constexpr long most_cells = 1L << 26U;
-  constexpr long most_components = 32;
   if (!known || cells[0] < 1 || cells[1] < 1 || cells[0] > most_cells || cells[1] > most_cells / cells[0] ||
-      components < 1 || components > most_components) {
+      (p.domain.geometry != grid::Geometry::axisymmetric2d && cells[1] != 1) || components < 1 ||
+      components > most_components) {
     file.refuse("what it says about its cells is damaged");
   }
   p.domain.cells = {static_cast<int>(cells[0]), static_cast<int>(cells[1]), 1};
   p.domain.boundary.fill(grid::Boundary::symmetry);
   p.components = static_cast<int>(components);
   file.numbers("origin", p.domain.lower);
-  p.domain.h = file.number<double>("spacing");
-  p.time = file.number<double>("time");
-  p.ambient_pressure = file.number<double>("ambient_pressure");
+  if (!std::all_of(p.domain.lower.begin(), p.domain.lower.end(), [](double x) { return std::isfinite(x); }))
+    file.refuse("what it says about its cells is damaged");
+  p.domain.h = file.amount("spacing");
+  p.time = file.amount("time");
+  p.ambient_pressure = file.amount("ambient_pressure");
   p.mirrored = file.number<long>("mirrored") != 0;
   p.charge.explosive = file.text(file.root(), "explosive");
   p.charge.shape = file.text(file.root(), "charge_shape");
-  p.charge.mass = file.number<double>("charge_mass");
-  p.charge.radius = file.number<double>("charge_radius");
-  p.charge.length = file.number<double>("charge_length");
-  p.state = file.values("state");
-  p.pressure = file.values("pressure");
-  p.ambient = file.values("ambient");
+  p.charge.mass = file.amount("charge_mass");
+  p.charge.radius = file.amount("charge_radius");
+  p.charge.length = file.amount("charge_length");
+  std::size_t const count = p.cell_count();
+  p.state = file.values("state", count * p.components, count * p.components);
+  p.pressure = file.values("pressure", count, count);
+  p.ambient = file.values("ambient", p.components, p.components);
   std::string names;
-  std::vector<double> const constants = file.values("constants", &names);
-  std::vector<double> const initiation = file.values("initiation");
+  std::vector<double> const constants = file.values("constants", 0, most_constants, &names);
+  std::vector<double> const initiation = file.values("initiation", 0, 4 * most_points);
   std::size_t at = 0;
   for (double const value : constants) {
     std::size_t const end = std::min(names.find('\n', at), names.size());

@@ -178,6 +178,8 @@ void Writer::archive(Archive& a, run::World const& world) {
   a.section("output");
   double wall = wall_seconds();
   a(series_, points_, started_at_, wall, resumed_at_);
+  constexpr double longest = 1e10;  // s, beyond all runs
+  a.require(wall >= 0.0 && wall < longest, "the time by the clock");
   if (!a.reading()) return;
   using Duration = std::chrono::steady_clock::duration;
   begin_ = std::chrono::steady_clock::now() - std::chrono::duration_cast<Duration>(std::chrono::duration<double>(wall));

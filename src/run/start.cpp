@@ -260,6 +260,7 @@ Case start_case(Case const& setup, std::size_t number, StartPlan const& plan) {
 
 void archive(Archive& a, StartReport& r) {
   a(r.method, r.from, r.cell, r.charge_radius, r.by);
+  a.require(r.method == StartMethod::gas || r.method == StartMethod::points, "the method of the start");
   detonation::archive(a, r.remap);
 }
 

@@ -1,5 +1,6 @@
 /// The world in a checkpoint. The world that reads it has been built from the same case: the grid, the realised masses
 /// and the gauges' places are those already, and only what time has changed is taken over.
+#include <cmath>
 #include <optional>
 
 #include "core/archive.hpp"
@@ -29,6 +30,9 @@ void World::archive(Archive& a) {
   a.same(setup.domain.cells, "the number of cells");
   a.same(setup.domain.h, "the size of the cells");
   a(clock.time, clock.dt, clock.step, clock.gas_steps, clock.point_steps, timings);
+  a.require(std::isfinite(clock.time) && std::isfinite(clock.dt) && clock.step >= 0 && clock.gas_steps >= 0 &&
+                clock.point_steps >= 0,
+            "the time");
   bool woken = awake_since.has_value();
   double since = awake_since.value_or(0.0);
   a(woken, since);
@@ -36,7 +40,11 @@ void World::archive(Archive& a) {
   // What the audit knows beside its start follows from the state.
   run::archive(a, audit.initial);
   a.same(setup.start.remap, "whether it started by a remap");
-  if (setup.start.remap) a(charges, starts);  // the remap is not repeated
+  if (setup.start.remap) {
+    // The remap is not repeated.
+    a(charges, starts);
+    a.require(charges.size() == setup.charges.size() && starts.size() == setup.charges.size(), "the number of charges");
+  }
   if (gas != nullptr) gas->archive(a);
   if (points != nullptr) points->archive(a);
   a.same(bridge != nullptr, "whether gas and points meet");
@@ -54,8 +62,12 @@ void World::archive(Archive& a) {
     a.same(history.gauge.name, "the name of a gauge");
     a.same(history.identity, "the point of gauge \"" + history.gauge.name + "\"");
     a(history.place.block, history.place.index, history.lost, history.points, history.bodies);
+    a.require(
+        history.place.block < points->grid().block_count() && (history.place.block < 0 || history.place.index >= 0),
+        "the place of gauge \"" + history.gauge.name + "\"");
   }
   a(body_histories);
+  a.require(body_histories.empty() || body_histories.size() == bodies.size(), "the number of bodies with a record");
   if (a.reading()) update_audit();
 }
 

@@ -339,7 +339,8 @@ Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what) {
   double largest = 0.0;
   for (std::size_t n = 0; n < corners.size(); ++n) {
     for (double const c : corners[n]) {
-      if (!(std::abs(c) <= 1e100)) {
+      // The moments of the volume take the fourth power.
+      if (!(std::abs(c) <= 1e60)) {
         refuse(
             fmt::format("triangle {} has a coordinate that is not a number or beyond all measure; export the body "
                         "again",

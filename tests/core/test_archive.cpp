@@ -86,6 +86,26 @@ TEST(Archive, GivesBackEveryBit) {
   EXPECT_EQ(after.timings.size(), 2U);
 }
 
+TEST(Archive, SizesThatTheReaderKnowsAreKept) {
+  std::vector<double> values{1.0, 2.0, 3.0};
+  std::string bytes;
+  Archive writer([&](void const* from, std::size_t count) { bytes.append(static_cast<char const*>(from), count); });
+  writer.sized(values, "the number of blocks");
+  EXPECT_EQ(bytes, written(values));  // as any vector
+  std::vector<double> same(3);
+  reader(bytes).sized(same, "the number of blocks");
+  EXPECT_EQ(same, values);
+  for (std::size_t const size : {0U, 2U, 4U}) {
+    std::vector<double> other(size);
+    EXPECT_NE(problem([&] { reader(bytes).sized(other, "the number of blocks"); }).find("the number of blocks"),
+              std::string::npos);
+    EXPECT_EQ(other.size(), size);
+  }
+  EXPECT_NE(problem([&] { reader(bytes).require(false, "the time"); }).find("the time makes no sense"),
+            std::string::npos);
+  EXPECT_EQ(problem([&] { writer.require(false, "the time"); }), "");  // what is written is not judged
+}
+
 TEST(Archive, EndsAreKept) {
   Everything value;
   value.text = "some text";

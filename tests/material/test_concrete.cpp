@@ -60,6 +60,81 @@ TEST(Compaction, CurveIsContinuousAndRises) {
   }
 }
 
+/// Curves of several shapes: the published one; straight; bent upwards; soft pores in a hard matrix; hard pores.
+std::vector<Compaction> compactions() {
+  Compaction straight;
+  straight.K2 = straight.K3 = 0.0;
+  Compaction upwards;
+  upwards.K2 = 300e9;
+  upwards.K3 = 800e9;
+  Compaction soft;
+  soft.P_crush = 2e6;
+  soft.mu_crush = 0.004;
+  soft.mu_lock = 0.3;
+  Compaction hard;
+  hard.P_crush = 60e6;
+  hard.mu_crush = 0.0005;
+  hard.K1 = 40e9;
+  hard.K2 = 0.0;
+  hard.K3 = 30e9;
+  return {Compaction{}, straight, upwards, soft, hard};
+}
+
+TEST(Compaction, UnloadingIsAsStiffAsItSaysAtAnyCompression) {
+  // K_e, then linear to K_lock, then K_lock, and nowhere softer than first loading: neither more nor less, far into
+  // the dense zone, where the curve itself becomes stiffer than K_lock (of the published set from mu = 0.70 on).
+  for (Compaction const& eos : compactions()) {
+    Compaction::Curves const c = eos.curves();
+    double const K_e = eos.P_crush / eos.mu_crush;
+    double const K_lock = eos.K1 / (1.0 + eos.mu_lock);
+    ASSERT_GT(c.mu_plock, eos.mu_crush);
+    for (double mu = 0.0; mu < 5.0; mu += 1e-3) {
+      double const part = std::clamp((mu - eos.mu_crush) / (c.mu_plock - eos.mu_crush), 0.0, 1.0);
+      double const own = (c.loading(mu + 1e-7) - c.loading(mu - 1e-7)) / 2e-7;
+      double const K = (1.0 - part) * K_e + part * K_lock;
+      bool const at_kink = std::abs(mu - eos.mu_crush) < 1e-6 || std::abs(mu - c.mu_plock) < 1e-6;
+      if (at_kink) continue;
+      EXPECT_NEAR(c.unloading_slope(mu) / std::max(K, own), 1.0, 1e-6) << mu;  // of the difference quotient
+      EXPECT_GE(c.residual(mu), -1e-9 * mu) << mu;                             // what was crushed does not grow
+    }
+  }
+}
+
+TEST(ConcretePoint, NoCycleOfCompressionCreatesEnergy) {
+  // Loaded to mu, unloaded to no pressure, loaded again and unloaded: after the first unloading there is energy left,
+  // the second cycle takes and gives the same, and the sound is no slower than the wave that the slope carries.
+  for (Compaction const& eos : compactions()) {
+    for (double const most : {0.0004, 0.003, 0.05, 0.15, 0.5, 0.9, 1.5, 3.0}) {
+      Solid solid = concrete();
+      solid.eos = eos;
+      Points point(solid);
+      Compaction::Curves const c = eos.curves();
+      int const steps = 400;
+      squeeze_to(point, most, steps);
+      double const put_in = point.energy[0];
+      EXPECT_NEAR(point.pressure[0] / c.loading(most), 1.0, 1e-9);
+      double const rho = point.density[0];
+      double const wave = std::sqrt(std::max(c.unloading_slope(most), c.loading_slope(most)) / eos.rho0);
+      EXPECT_GE(point.sound_speed[0] * (1.0 + 1e-9), wave) << most << ' ' << rho;
+      double const left = most - c.loading(most) / std::max(c.unloading_slope(most), c.loading_slope(most));
+      squeeze_to(point, left, steps);
+      EXPECT_NEAR(point.pressure[0] / c.loading(most), 0.0, 1e-9) << most;
+      double const rest = point.energy[0];
+      // Elastic up to mu_crush: nothing is left. The trapezoidal rule of 400 steps errs by 1e-5 at most.
+      if (most < eos.mu_crush) {
+        EXPECT_NEAR(rest / put_in, 0.0, 1e-4) << most;
+      } else {
+        EXPECT_GT(rest, 0.0) << most;
+        EXPECT_LT(rest, put_in) << most;
+      }
+      squeeze_to(point, most, steps);
+      EXPECT_NEAR(point.pressure[0] / c.loading(most), 1.0, 1e-9);
+      squeeze_to(point, left, steps);
+      EXPECT_NEAR((point.energy[0] - rest) / put_in, 0.0, 1e-9) << most;
+    }
+  }
+}
+
 TEST(ConcretePoint, HydrostaticLoadingAndUnloadingInThreeZones) {
   // Loaded to mu, unloaded to no pressure, loaded again. The pressure is a function of mu and the largest mu: the only
   // error is round-off of the density, 1e-13 of K_e or K1.

@@ -235,6 +235,110 @@ TEST_P(EachShape, SurfacePressureAcceleratesAPlate) {
   EXPECT_NEAR(sums.momentum[0] / sums.momentum[1], 0.0, 1e-12);
 }
 
+/// Pressure [Pa] of a history at a time [s]: linear between its times, none before the first and after the last.
+double pressure_at(std::vector<double> const& times, std::vector<double> const& pressures, double t) {
+  double p = 0.0;
+  for (std::size_t n = 1; n < times.size(); ++n) {
+    if (t < times[n - 1] || t > times[n]) continue;
+    p = pressures[n - 1] + (pressures[n] - pressures[n - 1]) * (t - times[n - 1]) / (times[n] - times[n - 1]);
+  }
+  return p;
+}
+
+// Pressures that end while they are still high, that begin late, and two in turn on one face: the plate gets the area
+// below the history step by step, and nothing before and after it. Along every direction, from both sides.
+TEST(SurfacePressure, ActsFromItsFirstTimeToItsLast) {
+  struct Load {
+    std::vector<double> times, pressures;
+  };
+  double const p = 1e-6;
+  Load const ends{{0.0, 20.0}, {p, p}};           // a rectangle
+  Load const rises{{0.0, 20.0}, {0.0, 2.0 * p}};  // a saw tooth that falls at once
+  Load const late{{15.0, 25.0}, {3.0 * p, p}};    // jumps up, and down
+  Load const pulls{{5.0, 10.0, 20.0}, {-p, 2.0 * p, -3.0 * p}};
+  double const dt = 0.25;
+  for (std::vector<Load> const& loads : {std::vector<Load>{ends}, std::vector<Load>{rises}, std::vector<Load>{late},
+                                         std::vector<Load>{pulls}, std::vector<Load>{ends, late, pulls}}) {
+    for (int face = 0; face < 6; ++face) {
+      int const d = face / 2;
+      double const outwards = face % 2 == 0 ? -1.0 : 1.0;
+      Problem problem;
+      Index3 cells{4, 4, 4};
+      cells[d] = 8;
+      problem.box(Geometry::cartesian3d, 1.0, cells, Boundary::periodic);
+      problem.domain.boundary[2 * d] = problem.domain.boundary[2 * d + 1] = Boundary::outflow;
+      int const plate = problem.add(unit_solid(0.0));
+      problem.start();
+      shape::Box body{{0.0, 0.0, 0.0}, {4.0, 4.0, 4.0}};
+      body.lower[d] = 3.0;
+      body.upper[d] = 5.0;
+      problem.fill(plate, body);
+      for (Load const& one : loads) {
+        mpm::SurfacePressure load;
+        load.body = plate;
+        shape::Box region{{-1.0, -1.0, -1.0}, {5.0, 5.0, 5.0}};
+        region.lower[d] = face % 2 == 0 ? 2.5 : 4.5;
+        region.upper[d] = face % 2 == 0 ? 3.5 : 5.5;
+        load.region = region;
+        load.normal = {0.0, 0.0, 0.0};
+        load.normal[d] = outwards;
+        load.thickness = 0.5;
+        load.times = one.times;
+        load.pressures = one.pressures;
+        problem.mpm->load(load);
+      }
+      double impulse = 0.0;
+      bool acted = false;
+      for (int step = 0; step < 160; ++step) {
+        double const t = problem.mpm->time();
+        double force = 0.0;
+        for (Load const& one : loads) force += 16.0 * pressure_at(one.times, one.pressures, t);
+        impulse += -outwards * force * dt;
+        acted = acted || force != 0.0;
+        problem.mpm->advance(dt);
+        // The loaded layer carries its present volume: strains of p/E.
+        ASSERT_NEAR(problem.mpm->sums(plate).momentum[d], impulse, 1e-5 * 16.0 * p * 20.0)
+            << "face " << face << ", t = " << t;
+      }
+      EXPECT_TRUE(acted);
+    }
+  }
+}
+
+// A block under pressures on three of its faces at a time: the points at its edges and corners bear them all.
+TEST(SurfacePressure, OfSeveralFacesMeetAtTheEdges) {
+  Problem problem;
+  double const p = 1e-6;
+  problem.box(Geometry::cartesian3d, 1.0, {10, 10, 10}, Boundary::outflow);
+  problem.options.block_cells = 4;
+  int const block = problem.add(unit_solid(0.3));
+  problem.start();
+  problem.fill(block, shape::Box{{3.0, 3.0, 3.0}, {7.0, 6.0, 5.0}});
+  Vec3 const low{3.0, 3.0, 3.0};
+  Vec3 const area{6.0, 8.0, 12.0};
+  Vec3 const pressures{p, 3.0 * p, -2.0 * p};
+  for (int d = 0; d < 3; ++d) {
+    mpm::SurfacePressure load;
+    load.body = block;
+    shape::Box region{{0.0, 0.0, 0.0}, {10.0, 10.0, 10.0}};
+    region.upper[d] = low[d] + 0.5;
+    load.region = region;
+    load.normal = {0.0, 0.0, 0.0};
+    load.normal[d] = -1.0;
+    load.thickness = 0.5;
+    load.times = {0.0, 10.0 + d};
+    load.pressures = {pressures[d], pressures[d]};
+    problem.mpm->load(load);
+  }
+  problem.run(20.0, 0.25);
+  Vec3 const momentum = problem.mpm->sums(block).momentum;
+  for (int d = 0; d < 3; ++d) {
+    // A pressure still acts in the step that begins with its last moment.
+    double const impulse = pressures[d] * area[d] * (10.25 + d);
+    EXPECT_NEAR(momentum[d] / impulse, 1.0, 1e-5) << d;  // strains of p/E
+  }
+}
+
 // A block that falls on held nodes beside a mirror plane, cut into blocks: nodes on planes and copies count once.
 TEST_P(EachShape, ConstraintImpulseIsTheChangeOfMomentum) {
   Problem problem;
@@ -283,6 +387,97 @@ TEST_P(EachShape, ImpulseOfARigidBodyIsTheChangeOfMomentum) {
 
 /// A body without stiffness: nothing but constraints and filters change the velocity of its points.
 material::Solid dust() { return material::elastic_solid(1.0, 1e-30, 0.0); }
+
+/// Two layers without stiffness, as wide as a periodic domain, that meet along direction d: the second comes with the
+/// velocity `coming` on the first, which is rigid or three times as dense.
+struct Meeting : Problem {
+  Meeting(ShapeFunction shape, Geometry geometry, int d, double side, Vec3 const& coming, double friction, bool rigid) {
+    Index3 cells{4, 4, 4};
+    cells[d] = 10;
+    box(geometry, 1.0, cells, Boundary::periodic);
+    domain.boundary[2 * d] = domain.boundary[2 * d + 1] = Boundary::outflow;
+    options.shape = shape;
+    material::Solid heavy = dust();
+    heavy.density = std::get<material::Linear>(heavy.eos).rho0 = 3.0;
+    add(heavy);
+    add(dust());
+    if (rigid) bodies[0].rigid_velocity = Vec3{0.0, 0.0, 0.0};
+    contacts.push_back({0, 1, friction});
+    start();
+    shape::Box low{{-1.0, -1.0, -1.0}, {5.0, 5.0, 5.0}};
+    shape::Box high = low;
+    low.lower[d] = 2.0;
+    low.upper[d] = high.lower[d] = 5.0;
+    high.upper[d] = 8.0;
+    fill(0, side > 0.0 ? low : high);
+    fill(1, side > 0.0 ? high : low, [&](Vec3 const&) { return coming; });
+  }
+};
+
+// Coulomb's law where bodies meet obliquely: the impulse along the surface is the friction times that across it, at
+// most what stops the slip, and against it. Across every direction, with slip in any, one and many steps.
+TEST_P(EachShape, FrictionIsAPartOfTheNormalImpulseAlsoInObliqueImpact) {
+  double const closing = 0.01;
+  for (Geometry const geometry : {Geometry::planar2d, Geometry::cartesian3d}) {
+    int const dims = grid::dimensions(geometry);
+    for (int face = 0; face < 2 * dims; ++face) {
+      int const d = face / 2;
+      double const side = face % 2 == 0 ? -1.0 : 1.0;
+      for (double const slip : {0.5, 1.0, 2.0}) {
+        for (double const friction : {0.3, 1.1, 2.5}) {
+          for (int turn = 0; turn < (dims == 2 ? 2 : 5); ++turn) {
+            double const angle = dims == 2 ? M_PI * turn : 0.4 * M_PI * turn + 0.3;
+            Vec3 along{0.0, 0.0, 0.0};
+            along[(d + 1) % dims] = std::cos(angle);
+            if (dims == 3) along[(d + 2) % 3] = std::sin(angle);
+            Vec3 coming = slip * closing * along;
+            coming[d] = -side * closing;
+            for (bool const rigid : {true, false}) {
+              Meeting meeting(GetParam(), geometry, d, side, coming, friction, rigid);
+              Vec3 const before = meeting.mpm->sums(1).momentum;
+              Vec3 const all = meeting.mpm->sums(0).momentum + before;
+              meeting.mpm->advance(0.1);
+              Vec3 const given = meeting.mpm->sums(1).momentum - before;
+              double const across = side * given[d];
+              Vec3 tangential = given;
+              tangential[d] = 0.0;
+              ASSERT_GT(across, 0.0);
+              double const part = std::min(friction, slip);
+              ASSERT_NEAR(norm(tangential + part * across * along) / across, 0.0, 1e-10)
+                  << "direction " << d << ", side " << side << ", slip " << slip << ", friction " << friction
+                  << ", turn " << turn << ", rigid " << rigid;
+              if (!rigid) {
+                Vec3 const after = meeting.mpm->sums(0).momentum + meeting.mpm->sums(1).momentum;
+                ASSERT_NEAR(norm(after - all), 0.0, 1e-13);
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+// The same over a whole impact: layer after layer arrives with all of its velocity and slides on.
+TEST_P(EachShape, ObliqueImpactLosesFrictionTimesItsNormalMomentum) {
+  double const friction = 0.3;
+  for (int face = 0; face < 6; ++face) {
+    int const d = face / 2;
+    double const side = face % 2 == 0 ? -1.0 : 1.0;
+    Vec3 coming{0.0, 0.0, 0.0};
+    coming[d] = -side * 0.01;
+    coming[(d + 1) % 3] = 0.012;
+    coming[(d + 2) % 3] = -0.016;
+    Meeting meeting(GetParam(), Geometry::cartesian3d, d, side, coming, friction, true);
+    Vec3 const before = meeting.mpm->sums(1).momentum;
+    meeting.run(100.0, 2.0);
+    Vec3 const given = meeting.mpm->sums(1).momentum - before;
+    double const across = side * given[d];
+    EXPECT_GT(across, 0.25 * norm(before) / std::sqrt(5.0));  // a good part of it has arrived
+    EXPECT_NEAR(given[(d + 1) % 3] / (-0.6 * friction * across), 1.0, 1e-6) << face;
+    EXPECT_NEAR(given[(d + 2) % 3] / (0.8 * friction * across), 1.0, 1e-6) << face;
+  }
+}
 
 // Dust that falls on held nodes, at rest and in motion, beside a mirror plane and cut into blocks: all kinetic energy
 // that it loses is counted, less the work of the constraints.

@@ -1,5 +1,6 @@
 // Checkpoint files: complete or refused, the newest good one is found, and no moment is without one.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
@@ -173,6 +174,13 @@ TEST(Checkpoint, NoneIsFoundWhereThereIsNone) {
 }
 
 // What is there when the program is killed at any point of a write: the earlier ones, whole.
+TEST(Checkpoint, APipeIsNoFile) {
+  ScratchFolder const folder;
+  fs::path const path = folder.path() / "checkpoint_00000001.brz";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_NE(problem_of(path).find("it is no file"), std::string::npos) << problem_of(path);
+}
+
 TEST(Checkpoint, WhileOneIsWrittenTheOthersStand) {
   ScratchFolder const scratch;
   State state;

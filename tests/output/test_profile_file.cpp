@@ -1,9 +1,14 @@
 // Profiles on the disk come back bit for bit, or not at all.
 #include <gtest/gtest.h>
+#include <hdf5.h>
+#include <sys/stat.h>
 
+#include <array>
+#include <cmath>
 #include <fstream>
 
 #include "core/error.hpp"
+#include "output/dump_file.hpp"
 #include "output/file.hpp"
 #include "output/profile_file.hpp"
 #include "scratch.hpp"
@@ -94,6 +99,90 @@ TEST(ProfileFile, DamageIsRefused) {
   damaged[at] ^= 1;
   write_file(path, damaged);
   EXPECT_NE(problem_of(path).find("its data are damaged: checksum"), std::string::npos) << problem_of(path);
+}
+
+/// Puts an attribute in the place of one of the file's own.
+void replace_attribute(fs::path const& path, char const* name, hid_t type, std::vector<hsize_t> const& shape,
+                       void const* values) {
+  Handle const file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  H5Adelete(file, name);
+  Handle const space(
+      shape.empty() ? H5Screate(H5S_SCALAR) : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+      H5Sclose);
+  Handle const attribute(H5Acreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  ASSERT_GE(H5Awrite(attribute, type, values), 0);
+}
+
+/// A dataset of doubles in the place of one of the file's own; `prepare` sets its properties. Nothing is written to it.
+template <class Prepare>
+void replace_dataset(fs::path const& path, char const* name, std::vector<hsize_t> const& shape, Prepare&& prepare) {
+  Handle const file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  H5Ldelete(file, name, H5P_DEFAULT);
+  Handle const creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  prepare(creation);
+  Handle const space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  Handle const data(H5Dcreate2(file, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose);
+  ASSERT_GE(data, 0);
+}
+
+// A file that is sound as HDF5 and is no profile: refused before it becomes memory.
+TEST(ProfileFile, WhatIsNoProfileIsRefused) {
+  QuietHdf5 const quiet;
+  test::ScratchFolder const folder;
+  fs::path const path = folder.path() / "p.h5";
+  auto const expect = [&](char const* words) {
+    std::string const why = problem_of(path);
+    EXPECT_NE(why.find(words), std::string::npos) << "\"" << why << "\" does not say " << words;
+    write_profile(path, made_up());
+  };
+  write_profile(path, made_up());
+  // Three texts where one stands.
+  Handle const text(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(text, 16);
+  std::string const three("brisance profilebrisance profilebrisance profile");
+  replace_attribute(path, "format", text, {3}, three.data());
+  expect("no good \"format\"");
+  for (char const* name : {"spacing", "time", "charge_mass", "ambient_pressure", "charge_radius"}) {
+    for (double const value : {-1.0, std::nan(""), HUGE_VAL}) {
+      replace_attribute(path, name, H5T_IEEE_F64LE, {}, &value);
+      expect(name);
+    }
+  }
+  std::array<double, 3> const nowhere{0.0, std::nan(""), 0.0};
+  replace_attribute(path, "origin", H5T_IEEE_F64LE, {3}, nowhere.data());
+  expect("about its cells");
+  // Two gigabytes that a file of some kilobytes announces; numbers of other files; packed ones.
+  std::array<long, 2> const many{1L << 13U, 1L << 13U};
+  replace_attribute(path, "cells", H5T_STD_I64LE, {2}, many.data());
+  replace_dataset(path, "/profile/state", {8, 1U << 13U, 1U << 13U}, [](hid_t) {});
+  expect("no good \"state\"");
+  replace_dataset(path, "/profile/state", {8, 4, 3}, [](hid_t) {});
+  expect("no good \"state\"");
+  replace_dataset(path, "/profile/pressure", {4, 3},
+                  [](hid_t creation) { H5Pset_external(creation, "/dev/zero", 0, H5F_UNLIMITED); });
+  expect("no good \"pressure\"");
+  replace_dataset(path, "/profile/pressure", {4, 3}, [](hid_t creation) {
+    std::array<hsize_t, 2> const chunk{4, 3};
+    H5Pset_chunk(creation, 2, chunk.data());
+    H5Pset_deflate(creation, 1);
+  });
+  expect("no good \"pressure\"");
+  replace_dataset(path, "/profile/constants", {100000}, [](hid_t) {});
+  expect("no good \"constants\"");
+  // Numbers that are none, with a checksum that fits.
+  detonation::Profile p = made_up();
+  p.state[5] = std::nan("");
+  write_profile(path, p);
+  expect("no good \"state\"");
+  // A radial profile has one row; here it says four.
+  p = made_up();
+  p.domain.geometry = grid::Geometry::spherical1d;
+  write_profile(path, p);
+  expect("about its cells");
+  fs::remove(path);
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_NE(problem_of(path).find("it is no file"), std::string::npos);
+  fs::remove(path);
 }
 
 }  // namespace

@@ -28,6 +28,103 @@ Case remapped(Geometry geometry, Index3 const& cells, double h, Shape const& sha
   return c;
 }
 
+/// Momentum per volume that the profile has at a place relative to the charge's centre, by its definition: the cell
+/// that the place lies in, and which way that cell's radius and axis point there. Zero beyond the burst.
+Vec3 momentum_at(detonation::Profile const& p, Charge const& charge, Geometry geometry, Vec3 x) {
+  for (int d = grid::dimensions(geometry); d < 3; ++d) x[d] = 0.0;
+  double const h = p.domain.h;
+  double const* const radial = p.component(gas::momentum_x);
+  if (p.domain.geometry != Geometry::axisymmetric2d) {
+    double const r = norm(x);
+    int const i = static_cast<int>(r / h);
+    if (i >= p.domain.cells[0]) return {0.0, 0.0, 0.0};
+    return (radial[i] / r) * x;
+  }
+  Vec3 const axis = std::get<Cylinder>(charge.shape).axis;
+  double height = dot(x, axis);
+  Vec3 const across = x - height * axis;
+  double turned = 1.0;
+  if (p.mirrored && height < p.domain.lower[1]) {
+    height = 2.0 * p.domain.lower[1] - height;
+    turned = -1.0;
+  }
+  double const r = norm(across);
+  int const i = static_cast<int>(r / h);
+  int const j = static_cast<int>(std::floor((height - p.domain.lower[1]) / h));
+  if (i >= p.domain.cells[0] || j < 0 || j >= p.domain.cells[1]) return {0.0, 0.0, 0.0};
+  std::size_t const n = i + static_cast<std::size_t>(p.domain.cells[0]) * j;
+  return (radial[n] / r) * across + (turned * p.component(gas::momentum_y)[n]) * axis;
+}
+
+/// The momentum of every cell against the mean of the profile over a lattice of places in it, which knows neither the
+/// quadrature nor the sums to which the remap corrects: cell by cell, and the sums of its size and of each component.
+void expect_momentum(World const& world, Case const& c) {
+  detonation::Profile const& profile = *world.setup.start.profiles[0];
+  Vec3 const centre = shape::centre(c.charges[0].shape);
+  Geometry const geometry = c.domain.geometry;
+  int const dims = c.domain.dimensions();
+  int const n = dims == 3 ? 6 : 16;  // places per direction
+  double const half = 0.5 * c.domain.h * std::sqrt(static_cast<double>(dims));
+  double difference = 0.0;
+  double size = 0.0;
+  double asked_size = 0.0;
+  Vec3 found{0.0, 0.0, 0.0};
+  Vec3 asked{0.0, 0.0, 0.0};
+  for (int b = 0; b < world.grid.block_count(); ++b) {
+    grid::Block const& block = world.grid.blocks()[b];
+    for (int at = 0; at < block.cell_count(); ++at) {
+      Index3 const cell{block.origin[0] + at % block.n[0], block.origin[1] + at / block.n[0] % block.n[1],
+                        block.origin[2] + at / (block.n[0] * block.n[1])};
+      Vec3 middle = c.domain.centre(cell) - centre;
+      for (int d = dims; d < 3; ++d) middle[d] = 0.0;
+      if (norm(middle) - half > profile.reach()) continue;
+      Vec3 mean{0.0, 0.0, 0.0};
+      double weights = 0.0;
+      for (int k = 0; k < (dims == 3 ? n : 1); ++k) {
+        for (int j = 0; j < n; ++j) {
+          for (int i = 0; i < n; ++i) {
+            Vec3 x = middle;
+            Index3 const place{i, j, k};
+            for (int d = 0; d < dims; ++d) x[d] += ((place[d] + 0.5) / n - 0.5) * c.domain.h;
+            double const weight = geometry == Geometry::axisymmetric2d ? x[0] : 1.0;
+            mean = mean + weight * momentum_at(profile, c.charges[0], geometry, x);
+            weights += weight;
+          }
+        }
+      }
+      double const volume = c.domain.cell_volume(cell[0]);
+      mean = (volume / weights) * mean;
+      Vec3 held{0.0, 0.0, 0.0};
+      for (int d = 0; d < dims; ++d) held[d] = volume * world.gas->fields().at(b, gas::momentum_x + d)[at];
+      difference += norm(held - mean);
+      size += norm(held);
+      asked_size += norm(mean);
+      found = found + held;
+      asked = asked + mean;
+    }
+  }
+  fmt::print("{:<44} momentum: cell by cell {:.1e}, in size {:.1e}, in sum {:.1e} {:.1e} {:.1e}\n", "",
+             difference / asked_size, size / asked_size - 1.0, (found[0] - asked[0]) / asked_size,
+             (found[1] - asked[1]) / asked_size, (found[2] - asked[2]) / asked_size);
+  // What a lattice of places leaves at the jumps of the profile, three times what is measured: where a cell of an
+  // axisymmetric one is nearly as large as that of the grid, ten times as much.
+  bool const axial = profile.domain.geometry == Geometry::axisymmetric2d;
+  EXPECT_LT(difference / asked_size, axial ? 0.04 : 0.004);
+  EXPECT_NEAR(size / asked_size, 1.0, axial ? 0.01 : 2e-4);
+  for (int d = 0; d < dims; ++d) EXPECT_NEAR((found[d] - asked[d]) / asked_size, 0.0, axial ? 0.01 : 1e-4) << d;
+  // Of one dimension: the size is the integral of the profile over shells or rings, here by the trapezoidal rule.
+  if (axial) return;
+  int const m = profile.domain.geometry == Geometry::spherical1d ? 2 : 1;
+  double shells = 0.0;
+  for (int i = 0; i < profile.domain.cells[0]; ++i) {
+    double const inner = std::pow(i * profile.domain.h, m);
+    double const outer = std::pow((i + 1) * profile.domain.h, m);
+    shells += std::abs(profile.component(gas::momentum_x)[i]) * 0.5 * (inner + outer) * profile.domain.h;
+  }
+  double const whole = (m == 2 ? 4.0 : 2.0) * M_PI * shells;
+  EXPECT_NEAR(asked_size / (world.starts[0].remap.share * whole), 1.0, 0.01);  // cells hold means
+}
+
 /// The sums of the profile and of the grid, the totals of the world against ambient gas with the burst in it, and the
 /// cells outside.
 void expect_conservation(Case const& c, std::string const& what) {
@@ -84,6 +181,7 @@ void expect_conservation(Case const& c, std::string const& what) {
     }
   }
   EXPECT_GT(outside, 10);
+  expect_momentum(world, c);
 }
 
 class Remap : public testing::Test {};
@@ -126,14 +224,15 @@ TEST_F(Remap, KeepsMassEnergyAndMomentumFrom1dTo2d) {
 }
 
 /// An axisymmetric calculation of a cylinder, until its burst has the given radius; `ground` is the height of its
-/// middle above a wall, 0: in free air.
-detonation::Profile cylinder_burst(double ground, double burst, double mass_factor = 1.0) {
+/// middle above a wall, 0: in free air; `halved`: a symmetry plane through the middle leaves the upper half.
+detonation::Profile cylinder_burst(double ground, double burst, double mass_factor = 1.0, bool halved = false) {
   double const scale = std::cbrt(mass_factor);
   double const h = 0.0041 * scale;
   Case c = air_case(Geometry::axisymmetric2d, {64, 128, 1}, h, Boundary::outflow);
   c.domain.boundary[0] = Boundary::symmetry;
-  c.domain.lower[1] = ground > 0.0 ? 0.0 : -64 * h;
+  c.domain.lower[1] = ground > 0.0 || halved ? 0.0 : -64 * h;
   if (ground > 0.0) c.domain.boundary[2] = Boundary::wall;
+  if (halved) c.domain.boundary[2] = Boundary::symmetry;
   c.charges = {
       tnt_charge(Cylinder{{0.0, ground * scale, 0.0}, 0.8 * radius * scale, 2.4 * radius * scale, {0.0, 1.0, 0.0}},
                  Geometry::axisymmetric2d)};
@@ -164,6 +263,21 @@ TEST_F(Remap, KeepsMassEnergyAndMomentumFromAxisymmetric2dTo3d) {
   octant.start.profile = "cylinder.h5";
   octant.start.profiles = {fitted_profile(octant, 0, cylinder_burst(0.0, 0.16))};
   expect_conservation(octant, "octant of a cylinder");
+  // A profile of the upper half: its image is the lower one, above the plane, below it, and without a plane.
+  detonation::Profile const half = cylinder_burst(0.0, 0.16, 1.0, true);
+  EXPECT_TRUE(half.mirrored);
+  octant.start.profiles = {fitted_profile(octant, 0, half)};
+  expect_conservation(octant, "octant of a halved cylinder");
+  Case below = octant;
+  below.domain.lower[2] = -24 * 0.0101;
+  std::swap(below.domain.boundary[4], below.domain.boundary[5]);
+  below.charges[0].shape = Cylinder{{0.0, 0.0, below.domain.upper(2)}, 0.8 * radius, 2.4 * radius, z};
+  below.charges[0].initiation = {{shape::centre(below.charges[0].shape), 0.0}};
+  below.start.profiles = {fitted_profile(below, 0, half)};
+  expect_conservation(below, "octant of a halved cylinder below its plane");
+  Case whole = cylinder_case({0.2213, 0.2297, 0.2341}, {0.0, -1.0, 0.0}, {44, 45, 46}, 0.0);
+  whole.start.profiles = {fitted_profile(whole, 0, half)};
+  expect_conservation(whole, "a halved cylinder, whole");
   // The shock has been reflected by the ground 80 mm below.
   Case const ground = cylinder_case({0.2213, 0.2297, 0.08}, z, {44, 45, 30}, 0.08);
   EXPECT_TRUE(ground.start.profiles[0]->mirrored);

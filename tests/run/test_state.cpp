@@ -2,7 +2,10 @@
 // same bits as one that was never stopped.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
+#include <random>
 
 #include "cases.hpp"
 #include "core/archive.hpp"
@@ -362,6 +365,99 @@ TEST(State, OfAnotherCaseIsRefused) {
   Case apic = two_blocks();
   apic.points.options.transfer = mpm::Transfer::apic;
   EXPECT_NE(refusal(apic, of_points).find("what a point carries"), std::string::npos);
+}
+
+/// The checkpoint with the first such bytes replaced by others.
+template <class T>
+std::string with(std::string checkpoint, std::vector<T> const& before, std::vector<T> const& after) {
+  std::string const from(reinterpret_cast<char const*>(before.data()), before.size() * sizeof(T));
+  std::size_t const at = checkpoint.find(from);
+  EXPECT_NE(at, std::string::npos);
+  checkpoint.replace(at, from.size(), reinterpret_cast<char const*>(after.data()), after.size() * sizeof(T));
+  return checkpoint;
+}
+
+// Whoever writes a checkpoint can give it a checksum that fits. What it says is taken only where it makes sense: by
+// numbers that it holds blocks, points, loads and bars are looked up.
+TEST(State, WhatMakesNoSenseIsRefused) {
+  set_threads(1);
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  auto const expect = [](Case const& c, std::string const& checkpoint, char const* words) {
+    std::string const why = refusal(c, checkpoint);
+    EXPECT_NE(why.find(words), std::string::npos) << "\"" << why << "\" does not say " << words;
+  };
+  Case const gas = burst(Scheme::muscl_hancock);
+  World burning(gas);
+  for (int n = 0; n < 5; ++n) step(burning);
+  std::string const of_gas = written(burning);
+  ASSERT_EQ(refusal(gas, of_gas), "");
+  expect(gas, with<double>(of_gas, {burning.clock.time, burning.clock.dt}, {nan, burning.clock.dt}), "the time");
+  expect(gas, with<double>(of_gas, {burning.clock.time, burning.clock.dt}, {burning.clock.time, -1.0 / 0.0}),
+         "the time");
+  // Fewer blocks that sleep or wake than there are.
+  std::vector<std::uint8_t> blocks(8, 0);
+  std::uint64_t const count = burning.grid.block_count();
+  std::memcpy(blocks.data(), &count, sizeof count);
+  for (int b = 0; b < burning.grid.block_count(); ++b) blocks.push_back(burning.gas->awake(b) ? 1 : 0);
+  std::vector<std::uint8_t> fewer(blocks.begin(), blocks.end() - 1);
+  std::uint64_t const less = count - 1;
+  std::memcpy(fewer.data(), &less, sizeof less);
+  expect(gas, with(of_gas, blocks, fewer), "the number of gas blocks");
+
+  using mpm::Field;
+  Case const solid = everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl);
+  World moving(solid);
+  for (int n = 0; n < 5; ++n) step(moving);
+  std::string const of_points = written(moving);
+  ASSERT_EQ(refusal(solid, of_points), "");
+  int block = 0;
+  while (moving.points->points(block, 0).size() < 3) ++block;
+  mpm::PointSet const& set = moving.points->points(block, 0);
+  auto const spoilt = [&](Field field, double value) {
+    double const* values = set.field(field);
+    std::vector<double> before(values, values + set.size());
+    std::vector<double> after = before;
+    after[1] = value;
+    return with(of_points, before, after);
+  };
+  for (double const x : {nan, 1e300, -1e300, 10.0}) {
+    expect(solid, spoilt(Field::position_x, x), "the position of a point of body");
+    expect(solid, spoilt(Field::position_y, x), "the position of a point of body");
+  }
+  for (double const number : {nan, -1.0, 2.0, 1e300}) expect(solid, spoilt(Field::load_number, number), "what a point");
+  for (double const number : {nan, -1.0, 1e300}) expect(solid, spoilt(Field::identity, number), "what a point");
+}
+
+// Any number of a checkpoint replaced by one that it should not hold: refused, or a world that can be looked at.
+TEST(State, NoNumberOfACheckpointIsTrusted) {
+  set_threads(1);
+  Case const solid = everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl);
+  for (Case const& c :
+       {burst(Scheme::muscl_hancock), solid, coupled(true, mpm::Transfer::apic, mpm::StressOrder::usl)}) {
+    World whole(c);
+    for (int n = 0; n < 3; ++n) step(whole);
+    std::string const good = written(whole);
+    World other(c);
+    std::mt19937 random(11);
+    int refused = 0;
+    for (int trial = 0; trial < 300; ++trial) {
+      constexpr std::array<std::uint64_t, 5> hostile{~0ULL, 1ULL << 40U, 0x7ff8000000000000ULL, 0x7fefffffffffffffULL,
+                                                     0x8000000000000001ULL};
+      // Half of them where sizes and times are: at the beginning, and behind the state of the cells.
+      std::size_t const range = trial % 2 == 0 ? std::min<std::size_t>(good.size(), 2000) : good.size();
+      std::size_t const at = random() % (range - 8);
+      std::string bad = good;
+      std::memcpy(bad.data() + at, &hostile[trial % hostile.size()], 8);
+      try {
+        read(other, bad);
+        other.update_audit();
+        (void)other.totals();
+      } catch (IoError const&) {
+        ++refused;
+      }
+    }
+    EXPECT_GT(refused, 10);
+  }
 }
 
 }  // namespace

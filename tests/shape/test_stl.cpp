@@ -109,6 +109,10 @@ TEST_F(Stl, ScaleAndTranslation) {
       read_stl(write(binary(test::cube({-500.0, 0.0, 0.0}, {500.0, 200.0, 100.0}))), 0.001, {1.0, 2.0, 3.0});
   EXPECT_NEAR(cube.volume(), 0.02, 1e-15);
   for (int d = 0; d < 3; ++d) EXPECT_NEAR(cube.centre()[d], (Vec3{1.0, 2.1, 3.05})[d], 1e-14);
+  // As large as the moments of a volume can be told, and larger.
+  Mesh const vast = read_stl(write(binary(unit_cube)), 1e60);
+  for (int d = 0; d < 3; ++d) EXPECT_NEAR(vast.centre()[d] / 5e59, 1.0, 1e-14);
+  EXPECT_THROW((void)read_stl(write(binary(unit_cube)), 1e61), InputError);
   EXPECT_THROW((void)read_stl(write(binary(unit_cube)), 0.0), InputError);
   EXPECT_THROW((void)read_stl(write(binary(unit_cube)), -1.0), InputError);
   EXPECT_THROW((void)read_stl(write(binary(unit_cube)), std::numeric_limits<double>::quiet_NaN()), InputError);
