@@ -25,6 +25,7 @@ void Gas::archive(Archive& a) {
   a(time_, time_at_step_end_, fastest_signal_, awake_, timings_);
   a.same(watched_.size(), "the number of faces between gas and points");
   for (FaceFlux& flux : watched_) gas::archive(a, flux);
+  open_faces_.archive(a);
   for (int b = 0; b < grid_->block_count(); ++b) {
     BlockData& data = blocks_[b];
     a.same(grid_->blocks()[b].n, "the size of a gas block");
