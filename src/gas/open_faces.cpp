@@ -144,9 +144,13 @@ OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, int direction, int side, Beyond 
   if (!(mean > 0.0)) return ray;
   double const difference = 0.5 * (curvature[0] - curvature[1]);
   ray.curvature = mean;
-  // In a wind the centre of the wave moves away: what happened long ago tells nothing any more.
-  ray.fading = 0.5 * c * difference * difference / mean;
-  ray.drift = norm(outside.velocity) / distance;
+  // In a wind what lasts is no wave but the flow around the source. Far upstream its total pressure is that of the
+  // wind: p - p_a = -rho_a u_a . (u - u_a). With this rate of forgetting the condition comes to it. Elsewhere nothing
+  // is forgotten, and the pressure of a steady flow comes to that of the ambient gas.
+  bool const windy = norm(outside.velocity) > 0.0;
+  double const against = std::max(-dot(outside.velocity, ray.direction), 0.0);
+  ray.fading = windy ? 0.0 : 0.5 * c * difference * difference / mean;
+  ray.drift = mean * against / (1.0 - std::min(against / c, 0.9));
   return ray;
 }
 

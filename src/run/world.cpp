@@ -132,6 +132,11 @@ std::vector<gas::WaveSource> wave_sources(Case const& c) {
   for (Body const& body : c.points.bodies) {
     if (body.solid.burns()) add(body.shape);
   }
+  // A wind is disturbed by what stands in it.
+  if (sources.empty() && norm(c.ambient.state.velocity) > 0.0) {
+    for (Obstacle const& obstacle : c.obstacles) add(obstacle.shape);
+    for (Body const& body : c.points.bodies) add(body.shape);
+  }
   return sources;
 }
 
