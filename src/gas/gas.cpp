@@ -164,7 +164,7 @@ void Gas::start(double time) {
     return std::isfinite(blocks_[b].lighting[padded]);
   });
   prepare_workspaces();
-  learn_quiescent();
+  quiet_pressure_ = quiescent_pressure();
   if (quiet[momentum_x] != 0.0 || quiet[momentum_y] != 0.0 || quiet[momentum_z] != 0.0) wake_where_wind_changes();
   measure_all();
 }
@@ -294,12 +294,14 @@ void Gas::advance(double dt, bool reverse) {
     }
     PhaseTimer const timer(timings_["sweeps"]);
     SweepContext const context = sweep_context(direction, dt);
+    bool const all_awake = std::all_of(awake_.begin(), awake_.end(), [](std::uint8_t awake) { return awake != 0; });
+    Components const quiet_flux = all_awake ? Components{} : quiescent_flux(context);
     parallel_for(grid_->block_count(), [&](int b, int thread) {
       if (blocks_[b].all_held) return;
       if (awake_[b])
         sweep_block(b, context, last, workspaces_[thread]);
       else
-        account_asleep(b, context);
+        account_asleep(b, context, quiet_flux);
     });
     for (int b = 0; b < grid_->block_count(); ++b) {
       if (blocks_[b].not_a_number >= 0) report_not_a_number(b, direction);
@@ -307,7 +309,8 @@ void Gas::advance(double dt, bool reverse) {
   }
   time_ += dt;
   fastest_signal_ = 0.0;
-  for (BlockData const& block : blocks_) fastest_signal_ = std::max(fastest_signal_, block.signal);
+  for (int b = 0; b < grid_->block_count(); ++b)
+    fastest_signal_ = std::max({fastest_signal_, blocks_[b].signal, open_faces_.fastest_signal(b)});
 }
 
 }  // namespace brisance::gas

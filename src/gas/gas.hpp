@@ -194,10 +194,11 @@ class Gas {
   /// Does a step change the quiescent blocks? Wakes those that it does change: in a wind an obstacle, a wall or an axis
   /// disturbs the gas from the first step on, and only the scheme itself knows what it changes in the last bit.
   void wake_where_wind_changes();
-  /// Finds what the scheme makes of quiescent gas: its fluxes and its pressure.
-  void learn_quiescent();
+  /// What the scheme makes of quiescent gas in a sweep: its fluxes, and its pressure.
+  [[nodiscard]] Components quiescent_flux(SweepContext context) const;
+  [[nodiscard]] double quiescent_pressure() const;
   /// Books what goes through the domain's faces in front of a sleeping block, as an awake one would.
-  void account_asleep(int block, SweepContext const& context);
+  void account_asleep(int block, SweepContext const& context, Components const& flux);
   [[nodiscard]] SweepContext sweep_context(int direction, double dt) const;
   void account_boundaries(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   /// Guards, wave speed and peak fields of the bundle's own cells after the last sweep of a step.
@@ -223,8 +224,7 @@ class Gas {
   grid::Fields fields_;
   grid::Exchange exchange_;
   OpenFaces open_faces_;
-  std::array<Components, 3> quiet_flux_{};  ///< per direction, of quiescent gas
-  double quiet_pressure_ = 0.0;             ///< as `measure` finds it
+  double quiet_pressure_ = 0.0;  ///< of quiescent gas as `measure` finds it
   std::vector<std::uint8_t> awake_;
   std::vector<BlockData> blocks_;
   std::vector<FaceFlux> watched_;

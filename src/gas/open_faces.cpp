@@ -182,7 +182,7 @@ void OpenFaces::start(grid::Fields const& fields, Components const& ambient,
 }
 
 bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, int side, double dt, Memory& memory,
-                              Components& u) const {
+                              double& signal, Components& u) const {
   double const normal = side == 0 ? -1.0 : 1.0;
   double const second = fluids_.two ? u[second_density] : 0.0;
   double const alpha = fluids_.two ? u[volume_fraction] : 0.0;
@@ -194,12 +194,9 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
   if (!(rho > 0.0) || !(modulus > 0.0)) return false;
   double const w = normal * velocity[direction];
   double const w_a = normal * a.velocity[direction];
-  if (w >= std::sqrt(modulus / rho)) {
-    remember(dt, p - a.pressure, ray.fading, ray.drift, memory);
-    return false;
-  }
   if (w_a <= -std::sqrt(a.modulus / a.density)) {  // enters faster than sound
     u = a.conserved;
+    signal = std::max(signal, norm(a.velocity) + std::sqrt(a.modulus / a.density));
     return true;
   }
   Wave const leaving{std::sqrt(rho * modulus), (1.0 + 0.5 / m.xi) / modulus};
@@ -207,18 +204,27 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
   double afterflow = 0.0;
   for (int k = 0; k < poles; ++k) afterflow += weights[k] * memory[k];
   afterflow *= ray.curvature / a.density;
-  double face_p = p;
-  for (int n = 0; n < 4; ++n) {
+  // Not below what waves can expand the gas to on either side, with some distance.
+  constexpr double most_expansion = 0.8;
+  double const least_p = std::max(p - most_expansion / leaving.k, a.pressure - most_expansion / outer.k);
+  double face_p = std::max(p, least_p);
+  for (int n = 0; n < 8; ++n) {
     double const d = face_p - a.pressure;
     double const miss = w - w_a - leaving.velocity(face_p - p) - ray.cosine * (outer.velocity(d) + afterflow);
-    face_p += miss / (leaving.slope(face_p - p) + ray.cosine * outer.slope(d));
+    face_p = std::max(least_p, face_p + miss / (leaving.slope(face_p - p) + ray.cosine * outer.slope(d)));
+  }
+  // Nothing enters against gas that leaves faster than the wave which turns to it: sound, or a shock where the pressure
+  // outside is higher.
+  if (w >= std::sqrt(modulus / rho * std::max(1.0, 1.0 + leaving.k * (face_p - p)))) {
+    remember(dt, p - a.pressure, ray.fading, ray.drift, memory);
+    return false;
   }
   double const d = face_p - a.pressure;
   double const rise = ray.cosine * (outer.velocity(d) + afterflow);
   double const face_w = w_a + rise;
   if (!std::isfinite(face_w)) return false;
-  remember(dt, d + 0.25 * a.nonlinearity * a.density * outer.velocity(d) * outer.velocity(d), ray.fading, ray.drift,
-           memory);
+  double const alone = outer.velocity(d);
+  remember(dt, d + 0.25 * a.nonlinearity * a.density * alone * alone, ray.fading, ray.drift, memory);
   if (face_w >= 0.0) {
     double const scale = std::clamp(1.0 + (face_p - p) / modulus, 0.1, 10.0);
     u[density] *= scale;
@@ -239,7 +245,12 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
   m = mixture(fluids_, u[density], rho1, fluids_.two ? u[volume_fraction] : 0.0);
   for (int c = 0; c < 3; ++c) u[momentum_x + c] = face_rho * velocity[c];
   u[energy] = m.rho_e(face_p) + 0.5 * face_rho * dot(velocity, velocity);
-  return m.bulk_modulus(face_p) > 0.0 && std::isfinite(u[energy]);
+  double const face_modulus = m.bulk_modulus(face_p);
+  if (!(face_modulus > 0.0) || !std::isfinite(u[energy])) return false;
+  double const fastest = norm(velocity) + std::sqrt(face_modulus / face_rho);
+  signal = std::max(signal, fastest);
+  // The step was chosen without knowing of this inflow: it waits for the next one.
+  return fastest * dt <= grid_->domain().h;
 }
 
 void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt, bool burning,
@@ -254,6 +265,7 @@ void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt
     int const count = slab[0] * slab[1] * slab[2];
     int const layer = direction == 0 ? 1 : direction == 1 ? slab[0] : slab[0] * slab[1];
     double* const ghosts = exchange.ghosts(b, side);
+    face.signal = 0.0;
     for_each_face_cell(block, direction, side, [&](Index3 cell, int n) {
       Beyond const& beyond = face.beyond[face.beyond.size() == 1 ? 0 : n];
       Ray const& ray = face.rays[n];
@@ -264,7 +276,7 @@ void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt
       // What has not been disturbed stays as it is to the last bit: blocks there may sleep.
       if (face.memory[n] == Memory{} && u == beyond.conserved) return;
       if (burning && u[volume_fraction] > 0.0) return;
-      if (!outside_state(beyond, ray, direction, side, dt, face.memory[n], u)) return;
+      if (!outside_state(beyond, ray, direction, side, dt, face.memory[n], face.signal, u)) return;
       cell[direction] = 0;
       int const first = cell[0] + slab[0] * (cell[1] + slab[1] * cell[2]);
       for (int c = 0; c < components_; ++c) {
@@ -272,6 +284,15 @@ void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt
       }
     });
   }
+}
+
+double OpenFaces::fastest_signal(int block) const {
+  double fastest = 0.0;
+  for (int f = 0; f < 6; ++f) {
+    int const number = number_[6 * block + f];
+    if (number >= 0) fastest = std::max(fastest, faces_[number].signal);
+  }
+  return fastest;
 }
 
 void OpenFaces::archive(Archive& a) {

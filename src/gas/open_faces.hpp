@@ -58,6 +58,10 @@ class OpenFaces {
   /// a sweep of length dt. Where the block's second fluid is `burning` they stay copies of it.
   void fill(grid::Fields const& fields, int block, int direction, double dt, bool burning, grid::Exchange& exchange);
 
+  /// Largest |u| + c beyond a block's faces, as last filled [m/s]: gas that flows back into a burst which has all but
+  /// left moves faster than anything inside.
+  [[nodiscard]] double fastest_signal(int block) const;
+
   void archive(Archive& a);  ///< in a checkpoint; what `start` finds is built anew
 
  private:
@@ -82,13 +86,14 @@ class OpenFaces {
     std::vector<Beyond> beyond;  ///< one, or one for each cell
     std::vector<Ray> rays;       ///< for each cell
     std::vector<Memory> memory;  ///< for each cell
+    double signal = 0.0;         ///< largest |u| + c of the ghost cells that differ from the face's [m/s]
   };
 
   [[nodiscard]] Beyond beyond(Components const& u) const;
   [[nodiscard]] Ray ray_to(Vec3 const& x, int direction, int side, Beyond const& outside) const;
   /// Turns the state of a face cell into that of the ghost cells; false: they repeat it.
   bool outside_state(Beyond const& beyond, Ray const& ray, int direction, int side, double dt, Memory& memory,
-                     Components& u) const;
+                     double& signal, Components& u) const;
 
   grid::Grid const* grid_;
   Fluids fluids_;

@@ -10,31 +10,48 @@
 
 namespace brisance::gas {
 
-void Gas::learn_quiescent() {
-  auto const quiet = conserved(quiescent_);
-  constexpr int cells = 32;  // a whole number of vectors
+namespace {
+
+/// A row of quiescent gas, a whole number of vectors long.
+constexpr int row_cells = 32;
+
+BundleLayout row_layout(int direction) {
   BundleLayout layout;
-  layout.length = cells;
-  layout.total = cells + 2 * grid::ghost_layers;
+  layout.direction = direction;
+  layout.length = row_cells;
+  layout.total = row_cells + 2 * grid::ghost_layers;
+  return layout;
+}
+
+BundleArrays row_of(Components const& quiet, BundleLayout const& layout) {
   BundleArrays a(array_count, layout.total, 1);
-  for (int direction = 0; direction < grid_->domain().dimensions(); ++direction) {
-    layout.direction = direction;
-    SweepContext s = sweep_context(direction, 0.0);
-    s.radial = false;
-    s.shock_sensor = false;
-    for (int c = 0; c <= shock; ++c) std::fill_n(a[state_array(c)], layout.total, quiet[c]);
-    GuardCount guards;
-    primitives<false>(s, layout, a, guards);
-    if (options_.scheme == Scheme::muscl_hancock)
-      muscl_hancock<false>(s, layout, a);
-    else
-      lax_wendroff<false>(s, layout, a, guards);
-    int const middle = layout.begin(0) + cells / 2;
-    for (int c = density; c <= energy; ++c) quiet_flux_[direction][c] = a[a_flux + c][middle];
-    if (direction > 0) continue;
-    signals<false>(s, layout, a, layout.begin(0), cells, grid_->domain().dimensions(), guards);
-    quiet_pressure_ = a[a_p][middle];
-  }
+  for (int c = 0; c <= shock; ++c) std::fill_n(a[state_array(c)], layout.total, quiet[c]);
+  return a;
+}
+
+}  // namespace
+
+Components Gas::quiescent_flux(SweepContext s) const {
+  s.radial = false;
+  BundleLayout const layout = row_layout(s.direction);
+  BundleArrays a = row_of(conserved(quiescent_), layout);
+  GuardCount guards;
+  primitives<false>(s, layout, a, guards);
+  if (options_.scheme == Scheme::muscl_hancock)
+    muscl_hancock<false>(s, layout, a);
+  else
+    lax_wendroff<false>(s, layout, a, guards);
+  Components flux{};
+  for (int c = density; c <= energy; ++c) flux[c] = a[a_flux + c][layout.begin(0) + row_cells / 2];
+  return flux;
+}
+
+double Gas::quiescent_pressure() const {
+  BundleLayout const layout = row_layout(0);
+  BundleArrays a = row_of(conserved(quiescent_), layout);
+  GuardCount guards;
+  signals<false>(sweep_context(0, 0.0), layout, a, layout.begin(0), row_cells, grid_->domain().dimensions(), guards);
+  return a[a_p][layout.begin(0) + row_cells / 2];
 }
 
 void Gas::wake_where_wind_changes() {
@@ -70,11 +87,10 @@ void Gas::wake_where_wind_changes() {
   clear_watched();
 }
 
-void Gas::account_asleep(int b, SweepContext const& s) {
+void Gas::account_asleep(int b, SweepContext const& s, Components const& flux) {
   grid::Block const& block = grid_->blocks()[b];
   int const low = 2 * s.direction;
   if (block.neighbour[low] != grid::no_neighbour && block.neighbour[low + 1] != grid::no_neighbour) return;
-  Components const& flux = quiet_flux_[s.direction];
   auto& outflow = blocks_[b].account.outflow;
   Bundles const bundles(block, s.direction, options_.bundle_cells);
   // In the order of `account_boundaries`.
