@@ -29,9 +29,10 @@ struct Wave {
 };
 
 /// How the afterflow of a cylindrical wave follows the pressure: K_1(z)/K_0(z) = 1 + 1/2 sum of weights / (z +
-/// rates/4), z the frequency in units of c/r. Fitted to the Bessel functions on the imaginary axis from 0.02 to 100
-/// with the sum of the weights, 1, given by the limit of high frequencies; largest error 2.6 %. One pole with the rate
-/// 1 is the condition of second order of [BaylissTurkel82], good for short waves only.
+/// rates/4), z the frequency in units of c/r. A sum of poles as in [Alpert00], fitted to the Bessel functions on the
+/// imaginary axis from 0.02 to 100 with the sum of the weights, 1, given by the limit of high frequencies; largest
+/// error 2.6 %. One pole with the rate 1 is the condition of second order of [BaylissTurkel80], good for short waves
+/// only.
 constexpr std::array<double, OpenFaces::poles> weights{0.4350, 0.2436, 0.3214};
 constexpr std::array<double, OpenFaces::poles> rates{0.0108, 0.3015, 2.264};
 

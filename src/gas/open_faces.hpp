@@ -1,17 +1,19 @@
-/// Outflow boundaries that let waves out: what the ghost cells beyond them hold.
+/// Outflow boundaries that let waves out: what the ghost cells beyond them hold. Derivation and measurements stand in
+/// docs/theory.md.
 ///
 /// A face cell sees a Riemann problem between its own state and a wave that runs outwards into the gas beyond, whose
 /// state (index a) is that of the cell at the start. Of the characteristics [Thompson87] those that leave come from the
-/// cell; the one that enters carries what a wave that spreads from its source would carry, [BaylissTurkel80]:
-///     u - u_a = cos(theta) ( (p - p_a) / Z(p) + H J / rho_a ),    dJ/dt = p - p_a - lambda J.
+/// cell; the one that enters carries what it carries in a wave that spreads from its source [BaylissTurkel80]:
+///     u - u_a = cos(theta) ( (p - p_a) / Z(p) + H J / rho_a ).
 /// Z is the impedance of a shock or rarefaction into the gas beyond, theta the angle between the face's normal and the
-/// ray from the source, H the mean curvature of the wave front, 1/r of a sphere, 1/(2r) of a cylinder, and
-/// lambda = c (H^2 - K) / (2H) with the Gaussian curvature K, 0 and c/(4r) [BaylissTurkel82]. The second term is the
-/// afterflow: behind a spherical pulse the gas still flows outwards when the pressure is back at that of the ambient
-/// gas. Without it the negative phase of a blast is wrong.
+/// ray from the source, and H the mean curvature of the wave front, 1/r of a sphere, 1/(2r) of a cylinder. The second
+/// term is the afterflow: behind a spherical pulse the gas still flows outwards when the pressure is back at that of
+/// the ambient gas. Without it the negative phase of a blast is wrong. J, the impulse of the pressure,
+///     J = sum_k w_k J_k,   dJ_k/dt = p - p_a + G/4 rho_a ((p - p_a) / Z)^2 - (rate_k lambda + drift) J_k,
+/// is kept for every cell of the face. lambda = c (H^2 - K) / (2H) with the Gaussian curvature K is 0 for spheres.
 ///
 /// Entropy, composition and transverse velocity come from the cell where the gas flows out, and from beyond where it
-/// flows in. Where it leaves faster than sound nothing enters and the ghost cells repeat the cell.
+/// flows in. Where it leaves faster than the wave that turns to it nothing enters, and the ghost cells repeat the cell.
 #pragma once
 
 #include <array>
