@@ -40,6 +40,20 @@ void remember(double dt, double source, double fading, double drift, OpenFaces::
   for (int k = 0; k < OpenFaces::poles; ++k) memory[k] += dt * (source - (rates[k] * fading + drift) * memory[k]);
 }
 
+/// Closure of a cell; where the second fluid is absent its equation of state need not be asked.
+Mixture closure(Fluids const& fluids, double first, double second, double alpha) {
+  if (fluids.two && alpha > vanishing_fraction) return mixture(fluids, first, second, alpha);
+  Mixture m;
+  std::visit([&](auto const& eos) { material::add_fluid(eos, 1.0, material::phase_density(first, 1.0), m); },
+             fluids.ambient);
+  return m;
+}
+
+/// Do waves that come to such a boundary stay in the domain?
+bool turns_back(grid::Boundary b) {
+  return b == grid::Boundary::wall || b == grid::Boundary::symmetry || b == grid::Boundary::periodic;
+}
+
 /// Calls visit(cell of the block, its number in the face) for every cell next to a face.
 template <class Visit>
 void for_each_face_cell(grid::Block const& block, int direction, int side, Visit&& visit) {
@@ -75,7 +89,7 @@ OpenFaces::Beyond OpenFaces::beyond(Components const& u) const {
   Beyond a;
   a.conserved = u;
   double const second = fluids_.two ? u[second_density] : 0.0;
-  Mixture const m = mixture(fluids_, u[density], second, fluids_.two ? u[volume_fraction] : 0.0);
+  Mixture const m = closure(fluids_, u[density], second, fluids_.two ? u[volume_fraction] : 0.0);
   a.density = u[density] + second;
   for (int d = 0; d < 3; ++d) a.velocity[d] = u[momentum_x + d] / a.density;
   a.pressure = m.pressure(u[energy] - 0.5 * a.density * dot(a.velocity, a.velocity));
@@ -118,7 +132,7 @@ OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, int direction, int side, Beyond 
     for (int d = 0; d < dims; ++d) {
       Vec3 others = nearest_way;
       others[d] = 0.0;
-      bool const closed = !grid::is_open(domain.boundary[2 * d]) && !grid::is_open(domain.boundary[2 * d + 1]);
+      bool const closed = turns_back(domain.boundary[2 * d]) && turns_back(domain.boundary[2 * d + 1]);
       bool const guided = closed && norm(others) >= domain.upper(d) - domain.lower[d];
       spreads[d] = !nearest->spans[d] && !guided;
       if (spreads[d])
@@ -189,7 +203,7 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
   double const alpha = fluids_.two ? u[volume_fraction] : 0.0;
   double const rho = u[density] + second;
   Vec3 velocity{u[momentum_x] / rho, u[momentum_y] / rho, u[momentum_z] / rho};
-  Mixture m = mixture(fluids_, u[density], second, alpha);
+  Mixture m = closure(fluids_, u[density], second, alpha);
   double const p = m.pressure(u[energy] - 0.5 * rho * dot(velocity, velocity));
   double const modulus = m.bulk_modulus(p);
   if (!(rho > 0.0) || !(modulus > 0.0)) return false;
@@ -212,7 +226,9 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
   for (int n = 0; n < 8; ++n) {
     double const d = face_p - a.pressure;
     double const miss = w - w_a - leaving.velocity(face_p - p) - ray.cosine * (outer.velocity(d) + afterflow);
+    double const before = face_p;
     face_p = std::max(least_p, face_p + miss / (leaving.slope(face_p - p) + ray.cosine * outer.slope(d)));
+    if (std::abs(face_p - before) <= 1e-12 * modulus) break;
   }
   // Nothing enters against gas that leaves faster than the wave which turns to it: sound, or a shock where the pressure
   // outside is higher.
@@ -243,7 +259,7 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
   velocity[direction] = normal * face_w;
   double const rho1 = fluids_.two ? u[second_density] : 0.0;
   double const face_rho = u[density] + rho1;
-  m = mixture(fluids_, u[density], rho1, fluids_.two ? u[volume_fraction] : 0.0);
+  m = closure(fluids_, u[density], rho1, fluids_.two ? u[volume_fraction] : 0.0);
   for (int c = 0; c < 3; ++c) u[momentum_x + c] = face_rho * velocity[c];
   u[energy] = m.rho_e(face_p) + 0.5 * face_rho * dot(velocity, velocity);
   double const face_modulus = m.bulk_modulus(face_p);

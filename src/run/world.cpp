@@ -128,9 +128,11 @@ std::vector<gas::WaveSource> wave_sources(Case const& c) {
     sources.push_back(source);
   };
   for (Charge const& charge : c.charges) add(charge.shape);
-  for (Region const& region : c.regions) add(region.shape);
   for (Body const& body : c.points.bodies) {
     if (body.solid.burns()) add(body.shape);
+  }
+  if (sources.empty()) {
+    for (Region const& region : c.regions) add(region.shape);
   }
   // A wind is disturbed by what stands in it.
   if (sources.empty() && norm(c.ambient.state.velocity) > 0.0) {
