@@ -200,7 +200,8 @@ void Builder::domain() {
 void Builder::boundaries() {
   Section const* section = deck_.section("boundaries");
   auto const kind = [](std::string const& word) {
-    for (Boundary const b : {Boundary::wall, Boundary::symmetry, Boundary::inflow, Boundary::periodic}) {
+    for (Boundary const b :
+         {Boundary::wall, Boundary::symmetry, Boundary::inflow, Boundary::periodic, Boundary::zero_gradient}) {
       if (word == grid::boundary_name(b)) return b;
     }
     return Boundary::outflow;

@@ -570,7 +570,7 @@ run::Burst Builder::automatic_burst() const {
   for (int f = 0; f < 2 * dims(); ++f) {
     int const d = f / 2;
     Boundary const b = out_.domain.boundary[f];
-    if (b == Boundary::outflow || (radial() && f == 0)) continue;
+    if (grid::is_open(b) || (radial() && f == 0)) continue;
     double const plane = f % 2 == 0 ? out_.domain.lower[d] : out_.domain.upper(d);
     bool const through_centre = std::abs(c[d] - plane) <= tiny();
     bool const flat_side = half != nullptr && half->normal[d] * (f % 2 == 0 ? 1.0 : -1.0) > 0.0;

@@ -35,11 +35,13 @@ std::vector<std::string> const& faces() {
 
 Table const& boundaries_table() {
   static Table const table = [] {
-    std::vector<std::string> const kinds{"outflow", "wall", "symmetry", "inflow", "periodic"};
+    std::vector<std::string> const kinds{"outflow", "wall", "symmetry", "inflow", "periodic", "zero_gradient"};
     Table t{
-        "What happens at the faces of the domain: `outflow` lets waves out, `wall` is rigid (the ground), `symmetry` "
-        "is a "
-        "mirror plane, `inflow` holds the state given in `[inflow.FACE]`, `periodic` joins opposite faces.",
+        "What happens at the faces of the domain: `outflow` lets waves out, as if the gas that is there at the start "
+        "went on beyond the face; `wall` is rigid (the ground); `symmetry` is a mirror plane; `inflow` holds the state "
+        "given in `[inflow.FACE]`; `periodic` joins opposite faces; `zero_gradient` repeats the cells next to the "
+        "face, "
+        "which sends back a part of every wave whose strength varies, for comparison.",
         {},
         {},
         {}};

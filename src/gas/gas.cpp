@@ -57,6 +57,7 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, M
                   for (int face = 0; face < 6; ++face) outside[face] = conserved_of(fluids, inflow[face]);
                   return exchange_rules(conserved_of(fluids, quiescent), outside, component_count(fluids, options));
                 }()),
+      open_faces_(grid, fluids, fields_.components()),
       awake_(static_cast<std::size_t>(grid.block_count()), 1),
       blocks_(static_cast<std::size_t>(grid.block_count())) {
   auto const u = conserved(quiescent);
@@ -172,8 +173,18 @@ void Gas::start(double time) {
     }
     awake_[b] = quiescent ? 0 : 1;
   });
+  open_faces_.start(fields_, quiet, [this](int b, int at) {
+    // Explosive that the boundary cuts through burns away; what lies beyond it does not.
+    if (!fluids_.two || blocks_[b].lighting.empty() || !(fields_.at(b, volume_fraction)[at] > 0.0)) return false;
+    grid::Block const& block = grid_->blocks()[b];
+    PaddedBox const box(block, grid_->domain().dimensions());
+    int const padded = box.offset(at % block.n[0], at / block.n[0] % block.n[1], at / (block.n[0] * block.n[1]));
+    return std::isfinite(blocks_[b].lighting[padded]);
+  });
   prepare_workspaces();
   find_near_walls();
+  quiet_pressure_ = quiescent_pressure();
+  if (quiet[momentum_x] != 0.0 || quiet[momentum_y] != 0.0 || quiet[momentum_z] != 0.0) wake_where_wind_changes();
   measure_all();
 }
 
@@ -263,6 +274,25 @@ void Gas::report_not_a_number(int b, int direction) const {
       x[0], x[1], x[2], time_, "xyz"[direction]));
 }
 
+SweepContext Gas::sweep_context(int direction, double dt) const {
+  SweepContext context;
+  context.fluids = &fluids_;
+  context.direction = direction;
+  context.dt = dt;
+  context.h = grid_->domain().h;
+  context.beta = options_.beta;
+  context.floors.density = options_.density_floor;
+  context.floors.pressure = options_.pressure_floor;
+  context.viscosity = options_.viscosity;
+  context.shock_sensor =
+      options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && grid_->domain().dimensions() > 1;
+  context.progress = components() > progress;
+  context.tension = tension();
+  context.bounded_phase = options_.afterburn && options_.afterburn->energy > 0.0;
+  context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
+  return context;
+}
+
 void Gas::advance(double dt, bool reverse) {
   int const dims = grid_->domain().dimensions();
   time_at_step_end_ = time_ + dt;
@@ -277,24 +307,21 @@ void Gas::advance(double dt, bool reverse) {
     {
       PhaseTimer const timer(timings_["exchange"]);
       exchange_.fill(fields_, direction, awake_);
+      parallel_for(grid_->block_count(), [&](int b, int) {
+        if (!awake_[b] || !open_faces_.at(b, direction)) return;
+        open_faces_.fill(fields_, b, direction, dt, !blocks_[b].lighting.empty() && burning(), exchange_);
+      });
     }
     PhaseTimer const timer(timings_["sweeps"]);
-    SweepContext context;
-    context.fluids = &fluids_;
-    context.direction = direction;
-    context.dt = dt;
-    context.h = grid_->domain().h;
-    context.beta = options_.beta;
-    context.floors.density = options_.density_floor;
-    context.floors.pressure = options_.pressure_floor;
-    context.viscosity = options_.viscosity;
-    context.shock_sensor = options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && dims > 1;
-    context.progress = components() > progress;
-    context.tension = tension();
-    context.bounded_phase = options_.afterburn && options_.afterburn->energy > 0.0;
-    context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
+    SweepContext const context = sweep_context(direction, dt);
+    bool const all_awake = std::all_of(awake_.begin(), awake_.end(), [](std::uint8_t awake) { return awake != 0; });
+    Components const quiet_flux = all_awake ? Components{} : quiescent_flux(context);
     parallel_for(grid_->block_count(), [&](int b, int thread) {
-      if (awake_[b] && !blocks_[b].all_held) sweep_block(b, context, last, workspaces_[thread]);
+      if (blocks_[b].all_held) return;
+      if (awake_[b])
+        sweep_block(b, context, last, workspaces_[thread]);
+      else
+        account_asleep(b, context, quiet_flux);
     });
     for (int b = 0; b < grid_->block_count(); ++b) {
       if (blocks_[b].not_a_number >= 0) report_not_a_number(b, direction);
@@ -302,7 +329,8 @@ void Gas::advance(double dt, bool reverse) {
   }
   time_ += dt;
   fastest_signal_ = 0.0;
-  for (BlockData const& block : blocks_) fastest_signal_ = std::max(fastest_signal_, block.signal);
+  for (int b = 0; b < grid_->block_count(); ++b)
+    fastest_signal_ = std::max({fastest_signal_, blocks_[b].signal, open_faces_.fastest_signal(b)});
 }
 
 }  // namespace brisance::gas

@@ -11,6 +11,7 @@
 #include "gas/bundle.hpp"
 #include "gas/closure.hpp"
 #include "gas/kernels.hpp"
+#include "gas/open_faces.hpp"
 #include "grid/exchange.hpp"
 #include "grid/fields.hpp"
 #include "grid/grid.hpp"
@@ -147,7 +148,10 @@ class Gas {
   /// Progress lambda of the afterburn in a cell: 0 without products, without afterburn and before it.
   [[nodiscard]] double afterburn_progress(int block, int offset) const;
 
-  /// Ends the initial phase: finds the quiescent blocks and the first wave speeds.
+  /// Where the waves come from that are to leave through outflow boundaries; call `start()` afterwards.
+  void set_wave_sources(std::vector<WaveSource> sources) { open_faces_.set_sources(std::move(sources)); }
+
+  /// Ends the initial phase: finds the quiescent blocks, the state beyond outflow boundaries and the first wave speeds.
   void start(double time = 0.0);
 
   /// Largest |u_d| + c over the resolved directions and all cells [m/s].
@@ -195,6 +199,15 @@ class Gas {
   void load_bundle(int block, BundleLayout const& layout, SweepContext& context, BundleArrays& arrays) const;
   static void update(BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   void store(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
+  /// Does a step change the quiescent blocks? Wakes those that it does change: in a wind an obstacle, a wall or an axis
+  /// disturbs the gas from the first step on, and only the scheme itself knows what it changes in the last bit.
+  void wake_where_wind_changes();
+  /// What the scheme makes of quiescent gas in a sweep: its fluxes, and its pressure.
+  [[nodiscard]] Components quiescent_flux(SweepContext context) const;
+  [[nodiscard]] double quiescent_pressure() const;
+  /// Books what goes through the domain's faces in front of a sleeping block, as an awake one would.
+  void account_asleep(int block, SweepContext const& context, Components const& flux);
+  [[nodiscard]] SweepContext sweep_context(int direction, double dt) const;
   void account_boundaries(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   /// Guards, wave speed and peak fields of the bundle's own cells after the last sweep of a step.
   void measure(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
@@ -222,6 +235,8 @@ class Gas {
   MixtureState quiescent_;
   grid::Fields fields_;
   grid::Exchange exchange_;
+  OpenFaces open_faces_;
+  double quiet_pressure_ = 0.0;  ///< of quiescent gas as `measure` finds it
   std::vector<std::uint8_t> awake_;
   std::vector<BlockData> blocks_;
   std::vector<FaceFlux> watched_;

@@ -30,6 +30,7 @@ void Gas::archive(Archive& a) {
   a(timings_);
   a.same(watched_.size(), "the number of faces between gas and points");
   for (FaceFlux& flux : watched_) gas::archive(a, flux);
+  open_faces_.archive(a);
   for (int b = 0; b < grid_->block_count(); ++b) {
     BlockData& data = blocks_[b];
     a.same(grid_->blocks()[b].n, "the size of a gas block");

@@ -253,7 +253,7 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
   double* const peak = peaks_[b].data() + static_cast<std::ptrdiff_t>(peak_pressure) * cells;
   double* const running = peaks_[b].data() + static_cast<std::ptrdiff_t>(running_impulse) * cells;
   double* const largest = peaks_[b].data() + static_cast<std::ptrdiff_t>(largest_impulse) * cells;
-  double const ambient = quiescent_.pressure;
+  double const ambient = quiet_pressure_;
   double const* const p = a[a_p];
   double const dt = s.dt;
   for_each_run(layout, block, [&](int q, int offset, int count) {

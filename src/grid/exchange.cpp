@@ -77,7 +77,7 @@ void Exchange::fill_side(Fields const& fields, int b, int direction, int side) {
     case Boundary::inflow:
       for (int c = 0; c < components_; ++c) std::fill_n(slab + c * count, count, rules_.inflow[face][c]);
       return;
-    default: {  // outflow: every layer repeats the cell next to the face
+    default: {  // open: every layer repeats the cell next to the face
       Index3 layer_n = block.n;
       layer_n[direction] = 1;
       Extent box{{0, 0, 0}, layer_n};
@@ -112,11 +112,22 @@ bool Exchange::slab_is_quiescent(int b, int direction, int side) const {
   return true;
 }
 
+bool Exchange::disturbs(int face) const {
+  switch (grid_->domain().boundary[face]) {
+    case Boundary::wall:
+    case Boundary::symmetry: {
+      int const mirrored = rules_.mirrored_component[face / 2];
+      return mirrored >= 0 && rules_.quiescent[mirrored] != 0.0;
+    }
+    case Boundary::inflow: return rules_.inflow[face] != rules_.quiescent;
+    default: return false;  // open faces repeat what is quiescent
+  }
+}
+
 bool Exchange::anything_to_see(Block const& block, int direction) const {
   for (int face = 2 * direction; face < 2 * direction + 2; ++face) {
     int const other = block.neighbour[face];
-    if (other != no_neighbour ? was_awake_[other] != 0 : grid_->domain().boundary[face] == Boundary::inflow)
-      return true;
+    if (other != no_neighbour ? was_awake_[other] != 0 : disturbs(face)) return true;
   }
   return false;
 }

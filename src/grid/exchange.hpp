@@ -36,6 +36,8 @@ class Exchange {
   /// Ghost cells of a block beyond its low (side 0) or high (side 1) face, as last filled: per component an array like
   /// the block's own, x fastest, with `ghost_layers` cells in the direction of the fill.
   [[nodiscard]] double const* ghosts(int block, int side) const { return slabs_[2 * block + side].data(); }
+  /// To overwrite them; beyond outflow boundaries they hold copies of the cells next to the face.
+  [[nodiscard]] double* ghosts(int block, int side) { return slabs_[2 * block + side].data(); }
 
   /// Values of all components in the given cells (domain indices), cell by cell.
   [[nodiscard]] std::vector<double> gather(Fields const& fields, std::vector<Index3> const& cells) const;
@@ -45,6 +47,8 @@ class Exchange {
   /// Could a sleeping block see anything but quiescent cells across its two faces of `direction`?
   [[nodiscard]] bool anything_to_see(Block const& block, int direction) const;
   [[nodiscard]] bool slab_is_quiescent(int block, int direction, int side) const;
+  /// Does a quiescent block see anything but quiescent cells beyond this face of the domain?
+  [[nodiscard]] bool disturbs(int face) const;
 
   Grid const* grid_;
   int components_;

@@ -45,8 +45,12 @@ enum class Geometry { cartesian3d, planar2d, axisymmetric2d, planar1d, cylindric
   return "";
 }
 
-/// What happens at one face of the domain.
-enum class Boundary { outflow, wall, symmetry, inflow, periodic };
+/// What happens at one face of the domain. Through `outflow` waves leave without an echo, see gas/open_faces.hpp;
+/// beyond `zero_gradient` the gas is as in the cell before it.
+enum class Boundary { outflow, wall, symmetry, inflow, periodic, zero_gradient };
+
+/// May gas and bodies leave through the face, and nothing is held there?
+[[nodiscard]] constexpr bool is_open(Boundary b) { return b == Boundary::outflow || b == Boundary::zero_gradient; }
 
 /// Name of a boundary in decks and results.
 [[nodiscard]] constexpr char const* boundary_name(Boundary boundary) {
@@ -56,6 +60,7 @@ enum class Boundary { outflow, wall, symmetry, inflow, periodic };
     case Boundary::symmetry: return "symmetry";
     case Boundary::inflow: return "inflow";
     case Boundary::periodic: return "periodic";
+    case Boundary::zero_gradient: return "zero_gradient";
   }
   return "";
 }

@@ -26,7 +26,7 @@ void place_bodies(World& w, grid::Domain const& domain, std::vector<mpm::Body> o
   for (int d = 0; d < w.setup.domain.dimensions(); ++d) {
     for (int side = 0; side < 2; ++side) {
       auto const boundary = w.setup.domain.boundary[2 * d + side];
-      if (boundary != grid::Boundary::outflow && boundary != grid::Boundary::inflow) continue;
+      if (!grid::is_open(boundary) && boundary != grid::Boundary::inflow) continue;
       options.ends[2 * d + side] = side == 0 ? w.setup.domain.lower[d] : w.setup.domain.upper(d);
     }
   }

@@ -83,6 +83,42 @@ void place_obstacles(Case const& c, std::vector<std::uint8_t> const& flags, grid
   }
 }
 
+/// Where the waves come from that outflow boundaries are to let out.
+std::vector<gas::WaveSource> wave_sources(Case const& c) {
+  std::vector<gas::WaveSource> sources;
+  auto const add = [&](shape::Shape const& shape) {
+    gas::WaveSource source;
+    shape::Box const box = shape::bounds(shape);
+    source.position = shape::centre(shape);
+    for (int d = 0; d < c.domain.dimensions(); ++d) {
+      double const slack = 0.5 * c.domain.h;
+      source.spans[d] = box.lower[d] <= c.domain.lower[d] + slack && box.upper[d] >= c.domain.upper(d) - slack;
+      // Of a shape that reaches out of the domain only the part inside is there.
+      if (box.lower[d] < c.domain.lower[d] || box.upper[d] > c.domain.upper(d)) {
+        double const inside =
+            0.5 * (std::max(box.lower[d], c.domain.lower[d]) + std::min(box.upper[d], c.domain.upper(d)));
+        bool const cut_at_middle = std::abs(source.position[d] - c.domain.lower[d]) < slack ||
+                                   std::abs(source.position[d] - c.domain.upper(d)) < slack;
+        if (!cut_at_middle) source.position[d] = inside;
+      }
+    }
+    sources.push_back(source);
+  };
+  for (Charge const& charge : c.charges) add(charge.shape);
+  for (Body const& body : c.points.bodies) {
+    if (body.solid.burns()) add(body.shape);
+  }
+  if (sources.empty()) {
+    for (Region const& region : c.regions) add(region.shape);
+  }
+  // A wind is disturbed by what stands in it.
+  if (sources.empty() && norm(c.ambient.state.velocity) > 0.0) {
+    for (Obstacle const& obstacle : c.obstacles) add(obstacle.shape);
+    for (Body const& body : c.points.bodies) add(body.shape);
+  }
+  return sources;
+}
+
 detonation::TakenCells place_charges(World& w, SolidCells const& solid);
 
 void place_gas(World& w) {
@@ -92,6 +128,7 @@ void place_gas(World& w) {
   w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), ambient_mixture(setup.ambient.state),
                                      inflow);
   gas::Gas& gas = *w.gas;
+  gas.set_wave_sources(wave_sources(setup));
   grid::Grid const& grid = w.grid;
   gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
   RegionPlacing regions(setup);

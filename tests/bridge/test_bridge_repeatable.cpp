@@ -11,7 +11,7 @@ namespace {
 using grid::Boundary;
 using grid::Geometry;
 
-std::vector<double> everything(Geometry geometry, int threads) {
+std::vector<double> everything(Geometry geometry, int threads, bool sleep = true) {
   set_threads(threads);
   int const dims = grid::dimensions(geometry);
   int const n = dims == 3 ? 26 : 40;
@@ -21,6 +21,7 @@ std::vector<double> everything(Geometry geometry, int threads) {
   c.mpm_region->activation = -1.0;
   c.mpm_region->population_interval = 2;
   c.numerics.block_cells = 8;
+  c.numerics.sleep = sleep;
   c.points.options.block_cells = 5;
   set_region(c, {5, 0, dims == 3 ? 5 : 0}, {n - 6, n - 6, dims == 3 ? n - 6 : 1});
   c.ambient.state.velocity = {0.3, 0.1, dims == 3 ? -0.2 : 0.0};
@@ -63,6 +64,17 @@ std::vector<double> everything(Geometry geometry, int threads) {
   all.insert(all.end(), {totals.mass[0], totals.energy});
   set_threads(1);
   return all;
+}
+
+// A wind through the region, along a mirror plane.
+TEST(CoupledRun, IsTheSameWithSleepOnAndOff) {
+  for (auto const geometry : {Geometry::planar2d, Geometry::axisymmetric2d}) {
+    auto const asleep = everything(geometry, 2);
+    auto const awake = everything(geometry, 2, false);
+    ASSERT_EQ(asleep.size(), awake.size()) << grid::geometry_name(geometry);
+    EXPECT_EQ(std::memcmp(asleep.data(), awake.data(), asleep.size() * sizeof(double)), 0)
+        << grid::geometry_name(geometry);
+  }
 }
 
 TEST(CoupledRun, IsTheSameOnAnyNumberOfThreads) {

@@ -197,8 +197,9 @@ TEST(GoodDecks, EveryKeyArrives) {
   EXPECT_EQ(c.title, "everything");
   EXPECT_EQ(c.domain.cells, (Index3{80, 40, 40}));
   EXPECT_EQ(c.domain.lower, (Vec3{0.0, -1.0, 0.0}));
-  EXPECT_EQ(c.domain.boundary, (std::array{grid::Boundary::symmetry, grid::Boundary::inflow, grid::Boundary::wall,
-                                           grid::Boundary::outflow, grid::Boundary::wall, grid::Boundary::outflow}));
+  EXPECT_EQ(c.domain.boundary,
+            (std::array{grid::Boundary::symmetry, grid::Boundary::inflow, grid::Boundary::wall,
+                        grid::Boundary::zero_gradient, grid::Boundary::wall, grid::Boundary::outflow}));
   EXPECT_DOUBLE_EQ(c.inflow[1].velocity[0], -10.0);
   EXPECT_DOUBLE_EQ(c.inflow[1].pressure, 1.1e5);
   EXPECT_DOUBLE_EQ(c.inflow[1].density, c.ambient.state.density);

@@ -1,0 +1,322 @@
+#include "gas/open_faces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/archive.hpp"
+
+namespace brisance::gas {
+
+namespace {
+
+/// Along rays flatter than this (75 degrees from the normal) waves are taken to come at this angle: with a cosine of 0
+/// the face would be a wall for whatever else meets it.
+constexpr double least_cosine = 0.25;
+
+/// Difference of velocity across a wave with a difference of pressure d: d / (Z sqrt(1 + k d)). With k = G / (rho c^2)
+/// and the fundamental derivative G this is a shock in an ideal or stiffened gas, exactly, and a rarefaction to third
+/// order.
+struct Wave {
+  double impedance;
+  double k;
+
+  static constexpr double least = 0.05;  ///< of 1 + k d
+  [[nodiscard]] double velocity(double d) const { return d / (impedance * std::sqrt(std::max(1.0 + k * d, least))); }
+  [[nodiscard]] double slope(double d) const {
+    double const s = 1.0 + k * d;
+    return s < least ? 1.0 / (impedance * std::sqrt(least)) : (1.0 + 0.5 * k * d) / (impedance * s * std::sqrt(s));
+  }
+};
+
+/// How the afterflow of a cylindrical wave follows the pressure: K_1(z)/K_0(z) = 1 + 1/2 sum of weights / (z +
+/// rates/4), z the frequency in units of c/r. A sum of poles as in [Alpert00], fitted to the Bessel functions on the
+/// imaginary axis from 0.02 to 100 with the sum of the weights, 1, given by the limit of high frequencies; largest
+/// error 2.6 %. One pole with the rate 1 is the condition of second order of [BaylissTurkel80], good for short waves
+/// only.
+constexpr std::array<double, OpenFaces::poles> weights{0.4350, 0.2436, 0.3214};
+constexpr std::array<double, OpenFaces::poles> rates{0.0108, 0.3015, 2.264};
+
+void remember(double dt, double source, double fading, double drift, OpenFaces::Memory& memory) {
+  for (int k = 0; k < OpenFaces::poles; ++k) memory[k] += dt * (source - (rates[k] * fading + drift) * memory[k]);
+}
+
+/// Closure of a cell; where the second fluid is absent its equation of state need not be asked.
+Mixture closure(Fluids const& fluids, double first, double second, double alpha) {
+  if (fluids.two && alpha > vanishing_fraction) return mixture(fluids, first, second, alpha);
+  Mixture m;
+  std::visit([&](auto const& eos) { material::add_fluid(eos, 1.0, material::phase_density(first, 1.0), m); },
+             fluids.ambient);
+  return m;
+}
+
+/// Do waves that come to such a boundary stay in the domain?
+bool turns_back(grid::Boundary b) {
+  return b == grid::Boundary::wall || b == grid::Boundary::symmetry || b == grid::Boundary::periodic;
+}
+
+/// Calls visit(cell of the block, its number in the face) for every cell next to a face.
+template <class Visit>
+void for_each_face_cell(grid::Block const& block, int direction, int side, Visit&& visit) {
+  Index3 n = block.n;
+  n[direction] = 1;
+  int number = 0;
+  for (int k = 0; k < n[2]; ++k) {
+    for (int j = 0; j < n[1]; ++j) {
+      for (int i = 0; i < n[0]; ++i) {
+        Index3 cell{i, j, k};
+        if (side == 1) cell[direction] = block.n[direction] - 1;
+        visit(cell, number++);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+OpenFaces::OpenFaces(grid::Grid const& grid, Fluids const& fluids, int components)
+    : grid_(&grid), fluids_(fluids), components_(components), number_(6 * grid.blocks().size(), -1) {
+  for (int b = 0; b < grid.block_count(); ++b) {
+    grid::Block const& block = grid.blocks()[b];
+    for (int f = 0; f < 2 * grid.domain().dimensions(); ++f) {
+      if (block.neighbour[f] != grid::no_neighbour || grid.domain().boundary[f] != grid::Boundary::outflow) continue;
+      number_[6 * b + f] = static_cast<int>(faces_.size());
+      faces_.emplace_back();
+    }
+  }
+}
+
+OpenFaces::Beyond OpenFaces::beyond(Components const& u) const {
+  Beyond a;
+  a.conserved = u;
+  double const second = fluids_.two ? u[second_density] : 0.0;
+  Mixture const m = closure(fluids_, u[density], second, fluids_.two ? u[volume_fraction] : 0.0);
+  a.density = u[density] + second;
+  for (int d = 0; d < 3; ++d) a.velocity[d] = u[momentum_x + d] / a.density;
+  a.pressure = m.pressure(u[energy] - 0.5 * a.density * dot(a.velocity, a.velocity));
+  a.modulus = m.bulk_modulus(a.pressure);
+  a.nonlinearity = 1.0 + 0.5 / m.xi;
+  return a;
+}
+
+OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, int direction, int side, Beyond const& outside) const {
+  grid::Domain const& domain = grid_->domain();
+  int const dims = domain.dimensions();
+  int const exponent = grid::radial_exponent(domain.geometry);
+  double const c = std::sqrt(outside.modulus / outside.density);
+  Ray ray;
+  ray.direction[direction] = side == 0 ? -1.0 : 1.0;
+  std::array<double, 2> curvature{0.0, 0.0};
+  double distance = 0.0;
+  if (dims == 1) {
+    if (side == 0 || exponent == 0) return ray;
+    distance = x[0];
+    curvature = {1.0 / x[0], exponent == 2 ? 1.0 / x[0] : 0.0};
+  } else {
+    WaveSource const* nearest = nullptr;
+    Vec3 nearest_way{0.0, 0.0, 0.0};
+    for (WaveSource const& source : sources_) {
+      Vec3 way = x - source.position;
+      for (int d = 0; d < 3; ++d) {
+        if (d >= dims || source.spans[d]) way[d] = 0.0;
+      }
+      if (nearest == nullptr || norm(way) < distance) {
+        nearest = &source;
+        nearest_way = way;
+        distance = norm(way);
+      }
+    }
+    if (nearest == nullptr || distance <= 0.0) return ray;
+    // Between two mirrors waves spread until they are as far from the source as the mirrors from each other.
+    int spreading = 0;
+    std::array<bool, 3> spreads{false, false, false};
+    for (int d = 0; d < dims; ++d) {
+      Vec3 others = nearest_way;
+      others[d] = 0.0;
+      bool const closed = turns_back(domain.boundary[2 * d]) && turns_back(domain.boundary[2 * d + 1]);
+      bool const guided = closed && norm(others) >= domain.upper(d) - domain.lower[d];
+      spreads[d] = !nearest->spans[d] && !guided;
+      if (spreads[d])
+        ++spreading;
+      else
+        nearest_way[d] = 0.0;
+    }
+    distance = norm(nearest_way);
+    if (distance <= 0.0) return ray;
+    ray.direction = (1.0 / distance) * nearest_way;
+    double const along = ray.direction[direction] * (side == 0 ? -1.0 : 1.0);
+    ray.cosine = spreads[direction] ? std::max(along, least_cosine) : 0.0;
+    if (spreading == 3) curvature = {1.0 / distance, 1.0 / distance};
+    if (spreading == 2) curvature = {1.0 / distance, 0.0};
+    // Around an axis the front is a ring's.
+    if (exponent == 1 && spreads[0]) {
+      double const ring = x[0] > 0.0 ? std::max(ray.direction[0], 0.0) / x[0] : 0.0;
+      curvature = {spreading == 2 ? 1.0 / distance : 0.0, std::min(ring, 1.0 / distance)};
+    }
+  }
+  double const most = 0.5 / domain.h;
+  for (double& k : curvature) k = std::min(k, most);
+  double const mean = 0.5 * (curvature[0] + curvature[1]);
+  if (!(mean > 0.0)) return ray;
+  double const difference = 0.5 * (curvature[0] - curvature[1]);
+  ray.curvature = mean;
+  // In a wind what lasts is no wave but the flow around the source. Far upstream its total pressure is that of the
+  // wind: p - p_a = -rho_a u_a . (u - u_a). With this rate of forgetting the condition comes to it. Elsewhere nothing
+  // is forgotten, and the pressure of a steady flow comes to that of the ambient gas.
+  bool const windy = norm(outside.velocity) > 0.0;
+  double const against = std::max(-dot(outside.velocity, ray.direction), 0.0);
+  ray.fading = windy ? 0.0 : 0.5 * c * difference * difference / mean;
+  ray.drift = mean * against / (1.0 - std::min(against / c, 0.9));
+  return ray;
+}
+
+void OpenFaces::start(grid::Fields const& fields, Components const& ambient,
+                      std::function<bool(int block, int offset)> const& consumed) {
+  grid::Domain const& domain = grid_->domain();
+  for (int b = 0; b < grid_->block_count(); ++b) {
+    grid::Block const& block = grid_->blocks()[b];
+    for (int f = 0; f < 6; ++f) {
+      if (number_[6 * b + f] < 0) continue;
+      Face& face = faces_[number_[6 * b + f]];
+      face = {};
+      bool alike = true;
+      for_each_face_cell(block, f / 2, f % 2, [&](Index3 const& cell, int) {
+        int const at = block.offset(cell[0], cell[1], cell[2]);
+        Components u{};
+        for (int c = 0; c < components_; ++c) u[c] = fields.at(b, c)[at];
+        if (consumed(b, at)) u = ambient;
+        face.beyond.push_back(beyond(u));
+        alike = alike && u == face.beyond.front().conserved;
+        Vec3 x = domain.centre({block.origin[0] + cell[0], block.origin[1] + cell[1], block.origin[2] + cell[2]});
+        x[f / 2] += (f % 2 == 0 ? -0.5 : 0.5) * domain.h;
+        face.rays.push_back(ray_to(x, f / 2, f % 2, face.beyond.back()));
+      });
+      face.memory.assign(face.rays.size(), Memory{});
+      if (alike) face.beyond.resize(1);
+    }
+  }
+}
+
+bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, int side, double dt, Memory& memory,
+                              double& signal, Components& u) const {
+  double const normal = side == 0 ? -1.0 : 1.0;
+  double const second = fluids_.two ? u[second_density] : 0.0;
+  double const alpha = fluids_.two ? u[volume_fraction] : 0.0;
+  double const rho = u[density] + second;
+  Vec3 velocity{u[momentum_x] / rho, u[momentum_y] / rho, u[momentum_z] / rho};
+  Mixture m = closure(fluids_, u[density], second, alpha);
+  double const p = m.pressure(u[energy] - 0.5 * rho * dot(velocity, velocity));
+  double const modulus = m.bulk_modulus(p);
+  if (!(rho > 0.0) || !(modulus > 0.0)) return false;
+  double const w = normal * velocity[direction];
+  double const w_a = normal * a.velocity[direction];
+  if (w_a <= -std::sqrt(a.modulus / a.density)) {  // enters faster than sound
+    u = a.conserved;
+    signal = std::max(signal, norm(a.velocity) + std::sqrt(a.modulus / a.density));
+    return true;
+  }
+  Wave const leaving{std::sqrt(rho * modulus), (1.0 + 0.5 / m.xi) / modulus};
+  Wave const outer{std::sqrt(a.density * a.modulus), a.nonlinearity / a.modulus};
+  double afterflow = 0.0;
+  for (int k = 0; k < poles; ++k) afterflow += weights[k] * memory[k];
+  afterflow *= ray.curvature / a.density;
+  // Not below what waves can expand the gas to on either side, with some distance.
+  constexpr double most_expansion = 0.8;
+  double const least_p = std::max(p - most_expansion / leaving.k, a.pressure - most_expansion / outer.k);
+  double face_p = std::max(p, least_p);
+  for (int n = 0; n < 8; ++n) {
+    double const d = face_p - a.pressure;
+    double const miss = w - w_a - leaving.velocity(face_p - p) - ray.cosine * (outer.velocity(d) + afterflow);
+    double const before = face_p;
+    face_p = std::max(least_p, face_p + miss / (leaving.slope(face_p - p) + ray.cosine * outer.slope(d)));
+    if (std::abs(face_p - before) <= 1e-12 * modulus) break;
+  }
+  // Nothing enters against gas that leaves faster than the wave which turns to it: sound, or a shock where the pressure
+  // outside is higher.
+  if (w >= std::sqrt(modulus / rho * std::max(1.0, 1.0 + leaving.k * (face_p - p)))) {
+    remember(dt, p - a.pressure, ray.fading, ray.drift, memory);
+    return false;
+  }
+  double const d = face_p - a.pressure;
+  double const rise = ray.cosine * (outer.velocity(d) + afterflow);
+  double const face_w = w_a + rise;
+  if (!std::isfinite(face_w)) return false;
+  double const alone = outer.velocity(d);
+  remember(dt, d + 0.25 * a.nonlinearity * a.density * alone * alone, ray.fading, ray.drift, memory);
+  if (face_w >= 0.0) {
+    double const scale = std::clamp(1.0 + (face_p - p) / modulus, 0.1, 10.0);
+    u[density] *= scale;
+    if (fluids_.two) u[second_density] *= scale;
+    if (components_ > progress) u[progress] *= scale;
+  } else {
+    double const scale = std::clamp(1.0 + d / a.modulus, 0.1, 10.0);
+    double const shocked = u[shock];
+    u = a.conserved;
+    u[shock] = shocked;
+    u[density] *= scale;
+    if (fluids_.two) u[second_density] *= scale;
+    velocity = a.velocity + (rise / ray.cosine) * ray.direction;
+  }
+  velocity[direction] = normal * face_w;
+  double const rho1 = fluids_.two ? u[second_density] : 0.0;
+  double const face_rho = u[density] + rho1;
+  m = closure(fluids_, u[density], rho1, fluids_.two ? u[volume_fraction] : 0.0);
+  for (int c = 0; c < 3; ++c) u[momentum_x + c] = face_rho * velocity[c];
+  u[energy] = m.rho_e(face_p) + 0.5 * face_rho * dot(velocity, velocity);
+  double const face_modulus = m.bulk_modulus(face_p);
+  if (!(face_modulus > 0.0) || !std::isfinite(u[energy])) return false;
+  double const fastest = norm(velocity) + std::sqrt(face_modulus / face_rho);
+  signal = std::max(signal, fastest);
+  // The step was chosen without knowing of this inflow: it waits for the next one.
+  return fastest * dt <= grid_->domain().h;
+}
+
+void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt, bool burning,
+                     grid::Exchange& exchange) {
+  grid::Block const& block = grid_->blocks()[b];
+  for (int side = 0; side < 2; ++side) {
+    int const number = number_[6 * b + 2 * direction + side];
+    if (number < 0) continue;
+    Face& face = faces_[number];
+    Index3 slab = block.n;
+    slab[direction] = grid::ghost_layers;
+    int const count = slab[0] * slab[1] * slab[2];
+    int const layer = direction == 0 ? 1 : direction == 1 ? slab[0] : slab[0] * slab[1];
+    double* const ghosts = exchange.ghosts(b, side);
+    face.signal = 0.0;
+    for_each_face_cell(block, direction, side, [&](Index3 cell, int n) {
+      Beyond const& beyond = face.beyond[face.beyond.size() == 1 ? 0 : n];
+      Ray const& ray = face.rays[n];
+      if (ray.cosine == 0.0) return;
+      int const at = block.offset(cell[0], cell[1], cell[2]);
+      Components u{};
+      for (int c = 0; c < components_; ++c) u[c] = fields.at(b, c)[at];
+      // What has not been disturbed stays as it is to the last bit: blocks there may sleep.
+      if (face.memory[n] == Memory{} && u == beyond.conserved) return;
+      if (burning && u[volume_fraction] > 0.0) return;
+      if (!outside_state(beyond, ray, direction, side, dt, face.memory[n], face.signal, u)) return;
+      cell[direction] = 0;
+      int const first = cell[0] + slab[0] * (cell[1] + slab[1] * cell[2]);
+      for (int c = 0; c < components_; ++c) {
+        for (int l = 0; l < grid::ghost_layers; ++l) ghosts[c * count + first + l * layer] = u[c];
+      }
+    });
+  }
+}
+
+double OpenFaces::fastest_signal(int block) const {
+  double fastest = 0.0;
+  for (int f = 0; f < 6; ++f) {
+    int const number = number_[6 * block + f];
+    if (number >= 0) fastest = std::max(fastest, faces_[number].signal);
+  }
+  return fastest;
+}
+
+void OpenFaces::archive(Archive& a) {
+  for (Face& face : faces_) {
+    a.same(face.memory.size(), "the number of cells at an outflow boundary");
+    for (auto& memory : face.memory) a(memory);
+  }
+}
+
+}  // namespace brisance::gas

@@ -1,0 +1,126 @@
+/// Blocks that sleep. What a sleeping block leaves out must be what an awake one would have done, to the last bit: its
+/// cells stay as they are, and the accounts get what quiescent gas carries through the domain's faces.
+#include <algorithm>
+
+#include "core/parallel.hpp"
+#include "gas/gas.hpp"
+#include "gas/primitives.hpp"
+#include "gas/schemes/lax_wendroff.hpp"
+#include "gas/schemes/muscl_hancock.hpp"
+
+namespace brisance::gas {
+
+namespace {
+
+/// A row of quiescent gas, a whole number of vectors long.
+constexpr int row_cells = 32;
+
+BundleLayout row_layout(int direction) {
+  BundleLayout layout;
+  layout.direction = direction;
+  layout.length = row_cells;
+  layout.total = row_cells + 2 * grid::ghost_layers;
+  return layout;
+}
+
+BundleArrays row_of(Components const& quiet, BundleLayout const& layout) {
+  BundleArrays a(array_count, layout.total, 1);
+  for (int c = 0; c <= shock; ++c) std::fill_n(a[state_array(c)], layout.total, quiet[c]);
+  return a;
+}
+
+}  // namespace
+
+Components Gas::quiescent_flux(SweepContext s) const {
+  s.radial = false;
+  BundleLayout const layout = row_layout(s.direction);
+  BundleArrays a = row_of(conserved(quiescent_), layout);
+  GuardCount guards;
+  primitives<false>(s, layout, a, guards);
+  if (options_.scheme == Scheme::muscl_hancock)
+    muscl_hancock<false>(s, layout, a, guards);
+  else
+    lax_wendroff<false>(s, layout, a, guards);
+  Components flux{};
+  for (int c = density; c <= energy; ++c) flux[c] = a[a_flux + c][layout.begin(0) + row_cells / 2];
+  return flux;
+}
+
+double Gas::quiescent_pressure() const {
+  BundleLayout const layout = row_layout(0);
+  BundleArrays a = row_of(conserved(quiescent_), layout);
+  GuardCount guards;
+  signals<false>(sweep_context(0, 0.0), layout, a, layout.begin(0), row_cells, grid_->domain().dimensions(), guards);
+  return a[a_p][layout.begin(0) + row_cells / 2];
+}
+
+void Gas::wake_where_wind_changes() {
+  auto const quiet = conserved(quiescent_);
+  double const rho = quiet[density];
+  double const c = std::sqrt(std::max(0.0, mixture(fluids_, rho, 0.0, 0.0).bulk_modulus(quiescent_.pressure)) / rho);
+  double const dt = 0.1 * grid_->domain().h / (norm(quiescent_.velocity) + c);
+  std::vector<std::uint8_t> everything(awake_.size(), 1);
+  std::vector<std::uint8_t> const slept = awake_;
+  for (int direction = 0; direction < grid_->domain().dimensions(); ++direction) {
+    exchange_.fill(fields_, direction, everything);
+    SweepContext const context = sweep_context(direction, dt);
+    parallel_for(grid_->block_count(), [&](int b, int thread) {
+      if (slept[b] != 0 || blocks_[b].all_held) return;
+      Account const before = blocks_[b].account;
+      sweep_block(b, context, false, workspaces_[thread]);
+      blocks_[b].account = before;
+      blocks_[b].not_a_number = -1;
+      int const cells = grid_->blocks()[b].cell_count();
+      for (int component = 0; component < components(); ++component) {
+        double* const u = fields_.at(b, component);
+        double const value = quiet[component];
+        if (std::any_of(u, u + cells, [value](double x) { return x != value; })) awake_[b] = 1;
+      }
+    });
+    // Back to what they were; not before all have seen their neighbours.
+    for (int b = 0; b < grid_->block_count(); ++b) {
+      if (slept[b] != 0) continue;
+      for (int component = 0; component < components(); ++component)
+        std::fill_n(fields_.at(b, component), grid_->blocks()[b].cell_count(), quiet[component]);
+    }
+  }
+  clear_watched();
+}
+
+void Gas::account_asleep(int b, SweepContext const& s, Components const& flux) {
+  grid::Block const& block = grid_->blocks()[b];
+  int const low = 2 * s.direction;
+  if (block.neighbour[low] != grid::no_neighbour && block.neighbour[low + 1] != grid::no_neighbour) return;
+  auto& outflow = blocks_[b].account.outflow;
+  Bundles const bundles(block, s.direction, options_.bundle_cells);
+  // In the order of `account_boundaries`.
+  for (int index = 0; index < bundles.count(); ++index) {
+    BundleLayout const layout = bundles.layout(index);
+    for (int side = 0; side < 2; ++side) {
+      if (block.neighbour[low + side] != grid::no_neighbour) continue;
+      double const sign = side == 0 ? -1.0 : 1.0;
+      int const lines = s.direction == 0 ? layout.rows : layout.stride;
+      for (int line = 0; line < lines; ++line) {
+        int const column = layout.first + line;
+        int const i =
+            s.direction == 0 ? block.origin[0] + (side == 0 ? 0 : block.n[0]) : block.origin[0] + column % block.n[0];
+        double const area = grid_->domain().face_area(s.direction, i);
+        if (!blocks_[b].roles.empty()) {
+          Index3 cell{0, 0, 0};
+          cell[s.direction] = side == 0 ? 0 : block.n[s.direction] - 1;
+          if (s.direction == 0) {
+            cell[1] = column % block.n[1];
+            cell[2] = column / block.n[1];
+          } else {
+            cell[0] = column % block.n[0];
+            cell[s.direction == 1 ? 2 : 1] = s.direction == 1 ? layout.plane : column / block.n[0];
+          }
+          if (role(b, block.offset(cell[0], cell[1], cell[2])) != Role::own) continue;
+        }
+        for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * flux[c];
+      }
+    }
+  }
+}
+
+}  // namespace brisance::gas
