@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "run/world.hpp"
+
 namespace brisance::app {
 
 /// Value with the SI prefix that keeps it short: quantity(12345.0, "Pa") is "12.35 kPa". No prefix for "kg" and pure
@@ -18,5 +20,11 @@ namespace brisance::app {
 
 /// A large count: "1.23 million".
 [[nodiscard]] std::string large_count(double count);
+
+/// "balanced", "NOT BALANCED", or, where the drift of the energy is not judged, that.
+[[nodiscard]] std::string verdict_word(run::Verdict const& verdict);
+
+/// Why a run does not balance, a line each; a further line where it runs on because it is there for comparison.
+[[nodiscard]] std::string verdict_reasons(run::Verdict const& verdict, bool for_comparison);
 
 }  // namespace brisance::app

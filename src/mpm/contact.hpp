@@ -68,7 +68,7 @@ struct Surface {
 
 /// Makes the velocities of the fields compatible. `at` gives access to them: mass(f, node), get(f, node),
 /// set(f, node, velocity), gradient(f, node) of what it fills, and extent(f, node): how far the field's surface reaches
-/// beyond the node along its outer normal [m].
+/// beyond the node along its outer normal [m]. It is told by rub(f, node, change) what friction changes.
 template <class Access>
 void make_compatible(ContactNodes const& c, Access&& at) {
   for (int node = 0; node < c.nodes; ++node) {
@@ -105,6 +105,10 @@ void make_compatible(ContactNodes const& c, Access&& at) {
           double const speed = norm(slip);
           double const stopped = speed > 0.0 ? std::min(1.0, law.friction * closing / speed) : 0.0;
           change = closing * normal + stopped * slip;
+          if (stopped > 0.0) {
+            if (!rigid_a) at.rub(a, node, (-share_a * stopped) * slip);
+            if (!rigid_b) at.rub(b, node, (share_b * stopped) * slip);
+          }
         }
         at.set(a, node, va - share_a * change);
         at.set(b, node, vb + share_b * change);

@@ -37,7 +37,7 @@ void Mpm::archive(Archive& a) {
   a.same(bodies_.size(), "the number of bodies");
   a.same(work_->loads.size(), "the number of surface pressures");
   a(next_identity_, losses_.mass, losses_.momentum, losses_.energy, losses_.points, constraint_impulse_, outer_work_);
-  a(dissipation_.held, dissipation_.filtered);
+  a(dissipation_.held, dissipation_.filtered, dissipation_.friction);
   a(fastest_, time_, step_, signals_, timings_);
   for (Body& body : bodies_) a(body.reference_pressure);  // that of a gas follows its points
   for (PointSet& set : sets_) set.archive(a);
