@@ -23,7 +23,9 @@ namespace brisance::mpm {
   Vec3 n{0.0, 0.0, 0.0};
   for (int d = 0; d < 3; ++d) n[d] = take_from * from[d] - take_to * to[d];
   double const length = norm(n);
-  if (!(length > 0.0)) return {0.0, 0.0, 0.0};
+  // Within a body the gradients of its points cancel but for round-off, which has any direction.
+  constexpr double round_off = 1e-9;  // of the part that is filled; a surface shows some tenths of it
+  if (!(length > round_off * (from[3] + to[3]))) return {0.0, 0.0, 0.0};
   return (1.0 / length) * n;
 }
 

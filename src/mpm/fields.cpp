@@ -295,6 +295,29 @@ void Mpm::share_momentum(int block, Scratch& scratch) const {
   }
 }
 
+/// Work that rigid bodies in motion do by friction: the points do not have it to lose.
+double Mpm::rubbed_by_rigid(int block, Scratch const& scratch) const {
+  Workspace const& w = *work_;
+  if (w.node_weight[block].empty()) return 0.0;
+  double work = 0.0;
+  for (int f = 0; f < w.fields; ++f) {
+    if (scratch.rubs[f] == 0) continue;
+    NodeVelocity const* rub = scratch.rub[f].data();
+    NodeState const* nodes = scratch.state[f].data();
+    for (int node = 0; node < w.patches[block].count(); ++node) {
+      // One rigid body per node, as where contact gives its work. Between two that are not rigid the sum cancels.
+      for (int g = 0; g < w.fields; ++g) {
+        if (!w.rigid[g] || scratch.present[g] == 0 || !(scratch.state[g].data()[node].momentum[3] > 0.0)) continue;
+        Vec3 const& v = *w.rigid[g];
+        double const power = rub[node][0] * v[0] + rub[node][1] * v[1] + rub[node][2] * v[2];
+        work += w.node_weight[block][node] * nodes[node].momentum[3] * power;
+        break;
+      }
+    }
+  }
+  return work;
+}
+
 void Mpm::constrain_state(int block, Scratch& scratch) {
   Workspace& w = *work_;
   int const count = w.patches[block].count();
@@ -399,7 +422,7 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
   }
   w.impulse[block] = given.impulse;
   w.work[block] = given.work;
-  w.dissipation[block] = {.held = given.drive};
+  w.dissipation[block] = {.held = given.drive, .friction = rubbed_by_rigid(block, scratch)};
 }
 
 }  // namespace brisance::mpm

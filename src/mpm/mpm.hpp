@@ -306,6 +306,7 @@ class Mpm {
   void velocity_from_state(int block, Scratch& scratch) const;
   void constrain_velocity(int block, Scratch& scratch) const;
   void constrain_state(int block, Scratch& scratch);
+  [[nodiscard]] double rubbed_by_rigid(int block, Scratch const& scratch) const;
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
   [[nodiscard]] StressOrder order_of(int body) const;
   /// What a body's signals count in the step: 1 at the Courant number of the options.
