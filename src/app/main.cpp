@@ -13,7 +13,8 @@ using brisance::ExitCode;
 using brisance::app::print;
 
 constexpr char const* exit_codes =
-    "Exit codes: 0 done, 2 bad input, 3 stopped by the user, 4 numerical failure, 5 input/output failure.\n"
+    "Exit codes: 0 done, 2 bad input, 3 stopped by the user, 4 numerical failure or stopped by the audit,\n"
+    "5 input/output failure.\n"
     "Documentation: README.md and docs/ of the source tree; `brisance COMMAND --help` for one command.";
 
 /// Runs a command and turns every failure into a message and an exit code.

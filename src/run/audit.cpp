@@ -76,8 +76,12 @@ double AuditFinding::share() const {
 }
 
 // What is no number is beyond every limit.
-bool AuditFinding::tells() const { return warn > 0.0 && !(std::abs(amount) <= std::max(warn * scale, smallest)); }
-bool AuditFinding::stops() const { return fail > 0.0 && !(std::abs(amount) <= std::max(fail * scale, smallest)); }
+bool AuditFinding::tells() const {
+  return warn > 0.0 && !(std::abs(amount) <= std::max(warn * scale + fresh, smallest));
+}
+bool AuditFinding::stops() const {
+  return fail > 0.0 && !(std::abs(amount) <= std::max(fail * scale + fresh, smallest));
+}
 
 /// Without gas the mass is that of all bodies, with gas that of the two fluids in the gas points.
 Totals World::point_totals() const {
@@ -244,6 +248,8 @@ void World::follow_audit() {
     memory.scale = energy.scale;
     memory.all = energy.all;
     memory.drift = larger_size(memory.drift, energy.error());
+    memory.fresh = std::abs(energy.work - memory.work);
+    memory.work = energy.work;
     if (bridge != nullptr) {
       memory.surplus = std::max(memory.surplus, bridge->surplus());
       memory.gas = std::max(memory.gas, points->sums(gas_body()).mass);
@@ -285,11 +291,13 @@ std::vector<AuditFinding> World::audit_findings() const {
     found.push_back({Kind::guard_mass, audit.guard_mass, mass, guards_warn, fail});
   }
   if (points == nullptr) return found;
-  // Velocities stand half a step before positions and stress (a leapfrog): what flows within a step is not known.
-  double const step = energy.scale / static_cast<double>(std::max(clock.point_steps, 1L));
+  // Velocities stand half a step before positions and stress (a leapfrog): while loads set something in motion, the
+  // energies of the same time do not add up. The work that they did since the look before bounds that; it is a small
+  // part of the scale but in the first moments of a load.
+  double const work = points->outer_work();
+  double const fresh = std::max(audit.memory.fresh, std::abs(work - audit.memory.work));
   double const drift = larger_size(audit.memory.drift, energy.error());
-  found.push_back(
-      {Kind::drift, drift, energy.scale, limits.warn, limits.fail, std::max(drift_round_off * energy.all, step)});
+  found.push_back({Kind::drift, drift, energy.scale, limits.warn, limits.fail, drift_round_off * energy.all, fresh});
   if (bridge != nullptr)
     found.push_back({Kind::ledger, audit.memory.surplus, audit.memory.gas, limits.warn, limits.fail});
   return found;

@@ -53,6 +53,8 @@ struct AuditMemory {
   double drift = 0.0;    ///< of the energy, the largest of either sign [J]
   double surplus = 0.0;  ///< largest mass in the ledger that does not belong there [kg]
   double gas = 0.0;      ///< largest mass of the gas points [kg]
+  double work = 0.0;     ///< of loads, until the last look [J]
+  double fresh = 0.0;    ///< of it, since the look before, its size [J]
 };
 
 /// What must stay constant, and what changed it. At any time: current = initial - outflow + guards + afterburn
@@ -171,6 +173,7 @@ struct AuditFinding {
   double warn = 0.0;      ///< part of the scale from which on the run does not balance
   double fail = 0.0;      ///< from which on it stops; 0: never
   double smallest = 0.0;  ///< amounts up to this are none [J or kg]
+  double fresh = 0.0;     ///< what the limits leave on top, see `World::audit_findings` [J]
 
   [[nodiscard]] double share() const;  ///< of the scale; infinite where that is none
   [[nodiscard]] bool tells() const;

@@ -166,14 +166,15 @@ TEST(Drive, ANumericalFailureLeavesTheCheckpointsAndAFileOfItsOwn) {
 
 /// A run whose floor of the pressure lies that far above the ambient one: the guards lift every cell that is awake, and
 /// add 4 % of the charge's energy where that is 20 kPa.
-run::Case guarded(std::string const& floor, std::string const& more) {
-  return small_case("[numerics]\npressure_floor = \"" + floor + "\"\n" + more + "[end]\ntime = \"0.2 ms\"\n" +
-                    "[checkpoint]\nsteps = 1\nkeep = 100\n");
+run::Case guarded(double floor, std::string const& more) {
+  run::Case setup = small_case(more + "[end]\ntime = \"0.2 ms\"\n[checkpoint]\nsteps = 1\nkeep = 100\n");
+  setup.numerics.pressure_floor = floor;
+  return setup;
 }
 
 TEST(Drive, GuardsThatAddTooMuchStopTheRunAtThatStep) {
   Scratch const scratch;
-  run::World world(guarded("120 kPa", ""));
+  run::World world(guarded(1.2e5, ""));
   output::Writer writer(world, scratch.path());
   double within = 0.0;
   auto const ending = drive(world, writer, go_on, [&](run::World const& w) { within = w.audit.guard_energy; });
@@ -194,7 +195,7 @@ TEST(Drive, GuardsThatAddTooMuchStopTheRunAtThatStep) {
 
 TEST(Drive, GuardsThatAddLessAreTold) {
   Scratch const scratch;
-  run::World world(guarded("101.9 kPa", ""));
+  run::World world(guarded(1.019e5, ""));
   output::Writer writer(world, scratch.path());
   EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
   double const part = world.audit.guard_energy / world.charges[0].realised_energy;
@@ -206,9 +207,9 @@ TEST(Drive, GuardsThatAddLessAreTold) {
 }
 
 TEST(Drive, WhatIsThereForComparisonAndWhatTheDeckLetsGoRunsOn) {
-  for (char const* more : {"scheme = \"lax-wendroff\"\n", "[audit]\nfail = 0\n"}) {
+  for (char const* more : {"[numerics]\nscheme = \"lax-wendroff\"\n", "[audit]\nfail = 0\n"}) {
     Scratch const scratch;
-    run::World world(guarded("120 kPa", more));
+    run::World world(guarded(1.2e5, more));
     output::Writer writer(world, scratch.path());
     EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done) << more;
     EXPECT_GT(world.audit.guard_energy, 0.01 * world.charges[0].realised_energy) << more;

@@ -88,7 +88,7 @@ class Verdicts(unittest.TestCase):
         self.assertEqual(verdict(0.04, 0.05, False), report.badge("good", "within 5 %"))
         self.assertEqual(verdict(0.06, 0.05, True), report.badge("bad", "more than 5 %"))
         self.assertEqual(verdict(0.06, 0.0, False), report.badge("warn", "not judged"))
-        self.assertEqual(verdict(0.06, 0.005, False), report.badge("good", "within a step's share"))
+        self.assertEqual(verdict(0.06, 0.005, False), report.badge("good", "within the latest work of the loads"))
 
 
 class Figures(Folders):

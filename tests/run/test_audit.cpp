@@ -28,7 +28,7 @@ std::string reason(World const& world) {
   return verdict.balanced ? "" : verdict.reasons.front();
 }
 
-/// A block of water at rest in empty space, as after a thousand steps. Its energy counts from 0 K and from the pressure
+/// A block of water at rest in empty space. Its energy counts from 0 K and from the pressure
 /// that would tear it apart: megajoules that do no work.
 Case pool() {
   Case c;
@@ -44,10 +44,6 @@ Case pool() {
   c.points.bodies = {water};
   return c;
 }
-
-struct Pool : World {
-  Pool() : World(pool()) { clock.point_steps = 1000; }
-};
 
 TEST(Verdict, GuardsAreAnErrorOfTheChargesEnergy) {
   for (int const planes : {0, 1, 3}) {
@@ -103,7 +99,8 @@ TEST(Verdict, WithoutChargesGuardsCompareWithTheEnergyAboveTheAmbientState) {
   still.audit.guard_energy = 1e-10 * still.audit.initial.energy;
   EXPECT_EQ(reason(still), "");
   still.audit.guard_energy = 1e-8 * still.audit.initial.energy;
-  EXPECT_NE(reason(still), "");
+  still.audit.current.energy = still.audit.initial.energy + still.audit.guard_energy;
+  EXPECT_NE(reason(still).find("guards"), std::string::npos) << reason(still);
 }
 
 TEST(Verdict, MassThatGuardsAddCountsToo) {
@@ -137,7 +134,7 @@ TEST(Verdict, FluidsMustBalanceToRoundOff) {
 }
 
 TEST(Verdict, APoolAtRestBalancesAndOneThatGainsEnergyDoesNot) {
-  Pool w;
+  World w(pool());
   w.update_audit();
   ASSERT_GT(w.audit.initial.energy, 1e8) << "the internal energy of water is large";
   EXPECT_EQ(reason(w), "");
@@ -151,7 +148,7 @@ TEST(Verdict, APoolAtRestBalancesAndOneThatGainsEnergyDoesNot) {
 }
 
 TEST(Verdict, TheDriftComparesWithTheLargestEnergyAtWorkSoFar) {
-  Pool w;
+  World w(pool());
   w.update_audit();
   // It moved with 10 kJ and has come to rest but for an error of 0.4 %, then of 0.6 %.
   w.audit.memory.scale = 1e4;
@@ -170,7 +167,7 @@ TEST(Verdict, TheDriftComparesWithTheLargestEnergyAtWorkSoFar) {
 }
 
 TEST(Verdict, TheDeckSaysHowFarTheEnergyMayDrift) {
-  Pool w;
+  World w(pool());
   w.update_audit();
   w.audit.memory.scale = 1e4;
   w.audit.memory.drift = 700.0;
@@ -194,7 +191,7 @@ TEST(Verdict, KnowsWhatIsAtWork) {
   double const kinetic = 0.5 * 8930.0 * 4e-4 * 1e4;
   double const gas = 1e5 / 0.4 * 1e-4;
   EXPECT_NEAR(blocks.energy_balance().scale, kinetic + gas, 1e-6 * kinetic);
-  Pool const w;
+  World const w(pool());
   EXPECT_LT(w.energy_balance().scale, 1e-12 * w.energy_balance().all);
 }
 
@@ -243,19 +240,37 @@ TEST(Verdict, GasInTheLedgerIsAnError) {
   EXPECT_TRUE(finding(w, Kind::ledger).stops());
 }
 
-// Velocities stand half a step before positions: in the first steps that is a large part of all there is.
-TEST(FollowAudit, FreeFallNeverDrifts) {
-  Case c = two_blocks();
-  c.points.bodies.resize(2);
-  c.points.gauges.clear();
-  for (Body& body : c.points.bodies) body.velocity = {0.0, 0.0, 0.0};
-  c.points.options.body_force = {0.0, -1e7, 0.0};
-  c.end.steps = 100;
-  World w(c);
-  while (!w.finished()) {
-    advance(w, 1.0);
-    ASSERT_NO_THROW(w.follow_audit()) << w.clock.step;
-    ASSERT_EQ(reason(w), "") << w.clock.step;
+// Velocities stand half a step before positions: in the first steps of a fall or a load that is a large part of all
+// there is, whenever it begins.
+TEST(FollowAudit, FirstMomentsOfALoadAreNoDrift) {
+  Case rest = two_blocks();
+  rest.points.bodies.resize(2);
+  rest.points.gauges.clear();
+  for (Body& body : rest.points.bodies) body.velocity = {0.0, 0.0, 0.0};
+  Case fall = rest;
+  fall.points.options.body_force = {0.0, -1e7, 0.0};
+  fall.end.time = 10e-6;
+  Case push = rest;
+  push.points.pressures = {{}};
+  mpm::SurfacePressure& load = push.points.pressures.front();
+  load.body = 1;
+  load.region = shape::Box{{0.042, 0.0, 0.0}, {0.043, 0.03, 0.0}};
+  load.normal = {1.0, 0.0, 0.0};
+  load.thickness = 1e-3;
+  load.times = {2.03e-6, 30e-6};
+  load.pressures = {0.0, 1e8};
+  for (Case const& c : {fall, push}) {
+    for (double const end_time : {c.end.time, 1e3}) {  // looks by the time are rare, or none
+      World w(c);
+      w.setup.end.time = end_time;
+      while (w.clock.time < c.end.time) {
+        advance(w, c.end.time);
+        ASSERT_NO_THROW(w.follow_audit()) << w.clock.step;
+      }
+      w.update_audit();
+      EXPECT_GT(w.energy_balance().scale, 0.0);
+      EXPECT_EQ(reason(w), "");
+    }
   }
 }
 
@@ -299,10 +314,10 @@ TEST(FollowAudit, RemembersTheSameWhateverIsWritten) {
   c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.12, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
   c.end.time = 0.1;  // the looks by the time are far apart, those by steps are not
   std::vector<double> first;
-  for (int const count : {1, 2, 4}) {
+  for (int const count : {1, 2, 3}) {
     set_threads(count);
     World w(c);
-    while (w.clock.step < 130) {
+    while (w.clock.step < 70) {
       advance(w, c.end.time);
       w.follow_audit();
       if (count > 1) w.update_audit();
