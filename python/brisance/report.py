@@ -284,7 +284,8 @@ def drift_verdict(energy, log=None):
         return badge("warn", "not judged")
     if not (finding["told"] if finding else abs(drift) > warn):
         limit = FINE_DRIFT if abs(drift) <= FINE_DRIFT < warn else warn
-        return badge("good", f"within {100 * limit:g} %" if abs(drift) <= limit else "within the latest work of the loads")
+        within = f"within {100 * limit:g} %" if abs(drift) <= limit else "within the latest work of the loads"
+        return badge("good", within)
     return badge("bad", f"more than {100 * warn:g} %")
 
 

@@ -325,7 +325,8 @@ void Builder::audit() {
   auto& limits = out_.audit;
   limits.warn = section->number("warn").value_or(limits.warn);
   limits.fail = section->number("fail").value_or(limits.fail);
-  if (limits.fail > 0.0 && limits.warn > limits.fail) {
+  bool const read = !section->broken("warn") && !section->broken("fail");
+  if (read && limits.fail > 0.0 && limits.warn > limits.fail) {
     error(*section, section->given("fail") ? "fail" : "warn",
           fmt::format("the run would stop at fail = {:g} before it warns at warn = {:g}: make `fail` larger, `warn` "
                       "smaller, or `fail = 0` for a run that never stops",

@@ -23,6 +23,9 @@ constexpr double guards_fail = 1e-2;
 /// A drift up to this part of all energy, that of the ambient state included, is round-off: water at rest holds
 /// megajoules, and a plate under stress holds what it was given.
 constexpr double drift_round_off = 1e-9;
+/// Bodies at rest without stress have no energy at all; their points tremble by round-off of the speed of sound,
+/// squared.
+constexpr double noise = 1e-20;
 /// The audit is looked at whenever a part of the end time has gone by, and every so many steps: the end time may be far
 /// beyond the end.
 constexpr double looks = 1000.0;
@@ -47,6 +50,17 @@ double charge_energy(World const& w) {
   for (std::size_t b = 0; b < w.setup.points.bodies.size(); ++b) {
     Body const& body = w.setup.points.bodies[b];
     if (burns(body)) sum += w.bodies[b].mass * body.specific_energy.value_or(body.solid.specific_energy);
+  }
+  return sum;
+}
+
+/// Sum of m c^2 over the bodies [J].
+double stiffness(World const& w) {
+  double sum = 0.0;
+  for (std::size_t b = 0; b < w.setup.points.bodies.size(); ++b) {
+    material::Solid const& solid = w.setup.points.bodies[b].solid;
+    double const c = material::sound_speed(solid, solid.density, material::start_pressure(solid));
+    if (std::isfinite(c)) sum += w.bodies[b].mass * c * c;
   }
   return sum;
 }
@@ -297,7 +311,8 @@ std::vector<AuditFinding> World::audit_findings() const {
   double const work = points->outer_work();
   double const fresh = std::max(audit.memory.fresh, std::abs(work - audit.memory.work));
   double const drift = larger_size(audit.memory.drift, energy.error());
-  found.push_back({Kind::drift, drift, energy.scale, limits.warn, limits.fail, drift_round_off * energy.all, fresh});
+  double const smallest = std::max(drift_round_off * energy.all, noise * stiffness(*this));
+  found.push_back({Kind::drift, drift, energy.scale, limits.warn, limits.fail, smallest, fresh});
   if (bridge != nullptr)
     found.push_back({Kind::ledger, audit.memory.surplus, audit.memory.gas, limits.warn, limits.fail});
   return found;

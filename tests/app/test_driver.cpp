@@ -167,7 +167,7 @@ TEST(Drive, ANumericalFailureLeavesTheCheckpointsAndAFileOfItsOwn) {
 /// A run whose floor of the pressure lies that far above the ambient one: the guards lift every cell that is awake, and
 /// add 4 % of the charge's energy where that is 20 kPa.
 run::Case guarded(double floor, std::string const& more) {
-  run::Case setup = small_case(more + "[end]\ntime = \"0.2 ms\"\n[checkpoint]\nsteps = 1\nkeep = 100\n");
+  run::Case setup = small_case(more + "[end]\ntime = \"20 us\"\n[checkpoint]\nsteps = 5\nkeep = 100\n");
   setup.numerics.pressure_floor = floor;
   return setup;
 }
@@ -186,7 +186,7 @@ TEST(Drive, GuardsThatAddTooMuchStopTheRunAtThatStep) {
   output::CheckpointReader const stopped(scratch.path() / "checkpoints/stopped.brz");
   EXPECT_EQ(stopped.info().step, world.clock.step);
   auto const kept = checkpoints_of(scratch);
-  EXPECT_TRUE(kept.empty() || kept.back() == world.clock.step - 1) << "none of the state that was refused";
+  EXPECT_TRUE(kept.empty() || kept.back() < world.clock.step) << "none of the state that was refused";
   auto const log = log_of(scratch);
   EXPECT_EQ(log["exit_code"], 4);
   EXPECT_EQ(log["status"], "stopped");
@@ -195,7 +195,9 @@ TEST(Drive, GuardsThatAddTooMuchStopTheRunAtThatStep) {
 
 TEST(Drive, GuardsThatAddLessAreTold) {
   Scratch const scratch;
-  run::World world(guarded(1.019e5, ""));
+  run::Case setup = guarded(1.019e5, "");
+  setup.end.steps = 5;  // before the gas expands below the floor
+  run::World world(std::move(setup));
   output::Writer writer(world, scratch.path());
   EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
   double const part = world.audit.guard_energy / world.charges[0].realised_energy;

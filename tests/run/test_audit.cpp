@@ -259,6 +259,7 @@ TEST(FollowAudit, FirstMomentsOfALoadAreNoDrift) {
   load.thickness = 1e-3;
   load.times = {2.03e-6, 30e-6};
   load.pressures = {0.0, 1e8};
+  set_threads(1);
   for (Case const& c : {fall, push}) {
     for (double const end_time : {c.end.time, 1e3}) {  // looks by the time are rare, or none
       World w(c);
@@ -275,6 +276,7 @@ TEST(FollowAudit, FirstMomentsOfALoadAreNoDrift) {
 }
 
 TEST(FollowAudit, StopsWhereTheEnergyRunsAway) {
+  set_threads(1);
   Case c = two_blocks();
   World w(c);
   auto const heat = [&](double part) {
@@ -307,21 +309,22 @@ TEST(FollowAudit, StopsWhereTheEnergyRunsAway) {
 
 // What the audit remembers does not depend on threads, nor on what is written and when.
 TEST(FollowAudit, RemembersTheSameWhateverIsWritten) {
-  Case c = air_case(grid::Geometry::planar2d, {64, 24, 1}, 0.01, grid::Boundary::wall);
+  Case c = air_case(grid::Geometry::planar2d, {40, 16, 1}, 0.01, grid::Boundary::wall);
   c.mpm_region.emplace();
-  c.mpm_region->boxes = {shape::Box{{0.16, 0.0, 0.0}, {0.64, 0.24, 0.0}}};
+  c.mpm_region->boxes = {shape::Box{{0.16, 0.0, 0.0}, {0.4, 0.16, 0.0}}};
   c.points.options.block_cells = 8;
-  c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.12, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
+  c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.08, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
   c.end.time = 0.1;  // the looks by the time are far apart, those by steps are not
   std::vector<double> first;
-  for (int const count : {1, 2, 3}) {
+  for (int const count : {1, 2}) {
     set_threads(count);
     World w(c);
-    while (w.clock.step < 70) {
+    while (w.clock.step < 66) {
       advance(w, c.end.time);
       w.follow_audit();
-      if (count > 1) w.update_audit();
-      if (count > 2) w.sample_gauges();
+      if (count == 1) continue;
+      w.update_audit();
+      w.sample_gauges();
     }
     AuditMemory const& m = w.audit.memory;
     std::vector<double> const all{m.scale, m.all, m.drift, m.surplus, m.gas};
