@@ -169,6 +169,7 @@ TEST(Drive, ANumericalFailureLeavesTheCheckpointsAndAFileOfItsOwn) {
 run::Case guarded(double floor, std::string const& more) {
   run::Case setup = small_case(more + "[end]\ntime = \"20 us\"\n[checkpoint]\nsteps = 5\nkeep = 100\n");
   setup.numerics.pressure_floor = floor;
+  setup.charges[0].detonation = run::Detonation::instantaneous;  // a cell that has not burnt takes far more
   return setup;
 }
 

@@ -472,7 +472,8 @@ class Failures(Case):
 
     def test_guards_that_add_energy_stop_the_run(self):
         # A floor ten times the ambient pressure.
-        guarded = SMALL + "[ambient]\npressure = '1 kPa'\ndensity = 0.012\n[numerics]\npressure_floor = '10 kPa'\n"
+        guarded = SMALL.replace("0.4 ms", "20 us") + (
+            "[ambient]\npressure = '1 kPa'\ndensity = 0.012\n[numerics]\npressure_floor = '10 kPa'\n")
         done = self.brisance("run", self.deck(guarded), "--output", "out", code=4)
         self.assertIn("the audit stops the run: guards added", done.stderr)
         self.assertTrue((self.folder / "out/checkpoints/stopped.brz").exists())
