@@ -467,7 +467,7 @@ def column(run):
     coarse = run("soil_column_2d", "column-20", {"domain.cell": "20 mm"}).log["points"]["audit"]["energy"]
 
     def part(key, of):
-        return f"{100 * of[key] / of['largest']:.1f} %"
+        return f"{100 * of[key] / max(abs(of['initial']), abs(of['current'] + of['lost'])):.1f} %"
     rows = [["run-out (99 % of the mass) / half width", f"{bulk / 0.1:.2f}", "1 + 1.9 a^(2/3) = 5.8"],
             ["height left / half width", f"{height / 0.1:.2f}", "0.65 a^(2/5) = 1.1"],
             ["mean slope", f"{slope:.0f} degrees", "below the angle of friction, 33"],

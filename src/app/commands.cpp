@@ -41,8 +41,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double balanced = 1e-10;     // relative error of the audit that is round-off of a long run
-constexpr double large_drift = 0.5;    // of the energy of gas and points together [%]
 constexpr std::size_t most_rows = 30;  // gauges that the terminal's table shows
 
 /// What the deck says, with a case; its errors and warnings go to stderr.
@@ -126,18 +124,21 @@ void print_starts(run::World const& world) {
   }
 }
 
+void print_guards(run::Audit const& a) {
+  if (a.guarded_cells == 0) return;
+  print(stdout, "guards: {} cell updates lifted to the floors; they added {:.3g} kg and {:.3g} J\n", a.guarded_cells,
+        a.guard_mass, a.guard_energy);
+}
+
 void print_audit(run::World const& world) {
   auto const error = world.audit.relative_error();
   bool const two = world.gas->fluids().two;
-  double const worst = std::max({error[0], two ? error[1] : 0.0, error[2]});
   std::string const products = two ? fmt::format(", second fluid {:.1e}", error[1]) : "";
-  print(stdout, "\naudit: {} (relative error of the mass: {} {:.1e}{}; of the energy {:.1e})\n",
-        worst <= balanced ? "balanced" : "NOT BALANCED", world.setup.ambient.fluid.name, error[0], products, error[2]);
+  print(stdout, "\naudit: {} (relative error of the mass: {} {:.1e}{}; of the energy {:.1e})\n{}",
+        verdict_word(world.verdict()), world.setup.ambient.fluid.name, error[0], products, error[2],
+        verdict_reasons(world.verdict(), world.for_comparison()));
   auto const& a = world.audit;
-  if (a.guarded_cells > 0) {
-    print(stdout, "guards: {} cell updates lifted to the floors; they added {:.3g} kg and {:.3g} J\n", a.guarded_cells,
-          a.guard_mass, a.guard_energy);
-  }
+  print_guards(a);
   if (world.setup.afterburn) {
     print(stdout, "afterburn: the products released {}, of {} in all\n", quantity(a.afterburn_energy, "J"),
           quantity(world.setup.afterburn->energy * a.initial.mass[1], "J"));
@@ -205,20 +206,23 @@ void print_broken_zones(run::World const& world) {
 
 /// Kinetic energy that the points lost, where it is known.
 void print_dissipation(run::EnergyBalance const& energy) {
-  auto const& [held, filtered] = energy.dissipated;
-  if (held == 0.0 && filtered == 0.0) return;
-  print(stdout, "kinetic energy lost and counted: {} at held nodes, {} by PIC and XPIC; {:.2g} % of the energy\n",
-        quantity(held, "J"), quantity(filtered, "J"),
-        energy.largest > 0.0 ? 100.0 * (held + filtered) / energy.largest : 0.0);
+  auto const& [held, filtered, friction] = energy.dissipated;
+  if (held == 0.0 && filtered == 0.0 && friction == 0.0) return;
+  print(stdout,
+        "kinetic energy lost and counted: {} at held nodes, {} by PIC and XPIC, {} by the friction of contacts; {:.2g} "
+        "% of the energy at work\n",
+        quantity(held, "J"), quantity(filtered, "J"), quantity(friction, "J"),
+        energy.scale > 0.0 ? 100.0 * energy.dissipated.sum() / energy.scale : 0.0);
 }
 
 void print_point_audit(run::World const& world) {
   auto const& a = world.audit;
   auto const energy = world.energy_balance();
-  print(stdout, "\naudit: relative error of the mass {:.1e}; energy {} to {}{}, drift {:+.3g} %\n",
-        a.relative_error()[0], quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"),
+  print(stdout, "\naudit: {} (relative error of the mass {:.1e}; energy {} to {}{}, drift {:+.3g} % of {} at work)\n{}",
+        verdict_word(world.verdict()), a.relative_error()[0], quantity(energy.initial, "J"),
+        quantity(energy.current + energy.lost, "J"),
         energy.work != 0.0 ? fmt::format(" by the work {} of outer forces", quantity(energy.work, "J")) : "",
-        100.0 * energy.drift());
+        100.0 * energy.drift(), quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
   auto const& lost = world.points->losses();
   if (lost.points > 0) {
@@ -229,27 +233,17 @@ void print_point_audit(run::World const& world) {
 
 void print_region_audit(run::World const& world) {
   auto const error = world.audit.relative_error();
-  auto const& a = world.audit;
   bool const two = world.gas->fluids().two;
-  bool const paper = world.bridge->options().transport == bridge::Transport::paper;
-  double const worst = std::max(error[0], two ? error[1] : 0.0);
   bridge::Ledger const ledger = world.bridge->ledger();
   auto const energy = world.energy_balance();
-  double const drift = 100.0 * energy.drift();
-  print(stdout, "\naudit: mass {} (relative error: {} {:.1e}{}){}; energy {} to {}, drift {:+.3g} %\n",
-        worst <= balanced ? "balanced" : "NOT BALANCED", world.setup.ambient.fluid.name, error[0],
-        two ? fmt::format(", second fluid {:.1e}", error[1]) : "",
-        paper && worst > balanced ? ", as transport = \"paper\" counts twice what flows out of the region" : "",
-        quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"), drift);
+  print(stdout,
+        "\naudit: {} (relative error of the mass: {} {:.1e}{}; energy {} to {}, drift {:+.3g} % of {} at work)\n{}",
+        verdict_word(world.verdict()), world.setup.ambient.fluid.name, error[0],
+        two ? fmt::format(", second fluid {:.1e}", error[1]) : "", quantity(energy.initial, "J"),
+        quantity(energy.current + energy.lost, "J"), 100.0 * energy.drift(), quantity(energy.scale, "J"),
+        verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
-  if (std::abs(drift) > large_drift) {
-    print(stdout, "warning: the energy drifts by more than {:g} %: smaller cells or a wider region may help\n",
-          large_drift);
-  }
-  if (a.guarded_cells > 0) {
-    print(stdout, "guards: {} cell updates lifted to the floors; they added {:.3g} kg and {:.3g} J\n", a.guarded_cells,
-          a.guard_mass, a.guard_energy);
-  }
+  print_guards(world.audit);
   if (!world.awake_since) {
     print(stdout, "MPM region: no wave came near, its points slept\n");
     return;
@@ -289,7 +283,8 @@ std::unique_ptr<output::CheckpointReader> checkpoint_of(fs::path const& folder, 
   if (auto const key = deck::difference(info.deck, setup.deck_text)) {
     throw InputError(fmt::format(
         "--resume: {} of \"{}\" is not that of the deck that \"{}\" was calculated with; only [end], [output] (but for "
-        "peak_fields), [checkpoint] and the title may change; start anew with --force, or see {} for the former deck",
+        "peak_fields), [checkpoint], [audit] and the title may change; start anew with --force, or see {} for the "
+        "former deck",
         *key, setup.deck_path, found.reader->path().string(), (folder / "deck.toml").string()));
   }
   if (!found.problems.empty()) print(stderr, "the checkpoint \"{}\" is used\n", found.reader->path().string());

@@ -210,6 +210,7 @@ Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const&
     if (resumed == nullptr) recorder.record();
     while (!(ending = recorder.ending()) && !stop && !time_is_up()) {
       run::advance(world, recorder.next_dump());
+      world.follow_audit();  // before anything is recorded: a state that it refuses is none to go on from
       recorder.record();
       after_step(world);
     }

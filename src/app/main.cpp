@@ -18,8 +18,9 @@ using brisance::ExitCode;
 using brisance::app::print;
 
 constexpr char const* exit_codes =
-    "Exit codes: 0 done, 2 bad input, 3 stopped by the user or the clock, 4 numerical failure, 5 input/output "
-    "failure.\n"
+    "Exit codes: 0 done, 2 bad input, 3 stopped by the user or the clock, 4 numerical failure or stopped by the "
+    "audit,\n"
+    "5 input/output failure.\n"
     "Documentation: README.md and docs/ of the source tree; `brisance COMMAND --help` for one command.";
 
 /// A file of results must not get the number of a standard stream that the caller has closed.

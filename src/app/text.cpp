@@ -57,4 +57,18 @@ std::string listed(std::vector<std::string> const& messages) {
   return out;
 }
 
+std::string verdict_word(run::Verdict const& verdict) {
+  if (!verdict.balanced) return "NOT BALANCED";
+  return verdict.drift_judged ? "balanced" : "the drift of the energy is not judged, as [audit] warn = 0";
+}
+
+std::string verdict_reasons(run::Verdict const& verdict, bool for_comparison) {
+  std::string text;
+  for (std::string const& reason : verdict.reasons) text += "NOT BALANCED: " + reason + "\n";
+  if (!verdict.balanced && for_comparison) {
+    text += "scheme = \"lax-wendroff\" and transport = \"paper\" are there for comparison: such a run is not stopped\n";
+  }
+  return text;
+}
+
 }  // namespace brisance::app

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "run/world.hpp"
+
 namespace brisance::app {
 
 /// Value with the SI prefix that keeps it short: quantity(12345.0, "Pa") is "12.35 kPa". No prefix for "kg" and pure
@@ -28,5 +30,11 @@ inline constexpr std::size_t most_messages = 50;
 
 /// The first messages, each on a line of its own, and how many more there are.
 [[nodiscard]] std::string listed(std::vector<std::string> const& messages);
+
+/// "balanced", "NOT BALANCED", or, where the drift of the energy is not judged, that.
+[[nodiscard]] std::string verdict_word(run::Verdict const& verdict);
+
+/// Why a run does not balance, a line each; a further line where it runs on because it is there for comparison.
+[[nodiscard]] std::string verdict_reasons(run::Verdict const& verdict, bool for_comparison);
 
 }  // namespace brisance::app

@@ -867,6 +867,23 @@ void Bridge::give_birth_as_printed(double dt) {
   traffic_.born += born.size();
 }
 
+double Bridge::surplus() const {
+  auto const& faces = region_.faces();
+  double sum = 0.0;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    Lanes const& lanes = lanes_[f];
+    if (!awake_ || lanes.average >= 0) continue;  // through open faces gas leaves at once
+    double const density =
+        std::max(states_.later(lanes.outside_state).density, states_.later(lanes.inside_state).density);
+    for (int lane = 0; lane < lanes_per_face_; ++lane) {
+      Ledger const& account = ledger_[f * lanes_per_face_ + lane];
+      double const point = density * standard_volume(faces[f].inside, sub_cell(static_cast<int>(f), lane));
+      sum += std::max(0.0, std::abs(account.mass[0]) + std::abs(account.mass[1]) - 2.0 * point);
+    }
+  }
+  return sum;
+}
+
 std::string Bridge::intruder() const {
   std::vector<std::string> trouble(bridge_blocks_.size());
   parallel_for(static_cast<int>(bridge_blocks_.size()), [&](int n, int) {

@@ -107,6 +107,9 @@ class Bridge {
   /// The accounts, face by face, lane by lane.
   [[nodiscard]] std::vector<Ledger> const& accounts() const { return ledger_; }
   [[nodiscard]] Traffic const& traffic() const { return traffic_; }
+  /// Gas in the accounts of the faces, of either sign, beyond two points per lane [kg]. A sound ledger holds none: a
+  /// point is born from half a point's volume on.
+  [[nodiscard]] double surplus() const;
 
   /// The state that a checkpoint holds.
   void archive(Archive& archive);

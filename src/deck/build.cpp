@@ -69,6 +69,7 @@ run::Case Builder::build() {
   output();
   start();
   checkpoint();
+  audit();
   compare();
   unused_materials();
   return std::move(out_);
@@ -331,6 +332,21 @@ void Builder::checkpoint() {
   c.keep = static_cast<int>(section->integer("keep").value_or(c.keep));
   c.at_end = section->boolean("at_end").value_or(c.at_end);
   c.on_signal = section->boolean("on_signal").value_or(c.on_signal);
+}
+
+void Builder::audit() {
+  Section const* section = deck_.section("audit");
+  if (section == nullptr) return;
+  auto& limits = out_.audit;
+  limits.warn = section->number("warn").value_or(limits.warn);
+  limits.fail = section->number("fail").value_or(limits.fail);
+  bool const read = !section->broken("warn") && !section->broken("fail");
+  if (read && limits.fail > 0.0 && limits.warn > limits.fail) {
+    error(*section, section->given("fail") ? "fail" : "warn",
+          fmt::format("the run would stop at fail = {:g} before it warns at warn = {:g}: make `fail` larger, `warn` "
+                      "smaller, or `fail = 0` for a run that never stops",
+                      limits.fail, limits.warn));
+  }
 }
 
 void Builder::output() {

@@ -101,6 +101,7 @@ class Builder {
   void end();
   void output();
   void checkpoint();
+  void audit();
   void too_many(Section const& section, std::string_view key, double interval, double most, char const* things);
   void compare();
 

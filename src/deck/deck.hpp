@@ -56,7 +56,8 @@ struct Result {
 [[nodiscard]] Result read_text(std::string_view text, std::string_view name);
 
 /// The first key in which two decks differ so that one cannot go on with a run of the other, e.g. "domain.cell". The
-/// title, [end], [output] (but for peak_fields) and [checkpoint] are free; order, comments and layout never count.
+/// title, [end], [output] (but for peak_fields), [checkpoint] and [audit] are free; order, comments and layout never
+/// count.
 [[nodiscard]] std::optional<std::string> difference(std::string_view deck, std::string_view other);
 
 /// Reference manual of the deck in Markdown, made from the schema (docs/deck.md).

@@ -14,7 +14,7 @@ namespace {
 /// Keys that do not change what has been calculated so far. Of [output] all but `peak_fields`, which are sums over
 /// time.
 bool is_free(std::string const& path) {
-  if (path == "title" || path == "end" || path == "checkpoint") return true;
+  if (path == "title" || path == "end" || path == "checkpoint" || path == "audit") return true;
   return path.starts_with("output.") && path != "output.peak_fields";
 }
 

@@ -129,6 +129,31 @@ Table const& checkpoint_table() {
   return table;
 }
 
+Table const& audit_table() {
+  static Table const table = [] {
+    run::AuditLimits const limits;
+    return Table{
+        "What the run says and does where its energy is not conserved. The energy of material points drifts, alone and "
+        "together with gas; the drift counts as a part of the energy at work (the largest so far of kinetic energy, "
+        "work of loads and gravity, and energy above the ambient state). What the gas scheme's guards add has limits "
+        "of "
+        "its own: told from 1e-4, the run ends from 1e-2 of the charges' energy on. Nothing here changes the results.",
+        {number("warn", "1", 0.0, 1.0)
+             .of(limits.warn)
+             .like("0.005")
+             .means("Drift from which on the run is told to be NOT BALANCED; 0: the drift is not judged"),
+         number("fail", "1", 0.0, 1.0)
+             .of(limits.fail)
+             .like("0.05")
+             .means(
+                 "Drift from which on the run stops with exit code 4; 0: it never stops, whatever drifts, guards add "
+                 "or the ledger holds")},
+        {},
+        {}};
+  }();
+  return table;
+}
+
 Table const& compare_table() {
   static Table const table{
       "Comparison of the gauges with Kingery and Bulmash's curves.",
@@ -193,6 +218,7 @@ Table const& deck_schema() {
          nested(Type::table, "output", output_table()),
          nested(Type::table, "end", end_table()).required().like("time = \"10 ms\""),
          nested(Type::table, "checkpoint", checkpoint_table()),
+         nested(Type::table, "audit", audit_table()),
          nested(Type::table, "compare", compare_table()),
          nested(Type::named, "explosives", explosives_table()),
          nested(Type::named, "fluids", fluids_table()),

@@ -23,7 +23,9 @@ namespace brisance::mpm {
   Vec3 n{0.0, 0.0, 0.0};
   for (int d = 0; d < 3; ++d) n[d] = take_from * from[d] - take_to * to[d];
   double const length = norm(n);
-  if (!(length > 0.0)) return {0.0, 0.0, 0.0};
+  // Within a body the gradients of its points cancel but for round-off, which has any direction.
+  constexpr double round_off = 1e-9;  // of the part that is filled; a surface shows some tenths of it
+  if (!(length > round_off * (from[3] + to[3]))) return {0.0, 0.0, 0.0};
   return (1.0 / length) * n;
 }
 
@@ -68,7 +70,7 @@ struct Surface {
 
 /// Makes the velocities of the fields compatible. `at` gives access to them: mass(f, node), get(f, node),
 /// set(f, node, velocity), gradient(f, node) of what it fills, and extent(f, node): how far the field's surface reaches
-/// beyond the node along its outer normal [m].
+/// beyond the node along its outer normal [m]. It is told by rub(f, node, change) what friction changes.
 template <class Access>
 void make_compatible(ContactNodes const& c, Access&& at) {
   for (int node = 0; node < c.nodes; ++node) {
@@ -105,6 +107,10 @@ void make_compatible(ContactNodes const& c, Access&& at) {
           double const speed = norm(slip);
           double const stopped = speed > 0.0 ? std::min(1.0, law.friction * closing / speed) : 0.0;
           change = closing * normal + stopped * slip;
+          if (stopped > 0.0) {
+            if (!rigid_a) at.rub(a, node, (-share_a * stopped) * slip);
+            if (!rigid_b) at.rub(b, node, (share_b * stopped) * slip);
+          }
         }
         at.set(a, node, va - share_a * change);
         at.set(b, node, vb + share_b * change);

@@ -224,6 +224,7 @@ void Mpm::constrain_velocity(int block, Scratch& scratch) const {
       void set(int f, int node, Vec3 const& v) const {
         for (int d = 0; d < 3; ++d) s->velocity[f].data()[node][d] = v[d];
       }
+      void rub(int /*f*/, int /*node*/, Vec3 const& /*change*/) const {}  // that of the momentum is what counts
       NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
       double extent(int f, int node) const { return s->extent[f].data()[node]; }
     };
@@ -294,6 +295,29 @@ void Mpm::share_momentum(int block, Scratch& scratch) const {
   }
 }
 
+/// Work that rigid bodies in motion do by friction: the points do not have it to lose.
+double Mpm::rubbed_by_rigid(int block, Scratch const& scratch) const {
+  Workspace const& w = *work_;
+  if (w.node_weight[block].empty()) return 0.0;
+  double work = 0.0;
+  for (int f = 0; f < w.fields; ++f) {
+    if (scratch.rubs[f] == 0) continue;
+    NodeVelocity const* rub = scratch.rub[f].data();
+    NodeState const* nodes = scratch.state[f].data();
+    for (int node = 0; node < w.patches[block].count(); ++node) {
+      // One rigid body per node, as where contact gives its work. Between two that are not rigid the sum cancels.
+      for (int g = 0; g < w.fields; ++g) {
+        if (!w.rigid[g] || scratch.present[g] == 0 || !(scratch.state[g].data()[node].momentum[3] > 0.0)) continue;
+        Vec3 const& v = *w.rigid[g];
+        double const power = rub[node][0] * v[0] + rub[node][1] * v[1] + rub[node][2] * v[2];
+        work += w.node_weight[block][node] * nodes[node].momentum[3] * power;
+        break;
+      }
+    }
+  }
+  return work;
+}
+
 void Mpm::constrain_state(int block, Scratch& scratch) {
   Workspace& w = *work_;
   int const count = w.patches[block].count();
@@ -308,9 +332,11 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
     }
   }
   Given given = scratch.pressed;
+  std::fill(scratch.rubs.begin(), scratch.rubs.end(), 0);
   if (w.contact) {
     struct Access {
       Scratch* s;
+      int count;  ///< of nodes
       std::vector<std::optional<Vec3>> const* rigid;
       double const* weights;  ///< of the nodes; null: nobody wants to know what rigid bodies give
       Given* given;
@@ -332,6 +358,14 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
           if (Vec3 const* pusher = rigid_at(node)) given->work += impulse * (*pusher)[d];
         }
       }
+      void rub(int f, int node, Vec3 const& change) const {
+        if (s->rubs[f] == 0) {
+          NodeVelocity* nodes = s->rub[f].get(count);
+          std::fill(nodes, nodes + count, NodeVelocity{});
+          s->rubs[f] = 1;
+        }
+        for (int d = 0; d < 3; ++d) s->rub[f].data()[node][d] += change[d];
+      }
       /// Velocity of the rigid body that reaches the node, or null.
       Vec3 const* rigid_at(int node) const {
         for (std::size_t g = 0; g < rigid->size(); ++g) {
@@ -344,7 +378,7 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
     };
     double const* weights = w.node_weight[block].empty() ? nullptr : w.node_weight[block].data();
     make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips},
-                    Access{&scratch, &w.rigid, weights, &given});
+                    Access{&scratch, count, &w.rigid, weights, &given});
   }
   for (int f = 0; f < w.fields; ++f) {
     scratch.halts[f] = scratch.present[f] != 0 && !w.rigid[f] && w.slips[f] == 0 && !w.holds[block].empty() ? 1 : 0;
@@ -369,6 +403,7 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
         // `force` is the whole change of the step, the one against the start of the step.
         given.drive += hold.weight * m * (r.force[d] - halt[d]) * hold.velocity[d];
         halt[d] = r.force[d];
+        if (scratch.rubs[f] != 0) scratch.rub[f].data()[hold.node][d] = 0.0;  // the constraint does it all
       }
       // What slips along the body stays at its surface.
       for (int g = 0; g < w.fields; ++g) {
@@ -387,7 +422,7 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
   }
   w.impulse[block] = given.impulse;
   w.work[block] = given.work;
-  w.dissipation[block] = {given.drive, 0.0};
+  w.dissipation[block] = {.held = given.drive, .friction = rubbed_by_rigid(block, scratch)};
 }
 
 }  // namespace brisance::mpm

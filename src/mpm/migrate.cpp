@@ -148,6 +148,7 @@ void Mpm::migrate() {
     outer_work_ += w.work[block];
     dissipation_.held += w.dissipation[block].held;
     dissipation_.filtered += w.dissipation[block].filtered;
+    dissipation_.friction += w.dissipation[block].friction;
   }
 
   // Every block takes what the blocks around it have for it, in their order.

@@ -164,11 +164,14 @@ struct Losses {
   long points = 0;
 };
 
-/// Kinetic energy that points lost and that went nowhere [J].
+/// Kinetic energy that points lost, known where and why [J].
 struct Dissipation {
   /// At nodes that constraints hold: what arrives there with another velocity takes theirs, a plastic impact.
   double held = 0.0;
   double filtered = 0.0;  ///< by the fraction of PIC, and by XPIC
+  double friction = 0.0;  ///< to the friction of contacts; it heats nothing
+
+  [[nodiscard]] double sum() const { return held + filtered + friction; }
 };
 
 /// Where a point is kept.
@@ -252,7 +255,7 @@ class Mpm {
   [[nodiscard]] Vec3 const& constraint_impulse() const { return constraint_impulse_; }
   /// Work that constraints, rigid bodies, surface pressures and the body force did on the points since the start [J].
   [[nodiscard]] double outer_work() const { return outer_work_; }
-  /// Since the start; of bodies with FLIP and XPIC.
+  /// Since the start; what held nodes and filters take, of bodies with FLIP and XPIC.
   [[nodiscard]] Dissipation const& dissipation() const { return dissipation_; }
   /// The point of a body with the given identity; `hint` is where it was last.
   [[nodiscard]] Place find(int body, long identity, Place hint = {}) const;
@@ -303,6 +306,7 @@ class Mpm {
   void velocity_from_state(int block, Scratch& scratch) const;
   void constrain_velocity(int block, Scratch& scratch) const;
   void constrain_state(int block, Scratch& scratch);
+  [[nodiscard]] double rubbed_by_rigid(int block, Scratch const& scratch) const;
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
   [[nodiscard]] StressOrder order_of(int body) const;
   /// What a body's signals count in the step: 1 at the Courant number of the options.

@@ -338,10 +338,12 @@ struct Kernels {
   /// `keeps_energy` the nodes hold kinetic energy per mass in the place of their mass, and what the points' velocity
   /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C + h^4/32 B:B (B: the mixed derivatives), heats:
   /// h^2/4 is the second moment of the B-splines. `exchange`: see `Mpm::share_momentum`, or null. `halt`: how
-  /// constraints change the nodes' velocity, or null. Returns the kinetic energy that points which follow increments
-  /// lose by `halt` (gains count negative) and by the filters.
+  /// constraints change the nodes' velocity, or null. `rub`: how friction does, or null. Returns the kinetic energy
+  /// that points which follow increments lose by `halt` (gains count negative) and by the filters, and all points by
+  /// `rub`.
   static Dissipation move(SetView const& v, Options const& options, double dt, bool keeps_energy,
-                          NodeState const* nodes, NodeVelocity const* exchange, NodeVelocity const* halt) {
+                          NodeState const* nodes, NodeVelocity const* exchange, NodeVelocity const* halt,
+                          NodeVelocity const* rub) {
     PointSet& set = *v.set;
     double const h = v.h;
     Transfer const transfer = v.body->transfer.value_or(options.transfer);
@@ -360,6 +362,14 @@ struct Kernels {
       alignas(64) double fresh[3][chunk];
       alignas(64) double change[3][chunk];
       alignas(64) double lost[chunk];
+      /// What friction takes from a point at a velocity in the middle of its change.
+      auto const rubbed = [&](int q, auto&& middle) {
+        Lanes4 slowed;
+        velocity_at<S, D>(*v.patch, k, q, rub, slowed);
+        double taken = 0.0;
+        for (int d = 0; d < 3; ++d) taken -= set.field(Field::mass)[begin + q] * slowed[d] * middle(d, slowed[d]);
+        return taken;
+      };
       if (affine) {
         AffineWeights<S, D> around;
         find_affine_weights<S, D>(*v.patch, h, constant_at(set, Field::position_x, begin), n, k, around);
@@ -384,6 +394,9 @@ struct Kernels {
               set.field(Field::affine_xx + (3 * i + j))[begin + q] = sum[1 + j][i] * inverse_h;
             }
           }
+        }
+        for (int q = 0; rub != nullptr && q < n; ++q) {
+          dissipated.friction += rubbed(q, [&](int d, double slowed) { return fresh[d][q] - 0.5 * slowed; });
         }
         for (int d = 0; d < 3; ++d) {
           for (int q = 0; q < n; ++q) {
@@ -412,6 +425,8 @@ struct Kernels {
             dissipated.held -= set.field(Field::mass)[begin + q] * stopped[d] * (u[d][q] + 0.5 * stopped[d]);
           }
         }
+        if (rub != nullptr)
+          dissipated.friction += rubbed(q, [&](int d, double) { return u[d][q] + 0.5 * change[d][q]; });
         if (exchange == nullptr) continue;
         Lanes4 taken;
         velocity_at<S, D>(*v.patch, k, q, exchange, taken);

@@ -50,6 +50,8 @@ void Mpm::advance(double dt) {
     scratch.exchanges.resize(work_->fields);
     scratch.halt.resize(work_->fields);
     scratch.halts.resize(work_->fields);
+    scratch.rub.resize(work_->fields);
+    scratch.rubs.resize(work_->fields);
   }
   bool const first = options_.order == StressOrder::usf;
   if (first) {
@@ -366,10 +368,12 @@ void Mpm::integrate(double dt) {
         if (own) {
           NodeVelocity const* exchange = scratch.exchanges[f] == 0 ? nullptr : scratch.exchange[f].data();
           NodeVelocity const* halt = scratch.halts[f] == 0 ? nullptr : scratch.halt[f].data();
+          NodeVelocity const* rub = scratch.rubs[f] == 0 ? nullptr : scratch.rub[f].data();
           Dissipation const lost =
-              kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(), exchange, halt);
+              kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(), exchange, halt, rub);
           w.dissipation[block].held += lost.held;
           w.dissipation[block].filtered += lost.filtered;
+          w.dissipation[block].friction += lost.friction;
           w.work[block] += work_on(block, body, outer);
         } else {
           for (int d = 0; d < 3; ++d) {

@@ -76,6 +76,8 @@ struct Scratch {
   std::vector<char> exchanges;
   std::vector<NodeArray<NodeVelocity>> halt;  ///< change of velocity from the start of the step by constraints
   std::vector<char> halts;
+  std::vector<NodeArray<NodeVelocity>> rub;  ///< change of velocity by the friction of contacts
+  std::vector<char> rubs;
   std::vector<NodeArray<double>> extent;  ///< contact
   std::vector<Vec3> normals;              ///< contact, of one field
   std::vector<char> present;

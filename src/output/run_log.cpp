@@ -38,9 +38,39 @@ json totals(run::Totals const& t) {
           {"energy", json_or_null(t.energy)}};
 }
 
-json audit(run::Audit const& a) {
+char const* key_of(run::AuditFinding::Kind kind) {
+  using Kind = run::AuditFinding::Kind;
+  switch (kind) {
+    case Kind::first_mass: return "mass";
+    case Kind::second_mass: return "mass_of_second_fluid";
+    case Kind::gas_energy: return "energy";
+    case Kind::guard_energy: return "guard_energy";
+    case Kind::guard_mass: return "guard_mass";
+    case Kind::drift: return "drift";
+    case Kind::ledger: return "ledger";
+  }
+  return "";
+}
+
+json audit(run::World const& world) {
+  run::Audit const& a = world.audit;
   auto const error = a.relative_error();
-  return {{"initial", totals(a.initial)},
+  auto const verdict = world.verdict();
+  json findings = json::object();
+  for (run::AuditFinding const& f : world.audit_findings()) {
+    findings[key_of(f.kind)] = {{"amount", json_or_null(f.amount)},
+                                {"scale", json_or_null(f.scale)},
+                                {"share", json_or_null(f.share())},
+                                {"warn", f.warn},
+                                {"fail", f.fail},
+                                {"told", f.tells()}};
+  }
+  return {{"balanced", verdict.balanced},
+          {"reasons", verdict.reasons},
+          {"drift_judged", verdict.drift_judged},
+          {"for_comparison", world.for_comparison()},
+          {"findings", std::move(findings)},
+          {"initial", totals(a.initial)},
           {"current", totals(a.current)},
           {"outflow", totals(a.outflow)},
           {"fallback_faces", a.fallback_faces},
@@ -107,6 +137,14 @@ json sums(detonation::BurstSums const& s) {
           {"momentum", {json_or_null(s.momentum[0]), json_or_null(s.momentum[1]), json_or_null(s.momentum[2])}}};
 }
 
+/// The largest drift so far, of the energy at work.
+json largest_drift(run::World const& world) {
+  for (run::AuditFinding const& f : world.audit_findings()) {
+    if (f.kind == run::AuditFinding::Kind::drift) return json_or_null(f.share());
+  }
+  return nullptr;
+}
+
 /// What a run of material points has beside the rest.
 json points(run::World const& world, double wall_seconds) {
   mpm::Mpm const& p = *world.points;
@@ -170,11 +208,13 @@ json points(run::World const& world, double wall_seconds) {
              {{"initial", json_or_null(energy.initial)},
               {"current", json_or_null(energy.current)},
               {"lost", json_or_null(energy.lost)},
-              {"largest", json_or_null(energy.largest)},
+              {"scale", json_or_null(energy.scale)},
               {"drift", json_or_null(energy.drift())},
+              {"largest_drift", largest_drift(world)},
               {"work", json_or_null(energy.work)},
               {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
-              {"filtered", json_or_null(energy.dissipated.filtered)}}},
+              {"filtered", json_or_null(energy.dissipated.filtered)},
+              {"friction", json_or_null(energy.dissipated.friction)}}},
             {"lost_points", p.losses().points}}}};
 }
 
@@ -219,7 +259,10 @@ json mpm_region(run::World const& world, double wall_seconds) {
             {"work", json_or_null(energy.work)},
             {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
             {"filtered", json_or_null(energy.dissipated.filtered)},
-            {"drift", json_or_null(energy.drift())}}}};
+            {"friction", json_or_null(energy.dissipated.friction)},
+            {"scale", json_or_null(energy.scale)},
+            {"drift", json_or_null(energy.drift())},
+            {"largest_drift", largest_drift(world)}}}};
 }
 
 }  // namespace
@@ -335,7 +378,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"wall_seconds", status.wall_seconds},
            {"cell_updates_per_second", gas && status.wall_seconds > 0.0 ? updates / status.wall_seconds : 0.0},
            {"timings", std::move(timings)},
-           {"audit", audit(world.audit)},
+           {"audit", audit(world)},
            {"versions", versions()},
            {"machine", machine()}};
   if (world.setup.afterburn) log["afterburn"] = afterburn(*world.setup.afterburn);

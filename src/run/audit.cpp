@@ -1,11 +1,78 @@
-/// Conservation audit: what is in the domain, what left it, what the guards added.
+/// Conservation audit: what is in the domain, what left it, what the guards added, and whether all that is right.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/timer.hpp"
 #include "run/world.hpp"
 
 namespace brisance::run {
+
+namespace {
+
+/// Error of a balance that is kept by construction, relative to its largest term: round-off of a long run.
+constexpr double round_off = 1e-10;
+/// What guards add, as a part of the charges' energy, or without charges of the energy at work. It is an error of the
+/// same kind as a drift, but it stands in few cells, where it ruins the state long before the sum shows it.
+constexpr double guards_warn = 1e-4;
+constexpr double guards_fail = 1e-2;
+/// A drift up to this part of all energy, that of the ambient state included, is round-off: water at rest holds
+/// megajoules, and a plate under stress holds what it was given.
+constexpr double drift_round_off = 1e-9;
+/// Bodies at rest without stress have no energy at all; their points tremble by round-off of the speed of sound,
+/// squared.
+constexpr double noise = 1e-20;
+/// The audit is looked at whenever a part of the end time has gone by, and every so many steps: the end time may be far
+/// beyond the end.
+constexpr double looks = 1000.0;
+constexpr long steps_between_looks = 64;
+
+using Kind = AuditFinding::Kind;
+
+bool burns(Body const& body) { return body.solid.burns() || !body.initiation.empty(); }
+
+/// Specific internal energy of a body's material in the start's ambient state [J/kg]. The ambient state of explosives
+/// is that of their products, far apart; bodies without gas around stand in empty space, in which an ideal gas gives
+/// away all that it has.
+double rest_energy(Case const& setup, Body const& body) {
+  bool const expands = !setup.mpm_region && std::holds_alternative<material::IdealGas>(body.solid.eos);
+  return burns(body) || expands ? 0.0 : body.solid.specific_energy;
+}
+
+/// Energy of the charges, of cells and of bodies, as far as they lie in the domain [J].
+double charge_energy(World const& w) {
+  double sum =
+      w.setup.charges.empty() ? 0.0 : w.audit.initial.mass[1] * w.setup.charges.front().explosive.specific_energy();
+  for (std::size_t b = 0; b < w.setup.points.bodies.size(); ++b) {
+    Body const& body = w.setup.points.bodies[b];
+    if (burns(body)) sum += w.bodies[b].mass * body.specific_energy.value_or(body.solid.specific_energy);
+  }
+  return sum;
+}
+
+/// Sum of m c^2 over the bodies [J].
+double stiffness(World const& w) {
+  double sum = 0.0;
+  for (std::size_t b = 0; b < w.setup.points.bodies.size(); ++b) {
+    material::Solid const& solid = w.setup.points.bodies[b].solid;
+    double const c = material::sound_speed(solid, solid.density, material::start_pressure(solid));
+    if (std::isfinite(c)) sum += w.bodies[b].mass * c * c;
+  }
+  return sum;
+}
+
+/// Kinetic energy and internal energy above the ambient state [J].
+double energy_above(Totals const& t) {
+  return t.kinetic_energy + std::abs(t.energy - t.kinetic_energy - t.rest_energy);
+}
+
+double larger_size(double a, double b) { return std::abs(b) > std::abs(a) ? b : a; }
+
+}  // namespace
 
 std::array<double, 3> Audit::relative_error() const {
   auto const error = [](double before, double out, double added, double now) {
@@ -17,32 +84,45 @@ std::array<double, 3> Audit::relative_error() const {
           error(initial.energy, outflow.energy, guard_energy + afterburn_energy, current.energy)};
 }
 
-namespace {
+double AuditFinding::share() const {
+  if (amount == 0.0) return 0.0;
+  return scale > 0.0 ? amount / scale : std::copysign(std::numeric_limits<double>::infinity(), amount);
+}
+
+// What is no number is beyond every limit.
+bool AuditFinding::tells() const {
+  return warn > 0.0 && !(std::abs(amount) <= std::max(warn * scale + fresh, smallest));
+}
+bool AuditFinding::stops() const {
+  return fail > 0.0 && !(std::abs(amount) <= std::max(fail * scale + fresh, smallest));
+}
 
 /// Without gas the mass is that of all bodies, with gas that of the two fluids in the gas points.
-Totals totals_of(mpm::Mpm const& points, int gas_body = -1) {
+Totals World::point_totals() const {
   Totals total;
-  for (int body = 0; body < static_cast<int>(points.bodies().size()); ++body) {
-    mpm::BodySums const sums = points.sums(body);
+  int const gas_body = this->gas_body();
+  for (int body = 0; body < static_cast<int>(points->bodies().size()); ++body) {
+    mpm::BodySums const sums = points->sums(body);
     total.momentum = total.momentum + sums.momentum;
     total.energy += sums.kinetic_energy + sums.internal_energy;
+    total.kinetic_energy += sums.kinetic_energy;
+    if (body != gas_body) total.rest_energy += sums.mass * rest_energy(setup, setup.points.bodies[body]);
     if (gas_body >= 0 && body != gas_body) continue;
     for (int f = 0; f < 2; ++f) total.mass[f] += sums.fluid_mass[f];
   }
   return total;
 }
 
-}  // namespace
-
 Totals World::totals() const {
-  if (gas == nullptr) return totals_of(*points);
+  if (gas == nullptr) return point_totals();
   Totals total = gas_totals();
+  total.rest_energy = gas_rest_energy_;
   if (bridge != nullptr) {
     bridge::Ledger const ledger = bridge->ledger();
     for (int f = 0; f < 2; ++f) total.mass[f] += ledger.mass[f];
     total.momentum = total.momentum + ledger.momentum;
     total.energy += ledger.energy;
-    total += totals_of(*points, gas_body());
+    total += point_totals();
   }
   return total;
 }
@@ -62,10 +142,18 @@ Totals World::gas_totals() const {
           int const at = block.offset(i, j, k);
           if (!gas->is_own(b, at)) continue;
           double const volume = setup.domain.cell_volume(block.origin[0] + i);
-          row.mass[0] += volume * gas->fields().at(b, gas::density)[at];
-          if (two) row.mass[1] += volume * gas->fields().at(b, gas::second_density)[at];
-          for (int d = 0; d < 3; ++d) row.momentum[d] += volume * gas->fields().at(b, gas::momentum_x + d)[at];
+          double const density = gas->fields().at(b, gas::density)[at];
+          double const second = two ? gas->fields().at(b, gas::second_density)[at] : 0.0;
+          double square = 0.0;
+          for (int d = 0; d < 3; ++d) {
+            double const momentum = gas->fields().at(b, gas::momentum_x + d)[at];
+            row.momentum[d] += volume * momentum;
+            square += momentum * momentum;
+          }
+          row.mass[0] += volume * density;
+          row.mass[1] += volume * second;
           row.energy += volume * gas->fields().at(b, gas::energy)[at];
+          row.kinetic_energy += 0.5 * volume * square / (density + second);
         }
         plane += row;
       }
@@ -77,8 +165,37 @@ Totals World::gas_totals() const {
   return total;
 }
 
-void World::update_audit() {
-  audit.current = totals();
+/// Of all that is gas at the start, whatever its state.
+double World::gas_rest_energy() const {
+  double volume = 0.0;
+  for (grid::Block const& block : grid.blocks()) {
+    int const b = static_cast<int>(&block - grid.blocks().data());
+    for (int k = 0; k < block.n[2]; ++k) {
+      for (int j = 0; j < block.n[1]; ++j) {
+        for (int i = 0; i < block.n[0]; ++i) {
+          if (gas->is_own(b, block.offset(i, j, k))) volume += setup.domain.cell_volume(block.origin[0] + i);
+        }
+      }
+    }
+  }
+  for (int b = 0; bridge != nullptr && b < points->grid().block_count(); ++b) {
+    mpm::PointSet const& set = points->points(b, gas_body());
+    for (int q = 0; q < set.size(); ++q) volume += set.field(mpm::Field::mass)[q] / set.field(mpm::Field::density)[q];
+  }
+  FluidState const& ambient = setup.ambient.state;
+  return volume * ambient.density * material::internal_energy(gas->fluids().ambient, ambient.density, ambient.pressure);
+}
+
+void World::start_audit() {
+  if (gas != nullptr) gas_rest_energy_ = gas_rest_energy();
+  audit.initial = totals();
+  audit.current = audit.initial;
+  audit.memory.scale = energy_at_work();
+  audit.memory.all = energy_balance().all;
+}
+
+/// What is known without a look at cells and points.
+void World::take_account() {
   audit.outflow = {};
   if (points != nullptr) {
     mpm::Losses const& lost = points->losses();
@@ -101,6 +218,144 @@ void World::update_audit() {
   audit.guard_mass = account.guard_mass;
   audit.guard_energy = account.guard_energy;
   audit.afterburn_energy = account.afterburn_energy;
+}
+
+void World::update_audit() {
+  audit.current = totals();
+  take_account();
+}
+
+/// At present; see `EnergyBalance::scale`. The energy of gas alone follows from what went through its boundaries.
+double World::energy_at_work() const {
+  if (points != nullptr) return energy_above(audit.current) + std::abs(points->outer_work());
+  return std::abs(audit.initial.energy - audit.initial.rest_energy - audit.outflow.energy + audit.afterburn_energy);
+}
+
+EnergyBalance World::energy_balance() const {
+  EnergyBalance balance;
+  balance.initial = audit.initial.energy;
+  balance.current = audit.current.energy;
+  balance.lost = audit.outflow.energy;
+  balance.released = audit.afterburn_energy;
+  if (points != nullptr) {
+    balance.work = points->outer_work();
+    balance.dissipated = points->dissipation();
+  }
+  balance.scale = std::max(audit.memory.scale, energy_at_work());
+  balance.all = std::max(audit.memory.all, energy_at_work() + std::abs(audit.current.rest_energy));
+  return balance;
+}
+
+bool World::audit_is_due() const {
+  double const part = setup.end.time / looks;
+  auto const number = [part](double time) { return std::floor(time / part * (1.0 + 1e-12)); };
+  return finished() || clock.step % steps_between_looks == 0 || number(clock.time) > number(clock.time - clock.dt);
+}
+
+void World::follow_audit() {
+  AuditMemory& memory = audit.memory;
+  bool const due = points != nullptr && audit_is_due();
+  if (due) {
+    PhaseTimer const timer(timings["audit"]);
+    update_audit();
+    EnergyBalance const energy = energy_balance();
+    memory.scale = energy.scale;
+    memory.all = energy.all;
+    memory.drift = larger_size(memory.drift, energy.error());
+    memory.fresh = std::abs(energy.work - memory.work);
+    memory.work = energy.work;
+    if (bridge != nullptr) {
+      memory.surplus = std::max(memory.surplus, bridge->surplus());
+      memory.gas = std::max(memory.gas, points->sums(gas_body()).mass);
+    }
+  } else {
+    take_account();
+    if (points == nullptr) {
+      memory.scale = std::max(memory.scale, energy_at_work());
+      memory.all = std::max(memory.all, energy_at_work() + std::abs(audit.initial.rest_energy));
+    }
+  }
+  if (for_comparison()) return;
+  for (AuditFinding const& finding : audit_findings()) {
+    bool const guards = finding.kind == Kind::guard_energy || finding.kind == Kind::guard_mass;
+    if ((!due && !guards) || !finding.stops()) continue;
+    throw NumericalError(fmt::format(
+        "the audit stops the run: {}, and {:g} % is where it ends; {}, and `fail = 0` in [audit] lets it go on",
+        in_words(finding), 100.0 * finding.fail,
+        guards ? "a smaller numerics.courant or finer cells may help"
+               : "smaller cells, or a smaller Courant number of the points, may help"));
+  }
+}
+
+std::vector<AuditFinding> World::audit_findings() const {
+  AuditLimits const& limits = setup.audit;
+  EnergyBalance const energy = energy_balance();
+  std::vector<AuditFinding> found;
+  auto const relative = audit.relative_error();
+  bool const two = gas != nullptr && gas->fluids().two;
+  found.push_back({Kind::first_mass, relative[0], 1.0, round_off});
+  if (two) found.push_back({Kind::second_mass, relative[1], 1.0, round_off});
+  if (points == nullptr) found.push_back({Kind::gas_energy, relative[2], 1.0, round_off});
+  if (gas != nullptr) {
+    double const of_charges = charge_energy(*this);
+    double const fail = limits.fail > 0.0 ? guards_fail : 0.0;
+    found.push_back({Kind::guard_energy, audit.guard_energy, of_charges > 0.0 ? of_charges : energy.scale, guards_warn,
+                     fail, of_charges > 0.0 ? 0.0 : drift_round_off * energy.all});
+    double const mass = two && !setup.charges.empty() ? audit.initial.mass[1] : audit.initial.mass[0];
+    found.push_back({Kind::guard_mass, audit.guard_mass, mass, guards_warn, fail});
+  }
+  if (points == nullptr) return found;
+  // Velocities stand half a step before positions and stress (a leapfrog): while loads set something in motion, the
+  // energies of the same time do not add up. The work that they did since the look before bounds that; it is a small
+  // part of the scale but in the first moments of a load.
+  double const work = points->outer_work();
+  double const fresh = std::max(audit.memory.fresh, std::abs(work - audit.memory.work));
+  double const drift = larger_size(audit.memory.drift, energy.error());
+  double const smallest = std::max(drift_round_off * energy.all, noise * stiffness(*this));
+  found.push_back({Kind::drift, drift, energy.scale, limits.warn, limits.fail, smallest, fresh});
+  if (bridge != nullptr)
+    found.push_back({Kind::ledger, audit.memory.surplus, audit.memory.gas, limits.warn, limits.fail});
+  return found;
+}
+
+std::string World::in_words(AuditFinding const& f) const {
+  double const percent = 100.0 * f.share();
+  switch (f.kind) {
+    case Kind::first_mass:
+      return fmt::format("the mass of {} is wrong by {:.2g} of itself",
+                         gas == nullptr ? "the points" : setup.ambient.fluid.name, f.amount);
+    case Kind::second_mass: return fmt::format("the mass of the second fluid is wrong by {:.2g} of itself", f.amount);
+    case Kind::gas_energy: return fmt::format("the energy is wrong by {:.2g} of itself", f.amount);
+    case Kind::guard_energy:
+      return fmt::format("guards added {:.3g} J, {:.3g} % of {}", f.amount, percent,
+                         charge_energy(*this) > 0.0 ? "the charges' energy" : "the energy at work");
+    case Kind::guard_mass:
+      return fmt::format("guards added {:.3g} kg, {:.3g} % of {}", f.amount, percent,
+                         gas->fluids().two && !setup.charges.empty() ? "the charges' mass" : "the gas");
+    case Kind::drift:
+      return fmt::format("the energy has drifted by {:+.3g} J, {:+.3g} % of the energy at work", f.amount, percent);
+    case Kind::ledger:
+      return fmt::format(
+          "{:.3g} kg of gas lie in the ledger between cells and points that belong to neither, {:.3g} % of the gas "
+          "points",
+          f.amount, percent);
+  }
+  return "";
+}
+
+bool World::for_comparison() const {
+  bool const scheme = gas != nullptr && setup.numerics.scheme == Scheme::lax_wendroff;
+  return scheme || (bridge != nullptr && bridge->options().transport == bridge::Transport::paper);
+}
+
+Verdict World::verdict() const {
+  Verdict verdict;
+  verdict.drift_judged = points == nullptr || setup.audit.warn > 0.0;
+  for (AuditFinding const& finding : audit_findings()) {
+    if (finding.tells()) verdict.reasons.push_back(in_words(finding));
+  }
+  verdict.balanced = verdict.reasons.empty();
+  return verdict;
 }
 
 }  // namespace brisance::run

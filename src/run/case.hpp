@@ -201,6 +201,13 @@ struct Checkpoint {
   bool on_signal = true;  ///< when the user stops the run
 };
 
+/// How far the energy of material points may drift, alone and together with gas: parts of `EnergyBalance::scale`; 0: as
+/// far as it will. Nothing here changes the results.
+struct AuditLimits {
+  double warn = 0.005;  ///< beyond it the run is told to be NOT BALANCED
+  double fail = 0.05;   ///< beyond it the run stops; 0: nothing that the audit finds stops it
+};
+
 /// How the Kingery-Bulmash values beside the gauges are to be taken.
 enum class Burst { none, spherical, hemispherical };
 
@@ -225,6 +232,7 @@ struct Case {
   Output output;
   End end;
   Checkpoint checkpoint;
+  AuditLimits audit;
   Burst burst = Burst::none;
 };
 

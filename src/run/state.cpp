@@ -8,7 +8,7 @@
 
 namespace brisance::run {
 
-void archive(Archive& a, Totals& t) { a(t.mass, t.momentum, t.energy); }
+void archive(Archive& a, Totals& t) { a(t.mass, t.momentum, t.energy, t.kinetic_energy, t.rest_energy); }
 
 void archive(Archive& a, ChargeReport& r) {
   a(r.explosive, r.asked_mass, r.realised_mass, r.realised_energy, r.cells_per_radius);
@@ -37,8 +37,10 @@ void World::archive(Archive& a) {
   double since = awake_since.value_or(0.0);
   a(woken, since);
   awake_since = woken ? std::optional<double>(since) : std::nullopt;
-  // What the audit knows beside its start follows from the state.
+  // What the audit knows beside its start and its memory follows from the state.
   run::archive(a, audit.initial);
+  a(audit.memory.scale, audit.memory.all, audit.memory.drift, audit.memory.surplus, audit.memory.gas, audit.memory.work,
+    audit.memory.fresh, gas_rest_energy_);
   a.same(setup.start.remap, "whether it started by a remap");
   if (setup.start.remap) {
     // The remap is not repeated.

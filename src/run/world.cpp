@@ -208,8 +208,7 @@ World::World(Case c) : setup(std::move(c)), grid(setup.domain, setup.numerics.bl
     if (points != nullptr) points->set_time(clock.time);
     if (bridge != nullptr && bridge->awake()) awake_since = clock.time;
   }
-  audit.initial = totals();
-  audit.current = audit.initial;
+  start_audit();
 }
 
 World::~World() = default;
@@ -228,24 +227,6 @@ long World::active_cells() const {
     if (gas->awake(b)) count += grid.blocks()[b].cell_count();
   }
   return count;
-}
-
-EnergyBalance World::energy_balance() const {
-  EnergyBalance balance;
-  balance.initial = audit.initial.energy;
-  balance.current = audit.current.energy;
-  balance.lost = audit.outflow.energy;
-  if (points != nullptr) {
-    balance.work = points->outer_work();
-    balance.dissipated = points->dissipation();
-  }
-  balance.largest = std::max(std::abs(balance.initial), std::abs(balance.current));
-  for (std::size_t n = 0; !body_histories.empty() && n < body_histories.front().size(); ++n) {
-    double sum = 0.0;
-    for (auto const& history : body_histories) sum += history[n].sums.kinetic_energy + history[n].sums.internal_energy;
-    balance.largest = std::max(balance.largest, std::abs(sum));
-  }
-  return balance;
 }
 
 std::vector<FieldInfo> const& known_fields() {

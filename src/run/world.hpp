@@ -33,13 +33,30 @@ struct Totals {
   std::array<double, 2> mass{0.0, 0.0};  ///< ambient fluid, second fluid [kg]
   Vec3 momentum{0.0, 0.0, 0.0};          ///< [kg m/s]
   double energy = 0.0;                   ///< internal + kinetic, chemical energy of unburnt explosive included [J]
+  double kinetic_energy = 0.0;           ///< of it [J]
+  /// Energy that all of this would have in the start's ambient state and at rest [J].
+  double rest_energy = 0.0;
 
   Totals& operator+=(Totals const& other) {
     for (int fluid = 0; fluid < 2; ++fluid) mass[fluid] += other.mass[fluid];
     momentum = momentum + other.momentum;
     energy += other.energy;
+    kinetic_energy += other.kinetic_energy;
+    rest_energy += other.rest_energy;
     return *this;
   }
+};
+
+/// What the audit remembers of earlier times: as of the instants of `World::follow_audit`, which neither output nor
+/// threads move.
+struct AuditMemory {
+  double scale = 0.0;    ///< largest energy at work, see `EnergyBalance` [J]
+  double all = 0.0;      ///< largest energy of all, that of the ambient state too [J]
+  double drift = 0.0;    ///< of the energy, the largest of either sign [J]
+  double surplus = 0.0;  ///< largest mass in the ledger that does not belong there [kg]
+  double gas = 0.0;      ///< largest mass of the gas points [kg]
+  double work = 0.0;     ///< of loads, until the last look [J]
+  double fresh = 0.0;    ///< of it, since the look before, its size [J]
 };
 
 /// What must stay constant, and what changed it. At any time: current = initial - outflow + guards + afterburn
@@ -53,6 +70,7 @@ struct Audit {
   double guard_mass = 0.0;  ///< mass that the guards added [kg]
   double guard_energy = 0.0;      ///< energy that the guards added [J]
   double afterburn_energy = 0.0;  ///< energy that the products released after the detonation [J]
+  AuditMemory memory;
 
   /// |initial - outflow + guards + afterburn - current| relative to the largest of the terms; index 0, 1: fluids, 2:
   /// energy.
@@ -120,20 +138,55 @@ struct BodyReport {
   double bar_volume = 0.0;      ///< of them in the domain [m3]
 };
 
-/// Where the energy of the material points stands.
+/// Where the energy stands that is not conserved by construction: of material points, alone or together with gas.
 struct EnergyBalance {
   double initial = 0.0;  ///< kinetic and internal [J]
   double current = 0.0;
   double lost = 0.0;            ///< left through the domain's faces [J]
-  double largest = 0.0;         ///< of the initial energy and all recorded ones [J]
   double work = 0.0;            ///< done by loads, the body force, and constraints and rigid bodies in motion [J]
+  double released = 0.0;        ///< by the afterburn [J]
   mpm::Dissipation dissipated;  ///< kinetic energy that was lost and is known
+  /// What an error of the energy is to be compared with [J]: the largest value so far of the energy at work, that is
+  /// kinetic energy + |work| + internal energy above (or below) the start's ambient state. The latter holds what burns
+  /// from the start, and what an afterburn has released.
+  double scale = 0.0;
+  double all = 0.0;  ///< the same, the energy of the ambient state included [J]
 
-  /// (current + lost + dissipated - work - initial) / largest; 0 where there is no energy.
-  [[nodiscard]] double drift() const {
-    double const known = lost + dissipated.held + dissipated.filtered;
-    return largest > 0.0 ? (current + known - work - initial) / largest : 0.0;
-  }
+  /// current + lost + dissipated - work - released - initial [J]. What guards add is in it.
+  [[nodiscard]] double error() const { return current + lost + dissipated.sum() - work - released - initial; }
+  /// `error` over `scale`; 0 where there is no energy.
+  [[nodiscard]] double drift() const { return scale > 0.0 ? error() / scale : 0.0; }
+};
+
+/// Something that the audit has looked at.
+struct AuditFinding {
+  enum class Kind {
+    first_mass,
+    second_mass,
+    gas_energy,    ///< of gas alone
+    guard_energy,  ///< that the guards added
+    guard_mass,
+    drift,   ///< of the energy of points, alone or together with gas
+    ledger,  ///< gas that lies between cells and points
+  };
+  Kind kind = Kind::drift;
+  double amount = 0.0;    ///< what is too much [J or kg], with its sign
+  double scale = 0.0;     ///< of what [J or kg]
+  double warn = 0.0;      ///< part of the scale from which on the run does not balance
+  double fail = 0.0;      ///< from which on it stops; 0: never
+  double smallest = 0.0;  ///< amounts up to this are none [J or kg]
+  double fresh = 0.0;     ///< what the limits leave on top, see `World::audit_findings` [J]
+
+  [[nodiscard]] double share() const;  ///< of the scale; infinite where that is none
+  [[nodiscard]] bool tells() const;
+  [[nodiscard]] bool stops() const;
+};
+
+/// What the audit says.
+struct Verdict {
+  bool balanced = true;
+  bool drift_judged = true;          ///< false: `AuditLimits::warn` is 0
+  std::vector<std::string> reasons;  ///< why it does not balance, a line each
 };
 
 void archive(Archive& a, Totals& totals);
@@ -216,16 +269,32 @@ class World {
   [[nodiscard]] int gas_body() const { return bridge == nullptr ? -1 : bridge->gas_body(); }
   /// Brings `audit.current`, `audit.outflow` and the guard counts up to date.
   void update_audit();
-  /// The energy of the points as of the last `update_audit`.
+  /// To be called after every step: looks at the guards, and some thousand times in a run at all the rest. Throws
+  /// NumericalError where what it finds is beyond the limits of the case.
+  void follow_audit();
+  /// The energy as of the last `update_audit`.
   [[nodiscard]] EnergyBalance energy_balance() const;
+  /// All that the audit looks at, as of the last `update_audit`.
+  [[nodiscard]] std::vector<AuditFinding> audit_findings() const;
+  [[nodiscard]] Verdict verdict() const;
+  /// Schemes that are there for comparison only run on whatever the audit finds.
+  [[nodiscard]] bool for_comparison() const;
   /// Writes the whole state into a checkpoint or takes it from one: the world is then the one that was written, to the
   /// last bit. Throws IoError where the checkpoint is not of this case; the state is worthless afterwards.
   void archive(Archive& a);
 
  private:
   [[nodiscard]] Totals gas_totals() const;
+  [[nodiscard]] Totals point_totals() const;
+  [[nodiscard]] double gas_rest_energy() const;
+  void start_audit();
+  void take_account();
+  [[nodiscard]] double energy_at_work() const;
+  [[nodiscard]] bool audit_is_due() const;
+  [[nodiscard]] std::string in_words(AuditFinding const& finding) const;
   void sample_points();
   std::unique_ptr<GasView> gauge_view_;  ///< made with the first sample
+  double gas_rest_energy_ = 0.0;         ///< of gas cells and gas points in the ambient state [J]
 };
 
 /// Values of a field in one block: x fastest, components interleaved; `out` is resized. With a view of all cells those

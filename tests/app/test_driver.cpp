@@ -169,6 +169,62 @@ TEST(Drive, ANumericalFailureLeavesTheCheckpointsAndAFileOfItsOwn) {
   EXPECT_TRUE(std::isnan(failed.gas->fields().at(0, gas::energy)[3]));
 }
 
+/// A run whose floor of the pressure lies that far above the ambient one: the guards lift every cell that is awake, and
+/// add 4 % of the charge's energy where that is 20 kPa.
+run::Case guarded(double floor, std::string const& more) {
+  run::Case setup = small_case(more + "[end]\ntime = \"20 us\"\n[checkpoint]\nsteps = 5\nkeep = 100\n");
+  setup.numerics.pressure_floor = floor;
+  setup.charges[0].detonation = run::Detonation::instantaneous;  // a cell that has not burnt takes far more
+  return setup;
+}
+
+TEST(Drive, GuardsThatAddTooMuchStopTheRunAtThatStep) {
+  Scratch const scratch;
+  run::World world(guarded(1.2e5, ""));
+  output::Writer writer(world, scratch.path());
+  double within = 0.0;
+  auto const ending = drive(world, writer, go_on, [&](run::World const& w) { within = w.audit.guard_energy; });
+  EXPECT_EQ(ending.code, ExitCode::numerical_failure);
+  EXPECT_NE(ending.reason.find("guards added"), std::string::npos) << ending.reason;
+  double const charge = world.charges[0].realised_energy;
+  EXPECT_LE(within, 0.01 * charge) << "until the step before";
+  EXPECT_GT(world.audit.guard_energy, 0.01 * charge);
+  output::CheckpointReader const stopped(scratch.path() / "checkpoints/stopped.brz");
+  EXPECT_EQ(stopped.info().step, world.clock.step);
+  auto const kept = checkpoints_of(scratch);
+  EXPECT_TRUE(kept.empty() || kept.back() < world.clock.step) << "none of the state that was refused";
+  auto const log = log_of(scratch);
+  EXPECT_EQ(log["exit_code"], 4);
+  EXPECT_EQ(log["status"], "stopped");
+  EXPECT_EQ(log["audit"]["balanced"], false);
+}
+
+TEST(Drive, GuardsThatAddLessAreTold) {
+  Scratch const scratch;
+  run::Case setup = guarded(1.019e5, "");
+  setup.end.steps = 5;  // before the gas expands below the floor
+  run::World world(std::move(setup));
+  output::Writer writer(world, scratch.path());
+  EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
+  double const part = world.audit.guard_energy / world.charges[0].realised_energy;
+  EXPECT_GT(part, 1e-4);
+  EXPECT_LT(part, 1e-2);
+  EXPECT_FALSE(world.verdict().balanced);
+  EXPECT_EQ(log_of(scratch)["audit"]["balanced"], false);
+  EXPECT_FALSE(std::filesystem::exists(scratch.path() / "checkpoints/stopped.brz"));
+}
+
+TEST(Drive, WhatIsThereForComparisonAndWhatTheDeckLetsGoRunsOn) {
+  for (char const* more : {"[numerics]\nscheme = \"lax-wendroff\"\n", "[audit]\nfail = 0\n"}) {
+    Scratch const scratch;
+    run::World world(guarded(1.2e5, more));
+    output::Writer writer(world, scratch.path());
+    EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done) << more;
+    EXPECT_GT(world.audit.guard_energy, 0.01 * world.charges[0].realised_energy) << more;
+    EXPECT_FALSE(world.verdict().balanced) << more;
+  }
+}
+
 TEST(Drive, AnOutputFailureEndsTheRunAtOnce) {
   Scratch const scratch;
   run::World world(small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n"));

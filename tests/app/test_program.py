@@ -90,7 +90,7 @@ class CommandLine(Case):
     def test_help_names_commands_and_exit_codes(self):
         text = self.brisance("--help").stdout
         for word in ("run", "check", "info", "report", "kb", "0 done, 2 bad input, 3 stopped by the user",
-                     "4 numerical failure, 5 input/output failure"):
+                     "4 numerical failure or stopped by the audit", "5 input/output failure"):
             self.assertIn(word, text)
 
     def test_every_command_has_an_example(self):
@@ -656,6 +656,22 @@ class Failures(Case):
         warned = self.brisance("check", self.deck(thin))
         self.assertEqual(warned.stdout.count("across its shortest side"), 50)
         self.assertIn("and 10 more", warned.stdout)
+
+    def test_guards_that_add_energy_stop_the_run(self):
+        # A floor ten times the ambient pressure.
+        guarded = SMALL.replace("0.4 ms", "20 us") + (
+            "[ambient]\npressure = '1 kPa'\ndensity = 0.012\n[numerics]\npressure_floor = '10 kPa'\n")
+        done = self.brisance("run", self.deck(guarded), "--output", "out", code=4)
+        self.assertIn("the audit stops the run: guards added", done.stderr)
+        self.assertTrue((self.folder / "out/checkpoints/stopped.brz").exists())
+        log = json.loads((self.folder / "out/run.json").read_text(encoding="utf-8"))
+        self.assertIs(log["audit"]["balanced"], False)
+        # For comparison it runs on, and says what is wrong.
+        compared = self.deck(guarded + "scheme = 'lax-wendroff'\n")
+        done = self.brisance("run", compared, "--output", "out", "--force")
+        self.assertIn("audit: NOT BALANCED", done.stdout)
+        self.assertIn("NOT BALANCED: guards added", done.stdout)
+        self.assertNotIn("audit: balanced", done.stdout)
 
     def test_output_inside_a_file(self):
         deck = self.deck(SMALL)

@@ -18,6 +18,17 @@ TEST(Text, QuantitiesTakeThePrefixThatKeepsThemShort) {
   EXPECT_EQ(quantity(999.94, "Pa"), "999.9 Pa");
 }
 
+TEST(Text, AVerdictSaysBalancedOnlyWhereAllIs) {
+  EXPECT_EQ(verdict_word({}), "balanced");
+  EXPECT_EQ(verdict_reasons({}, false), "");
+  run::Verdict const wrong{false, true, {"one thing", "another"}};
+  EXPECT_EQ(verdict_word(wrong), "NOT BALANCED");
+  EXPECT_EQ(verdict_reasons(wrong, false), "NOT BALANCED: one thing\nNOT BALANCED: another\n");
+  EXPECT_NE(verdict_reasons(wrong, true).find("there for comparison"), std::string::npos);
+  EXPECT_EQ(verdict_word({true, false, {}}).find("balanced"), std::string::npos);
+  EXPECT_EQ(verdict_word({false, false, {"a mass"}}), "NOT BALANCED");
+}
+
 TEST(Text, WallTimesReadLikeAClock) {
   EXPECT_EQ(wall_time(4.24), "4.2 s");
   EXPECT_EQ(wall_time(59.4), "59 s");

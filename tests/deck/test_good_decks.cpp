@@ -790,6 +790,21 @@ TEST(GoodDecks, CheckpointsAreReadInFull) {
   EXPECT_FALSE(c.at_end || c.on_signal);
 }
 
+TEST(GoodDecks, LimitsOfTheAuditAreRead) {
+  auto const audit = [](std::string const& table) {
+    return read("[domain]\nsize = [1, 1, 1]\ncell = 0.1\n[end]\ntime = 1\n" + table).audit;
+  };
+  EXPECT_EQ(audit("").warn, 0.005);
+  EXPECT_EQ(audit("").fail, 0.05);
+  auto const both = audit("[audit]\nwarn = 0.02\nfail = 0.2\n");
+  EXPECT_EQ(both.warn, 0.02);
+  EXPECT_EQ(both.fail, 0.2);
+  auto const never = audit("[audit]\nwarn = 0.2\nfail = 0\n");
+  EXPECT_EQ(never.warn, 0.2);
+  EXPECT_EQ(never.fail, 0.0);
+  EXPECT_EQ(audit("[audit]\nwarn = 0\n").warn, 0.0);
+}
+
 TEST(Difference, OnlyWhatHasBeenCalculatedCounts) {
   std::string const text =
       "title = \"a\"\n[domain]\nsize = [1, 1]\ncell = 0.1\n[[gauge]]\npoint = [1, 2]\n[output]\nfields = [\"mach\"]\n"
@@ -802,6 +817,7 @@ TEST(Difference, OnlyWhatHasBeenCalculatedCounts) {
   EXPECT_EQ(changed("\"a\"", "\"b\""), "");
   EXPECT_EQ(changed("time = 1", "time = 2\nsteps = 5"), "");
   EXPECT_EQ(changed("[end]", "[checkpoint]\nsteps = 5\n[end]"), "");
+  EXPECT_EQ(changed("[end]", "[audit]\nfail = 0\n[end]"), "");
   EXPECT_EQ(changed("[\"mach\"]", "[\"mach\", \"pressure\"]"), "");
   EXPECT_EQ(changed("[output]\nfields = [\"mach\"]\n", ""), "");
   EXPECT_EQ(changed("[domain]", "# a remark\n\n[domain]"), "");

@@ -245,7 +245,12 @@ TEST(Points, LogTellsBodiesOptionsAndAudit) {
   EXPECT_EQ(energy["work"], 0.0);
   double const change =
       energy["current"].get<double>() + energy["lost"].get<double>() - energy["initial"].get<double>();
-  EXPECT_DOUBLE_EQ(energy["drift"], change / energy["largest"].get<double>());
+  EXPECT_DOUBLE_EQ(energy["drift"], change / energy["scale"].get<double>());
+  EXPECT_EQ(energy["friction"], 0.0);
+  EXPECT_TRUE(log["audit"]["balanced"].is_boolean());
+  EXPECT_EQ(log["audit"]["findings"]["drift"]["warn"], 0.005);
+  EXPECT_EQ(log["audit"]["findings"]["drift"]["fail"], 0.05);
+  EXPECT_TRUE(energy["largest_drift"].is_number());
 }
 
 TEST(Points, EarlierResultsAreRefusedAndReplaced) {

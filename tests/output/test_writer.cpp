@@ -55,6 +55,10 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   EXPECT_FALSE(log["machine"]["processor"].get<std::string>().empty());
   EXPECT_TRUE(log["audit"]["relative_error"]["energy"].is_number());
   EXPECT_EQ(log["audit"]["fallback_faces"], 7);
+  EXPECT_EQ(log["audit"]["balanced"], true);
+  EXPECT_EQ(log["audit"]["reasons"].size(), 0U);
+  EXPECT_EQ(log["audit"]["for_comparison"], false);
+  EXPECT_EQ(log["audit"]["findings"]["guard_energy"]["told"], false);
   EXPECT_TRUE(fs::exists(folder / "fields/fields_000000.h5"));
   EXPECT_TRUE(fs::exists(folder / "summary.csv"));
   auto const gauge = read_file(folder / "gauges/g.csv");
@@ -62,6 +66,19 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
 
   EXPECT_THROW(Writer(world, folder), IoError);
   EXPECT_NO_THROW(Writer(world, folder, {.earlier = Earlier::replace}));
+}
+
+TEST(Writer, LogTellsWhatDoesNotBalance) {
+  run::World world(air_box());
+  ScratchFolder scratch;
+  Writer writer(world, scratch.path());
+  world.audit.guard_energy = 1e3;
+  writer.finish(world, "end time reached", 0);
+  auto const audit = nlohmann::json::parse(read_file(scratch.path() / "run.json"))["audit"];
+  EXPECT_EQ(audit["balanced"], false);
+  EXPECT_GE(audit["reasons"].size(), 1U);
+  EXPECT_EQ(audit["findings"]["guard_energy"]["amount"], 1e3);
+  EXPECT_EQ(audit["findings"]["guard_energy"]["told"], true);
 }
 
 TEST(Writer, StoppedRunSaysSo) {

@@ -1,4 +1,5 @@
 """Reports of runs of material points, from made-up output folders."""
+import json
 import sys
 import unittest
 from pathlib import Path
@@ -30,8 +31,9 @@ class Pages(Folders):
         # Mises, plastic strain, pressure, speed; gauges, energies, timings.
         self.assertEqual(page.count("<img "), 7)
         for part in ("Made-up &lt;points&gt;", "quadratic B-spline, MUSL, XPIC(2), locking control", "2,000",
-                     "body force (0, -9.81, 0) m/s²", "Mirrored at the axis", "drift", "-0.2 %", "within 1 %",
-                     "copper: a handbook", "z: -2.9", "Points lost 0.25 J of kinetic energy at held nodes"):
+                     "body force (0, -9.81, 0) m/s²", "Mirrored at the axis", "drift", "-0.2 %", "within 0.5 %",
+                     "copper: a handbook", "z: -2.9", "Points lost 0.25 J of kinetic energy at held nodes",
+                     "the friction of contacts 0.125 J"):
             self.assertIn(part, page)
         self.assertNotIn("Overpressure field", page)
 
@@ -52,16 +54,41 @@ class Pages(Folders):
         self.assertEqual(self.titles(page), ["Calculation", "Bodies", "Conservation", "Cost and versions", "Deck"])
         self.assertIn("not finished", page)
 
+    def test_of_a_run_that_drifts(self):
+        path = self.root / "2d/run.json"
+        sound = path.read_text(encoding="utf-8")
+        log = json.loads(sound)
+        log["audit"].update(balanced=False, reasons=["the energy has drifted"])
+        log["audit"]["findings"]["drift"]["told"] = True
+        path.write_text(json.dumps(log), encoding="utf-8")
+        try:
+            page = self.page("2d")
+        finally:
+            path.write_text(sound, encoding="utf-8")
+        self.assertEqual(page.count(report.badge("bad", "NOT BALANCED")), 2)
+        self.assertIn("<li>the energy has drifted</li>", page)
+        self.assertIn(report.badge("bad", "more than 0.5 %"), page)
+
 
 class Verdicts(unittest.TestCase):
     def test_of_the_drift(self):
         verdict = {drift: report.drift_verdict({"drift": drift})
-                   for drift in (None, 5e-4, -5e-4, 5e-3, -5e-2)}
+                   for drift in (None, 5e-4, -5e-4, 4e-3, 6e-3, -5e-2)}
         self.assertIn("not a number", verdict[None])
         self.assertIn("within 0.1 %", verdict[5e-4])
         self.assertIn("within 0.1 %", verdict[-5e-4])
-        self.assertIn("within 1 %", verdict[5e-3])
-        self.assertIn("more than 1 %", verdict[-5e-2])
+        self.assertIn("within 0.5 %", verdict[4e-3])
+        self.assertEqual(verdict[6e-3], report.badge("bad", "more than 0.5 %"))
+        self.assertEqual(verdict[-5e-2], report.badge("bad", "more than 0.5 %"))
+
+    def test_of_the_drift_by_the_limits_of_the_deck(self):
+        def verdict(drift, warn, told):
+            return report.drift_verdict({"drift": 0.0, "largest_drift": drift},
+                                        {"audit": {"findings": {"drift": {"warn": warn, "told": told}}}})
+        self.assertEqual(verdict(0.04, 0.05, False), report.badge("good", "within 5 %"))
+        self.assertEqual(verdict(0.06, 0.05, True), report.badge("bad", "more than 5 %"))
+        self.assertEqual(verdict(0.06, 0.0, False), report.badge("warn", "not judged"))
+        self.assertEqual(verdict(0.06, 0.005, False), report.badge("good", "within the latest work of the loads"))
 
 
 class Figures(Folders):

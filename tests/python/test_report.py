@@ -89,8 +89,30 @@ class Pages(Folders):
     def test_verdicts(self):
         page = self.page("3d")
         self.assertEqual(page.count("conserved to round-off"), 2)
-        self.assertEqual(page.count("drifts slightly"), 1)
+        self.assertEqual(page.count("not conserved"), 1)
         self.assertIn("In 12 cell updates", page)
+        self.assertIn("guards acted", page)
+        self.assertNotIn("NOT BALANCED", page)
+        self.assertEqual(page.count(report.badge("good", "balanced")), 1)
+
+    def test_guards_that_add_too_much(self):
+        path = self.root / "1d/run.json"
+        sound = path.read_text(encoding="utf-8")
+        log = json.loads(sound)
+        log["audit"].update(balanced=False, guard_energy=6.2e8, for_comparison=True,
+                            reasons=["guards added 6.2e+08 J, <much>"])
+        log["audit"]["findings"]["guard_energy"].update(amount=6.2e8, told=True)
+        path.write_text(json.dumps(log), encoding="utf-8")
+        try:
+            page = self.page("1d")
+        finally:
+            path.write_text(sound, encoding="utf-8")
+        # In the head of the page and over the table; not one good word about the energy.
+        self.assertEqual(page.count(report.badge("bad", "NOT BALANCED")), 2)
+        self.assertIn("<li>guards added 6.2e+08 J, &lt;much&gt;</li>", page)
+        self.assertIn(report.badge("bad", "guards added too much"), page)
+        self.assertIn("such a run is not stopped", page)
+        self.assertNotIn(report.badge("good", "balanced"), page)
 
     def test_gauge_table_holds_values_and_ratios(self):
         page = self.page("3d")

@@ -91,7 +91,10 @@ std::vector<double> bits_of(World& world) {
   }
   for (double const p : world.points->constraint_impulse()) bits.push_back(p);
   bits.push_back(world.points->outer_work());
-  bits.insert(bits.end(), {world.points->dissipation().held, world.points->dissipation().filtered});
+  bits.insert(bits.end(), {world.points->dissipation().held, world.points->dissipation().filtered,
+                           world.points->dissipation().friction});
+  AuditMemory const& memory = world.audit.memory;
+  bits.insert(bits.end(), {memory.scale, memory.all, memory.drift, memory.surplus, memory.gas});
   auto const add_sums = [&](std::vector<BodyRecord> const& records) {
     for (BodyRecord const& r : records) {
       mpm::BodySums const& s = r.sums;
@@ -117,6 +120,7 @@ bool same_bits(std::vector<double> const& a, std::vector<double> const& b) {
 
 void step(World& world) {
   advance(world, world.setup.end.time);
+  world.follow_audit();
   world.sample_gauges();
 }
 
