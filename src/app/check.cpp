@@ -114,7 +114,7 @@ void sum_memory(Plan& p) {
 }
 
 /// Cells around a shape, in the domain.
-double cells_around(shape::Shape const& shape, grid::Domain const& domain) {
+double boxed_cells(shape::Shape const& shape, grid::Domain const& domain) {
   auto const box = shape::bounds(shape);
   double cells = 1.0;
   for (int d = 0; d < domain.dimensions(); ++d)
@@ -285,7 +285,7 @@ void plan_gas(run::Case const& setup, Plan& p) {
       plan_start(setup, number - 1, what, p);
       continue;
     }
-    if (double const around = cells_around(charge.shape, setup.domain); grid && around <= most_cells_tried) {
+    if (double const around = boxed_cells(charge.shape, setup.domain); grid && around <= most_cells_tried) {
       p.charges.push_back(run::realised_charge(charge, *grid, what, &solid, &taken));
     } else {
       p.charges.push_back(untried_charge(charge, setup.domain, what));
@@ -357,7 +357,7 @@ run::BodyReport realised(run::Body const& body, grid::Domain const& domain, doub
   report.material = body.solid.name;
   double const density = body.density.value_or(body.solid.density);
   double const per_cell = std::pow(body.points_per_direction, domain.dimensions());
-  double const most = cells_around(body.shape, domain) * per_cell;
+  double const most = boxed_cells(body.shape, domain) * per_cell;
   if (most > most_points) {
     // The box around the part in the domain holds no more than the body, and the body no more than its volume.
     double cell = domain.h;
