@@ -49,9 +49,6 @@ inline constexpr int a_share = a_progress + 6;    ///< of the slopes that a shoc
 inline constexpr int a_B_left = a_progress + 7;   ///< closure sum B at the faces, where `bounded_phase` bounds it
 inline constexpr int a_B_right = a_progress + 8;
 inline constexpr int array_count = a_progress + 9;
-// Scratch of the closure at the faces: arrays that are in use only before or after it.
-inline constexpr int a_scratch_xi = a_flux;
-inline constexpr int a_scratch_H = a_flux + 1;
 
 /// The arrays of a conserved component and of its flux.
 inline constexpr int state_array(int component) { return component == progress ? a_progress : a_state + component; }

@@ -6,6 +6,7 @@
 #include "gas/afterburn.hpp"
 #include "gas/gas.hpp"
 #include "gas/primitives.hpp"
+#include "gas/schemes/cold_products.hpp"
 #include "gas/schemes/lax_wendroff.hpp"
 #include "gas/schemes/muscl_hancock.hpp"
 
@@ -285,11 +286,9 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
       primitives<true>(s, layout, a, guards);
     else
       primitives<false>(s, layout, a, guards);
+    bool checked = false;
     if (options_.scheme == Scheme::muscl_hancock) {
-      if (s.two)
-        muscl_hancock<true>(s, layout, a, guards);
-      else
-        muscl_hancock<false>(s, layout, a, guards);
+      checked = s.two ? muscl_hancock<true>(s, layout, a, guards) : muscl_hancock<false>(s, layout, a, guards);
     } else {
       if (s.two)
         lax_wendroff<true>(s, layout, a, guards);
@@ -300,6 +299,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     if (at_boundary) account_boundaries(b, layout, s, a);
     if (!data.watched[s.direction].empty()) account_watched(b, index, layout, s, a);
     update(layout, s, a);
+    if (checked && s.two) expand_cold_products(s, layout, a);
     if (!data.roles.empty()) restore_held(b, layout, a);
     if (last && s.two && options_.afterburn) burn_on(b, layout, s, a);
     if (last) measure(b, layout, s, a, guards);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gas/harness.hpp"
+#include "gas/schemes/cold_products.hpp"
 
 namespace brisance::test {
 namespace {
@@ -148,6 +149,30 @@ TEST(SpikeOfPressure, IsNoContact) {
   problem.gas->advance(courant * problem.domain.h / problem.gas->fastest_signal(), false);
   EXPECT_LT(problem.gas->fastest_signal(), 17e3);
   EXPECT_EQ(problem.gas->account().guarded_cells, 0);
+}
+
+// A trace of products that a shock has compressed like the gas around it is colder than its cold curve. Room for it is
+// found where the energy of both just suffices, whatever the trace.
+TEST(ColdProducts, GetTheRoomThatTheirDensityAsksFor) {
+  constexpr double xi0 = 2.5;
+  for (double const own : {150.0, 300.0, 700.0, 1500.0}) {
+    for (double const alpha : {1e-6, 1e-3, 0.05}) {
+      double const rho1 = own * alpha;
+      double const cold = xi0 * (1.0 - alpha) * petn.cold_pressure(own) + rho1 * petn.cold_energy(own);
+      double const rho_e = 0.01 * cold;
+      EXPECT_NEAR(gas::missing_heat(petn, xi0, rho1, alpha, rho_e) / cold, 0.99, 1e-12);
+      double const room = gas::room_for_products(petn, xi0, rho1, alpha, rho_e);
+      EXPECT_GT(room, alpha);
+      EXPECT_LT(room, 1.0);
+      EXPECT_NEAR(gas::missing_heat(petn, xi0, rho1, room, rho_e) / rho_e, 0.0, 1e-6) << own << " " << alpha;
+    }
+  }
+  // The cold curve is an isentrope: de/drho = p / rho^2.
+  for (double const rho : {100.0, 500.0, 1500.0}) {
+    double const d = 1e-4 * rho;
+    double const slope = (petn.cold_energy(rho + d) - petn.cold_energy(rho - d)) / (2.0 * d);
+    EXPECT_NEAR(slope * rho * rho / petn.cold_pressure(rho), 1.0, 1e-6);
+  }
 }
 
 }  // namespace

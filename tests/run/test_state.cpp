@@ -176,7 +176,7 @@ TEST(State, AfterburnGoesOnAfterAnyStep) {
   Case c = burst(Scheme::muscl_hancock);
   for (material::AfterburnRate const& rate :
        {material::AfterburnRate{material::MillerAfterburn{2e5, 100e9, 0.5, 1.0 / 6.0, 1e5}},
-        material::AfterburnRate{material::ConstantRateAfterburn{30e-6, 1e-3}}}) {
+        material::AfterburnRate{material::ConstantRateAfterburn{8e-6, 1e-3}}}) {
     c.afterburn = material::Afterburn{1e7, rate};
     World world(c);
     for (int n = 0; n < 60; ++n) step(world);

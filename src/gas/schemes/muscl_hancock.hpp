@@ -127,10 +127,14 @@ void carried_to_faces(BundleLayout const& b, BundleArrays& a, double half_lambda
   }
 }
 
+/// Largest volume fraction of the second fluid in cells where its own density is bounded.
+inline constexpr double lesser_part = 0.5;
+
 /// Keeps the second fluid's own density, partial density over volume fraction, at the faces of a cell between those of
-/// the cell and its neighbours, compressed by the half step. The two are limited independently, and where both fade out
-/// their ratio would drift away: a thousandth of the products then stands in the air at more than the density of the
-/// explosive, where its reference curve has no meaning, and heat released there tears the cell apart.
+/// the cell and its neighbours, compressed by the half step, where that fluid is the lesser part. The two are limited
+/// independently, and where both fade out their ratio would drift away: a thousandth of the products then stands in the
+/// air at more than the density of the explosive, where its reference curve has no meaning, and the air beside it gets
+/// hot enough to run ahead of the shock. With fine cells and short steps it drifts farthest.
 inline void bound_phase_density(BundleLayout const& b, BundleArrays& a) {
   int const st = b.stride;
   double const* const partial = a[second_density];
@@ -159,8 +163,9 @@ inline void bound_phase_density(BundleLayout const& b, BundleArrays& a) {
     double const most = std::max(own, std::max(below, above)) * compressed;
     double const left = std::min(std::max(L_partial[q], L_alpha[q] * least), L_alpha[q] * most);
     double const right = std::min(std::max(R_partial[q], R_alpha[q] * least), R_alpha[q] * most);
-    L_partial[q] = own < 0.0 ? L_partial[q] : left;
-    R_partial[q] = own < 0.0 ? R_partial[q] : right;
+    bool const bounded = (own >= 0.0) & (alpha[q] <= lesser_part);
+    L_partial[q] = bounded ? left : L_partial[q];
+    R_partial[q] = bounded ? right : R_partial[q];
   }
 }
 
@@ -214,28 +219,18 @@ void flatten_near_walls(SweepContext const& s, BundleLayout const& b, BundleArra
   }
 }
 
-/// Closure sum B at the faces of every cell, the energy of the fluids' reference curves, where the second fluid's own
-/// density is bounded: B goes with that density, and bounded alone the two would not fit each other and leave a thin
-/// hot layer with every step. Per mass of the second fluid B stays between that of the cell and its neighbours,
-/// compressed by the half step. Where the ambient fluid has a reference curve too, B follows from the equations of
-/// state.
+/// Closure sum B at the faces of every cell, the energy of the second fluid's reference curve, where its own density is
+/// bounded: B goes with that density, and bounded alone the two would not fit each other and leave a thin hot layer
+/// with every step. Per mass of the second fluid B stays between that of the cell and its neighbours, compressed by the
+/// half step. Elsewhere what the slope of B says. The ambient fluid must be one without a reference curve.
 inline void bound_reference_energy(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   int const st = b.stride;
   double const half_lambda = 0.5 * s.dt / s.h;
   double* const left = a[a_B_left];
   double* const right = a[a_B_right];
-  if (!std::holds_alternative<material::IdealGas>(s.fluids->ambient)) {
-    int const n = b.total - 2 * st;
-    auto const at_face = [&](int values, double* to) {
-      closure_row(s, n, a[values + f_density] + st, a[values + f_second] + st, a[values + f_alpha] + st,
-                  s.burning ? a[a_burn] + st : nullptr, a[a_scratch_xi] + st, to + st, a[a_scratch_H] + st);
-    };
-    at_face(a_left, left);
-    at_face(a_right, right);
-    return;
-  }
   constexpr double none = 1e-300;
   double const* const rho1 = a[second_density];
+  double const* const alpha = a[volume_fraction];
   double const* const B = a[a_B];
   double const* const H = a[a_H];
   double const* const u = a[a_u];
@@ -259,13 +254,13 @@ inline void bound_reference_energy(SweepContext const& s, BundleLayout const& b,
     double const shift = k * H[q] / std::max(rho1[q], none) * squeeze[q];
     double const least = std::min(own, std::min(below, above)) + shift;
     double const most = std::max(own, std::max(below, above)) + shift;
-    bool const present = (rho1[q] > none) & (m_rho1 > 0.0);
+    bool const bounded = (rho1[q] > none) & (m_rho1 > 0.0) & (alpha[q] <= lesser_part);
     double const B_left = m_B + 0.5 * k * d_B[q];
     double const B_right = m_B - 0.5 * k * d_B[q];
     double const bounded_left = std::min(std::max(B_left, L_rho1[q] * least), L_rho1[q] * most);
     double const bounded_right = std::min(std::max(B_right, R_rho1[q] * least), R_rho1[q] * most);
-    left[q] = present ? bounded_left : B_left;
-    right[q] = present ? bounded_right : B_right;
+    left[q] = bounded ? bounded_left : B_left;
+    right[q] = bounded ? bounded_right : B_right;
   }
 }
 
@@ -532,8 +527,9 @@ void riemann(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   }
 }
 
+/// Returns whether fluxes were checked for positivity.
 template <bool Two>
-void muscl_hancock(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
+bool muscl_hancock(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   long const risks = find_contacts_and_risks<Two>(s, b, a);
   if (s.radial) {
     if (s.solid)
@@ -548,6 +544,7 @@ void muscl_hancock(SweepContext const& s, BundleLayout const& b, BundleArrays& a
   }
   riemann<Two>(s, b, a);
   if (risks > 0) limit_fluxes<Two>(s, b, a, guards);
+  return risks > 0;
 }
 
 }  // namespace brisance::gas

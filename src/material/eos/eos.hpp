@@ -8,6 +8,7 @@
 ///     rho_d_reference(rho)  rho f'(rho) [Pa]
 ///     bears_tension         whether its pressure can be negative; that of gases cannot
 ///     cold_energy(rho)      of gases: specific energy without thermal energy [J/kg], none has less
+///     cold_pressure(rho)    and the pressure that goes with it [Pa]
 /// Everything else (energy, sound speed) follows and is written once, below.
 /// All equations of state of the method have a constant G; one that has not would add G(rho) to the contract.
 #pragma once

@@ -20,6 +20,7 @@ struct IdealGas {
   [[nodiscard]] double reference(double /*rho*/) const { return 0.0; }
   [[nodiscard]] double rho_d_reference(double /*rho*/) const { return 0.0; }
   [[nodiscard]] double cold_energy(double /*rho*/) const { return 0.0; }
+  [[nodiscard]] double cold_pressure(double /*rho*/) const { return 0.0; }
 };
 
 }  // namespace brisance::material

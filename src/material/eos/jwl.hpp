@@ -62,6 +62,8 @@ struct Jwl {
     double const t = remaining(v);
     return (A / R1 * exp_nonpositive(-R1 * v) + B / R2 * exp_nonpositive(-R2 * v)) / rho0 * (t * t * (3.0 - 2.0 * t));
   }
+  /// Pressure on that curve [Pa].
+  [[nodiscard]] double cold_pressure(double rho) const { return reference(rho) + omega * rho * cold_energy(rho); }
 
   /// Density [kg/m3] below which both exponentials are lost beside any pressure in double precision (below exp(-60)):
   /// the products are then an ideal gas with gamma = 1 + omega. Or where they are to be one.
