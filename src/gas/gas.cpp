@@ -134,9 +134,10 @@ double Gas::next_burst() const {
   return next;
 }
 
-double Gas::tension() const {
-  return material::bears_tension(fluids_.ambient) || (fluids_.two && material::bears_tension(fluids_.second)) ? 1.0
-                                                                                                              : 0.0;
+double Gas::most_H() const {
+  bool const tension =
+      material::bears_tension(fluids_.ambient) || (fluids_.two && material::bears_tension(fluids_.second));
+  return tension ? std::numeric_limits<double>::infinity() : 0.0;
 }
 
 double Gas::burn_fraction_at(double lighting_time) const {
@@ -287,7 +288,7 @@ SweepContext Gas::sweep_context(int direction, double dt) const {
   context.shock_sensor =
       options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && grid_->domain().dimensions() > 1;
   context.progress = components() > progress;
-  context.tension = tension();
+  context.most_H = most_H();
   context.bounded_phase = fluids_.two && !material::follows_density(fluids_.ambient);
   context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
   return context;

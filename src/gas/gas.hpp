@@ -223,8 +223,8 @@ class Gas {
   void prepare_workspaces();
   /// Finds the cells near rigid surfaces, from the obstacles and the faces of the domain. See walls.cpp.
   void find_near_walls();
-  /// 1 where a fluid bears tension, else 0, see `margin`.
-  [[nodiscard]] double tension() const;
+  /// Infinite where a fluid bears tension, else 0, see `margin`.
+  [[nodiscard]] double most_H() const;
   [[noreturn]] void report_not_a_number(int block, int direction) const;
   [[nodiscard]] Primitive to_primitive(double const* components, double F) const;
   [[nodiscard]] double burn_fraction_at(double lighting_time) const;

@@ -48,7 +48,8 @@ inline constexpr int a_risk = a_progress + 5;     ///< 1 where the fluxes beside
 inline constexpr int a_share = a_progress + 6;    ///< of the slopes that a shock near a wall keeps
 inline constexpr int a_B_left = a_progress + 7;   ///< closure sum B at the faces, where `bounded_phase` bounds it
 inline constexpr int a_B_right = a_progress + 8;
-inline constexpr int array_count = a_progress + 9;
+inline constexpr int a_uneven = a_progress + 9;  ///< 1 where the second fluid's own density is bounded
+inline constexpr int array_count = a_progress + 10;
 
 /// The arrays of a conserved component and of its flux.
 inline constexpr int state_array(int component) { return component == progress ? a_progress : a_state + component; }
@@ -100,7 +101,7 @@ struct SweepContext {
   bool burning = false;
   bool progress = false;                             ///< the second fluid carries a progress of its afterburn
   bool bounded_phase = false;                        ///< see `bound_phase_density` and `bound_reference_energy`
-  double tension = 0.0;                              ///< 1 where a fluid bears tension, else 0: see `margin`
+  double most_H = 0.0;                               ///< infinite where a fluid bears tension, else 0: see `margin`
   std::vector<WallRun> const* near_walls = nullptr;  ///< cells of the bundle near rigid surfaces
 
   [[nodiscard]] int normal() const { return momentum_x + direction; }

@@ -11,11 +11,19 @@ namespace brisance::gas {
 /// Closure sums of `n` cells.
 inline void closure_row(SweepContext const& s, int n, double const* rho0, double const* rho1, double const* alpha,
                         double const* F, double* xi, double* B, double* H) {
-  std::fill_n(xi, n, 0.0);
-  std::fill_n(B, n, 0.0);
-  std::fill_n(H, n, 0.0);
-  std::visit([&](auto const& eos) { add_fluid_row<true>(eos, n, alpha, rho0, nullptr, 0.0, xi, B, H); },
-             s.fluids->ambient);
+  if (auto const* ideal = std::get_if<material::IdealGas>(&s.fluids->ambient)) {
+    double const x = 1.0 / ideal->gruneisen();
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) xi[q] = (1.0 - alpha[q]) * x;
+    std::fill_n(B, n, 0.0);
+    std::fill_n(H, n, 0.0);
+  } else {
+    std::fill_n(xi, n, 0.0);
+    std::fill_n(B, n, 0.0);
+    std::fill_n(H, n, 0.0);
+    std::visit([&](auto const& eos) { add_fluid_row<true>(eos, n, alpha, rho0, nullptr, 0.0, xi, B, H); },
+               s.fluids->ambient);
+  }
   std::visit(
       [&](auto const& eos) { add_fluid_row<false>(eos, n, alpha, rho1, F, s.fluids->ambient_pressure, xi, B, H); },
       s.fluids->second);
@@ -23,6 +31,18 @@ inline void closure_row(SweepContext const& s, int n, double const* rho0, double
 
 /// Closure sums where the ambient fluid is alone.
 inline void closure_row_single(SweepContext const& s, int n, double const* rho, double* xi, double* B, double* H) {
+  if (auto const* ideal = std::get_if<material::IdealGas>(&s.fluids->ambient)) {
+    // The same in every cell: what the last bundle has left often still stands there.
+    double const x = 1.0 / ideal->gruneisen();
+    long other = 0;
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) other += (xi[q] != x) | (B[q] != 0.0) | (H[q] != 0.0) ? 1 : 0;
+    if (other == 0) return;
+    std::fill_n(xi, n, x);
+    std::fill_n(B, n, 0.0);
+    std::fill_n(H, n, 0.0);
+    return;
+  }
   std::visit(
       [=](auto const eos) {
         double const x = 1.0 / eos.gruneisen();
@@ -44,21 +64,16 @@ inline bool is_own(BundleLayout const& b, int q) {
   return layer >= g && layer < g + b.length;
 }
 
-/// The part of H that counts in `margin`.
-[[nodiscard]] inline double held_by_tension(double H, double tension) {
-  return tension * std::max(H, 0.0) + std::min(H, 0.0);
-}
-
-/// How far a state is from losing its meaning [Pa]: where a fluid bears tension (1) the stiffness xi rho c^2 =
-/// p (xi + 1) + H; where none does (0) a negative pressure has no meaning either, for the energy is then less than that
-/// of the cold products.
-[[nodiscard]] inline double margin(double p, double xi, double H, double tension) {
-  return p * (xi + 1.0) + held_by_tension(H, tension);
+/// How far a state is from losing its meaning [Pa]: where a fluid bears tension (`most_H` infinite) the stiffness
+/// xi rho c^2 = p (xi + 1) + H; where none does (0) a negative pressure has no meaning either, for the energy is then
+/// less than that of the cold products.
+[[nodiscard]] inline double margin(double p, double xi, double H, double most_H) {
+  return p * (xi + 1.0) + std::min(H, most_H);
 }
 
 /// Is the cell above the floors of density and of `margin`? False for anything that is no number.
-[[nodiscard]] inline bool is_sound(Floors const floors, double tension, double rho, double p, double xi, double H) {
-  return (rho >= 0.999999 * floors.density) & (margin(p, xi, H, tension) >= 0.999999 * floors.pressure * (xi + 1.0));
+[[nodiscard]] inline bool is_sound(Floors const floors, double most_H, double rho, double p, double xi, double H) {
+  return (rho >= 0.999999 * floors.density) & (margin(p, xi, H, most_H) >= 0.999999 * floors.pressure * (xi + 1.0));
 }
 
 /// Lifts one cell to the floors.
@@ -83,8 +98,8 @@ inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
   double const kinetic = 0.5 * (mx * mx + my * my + mz * mz) / rho;
   double const p = (E - kinetic - B) / xi;
   lift.finite = std::isfinite(p);
-  if (lift.finite && !is_sound(floors, s.tension, rho, p, xi, H)) {
-    double const lifted = (floors.pressure - held_by_tension(H, s.tension) / (xi + 1.0)) * xi + B + kinetic;
+  if (lift.finite && !is_sound(floors, s.most_H, rho, p, xi, H)) {
+    double const lifted = (floors.pressure - std::min(H, s.most_H) / (xi + 1.0)) * xi + B + kinetic;
     lift.energy = lifted - E;
     a[energy][q] = lifted;
   }
@@ -98,7 +113,7 @@ inline void lift_cells(SweepContext const& s, BundleLayout const& b, BundleArray
   Floors const floors = s.floors;
   for (int q = begin; q < begin + n; ++q) {
     double const rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
-    if (is_sound(floors, s.tension, rho, a[a_p][q], a[a_xi][q], a[a_H][q])) continue;
+    if (is_sound(floors, s.most_H, rho, a[a_p][q], a[a_xi][q], a[a_H][q])) continue;
     Lift const lift = lift_cell(s, a, q);
     if (is_own(b, q)) guards.lifts.push_back(lift);
   }
@@ -108,7 +123,7 @@ template <bool Two>
 void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   int const n = b.total;
   Floors const floors = s.floors;
-  double const tension = s.tension;
+  double const most_H = s.most_H;
   double* const rho0 = a[density];
   double* const rho1 = a[second_density];
   double* const alpha = a[volume_fraction];
@@ -143,7 +158,7 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
       w[q] = mw[q] * r;
       double const rho_e = E[q] - 0.5 * (mu[q] * u[q] + mv[q] * v[q] + mw[q] * w[q]);
       p[q] = (rho_e - B[q]) / xi[q];
-      unsound += is_sound(floors, tension, rho, p[q], xi[q], H[q]) ? 0 : 1;
+      unsound += is_sound(floors, most_H, rho, p[q], xi[q], H[q]) ? 0 : 1;
     }
     if (unsound == 0 || lifted) break;
     lift_cells(s, b, a, 0, n, guards);
@@ -188,7 +203,7 @@ double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, in
     closure_row_single(s, n, rho0, xi, B, H);
   }
   Floors const floors = s.floors;
-  double const tension = s.tension;
+  double const most_H = s.most_H;
   double const use_y = dimensions > 1 ? 1.0 : 0.0;
   double const use_z = dimensions > 2 ? 1.0 : 0.0;
   for (bool lifted = false;; lifted = true) {
@@ -204,7 +219,7 @@ double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, in
       double const y = use_y * std::abs(my[q]);
       double const z = use_z * std::abs(mz[q]);
       signal[q] = std::max(x, std::max(y, z)) * inverse + c;
-      unsound += is_sound(floors, tension, rho, p[q], xi[q], H[q]) ? 0 : 1;
+      unsound += is_sound(floors, most_H, rho, p[q], xi[q], H[q]) ? 0 : 1;
     }
     if (unsound == 0 || lifted) break;
     lift_cells(s, b, a, begin, n, guards);

@@ -324,7 +324,7 @@ void Gas::measure_all() {
   SweepContext context;
   context.fluids = &fluids_;
   context.h = grid_->domain().h;
-  context.tension = tension();
+  context.most_H = most_H();
   parallel_for(grid_->block_count(), [&](int b, int thread) {
     grid::Block const& block = grid_->blocks()[b];
     BundleArrays& a = workspaces_[thread];

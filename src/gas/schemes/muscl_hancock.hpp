@@ -68,7 +68,7 @@ void differences(SweepContext const& s, BundleLayout const& b, BundleArrays& a, 
 template <bool Two>
 long find_contacts_and_risks(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   int const st = b.stride;
-  double const tension = s.tension;
+  double const most_H = s.most_H;
   double const* const rho0 = a[density];
   double const* const rho1 = a[second_density];
   double const* const p = a[a_p];
@@ -79,19 +79,31 @@ long find_contacts_and_risks(SweepContext const& s, BundleLayout const& b, Bundl
   double* const contact = a[a_contact];
   double* const risk = a[a_risk];
   long risks = 0;
-  BRISANCE_VECTOR_LOOP
-  for (int q = st; q < b.total - st; ++q) {
-    double const back = Two ? rho0[q - st] + rho1[q - st] : rho0[q - st];
-    double const forth = Two ? rho0[q + st] + rho1[q + st] : rho0[q + st];
-    double const least = std::min(p[q], std::min(p[q - st], p[q + st]));
-    double const most = std::max(p[q], std::max(p[q - st], p[q + st]));
-    bool const found = (std::abs(forth - back) > 0.1 * std::min(back, forth)) & (most - least < 0.05 * least);
-    contact[q] = found ? 1.0 : 0.0;
-    double const kinetic = E[q] - (p[q] * xi[q] + B[q]);
-    bool const risky =
-        (most > steep_pressure * least) | (kinetic * xi[q] > cold_flow * margin(p[q], xi[q], H[q], tension));
-    risk[q] = risky ? 1.0 : 0.0;
-    risks += risky ? 1 : 0;
+  // What E may be where the kinetic energy times xi is `cold_flow` margins; one ideal gas has constant xi and no B and
+  // H.
+  auto const mark = [&](auto const& is_cold) {
+    BRISANCE_VECTOR_LOOP
+    for (int q = st; q < b.total - st; ++q) {
+      double const back = Two ? rho0[q - st] + rho1[q - st] : rho0[q - st];
+      double const forth = Two ? rho0[q + st] + rho1[q + st] : rho0[q + st];
+      double const least = std::min(p[q], std::min(p[q - st], p[q + st]));
+      double const most = std::max(p[q], std::max(p[q - st], p[q + st]));
+      bool const found = (std::abs(forth - back) > 0.1 * std::min(back, forth)) & (most - least < 0.05 * least);
+      contact[q] = found ? 1.0 : 0.0;
+      bool const risky = (most > steep_pressure * least) | is_cold(q, E[q]);
+      risk[q] = risky ? 1.0 : 0.0;
+      risks += risky ? 1 : 0;
+    }
+  };
+  auto const* ideal = Two ? nullptr : std::get_if<material::IdealGas>(&s.fluids->ambient);
+  if (ideal != nullptr) {
+    double const x = 1.0 / ideal->gruneisen();
+    double const factor = x + cold_flow * (x + 1.0) / x;
+    mark([=](int q, double energy) { return energy > factor * p[q]; });
+  } else {
+    mark([=](int q, double energy) {
+      return (energy - B[q] - p[q] * xi[q]) * xi[q] > cold_flow * margin(p[q], xi[q], H[q], most_H);
+    });
   }
   if (s.radial) {
     // At an axis or centre a wave empties a cell two or three times as fast.
@@ -127,32 +139,53 @@ void carried_to_faces(BundleLayout const& b, BundleArrays& a, double half_lambda
   }
 }
 
-/// Largest volume fraction of the second fluid in cells where its own density is bounded.
-inline constexpr double lesser_part = 0.5;
-
-/// Keeps the second fluid's own density, partial density over volume fraction, at the faces of a cell between those of
-/// the cell and its neighbours, compressed by the half step, where that fluid is the lesser part. The two are limited
-/// independently, and where both fade out their ratio would drift away: a thousandth of the products then stands in the
-/// air at more than the density of the explosive, where its reference curve has no meaning, and the air beside it gets
-/// hot enough to run ahead of the shock. With fine cells and short steps it drifts farthest.
-inline void bound_phase_density(BundleLayout const& b, BundleArrays& a) {
+/// Finds the second fluid's own density, and the cells where it is to be bounded: where that fluid is the lesser part
+/// and its density is not even. Returns how many there are.
+inline long find_uneven_phase(BundleLayout const& b, BundleArrays& a) {
+  constexpr double lesser_part = 0.5;
+  constexpr double even = 0.01;
+  constexpr double absent = -1.0;
   int const st = b.stride;
   double const* const partial = a[second_density];
   double const* const alpha = a[volume_fraction];
-  double const* const keep = a[a_keep];
-  double const* const squeeze = a[a_squeeze];
-  double const* const L_alpha = a[a_left + f_alpha];
-  double const* const R_alpha = a[a_right + f_alpha];
-  double* const L_partial = a[a_left + f_second];
-  double* const R_partial = a[a_right + f_second];
   double* const phase = a[a_phase];
-  constexpr double absent = -1.0;
+  double* const uneven = a[a_uneven];
   BRISANCE_VECTOR_LOOP
   for (int q = 0; q < b.total; ++q) {
     bool const present = alpha[q] > vanishing_fraction;
     double const rho = partial[q] / (present ? alpha[q] : 1.0);
     phase[q] = present ? rho : absent;
   }
+  long count = 0;
+  BRISANCE_VECTOR_LOOP
+  for (int q = st; q < b.total - st; ++q) {
+    double const own = phase[q];
+    double const below = phase[q - st] < 0.0 ? own : phase[q - st];
+    double const above = phase[q + st] < 0.0 ? own : phase[q + st];
+    double const least = std::min(own, std::min(below, above));
+    double const most = std::max(own, std::max(below, above));
+    bool const found = (own >= 0.0) & (alpha[q] <= lesser_part) & (most - least > even * own);
+    uneven[q] = found ? 1.0 : 0.0;
+    count += found ? 1 : 0;
+  }
+  return count;
+}
+
+/// Keeps the second fluid's own density, partial density over volume fraction, at the faces of a cell between those of
+/// the cell and its neighbours, compressed by the half step, where `find_uneven_phase` says so. The two are limited
+/// independently, and where both fade out their ratio would drift away: a thousandth of the products then stands in the
+/// air at more than the density of the explosive, where its reference curve has no meaning, and the air beside it gets
+/// hot enough to run ahead of the shock. With fine cells and short steps it drifts farthest.
+inline void bound_phase_density(BundleLayout const& b, BundleArrays& a) {
+  int const st = b.stride;
+  double const* const keep = a[a_keep];
+  double const* const squeeze = a[a_squeeze];
+  double const* const L_alpha = a[a_left + f_alpha];
+  double const* const R_alpha = a[a_right + f_alpha];
+  double* const L_partial = a[a_left + f_second];
+  double* const R_partial = a[a_right + f_second];
+  double const* const uneven = a[a_uneven];
+  double const* const phase = a[a_phase];
   BRISANCE_VECTOR_LOOP
   for (int q = st; q < b.total - st; ++q) {
     double const own = phase[q];
@@ -163,7 +196,7 @@ inline void bound_phase_density(BundleLayout const& b, BundleArrays& a) {
     double const most = std::max(own, std::max(below, above)) * compressed;
     double const left = std::min(std::max(L_partial[q], L_alpha[q] * least), L_alpha[q] * most);
     double const right = std::min(std::max(R_partial[q], R_alpha[q] * least), R_alpha[q] * most);
-    bool const bounded = (own >= 0.0) & (alpha[q] <= lesser_part);
+    bool const bounded = uneven[q] > 0.5;
     L_partial[q] = bounded ? left : L_partial[q];
     R_partial[q] = bounded ? right : R_partial[q];
   }
@@ -230,7 +263,6 @@ inline void bound_reference_energy(SweepContext const& s, BundleLayout const& b,
   double* const right = a[a_B_right];
   constexpr double none = 1e-300;
   double const* const rho1 = a[second_density];
-  double const* const alpha = a[volume_fraction];
   double const* const B = a[a_B];
   double const* const H = a[a_H];
   double const* const u = a[a_u];
@@ -240,6 +272,7 @@ inline void bound_reference_energy(SweepContext const& s, BundleLayout const& b,
   double const* const d_rho1 = a[a_slope + f_second];
   double const* const L_rho1 = a[a_left + f_second];
   double const* const R_rho1 = a[a_right + f_second];
+  double const* const uneven = a[a_uneven];
   double* const per_mass = a[a_phase];
   BRISANCE_VECTOR_LOOP
   for (int q = 0; q < b.total; ++q) per_mass[q] = B[q] / std::max(rho1[q], none);
@@ -254,7 +287,7 @@ inline void bound_reference_energy(SweepContext const& s, BundleLayout const& b,
     double const shift = k * H[q] / std::max(rho1[q], none) * squeeze[q];
     double const least = std::min(own, std::min(below, above)) + shift;
     double const most = std::max(own, std::max(below, above)) + shift;
-    bool const bounded = (rho1[q] > none) & (m_rho1 > 0.0) & (alpha[q] <= lesser_part);
+    bool const bounded = (rho1[q] > none) & (m_rho1 > 0.0) & (uneven[q] > 0.5);
     double const B_left = m_B + 0.5 * k * d_B[q];
     double const B_right = m_B - 0.5 * k * d_B[q];
     double const bounded_left = std::min(std::max(B_left, L_rho1[q] * least), L_rho1[q] * most);
@@ -321,7 +354,7 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
     double const* const expansion = a[a_expansion];
     double* const p_half = a[a_p_half];
     bool const burning = s.burning;
-    double const tension = s.tension;
+    double const most_H = s.most_H;
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < end; ++q) {
       double const advance_u = half_lambda * u[q];
@@ -336,10 +369,10 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
       // xi changes with the volume fraction.
       double const lowest_p = p[q] + t_p - drop_p;
       bool good = (rho + t_rho - 0.5 * std::abs(d_rho) > lowest_density) &
-                  (margin(lowest_p, xi[q], H[q], tension) > lowest_pressure * (xi[q] + 1.0));
+                  (margin(lowest_p, xi[q], H[q], most_H) > lowest_pressure * (xi[q] + 1.0));
       if constexpr (Two) {
         double const most_xi = xi[q] + std::abs(xi_slope) * (0.5 + half_lambda * std::abs(u[q])) * std::abs(d_alpha[q]);
-        good = good & (margin(lowest_p, most_xi, H[q], tension) > lowest_pressure * (most_xi + 1.0));
+        good = good & (margin(lowest_p, most_xi, H[q], most_H) > lowest_pressure * (most_xi + 1.0));
         double const burnt = burning ? F[q] : 1.0;
         double const round_off = -1e-13 * rho;
         double const t_rho0 = -advance_u * d_rho0[q] - rho0[q] * div;
@@ -529,8 +562,10 @@ void riemann(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
 
 /// Returns whether fluxes were checked for positivity.
 template <bool Two>
-bool muscl_hancock(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
+bool muscl_hancock(SweepContext const& sweep, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
+  SweepContext s = sweep;
   long const risks = find_contacts_and_risks<Two>(s, b, a);
+  if constexpr (Two) s.bounded_phase = s.bounded_phase && find_uneven_phase(b, a) > 0;
   if (s.radial) {
     if (s.solid)
       reconstruct<Two, true, true>(s, b, a);

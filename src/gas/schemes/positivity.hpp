@@ -153,7 +153,7 @@ class FluxLimiter {
     x.xi = a_[a_xi][q];
     x.burn = s_.burning ? a_[a_burn][q] : 1.0;
     double const H = a_[a_H][q];
-    x.margins.pressure = margin(x.p, x.xi, H, s_.tension);
+    x.margins.pressure = margin(x.p, x.xi, H, s_.most_H);
     x.margins.heat = heat(x.U.rho0, rho1, x.U.alpha, x.p * x.xi + a_[a_B][q]);
     x.c = std::sqrt(std::max(0.0, (x.p * (x.xi + 1.0) + H) / (x.xi * (x.U.rho0 + rho1))));
     x.spread = x.U;
@@ -258,14 +258,14 @@ class FluxLimiter {
     }
     double const rho_e = E - 0.5 * (mu * mu + mv * mv + mw * mw) / rho;
     Mixture const m = mixture(*s_.fluids, rho0, rho1, alpha, x.burn);
-    Margins const result{margin(m.pressure(rho_e), m.xi, m.H, s_.tension), heat(rho0, rho1, alpha, rho_e)};
+    Margins const result{margin(m.pressure(rho_e), m.xi, m.H, s_.most_H), heat(rho0, rho1, alpha, rho_e)};
     return result.pressure == result.pressure ? result : Margins::of_nothing();
   }
 
   /// Energy above that of the cold fluids: unlike the pressure a concave function of the state, for in the mean of two
   /// states of products with little thermal energy the pressure may be negative. Without limit where tension is borne.
   [[nodiscard]] double heat(double rho0, double rho1, double alpha, double rho_e) const {
-    if (s_.tension > 0.0) return -Margins::unsound;
+    if (s_.most_H > 0.0) return -Margins::unsound;
     Fluids const& fluids = *s_.fluids;
     double const cold0 = rho0 * material::cold_energy(fluids.ambient, phase_density(rho0, 1.0 - alpha));
     double const cold1 = Two ? rho1 * material::cold_energy(fluids.second, phase_density(rho1, alpha)) : 0.0;
