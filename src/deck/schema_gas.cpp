@@ -75,7 +75,7 @@ Table const& ambient_table() {
            .of("air")
            .like("\"air\"")
            .means("A fluid of the library or of `[fluids.NAME]`. Of the two waters `water` is for shocks of 0.5 to 4 "
-                  "GPa, beside a charge (sound at rest 1625 m/s, peaks of TNT 16 to 20 % above Cole's at 1 to 3.5 "
+                  "GPa, beside a charge (sound at rest 1625 m/s, peaks of TNT 17 to 21 % above Cole's at 1 to 3.5 "
                   "m/kg^(1/3)), `water_mg` for shocks below 1 GPa, arrivals and what stands in the water (1480 m/s, 10 "
                   "to 19 % below with 53 cells per charge radius, more with fewer); see materials.md"),
        pressure().note("that of the fluid, 101325 Pa for air").means("Pressure"),

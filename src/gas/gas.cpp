@@ -289,7 +289,7 @@ SweepContext Gas::sweep_context(int direction, double dt) const {
       options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && grid_->domain().dimensions() > 1;
   context.progress = components() > progress;
   context.most_H = most_H();
-  context.bounded_phase = fluids_.two && !material::follows_density(fluids_.ambient);
+  context.bounded_phase = fluids_.two && std::holds_alternative<material::IdealGas>(fluids_.ambient);
   context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
   return context;
 }
