@@ -428,7 +428,9 @@ void Builder::compare() {
   }
   if (!has_gas_) out_.burst = run::Burst::none;
   bool const points = has_bodies() && points_move();
-  bool const gas = deck_.given("charge") || deck_.given("region") || deck_.given("inflow");
+  // A wind blows against obstacles and walls.
+  bool const wind = has_gas_ && norm(out_.ambient.state.velocity) > 0.0;
+  bool const gas = wind || deck_.given("charge") || deck_.given("region") || deck_.given("inflow");
   if (points || gas) return;
   if (!has_gas_) {
     report_.warning(deck_.place_of("body"), "body",

@@ -121,15 +121,27 @@ void Gas::set_burn(double detonation_speed, double end_time) {
   burn_end_ = end_time;
 }
 
+namespace {
+
+/// Charges that are lit together begin at times that differ by rounding, and no step is that short: what is about to
+/// begin within this part of a burst's duration has begun.
+constexpr double at_once = 1e-3;
+
+bool begun(std::array<double, 2> const& burst, double time) {
+  return time >= burst[0] - at_once * (burst[1] - burst[0]);
+}
+
+}  // namespace
+
 bool Gas::bursting() const {
   return std::any_of(bursts_.begin(), bursts_.end(),
-                     [this](auto const& burst) { return time_ >= burst[0] && time_ < burst[1]; });
+                     [this](auto const& burst) { return begun(burst, time_) && time_ < burst[1]; });
 }
 
 double Gas::next_burst() const {
   double next = std::numeric_limits<double>::infinity();
   for (auto const& burst : bursts_) {
-    if (burst[0] > time_) next = std::min(next, burst[0]);
+    if (!begun(burst, time_)) next = std::min(next, burst[0]);
   }
   return next;
 }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "app/commands.hpp"
+#include "app/print.hpp"
 #include "app/text.hpp"
 
 namespace brisance::app {
@@ -48,6 +49,12 @@ TEST(Text, SizesAndCounts) {
 TEST(Text, TheOutputFolderIsNamedAfterTheDeck) {
   EXPECT_EQ(default_output_folder("somewhere/blast.toml"), "blast-results");
   EXPECT_EQ(default_output_folder("cases/hemisphere_3d/deck.toml"), "hemisphere_3d-results");
+}
+
+TEST(Text, ControlCharactersOfADeckDoNotReachTheTerminal) {
+  EXPECT_EQ(harmless("a\x1b[31mb\ac\x7f"), "a?[31mb?c?");
+  EXPECT_EQ(harmless("a\u009b31mb"), "a?31mb");
+  EXPECT_EQ(harmless("\r1 \t Pr\u00fcfling, 33 \u00b0\n"), "\r1 \t Pr\u00fcfling, 33 \u00b0\n");
 }
 
 TEST(Text, ListsShowTheFirstMessages) {

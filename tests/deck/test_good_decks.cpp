@@ -739,6 +739,7 @@ TEST(GoodDecks, WarningsNameWhatIsDoubtful) {
   EXPECT_EQ(warnings(ball),
             "d:6:3: warning: body: nothing will happen: no body moves, burns or is under pressure, and no load or body "
             "force acts\n");
+  EXPECT_EQ(warnings("[ambient]\nvelocity = [100, 0, 0]\n[[obstacle]]\nradius = 0.2\nposition = [1, 1, 1]\n"), "");
   EXPECT_EQ(warnings(ball + "velocity = [1, 0, 0]\n"), "");
   EXPECT_EQ(warnings(ball + "[points]\nbody_force = [0, 0, -9.81]\n"), "");
   EXPECT_EQ(warnings(ball + "[[surface_pressure]]\nnormal = \"+z\"\npressure = 1e6\n"), "");

@@ -102,6 +102,16 @@ TEST(ChargeMass, IsExactForAChargeSmallerThanACell) {
   expect_exact_mass(c, 1.0, "0.7 mm in cells of 100 mm");
 }
 
+TEST(ChargeBurst, ChargesThatAreLitTogetherButForRoundingTakeNoStepOfThatLength) {
+  Case c = air_case(Geometry::planar2d, {80, 40, 1}, 0.005, Boundary::wall);
+  for (double const x : {0.15, 0.25}) {
+    c.charges.push_back(tnt_charge(Box{{x, 0.0, 0.0}, {x + 0.05, 0.05, 1.0}}, c.domain.geometry));
+  }
+  World world(c);
+  EXPECT_NO_THROW(advance_to(world, 2e-6));
+  EXPECT_LT(world.clock.step, 100);
+}
+
 TEST(ChargePlacement, OffCentreCutsAndOverhangsAreRefused) {
   auto const message = [](Vec3 const& middle, Boundary low) {
     Case c = air_case(Geometry::cartesian3d, {16, 16, 16}, h, Boundary::outflow);
