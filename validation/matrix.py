@@ -128,7 +128,7 @@ def check(program, work, case):
 
 
 def page(results, arguments, seconds):
-    """The table of docs/validation/matrix.md: per geometry, cells and atmosphere the cases, failures and differences."""
+    """The page of the matrix: by geometry and cells the cases, failures and differences."""
     from common import commit, machine, table
     rows = []
     groups = collections.defaultdict(list)
