@@ -146,7 +146,7 @@ double lighting_time(Vec3 const& x, std::vector<InitiationPoint> const& points, 
 
 namespace {
 
-constexpr double break_out = 2.0;  // how long products break out, of the time of the burn
+constexpr double break_out = 3.0;  // how long products break out, of the time of the burn
 
 }  // namespace
 

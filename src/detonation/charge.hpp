@@ -54,7 +54,7 @@ struct BurningCharge {
 };
 
 /// Gives the gas the lighting times of all cells that hold explosive, the end of the burn, and when each charge bursts:
-/// while it burns, and twice as long again while its products break out.
+/// while it burns, and three times as long again while its products break out.
 void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charges, double detonation_speed);
 
 /// The same of a charge that is all products from the start: it bursts as long as if it had burnt from its centre.
