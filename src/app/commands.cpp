@@ -143,7 +143,9 @@ void print_audit(run::World const& world) {
     print(stdout, "afterburn: the products released {}, of {} in all\n", quantity(a.afterburn_energy, "J"),
           quantity(world.setup.afterburn->energy * a.initial.mass[1], "J"));
   }
-  if (a.fallback_faces > 0) print(stdout, "guards: {} faces fell back to the first-order flux\n", a.fallback_faces);
+  if (a.fallback_faces > 0)
+    print(stdout, "fluxes: {} blended with first-order ones, so that density and pressure stay positive\n",
+          a.fallback_faces);
 }
 
 std::string vector_text(Vec3 const& v, char const* unit, int dimensions) {

@@ -65,7 +65,7 @@ struct Audit {
   Totals initial;
   Totals current;
   Totals outflow;           ///< left through the domain's faces since the start; momentum includes the pressure impulse
-  long fallback_faces = 0;  ///< lax-wendroff faces that fell back to the first-order flux
+  long fallback_faces = 0;  ///< faces whose flux was replaced by, or blended with, a first-order one
   long guarded_cells = 0;   ///< cell updates in which density or internal energy had to be lifted to its floor
   double guard_mass = 0.0;  ///< mass that the guards added [kg]
   double guard_energy = 0.0;      ///< energy that the guards added [J]
