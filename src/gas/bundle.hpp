@@ -55,6 +55,22 @@ struct BundleLayout {
     return (grid::ghost_layers + cell[direction]) * stride + column - first;
   }
 
+  /// The block's cell at the low (side 0) or high (1) end of a line: of a row along x, of a column along y or z. n are
+  /// the cells of the block.
+  [[nodiscard]] Index3 end_cell(Index3 const& n, int side, int line) const {
+    int const column = first + line;
+    Index3 cell{0, 0, 0};
+    cell[direction] = side == 0 ? 0 : n[direction] - 1;
+    if (direction == 0) {
+      cell[1] = column % n[1];
+      cell[2] = column / n[1];
+    } else {
+      cell[0] = column % n[0];
+      cell[direction == 1 ? 2 : 1] = direction == 1 ? plane : column / n[0];
+    }
+    return cell;
+  }
+
   /// Cells from q0 = begin(r), q1 = q0 + count() are the block's own; r in [0, rows).
   [[nodiscard]] int begin(int r) const {
     return direction == 0 ? r * (length + 2 * grid::ghost_layers) + grid::ghost_layers : grid::ghost_layers * stride;

@@ -101,22 +101,10 @@ void Gas::account_asleep(int b, SweepContext const& s, Components const& flux) {
       double const sign = side == 0 ? -1.0 : 1.0;
       int const lines = s.direction == 0 ? layout.rows : layout.stride;
       for (int line = 0; line < lines; ++line) {
-        int const column = layout.first + line;
-        int const i =
-            s.direction == 0 ? block.origin[0] + (side == 0 ? 0 : block.n[0]) : block.origin[0] + column % block.n[0];
+        Index3 const cell = layout.end_cell(block.n, side, line);
+        if (role(b, block.offset(cell[0], cell[1], cell[2])) != Role::own) continue;
+        int const i = block.origin[0] + cell[0] + (s.direction == 0 ? side : 0);
         double const area = grid_->domain().face_area(s.direction, i);
-        if (!blocks_[b].roles.empty()) {
-          Index3 cell{0, 0, 0};
-          cell[s.direction] = side == 0 ? 0 : block.n[s.direction] - 1;
-          if (s.direction == 0) {
-            cell[1] = column % block.n[1];
-            cell[2] = column / block.n[1];
-          } else {
-            cell[0] = column % block.n[0];
-            cell[s.direction == 1 ? 2 : 1] = s.direction == 1 ? layout.plane : column / block.n[0];
-          }
-          if (role(b, block.offset(cell[0], cell[1], cell[2])) != Role::own) continue;
-        }
         for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * flux[c];
       }
     }

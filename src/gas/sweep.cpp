@@ -151,22 +151,10 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
       // Face below the first or above the last of the block's own cells.
       int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
       q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
-      int const i = s.direction == 0 ? block.origin[0] + (side == 0 ? 0 : block.n[0])
-                                     : block.origin[0] + (layout.first + line) % block.n[0];
+      Index3 const cell = layout.end_cell(block.n, side, line);
+      if (role(b, block.offset(cell[0], cell[1], cell[2])) != Role::own) continue;
+      int const i = block.origin[0] + cell[0] + (s.direction == 0 ? side : 0);
       double const area = domain.face_area(s.direction, i);
-      if (!blocks_[b].roles.empty()) {
-        int const column = layout.first + line;
-        Index3 cell{0, 0, 0};
-        cell[s.direction] = side == 0 ? 0 : block.n[s.direction] - 1;
-        if (s.direction == 0) {
-          cell[1] = column % block.n[1];
-          cell[2] = column / block.n[1];
-        } else {
-          cell[0] = column % block.n[0];
-          cell[s.direction == 1 ? 2 : 1] = s.direction == 1 ? layout.plane : column / block.n[0];
-        }
-        if (role(b, block.offset(cell[0], cell[1], cell[2])) != Role::own) continue;
-      }
       auto& outflow = blocks_[b].account.outflow;
       for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
       if (s.two) outflow[second_density] += sign * area * s.dt * a[a_flux + second_density][q];

@@ -99,10 +99,10 @@ long find_contacts_and_risks(SweepContext const& s, BundleLayout const& b, Bundl
   if (ideal != nullptr) {
     double const x = 1.0 / ideal->gruneisen();
     double const factor = x + cold_flow * (x + 1.0) / x;
-    mark([=](int q, double energy) { return energy > factor * p[q]; });
+    mark([=](int q, double total) { return total > factor * p[q]; });
   } else {
-    mark([=](int q, double energy) {
-      return (energy - B[q] - p[q] * xi[q]) * xi[q] > cold_flow * margin(p[q], xi[q], H[q], most_H);
+    mark([=](int q, double total) {
+      return (total - B[q] - p[q] * xi[q]) * xi[q] > cold_flow * margin(p[q], xi[q], H[q], most_H);
     });
   }
   if (s.radial) {
