@@ -157,6 +157,30 @@ double Gas::burn_fraction_at(double lighting_time) const {
   return std::min(1.0, std::max(F, smallest_burn_fraction));
 }
 
+double Gas::unlit_compression(double unburnt_density) const {
+  if (!fluids_.two || !burning()) return 0.0;
+  constexpr double ahead = 6.0;  // cells that the detonation runs meanwhile: its own foot compresses what is nearer
+  constexpr double greater_part = 0.5;
+  double const soonest = time_ + ahead * grid_->domain().h / detonation_speed_;
+  double most = 0.0;
+  for (grid::Block const& block : grid_->blocks()) {
+    int const b = static_cast<int>(&block - grid_->blocks().data());
+    if (blocks_[b].lighting.empty()) continue;
+    PaddedBox const box(block, grid_->domain().dimensions());
+    for (int k = 0; k < block.n[2]; ++k) {
+      for (int j = 0; j < block.n[1]; ++j) {
+        for (int i = 0; i < block.n[0]; ++i) {
+          int const at = block.offset(i, j, k);
+          double const alpha = fields_.at(b, volume_fraction)[at];
+          if (blocks_[b].lighting[box.offset(i, j, k)] < soonest || alpha < greater_part || !is_own(b, at)) continue;
+          most = std::max(most, fields_.at(b, second_density)[at] / (alpha * unburnt_density) - 1.0);
+        }
+      }
+    }
+  }
+  return most;
+}
+
 double Gas::burn_fraction(int block, int i, int j, int k) const {
   if (blocks_[block].lighting.empty() || !burning()) return 1.0;
   PaddedBox const box(grid_->blocks()[block], grid_->domain().dimensions());

@@ -142,6 +142,10 @@ class Gas {
   [[nodiscard]] bool bursting() const;
   /// When the next burst begins [s]; infinite: there is none to come.
   [[nodiscard]] double next_burst() const;
+  /// Largest compression, the second fluid's own density over the unburnt one less 1, in cells of which the greater
+  /// part is explosive that will not burn for some cells' time yet; 0: none is compressed. Nothing but a blow from
+  /// elsewhere compresses it, and programmed burn leaves it no strength but the ambient pressure.
+  [[nodiscard]] double unlit_compression(double unburnt_density) const;
   /// Burn fraction F of a cell, [Cui14] Eq. (53): min(1, (t - t_L) D / (1.5 h)), 0 before lighting.
   [[nodiscard]] double burn_fraction(int block, int i, int j, int k) const;
 

@@ -43,13 +43,10 @@ inline constexpr int a_progress = a_slope + 9;  ///< alpha_1 rho_1 lambda
 inline constexpr int a_progress_flux = a_progress + 1;
 inline constexpr int a_lambda = a_progress + 2;   ///< lambda
 inline constexpr int a_release = a_progress + 3;  ///< energy that the afterburn released in the step [J/m3]
-inline constexpr int a_phase = a_progress + 4;    ///< density of the second fluid itself [kg/m3]
-inline constexpr int a_risk = a_progress + 5;     ///< 1 where the fluxes beside the cell are checked for positivity
-inline constexpr int a_share = a_progress + 6;    ///< of the slopes that a shock near a wall keeps
-inline constexpr int a_B_left = a_progress + 7;   ///< closure sum B at the faces, where `bounded_phase` bounds it
-inline constexpr int a_B_right = a_progress + 8;
-inline constexpr int a_uneven = a_progress + 9;  ///< 1 where the second fluid's own density is bounded
-inline constexpr int array_count = a_progress + 10;
+inline constexpr int a_risk = a_progress + 4;     ///< 1 where the fluxes beside the cell are checked for positivity
+inline constexpr int a_share = a_progress + 5;    ///< of the slopes that a shock near a wall keeps
+inline constexpr int a_uneven = a_progress + 6;   ///< 1 where the second fluid's own density is bounded
+inline constexpr int array_count = a_progress + 7;
 
 /// The arrays of a conserved component and of its flux.
 inline constexpr int state_array(int component) { return component == progress ? a_progress : a_state + component; }

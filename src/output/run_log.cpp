@@ -48,6 +48,7 @@ char const* key_of(run::AuditFinding::Kind kind) {
     case Kind::guard_mass: return "guard_mass";
     case Kind::drift: return "drift";
     case Kind::ledger: return "ledger";
+    case Kind::unlit: return "unlit_explosive";
   }
   return "";
 }

@@ -20,6 +20,9 @@ constexpr double round_off = 1e-10;
 /// same kind as a drift, but it stands in few cells, where it ruins the state long before the sum shows it.
 constexpr double guards_warn = 1e-4;
 constexpr double guards_fail = 1e-2;
+/// Unburnt explosive has no strength in programmed burn: a blow compresses it like dust, far beyond any real state, and
+/// what it does when it is lit at last means nothing.
+constexpr double unlit_warn = 0.05;
 /// A drift up to this part of all energy, that of the ambient state included, is round-off: water at rest holds
 /// megajoules, and a plate under stress holds what it was given.
 constexpr double drift_round_off = 1e-9;
@@ -255,6 +258,9 @@ bool World::audit_is_due() const {
 void World::follow_audit() {
   AuditMemory& memory = audit.memory;
   bool const due = points != nullptr && audit_is_due();
+  if (gas != nullptr && !setup.charges.empty() && gas->burning() && audit_is_due()) {
+    memory.unlit = std::max(memory.unlit, gas->unlit_compression(setup.charges.front().explosive.density()));
+  }
   if (due) {
     PhaseTimer const timer(timings["audit"]);
     update_audit();
@@ -303,6 +309,7 @@ std::vector<AuditFinding> World::audit_findings() const {
                      fail, of_charges > 0.0 ? 0.0 : drift_round_off * energy.all});
     double const mass = two && !setup.charges.empty() ? audit.initial.mass[1] : audit.initial.mass[0];
     found.push_back({Kind::guard_mass, audit.guard_mass, mass, guards_warn, fail});
+    if (two && !setup.charges.empty()) found.push_back({Kind::unlit, audit.memory.unlit, 1.0, unlit_warn});
   }
   if (points == nullptr) return found;
   // Velocities stand half a step before positions and stress (a leapfrog): while loads set something in motion, the
@@ -339,6 +346,12 @@ std::string World::in_words(AuditFinding const& f) const {
           "{:.3g} kg of gas lie in the ledger between cells and points that belong to neither, {:.3g} % of the gas "
           "points",
           f.amount, percent);
+    case Kind::unlit:
+      return fmt::format(
+          "explosive was compressed by {:.2g} % before it was lit, and unburnt explosive has no strength here; give it "
+          "the "
+          "initiation that it has when the blow of its neighbour arrives, or calculate the charges one by one",
+          percent);
   }
   return "";
 }

@@ -40,7 +40,7 @@ void World::archive(Archive& a) {
   // What the audit knows beside its start and its memory follows from the state.
   run::archive(a, audit.initial);
   a(audit.memory.scale, audit.memory.all, audit.memory.drift, audit.memory.surplus, audit.memory.gas, audit.memory.work,
-    audit.memory.fresh, gas_rest_energy_);
+    audit.memory.fresh, audit.memory.unlit, gas_rest_energy_);
   a.same(setup.start.remap, "whether it started by a remap");
   if (setup.start.remap) {
     // The remap is not repeated.

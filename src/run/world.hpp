@@ -57,6 +57,7 @@ struct AuditMemory {
   double gas = 0.0;      ///< largest mass of the gas points [kg]
   double work = 0.0;     ///< of loads, until the last look [J]
   double fresh = 0.0;    ///< of it, since the look before, its size [J]
+  double unlit = 0.0;    ///< largest compression of explosive before it was lit
 };
 
 /// What must stay constant, and what changed it. At any time: current = initial - outflow + guards + afterburn
@@ -168,10 +169,11 @@ struct AuditFinding {
     guard_mass,
     drift,   ///< of the energy of points, alone or together with gas
     ledger,  ///< gas that lies between cells and points
+    unlit,   ///< compression of explosive before it was lit
   };
   Kind kind = Kind::drift;
-  double amount = 0.0;    ///< what is too much [J or kg], with its sign
-  double scale = 0.0;     ///< of what [J or kg]
+  double amount = 0.0;    ///< what is too much [J, kg or of 1], with its sign
+  double scale = 0.0;     ///< of what [J, kg or 1]
   double warn = 0.0;      ///< part of the scale from which on the run does not balance
   double fail = 0.0;      ///< from which on it stops; 0: never
   double smallest = 0.0;  ///< amounts up to this are none [J or kg]

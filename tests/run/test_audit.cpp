@@ -103,6 +103,36 @@ TEST(Verdict, WithoutChargesGuardsCompareWithTheEnergyAboveTheAmbientState) {
   EXPECT_NE(reason(still).find("guards"), std::string::npos) << reason(still);
 }
 
+TEST(Verdict, ExplosiveMayNotBeHitBeforeItIsLit) {
+  // Two charges with a gap of air; what the second one's delay is when the first one's products or blast arrive.
+  auto const compression = [](double gap, double delay, double until, bool at_the_side = false) {
+    grid::Geometry const geometry = grid::Geometry::planar1d;
+    Case c = air_case(geometry, {150, 1, 1}, 0.002, grid::Boundary::outflow);
+    for (double const x : {0.05, 0.11 + gap}) c.charges.push_back(tnt_charge(shape::Box{{x}, {x + 0.06}}, geometry));
+    c.charges.back().initiation.front().delay = delay;
+    if (at_the_side) c.charges.back().initiation.front().position[0] = 0.11 + gap;
+    World w(c);
+    while (w.clock.time < until) {
+      advance(w, until);
+      w.follow_audit();
+    }
+    w.update_audit();
+    AuditFinding const found = finding(w, Kind::unlit);
+    EXPECT_EQ(found.tells(), found.amount > 0.05);
+    EXPECT_FALSE(found.stops());
+    EXPECT_EQ(found.tells(), reason(w).find("before it was lit") != std::string::npos) << reason(w);
+    return found.amount;
+  };
+  EXPECT_GT(compression(0.0, 20e-6, 20e-6), 0.5) << "by the detonation of its neighbour";
+  EXPECT_GT(compression(0.01, 20e-6, 20e-6), 0.5) << "by the products of its neighbour";
+  EXPECT_GT(compression(0.05, 40e-6, 40e-6), 0.05) << "by the blast of its neighbour";
+  constexpr double none = 1e-6;
+  EXPECT_LT(compression(0.05, 2e-6, 60e-6), none) << "it is burnt when the blast arrives";
+  EXPECT_LT(compression(0.0, 0.0, 60e-6), none) << "both are lit at once";
+  double const arrival = 0.03 / deck::library().explosive("TNT")->detonation_speed;
+  EXPECT_LT(compression(0.0, arrival, 60e-6, true), none) << "the detonation of its neighbour lights it";
+}
+
 TEST(Verdict, MassThatGuardsAddCountsToo) {
   Case c = air_case(grid::Geometry::spherical1d, {100, 1, 1}, 0.01, grid::Boundary::outflow);
   c.charges = {tnt_charge(shape::Sphere{{}, 0.05}, c.domain.geometry)};

@@ -139,37 +139,52 @@ void carried_to_faces(BundleLayout const& b, BundleArrays& a, double half_lambda
   }
 }
 
-/// Finds the second fluid's own density, and the cells where it is to be bounded: where that fluid is the lesser part
-/// and its density is not even. Returns how many there are.
+/// Marks the cells where the second fluid's own density is to be bounded: where that fluid is the lesser part and its
+/// density differs from that of the neighbours that hold some of it, in all by more than 1 %. Returns how many there
+/// are.
 inline long find_uneven_phase(BundleLayout const& b, BundleArrays& a) {
   constexpr double lesser_part = 0.5;
   constexpr double even = 0.01;
-  constexpr double absent = -1.0;
   int const st = b.stride;
   double const* const partial = a[second_density];
   double const* const alpha = a[volume_fraction];
-  double* const phase = a[a_phase];
   double* const uneven = a[a_uneven];
-  BRISANCE_VECTOR_LOOP
-  for (int q = 0; q < b.total; ++q) {
-    bool const present = alpha[q] > vanishing_fraction;
-    double const rho = partial[q] / (present ? alpha[q] : 1.0);
-    phase[q] = present ? rho : absent;
-  }
   long count = 0;
   BRISANCE_VECTOR_LOOP
   for (int q = st; q < b.total - st; ++q) {
-    double const own = phase[q];
-    double const below = phase[q - st] < 0.0 ? own : phase[q - st];
-    double const above = phase[q + st] < 0.0 ? own : phase[q + st];
-    double const least = std::min(own, std::min(below, above));
-    double const most = std::max(own, std::max(below, above));
-    bool const found = (own >= 0.0) & (alpha[q] <= lesser_part) & (most - least > even * own);
+    // Multiplied by the three volume fractions, for a division is dear.
+    double const own = alpha[q];
+    bool const below = alpha[q - st] > vanishing_fraction;
+    bool const above = alpha[q + st] > vanishing_fraction;
+    double const alpha_below = below ? alpha[q - st] : own;
+    double const alpha_above = above ? alpha[q + st] : own;
+    double const partial_below = below ? partial[q - st] : partial[q];
+    double const partial_above = above ? partial[q + st] : partial[q];
+    double const step_below = std::abs(partial_below * own - partial[q] * alpha_below) * alpha_above;
+    double const step_above = std::abs(partial_above * own - partial[q] * alpha_above) * alpha_below;
+    bool const found = (own > vanishing_fraction) & (own <= lesser_part) & (partial[q] > 0.0) &
+                       (step_below + step_above > even * partial[q] * alpha_below * alpha_above);
     uneven[q] = found ? 1.0 : 0.0;
     count += found ? 1 : 0;
   }
   return count;
 }
+
+/// Least and largest of a quantity of the second fluid in a cell and the neighbours that hold some of that fluid.
+struct PhaseRange {
+  double least, most;
+
+  template <class Quantity>
+  PhaseRange(BundleLayout const& b, BundleArrays& a, int q, Quantity const& quantity)
+      : least(quantity(q)), most(least) {
+    for (int const neighbour : {q - b.stride, q + b.stride}) {
+      if (a[volume_fraction][neighbour] <= vanishing_fraction || a[second_density][neighbour] <= 0.0) continue;
+      double const x = quantity(neighbour);
+      least = std::min(least, x);
+      most = std::max(most, x);
+    }
+  }
+};
 
 /// Keeps the second fluid's own density, partial density over volume fraction, at the faces of a cell between those of
 /// the cell and its neighbours, compressed by the half step, where `find_uneven_phase` says so. The two are limited
@@ -177,28 +192,23 @@ inline long find_uneven_phase(BundleLayout const& b, BundleArrays& a) {
 /// air at more than the density of the explosive, where its reference curve has no meaning, and the air beside it gets
 /// hot enough to run ahead of the shock. With fine cells and short steps it drifts farthest.
 inline void bound_phase_density(BundleLayout const& b, BundleArrays& a) {
-  int const st = b.stride;
   double const* const keep = a[a_keep];
   double const* const squeeze = a[a_squeeze];
+  double const* const partial = a[second_density];
+  double const* const alpha = a[volume_fraction];
   double const* const L_alpha = a[a_left + f_alpha];
   double const* const R_alpha = a[a_right + f_alpha];
   double* const L_partial = a[a_left + f_second];
   double* const R_partial = a[a_right + f_second];
   double const* const uneven = a[a_uneven];
-  double const* const phase = a[a_phase];
-  BRISANCE_VECTOR_LOOP
-  for (int q = st; q < b.total - st; ++q) {
-    double const own = phase[q];
-    double const below = phase[q - st] < 0.0 ? own : phase[q - st];
-    double const above = phase[q + st] < 0.0 ? own : phase[q + st];
+  for (int q = b.stride; q < b.total - b.stride; ++q) {
+    if (uneven[q] < 0.5) continue;
+    PhaseRange const own(b, a, q, [=](int n) { return partial[n] / alpha[n]; });
     double const compressed = 1.0 - keep[q] * squeeze[q];
-    double const least = std::min(own, std::min(below, above)) * compressed;
-    double const most = std::max(own, std::max(below, above)) * compressed;
-    double const left = std::min(std::max(L_partial[q], L_alpha[q] * least), L_alpha[q] * most);
-    double const right = std::min(std::max(R_partial[q], R_alpha[q] * least), R_alpha[q] * most);
-    bool const bounded = uneven[q] > 0.5;
-    L_partial[q] = bounded ? left : L_partial[q];
-    R_partial[q] = bounded ? right : R_partial[q];
+    double const least = own.least * compressed;
+    double const most = own.most * compressed;
+    L_partial[q] = std::min(std::max(L_partial[q], L_alpha[q] * least), L_alpha[q] * most);
+    R_partial[q] = std::min(std::max(R_partial[q], R_alpha[q] * least), R_alpha[q] * most);
   }
 }
 
@@ -252,16 +262,12 @@ void flatten_near_walls(SweepContext const& s, BundleLayout const& b, BundleArra
   }
 }
 
-/// Closure sum B at the faces of every cell, the energy of the second fluid's reference curve, where its own density is
-/// bounded: B goes with that density, and bounded alone the two would not fit each other and leave a thin hot layer
-/// with every step. Per mass of the second fluid B stays between that of the cell and its neighbours, compressed by the
-/// half step. Elsewhere what the slope of B says. The ambient fluid must be one without a reference curve.
+/// Energy at the faces where the second fluid's own density is bounded: the closure sum B, the energy of that fluid's
+/// reference curve, goes with its density, and bounded alone the two would not fit each other and leave a thin hot
+/// layer with every step. Per mass of the second fluid B stays between that of the cell and its neighbours, compressed
+/// by the half step. The ambient fluid must be one without a reference curve.
 inline void bound_reference_energy(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
-  int const st = b.stride;
   double const half_lambda = 0.5 * s.dt / s.h;
-  double* const left = a[a_B_left];
-  double* const right = a[a_B_right];
-  constexpr double none = 1e-300;
   double const* const rho1 = a[second_density];
   double const* const B = a[a_B];
   double const* const H = a[a_H];
@@ -272,28 +278,23 @@ inline void bound_reference_energy(SweepContext const& s, BundleLayout const& b,
   double const* const d_rho1 = a[a_slope + f_second];
   double const* const L_rho1 = a[a_left + f_second];
   double const* const R_rho1 = a[a_right + f_second];
+  double* const L_e = a[a_left + f_rho_e];
+  double* const R_e = a[a_right + f_rho_e];
   double const* const uneven = a[a_uneven];
-  double* const per_mass = a[a_phase];
-  BRISANCE_VECTOR_LOOP
-  for (int q = 0; q < b.total; ++q) per_mass[q] = B[q] / std::max(rho1[q], none);
-  BRISANCE_VECTOR_LOOP
-  for (int q = st; q < b.total - st; ++q) {
+  for (int q = b.stride; q < b.total - b.stride; ++q) {
+    if (uneven[q] < 0.5) continue;
     double const k = keep[q];
-    double const m_B = B[q] + k * (-half_lambda * u[q] * d_B[q] + (H[q] - B[q]) * squeeze[q]);
     double const m_rho1 = rho1[q] + k * (-half_lambda * u[q] * d_rho1[q] - rho1[q] * squeeze[q]);
-    double const own = per_mass[q];
-    double const below = rho1[q - st] > none ? per_mass[q - st] : own;
-    double const above = rho1[q + st] > none ? per_mass[q + st] : own;
-    double const shift = k * H[q] / std::max(rho1[q], none) * squeeze[q];
-    double const least = std::min(own, std::min(below, above)) + shift;
-    double const most = std::max(own, std::max(below, above)) + shift;
-    bool const bounded = (rho1[q] > none) & (m_rho1 > 0.0) & (uneven[q] > 0.5);
+    if (m_rho1 <= 0.0) continue;
+    PhaseRange const own(b, a, q, [=](int n) { return B[n] / rho1[n]; });
+    double const shift = k * H[q] / rho1[q] * squeeze[q];
+    double const least = own.least + shift;
+    double const most = own.most + shift;
+    double const m_B = B[q] + k * (-half_lambda * u[q] * d_B[q] + (H[q] - B[q]) * squeeze[q]);
     double const B_left = m_B + 0.5 * k * d_B[q];
     double const B_right = m_B - 0.5 * k * d_B[q];
-    double const bounded_left = std::min(std::max(B_left, L_rho1[q] * least), L_rho1[q] * most);
-    double const bounded_right = std::min(std::max(B_right, R_rho1[q] * least), R_rho1[q] * most);
-    left[q] = bounded ? bounded_left : B_left;
-    right[q] = bounded ? bounded_right : B_right;
+    L_e[q] += std::min(std::max(B_left, L_rho1[q] * least), L_rho1[q] * most) - B_left;
+    R_e[q] += std::min(std::max(B_right, R_rho1[q] * least), R_rho1[q] * most) - B_right;
   }
 }
 
@@ -353,44 +354,51 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
     double const* const F = a[a_burn];
     double const* const expansion = a[a_expansion];
     double* const p_half = a[a_p_half];
-    bool const burning = s.burning;
     double const most_H = s.most_H;
-    BRISANCE_VECTOR_LOOP
-    for (int q = st; q < end; ++q) {
-      double const advance_u = half_lambda * u[q];
-      double const div = half_lambda * d_u[q] + (Radial ? expansion[q] * u[q] : 0.0);
-      double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
-      double const d_rho = Two ? d_rho0[q] + d_rho1[q] : d_rho0[q];
-      double const modulus = p[q] + (p[q] + H[q]) / xi[q];
-      double const t_rho = -advance_u * d_rho - rho * div;
-      double const t_p = -advance_u * d_p[q] - modulus * div;
-      double const t_u = -advance_u * d_u[q] - half_lambda * d_p[q] * inverse[q];
-      double const drop_p = 0.5 * std::abs(d_p[q]);
-      // xi changes with the volume fraction.
-      double const lowest_p = p[q] + t_p - drop_p;
-      bool good = (rho + t_rho - 0.5 * std::abs(d_rho) > lowest_density) &
-                  (margin(lowest_p, xi[q], H[q], most_H) > lowest_pressure * (xi[q] + 1.0));
-      if constexpr (Two) {
-        double const most_xi = xi[q] + std::abs(xi_slope) * (0.5 + half_lambda * std::abs(u[q])) * std::abs(d_alpha[q]);
-        good = good & (margin(lowest_p, most_xi, H[q], most_H) > lowest_pressure * (most_xi + 1.0));
-        double const burnt = burning ? F[q] : 1.0;
-        double const round_off = -1e-13 * rho;
-        double const t_rho0 = -advance_u * d_rho0[q] - rho0[q] * div;
-        double const t_rho1 = -advance_u * d_rho1[q] - rho1[q] * div;
-        good = good & (burnt >= 1.0) & (rho0[q] + t_rho0 - 0.5 * std::abs(d_rho0[q]) >= round_off) &
-               (rho1[q] + t_rho1 - 0.5 * std::abs(d_rho1[q]) >= round_off);
+    auto const advance_half = [&]<bool Burning>() {
+      BRISANCE_VECTOR_LOOP
+      for (int q = st; q < end; ++q) {
+        double const advance_u = half_lambda * u[q];
+        double const div = half_lambda * d_u[q] + (Radial ? expansion[q] * u[q] : 0.0);
+        double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
+        double const d_rho = Two ? d_rho0[q] + d_rho1[q] : d_rho0[q];
+        double const modulus = p[q] + (p[q] + H[q]) / xi[q];
+        double const t_rho = -advance_u * d_rho - rho * div;
+        double const t_p = -advance_u * d_p[q] - modulus * div;
+        double const t_u = -advance_u * d_u[q] - half_lambda * d_p[q] * inverse[q];
+        double const drop_p = 0.5 * std::abs(d_p[q]);
+        // xi changes with the volume fraction.
+        double const lowest_p = p[q] + t_p - drop_p;
+        bool good = (rho + t_rho - 0.5 * std::abs(d_rho) > lowest_density) &
+                    (margin(lowest_p, xi[q], H[q], most_H) > lowest_pressure * (xi[q] + 1.0));
+        if constexpr (Two) {
+          double const most_xi =
+              xi[q] + std::abs(xi_slope) * (0.5 + half_lambda * std::abs(u[q])) * std::abs(d_alpha[q]);
+          good = good & (margin(lowest_p, most_xi, H[q], most_H) > lowest_pressure * (most_xi + 1.0));
+          if constexpr (Burning) good = good & (F[q] >= 1.0);
+          double const round_off = -1e-13 * rho;
+          double const t_rho0 = -advance_u * d_rho0[q] - rho0[q] * div;
+          double const t_rho1 = -advance_u * d_rho1[q] - rho1[q] * div;
+          good = good & (rho0[q] + t_rho0 - 0.5 * std::abs(d_rho0[q]) >= round_off) &
+                 (rho1[q] + t_rho1 - 0.5 * std::abs(d_rho1[q]) >= round_off);
+        }
+        double const k = good ? 1.0 : 0.0;
+        keep[q] = k;
+        squeeze[q] = div;
+        double const m_p = p[q] + k * t_p;
+        double const m_u = u[q] + k * t_u;
+        L_p[q] = m_p + 0.5 * k * d_p[q];
+        R_p[q] = m_p - 0.5 * k * d_p[q];
+        L_u[q] = m_u + 0.5 * k * d_u[q];
+        R_u[q] = m_u - 0.5 * k * d_u[q];
+        if (Radial) p_half[q] = m_p;
       }
-      double const k = good ? 1.0 : 0.0;
-      keep[q] = k;
-      squeeze[q] = div;
-      double const m_p = p[q] + k * t_p;
-      double const m_u = u[q] + k * t_u;
-      L_p[q] = m_p + 0.5 * k * d_p[q];
-      R_p[q] = m_p - 0.5 * k * d_p[q];
-      L_u[q] = m_u + 0.5 * k * d_u[q];
-      R_u[q] = m_u - 0.5 * k * d_u[q];
-      if (Radial) p_half[q] = m_p;
-    }
+    };
+    // A condition within the loop would keep it from being vectorised.
+    if (Two && s.burning)
+      advance_half.template operator()<true>();
+    else
+      advance_half.template operator()<false>();
   }
   carried_to_faces<true>(b, a, half_lambda, rho0, f_density);
   carried_to_faces<false>(b, a, half_lambda, a[a_v], f_v);
@@ -408,36 +416,26 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
     double* const R_rho1 = a[a_right + f_second];
     double* const L_alpha = a[a_left + f_alpha];
     double* const R_alpha = a[a_right + f_alpha];
-    if (s.bounded_phase) {
-      bound_phase_density(b, a);
-      bound_reference_energy(s, b, a);
+    if (s.bounded_phase) bound_phase_density(b, a);
+    BRISANCE_VECTOR_LOOP
+    for (int q = st; q < end; ++q) {
+      double const k = keep[q];
+      double const m_B = B[q] + k * (-half_lambda * u[q] * d_B[q] + (H[q] - B[q]) * squeeze[q]);
+      double const xiL = xi[q] + (L_alpha[q] - alpha[q]) * xi_slope;
+      double const xiR = xi[q] + (R_alpha[q] - alpha[q]) * xi_slope;
+      L_e[q] = L_p[q] * xiL + (m_B + 0.5 * k * d_B[q]);
+      R_e[q] = R_p[q] * xiR + (m_B - 0.5 * k * d_B[q]);
+      // A fluid that all but vanished is not carried on: the diffuse interface ends here.
+      bool const presentL = L_alpha[q] > vanishing_fraction;
+      bool const presentR = R_alpha[q] > vanishing_fraction;
+      L_alpha[q] = presentL ? L_alpha[q] : 0.0;
+      R_alpha[q] = presentR ? R_alpha[q] : 0.0;
+      L_rho1[q] = presentL ? L_rho1[q] : 0.0;
+      R_rho1[q] = presentR ? R_rho1[q] : 0.0;
+      L_c[q] = std::sqrt((L_p[q] * (xiL + 1.0) + H[q]) / (xiL * (L_rho0[q] + L_rho1[q])));
+      R_c[q] = std::sqrt((R_p[q] * (xiR + 1.0) + H[q]) / (xiR * (R_rho0[q] + R_rho1[q])));
     }
-    auto const energies_and_sound = [&]<bool Bounded>() {
-      double const* const B_left = a[a_B_left];
-      double const* const B_right = a[a_B_right];
-      BRISANCE_VECTOR_LOOP
-      for (int q = st; q < end; ++q) {
-        double const k = keep[q];
-        double const m_B = B[q] + k * (-half_lambda * u[q] * d_B[q] + (H[q] - B[q]) * squeeze[q]);
-        double const xiL = xi[q] + (L_alpha[q] - alpha[q]) * xi_slope;
-        double const xiR = xi[q] + (R_alpha[q] - alpha[q]) * xi_slope;
-        L_e[q] = L_p[q] * xiL + (Bounded ? B_left[q] : m_B + 0.5 * k * d_B[q]);
-        R_e[q] = R_p[q] * xiR + (Bounded ? B_right[q] : m_B - 0.5 * k * d_B[q]);
-        // A fluid that all but vanished is not carried on: the diffuse interface ends here.
-        bool const presentL = L_alpha[q] > vanishing_fraction;
-        bool const presentR = R_alpha[q] > vanishing_fraction;
-        L_alpha[q] = presentL ? L_alpha[q] : 0.0;
-        R_alpha[q] = presentR ? R_alpha[q] : 0.0;
-        L_rho1[q] = presentL ? L_rho1[q] : 0.0;
-        R_rho1[q] = presentR ? R_rho1[q] : 0.0;
-        L_c[q] = std::sqrt((L_p[q] * (xiL + 1.0) + H[q]) / (xiL * (L_rho0[q] + L_rho1[q])));
-        R_c[q] = std::sqrt((R_p[q] * (xiR + 1.0) + H[q]) / (xiR * (R_rho0[q] + R_rho1[q])));
-      }
-    };
-    if (s.bounded_phase)
-      energies_and_sound.template operator()<true>();
-    else
-      energies_and_sound.template operator()<false>();
+    if (s.bounded_phase) bound_reference_energy(s, b, a);
   } else {
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < end; ++q) {
