@@ -148,6 +148,123 @@ namespace {
 
 constexpr double break_out = 3.0;  // how long products break out, of the time of the burn
 
+constexpr int far_away = std::numeric_limits<int>::max();
+
+/// How a cell burns.
+struct Burn {
+  int distance = far_away;  ///< squared, to the nearest cell that holds explosive [cells]
+  gas::BurnTime times;
+
+  /// Does that of a nearer charge, or as near of an earlier one, count before the other? Where charges share a cell,
+  /// the last of them lights it.
+  [[nodiscard]] bool goes_before(Burn const& other) const {
+    if (distance == 0 && other.distance == 0) return false;
+    return distance < other.distance || (distance == other.distance && times.end <= other.times.end);
+  }
+};
+
+/// The cells of one charge and those beside it. The front that comes moves explosive ahead of it, also into the cells
+/// beside, where it must not burn before its time: a trace of it that burns at once blows up the charge's surface
+/// before the detonation arrives there. All burns in such a cell when the detonation has run a cell further than the
+/// nearest of the charge's; later on nothing but products comes.
+struct BurningCells {
+  static constexpr int beside = 1;  // cells
+
+  Index3 lower{0, 0, 0};
+  Index3 n{0, 0, 0};
+  std::vector<Burn> cells;
+  double begin = std::numeric_limits<double>::infinity();  ///< of the charge's burn [s]
+  double end = -std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] bool holds(Index3 const& cell) const {
+    for (int d = 0; d < 3; ++d) {
+      if (cell[d] < lower[d] || cell[d] >= lower[d] + n[d]) return false;
+    }
+    return true;
+  }
+  [[nodiscard]] std::size_t place(Index3 const& cell) const {
+    return static_cast<std::size_t>(cell[0] - lower[0]) +
+           static_cast<std::size_t>(n[0]) *
+               (cell[1] - lower[1] + static_cast<std::size_t>(n[1]) * (cell[2] - lower[2]));
+  }
+  [[nodiscard]] Burn at(Index3 const& cell) const { return holds(cell) ? cells[place(cell)] : Burn{}; }
+  void offer(Index3 const& cell, Burn const& burn) {
+    if (holds(cell) && burn.goes_before(cells[place(cell)])) cells[place(cell)] = burn;
+  }
+};
+
+/// Middle of the shape's part of a cell; of the cell where the shape fills it or passes between the samples.
+Vec3 middle_of_part(shape::Shape const& shape, grid::Domain const& domain, Index3 const& cell, double filled) {
+  Vec3 const centre = domain.centre(cell);
+  if (filled >= 1.0) return centre;
+  constexpr int samples = 8;
+  Index3 count{1, 1, 1};
+  for (int d = 0; d < domain.dimensions(); ++d) count[d] = samples;
+  Vec3 sum{0.0, 0.0, 0.0};
+  int inside = 0;
+  for (int k = 0; k < count[2]; ++k) {
+    for (int j = 0; j < count[1]; ++j) {
+      for (int i = 0; i < count[0]; ++i) {
+        Vec3 x = centre;
+        Index3 const n{i, j, k};
+        for (int d = 0; d < domain.dimensions(); ++d) x[d] += ((n[d] + 0.5) / samples - 0.5) * domain.h;
+        if (!shape::contains(shape, domain, x)) continue;
+        sum = sum + x;
+        ++inside;
+      }
+    }
+  }
+  return inside > 0 ? (1.0 / inside) * sum : centre;
+}
+
+BurningCells burning_cells(BurningCharge const& charge, grid::Grid const& grid, double detonation_speed) {
+  grid::Domain const& domain = grid.domain();
+  int const dims = domain.dimensions();
+  double const duration = 1.5 * domain.h / detonation_speed;  // [Cui14] Eq. (53)
+  shape::Box const bounds = shape::bounds(charge.shape);
+  Index3 const low = grid.cell_at(bounds.lower);
+  Index3 const high = grid.cell_at(bounds.upper);
+  BurningCells burning;
+  Index3 reach{0, 0, 0};
+  for (int d = 0; d < 3; ++d) {
+    if (d < dims) reach[d] = BurningCells::beside;
+    burning.lower[d] = low[d] - reach[d];
+    burning.n[d] = high[d] - low[d] + 1 + 2 * reach[d];
+  }
+  burning.cells.resize(static_cast<std::size_t>(burning.n[0]) * burning.n[1] * burning.n[2]);
+  Vec3 const middle = centre(charge.shape);
+  bool found = false;
+  auto const add = [&](Index3 const& cell, Vec3 x) {
+    found = true;
+    for (int d = dims; d < 3; ++d) x[d] = middle[d];
+    double const time = lighting_time(x, charge.initiation, detonation_speed);
+    burning.begin = std::min(burning.begin, time);
+    burning.end = std::max(burning.end, time + duration);
+    for (int k = -reach[2]; k <= reach[2]; ++k) {
+      for (int j = -reach[1]; j <= reach[1]; ++j) {
+        for (int i = -reach[0]; i <= reach[0]; ++i) {
+          int const distance = i * i + j * j + k * k;
+          double const a_cell_further = time + domain.h / detonation_speed;
+          burning.offer(
+              {cell[0] + i, cell[1] + j, cell[2] + k},
+              distance == 0 ? Burn{0, {time, time + duration}} : Burn{distance, {a_cell_further, a_cell_further}});
+        }
+      }
+    }
+  };
+  for (int k = low[2]; k <= high[2]; ++k) {
+    for (int j = low[1]; j <= high[1]; ++j) {
+      for (int i = low[0]; i <= high[0]; ++i) {
+        double const f = fill_fraction(charge.shape, domain, {i, j, k});
+        if (f > 0.0) add({i, j, k}, middle_of_part(charge.shape, domain, {i, j, k}, f));
+      }
+    }
+  }
+  // A charge that is smaller than the sampling fills the one cell at its centre.
+  if (Index3 const only = grid.cell_at(middle); !found) add(only, domain.centre(only));
+  return burning;
+}
+
 }  // namespace
 
 void expect_instantaneous_burst(gas::Gas& gas, shape::Shape const& shape, double detonation_speed) {
@@ -159,63 +276,46 @@ void expect_instantaneous_burst(gas::Gas& gas, shape::Shape const& shape, double
   gas.expect_burst(gas.time(), gas.time() + (1.0 + break_out) * radius / detonation_speed);
 }
 
-void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charges, double detonation_speed) {
+void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charges,
+                         material::Explosive const& explosive) {
+  double const detonation_speed = explosive.detonation_speed;
   grid::Domain const& domain = gas.grid().domain();
-  int const dims = domain.dimensions();
-  constexpr double never_unburnt = -std::numeric_limits<double>::infinity();
-  constexpr double never = std::numeric_limits<double>::infinity();
-  struct BurnTime {
-    double begin, end;
-  };
-  std::vector<BurnTime> burn_times(charges.size(), {never, -never});
-  // A charge that is smaller than the sampling fills the one cell at its centre.
-  std::vector<Index3> only(charges.size(), Index3{-1, -1, -1});
-  for (std::size_t n = 0; n < charges.size(); ++n) {
-    shape::Box const box = bounds(charges[n].shape);
-    Index3 const low = gas.grid().cell_at(box.lower);
-    Index3 const high = gas.grid().cell_at(box.upper);
-    bool found = false;
-    for (int k = low[2]; k <= high[2] && !found; ++k) {
-      for (int j = low[1]; j <= high[1] && !found; ++j) {
-        for (int i = low[0]; i <= high[0] && !found; ++i)
-          found = fill_fraction(charges[n].shape, domain, {i, j, k}) > 0.0;
-      }
-    }
-    if (!found) only[n] = gas.grid().cell_at(centre(charges[n].shape));
+  std::vector<BurningCells> of_charges;
+  double last = 0.0;
+  for (BurningCharge const& charge : charges) {
+    of_charges.push_back(burning_cells(charge, gas.grid(), detonation_speed));
+    double const begin = of_charges.back().begin;
+    double const end = of_charges.back().end;
+    gas.expect_burst(begin, end + break_out * (end - begin));
+    last = std::max(last, end);
   }
   for (int b = 0; b < gas.grid().block_count(); ++b) {
     grid::Block const& block = gas.grid().blocks()[b];
-    gas::PaddedBox const box(block, dims);
-    std::vector<double> times(static_cast<std::size_t>(box.count()), never_unburnt);
+    gas::PaddedBox const box(block, domain.dimensions());
+    std::vector<gas::BurnTime> times(static_cast<std::size_t>(box.count()));
     bool any = false;
     for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
       for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
         for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
           Index3 const cell = grid::image_cell(domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-          for (std::size_t n = 0; n < charges.size(); ++n) {
-            BurningCharge const& charge = charges[n];
-            if (cell != only[n] && fill_fraction(charge.shape, domain, cell) <= 0.0) continue;
-            Vec3 x = domain.centre(cell);
-            Vec3 const middle = centre(charge.shape);
-            for (int d = dims; d < 3; ++d) x[d] = middle[d];
-            double const t = lighting_time(x, charge.initiation, detonation_speed);
-            times[box.offset(i, j, k)] = t;
-            burn_times[n].begin = std::min(burn_times[n].begin, t);
-            burn_times[n].end = std::max(burn_times[n].end, t + 1.5 * domain.h / detonation_speed);
-            any = true;
+          Burn burn;
+          for (BurningCells const& charge : of_charges) {
+            if (Burn const here = charge.at(cell); !burn.goes_before(here)) burn = here;
           }
+          if (burn.distance == far_away) continue;
+          times[box.offset(i, j, k)] = burn.times;
+          last = std::max(last, burn.times.end);
+          any = true;
         }
       }
     }
-    if (any) gas.set_lighting(b, std::move(times));
+    if (any) gas.set_burn_times(b, std::move(times));
   }
-  double last = 0.0;
-  for (auto const& [begin, end] : burn_times) {
-    if (!(begin < end)) continue;  // nothing of the charge lies in the domain
-    gas.expect_burst(begin, end + break_out * (end - begin));
-    last = std::max(last, end);
-  }
-  gas.set_burn(detonation_speed, last);
+  // The energy of a trace is a few times what the air beside it has at the ambient pressure.
+  constexpr double few = 3.0;
+  material::Fluids const& fluids = gas.fluids();
+  double const trace = few * fluids.ambient_pressure / (material::gruneisen(fluids.ambient) * explosive.energy);
+  gas.set_burn(detonation_speed, last, trace);
 }
 
 }  // namespace brisance::detonation

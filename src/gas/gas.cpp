@@ -114,11 +114,12 @@ int Gas::watch(Index3 const& cell, int direction) {
   return face.number;
 }
 
-void Gas::set_lighting(int block, std::vector<double> times) { blocks_[block].lighting = std::move(times); }
+void Gas::set_burn_times(int block, std::vector<BurnTime> times) { blocks_[block].burn_times = std::move(times); }
 
-void Gas::set_burn(double detonation_speed, double end_time) {
+void Gas::set_burn(double detonation_speed, double end_time, double trace) {
   detonation_speed_ = detonation_speed;
   burn_end_ = end_time;
+  trace_ = std::max(trace, vanishing_fraction);
 }
 
 namespace {
@@ -152,27 +153,32 @@ double Gas::most_H() const {
   return tension ? std::numeric_limits<double>::infinity() : 0.0;
 }
 
-double Gas::burn_fraction_at(double lighting_time) const {
-  double const F = (time_at_step_end_ - lighting_time) * detonation_speed_ / (1.5 * grid_->domain().h);
-  return std::min(1.0, std::max(F, smallest_burn_fraction));
+double Gas::burn_fraction_of(BurnTime const& times) const {
+  double const t = time_at_step_end_;
+  if (t >= times.end) return 1.0;
+  return t > times.begin ? std::max((t - times.begin) / (times.end - times.begin), smallest_burn_fraction)
+                         : smallest_burn_fraction;
 }
+
+bool Gas::is_trace(double alpha) const { return std::abs(alpha) <= trace_; }
 
 double Gas::unlit_compression(double unburnt_density) const {
   if (!fluids_.two || !burning()) return 0.0;
   constexpr double ahead = 6.0;  // cells that the detonation runs meanwhile: its own foot compresses what is nearer
-  constexpr double greater_part = 0.5;
+  constexpr double a_good_part = 0.1;
   double const soonest = time_ + ahead * grid_->domain().h / detonation_speed_;
   double most = 0.0;
   for (grid::Block const& block : grid_->blocks()) {
     int const b = static_cast<int>(&block - grid_->blocks().data());
-    if (blocks_[b].lighting.empty()) continue;
+    if (blocks_[b].burn_times.empty()) continue;
     PaddedBox const box(block, grid_->domain().dimensions());
     for (int k = 0; k < block.n[2]; ++k) {
       for (int j = 0; j < block.n[1]; ++j) {
         for (int i = 0; i < block.n[0]; ++i) {
           int const at = block.offset(i, j, k);
           double const alpha = fields_.at(b, volume_fraction)[at];
-          if (blocks_[b].lighting[box.offset(i, j, k)] < soonest || alpha < greater_part || !is_own(b, at)) continue;
+          if (blocks_[b].burn_times[box.offset(i, j, k)].begin < soonest || alpha < a_good_part || !is_own(b, at))
+            continue;
           most = std::max(most, fields_.at(b, second_density)[at] / (alpha * unburnt_density) - 1.0);
         }
       }
@@ -182,9 +188,11 @@ double Gas::unlit_compression(double unburnt_density) const {
 }
 
 double Gas::burn_fraction(int block, int i, int j, int k) const {
-  if (blocks_[block].lighting.empty() || !burning()) return 1.0;
+  if (blocks_[block].burn_times.empty() || !burning()) return 1.0;
+  double const alpha = fields_.at(block, volume_fraction)[grid_->blocks()[block].offset(i, j, k)];
+  if (is_trace(alpha)) return 1.0;
   PaddedBox const box(grid_->blocks()[block], grid_->domain().dimensions());
-  return burn_fraction_at(blocks_[block].lighting[box.offset(i, j, k)]);
+  return burn_fraction_of(blocks_[block].burn_times[box.offset(i, j, k)]);
 }
 
 double Gas::afterburn_progress(int block, int offset) const {
@@ -212,11 +220,11 @@ void Gas::start(double time) {
   });
   open_faces_.start(fields_, quiet, [this](int b, int at) {
     // Explosive that the boundary cuts through burns away; what lies beyond it does not.
-    if (!fluids_.two || blocks_[b].lighting.empty() || !(fields_.at(b, volume_fraction)[at] > 0.0)) return false;
+    if (!fluids_.two || blocks_[b].burn_times.empty() || !(fields_.at(b, volume_fraction)[at] > 0.0)) return false;
     grid::Block const& block = grid_->blocks()[b];
     PaddedBox const box(block, grid_->domain().dimensions());
     int const padded = box.offset(at % block.n[0], at / block.n[0] % block.n[1], at / (block.n[0] * block.n[1]));
-    return std::isfinite(blocks_[b].lighting[padded]);
+    return std::isfinite(blocks_[b].burn_times[padded].end);
   });
   prepare_workspaces();
   find_near_walls();
@@ -346,7 +354,7 @@ void Gas::advance(double dt, bool reverse) {
       exchange_.fill(fields_, direction, awake_);
       parallel_for(grid_->block_count(), [&](int b, int) {
         if (!awake_[b] || !open_faces_.at(b, direction)) return;
-        open_faces_.fill(fields_, b, direction, dt, !blocks_[b].lighting.empty() && burning(), exchange_);
+        open_faces_.fill(fields_, b, direction, dt, !blocks_[b].burn_times.empty() && burning(), exchange_);
       });
     }
     PhaseTimer const timer(timings_["sweeps"]);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -85,6 +86,13 @@ struct FaceFlux {
   double volume = 0.0;                   ///< of gas that crossed, per area [m]
 };
 
+/// When a cell's explosive begins to burn and when all of it is burnt [s]: the burn fraction F grows evenly between,
+/// from 0 to 1. By default what comes into the cell is burnt.
+struct BurnTime {
+  double begin = -std::numeric_limits<double>::infinity();
+  double end = -std::numeric_limits<double>::infinity();
+};
+
 class Gas {
  public:
   /// All cells are filled with `quiescent` (the ambient state). `inflow` gives the state outside each inflow face.
@@ -129,11 +137,12 @@ class Gas {
   [[nodiscard]] std::vector<FaceFlux> const& watched() const { return watched_; }
   void clear_watched() { std::fill(watched_.begin(), watched_.end(), FaceFlux{}); }
 
-  /// Programmed burn: lighting times of a block's cells [s] with `PaddedBox` padding; minus infinity where nothing
-  /// burns.
-  void set_lighting(int block, std::vector<double> times);
-  /// Speed of the detonation [m/s] for the burn fraction, and the time after which everything is burnt.
-  void set_burn(double detonation_speed, double end_time);
+  /// Programmed burn: when the block's cells burn, with `PaddedBox` padding.
+  void set_burn_times(int block, std::vector<BurnTime> times);
+  /// Speed of the detonation [m/s], the time after which everything is burnt [s], and the volume fraction up to which
+  /// explosive in a cell is a trace that counts as burnt: with less of it than the pressure of the air in the cell asks
+  /// for, the model of unburnt explosive would leave that air no pressure of its own.
+  void set_burn(double detonation_speed, double end_time, double trace);
   [[nodiscard]] bool burning() const { return time_ < burn_end_; }
 
   /// Tells that a charge bursts in an interval of time [s]: it burns or its products break out. What that means for the
@@ -142,11 +151,11 @@ class Gas {
   [[nodiscard]] bool bursting() const;
   /// When the next burst begins [s]; infinite: there is none to come.
   [[nodiscard]] double next_burst() const;
-  /// Largest compression, the second fluid's own density over the unburnt one less 1, in cells of which the greater
-  /// part is explosive that will not burn for some cells' time yet; 0: none is compressed. Nothing but a blow from
+  /// Largest compression, the second fluid's own density over the unburnt one less 1, in cells that hold a good
+  /// part of explosive that will not burn for some cells' time yet; 0: none is compressed. Nothing but a blow from
   /// elsewhere compresses it, and programmed burn leaves it no strength but the ambient pressure.
   [[nodiscard]] double unlit_compression(double unburnt_density) const;
-  /// Burn fraction F of a cell, [Cui14] Eq. (53): min(1, (t - t_L) D / (1.5 h)), 0 before lighting.
+  /// Burn fraction F of a cell, see `BurnTime`.
   [[nodiscard]] double burn_fraction(int block, int i, int j, int k) const;
 
   /// Progress lambda of the afterburn in a cell: 0 without products, without afterburn and before it.
@@ -192,7 +201,7 @@ class Gas {
     bool all_held = false;
     std::array<std::vector<std::vector<WatchedFace>>, 3> watched;  ///< per direction and bundle
     std::array<std::vector<std::vector<WallRun>>, 3> near_walls;   ///< the same; empty: none near
-    std::vector<double> lighting;
+    std::vector<BurnTime> burn_times;
     Account account;
     double signal = 0.0;
     int not_a_number = -1;  ///< offset of a cell that is no number
@@ -200,6 +209,7 @@ class Gas {
   enum Peak : int { peak_pressure, running_impulse, largest_impulse, peak_count };
 
   void sweep_block(int block, SweepContext const& context, bool last, BundleArrays& arrays);
+  void load_burn(int block, BundleLayout const& layout, BundleArrays& arrays) const;
   void load_bundle(int block, BundleLayout const& layout, SweepContext& context, BundleArrays& arrays) const;
   static void update(BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   void store(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
@@ -231,7 +241,8 @@ class Gas {
   [[nodiscard]] double most_H() const;
   [[noreturn]] void report_not_a_number(int block, int direction) const;
   [[nodiscard]] Primitive to_primitive(double const* components, double F) const;
-  [[nodiscard]] double burn_fraction_at(double lighting_time) const;
+  [[nodiscard]] double burn_fraction_of(BurnTime const& times) const;
+  [[nodiscard]] bool is_trace(double alpha) const;
 
   grid::Grid const* grid_;
   Fluids fluids_;
@@ -252,6 +263,7 @@ class Gas {
   double fastest_signal_ = 0.0;
   double detonation_speed_ = 0.0;
   double burn_end_ = 0.0;
+  double trace_ = vanishing_fraction;          ///< volume fraction of explosive that counts as burnt
   std::vector<std::array<double, 2>> bursts_;  ///< begin and end [s]
 };
 

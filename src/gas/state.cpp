@@ -1,5 +1,5 @@
 /// The state of the gas in a checkpoint: whatever the next step depends on, and the sums since the start. What the case
-/// alone determines (obstacles, lighting times) is built anew and only compared.
+/// alone determines (obstacles, burn times) is built anew and only compared.
 #include <cmath>
 
 #include "core/archive.hpp"
@@ -36,7 +36,7 @@ void Gas::archive(Archive& a) {
     a.same(grid_->blocks()[b].n, "the size of a gas block");
     a.same(checksum(data.solid.data(), data.solid.size()), "the shape of the obstacles");
     a.same(checksum(data.roles.data(), data.roles.size()), "the MPM region");
-    a.same(checksum(data.lighting.data(), data.lighting.size() * sizeof(double)), "the lighting of the charges");
+    a.same(checksum(data.burn_times.data(), data.burn_times.size() * sizeof(BurnTime)), "the lighting of the charges");
     gas::archive(a, data.account);
     a(data.signal);
     auto const cells = static_cast<std::size_t>(grid_->blocks()[b].cell_count());

@@ -12,6 +12,17 @@
 
 namespace brisance::gas {
 
+void Gas::load_burn(int b, BundleLayout const& layout, BundleArrays& a) const {
+  grid::Block const& block = grid_->blocks()[b];
+  double* const F = a[a_burn];
+  load_padded(
+      layout, block, PaddedBox(block, grid_->domain().dimensions()), blocks_[b].burn_times.data(),
+      [this](BurnTime const& times) { return burn_fraction_of(times); }, F);
+  // A row without the second fluid is calculated without its burn, and so are cells that hold none of it.
+  double const* const alpha = a[volume_fraction];
+  for (int q = 0; q < layout.total; ++q) F[q] = is_trace(alpha[q]) ? 1.0 : F[q];
+}
+
 void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, BundleArrays& a) const {
   grid::Block const& block = grid_->blocks()[b];
   BlockData const& data = blocks_[b];
@@ -40,11 +51,9 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
         layout, block, PaddedBox(block, dims), data.solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; },
         a[a_solid]);
   }
-  s.burning = s.two && !data.lighting.empty() && burning();
+  s.burning = s.two && !data.burn_times.empty() && burning();
   if (s.burning) {
-    load_padded(
-        layout, block, PaddedBox(block, dims), data.lighting.data(), [this](double t) { return burn_fraction_at(t); },
-        a[a_burn]);
+    load_burn(b, layout, a);
   }
   if (s.radial) {
     grid::Domain const& domain = grid_->domain();
@@ -317,21 +326,16 @@ void Gas::measure_all() {
     grid::Block const& block = grid_->blocks()[b];
     BundleArrays& a = workspaces_[thread];
     blocks_[b].signal = 0.0;
-    PaddedBox const box(block, grid_->domain().dimensions());
     Bundles const bundles(block, 0, options_.bundle_cells);
     for (int index = 0; index < bundles.count(); ++index) {
       BundleLayout const layout = bundles.layout(index);
       SweepContext s = context;
       s.two = fluids_.two;
-      s.burning = s.two && !blocks_[b].lighting.empty() && burning();
+      s.burning = s.two && !blocks_[b].burn_times.empty() && burning();
       for_each_run(layout, block, [&](int q, int offset, int count) {
         for (int c = 0; c < components(); ++c) std::copy_n(fields_.at(b, c) + offset, count, a[state_array(c)] + q);
       });
-      if (s.burning) {
-        load_padded(
-            layout, block, box, blocks_[b].lighting.data(), [this](double t) { return burn_fraction_at(t); },
-            a[a_burn]);
-      }
+      if (s.burning) load_burn(b, layout, a);
       GuardCount ignored;
       measure(b, layout, s, a, ignored);
     }

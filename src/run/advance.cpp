@@ -22,14 +22,15 @@ constexpr double bursting_courant = 0.2;
 double stable_gas_step(World const& w) {
   gas::Gas const& gas = *w.gas;
   double signal = gas.fastest_signal();
-  double courant = w.setup.numerics.courant;
+  double courant = ramp(w) * w.setup.numerics.courant;
   if (gas.bursting()) {
-    courant = std::min(courant, bursting_courant);
+    // Gentle enough at the start too; and whatever Courant number is asked for, the burst has the same steps.
+    courant = std::min(w.setup.numerics.courant, bursting_courant);
     // A charge that burns releases its pressure within a step, and the products that break out of it run ahead of the
     // detonation at up to 1.3 D with the sound on top: twice D bounds both.
     if (gas.burning()) signal = std::max(signal, 2.0 * w.setup.charges.front().explosive.detonation_speed);
   }
-  double const step = ramp(w) * courant * w.setup.domain.h / signal;
+  double const step = courant * w.setup.domain.h / signal;
   // No step leads from quiet air into the burst of a charge with a delay.
   return std::min(step, gas.next_burst() - gas.time());
 }

@@ -192,7 +192,7 @@ detonation::TakenCells place_charges(World& w, SolidCells const& solid) {
         shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / setup.domain.h;
     w.charges.push_back(report);
   }
-  if (!burning.empty()) detonation::set_programmed_burn(gas, burning, setup.charges.front().explosive.detonation_speed);
+  if (!burning.empty()) detonation::set_programmed_burn(gas, burning, setup.charges.front().explosive);
   return taken;
 }
 

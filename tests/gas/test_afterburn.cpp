@@ -134,8 +134,9 @@ TEST(Afterburn, UnburntExplosiveWaits) {
     Problem p = closed_box(Afterburn{Q, rate});
     // Lit at 1 us at D = 6930 m/s; the cell of 10 mm takes 2.2 us to burn.
     int const cells = gas::PaddedBox(p.grid->blocks()[0], 3).count();
-    p.gas->set_lighting(0, std::vector<double>(static_cast<std::size_t>(cells), 1e-6));
-    p.gas->set_burn(6930.0, 1e-6 + 1.5 * p.domain.h / 6930.0);
+    gas::BurnTime const burn{1e-6, 1e-6 + 1.5 * p.domain.h / 6930.0};
+    p.gas->set_burn_times(0, std::vector<gas::BurnTime>(static_cast<std::size_t>(cells), burn));
+    p.gas->set_burn(6930.0, burn.end, 0.0);
     p.gas->start();
     p.run_to(3e-6);
     EXPECT_EQ(p.gas->account().afterburn_energy, 0.0);

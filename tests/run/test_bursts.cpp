@@ -41,6 +41,29 @@ std::vector<double> peaks(World const& world) {
   return all;
 }
 
+TEST(Bursts, TheAirWaitsForTheDetonation) {
+  // What the front pushes out of the charge ahead of itself must not burn before the charge does there.
+  for (auto const geometry : {grid::Geometry::planar2d, grid::Geometry::axisymmetric2d}) {
+    for (int const cells : {4, 7, 12}) {
+      double const pressure = 101325.0;
+      World world(burst("LX-10", geometry, cells, 1.225, pressure, 0.8));
+      double const h = world.setup.domain.h;
+      double const speed = world.setup.charges[0].explosive.detonation_speed;
+      // The front is about to reach the last full cells on the axis.
+      advance_to(world, (radius - 1.5 * h) / speed);
+      double most = 0.0;
+      for (int j = 0; j < world.setup.domain.cells[1]; ++j) {
+        for (int i = 0; i < world.setup.domain.cells[0]; ++i) {
+          if (norm(world.setup.domain.centre({i, j, 0})) < radius + h) continue;
+          most = std::max(most, world.gas->gather({{i, j, 0}})[0].pressure);
+        }
+      }
+      // Traces burn at once; they raise the pressure by three times that of the air at most.
+      EXPECT_LT(most, 4.0 * pressure) << cells << " cells per radius";
+    }
+  }
+}
+
 TEST(Bursts, NeedNoGuardAndDoNotHangOnTheStep) {
   struct Air {
     double density, pressure;
