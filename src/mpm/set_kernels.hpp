@@ -62,9 +62,11 @@ struct SetView {
 };
 
 /// Outer forces of a step: the surface pressures [Pa] by their numbers, which multiply `load_x` component by component,
-/// and the acceleration of `Options`.
+/// and the body force and acceleration of `Options`. All of them reach the nodes from the points, and so do those of the
+/// images behind mirror planes, which are pulled the other way.
 struct OuterForces {
   std::vector<Vec3> pressures;
+  Vec3 body_force{0.0, 0.0, 0.0};
   std::function<Vec3(Vec3 const& x, double time)> acceleration;
   double time = 0.0;
 };
@@ -138,6 +140,8 @@ struct Kernels {
     double const stressed = v.body->rigid_velocity ? 0.0 : 1.0;
     double const reference = v.body->reference_pressure;
     bool const driven = with_forces && outer.acceleration != nullptr;
+    Vec3 const& gravity = outer.body_force;
+    bool const heavy = with_forces && dot(gravity, gravity) > 0.0;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       double const* mass = set.field(Field::mass) + begin;
       double const* density = set.field(Field::density) + begin;
@@ -175,6 +179,9 @@ struct Kernels {
             Vec3 const& push = outer.pressures[static_cast<std::size_t>(load_number[begin + q]) - 1];
             for (int d = 0; d < 3; ++d) b[d] += volume * push[d] * set.field(Field::load_x + d)[begin + q];
           }
+        }
+        if (heavy) {
+          for (int d = 0; d < 3; ++d) b[d] += m * gravity[d];
         }
         if (driven) {
           Vec3 const x{set.field(Field::position_x)[begin + q], set.field(Field::position_y)[begin + q],

@@ -137,6 +137,7 @@ OuterForces Mpm::outer_forces() const {
     if (load.parts.empty()) p.fill(amplitude(load, time_));
     outer.pressures.push_back(p);
   }
+  outer.body_force = options_.body_force;
   outer.acceleration = options_.acceleration;
   outer.time = time_;
   return outer;
@@ -317,7 +318,6 @@ void Mpm::integrate(double dt) {
     Patch const& patch = w.patches[block];
     int const count = patch.count();
     Scratch& scratch = w.scratch[thread];
-    Vec3 const force = options_.body_force;
     for (int f = 0; f < w.fields; ++f) {
       scratch.present[f] = w.gather(w.state, block, f, scratch.state[f]) ? 1 : 0;
     }
@@ -331,13 +331,12 @@ void Mpm::integrate(double dt) {
       NodeState* nodes = scratch.state[f].data();
       // Eq. (22): from mass, momentum and force to the new velocity and its change.
       double const floor = w.mass_floor;
-      Lanes4 const gravity{dt * force[0], dt * force[1], dt * force[2], 0.0};
       for (int node = 0; node < count; ++node) {
         NodeState& r = nodes[node];
         double const m = r.momentum[3];
         double const inverse = m > floor ? 1.0 / m : 0.0;
         double const push = dt * inverse;
-        r.force = r.force * Lanes4{push, push, push, 1.0} + gravity;
+        r.force = r.force * Lanes4{push, push, push, 1.0};
         r.momentum = r.momentum * Lanes4{inverse, inverse, inverse, 1.0} + r.force * Lanes4{1.0, 1.0, 1.0, 0.0};
       }
     }

@@ -1,0 +1,90 @@
+// The body force at walls and mirror planes: what pulls all points alike pulls their images behind the plane the other
+// way.
+#include "mpm/harness.hpp"
+
+namespace brisance::test {
+namespace {
+
+using grid::Boundary;
+using grid::Geometry;
+
+class Gravity : public testing::TestWithParam<std::tuple<Geometry, ShapeFunction>> {};
+
+INSTANTIATE_TEST_SUITE_P(All, Gravity,
+                         testing::Combine(testing::Values(Geometry::planar1d, Geometry::planar2d,
+                                                          Geometry::axisymmetric2d, Geometry::cartesian3d),
+                                          testing::Values(ShapeFunction::linear, ShapeFunction::gimp,
+                                                          ShapeFunction::bspline)),
+                         [](auto const& one) {
+                           return std::string(grid::geometry_name(std::get<0>(one.param))) + "_" +
+                                  name_of(std::get<1>(one.param));
+                         });
+
+/// A body that fills a closed box but for a gap at its high sides; along y, with an axis, and along x.
+struct Heap : Problem {
+  Heap(Geometry geometry, ShapeFunction shape, Transfer transfer, StressOrder order) {
+    box(geometry, 0.1, {7, 6, 5}, Boundary::wall);
+    options.shape = shape;
+    options.transfer = transfer;
+    options.order = order;
+    options.pic_fraction = 0.1;
+    options.xpic_order = 2;
+    options.block_cells = 4;
+    add(unit_solid(0.3));
+  }
+  void place() {
+    start();
+    fill(0, shape::Box{{0.0, 0.0, 0.0}, {0.5, 0.4, 0.4}});
+  }
+  void run(int steps) {
+    for (int n = 0; n < steps; ++n) mpm->advance(0.3 * mpm->stable_step());
+  }
+};
+
+TEST_P(Gravity, IsThePullOnEveryPoint) {
+  // A force that is given to the points one by one goes to the nodes with their images, by the same way as the stress.
+  auto const [geometry, shape] = GetParam();
+  Vec3 g{3e-3, -2e-3, 1e-3};
+  if (geometry == Geometry::axisymmetric2d) g[0] = 0.0;
+  for (int d = grid::dimensions(geometry); d < 3; ++d) g[d] = 0.0;
+  for (Transfer const transfer : {Transfer::flip, Transfer::apic, Transfer::xpic}) {
+    for (StressOrder const order : all_orders) {
+      if (!tents_bear(shape, transfer, order)) continue;
+      Heap everywhere(geometry, shape, transfer, order);
+      everywhere.options.body_force = g;
+      everywhere.place();
+      Heap one_by_one(geometry, shape, transfer, order);
+      one_by_one.options.acceleration = [g](Vec3 const&, double) { return g; };
+      one_by_one.place();
+      everywhere.run(40);
+      one_by_one.run(40);
+      for (int d = 0; d < 3; ++d) {
+        auto const a = everywhere.values(0, Field::position_x + d);
+        auto const b = one_by_one.values(0, Field::position_x + d);
+        for (std::size_t q = 0; q < a.size(); ++q) {
+          ASSERT_NEAR(a[q], b[q], 1e-12) << name_of(transfer) << " " << name_of(order) << " direction " << d;
+        }
+      }
+      EXPECT_NEAR(everywhere.mpm->outer_work() / one_by_one.mpm->outer_work(), 1.0, 1e-9);
+    }
+  }
+}
+
+TEST_P(Gravity, SetsNothingInMotionThatStands) {
+  // A block on a wall settles: its kinetic energy is less than what gravity did.
+  auto const [geometry, shape] = GetParam();
+  if (grid::dimensions(geometry) == 1) return;
+  for (Transfer const transfer : {Transfer::flip, Transfer::apic, Transfer::xpic}) {
+    Heap heap(geometry, shape, transfer, StressOrder::musl);
+    if (!tents_bear(shape, transfer, StressOrder::musl)) continue;
+    heap.options.body_force = {0.0, -1e-3, 0.0};
+    heap.place();
+    for (int n = 0; n < 200; ++n) {
+      heap.run(1);
+      EXPECT_LE(heap.mpm->sums(0).kinetic_energy, heap.mpm->outer_work() * (1.0 + 1e-9) + 1e-12) << n;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace brisance::test
