@@ -156,7 +156,8 @@ Scales scales_of(JohnsonCook const& model) { return {model.rate0, model.T_room, 
 
 /// Damage by the increments of plastic strain; what has failed loses its deviator and bears no tension.
 template <class Model>
-void damage(Model const model, Scales const scales, PointArrays const& a, double dt, bool yields, Scratch& t) {
+void damage(Model const model, Scales const scales, PointArrays const& a, double dt, bool yields, double density,
+            Scratch& t) {
   int const n = a.n;
   double* const D = a.damage;
   double const* const p = a.pressure;
@@ -165,6 +166,8 @@ void damage(Model const model, Scales const scales, PointArrays const& a, double
   double* const increment = t.increment;
   double* const scale = t.scale;
   double* const floor = t.floor;
+  double* const widest = t.widest;
+  double const as_solid = 1.0 / density;
   double const per_rate0 = 1.0 / (dt * scales.rate0);
   if (yields) {
     BRISANCE_VECTOR_LOOP
@@ -190,6 +193,7 @@ void damage(Model const model, Scales const scales, PointArrays const& a, double
     double const bound = floor[k];
     scale[k] = whole < 1.0 ? kept : 0.0;
     floor[k] = whole < 1.0 ? bound : 0.0;
+    widest[k] = whole < 1.0 ? unbounded : as_solid;
   }
 }
 
@@ -239,7 +243,7 @@ void deviator_stage(Plastic const model, Solid const& solid, PointArrays const& 
     std::visit(
         [&](auto const& failure) {
           using Model = std::decay_t<decltype(failure)>;
-          if constexpr (Model::damages) damage(failure, scales_of(model), a, dt, yields, t);
+          if constexpr (Model::damages) damage(failure, scales_of(model), a, dt, yields, solid.density, t);
         },
         solid.failure);
   }
@@ -366,6 +370,7 @@ void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step
   if (auto const* hjc = std::get_if<Hjc>(&solid.strength)) return update_concrete(solid, *hjc, a, step, t);
   if (auto const* soil = std::get_if<DruckerPrager>(&solid.strength)) return update_soil(solid, *soil, a, step, t);
   fill(t.floor, a.n, solid.minimum_pressure);
+  fill(t.widest, a.n, unbounded);
   if (a.burn != nullptr) {
     for (int k = 0; k < a.n; ++k) t.burn[k] = a.burn[k];
   } else {

@@ -70,8 +70,9 @@ struct StepData {
 /// its own:
 ///     1/G = xi,   f = -B/xi,   rho f' = (H - B)/xi.
 /// A point whose alpha vanishes is the ambient fluid, whatever its Y.
-/// The sound speed of failed points still counts the shear modulus, on the safe side of the time step; that of points
-/// not burnt out is at least the detonation speed.
+/// The sound speed of failed points still counts the shear modulus, on the safe side of the time step, but is no larger
+/// than that of the solid at its density: debris that drifts apart carries nothing. That of points not burnt out is at
+/// least the detonation speed.
 ///
 /// Solids whose strength depends on the pressure take another order: pressure, then strength and damage
 /// (stress_concrete.cpp, stress_soil.cpp). Their pressure knows no energy.

@@ -221,6 +221,7 @@ void update_concrete(Solid const& solid, Hjc const& model, PointArrays const& a,
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) work[k] += scale[k] * trial_work[k];
   plastic_flow(a, solid.specific_heat, solid.taylor_quinney, t);
+  fill(t.widest, n, 1.0 / solid.density);
   finish(ColdPressure{w.p1, w.modulus}, a, step, model.G, t);
 }
 

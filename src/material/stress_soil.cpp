@@ -45,6 +45,7 @@ void update_soil(Solid const& solid, DruckerPrager const& model, PointArrays con
   }
   scale_deviator(a, t);
   plastic_flow(a, solid.specific_heat, solid.taylor_quinney, t);
+  fill(t.widest, n, 1.0 / solid.density);
   finish(ColdPressure{p1, modulus}, a, step, model.G, t);
 }
 

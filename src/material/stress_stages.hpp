@@ -41,6 +41,7 @@ struct Blend {
 struct Scratch {
   alignas(64) double work[chunk];         ///< (s0 + s1)/2 : d e [Pa]
   alignas(64) double floor[chunk];        ///< smallest pressure that the point bears [Pa]
+  alignas(64) double widest[chunk];       ///< specific volume at which waves are no faster if it grows [m3/kg]
   alignas(64) double burn[chunk];         ///< burn fraction
   alignas(64) double trial_work[chunk];   ///< s_trial : d e / 2 [Pa]
   alignas(64) double mises[chunk];        ///< Mises stress, first of the trial, then of the end [Pa]
@@ -208,7 +209,9 @@ struct Volumes {
 ///     auto known = law.at(k, volumes)                       what does not depend on the energy of this step
 ///     known.bulk(e0) -> double                              rho c^2 of the bulk, for the viscosity [Pa]
 ///     known.end(p0, e0, deviatoric, q) -> End               `deviatoric`: work of the deviator [J/kg], q: viscosity
-/// and `law.least_speed(k)` [m/s], which bounds the sound speed from below.
+/// and `law.least_speed(k)` [m/s], which bounds the sound speed from below. Debris that bears neither tension nor shear
+/// drifts apart, and nothing runs through it faster than through the solid that it was: its moduli count by no larger
+/// volume than that (`Scratch::widest`).
 template <class Law>
 void finish(Law const law, PointArrays const& a, StepData const step, double shear, Scratch const& t) {
   int const n = a.n;
@@ -219,6 +222,7 @@ void finish(Law const law, PointArrays const& a, StepData const step, double she
   double* const pressure = a.pressure;
   double* const viscosity = a.viscosity;
   double* const sound_speed = a.sound_speed;
+  double const* const widest = t.widest;
   double const stiffening = 4.0 / 3.0 * shear;
   double const linear = step.linear_viscosity * step.length / step.dt;
   double const onset = step.linear_onset > 0.0 ? step.linear_onset * step.dt / step.length : 0.0;
@@ -232,13 +236,14 @@ void finish(Law const law, PointArrays const& a, StepData const step, double she
     double const rho1 = rho0 / ratio;
     auto const known = law.at(k, {V0, V1, rho1});
 
-    double const c = std::sqrt(known.bulk(energy[k]) * V1);
+    double const carrying = V1 < widest[k] ? V1 : widest[k];
+    double const c = std::sqrt(known.bulk(energy[k]) * carrying);
     double const closing = ratio < 1.0 ? 1.0 - ratio : 0.0;  // -d dt in compression
     double const strong = closing / (closing + onset * c + 1e-300);
     double const q = rho1 * closing * (linear * c * strong + quadratic * closing);
 
     End const end = known.end(pressure[k], energy[k], 0.5 * (V0 + V1) * work[k], q);
-    double const longitudinal = std::sqrt((end.modulus + stiffening) * V1);
+    double const longitudinal = std::sqrt((end.modulus + stiffening) * carrying);
     double const least = law.least_speed(k);
     density[k] = rho1;
     energy[k] = end.energy;

@@ -377,6 +377,13 @@ TEST(ConcretePoint, FailedPointsCarryNoTensionAndNoShear) {
   EXPECT_LT(failed, 64);
   EXPECT_TRUE(carried);
   for (int k = 0; k < 64; ++k) EXPECT_NEAR(points.energy[k], points.work[k], 1e-12 * points.path[k]);
+  // Rubble that drifts apart is no faster than the solid.
+  double const fastest = sound_speed(points.solid, points.solid.density, 0.0);
+  for (int step = 0; step < 92; ++step) points.step(std::vector<Increment>(64, swell(1.05)));
+  for (int k = 0; k < 64; ++k) {
+    EXPECT_LT(points.density[k], 0.012 * points.solid.density);
+    EXPECT_LE(points.sound_speed[k], fastest * (1.0 + 1e-9));
+  }
 }
 
 TEST(TensileDamage, GrowsAsTheLogisticLawForAnyStep) {

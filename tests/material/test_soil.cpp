@@ -204,6 +204,13 @@ TEST(Soil, EnergyIsTheWorkOfTheStresses) {
     EXPECT_NEAR(points.energy[k], points.work[k], 1e-12 * points.path[k]);
     EXPECT_GT(points.plastic_strain[k], 0.0);
   }
+  // What is thrown up and drifts apart is no faster than the ground.
+  double const fastest = sound_speed(points.solid, points.solid.density, 0.0);
+  for (int step = 0; step < 92; ++step) points.step(std::vector<Increment>(32, swell(1.05)));
+  for (int k = 0; k < 32; ++k) {
+    EXPECT_LT(points.density[k], 0.02 * points.solid.density);
+    EXPECT_LE(points.sound_speed[k], fastest * (1.0 + 1e-9));
+  }
 }
 
 }  // namespace

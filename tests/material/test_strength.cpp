@@ -333,6 +333,12 @@ TEST(JohnsonCookFailurePoint, FailedPointBearsOnlyPressure) {
   for (int k = 0; k < 40; ++k) point.step(swell(1.002));
   EXPECT_EQ(point.pressure[0], 0.0);
   EXPECT_NEAR(point.energy[0], point.work[0], 1e-13 * point.path[0]);
+  // Debris that drifts apart to a hundredth of its density is no faster than the solid.
+  double const fastest = sound_speed(solid, solid.density, 0.0);
+  for (int k = 0; k < 92; ++k) point.step(swell(1.05));
+  EXPECT_LT(point.density[0], 0.012 * solid.density);
+  EXPECT_LE(point.sound_speed[0], fastest * (1.0 + 1e-9));
+  EXPECT_GT(point.sound_speed[0], 0.3 * fastest);
 }
 
 TEST(JohnsonCookFailurePoint, DamageIsMonotoneAndBoundedOnAnyPath) {
