@@ -58,6 +58,7 @@ run::Case Builder::build() {
       regions();
     } else {
       warn_of_unused_gas();
+      warn_of_fluids_in_empty_space();
     }
     gauges();
   }

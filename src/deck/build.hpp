@@ -237,6 +237,8 @@ class Builder {
   std::optional<int> body_named(Section const& section, std::string_view key, std::string const& name);
   /// Settings of the gas beside bodies in empty space.
   void warn_of_unused_gas();
+  /// Gas, or a liquid at the pressure of the air, that nothing holds together.
+  void warn_of_fluids_in_empty_space();
   void refuse_inflow(Section const* boundaries);
   /// Things of material points without a body.
   void refuse_points();

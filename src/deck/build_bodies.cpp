@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "deck/build.hpp"
+#include "shape/placement.hpp"
 
 namespace brisance::deck {
 
@@ -650,6 +651,49 @@ bool Builder::near_body(shape::Shape const& body, Vec3 const& p) const {
     }
   }
   return false;
+}
+
+void Builder::warn_of_fluids_in_empty_space() {
+  // A closed box that bodies fill holds its fluids together.
+  bool closed = true;
+  for (int f = 0; f < 2 * dims(); ++f) {
+    grid::Boundary const boundary = out_.domain.boundary[f];
+    closed = closed && (boundary == grid::Boundary::wall || boundary == grid::Boundary::symmetry ||
+                        boundary == grid::Boundary::periodic);
+  }
+  double empty = closed ? shape::volume_inside(shape::Everywhere{}, out_.domain) : 0.0;
+  double const whole = empty;
+  for (auto const& shape : body_shapes_) {
+    if (closed && shape) empty -= shape::volume_inside(*shape, out_.domain);
+  }
+  constexpr double round_off = 1e-6;
+  if (closed && empty <= round_off * whole) return;
+  auto const* const sections = deck_.sections("body");
+  if (sections == nullptr || sections->size() != out_.points.bodies.size()) return;  // there were errors
+  for (std::size_t n = 0; n < sections->size(); ++n) {
+    run::Body const& body = out_.points.bodies[n];
+    if (body.solid.has_deviator() || body.solid.burns() || !body.initiation.empty()) continue;
+    material::Solid start = body.solid;
+    start.density = body.density.value_or(start.density);
+    start.specific_energy = body.specific_energy.value_or(start.specific_energy);
+    double const pressure = material::start_pressure(start);
+    double const c = material::sound_speed(start, start.density, pressure);
+    double const part = pressure / (start.density * c * c);
+    constexpr double little = 1e-7;
+    constexpr double much = 0.1;                                                       // a gas
+    if (body.rigid || !(part > little) || (*sections)[n].given("pressure")) continue;  // what is asked for is meant
+    if (part > much) {
+      warn((*sections)[n], "material",
+           fmt::format("\"{}\" starts at {:.6g} Pa in empty space and will blow apart: put a gas around it, with "
+                       "[ambient] and [mpm_region], or let it fill a box of walls",
+                       body.name, pressure));
+    } else {
+      warn((*sections)[n], "material",
+           fmt::format("\"{}\" starts at {:.6g} Pa in empty space, so that waves of this pressure will run through it: "
+                       "write pressure = 0.001, or put a gas around it, with [ambient] and [mpm_region]",
+                       body.name, pressure));
+    }
+  }
 }
 
 bool Builder::points_move() {

@@ -62,8 +62,8 @@ struct SetView {
 };
 
 /// Outer forces of a step: the surface pressures [Pa] by their numbers, which multiply `load_x` component by component,
-/// and the body force and acceleration of `Options`. All of them reach the nodes from the points, and so do those of the
-/// images behind mirror planes, which are pulled the other way.
+/// and the body force and acceleration of `Options`. All of them reach the nodes from the points, and so do those of
+/// the images behind mirror planes, which are pulled the other way.
 struct OuterForces {
   std::vector<Vec3> pressures;
   Vec3 body_force{0.0, 0.0, 0.0};

@@ -122,6 +122,30 @@ TEST(GoodDecks, EveryNumberOfAMaterialIsTold) {
   EXPECT_FALSE(spare.materials[1].used);
 }
 
+// Fluids that nothing holds together; a box of walls that they fill does.
+TEST(GoodDecks, FluidsInEmptySpaceAreWarnedOf) {
+  auto const warnings = [](std::string const& box, std::string const& material, std::string const& boundary) {
+    auto const result =
+        deck::read_text("[domain]\ngeometry = \"planar2d\"\nsize = [1, 1]\ncell = 0.1\n[boundaries]\nall = \"" +
+                            boundary + "\"\n[[body]]\nname = \"b\"\nmaterial = " + material + "\nshape = \"box\"\n" +
+                            box + "\n[end]\ntime = 1e-3\n",
+                        "d");
+    for (auto const& e : result.errors) ADD_FAILURE() << deck::format(e);
+    std::string out;
+    for (auto const& w : result.warnings) out += w;
+    return out;
+  };
+  std::string const part = "lower = [0.2, 0.2]\nupper = [0.4, 0.4]";
+  std::string const whole = "lower = [0, 0]\nupper = [1, 1]";
+  EXPECT_NE(warnings(part, "\"air\"", "wall").find("will blow apart"), std::string::npos);
+  EXPECT_NE(warnings(whole, "\"air\"", "outflow").find("will blow apart"), std::string::npos);
+  EXPECT_NE(warnings(part, "\"water\"", "wall").find("write pressure = 0.001"), std::string::npos);
+  EXPECT_EQ(warnings(part, "\"water\"\npressure = 0.001", "wall"), "");
+  EXPECT_EQ(warnings(whole, "\"air\"", "wall"), "");
+  EXPECT_EQ(warnings(part, "\"air\"\npressure = \"2 bar\"", "wall"), "") << "it is meant to burst";
+  EXPECT_EQ(warnings(part, "\"air\"\nrigid = true", "wall"), "");
+}
+
 // Degrees Celsius without their unit are hardly ever kelvin.
 TEST(GoodDecks, ColdTemperaturesAreWarnedOf) {
   auto const warnings = [](std::string const& temperature) {
@@ -744,7 +768,7 @@ TEST(GoodDecks, WarningsNameWhatIsDoubtful) {
   EXPECT_EQ(warnings(ball + "[points]\nbody_force = [0, 0, -9.81]\n"), "");
   EXPECT_EQ(warnings(ball + "[[surface_pressure]]\nnormal = \"+z\"\npressure = 1e6\n"), "");
   EXPECT_EQ(warnings("[[body]]\nmaterial = \"TNT\"\nradius = 0.2\nposition = [1, 1, 1]\n"), "");
-  EXPECT_EQ(warnings("[[body]]\nmaterial = \"air\"\nradius = 0.2\nposition = [1, 1, 1]\n"), "");
+  EXPECT_EQ(warnings("[[body]]\nmaterial = \"air\"\nradius = 0.2\nposition = [1, 1, 1]\npressure = 1e5\n"), "");
   EXPECT_EQ(
       warnings(ball + "velocity = [1, 0, 0]\n[points]\npic_fraction = 0.1\ntransfer = \"apic\"\nxpic_order = 3\n" +
                "[ambient]\n[numerics]\n[output]\nfields = [\"pressure\"]\n"),
