@@ -395,6 +395,24 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
       return std::nullopt;
     }
   }
+  if (auto const spall = section.text("spall"); spall && *spall != "limit") {
+    out.spall = *spall == "pressure" ? Spall::pressure : Spall::principal_stress;
+    if (!out.plastic() || std::holds_alternative<Hjc>(out.strength) ||
+        std::holds_alternative<DruckerPrager>(out.strength)) {
+      report.error(section.place_of("spall"), section.path_of("spall"),
+                   fmt::format("{} is for metals, with the strength von_mises or johnson_cook; concrete tears by "
+                               "failure = {{model = \"tensile_damage\"}}, soil by its own limit of tension",
+                               section.shown("spall")));
+      return std::nullopt;
+    }
+    if (!(out.minimum_pressure > -unbounded && out.minimum_pressure < 0.0)) {
+      report.error(section.place_of("spall"), section.path_of("spall"),
+                   fmt::format("{} needs the tension at which the solid tears: write for example minimum_pressure = "
+                               "\"-2 GPa\"",
+                               section.shown("spall")));
+      return std::nullopt;
+    }
+  }
   if (auto const* jc = std::get_if<JohnsonCook>(&out.strength); jc != nullptr && !(jc->T_melt > jc->T_room)) {
     Section const& table = *section.section("strength");
     report.error(

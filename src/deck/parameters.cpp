@@ -90,7 +90,10 @@ std::vector<MaterialNumber> numbers_of(material::Solid const& s) {
   out.push_back(number("temperature", s.temperature, "K", "temperature at the start"));
   out.push_back(number("taylor_quinney", s.taylor_quinney, "1", "part of the plastic work that heats"));
   if (s.minimum_pressure > -unbounded)
-    out.push_back(number("minimum_pressure", s.minimum_pressure, "Pa", "tension cut-off"));
+    out.push_back(number("minimum_pressure", s.minimum_pressure, "Pa",
+                         !s.tears()                             ? "tension cut-off"
+                         : s.spall == material::Spall::pressure ? "tension cut-off, at which it fails"
+                                                                : "tension cut-off; it fails by the principal stress"));
   return out;
 }
 

@@ -218,7 +218,13 @@ std::vector<Key> solid_keys() {
           number("minimum_pressure", "Pa", -1e13, 0.0)
               .note("none")
               .like("\"-2 GPa\"")
-              .means("Tension cut-off (spall): the pressure never falls below it"),
+              .means("Tension cut-off: the pressure never falls below it"),
+          word("spall", {"limit", "pressure", "principal_stress"})
+              .of("limit")
+              .like("\"pressure\"")
+              .means("What happens to a metal at the tension cut-off. `limit`: it goes on pulling with this pressure; "
+                     "`pressure`: it fails there and opens, with damage 1; `principal_stress`: it fails where the "
+                     "largest principal stress reaches `-minimum_pressure`"),
           nested(Type::table, "eos", solid_eos_table())
               .note("`linear` from `E` and `nu`")
               .like("{model = \"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}")

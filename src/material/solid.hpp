@@ -30,6 +30,13 @@ using PointEos = std::variant<Linear, IdealGas, Jwl, StiffenedGas, MieGruneisen,
   return std::visit([=](auto const& m) { return bulk_modulus(m, rho, p); }, eos);
 }
 
+/// What tension beyond the limit `minimum_pressure` does to a metal.
+enum class Spall {
+  limit,             ///< the pressure stays at the limit: the point goes on pulling
+  pressure,          ///< the point fails where the pressure has fallen to the limit
+  principal_stress,  ///< it fails where the largest principal stress has risen to the limit, with the other sign
+};
+
 /// A material. Gases and detonation products are solids without strength here.
 struct Solid {
   std::string name;
@@ -44,7 +51,8 @@ struct Solid {
   double temperature = 293.0;            ///< at the start [K]
   double taylor_quinney = 0.9;           ///< part of the plastic work that heats
   double minimum_pressure = -unbounded;  ///< tension cut-off (spall): the pressure never falls below [Pa]
-  double specific_energy = 0.0;          ///< at the start [J/kg]
+  Spall spall = Spall::limit;
+  double specific_energy = 0.0;  ///< at the start [J/kg]
   /// Speed of the programmed burn [m/s]: the pressure is multiplied by the burn fraction. 0: nothing burns.
   double detonation_speed = 0.0;
 
@@ -62,8 +70,11 @@ struct Solid {
   [[nodiscard]] bool crushes() const { return std::holds_alternative<Hjc>(strength); }
   /// Does it have damage?
   [[nodiscard]] bool damages() const {
-    return crushes() || (plastic() && std::visit([](auto const& model) { return model.damages; }, failure));
+    return crushes() ||
+           (plastic() && (tears() || std::visit([](auto const& model) { return model.damages; }, failure)));
   }
+  /// Does tension beyond a limit make it fail?
+  [[nodiscard]] bool tears() const { return spall != Spall::limit && minimum_pressure > -unbounded; }
   /// Does it have a burn fraction?
   [[nodiscard]] bool burns() const { return detonation_speed > 0.0; }
   /// Does it mix two fluids?

@@ -1,5 +1,6 @@
 #include "material/stress.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <variant>
@@ -154,38 +155,41 @@ struct Scales {
 Scales scales_of(VonMises const& /*model*/) { return {}; }
 Scales scales_of(JohnsonCook const& model) { return {model.rate0, model.T_room, 1.0 / (model.T_melt - model.T_room)}; }
 
-/// Damage by the increments of plastic strain; what has failed loses its deviator and bears no tension.
+/// Damage by the increments of plastic strain.
 template <class Model>
-void damage(Model const model, Scales const scales, PointArrays const& a, double dt, bool yields, double density,
-            Scratch& t) {
+void grow_damage(Model const model, Scales const scales, PointArrays const& a, double dt, Scratch& t) {
   int const n = a.n;
   double* const D = a.damage;
   double const* const p = a.pressure;
   double const* const mises = t.mises;
   double const* const temperature = t.temperature;
   double* const increment = t.increment;
+  double const per_rate0 = 1.0 / (dt * scales.rate0);
+  BRISANCE_VECTOR_LOOP
+  for (int k = 0; k < n; ++k) {
+    double const before = D[k];
+    double const x = before < 1.0 ? increment[k] : 0.0;
+    double const q = mises[k];
+    double const triaxiality = -p[k] / (q > 1.0 ? q : 1.0);
+    double const r = x * per_rate0;
+    double const log_rate = log_positive(r > 1.0 ? r : 1.0);
+    double const y = (temperature[k] - scales.T_room) * scales.inverse_span;
+    double const above = y > 0.0 ? y : 0.0;
+    double const hot = above < 1.0 ? above : 1.0;
+    double const grown = before + x / model.failure_strain(triaxiality, log_rate, hot);
+    D[k] = grown < 1.0 ? grown : 1.0;
+    increment[k] = x;
+  }
+}
+
+/// What has failed loses its deviator and bears no tension.
+void lose_strength(PointArrays const& a, double density, Scratch& t) {
+  int const n = a.n;
+  double const* const D = a.damage;
   double* const scale = t.scale;
   double* const floor = t.floor;
   double* const widest = t.widest;
   double const as_solid = 1.0 / density;
-  double const per_rate0 = 1.0 / (dt * scales.rate0);
-  if (yields) {
-    BRISANCE_VECTOR_LOOP
-    for (int k = 0; k < n; ++k) {
-      double const before = D[k];
-      double const x = before < 1.0 ? increment[k] : 0.0;
-      double const q = mises[k];
-      double const triaxiality = -p[k] / (q > 1.0 ? q : 1.0);
-      double const r = x * per_rate0;
-      double const log_rate = log_positive(r > 1.0 ? r : 1.0);
-      double const y = (temperature[k] - scales.T_room) * scales.inverse_span;
-      double const above = y > 0.0 ? y : 0.0;
-      double const hot = above < 1.0 ? above : 1.0;
-      double const grown = before + x / model.failure_strain(triaxiality, log_rate, hot);
-      D[k] = grown < 1.0 ? grown : 1.0;
-      increment[k] = x;
-    }
-  }
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) {
     double const whole = D[k];
@@ -194,6 +198,28 @@ void damage(Model const model, Scales const scales, PointArrays const& a, double
     scale[k] = whole < 1.0 ? kept : 0.0;
     floor[k] = whole < 1.0 ? bound : 0.0;
     widest[k] = whole < 1.0 ? unbounded : as_solid;
+  }
+}
+
+/// Largest principal stress [Pa].
+double largest_principal(PointArrays const& a, int k) {
+  double s[6];
+  for (int c = 0; c < 6; ++c) s[c] = a.deviator[c][k];
+  double const J2 = 0.5 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
+  if (!(J2 > 0.0)) return -a.pressure[k];
+  double const J3 =
+      s[0] * (s[1] * s[2] - s[4] * s[4]) - s[3] * (s[3] * s[2] - s[4] * s[5]) + s[5] * (s[3] * s[4] - s[1] * s[5]);
+  double const lode = std::clamp(1.5 * std::sqrt(3.0) * J3 / (J2 * std::sqrt(J2)), -1.0, 1.0);
+  return 2.0 * std::sqrt(J2 / 3.0) * std::cos(std::acos(lode) / 3.0) - a.pressure[k];
+}
+
+/// Spall: points that the tension of the step has torn have failed.
+void tear(Solid const& solid, PointArrays const& a) {
+  if (a.damage == nullptr || !solid.tears()) return;
+  double const limit = solid.minimum_pressure;
+  for (int k = 0; k < a.n; ++k) {
+    bool const torn = solid.spall == Spall::pressure ? a.pressure[k] <= limit : largest_principal(a, k) >= -limit;
+    if (torn) a.damage[k] = 1.0;
   }
 }
 
@@ -243,9 +269,12 @@ void deviator_stage(Plastic const model, Solid const& solid, PointArrays const& 
     std::visit(
         [&](auto const& failure) {
           using Model = std::decay_t<decltype(failure)>;
-          if constexpr (Model::damages) damage(failure, scales_of(model), a, dt, yields, solid.density, t);
+          if constexpr (Model::damages) {
+            if (yields) grow_damage(failure, scales_of(model), a, dt, t);
+          }
         },
         solid.failure);
+    lose_strength(a, solid.density, t);
   }
   double* const work = t.work;
   double const* const trial_work = t.trial_work;
@@ -395,6 +424,7 @@ void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step
     blend(*solid.mixture, a, t.blend);
     with(OwnEos{t.blend.G, t.blend.f, t.blend.df});
   }
+  tear(solid, a);
 }
 
 /// The last points, too few for a whole number of vectors: on copies, filled up with more of the first of them.

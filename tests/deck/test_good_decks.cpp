@@ -459,6 +459,7 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_EQ(alu.source, "a book");
   EXPECT_EQ(alu.density, 2700.0);
   EXPECT_EQ(alu.minimum_pressure, -1e9);
+  EXPECT_EQ(alu.spall, material::Spall::principal_stress);
   EXPECT_EQ(alu.specific_heat, 900.0);
   EXPECT_EQ(alu.temperature, 300.0);
   EXPECT_EQ(alu.taylor_quinney, 0.8);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/vec.hpp"
 #include "point_driver.hpp"
 
 namespace {
@@ -339,6 +340,76 @@ TEST(JohnsonCookFailurePoint, FailedPointBearsOnlyPressure) {
   EXPECT_LT(point.density[0], 0.012 * solid.density);
   EXPECT_LE(point.sound_speed[0], fastest * (1.0 + 1e-9));
   EXPECT_GT(point.sound_speed[0], 0.3 * fastest);
+}
+
+Solid tearing(Spall spall) {
+  Solid solid = johnson_cook_solid(steel4340);
+  solid.minimum_pressure = -2e9;
+  solid.spall = spall;
+  return solid;
+}
+
+TEST(SpallPoint, OpensWhereThePressureReachesTheLimit) {
+  for (Spall const spall : {Spall::limit, Spall::pressure}) {
+    Points point(tearing(spall));
+    int steps = 0;
+    for (; steps < 100 && point.pressure[0] > -2e9; ++steps) point.step(swell(1.0005));
+    EXPECT_EQ(point.pressure[0], -2e9);
+    EXPECT_EQ(point.damage[0], spall == Spall::pressure ? 1.0 : 0.0);
+    point.step(pure_shear_xy(1e-3));
+    EXPECT_EQ(point.pressure[0], spall == Spall::pressure ? 0.0 : -2e9);
+    if (spall == Spall::pressure) {
+      EXPECT_EQ(point.mises(), 0.0);
+    } else {
+      EXPECT_GT(point.mises(), 1e7);
+    }
+    // It bears pressure when it closes again, and never tension.
+    for (int k = 0; k < 2 * steps; ++k) point.step(swell(1.0 / 1.0006));
+    EXPECT_GT(point.pressure[0], 1e8);
+    if (spall == Spall::pressure) {
+      for (int k = 0; k < 400; ++k) {
+        point.step(swell(1.0005));
+        EXPECT_GE(point.pressure[0], 0.0);
+      }
+    }
+    EXPECT_NEAR(point.energy[0], point.work[0], 1e-12 * point.path[0]);
+  }
+}
+
+TEST(SpallPoint, OpensWhereTheLargestPrincipalStressReachesTheLimit) {
+  // Principal stresses in any directions, a little below the limit and a little above it.
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  for (int n = 0; n < 200; ++n) {
+    // Three directions at right angles.
+    std::array<Vec3, 3> axis{};
+    axis[0] = {normal(random), normal(random), normal(random)};
+    axis[0] = (1.0 / norm(axis[0])) * axis[0];
+    Vec3 const other{normal(random), normal(random), normal(random)};
+    axis[1] = other - dot(other, axis[0]) * axis[0];
+    axis[1] = (1.0 / norm(axis[1])) * axis[1];
+    axis[2] = {axis[0][1] * axis[1][2] - axis[0][2] * axis[1][1], axis[0][2] * axis[1][0] - axis[0][0] * axis[1][2],
+               axis[0][0] * axis[1][1] - axis[0][1] * axis[1][0]};
+    bool const above = n % 2 == 0;
+    std::array<double, 3> const principal{above ? 2.001e9 : 1.999e9, 1.8e9 + 0.05e9 * (n % 3), 1.7e9};
+    std::array<std::array<double, 3>, 3> s{};
+    for (int a = 0; a < 3; ++a) {
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) s[i][j] += principal[a] * axis[a][i] * axis[a][j];
+      }
+    }
+    double const mean = (principal[0] + principal[1] + principal[2]) / 3.0;
+    Solid const solid = tearing(Spall::principal_stress);
+    Points point(solid);
+    std::array<double, 6> const deviator{s[0][0] - mean, s[1][1] - mean, s[2][2] - mean, s[0][1], s[1][2], s[2][0]};
+    for (int c = 0; c < 6; ++c) point.deviator[c][0] = deviator[c];
+    // The density of that mean stress.
+    auto const& eos = std::get<Linear>(solid.eos);
+    point.density[0] = eos.rho0 * (1.0 - mean / eos.K);
+    point.pressure[0] = -mean;
+    point.step(Increment{});
+    EXPECT_EQ(point.damage[0], above ? 1.0 : 0.0) << n;
+  }
 }
 
 TEST(JohnsonCookFailurePoint, DamageIsMonotoneAndBoundedOnAnyPath) {
