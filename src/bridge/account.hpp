@@ -15,12 +15,7 @@ struct Account {
   double volume = 0.0;                   ///< that this gas fills [m3]
 
   [[nodiscard]] double total() const { return mass[0] + mass[1]; }
-  void add(Account const& other, double factor = 1.0) {
-    for (int f = 0; f < 2; ++f) mass[f] += factor * other.mass[f];
-    for (int d = 0; d < 3; ++d) momentum[d] += factor * other.momentum[d];
-    energy += factor * other.energy;
-    volume += factor * other.volume;
-  }
+  void add(Account const& other, double factor = 1.0);
 };
 
 /// Counts since the start.

@@ -89,7 +89,7 @@ void Bridge::keep_wind_awake() {
 }
 
 void Bridge::lend_cells_to_nodes(double begin, double end) {
-  proxies_.lend(begin, end, ledger_.accounts());
+  proxies_.lend(begin, end, ledger_);
   take_reference_off();
 }
 

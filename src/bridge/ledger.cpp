@@ -32,6 +32,12 @@ Account Ledger::sum() const {
   return sum;
 }
 
+double Ledger::reach(int face, Vec3 const& x) const {
+  int const lane = faces_->lane_of(face, x);
+  double const length = accounts_[faces_->number(face, lane)].volume / faces_->lane_area(face, lane);
+  return (*faces_)[face].side == 0 ? length : -length;
+}
+
 double Ledger::surplus() const {
   Faces const& faces = *faces_;
   double sum = 0.0;
@@ -81,15 +87,16 @@ void Ledger::add_inflow(double dt, Account& outflow) {
     GasState const s = state_of(shared_->fluids(), sums);
     double const inward = faces[f].inward(s.velocity);
     double const e = specific_energy(shared_->fluids(), s) + 0.5 * dot(s.velocity, s.velocity);
+    Account const per_mass{{1.0 - s.mass_fraction, s.mass_fraction}, s.velocity, e};
     for (int lane = 0; lane < faces.lanes(); ++lane) {
-      double const a = faces.lane_area(f, lane) * dt;
-      outflow.energy -= a * inward * s.pressure;
+      double const volume = faces.lane_area(f, lane) * dt * inward;
+      outflow.energy -= volume * s.pressure;
       if (inward <= 0.0) continue;
-      double const mass = a * inward * s.density;
-      Account const in{
-          {mass * (1.0 - s.mass_fraction), mass * s.mass_fraction}, mass * s.velocity, mass * e, a * inward};
-      at(f, lane).add(in);
-      outflow.add(in, -1.0);
+      double const mass = volume * s.density;
+      at(f, lane).add(per_mass, mass);
+      at(f, lane).volume += volume;
+      outflow.add(per_mass, -mass);
+      outflow.volume -= volume;
     }
   }
 }

@@ -33,6 +33,9 @@ class Ledger {
   [[nodiscard]] std::vector<Account> const& accounts() const { return accounts_; }
   /// Sum over all faces, in their order.
   [[nodiscard]] Account sum() const;
+  /// How far the gas in an account reaches along its lane, as a step along the axis from the face into the region [m];
+  /// out of it where gas lacks. The lane is that of the face that a place [m] lies in.
+  [[nodiscard]] double reach(int face, Vec3 const& x) const;
   /// Gas of either sign beyond two points per lane [kg].
   [[nodiscard]] double surplus() const;
 

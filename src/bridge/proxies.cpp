@@ -40,7 +40,7 @@ std::vector<int> Proxies::blocks() const {
   return blocks;
 }
 
-void Proxies::lend_cell(LentCell const& lent, double begin, double end, Accounts const& accounts,
+void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger const& ledger,
                         mpm::PointSet& set) const {
   Region const& region = faces_->region();
   CellStates const& states = shared_->states();
@@ -64,7 +64,9 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Accounts
     centre = bridge::state_of(shared_->fluids(), s);
     next = centre;
   }
-  grid::Domain const& domain = region.domain();
+  // Copies, which the calls below cannot change.
+  grid::Domain const domain = region.domain();
+  double const size = domain.h;
   int const parts = faces_->parts();
   int const dims = domain.dimensions();
   Index3 n{1, 1, 1};
@@ -78,16 +80,11 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Accounts
         Vec3 x = domain.centre({0, 0, 0});
         for (int d = 0; d < dims; ++d) {
           offset[d] = (sub[d] + 0.5) / parts - 0.5;
-          x[d] = domain.lower[d] + (lent.cell[d] + (sub[d] + 0.5) / parts) * domain.h;
+          x[d] = domain.lower[d] + (lent.cell[d] + (sub[d] + 0.5) / parts) * size;
         }
         for (int d = 0; d < dims; ++d) {
           if (lent.face[d] < 0) continue;
-          // The gas that the ledger holds fills this length before the face, or lacks there.
-          int const lane = faces_->lane_of(lent.face[d], x);
-          double const held = accounts[faces_->number(lent.face[d], lane)].volume;
-          double const length = held / faces_->lane_area(lent.face[d], lane);
-          double const inwards = (*faces_)[lent.face[d]].side == 0 ? 1.0 : -1.0;
-          double const shift = inwards * std::clamp(length, -2.0 * half, 2.0 * half);
+          double const shift = std::clamp(ledger.reach(lent.face[d], x), -2.0 * half, 2.0 * half);
           x[d] += shift;
           offset[d] += shift / domain.h;
         }
@@ -110,11 +107,11 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Accounts
   }
 }
 
-void Proxies::lend(double begin, double end, Accounts const& accounts) {
+void Proxies::lend(double begin, double end, Ledger const& ledger) {
   parallel_for(static_cast<int>(blocks_.size()), [&](int n, int) {
     mpm::PointSet& set = points_->lent(blocks_[n].block);
     set.reorder({});
-    for (LentCell const& cell : blocks_[n].cells) lend_cell(cell, begin, end, accounts, set);
+    for (LentCell const& cell : blocks_[n].cells) lend_cell(cell, begin, end, ledger, set);
   });
   points_->lending_done();
 }

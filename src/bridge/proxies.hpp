@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "bridge/account.hpp"
 #include "bridge/faces.hpp"
+#include "bridge/ledger.hpp"
 #include "bridge/shared_gas.hpp"
 #include "mpm/mpm.hpp"
 
@@ -14,15 +14,13 @@ namespace brisance::bridge {
 
 class Proxies {
  public:
-  using Accounts = std::vector<Account>;
-
   /// Announces to the points that these are lent to the body of the gas points. Keeps references.
   Proxies(mpm::Mpm& points, int gas_body, Faces const& faces, SharedGas const& shared);
 
   /// Makes the points for a step that begins and ends at these parts of the gas step, 0 to 1. Each cell becomes as
-  /// many points as the deck asks for; they stand where the rows of points in the region would go on: the accounts of
-  /// the lanes tell by how much of a point's mass.
-  void lend(double begin, double end, Accounts const& accounts);
+  /// many points as the deck asks for; they stand where the rows of points in the region would go on: the ledger
+  /// tells by how much of a point's mass.
+  void lend(double begin, double end, Ledger const& ledger);
   /// Blocks of points that hold such cells.
   [[nodiscard]] std::vector<int> blocks() const;
 
@@ -38,7 +36,7 @@ class Proxies {
     int block = 0;
     std::vector<LentCell> cells;
   };
-  void lend_cell(LentCell const& lent, double begin, double end, Accounts const& accounts, mpm::PointSet& set) const;
+  void lend_cell(LentCell const& lent, double begin, double end, Ledger const& ledger, mpm::PointSet& set) const;
 
   mpm::Mpm* points_;
   Faces const* faces_;
