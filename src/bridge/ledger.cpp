@@ -87,6 +87,7 @@ void Ledger::add_inflow(double dt, Account& outflow) {
     GasState const s = state_of(shared_->fluids(), sums);
     double const inward = faces[f].inward(s.velocity);
     double const e = specific_energy(shared_->fluids(), s) + 0.5 * dot(s.velocity, s.velocity);
+    // Without its volume, which is added apart.
     Account const per_mass{{1.0 - s.mass_fraction, s.mass_fraction}, s.velocity, e};
     for (int lane = 0; lane < faces.lanes(); ++lane) {
       double const volume = faces.lane_area(f, lane) * dt * inward;

@@ -47,11 +47,11 @@ class Ledger {
   void add_leaver(int face, int lane, Account const& load) { at(face, lane).add(load); }
   /// Finds the faces through which the gas flows out of the region.
   void find_directions(Fluxes const& watched, double share);
-  /// Adds what the gas carried through the faces.
-  void add_fluxes(Fluxes const& watched, double share);
   /// Lets gas in through open faces, at the state of the region's gas there; it is taken off `outflow`, as is the work
   /// of its pressure.
   void add_inflow(double dt, Account& outflow);
+  /// Adds what the gas carried through the faces.
+  void add_fluxes(Fluxes const& watched, double share);
   /// Lets the volumes of the accounts follow the gas.
   void follow_volumes(double dt);
   /// Evens out neighbouring accounts where gas flows out.
