@@ -236,7 +236,7 @@ void print_point_audit(run::World const& world) {
 void print_region_audit(run::World const& world) {
   auto const error = world.audit.relative_error();
   bool const two = world.gas->fluids().two;
-  bridge::Ledger const ledger = world.bridge->ledger();
+  bridge::Account const ledger = world.bridge->ledger();
   auto const energy = world.energy_balance();
   print(stdout,
         "\naudit: {} (relative error of the mass: {} {:.1e}{}; energy {} to {}, drift {:+.3g} % of {} at work)\n{}",

@@ -9,21 +9,25 @@ namespace brisance::bridge {
 
 namespace {
 
-void archive(Archive& a, Ledger& l) { a(l.mass, l.momentum, l.energy, l.volume); }
+void archive(Archive& a, Account& l) { a(l.mass, l.momentum, l.energy, l.volume); }
 
 }  // namespace
+
+void Ledger::archive(Archive& a) {
+  a.sized(outwards_, "the number of faces of the region");
+  for (Account& account : accounts_) bridge::archive(a, account);
+}
 
 void Bridge::archive(Archive& a) {
   a.section("bridge");
   a.same(gas_body_, "the body of the gas points");
-  a.same(ledger_.size(), "the size of the ledger");
+  a.same(ledger_.accounts().size(), "the size of the ledger");
   a(awake_, last_step_);
   a.require(last_step_ >= 0.0 && std::isfinite(last_step_), "the last step of the points");
-  a.sized(outwards_, "the number of faces of the region");
-  for (Ledger& account : ledger_) bridge::archive(a, account);
+  ledger_.archive(a);
   a(traffic_.born, traffic_.left, traffic_.pressure_work, traffic_.pressure_impulse);
   bridge::archive(a, traffic_.outflow);
-  states_.archive(a);
+  shared_.states().archive(a);
   // The signals that come in with the next step are those of the cells, which have been read before the bridge.
   if (a.reading() && awake_) read_cells();
 }

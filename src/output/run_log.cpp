@@ -219,7 +219,7 @@ json points(run::World const& world, double wall_seconds) {
             {"lost_points", p.losses().points}}}};
 }
 
-json ledger(bridge::Ledger const& l) {
+json ledger(bridge::Account const& l) {
   return {{"mass", {json_or_null(l.mass[0]), json_or_null(l.mass[1])}},
           {"momentum", {json_or_null(l.momentum[0]), json_or_null(l.momentum[1]), json_or_null(l.momentum[2])}},
           {"energy", json_or_null(l.energy)}};

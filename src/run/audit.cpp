@@ -121,7 +121,7 @@ Totals World::totals() const {
   Totals total = gas_totals();
   total.rest_energy = gas_rest_energy_;
   if (bridge != nullptr) {
-    bridge::Ledger const ledger = bridge->ledger();
+    bridge::Account const ledger = bridge->ledger();
     for (int f = 0; f < 2; ++f) total.mass[f] += ledger.mass[f];
     total.momentum = total.momentum + ledger.momentum;
     total.energy += ledger.energy;
@@ -208,7 +208,7 @@ void World::take_account() {
   }
   if (gas == nullptr) return;
   if (bridge != nullptr) {
-    bridge::Ledger const& out = bridge->traffic().outflow;
+    bridge::Account const& out = bridge->traffic().outflow;
     audit.outflow += {out.mass, out.momentum, out.energy};
   }
   gas::Account const account = gas->account();

@@ -76,7 +76,7 @@ std::vector<double> bits_of(World& world) {
     bits.insert(bits.end(), {world.bridge->awake() ? 1.0 : 0.0, double(world.clock.gas_steps),
                              double(world.clock.point_steps), double(world.bridge->traffic().born),
                              double(world.bridge->traffic().left), world.bridge->traffic().pressure_work});
-    for (bridge::Ledger const& l : world.bridge->accounts()) {
+    for (bridge::Account const& l : world.bridge->accounts()) {
       bits.insert(bits.end(), {l.mass[0], l.mass[1], l.momentum[0], l.momentum[1], l.momentum[2], l.energy});
     }
     for (gas::FaceFlux const& flux : world.gas->watched()) bits.insert(bits.end(), {flux.mass[0], flux.energy});

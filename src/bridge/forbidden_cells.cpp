@@ -1,0 +1,59 @@
+#include "bridge/forbidden_cells.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/parallel.hpp"
+
+namespace brisance::bridge {
+
+using mpm::Field;
+
+ForbiddenCells::ForbiddenCells(mpm::Mpm const& points, int gas_body, Faces const& faces)
+    : points_(&points), gas_body_(gas_body), faces_(&faces), region_(&faces.region()) {
+  for (int b = 0; b < points.grid().block_count(); ++b) {
+    grid::Block const& block = points.grid().blocks()[b];
+    bool touches = false;
+    for (int k = 0; k < block.n[2] && !touches; ++k) {
+      for (int j = 0; j < block.n[1] && !touches; ++j) {
+        for (int i = 0; i < block.n[0] && !touches; ++i) {
+          Index3 cell{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k};
+          for (int d = 0; d < region_->domain().dimensions(); ++d) cell[d] -= region_->shift()[d];
+          touches = contains(cell);
+        }
+      }
+    }
+    if (touches) blocks_.push_back(b);
+  }
+}
+
+bool ForbiddenCells::contains(Index3 const& cell) const {
+  if (region_->clamped(cell) != cell) return false;  // beyond an open boundary: it leaves
+  return region_->layer(cell) <= region_->width() + 2;
+}
+
+std::string ForbiddenCells::intruder() const {
+  std::vector<std::string> trouble(blocks_.size());
+  parallel_for(static_cast<int>(blocks_.size()), [&](int n, int) {
+    for (int body = 0; body < static_cast<int>(points_->bodies().size()); ++body) {
+      if (body == gas_body_) continue;
+      mpm::PointSet const& set = points_->points(blocks_[n], body);
+      for (int q = 0; q < set.size(); ++q) {
+        Vec3 const x{set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]};
+        if (!contains(faces_->cell_at(x))) continue;
+        trouble[n] = fmt::format(
+            "body \"{}\" has come to the bridge at ({:.6g}, {:.6g}, {:.6g}) m; the MPM region must reach further: "
+            "solids keep "
+            "{} cells away from its faces",
+            points_->bodies()[body].name, x[0], x[1], x[2], region_->width() + 2);
+        return;
+      }
+    }
+  });
+  auto const first =
+      std::find_if(trouble.begin(), trouble.end(), [](std::string const& text) { return !text.empty(); });
+  return first == trouble.end() ? std::string{} : *first;
+}
+
+}  // namespace brisance::bridge

@@ -1,0 +1,90 @@
+#include "bridge/gas_points.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "bridge/conversion.hpp"
+#include "core/parallel.hpp"
+
+namespace brisance::bridge {
+
+using mpm::Field;
+
+void set_gradient(mpm::PointSet& set, int q, GasSlopes const& slopes, int dimensions, double h) {
+  if (set.field(Field::affine_xx) == nullptr) return;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < dimensions; ++c) set.field(Field::affine_xx + (3 * r + c))[q] = slopes.velocity[c][r] / h;
+  }
+}
+
+GasPoints::GasPoints(mpm::Mpm& points, int body, material::Fluids const& fluids, Faces const& faces,
+                     std::vector<int> outer_blocks)
+    : points_(&points), body_(body), fluids_(&fluids), faces_(&faces), outer_blocks_(std::move(outer_blocks)) {
+  for (std::size_t n = 0; n < outer_blocks_.size(); ++n) leavers_.push_back(empty_set());
+}
+
+void GasPoints::append(int face, int lane, double depth, double mass, GasState const& s, GasSlopes const& slopes,
+                       mpm::PointSet& to) const {
+  Face const& f = (*faces_)[face];
+  grid::Domain const& domain = faces_->region().domain();
+  int const parts = faces_->parts();
+  Index3 const sub = faces_->sub_cell(face, lane);
+  int const q = to.append();
+  for (int d = 0; d < 3; ++d) {
+    double x = domain.centre({0, 0, 0})[d];
+    if (d < domain.dimensions()) {
+      x = domain.lower[d] + (f.inside[d] + (sub[d] + 0.5) / parts) * domain.h;
+      if (d == f.direction) {
+        double const least = 1e-9 * domain.h;  // inside, whatever the round-off
+        double const at = std::clamp(depth, least, domain.h - least);
+        x = domain.lower[d] + (f.inside[d] + f.side) * domain.h + (f.side == 0 ? at : -at);
+      }
+    }
+    to.field(Field::position_x + d)[q] = x;
+    to.field(Field::velocity_x + d)[q] = s.velocity[d];
+    if (double* half = to.field(Field::half_x + d)) half[q] = 0.5 * domain.h / parts;
+  }
+  set_gradient(to, q, slopes, domain.dimensions(), domain.h);
+  to.field(Field::mass)[q] = mass;
+  to.field(Field::density)[q] = s.density;
+  to.field(Field::pressure)[q] = s.pressure;
+  to.field(Field::energy)[q] = specific_energy(*fluids_, s);
+  if (double* Y = to.field(Field::mass_fraction)) Y[q] = s.mass_fraction;
+  if (double* alpha = to.field(Field::volume_fraction)) alpha[q] = s.volume_fraction;
+}
+
+Account GasPoints::carried(mpm::PointSet const& set, int q) const {
+  double const m = set.field(Field::mass)[q];
+  double const* second = set.field(Field::mass_fraction);
+  double const m1 = second == nullptr ? 0.0 : m * second[q];
+  Account l;
+  l.mass = {m - m1, m1};
+  double square = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    double const v = set.field(Field::velocity_x + d)[q];
+    l.momentum[d] = m * v;
+    square += v * v;
+  }
+  l.energy = m * (set.field(Field::energy)[q] + 0.5 * square);
+  l.volume = m / set.field(Field::density)[q];
+  if (points_->keeps_energy(body_)) l.energy += m * mpm::affine_energy(set, q, faces_->region().domain().h);
+  return l;
+}
+
+std::vector<mpm::PointSet> const& GasPoints::take_leavers() {
+  Region const& region = faces_->region();
+  parallel_for(static_cast<int>(outer_blocks_.size()), [&](int n, int) {
+    leavers_[n].reorder({});
+    points_->take_out(
+        outer_blocks_[n], body_,
+        [&](mpm::PointSet const& set, int q) {
+          Vec3 const x{set.field(Field::position_x)[q], set.field(Field::position_y)[q],
+                       set.field(Field::position_z)[q]};
+          return !region.inside(faces_->cell_at(x));
+        },
+        leavers_[n]);
+  });
+  return leavers_;
+}
+
+}  // namespace brisance::bridge

@@ -1,0 +1,82 @@
+#include "bridge/ghosts.hpp"
+
+#include <algorithm>
+
+#include "core/parallel.hpp"
+
+namespace brisance::bridge {
+
+namespace {
+
+constexpr int group = 64;  // cells that a thread takes at a time
+
+/// From a mean over points with the weight of a quadratic B-spline (second moment h^2/4) to one over the cell (h^2/12):
+/// f - (1/4 - 1/12)/2 h^2 f''. Not across jumps, where there is no f''.
+constexpr double sharpening = 1.0 / 12.0;
+constexpr double steep = 0.2;  ///< relative difference of pressure or density that counts as a jump
+
+}  // namespace
+
+Ghosts::Ghosts(gas::Gas& gas, Region const& region, SharedGas const& shared)
+    : gas_(&gas), region_(&region), shared_(&shared) {
+  for (Index3 const& cell : region.ghosts()) {
+    std::array<int, 6> neighbours{-1, -1, -1, -1, -1, -1};
+    for (int d = 0; d < region.domain().dimensions(); ++d) {
+      for (int side = 0; side < 2; ++side) {
+        Index3 there = cell;
+        there[d] += side == 0 ? -1 : 1;
+        neighbours[2 * d + side] = shared.average_of(there);
+      }
+    }
+    neighbours_.push_back(neighbours);
+    blocks_.push_back(gas.grid().block_of(cell));
+  }
+  std::sort(blocks_.begin(), blocks_.end());
+  blocks_.erase(std::unique(blocks_.begin(), blocks_.end()), blocks_.end());
+}
+
+/// The velocity of points stands half a step of theirs behind their stress (Eqs. (22)-(25) are a leapfrog): the ghost
+/// cells take it forward with the gradient of the pressure. Without that, gas and points would see each other's waves
+/// out of step by half a step, and reflect them.
+void Ghosts::fill_cell(int n, double last_step) {
+  auto const& sums = shared_->sums();
+  material::Fluids const& fluids = gas_->fluids();
+  Index3 const& cell = region_->ghosts()[n];
+  double const enough = 0.1 * region_->domain().cell_volume(cell[0]);
+  // Next to solids a ghost cell of the ghost cells may hold hardly any gas: it keeps what it has.
+  if (sums[n].volume < enough) return;
+  GasState const own = state_of(fluids, sums[n]);
+  GasState s = own;
+  for (int d = 0; d < region_->domain().dimensions(); ++d) {
+    int const low = neighbours_[n][2 * d];
+    int const high = neighbours_[n][2 * d + 1];
+    if (low < 0 || high < 0 || sums[low].volume < enough || sums[high].volume < enough) continue;
+    GasState const below = state_of(fluids, sums[low]);
+    GasState const above = state_of(fluids, sums[high]);
+    if (is_jump(own, below, steep) || is_jump(own, above, steep)) continue;
+    auto const second = [](double a, double b, double c) { return a - 2.0 * b + c; };
+    s.density -= sharpening * second(below.density, own.density, above.density);
+    s.pressure -= sharpening * second(below.pressure, own.pressure, above.pressure);
+    for (int c = 0; c < 3; ++c) {
+      s.velocity[c] -= sharpening * second(below.velocity[c], own.velocity[c], above.velocity[c]);
+    }
+    s.velocity[d] -= 0.5 * last_step * (above.pressure - below.pressure) / (2.0 * region_->domain().h * own.density);
+  }
+  grid::Grid const& grid = gas_->grid();
+  int const b = grid.block_of(cell);
+  grid::Block const& block = grid.blocks()[b];
+  double const second_density = s.density * s.mass_fraction;
+  gas_->set_conserved(b, block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]),
+                      s.density - second_density, second_density, s.density * s.velocity,
+                      s.density * (specific_energy(fluids, s) + 0.5 * dot(s.velocity, s.velocity)), s.volume_fraction);
+}
+
+void Ghosts::fill(double last_step) {
+  int const count = static_cast<int>(region_->ghosts().size());
+  parallel_for((count + group - 1) / group, [&](int g, int) {
+    for (int n = g * group; n < std::min(count, (g + 1) * group); ++n) fill_cell(n, last_step);
+  });
+  for (int const block : blocks_) gas_->wake(block);
+}
+
+}  // namespace brisance::bridge

@@ -1,0 +1,199 @@
+#include "bridge/ledger.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "bridge/conversion.hpp"
+#include "core/parallel.hpp"
+
+namespace brisance::bridge {
+
+namespace {
+
+constexpr int group = 64;  // faces that a thread takes at a time
+
+/// A mass near to `wanted` that differs from the usual one by the factor 1.25 at most.
+double near_mass(double usual, double wanted) {
+  constexpr double most = 1.25;
+  return std::clamp(wanted, usual / most, usual * most);
+}
+
+constexpr int most_births = 16;  // of one lane in one step: more is not met within the Courant limit
+
+}  // namespace
+
+Ledger::Ledger(Faces const& faces, SharedGas const& shared)
+    : faces_(&faces), shared_(&shared), accounts_(faces.lane_count()), outwards_(faces.count(), 0) {}
+
+Account Ledger::sum() const {
+  Account sum;
+  for (Account const& account : accounts_) sum.add(account);
+  return sum;
+}
+
+double Ledger::reach(int face, Vec3 const& x) const {
+  int const lane = faces_->lane_of(face, x);
+  double const length = accounts_[faces_->number(face, lane)].volume / faces_->lane_area(face, lane);
+  return (*faces_)[face].side == 0 ? length : -length;
+}
+
+double Ledger::surplus() const {
+  Faces const& faces = *faces_;
+  double sum = 0.0;
+  for (int f = 0; f < faces.count(); ++f) {
+    if (faces[f].open) continue;  // through open faces gas leaves at once
+    double const density = std::max(shared_->outside(f).density, shared_->inside(f).density);
+    for (int lane = 0; lane < faces.lanes(); ++lane) {
+      Account const& account = accounts_[faces.number(f, lane)];
+      double const point = density * faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
+      sum += std::max(0.0, std::abs(account.mass[0]) + std::abs(account.mass[1]) - 2.0 * point);
+    }
+  }
+  return sum;
+}
+
+void Ledger::find_directions(Fluxes const& watched, double share) {
+  for (int f = 0; f < faces_->count(); ++f) {
+    Face const& face = (*faces_)[f];
+    if (face.open) continue;
+    gas::FaceFlux const& flux = watched[face.watch];
+    if (flux.impulse == 0.0) continue;  // both sides sleep
+    double const sign = face.side == 0 ? share : -share;
+    outwards_[f] = sign * (flux.mass[0] + flux.mass[1]) < 0.0 ? 1 : 0;
+  }
+}
+
+void Ledger::add_fluxes(Fluxes const& watched, double share) {
+  for (int f = 0; f < faces_->count(); ++f) {
+    Face const& face = (*faces_)[f];
+    if (face.open) continue;
+    gas::FaceFlux const& flux = watched[face.watch];
+    if (flux.impulse == 0.0) continue;
+    double const sign = face.side == 0 ? share : -share;
+    Account const per_area{flux.mass, flux.momentum, flux.energy, flux.volume};
+    for (int lane = 0; lane < faces_->lanes(); ++lane) {
+      at(f, lane).add(per_area, sign * faces_->lane_area(f, lane));
+    }
+  }
+}
+
+void Ledger::add_inflow(double dt, Account& outflow) {
+  Faces const& faces = *faces_;
+  for (int f = 0; f < faces.count(); ++f) {
+    if (!faces[f].open) continue;
+    CellSums const& sums = shared_->sums_at(f);
+    if (sums.volume < 0.1 * faces.region().domain().cell_volume(faces[f].inside[0])) continue;
+    GasState const s = state_of(shared_->fluids(), sums);
+    double const inward = faces[f].inward(s.velocity);
+    double const e = specific_energy(shared_->fluids(), s) + 0.5 * dot(s.velocity, s.velocity);
+    // Without its volume, which is added apart.
+    Account const per_mass{{1.0 - s.mass_fraction, s.mass_fraction}, s.velocity, e};
+    for (int lane = 0; lane < faces.lanes(); ++lane) {
+      double const volume = faces.lane_area(f, lane) * dt * inward;
+      outflow.energy -= volume * s.pressure;
+      if (inward <= 0.0) continue;
+      double const mass = volume * s.density;
+      at(f, lane).add(per_mass, mass);
+      at(f, lane).volume += volume;
+      outflow.add(per_mass, -mass);
+      outflow.volume -= volume;
+    }
+  }
+}
+
+/// The volumes of the accounts are what has crossed by the velocity of the face, less what points took along; they
+/// shrink and grow with the gas there. Where gas flows out, away from contacts, the masses tell better what is missing
+/// in space than the volumes that points carry; and no more than one point's volume can be missing.
+void Ledger::follow_volumes(double dt) {
+  Faces const& faces = *faces_;
+  int const dims = faces.region().domain().dimensions();
+  double const h = faces.region().domain().h;
+  for (int f = 0; f < faces.count(); ++f) {
+    if (faces[f].open) continue;
+    GasState const& outside = shared_->outside(f);
+    GasState const& inside = shared_->inside(f);
+    GasSlopes const slopes = shared_->slopes_outside(f);
+    double divergence = faces[f].inward(inside.velocity - outside.velocity) / h;
+    for (int d = 0; d < dims; ++d) {
+      if (d != faces[f].direction) divergence += slopes.velocity[d][d] / h;
+    }
+    double const stretch = std::exp(dt * divergence);
+    bool const contact = differ(inside.density, outside.density, 0.1);
+    for (int lane = 0; lane < faces.lanes(); ++lane) {
+      Account& account = at(f, lane);
+      if (outwards_[f] != 0 && !contact) {
+        Account const& before = before_[faces.number(f, lane)];
+        account.volume = before.volume + (account.total() - before.total()) / outside.density;
+      }
+      account.volume *= stretch;
+      if (outwards_[f] == 0) continue;
+      double const most = faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
+      account.volume = std::clamp(account.volume, -most, most);
+    }
+  }
+}
+
+/// Where gas flows out at an angle, points leave through other lanes than the fluxes say: rows of points cross a face
+/// in few places, the flux does so evenly. Without an exchange along the surface the accounts would drift apart without
+/// bound. Half of the difference to the neighbours is evened out in every step; not where gas flows in, for points are
+/// born there when their lane is ripe, and lanes in step make regular rows.
+void Ledger::level() {
+  if (faces_->region().domain().dimensions() == 1) return;
+  double const rate = 0.5 / (2.0 * (faces_->region().domain().dimensions() - 1));
+  before_ = accounts_;
+  auto const flows_out = [&](std::size_t lane) { return outwards_[faces_->face_of(lane)] != 0; };
+  for (std::size_t n = 0; n < accounts_.size(); ++n) {
+    if (!flows_out(n)) continue;
+    for (int const other : faces_->neighbours(n)) {
+      if (other < 0 || !flows_out(other)) continue;
+      accounts_[n].add(before_[other], rate);
+      accounts_[n].add(before_[n], -rate);
+    }
+  }
+}
+
+long Ledger::give_birth(GasPoints& points) {
+  Faces const& faces = *faces_;
+  int const count = faces.count();
+  int const groups = (count + group - 1) / group;
+  std::vector<mpm::PointSet> born(groups);
+  double const spacing = faces.region().domain().h / faces.parts();
+  parallel_for(groups, [&](int g, int) {
+    for (int f = g * group; f < std::min(count, (g + 1) * group); ++f) {
+      for (int lane = 0; lane < faces.lanes(); ++lane) {
+        Account& account = at(f, lane);
+        if (account.volume <= 0.0) continue;
+        if (faces[f].open && shared_->sums_at(f).volume <= 0.0) continue;
+        GasSlopes slopes;
+        GasState const donor = shared_->donor(f, lane, slopes);
+        if (faces[f].inward(donor.velocity) <= 0.0) continue;
+        double const volume = faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
+        std::array<double, 2> const usual{(1.0 - donor.mass_fraction) * donor.density * volume,
+                                          donor.mass_fraction * donor.density * volume};
+        for (int n = 0; n < most_births && account.volume >= 0.5 * volume; ++n) {
+          // What is left of the ledger after the birth is to have the donor's partial densities.
+          double const left = account.volume / volume - 1.0;
+          std::array<double, 2> mass{};
+          for (int k = 0; k < 2; ++k) mass[k] = near_mass(usual[k], account.mass[k] - left * usual[k]);
+          GasState state = donor;
+          state.density = (mass[0] + mass[1]) / volume;
+          state.mass_fraction = mass[1] / (mass[0] + mass[1]);
+          double const depth = (account.volume / volume - 0.5) * spacing;
+          if (born[g].fields().size() == 0) born[g] = points.empty_set();
+          points.append(f, lane, depth, mass[0] + mass[1], state, slopes, born[g]);
+          account.add(points.carried(born[g], born[g].size() - 1), -1.0);
+        }
+      }
+    }
+  });
+  long sum = 0;
+  for (mpm::PointSet const& set : born) {
+    if (set.empty()) continue;
+    points.add(set);
+    sum += set.size();
+  }
+  return sum;
+}
+
+}  // namespace brisance::bridge

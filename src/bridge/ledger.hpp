@@ -1,0 +1,74 @@
+/// The ledger: what is under way between gas and points, face by face, lane by lane.
+///
+/// The gas moves mass through the surface of the region by its fluxes. Each face, cut into lanes, keeps an account of
+/// what the gas gave to the region, less what the region took: it grows by the flux that the gas scheme really used
+/// (mass of each fluid, momentum and energy without the pressure's part, which reaches the points through Eq. (39)) and
+/// by what points carry out, and falls by what new points carry in. A point is born when half a point's volume has
+/// gathered: its centre is then at the face. Gas outside + points + ledger is constant. (Eqs. (40)-(51) as printed
+/// count what crosses twice, see docs/theory.)
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "bridge/account.hpp"
+#include "bridge/faces.hpp"
+#include "bridge/gas_points.hpp"
+#include "bridge/shared_gas.hpp"
+#include "gas/gas.hpp"
+
+namespace brisance {
+class Archive;
+}
+
+namespace brisance::bridge {
+
+class Ledger {
+ public:
+  using Fluxes = std::vector<gas::FaceFlux>;  ///< of the watched faces, see `Gas::watched`
+
+  /// Keeps references to both.
+  Ledger(Faces const& faces, SharedGas const& shared);
+
+  [[nodiscard]] std::vector<Account> const& accounts() const { return accounts_; }
+  /// Sum over all faces, in their order.
+  [[nodiscard]] Account sum() const;
+  /// How far the gas in an account reaches along its lane, as a step along the axis from the face into the region [m];
+  /// out of it where gas lacks. The lane is that of the face that a place [m] lies in.
+  [[nodiscard]] double reach(int face, Vec3 const& x) const;
+  /// Gas of either sign beyond two points per lane [kg].
+  [[nodiscard]] double surplus() const;
+
+  // One step, in this order; `share`: part of the gas step that the points have made, `dt`: its length [s].
+
+  /// Remembers the accounts as they are before the step.
+  void begin_step() { before_ = accounts_; }
+  /// Adds what a point carried out through a lane.
+  void add_leaver(int face, int lane, Account const& load) { at(face, lane).add(load); }
+  /// Finds the faces through which the gas flows out of the region.
+  void find_directions(Fluxes const& watched, double share);
+  /// Lets gas in through open faces, at the state of the region's gas there; it is taken off `outflow`, as is the work
+  /// of its pressure.
+  void add_inflow(double dt, Account& outflow);
+  /// Adds what the gas carried through the faces.
+  void add_fluxes(Fluxes const& watched, double share);
+  /// Lets the volumes of the accounts follow the gas.
+  void follow_volumes(double dt);
+  /// Evens out neighbouring accounts where gas flows out.
+  void level();
+  /// Makes the points that have gathered. Returns how many.
+  long give_birth(GasPoints& points);
+
+  void archive(Archive& a);  ///< in a checkpoint
+
+ private:
+  [[nodiscard]] Account& at(int face, int lane) { return accounts_[faces_->number(face, lane)]; }
+
+  Faces const* faces_;
+  SharedGas const* shared_;
+  std::vector<Account> accounts_;  ///< by `Faces::number`
+  std::vector<Account> before_;    ///< scratch: the accounts before the step, or before they are levelled
+  std::vector<char> outwards_;     ///< per face: the gas flowed out of the region in the last step
+};
+
+}  // namespace brisance::bridge

@@ -1,0 +1,119 @@
+#include "bridge/proxies.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "bridge/conversion.hpp"
+#include "bridge/gas_points.hpp"
+#include "core/parallel.hpp"
+
+namespace brisance::bridge {
+
+using mpm::Field;
+
+Proxies::Proxies(mpm::Mpm& points, int gas_body, Faces const& faces, SharedGas const& shared)
+    : points_(&points), faces_(&faces), shared_(&shared) {
+  points.lend_as(gas_body);
+  Region const& region = faces.region();
+  std::map<int, std::vector<LentCell>> by_block;
+  for (Index3 const& cell : region.lent()) {
+    Index3 const inner = region.clamped(cell);
+    LentCell lent;
+    lent.cell = cell;
+    lent.face = faces.before(cell);
+    if (region.inside(inner)) {
+      lent.average = shared.average_of(inner);
+    } else {
+      lent.state = shared.state_of(inner);
+    }
+    Index3 at{0, 0, 0};
+    for (int d = 0; d < region.domain().dimensions(); ++d) at[d] = cell[d] + region.shift()[d];
+    by_block[points.grid().block_of(at)].push_back(lent);
+  }
+  for (auto& [block, cells] : by_block) blocks_.push_back({block, std::move(cells)});
+}
+
+std::vector<int> Proxies::blocks() const {
+  std::vector<int> blocks;
+  for (LentBlock const& block : blocks_) blocks.push_back(block.block);
+  return blocks;
+}
+
+void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger const& ledger,
+                        mpm::PointSet& set) const {
+  Region const& region = faces_->region();
+  CellStates const& states = shared_->states();
+  GasState centre;
+  GasSlopes slopes;
+  GasState next;
+  GasSlopes next_slopes;
+  if (lent.state >= 0) {
+    // Pressure and density at the beginning; the velocity, as that of the points, half a step behind it.
+    double const half_step = 0.5 * (end - begin);
+    states.at(lent.state, begin, centre, slopes);
+    GasState before;
+    GasSlopes slopes_before;
+    states.at(lent.state, begin - half_step, before, slopes_before);
+    centre.velocity = before.velocity;
+    slopes.velocity = slopes_before.velocity;
+    states.at(lent.state, end - half_step, next, next_slopes);
+  } else {
+    CellSums const& s = shared_->sums()[lent.average];
+    if (s.volume < 0.1 * region.domain().cell_volume(region.clamped(lent.cell)[0])) return;  // a solid lies there
+    centre = bridge::state_of(shared_->fluids(), s);
+    next = centre;
+  }
+  // Copies, which the calls below cannot change.
+  grid::Domain const domain = region.domain();
+  double const size = domain.h;
+  int const parts = faces_->parts();
+  int const dims = domain.dimensions();
+  Index3 n{1, 1, 1};
+  for (int d = 0; d < dims; ++d) n[d] = parts;
+  double const half = 0.5 * domain.h / parts;
+  for (int k = 0; k < n[2]; ++k) {
+    for (int j = 0; j < n[1]; ++j) {
+      for (int i = 0; i < n[0]; ++i) {
+        Index3 const sub{i, j, k};
+        Vec3 offset{0.0, 0.0, 0.0};
+        Vec3 x = domain.centre({0, 0, 0});
+        for (int d = 0; d < dims; ++d) {
+          offset[d] = (sub[d] + 0.5) / parts - 0.5;
+          x[d] = domain.lower[d] + (lent.cell[d] + (sub[d] + 0.5) / parts) * size;
+        }
+        for (int d = 0; d < dims; ++d) {
+          if (lent.face[d] < 0) continue;
+          double const shift = std::clamp(ledger.reach(lent.face[d], x), -2.0 * half, 2.0 * half);
+          x[d] += shift;
+          offset[d] += shift / domain.h;
+        }
+        GasState const s = at_offset(centre, slopes, offset);
+        GasState const later = at_offset(next, next_slopes, offset);
+        int const q = set.append();
+        for (int d = 0; d < 3; ++d) {
+          set.field(Field::position_x + d)[q] = x[d];
+          set.field(Field::velocity_x + d)[q] = s.velocity[d];
+          set.field(Field::next_x + d)[q] = later.velocity[d];
+          if (double* h = set.field(Field::half_x + d)) h[q] = half;
+          if (double* filtered = set.field(Field::filtered_x + d)) filtered[q] = 0.0;
+        }
+        set_gradient(set, q, slopes, dims, domain.h);
+        set.field(Field::density)[q] = s.density;
+        set.field(Field::pressure)[q] = s.pressure;
+        set.field(Field::mass)[q] = s.density * faces_->standard_volume(lent.cell, sub);
+      }
+    }
+  }
+}
+
+void Proxies::lend(double begin, double end, Ledger const& ledger) {
+  parallel_for(static_cast<int>(blocks_.size()), [&](int n, int) {
+    mpm::PointSet& set = points_->lent(blocks_[n].block);
+    set.reorder({});
+    for (LentCell const& cell : blocks_[n].cells) lend_cell(cell, begin, end, ledger, set);
+  });
+  points_->lending_done();
+}
+
+}  // namespace brisance::bridge

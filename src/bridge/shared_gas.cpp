@@ -1,0 +1,96 @@
+#include "bridge/shared_gas.hpp"
+
+namespace brisance::bridge {
+
+namespace {
+
+/// Cells whose averages the bridge needs: the ghost cells and their neighbours, then the cells of the region at open
+/// boundaries and those that stand for lent cells there.
+std::vector<Index3> averaged_cells(Region const& region, std::map<Index3, int>& number) {
+  std::vector<Index3> cells;
+  auto const add = [&](Index3 const& cell) {
+    auto const [found, fresh] = number.try_emplace(cell, static_cast<int>(cells.size()));
+    if (fresh) cells.push_back(cell);
+  };
+  for (Index3 const& cell : region.ghosts()) add(cell);
+  for (Index3 const& cell : region.ghosts()) {
+    for (int d = 0; d < region.domain().dimensions(); ++d) {
+      for (int const step : {-1, 1}) {
+        Index3 there = cell;
+        there[d] += step;
+        if (region.inside(there)) add(there);
+      }
+    }
+  }
+  for (Face const& face : region.faces()) {
+    if (face.open) add(face.inside);
+  }
+  for (Index3 const& cell : region.lent()) {
+    Index3 const inner = region.clamped(cell);
+    if (inner != cell && region.inside(inner)) add(inner);
+  }
+  return cells;
+}
+
+/// Gas cells that act as points: of the lent cells those of the domain, and for those beyond an open boundary but not
+/// next to the region the gas cell that stands for them.
+std::vector<Index3> state_cells(Region const& region, std::map<Index3, int>& number) {
+  std::vector<Index3> cells;
+  auto const add = [&](Index3 const& cell) {
+    auto const [found, fresh] = number.try_emplace(cell, static_cast<int>(cells.size()));
+    if (fresh) cells.push_back(cell);
+  };
+  for (Index3 const& cell : region.lent()) {
+    Index3 const inner = region.clamped(cell);
+    if (!region.inside(inner)) add(inner);
+  }
+  // The printed transport takes the mean of both sides of a face.
+  for (Face const& face : region.faces()) {
+    if (!face.open) add(face.inside);
+  }
+  return cells;
+}
+
+}  // namespace
+
+SharedGas::SharedGas(gas::Gas const& gas, mpm::Mpm const& points, int gas_body, Faces const& faces)
+    : gas_(&gas),
+      points_(&points),
+      gas_body_(gas_body),
+      faces_(&faces),
+      averages_(gas.grid().domain(), points, faces.region().shift(), averaged_cells(faces.region(), averaged_)),
+      states_(gas.grid(), state_cells(faces.region(), read_)) {
+  for (Face const& face : faces.region().faces()) {
+    Beside beside;
+    if (face.open) {
+      beside.average = averaged_.at(face.inside);
+    } else {
+      beside.outside = read_.at(face.outside());
+      beside.inside = read_.at(face.inside);
+    }
+    beside_.push_back(beside);
+  }
+}
+
+GasSlopes SharedGas::slopes_outside(int face) const {
+  GasState centre;
+  GasSlopes slopes;
+  states_.at(beside_[face].outside, 1.0, centre, slopes);
+  return slopes;
+}
+
+GasState SharedGas::donor(int face, int lane, GasSlopes& slopes) const {
+  slopes = {};
+  Face const& f = (*faces_)[face];
+  if (f.open) return bridge::state_of(fluids(), sums_at(face));
+  GasState centre;
+  states_.at(beside_[face].outside, 1.0, centre, slopes);
+  Index3 const sub = faces_->sub_cell(face, lane);
+  Vec3 offset{0.0, 0.0, 0.0};
+  for (int d = 0; d < faces_->region().domain().dimensions(); ++d) {
+    offset[d] = d == f.direction ? (f.side == 0 ? 0.5 : -0.5) : (sub[d] + 0.5) / faces_->parts() - 0.5;
+  }
+  return at_offset(centre, slopes, offset);
+}
+
+}  // namespace brisance::bridge
