@@ -15,6 +15,14 @@ constexpr std::size_t most_bodies = 100;
 constexpr double lightest_metal = 1500.0;  ///< [kg/m3]; a fluid that is heavier was perhaps meant as a solid
 constexpr double endless = 1e5;            ///< longer than any calculation [s]
 
+/// A body's material in its state at the start.
+material::Solid as_it_starts(run::Body const& body) {
+  material::Solid start = body.solid;
+  start.density = body.density.value_or(start.density);
+  start.specific_energy = body.specific_energy.value_or(start.specific_energy);
+  return start;
+}
+
 /// Unit vector of "+x", "-x", ...
 Vec3 signed_normal(std::string const& word) {
   Vec3 normal{0.0, 0.0, 0.0};
@@ -673,9 +681,7 @@ void Builder::warn_of_fluids_in_empty_space() {
   for (std::size_t n = 0; n < sections->size(); ++n) {
     run::Body const& body = out_.points.bodies[n];
     if (body.solid.has_deviator() || body.solid.burns() || !body.initiation.empty()) continue;
-    material::Solid start = body.solid;
-    start.density = body.density.value_or(start.density);
-    start.specific_energy = body.specific_energy.value_or(start.specific_energy);
+    material::Solid const start = as_it_starts(body);
     double const pressure = material::start_pressure(start);
     double const c = material::sound_speed(start, start.density, pressure);
     double const part = pressure / (start.density * c * c);
@@ -702,9 +708,7 @@ bool Builder::points_move() {
   bool moving = moves(p.options.body_force) || deck_.given("surface_pressure");
   for (auto const& c : p.constraints) moving = moving || moves(c.velocity);
   for (run::Body const& b : p.bodies) {
-    material::Solid start = b.solid;
-    start.density = b.density.value_or(start.density);
-    start.specific_energy = b.specific_energy.value_or(start.specific_energy);
+    material::Solid const start = as_it_starts(b);
     moving = moving || moves(b.velocity) || start.burns() || material::start_pressure(start) != 0.0;
     if (start.burns() && p.options.order == mpm::StressOrder::usf) {
       report_.warning(
