@@ -12,8 +12,6 @@ using mpm::Field;
 
 namespace {
 
-bool is_mirror(grid::Boundary b) { return b == grid::Boundary::symmetry || b == grid::Boundary::wall; }
-
 /// Where the weight of a cell falls in one direction: its own index, and those of its images that points near a mirror
 /// or a periodic face can reach.
 struct Image {
@@ -24,8 +22,8 @@ struct Image {
 std::vector<Image> images(grid::Domain const& points, int d, int i) {
   std::vector<Image> result{{i, false}};
   int const n = points.cells[d];
-  if (i == 0 && is_mirror(points.boundary[2 * d])) result.push_back({-1, true});
-  if (i == n - 1 && is_mirror(points.boundary[2 * d + 1])) result.push_back({n, true});
+  if (i == 0 && grid::is_mirror(points.boundary[2 * d])) result.push_back({-1, true});
+  if (i == n - 1 && grid::is_mirror(points.boundary[2 * d + 1])) result.push_back({n, true});
   if (points.boundary[2 * d] == grid::Boundary::periodic) {
     if (i == 0) result.push_back({n, false});
     if (i == n - 1) result.push_back({-1, false});

@@ -67,6 +67,9 @@ bool Bridge::wake() {
     double const p = gas_->primitive(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]).pressure;
     if (std::abs(p - ambient_.pressure) > options_.activation) {
       awake_ = true;
+      // What crossed the faces meanwhile belongs to the points; what the gas at rest pushed there, they have not felt.
+      if (options_.transport == Transport::ledger) ledger_.add_fluxes(gas_->watched(), 1.0);
+      gas_->clear_watched();
       points_->set_time(gas_->time());
       return true;
     }
@@ -115,9 +118,13 @@ void Bridge::exchange(double share, double dt) {
   ledger_.add_inflow(dt, traffic_.outflow);
   if (options_.transport == Transport::ledger) {
     ledger_.add_fluxes(gas_->watched(), share);
+    ledger_.add_pressure(gas_->watched(), share, dt, points_->bodies()[gas_body_].reference_pressure,
+                         ambient_.pressure);
+    ledger_.take_gifts(*points_, proxies_.blocks());
     ledger_.follow_volumes(dt);
     ledger_.level();
     traffic_.born += ledger_.give_birth(gas_points_);
+    ledger_.give_back(*gas_, dt, points_->bodies()[gas_body_].reference_pressure);
   } else {
     traffic_.born += give_birth_as_printed(faces_, shared_, gas_points_, dt);
   }
@@ -140,7 +147,7 @@ void Bridge::take_leavers() {
       if (faces_[face].open) {
         traffic_.outflow.add(load);
       } else if (options_.transport == Transport::ledger) {
-        ledger_.add_leaver(face, faces_.lane_of(face, x), load);
+        ledger_.add_leaver(face, faces_.lane_of(face, x), gas_points_.handed_over(set, q));
       } else {
         add_to_cell(*gas_, faces_[face].outside(), load);
       }

@@ -71,6 +71,12 @@ Account GasPoints::carried(mpm::PointSet const& set, int q) const {
   return l;
 }
 
+Account GasPoints::handed_over(mpm::PointSet const& set, int q) const {
+  Account l = carried(set, q);
+  l.energy += points_->bodies()[body_].reference_pressure * l.volume;
+  return l;
+}
+
 std::vector<mpm::PointSet> const& GasPoints::take_leavers() {
   Region const& region = faces_->region();
   parallel_for(static_cast<int>(outer_blocks_.size()), [&](int n, int) {

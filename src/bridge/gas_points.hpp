@@ -28,6 +28,10 @@ class GasPoints {
   void add(mpm::PointSet const& set) { points_->add(body_, set); }
   /// What a point carries, its own velocity gradient's energy included.
   [[nodiscard]] Account carried(mpm::PointSet const& set, int q) const;
+  /// The same with the work that the reference pressure does when a point comes or goes: the points in the region feel
+  /// nothing of it, but as they stretch to fill the space left they give it away. Through open faces
+  /// nothing of that is booked.
+  [[nodiscard]] Account handed_over(mpm::PointSet const& set, int q) const;
 
   /// Takes out the points that have left the region; they stay in the sets, one per outer block, until the next call.
   std::vector<mpm::PointSet> const& take_leavers();

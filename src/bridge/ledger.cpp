@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bridge/conversion.hpp"
+#include "bridge/printed.hpp"
 #include "core/parallel.hpp"
 
 namespace brisance::bridge {
@@ -24,7 +25,7 @@ constexpr int most_births = 16;  // of one lane in one step: more is not met wit
 }  // namespace
 
 Ledger::Ledger(Faces const& faces, SharedGas const& shared)
-    : faces_(&faces), shared_(&shared), accounts_(faces.lane_count()), outwards_(faces.count(), 0) {}
+    : faces_(&faces), shared_(&shared), accounts_(faces.lane_count()), shares_(faces), outwards_(faces.count(), 0) {}
 
 Account Ledger::sum() const {
   Account sum;
@@ -75,6 +76,48 @@ void Ledger::add_fluxes(Fluxes const& watched, double share) {
     for (int lane = 0; lane < faces_->lanes(); ++lane) {
       at(f, lane).add(per_area, sign * faces_->lane_area(f, lane));
     }
+  }
+}
+
+void Ledger::add_pressure(Fluxes const& watched, double share, double dt, double reference, double resting) {
+  for (int f = 0; f < faces_->count(); ++f) {
+    Face const& face = (*faces_)[f];
+    if (face.open) continue;
+    gas::FaceFlux const& flux = watched[face.watch];
+    bool const asleep = flux.impulse == 0.0;
+    double const inward = face.side == 0 ? 1.0 : -1.0;
+    double const impulse = (asleep ? resting * dt : share * flux.impulse) - reference * dt;
+    double const work = share * flux.work;
+    for (int lane = 0; lane < faces_->lanes(); ++lane) {
+      double const area = inward * faces_->lane_area(f, lane);
+      at(f, lane).momentum[face.direction] += area * impulse;
+      at(f, lane).energy += area * work;
+    }
+  }
+}
+
+void Ledger::take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks) {
+  gifts_.assign(faces_->count(), Account{});
+  int const dims = faces_->region().domain().dimensions();
+  for (int const block : blocks) {
+    for (mpm::NodeGift const& gift : points.gifts(block)) {
+      for (NodeShares::Share const& s : shares_.around(gift.node)) {
+        for (int d = 0; d < dims; ++d) gifts_[s.face].momentum[d] += s.part * gift.momentum[d];
+        gifts_[s.face].energy += s.part * gift.energy;
+      }
+      for (int d = 0; d < dims; ++d) {
+        for (NodeShares::Share const& s : shares_.across(gift.node, d)) {
+          gifts_[s.face].momentum[d] += s.part * gift.impulse[d];
+          gifts_[s.face].energy += s.part * gift.work[d];
+        }
+      }
+    }
+  }
+  for (int f = 0; f < faces_->count(); ++f) {
+    if ((*faces_)[f].open) continue;
+    double area = 0.0;
+    for (int lane = 0; lane < faces_->lanes(); ++lane) area += faces_->lane_area(f, lane);
+    for (int lane = 0; lane < faces_->lanes(); ++lane) at(f, lane).add(gifts_[f], -faces_->lane_area(f, lane) / area);
   }
 }
 
@@ -182,7 +225,8 @@ long Ledger::give_birth(GasPoints& points) {
           double const depth = (account.volume / volume - 0.5) * spacing;
           if (born[g].fields().size() == 0) born[g] = points.empty_set();
           points.append(f, lane, depth, mass[0] + mass[1], state, slopes, born[g]);
-          account.add(points.carried(born[g], born[g].size() - 1), -1.0);
+          int const last = born[g].size() - 1;
+          account.add(faces[f].open ? points.carried(born[g], last) : points.handed_over(born[g], last), -1.0);
         }
       }
     }
@@ -194,6 +238,58 @@ long Ledger::give_birth(GasPoints& points) {
     sum += set.size();
   }
   return sum;
+}
+
+/// What an account holds beyond the gas in its volume, the fluxes of the gas gave and the points did not take, or the
+/// other way round. It goes back to the gas cell outside, a part of it in every step, and never more than is small
+/// beside what the cell holds. To the points it cannot go: they would answer at once, and the two would swing.
+void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
+  constexpr double length = 20.0;  // that sound goes while most of a surplus is given back [cells]
+  constexpr double bleed = 200.0;  // see below
+  constexpr double most = 0.02;    // of what a cell holds, in a step
+  Faces const& faces = *faces_;
+  grid::Domain const& domain = faces.region().domain();
+  int const dims = domain.dimensions();
+  material::Fluids const& fluids = shared_->fluids();
+  double const usual = std::min(0.5, dt * shared_->states().fastest_signal() / (length * domain.h));
+  for (int f = 0; f < faces.count(); ++f) {
+    if (faces[f].open) continue;
+    GasState const& outside = shared_->outside(f);
+    GasState const& inside = shared_->inside(f);
+    // While a contact stands at the face nobody can tell what belongs in the account.
+    if (std::abs(inside.mass_fraction - outside.mass_fraction) > 0.1) continue;
+    GasState const& own = outwards_[f] != 0 ? inside : outside;
+    double const heat_outside = specific_energy(fluids, outside);
+    double const energy =
+        specific_energy(fluids, own) + 0.5 * dot(own.velocity, own.velocity) + reference / own.density;
+    Account const gas_per_mass{{1.0 - own.mass_fraction, own.mass_fraction}, own.velocity, energy, 0.0};
+    double const strain = std::abs(faces[f].inward(inside.velocity - outside.velocity)) / domain.h * dt;
+    // Rows of points cross a face at once, the fluxes do so evenly: what is under way in uniform flow belongs there,
+    // and sound should pass undisturbed. Errors come with strain; where it is 0.5 % in a step or more all goes back.
+    double const part = usual * std::min(1.0, bleed * strain);
+    double const cell = std::abs(domain.cell_volume(faces[f].outside()[0])) / faces.lanes();
+    Account given_by_face;
+    for (int lane = 0; lane < faces.lanes(); ++lane) {
+      Account& account = at(f, lane);
+      double const volume = faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
+      Account rest = account;
+      rest.volume = 0.0;
+      rest.add(gas_per_mass, -own.density * std::clamp(account.volume, -volume, volume));
+      double const mass = cell * outside.density;
+      double const heat = mass * heat_outside;
+      auto const limited = [&](double wanted, double scale) {
+        return std::clamp(part * wanted, -most * scale, most * scale);
+      };
+      Account given;
+      given.mass[0] = limited(rest.mass[0], mass * (1.0 - outside.mass_fraction));
+      given.mass[1] = limited(rest.mass[1], mass * outside.mass_fraction);
+      for (int d = 0; d < dims; ++d) given.momentum[d] = limited(rest.momentum[d], std::sqrt(mass * heat));
+      given.energy = limited(rest.energy, heat);
+      given_by_face.add(given);
+      account.add(given, -1.0);
+    }
+    add_to_cell(gas, faces[f].outside(), given_by_face);
+  }
 }
 
 }  // namespace brisance::bridge

@@ -14,6 +14,7 @@
 #include "bridge/account.hpp"
 #include "bridge/faces.hpp"
 #include "bridge/gas_points.hpp"
+#include "bridge/node_shares.hpp"
 #include "bridge/shared_gas.hpp"
 #include "gas/gas.hpp"
 
@@ -52,12 +53,19 @@ class Ledger {
   void add_inflow(double dt, Account& outflow);
   /// Adds what the gas carried through the faces.
   void add_fluxes(Fluxes const& watched, double share);
+  /// Adds what the pressure of the gas did there, less the part of the reference pressure, which the points do not
+  /// feel; `resting`: the pressure where both sides of a face sleep [Pa].
+  void add_pressure(Fluxes const& watched, double share, double dt, double reference, double resting);
+  /// Takes off what the cells outside gave at the nodes, block by block.
+  void take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks);
   /// Lets the volumes of the accounts follow the gas.
   void follow_volumes(double dt);
   /// Evens out neighbouring accounts where gas flows out.
   void level();
   /// Makes the points that have gathered. Returns how many.
   long give_birth(GasPoints& points);
+  /// Gives back to the gas cells outside what has no place in the accounts.
+  void give_back(gas::Gas& gas, double dt, double reference);
 
   void archive(Archive& a);  ///< in a checkpoint
 
@@ -67,8 +75,10 @@ class Ledger {
   Faces const* faces_;
   SharedGas const* shared_;
   std::vector<Account> accounts_;  ///< by `Faces::number`
-  std::vector<Account> before_;    ///< scratch: the accounts before the step, or before they are levelled
-  std::vector<char> outwards_;     ///< per face: the gas flowed out of the region in the last step
+  NodeShares shares_;
+  std::vector<Account> gifts_;   ///< scratch, per face
+  std::vector<Account> before_;  ///< scratch: the accounts before the step, or before they are levelled
+  std::vector<char> outwards_;   ///< per face: the gas flowed out of the region in the last step
 };
 
 }  // namespace brisance::bridge

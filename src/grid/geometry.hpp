@@ -52,6 +52,9 @@ enum class Boundary { outflow, wall, symmetry, inflow, periodic, zero_gradient }
 /// May gas and bodies leave through the face, and nothing is held there?
 [[nodiscard]] constexpr bool is_open(Boundary b) { return b == Boundary::outflow || b == Boundary::zero_gradient; }
 
+/// Does the face mirror what lies before it?
+[[nodiscard]] constexpr bool is_mirror(Boundary b) { return b == Boundary::symmetry || b == Boundary::wall; }
+
 /// Name of a boundary in decks and results.
 [[nodiscard]] constexpr char const* boundary_name(Boundary boundary) {
   switch (boundary) {

@@ -124,11 +124,26 @@ Index3 image_cell(Domain const& domain, Index3 const& cell) {
   return image;
 }
 
+NodeImage image_node(Domain const& domain, Index3 const& node) {
+  NodeImage image{node};
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    int& i = image.index[d];
+    int const n = domain.cells[d];
+    if (domain.boundary[2 * d] == Boundary::periodic) i = ((i % n) + n) % n;
+    for (int side = 0; side < 2; ++side) {
+      int const plane = side == 0 ? 0 : n;
+      if (!is_mirror(domain.boundary[2 * d + side]) || (side == 0 ? i > plane : i < plane)) continue;
+      image.sign[d] = i == plane ? 0.0 : -1.0;
+      i = 2 * plane - i;
+    }
+  }
+  return image;
+}
+
 bool is_mirrored(Domain const& domain, Index3 const& cell) {
   int const side = cell[0] < 0 ? 0 : cell[0] >= domain.cells[0] ? 1 : -1;
   if (side < 0) return false;
-  Boundary const boundary = domain.boundary[side];
-  return boundary == Boundary::wall || boundary == Boundary::symmetry;
+  return is_mirror(domain.boundary[side]);
 }
 
 }  // namespace brisance::grid

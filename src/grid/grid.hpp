@@ -53,4 +53,12 @@ class Grid {
 /// Does that image come from an odd number of mirrors along x?
 [[nodiscard]] bool is_mirrored(Domain const& domain, Index3 const& cell);
 
+/// The node that a node on or beyond a periodic face or a mirror stands for.
+struct NodeImage {
+  Index3 index{0, 0, 0};
+  /// Of a vector's components: -1 where they turn, 0 on a mirror, where the image's are against them.
+  Vec3 sign{1.0, 1.0, 1.0};
+};
+[[nodiscard]] NodeImage image_node(Domain const& domain, Index3 const& node);
+
 }  // namespace brisance::grid

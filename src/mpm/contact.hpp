@@ -69,8 +69,10 @@ struct Surface {
 }
 
 /// Makes the velocities of the fields compatible. `at` gives access to them: mass(f, node), get(f, node),
-/// set(f, node, velocity), gradient(f, node) of what it fills, and extent(f, node): how far the field's surface reaches
-/// beyond the node along its outer normal [m]. It is told by rub(f, node, change) what friction changes.
+/// set(f, node, velocity), changed(f, node) by the forces of the step, gradient(f, node) of what it fills, and
+/// extent(f, node): how far the field's surface reaches beyond the node along its outer normal [m]. It is told by
+/// rub(f, node, change) what friction changes, and by heat(f, node, energy) what kinetic energy a fluid and the body
+/// that it slips along lose when they meet [J].
 template <class Access>
 void make_compatible(ContactNodes const& c, Access&& at) {
   for (int node = 0; node < c.nodes; ++node) {
@@ -111,6 +113,12 @@ void make_compatible(ContactNodes const& c, Access&& at) {
             if (!rigid_a) at.rub(a, node, (-share_a * stopped) * slip);
             if (!rigid_b) at.rub(b, node, (share_b * stopped) * slip);
           }
+        }
+        if (law.kind == Law::Kind::slips) {
+          // What the exchanged momentum takes at the mean of the velocities before and after the step.
+          double const both = rigid_a ? mb : rigid_b ? ma : ma * share_a;
+          Vec3 const before = relative - (at.changed(a, node) - at.changed(b, node));
+          at.heat((*c.slips)[a] != 0 ? a : b, node, 0.5 * both * dot(change, before));
         }
         at.set(a, node, va - share_a * change);
         at.set(b, node, vb + share_b * change);

@@ -225,6 +225,8 @@ void Mpm::constrain_velocity(int block, Scratch& scratch) const {
         for (int d = 0; d < 3; ++d) s->velocity[f].data()[node][d] = v[d];
       }
       void rub(int /*f*/, int /*node*/, Vec3 const& /*change*/) const {}  // that of the momentum is what counts
+      void heat(int /*f*/, int /*node*/, double /*energy*/) const {}      // likewise
+      Vec3 changed(int /*f*/, int /*node*/) const { return {0.0, 0.0, 0.0}; }
       NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
       double extent(int f, int node) const { return s->extent[f].data()[node]; }
     };
@@ -366,6 +368,11 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
         }
         for (int d = 0; d < 3; ++d) s->rub[f].data()[node][d] += change[d];
       }
+      Vec3 changed(int f, int node) const {
+        Lanes4 const& v = s->state[f].data()[node].force;
+        return {v[0], v[1], v[2]};
+      }
+      void heat(int f, int node, double energy) const { s->state[f].data()[node].force[3] += energy; }
       /// Velocity of the rigid body that reaches the node, or null.
       Vec3 const* rigid_at(int node) const {
         for (std::size_t g = 0; g < rigid->size(); ++g) {
@@ -417,6 +424,7 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
           given.impulse[d] += hold.weight * mass * change[d];
           given.work += hold.weight * mass * change[d] * r.momentum[d];
         }
+        fluid.force[3] += 0.5 * mass * dot(change, {fluid.force[0], fluid.force[1], fluid.force[2]});  // as in contact
       }
     }
   }

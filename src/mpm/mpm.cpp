@@ -35,6 +35,7 @@ FieldList fields_of(Body const& body, Options const& options, int dimensions) {
   if (transfer == Transfer::apic) fields.add(Field::affine_xx, 9);
   if (transfer == Transfer::apic && options.shape == ShapeFunction::bspline && !solid.has_deviator()) {
     if (dimensions > 1) fields.add(Field::cross_xy, dimensions == 2 ? 3 : 9);
+    fields.add(Field::provisional);
   }
   if (transfer == Transfer::xpic) fields.add(Field::filtered_x, 3);
   for (Field const scalar : {Field::pressure, Field::viscosity, Field::energy}) fields.add(scalar);
@@ -202,6 +203,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     w.strains_early = w.strains_early || order_of(b) == StressOrder::usl;
     w.keeps_energy = w.keeps_energy || keeps_energy(b);
     w.conducts = w.conducts || bodies_[b].shock_conduction > 0.0;
+    if (bodies_[b].fills_space) w.filling = w.field_of[b];
   }
   w.shared.assign(w.fields, 0);
   for (int f = 0; f < w.fields; ++f) {
@@ -257,6 +259,8 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.gradient.resize(slots);
   w.area.resize(slots);
   w.area_present.assign(slots, 0);
+  w.filled.resize(slots);
+  w.filled_present.assign(slots, 0);
   w.extent.resize(slots);
   w.present.assign(slots, 0);
   w.shocked.assign(blocks, 0);
@@ -409,6 +413,8 @@ void Mpm::lend_as(int body) {
   FieldList fields = this->fields(body);
   fields.add(Field::next_x, 3);
   for (int b = 0; b < grid_.block_count(); ++b) lent_.emplace_back(fields);
+  gifts_.resize(lent_.size());
+  work_->lent.resize(lent_.size());
 }
 
 void Mpm::add(int body, PointSet const& added) {

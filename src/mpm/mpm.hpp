@@ -92,6 +92,11 @@ struct Body {
   /// A fluid that slips along all bodies that do not: it shares their velocity across their surfaces only, where the
   /// others stick together. All that slip share one field of the grid.
   bool slips = false;
+  /// A gas that fills what other bodies leave of the space, lent points around it included. The volume of a point
+  /// follows the velocity along its way and knows nothing of the room between its neighbours: the two drift apart, and
+  /// forces, which go with the volumes, are wrong by as much. With this they follow the room that there is, as fast as
+  /// the gas is strained, at the same mass; what the reference pressure took for the volume goes back to the energy.
+  bool fills_space = false;
 };
 
 /// What fills (a part of) a body.
@@ -174,6 +179,16 @@ struct Dissipation {
   [[nodiscard]] double sum() const { return held + filtered + friction; }
 };
 
+/// What lent points gave to a node in a step, in the directions of the axes: what they lost of it themselves, forces
+/// included. Summed over all nodes it is what the other points gained. The part of the reference pressure is left out.
+struct NodeGift {
+  Index3 node{0, 0, 0};          ///< of the grid
+  Vec3 impulse{0.0, 0.0, 0.0};   ///< by their forces [kg m/s]
+  Vec3 work{0.0, 0.0, 0.0};      ///< of these [J]
+  Vec3 momentum{0.0, 0.0, 0.0};  ///< that the others took from theirs at the node's new velocity [kg m/s]
+  double energy = 0.0;           ///< kinetic, likewise [J]
+};
+
 /// Where a point is kept.
 struct Place {
   int block = -1;
@@ -219,6 +234,8 @@ class Mpm {
   void lend_as(int body);
   /// To be called after the lent points have been changed, before the step.
   void lending_done() { find_active(); }
+  /// What the points lent to a block gave at its nodes in the last step.
+  [[nodiscard]] std::vector<NodeGift> const& gifts(int block) const { return gifts_[block]; }
   /// Adds copies of points with the fields of the body; they get new identities. Their signals do not yet count in
   /// `stable_step`: `update_signals` or the next step sees to that.
   void add(int body, PointSet const& points);
@@ -229,6 +246,9 @@ class Mpm {
   /// Does the kinetic energy that a body's transfer loses become heat? That of fluids with APIC and B-splines; their
   /// kinetic energy then includes that of the velocity gradient.
   [[nodiscard]] bool keeps_energy(int body) const;
+  /// Does its energy take the work that the forces on the nodes really do? Where the points are updated by the nodes'
+  /// new velocity itself.
+  [[nodiscard]] bool settles_work(int body) const { return keeps_energy(body) && order_of(body) == StressOrder::usl; }
   [[nodiscard]] FieldList const& fields(int body) const { return sets_[body].fields(); }
 
   /// Largest stable step [s] at the bodies' Courant numbers: the least of courant h / (sound speed + speed).
@@ -299,6 +319,7 @@ class Mpm {
   void clear_velocity(int block);
   void continue_behind_ends(int block);
   Lanes4* area_nodes(int block, int body);
+  Lanes4* filled_nodes(int block);
   void share_pressure(int block, double dt, Scratch& scratch) const;
   void gather_gradients(int block, Scratch& scratch) const;
   void gather_extents(int block, Scratch& scratch) const;
@@ -306,6 +327,7 @@ class Mpm {
   void velocity_from_state(int block, Scratch& scratch) const;
   void constrain_velocity(int block, Scratch& scratch) const;
   void constrain_state(int block, Scratch& scratch);
+  void collect_gifts(int block, double dt, Scratch const& scratch);
   [[nodiscard]] double rubbed_by_rigid(int block, Scratch const& scratch) const;
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
   [[nodiscard]] StressOrder order_of(int body) const;
@@ -321,6 +343,7 @@ class Mpm {
   std::vector<PointSet> sets_;  ///< block by block, body by body
   std::vector<PointSet> lent_;  ///< per block
   int lent_body_ = -1;
+  std::vector<std::vector<NodeGift>> gifts_;  ///< per block
   std::vector<long> next_identity_;
   Losses losses_;
   Vec3 constraint_impulse_{0.0, 0.0, 0.0};

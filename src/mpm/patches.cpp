@@ -8,8 +8,7 @@ Side beyond(grid::Grid const& grid, int block, int d, int side) {
   int const neighbour = grid.blocks()[block].neighbour[2 * d + side];
   if (neighbour != grid::no_neighbour) return {neighbour, false};
   grid::Boundary const boundary = grid.domain().boundary[2 * d + side];
-  bool const mirror = boundary == grid::Boundary::symmetry || boundary == grid::Boundary::wall;
-  return mirror ? Side{block, true} : Side{};
+  return grid::is_mirror(boundary) ? Side{block, true} : Side{};
 }
 
 namespace {

@@ -23,13 +23,14 @@ enum class Field : int {
   velocity_x,  ///< [m/s], 3
   velocity_y,
   velocity_z,
-  mass,       ///< [kg]
-  density,    ///< [kg/m3]
-  pressure,   ///< of the equation of state [Pa]
-  viscosity,  ///< bulk viscosity q [Pa]
-  energy,     ///< specific internal energy [J/kg]
-  identity,   ///< number of the point, counted from 0 in the order of creation
-  move_x,     ///< displacement of the present step [m], 3
+  mass,         ///< [kg]
+  density,      ///< [kg/m3]
+  pressure,     ///< of the equation of state [Pa]
+  viscosity,    ///< bulk viscosity q [Pa]
+  energy,       ///< specific internal energy [J/kg]
+  provisional,  ///< part of it that the next step replaces: fluids, see `Kernels::settle_work` [J/kg]
+  identity,     ///< number of the point, counted from 0 in the order of creation
+  move_x,       ///< displacement of the present step [m], 3
   move_y,
   move_z,
   deviator_xx,  ///< deviator of the Cauchy stress [Pa], 6: xx yy zz xy yz zx

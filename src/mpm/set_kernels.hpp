@@ -568,15 +568,90 @@ struct Kernels {
     return largest_of(sound, n);
   }
 
-  /// Strain and stress of a set, [Cui14] Eqs. (27)-(30). Returns the fastest signal [m/s].
+  /// The work of the points' pressure, as the forces on the nodes do it: they push with the pressure of the start of
+  /// the step while the nodes move at the mean of their velocities before and after. The energy that a step of the
+  /// stress books, with the mean pressure and the new velocity alone, comes to the same in the sum over the steps, but
+  /// for what the way from nodes to points and back changes in the velocity. So one half of each step's work, and half
+  /// of the viscous one, is provisional, and the next step puts the real one in its place. Without this gas that is
+  /// shocked again and again loses energy: a tube at 20 bar 0.6 % in 40 ms, with it 0.004 %. The reference pressure
+  /// does no work at the nodes. `before`: the nodes' velocities at the start of the step; `volumetric`: strain of the
+  /// step.
+  static void settle_work(SetView const& v, Hoops const& hoops, double dt, int begin, int n, Weights<S, D> const& k,
+                          NodeVelocity const* before, double const* volumetric) {
+    PointSet& set = *v.set;
+    double const scale = dt / v.h;
+    double const reference = v.body->reference_pressure;
+    double const* radius = set.field(Field::position_x) + begin;
+    double const* pressure = set.field(Field::pressure) + begin;
+    double const* viscosity = set.field(Field::viscosity) + begin;
+    double const* density = set.field(Field::density) + begin;
+    double const* provisional = set.field(Field::provisional) + begin;
+    double* energy = set.field(Field::energy) + begin;
+    for (int q = 0; q < n; ++q) {
+      if (provisional[q] == 0.0) continue;  // a new point, or gas that nothing strains
+      std::array<Lanes4, 4> sum;
+      value_and_gradient<S, D>(*v.patch, k, k.g, q, before, whole, sum);
+      double strain = scale * (sum[1][0] + sum[2][1] + sum[3][2]);
+      if (hoops.any()) strain += (hoops.yy + hoops.zz) * dt * sum[0][0] / radius[q];
+      double const work = 0.5 * (pressure[q] - reference) * strain + 0.5 * viscosity[q] * (strain + volumetric[q]);
+      energy[q] -= work / density[q] + provisional[q];
+    }
+  }
+
+  /// What of the work of the step that has been made is provisional; `density`: at its start.
+  static void note_work(SetView const& v, int begin, int n, double const* volumetric, double const* density) {
+    PointSet& set = *v.set;
+    double const reference = v.body->reference_pressure;
+    double const* pressure = set.field(Field::pressure) + begin;
+    double const* viscosity = set.field(Field::viscosity) + begin;
+    double* provisional = set.field(Field::provisional) + begin;
+    for (int q = 0; q < n; ++q) {
+      provisional[q] = -(0.5 * (pressure[q] - reference) + viscosity[q]) * volumetric[q] / density[q];
+    }
+  }
+
+  /// Takes the volumes of a chunk's points towards the room that there is around them, see `Body::fills_space`;
+  /// `filled` is what the points fill of the cells around the nodes, by `map_filled`. They drift with the strain, and
+  /// come back with it: gas in uniform motion stays as it is, to the last bit.
+  static void fill_space(SetView const& v, int begin, int n, Weights<S, D> const& k, double const* volumetric,
+                         NodeVelocity const* filled) {
+    // Measured: from 5 to 80 the tubes and rooms of `Confined` come out alike.
+    constexpr double per_strain = 20.0;
+    constexpr double most_part = 0.3;  // of the difference in a step
+    constexpr double most = 0.02;      // change of a volume in a step
+    PointSet& set = *v.set;
+    double* density = set.field(Field::density) + begin;
+    double* energy = set.field(Field::energy) + begin;
+    double const reference = v.body->reference_pressure;
+    for (int q = 0; q < n; ++q) {
+      Lanes4 seen;
+      velocity_at<S, D>(*v.patch, k, q, filled, seen);
+      double const part = std::min(most_part, per_strain * std::abs(volumetric[q]));
+      double const change = std::clamp(part * (seen[0] - 1.0), -most, most);
+      double const before = density[q];
+      density[q] *= 1.0 + change;
+      energy[q] += reference * (1.0 / before - 1.0 / density[q]);
+    }
+  }
+
+  /// Strain and stress of a set, [Cui14] Eqs. (27)-(30). Returns the fastest signal [m/s]. `nodes`: the new velocities;
+  /// `before`: those before the step, for `settle_work`, or null; `filled`: for `fill_space`, or null.
   static double update(SetView const& v, Options const& options, Hoops const& hoops, double time, double dt,
-                       NodeVelocity const* nodes, Scratch& scratch) {
+                       NodeVelocity const* nodes, NodeVelocity const* before, NodeVelocity const* filled,
+                       Scratch& scratch) {
     double fastest = 0.0;
     if (!options.locking_control || !v.body->solid.has_deviator()) {
       for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
         alignas(64) double e[10][chunk];
         strain(v, hoops, dt, begin, n, k, nodes, e);
+        alignas(64) double density[chunk];
+        if (before != nullptr) {
+          settle_work(v, hoops, dt, begin, n, k, before, e[9]);
+          std::copy_n(v.set->field(Field::density) + begin, n, density);
+        }
+        if (filled != nullptr) fill_space(v, begin, n, k, e[9], filled);
         fastest = std::max(fastest, stress(v, options, time, dt, begin, n, e, e[9]));
+        if (before != nullptr) note_work(v, begin, n, e[9], density);
       });
       return fastest;
     }
@@ -608,10 +683,25 @@ struct Kernels {
     int const m = grid::radial_exponent(geometry);
     if (m > 0) {
       double const r = set.field(Field::position_x)[q];
-      volume /= m == 1 ? 2.0 * std::numbers::pi * r : 4.0 * std::numbers::pi * r * r;
+      double const width = v.h / v.body->points_per_direction;
+      volume /= m == 1 ? 2.0 * std::numbers::pi * r : 4.0 * std::numbers::pi * (r * r + width * width / 12.0);
     }
     for (int d = 0; d < D; ++d) volume /= v.h;
     return volume;
+  }
+
+  /// What the points fill of the cells around the nodes. A solid fills no more than its matter does, however far its
+  /// debris flies.
+  static void map_filled(SetView const& v, grid::Geometry geometry, NodeVelocity* nodes) {
+    double const* density = v.set->field(Field::density);
+    bool const breaks = v.body->solid.has_deviator();
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      for (int q = 0; q < n; ++q) {
+        double f = cells_filled(v, geometry, begin + q);
+        if (breaks) f *= std::min(1.0, density[begin + q] / v.body->solid.density);
+        add<S, D>(*v.patch, k, q, nodes, whole, Lanes4{f, 0.0, 0.0, 0.0});
+      }
+    });
   }
 
   /// nodes += w b + f grad w for one point.

@@ -42,6 +42,7 @@ void Mpm::advance(double dt) {
   for (Scratch& scratch : work_->scratch) {
     scratch.state.resize(work_->fields);
     scratch.velocity.resize(work_->fields);
+    scratch.before.resize(work_->fields);
     scratch.gradient.resize(work_->fields);
     scratch.area.resize(work_->fields);
     scratch.extent.resize(work_->fields);
@@ -81,6 +82,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   if (with_mass) std::fill(w.present.begin(), w.present.end(), 0);
   if (with_mass) std::fill(w.momentum_present.begin(), w.momentum_present.end(), 0);
   if (with_forces) std::fill(w.area_present.begin(), w.area_present.end(), 0);
+  if (with_mass) std::fill(w.filled_present.begin(), w.filled_present.end(), 0);
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
     Patch const& patch = w.patches[block];
@@ -107,6 +109,14 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
         } else {
           kernels.template map_state<false, true>(view, hoops, outer, mean, nodes);
         }
+        bool const lent = lent_body_ >= 0 && &set == &lent_[block];
+        if (lent && with_forces) {
+          // Once more alone: what they give to the others is booked.
+          NodeState* alone = w.lent[block].get(patch.count());
+          std::fill(alone, alone + patch.count(), NodeState{});
+          kernels.template map_state<true, true>(view, hoops, outer, mean, alone);
+        }
+        if (with_mass && w.filling >= 0) kernels.map_filled(view, grid_.domain().geometry, filled_nodes(block));
         if (NodeVelocity* area = with_forces && w.slides ? area_nodes(block, body) : nullptr) {
           if (w.slips[w.field_of[body]] != 0) {
             kernels.map_pressure(view, area);
@@ -342,6 +352,7 @@ void Mpm::integrate(double dt) {
     }
     constrain_state(block, scratch);
     share_momentum(block, scratch);
+    if (lent_body_ >= 0) collect_gifts(block, dt, scratch);
     if (options_.order != StressOrder::usf) signals_[block] = 0.0;  // usf has found them already
     if (w.keeps_energy) {
       // In the place of the mass: kinetic energy of the points around per mass, with what the forces of the step add.
@@ -388,11 +399,63 @@ void Mpm::integrate(double dt) {
       NodeState const* from = scratch.state[f].data();
       NodeVelocity* to = scratch.velocity[f].get(count);
       for (int node = 0; node < count; ++node) to[node] = from[node].momentum;
+      if (!w.keeps_energy) continue;
+      NodeVelocity* before = scratch.before[f].get(count);
+      for (int node = 0; node < count; ++node) before[node] = from[node].momentum - from[node].force;
     }
     for (int body = 0; body < bodies; ++body) {
       if (order_of(body) == StressOrder::usl) update_set(block, body, hoops, dt, scratch);
     }
   });
+}
+
+NodeVelocity* Mpm::filled_nodes(int block) {
+  Workspace& w = *work_;
+  int const slot = w.slot(block, w.filling);
+  int const count = w.patches[block].count();
+  NodeVelocity* nodes = w.filled[slot].get(count);
+  if (w.filled_present[slot] == 0) std::fill(nodes, nodes + count, NodeVelocity{});
+  w.filled_present[slot] = 1;
+  return nodes;
+}
+
+/// What lent points give to a node is linear in what they wrote there, once the node's new velocity is known: each
+/// block books what its own wrote, and the sum over the copies of a node is the whole. At nodes that only lent points
+/// reach it is nothing. Nodes that are another's copy, behind a periodic face or a mirror, count for that one.
+void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
+  Workspace const& w = *work_;
+  std::vector<NodeGift>& gifts = gifts_[block];
+  gifts.clear();
+  int const f = w.field_of[lent_body_];
+  if (lent_[block].empty() || scratch.present[f] == 0) return;
+  Patch const& patch = w.patches[block];
+  NodeState const* nodes = scratch.state[f].data();
+  NodeState const* lent = w.lent[block].data();
+  for (int k = 0; k < patch.n[2]; ++k) {
+    for (int j = 0; j < patch.n[1]; ++j) {
+      for (int i = 0; i < patch.n[0]; ++i) {
+        NodeState const& l = lent[patch.index(i, j, k)];
+        NodeState const& n = nodes[patch.index(i, j, k)];
+        if (!(l.momentum[3] > w.mass_floor)) continue;
+        Index3 node{i, j, k};
+        for (int d = 0; d < patch.dimensions; ++d) node[d] += grid_.blocks()[block].origin[d] - patch.reach;
+        auto const [index, sign] = grid::image_node(grid_.domain(), node);
+        NodeGift gift;
+        gift.node = index;
+        // Kinetic energy of all points around per mass, with what the forces of the step add.
+        double all = n.force[3] / n.momentum[3];
+        for (int d = 0; d < 3; ++d) all += n.force[d] * (n.momentum[d] - 0.5 * n.force[d]);
+        gift.energy = l.force[3] - l.momentum[3] * all;
+        for (int d = 0; d < 3; ++d) {
+          double const impulse = l.force[d] * dt;
+          gift.impulse[d] = sign[d] * impulse;
+          gift.work[d] = impulse * (n.momentum[d] - 0.5 * n.force[d]);
+          gift.momentum[d] = sign[d] * (l.momentum[d] - l.momentum[3] * n.momentum[d]);
+        }
+        gifts.push_back(gift);
+      }
+    }
+  }
 }
 
 void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch) {
@@ -404,8 +467,13 @@ void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch
     fastest = norm(*bodies_[body].rigid_velocity);
   } else {
     SetView const view{&set, &bodies_[body], &w.patches[block], grid_.domain().h};
+    NodeVelocity const* filled = nullptr;
+    if (bodies_[body].fills_space && w.gather(w.filled, w.filled_present, block, w.filling, scratch.filled, true))
+      filled = scratch.filled.data();
     with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
-      fastest = kernels.update(view, options_, hoops, time_, dt, scratch.velocity[w.field_of[body]].data(), scratch);
+      NodeVelocity const* before = settles_work(body) ? scratch.before[w.field_of[body]].data() : nullptr;
+      fastest = kernels.update(view, options_, hoops, time_, dt, scratch.velocity[w.field_of[body]].data(), before,
+                               filled, scratch);
     });
   }
   signals_[block] = std::max(signals_[block], signal_weight(body) * fastest);

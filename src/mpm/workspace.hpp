@@ -68,6 +68,7 @@ struct Given {
 struct Scratch {
   std::vector<NodeArray<NodeState>> state;
   std::vector<NodeArray<NodeVelocity>> velocity;
+  std::vector<NodeArray<NodeVelocity>> before;  ///< the same at the start of the step
   /// Part of the cells around a node that a field fills, and h times its gradient: contact.
   std::vector<NodeArray<NodeVelocity>> gradient;
   std::vector<NodeArray<NodeVelocity>> area;      ///< see `Mpm::share_pressure`
@@ -79,6 +80,7 @@ struct Scratch {
   std::vector<NodeArray<NodeVelocity>> rub;  ///< change of velocity by the friction of contacts
   std::vector<char> rubs;
   std::vector<NodeArray<double>> extent;  ///< contact
+  NodeArray<NodeVelocity> filled;         ///< what all points fill of the cells around the nodes
   std::vector<Vec3> normals;              ///< contact, of one field
   std::vector<char> present;
   std::vector<double> strain;     ///< locking control: strain and spin of a whole set
@@ -128,7 +130,12 @@ struct Mpm::Workspace {
   std::vector<NodeArray<NodeVelocity>> area;  ///< of bodies their area, of fluids that slip along them their pressure
   std::vector<char> area_present;
   std::vector<NodeArray<double>> extent;
-  std::vector<char> present;  ///< block x field: were written in this step
+  /// What all points fill of the cells around the nodes: block x field, of the field of a body that fills space only.
+  std::vector<NodeArray<NodeVelocity>> filled;
+  std::vector<char> filled_present;
+  int filling = -1;                        ///< that field; -1: none
+  std::vector<NodeArray<NodeState>> lent;  ///< per block: what its lent points alone wrote
+  std::vector<char> present;               ///< block x field: were written in this step
   /// Fields that bodies with APIC share with others, and what those others alone gave the nodes: see `share_momentum`.
   std::vector<char> shared;                       ///< per field
   std::vector<NodeArray<NodeVelocity>> momentum;  ///< block x field

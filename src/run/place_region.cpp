@@ -211,6 +211,7 @@ void place_region(World& w) {
   gas.shock_conduction = settings.shock_conduction;
   gas.courant = settings.courant;
   gas.slips = settings.slip;
+  gas.fills_space = settings.transport == bridge::Transport::ledger;
   place_bodies(w, region.points_domain(), {gas});
   int const gas_body = static_cast<int>(w.points->bodies().size()) - 1;
   fill_gas(w, gas_body, boxes_of(w.setup));

@@ -1,0 +1,41 @@
+/// Which faces of the region a node of the points counts for. What gas cells outside give to the nodes is booked on the
+/// accounts of the faces that it comes through.
+#pragma once
+
+#include <array>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "bridge/faces.hpp"
+
+namespace brisance::bridge {
+
+class NodeShares {
+ public:
+  struct Share {
+    int face = 0;
+    double part = 0.0;  ///< the parts of a node sum to 1
+  };
+
+  explicit NodeShares(Faces const& faces);
+
+  /// Of what acts at a node in a direction: pressure. The faces across that direction, or where there are none, all.
+  [[nodiscard]] std::span<Share const> across(Index3 const& node, int direction) const;
+  /// Of what a node gets by the exchange of momentum: all faces around it.
+  [[nodiscard]] std::span<Share const> around(Index3 const& node) const;
+
+ private:
+  struct Range {
+    int first = 0;
+    int count = 0;
+  };
+  [[nodiscard]] std::span<Share const> find(Index3 const& node, int kind) const;
+  [[nodiscard]] long key_of(Index3 const& node) const;
+
+  Index3 nodes_{1, 1, 1};  ///< of the grid of the points, with a margin
+  std::unordered_map<long, std::array<Range, 4>> ranges_;
+  std::vector<Share> shares_;
+};
+
+}  // namespace brisance::bridge
