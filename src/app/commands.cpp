@@ -255,9 +255,9 @@ void print_region_audit(run::World const& world) {
   auto const bridge = world.timings.find("bridge");
   print(stdout,
         "MPM region: awake since {}; {} steps of the gas and {} of the points; {} points of gas came in, {} left, {} "
-        "under way in the ledger; the bridge took {:.0f} % of the time\n",
+        "under way in the ledger (at most {}); the bridge took {:.0f} % of the time\n",
         quantity(*world.awake_since, "s"), world.clock.gas_steps, world.clock.point_steps, world.bridge->traffic().born,
-        world.bridge->traffic().left, quantity(ledger.total(), "kg", 3),
+        world.bridge->traffic().left, quantity(ledger.total(), "kg", 3), quantity(world.audit.memory.content, "kg", 3),
         total > 0.0 && bridge != world.timings.end() ? 100.0 * bridge->second / total : 0.0);
 }
 

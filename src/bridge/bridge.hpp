@@ -3,6 +3,7 @@
 /// Ghost cells of the gas inside the region come from the points, Eqs. (31)-(36), see `Ghosts`; nodes at the region's
 /// surface take part of their mass, momentum and force from gas cells outside, Eqs. (37)-(39), which act as points for
 /// a step, see `Proxies`; and what flows through the surface is handed over, Sec. 3.4, by a `Ledger`, or as printed.
+/// What both sides make differently of the same flow stays in the ledger, and goes back to the gas outside.
 #pragma once
 
 #include <array>
@@ -82,6 +83,8 @@ class Bridge {
   /// The accounts, face by face, lane by lane.
   [[nodiscard]] std::vector<Account> const& accounts() const { return ledger_.accounts(); }
   [[nodiscard]] Traffic const& traffic() const { return traffic_; }
+  /// Sum of the sizes of the masses in the accounts [kg].
+  [[nodiscard]] double content() const { return ledger_.content(); }
   /// Gas in the accounts of the faces, of either sign, beyond two points per lane [kg]. A sound ledger holds none: a
   /// point is born from half a point's volume on.
   [[nodiscard]] double surplus() const { return awake_ ? ledger_.surplus() : 0.0; }

@@ -30,4 +30,18 @@ double specific_energy(material::Fluids const& fluids, GasState const& s) {
   return gas::mixture(fluids, (1.0 - Y) * s.density, Y * s.density, s.volume_fraction).rho_e(s.pressure) / s.density;
 }
 
+void add_to_cell(gas::Gas& gas, Index3 const& cell, Account const& load) {
+  grid::Grid const& grid = gas.grid();
+  int const b = grid.block_of(cell);
+  grid::Block const& block = grid.blocks()[b];
+  int const at = block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
+  double const inverse = 1.0 / grid.domain().cell_volume(cell[0]);
+  grid::Fields& u = gas.fields();
+  u.at(b, gas::density)[at] += inverse * load.mass[0];
+  for (int d = 0; d < 3; ++d) u.at(b, gas::momentum_x + d)[at] += inverse * load.momentum[d];
+  u.at(b, gas::energy)[at] += inverse * load.energy;
+  if (gas.fluids().two) u.at(b, gas::second_density)[at] += inverse * load.mass[1];
+  gas.wake(b);
+}
+
 }  // namespace brisance::bridge

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "bridge/conversion.hpp"
-#include "bridge/printed.hpp"
 #include "core/parallel.hpp"
 
 namespace brisance::bridge {
@@ -37,6 +36,12 @@ double Ledger::reach(int face, Vec3 const& x) const {
   int const lane = faces_->lane_of(face, x);
   double const length = accounts_[faces_->number(face, lane)].volume / faces_->lane_area(face, lane);
   return (*faces_)[face].side == 0 ? length : -length;
+}
+
+double Ledger::content() const {
+  double sum = 0.0;
+  for (Account const& account : accounts_) sum += std::abs(account.mass[0]) + std::abs(account.mass[1]);
+  return sum;
 }
 
 double Ledger::surplus() const {

@@ -1,11 +1,15 @@
 /// The ledger: what is under way between gas and points, face by face, lane by lane.
 ///
-/// The gas moves mass through the surface of the region by its fluxes. Each face, cut into lanes, keeps an account of
-/// what the gas gave to the region, less what the region took: it grows by the flux that the gas scheme really used
-/// (mass of each fluid, momentum and energy without the pressure's part, which reaches the points through Eq. (39)) and
-/// by what points carry out, and falls by what new points carry in. A point is born when half a point's volume has
-/// gathered: its centre is then at the face. Gas outside + points + ledger is constant. (Eqs. (40)-(51) as printed
-/// count what crosses twice, see docs/theory.)
+/// The gas moves mass through the surface of the region by its fluxes and pushes on it by its pressure. Each face, cut
+/// into lanes, keeps an account of what the gas gave to the region, less what the region took. It grows by the flux
+/// that the gas scheme really used (mass of each fluid, momentum, energy; impulse and work of the pressure included)
+/// and by what points carry out; it falls by what new points carry in and by what the nodes really took of the cells
+/// outside, Eq. (39), which act as points. A point is born when half a point's volume has gathered: its centre is then
+/// at the face. Gas outside + points + ledger is constant. (Eqs. (40)-(51) as printed count what crosses twice, see
+/// docs/theory.)
+///
+/// Gas and points make a little of the same flow differently, and the difference would gather without bound where waves
+/// come and go. What an account holds beyond the gas in its volume therefore goes back to the gas cell outside.
 #pragma once
 
 #include <cstddef>
@@ -37,6 +41,8 @@ class Ledger {
   /// How far the gas in an account reaches along its lane, as a step along the axis from the face into the region [m];
   /// out of it where gas lacks. The lane is that of the face that a place [m] lies in.
   [[nodiscard]] double reach(int face, Vec3 const& x) const;
+  /// Sum of the sizes of the masses in the accounts [kg].
+  [[nodiscard]] double content() const;
   /// Gas of either sign beyond two points per lane [kg].
   [[nodiscard]] double surplus() const;
 

@@ -29,18 +29,4 @@ long give_birth_as_printed(Faces const& faces, SharedGas const& shared, GasPoint
   return born.size();
 }
 
-void add_to_cell(gas::Gas& gas, Index3 const& cell, Account const& load) {
-  grid::Grid const& grid = gas.grid();
-  int const b = grid.block_of(cell);
-  grid::Block const& block = grid.blocks()[b];
-  int const at = block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
-  double const inverse = 1.0 / grid.domain().cell_volume(cell[0]);
-  grid::Fields& u = gas.fields();
-  u.at(b, gas::density)[at] += inverse * load.mass[0];
-  for (int d = 0; d < 3; ++d) u.at(b, gas::momentum_x + d)[at] += inverse * load.momentum[d];
-  u.at(b, gas::energy)[at] += inverse * load.energy;
-  if (gas.fluids().two) u.at(b, gas::second_density)[at] += inverse * load.mass[1];
-  gas.wake(b);
-}
-
 }  // namespace brisance::bridge

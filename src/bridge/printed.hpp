@@ -12,7 +12,4 @@ namespace brisance::bridge {
 
 /// Makes the points that come in during a step `dt` [s] of the points, [Cui14] Eqs. (40)-(48). Returns how many.
 long give_birth_as_printed(Faces const& faces, SharedGas const& shared, GasPoints& points, double dt);
-/// Adds what a point carried out of the region to the gas cell outside, [Cui14] Eqs. (49)-(51).
-void add_to_cell(gas::Gas& gas, Index3 const& cell, Account const& load);
-
 }  // namespace brisance::bridge

@@ -97,6 +97,8 @@ void advance_coupled(World& w, double dt) {
         if (interval > 0 && w.clock.point_steps % interval == 0) w.points->control_population(bridge.gas_body());
       });
   w.gas->clear_watched();
+  PhaseTimer const timer(w.timings["bridge"]);
+  bridge.read_cells();  // with what the ledger gave back
 }
 
 }  // namespace

@@ -20,6 +20,9 @@ constexpr double round_off = 1e-10;
 /// same kind as a drift, but it stands in few cells, where it ruins the state long before the sum shows it.
 constexpr double guards_warn = 1e-4;
 constexpr double guards_fail = 1e-2;
+/// Gas in the ledger beyond what is on its way through the faces, as a part of the region's gas.
+constexpr double ledger_warn = 0.01;
+constexpr double ledger_fail = 0.05;
 /// Unburnt explosive has no strength in programmed burn: a blow compresses it like dust, far beyond any real state, and
 /// what it does when it is lit at last means nothing.
 constexpr double unlit_warn = 0.05;
@@ -121,13 +124,16 @@ Totals World::totals() const {
   Totals total = gas_totals();
   total.rest_energy = gas_rest_energy_;
   if (bridge != nullptr) {
-    bridge::Account const ledger = bridge->ledger();
-    for (int f = 0; f < 2; ++f) total.mass[f] += ledger.mass[f];
-    total.momentum = total.momentum + ledger.momentum;
-    total.energy += ledger.energy;
+    total += ledger_totals();
     total += point_totals();
   }
   return total;
+}
+
+Totals World::ledger_totals() const {
+  if (bridge == nullptr) return {};
+  bridge::Account const ledger = bridge->ledger();
+  return {ledger.mass, ledger.momentum, ledger.energy};
 }
 
 Totals World::gas_totals() const {
@@ -225,6 +231,7 @@ void World::take_account() {
 
 void World::update_audit() {
   audit.current = totals();
+  audit.ledger = ledger_totals();
   take_account();
 }
 
@@ -271,6 +278,7 @@ void World::follow_audit() {
     memory.fresh = std::abs(energy.work - memory.work);
     memory.work = energy.work;
     if (bridge != nullptr) {
+      memory.content = std::max(memory.content, bridge->content());
       memory.surplus = std::max(memory.surplus, bridge->surplus());
       memory.gas = std::max(memory.gas, points->sums(gas_body()).mass);
     }
@@ -320,8 +328,10 @@ std::vector<AuditFinding> World::audit_findings() const {
   double const drift = larger_size(audit.memory.drift, energy.error());
   double const smallest = std::max(drift_round_off * energy.all, noise * stiffness(*this));
   found.push_back({Kind::drift, drift, energy.scale, limits.warn, limits.fail, smallest, fresh});
-  if (bridge != nullptr)
-    found.push_back({Kind::ledger, audit.memory.surplus, audit.memory.gas, limits.warn, limits.fail});
+  if (bridge != nullptr) {
+    found.push_back({Kind::ledger, audit.memory.surplus, audit.memory.gas, limits.warn > 0.0 ? ledger_warn : 0.0,
+                     limits.fail > 0.0 ? ledger_fail : 0.0});
+  }
   return found;
 }
 

@@ -39,8 +39,8 @@ void World::archive(Archive& a) {
   awake_since = woken ? std::optional<double>(since) : std::nullopt;
   // What the audit knows beside its start and its memory follows from the state.
   run::archive(a, audit.initial);
-  a(audit.memory.scale, audit.memory.all, audit.memory.drift, audit.memory.surplus, audit.memory.gas, audit.memory.work,
-    audit.memory.fresh, audit.memory.unlit, gas_rest_energy_);
+  a(audit.memory.scale, audit.memory.all, audit.memory.drift, audit.memory.content, audit.memory.surplus,
+    audit.memory.gas, audit.memory.work, audit.memory.fresh, audit.memory.unlit, gas_rest_energy_);
   a.same(setup.start.remap, "whether it started by a remap");
   if (setup.start.remap) {
     // The remap is not repeated.

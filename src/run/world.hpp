@@ -53,6 +53,7 @@ struct AuditMemory {
   double scale = 0.0;    ///< largest energy at work, see `EnergyBalance` [J]
   double all = 0.0;      ///< largest energy of all, that of the ambient state too [J]
   double drift = 0.0;    ///< of the energy, the largest of either sign [J]
+  double content = 0.0;  ///< largest sum of the sizes of the masses in the ledger's accounts [kg]
   double surplus = 0.0;  ///< largest mass in the ledger that does not belong there [kg]
   double gas = 0.0;      ///< largest mass of the gas points [kg]
   double work = 0.0;     ///< of loads, until the last look [J]
@@ -64,7 +65,8 @@ struct AuditMemory {
 /// (+ round-off).
 struct Audit {
   Totals initial;
-  Totals current;
+  Totals current;           ///< `ledger` included
+  Totals ledger;            ///< of it, what is under way between gas cells and points
   Totals outflow;           ///< left through the domain's faces since the start; momentum includes the pressure impulse
   long fallback_faces = 0;  ///< faces whose flux was replaced by, or blended with, a first-order one
   long guarded_cells = 0;   ///< cell updates in which density or internal energy had to be lifted to its floor
@@ -288,6 +290,7 @@ class World {
  private:
   [[nodiscard]] Totals gas_totals() const;
   [[nodiscard]] Totals point_totals() const;
+  [[nodiscard]] Totals ledger_totals() const;
   [[nodiscard]] double gas_rest_energy() const;
   void start_audit();
   void take_account();

@@ -51,8 +51,9 @@ INSTANTIATE_TEST_SUITE_P(Tubes, Confined,
                                          Placing{"AtAWall", 140, 200}),
                          [](auto const& one) { return one.param.name; });
 
-// 40 ms are 13 to 40 passages of the tube. Limits: energy within 1 %, mean pressure within 2 % of the gas alone, no
-// account beyond two points. Without feedback the energy is off by 7 % at 5 bar, and runs away at 20.
+// 40 ms are 13 to 40 passages of the tube. Wanted: energy within 1 %, mean pressure within 2 % of the gas alone, no
+// account beyond two points; measured 0.04 and 0.06 %. Without feedback the energy is off by 7 % at 5 bar and runs away
+// at 20, with the volumes of the points left alone by 7 and 160 %.
 TEST_P(Confined, TubeKeepsItsEnergy) {
   for (double const bar : {2.0, 5.0, 20.0, 50.0}) {
     auto c = tube(1e5 * bar);
@@ -73,11 +74,67 @@ TEST_P(Confined, TubeKeepsItsEnergy) {
         "the end all hold %+.1e of the gas; surplus %.1e kg\n",
         GetParam().name, bar, pressure, w.audit.current.energy / before.energy - 1.0, b.mass, fullest,
         w.bridge->ledger().total() / before.mass[0], w.bridge->surplus());
-    EXPECT_NEAR(pressure, 1.0, 0.02);
-    EXPECT_LT(b.energy, 0.01);
+    EXPECT_NEAR(pressure, 1.0, 0.005);
+    EXPECT_LT(b.energy, 0.002);
     EXPECT_LE(b.mass, mass_tolerance);
     EXPECT_LT(fullest, 2.0);
   }
+}
+
+/// A square room of 1 m with a ball of hot gas that is off every axis.
+run::Case room(grid::Boundary boundary) {
+  auto c = coupled_case(grid::Geometry::planar2d, {50, 50, 1}, boundary);
+  c.ambient.state = {1.225, 101325.0, {0.0, 0.0, 0.0}};
+  run::Region ball;
+  ball.shape = shape::Sphere{{0.27, 0.41, 0.0}, 0.1};
+  ball.state = {5.0, 5e6, {0.0, 0.0, 0.0}};
+  c.regions = {ball};
+  c.numerics.density_floor = 1e-6;
+  c.numerics.pressure_floor = 1.0;
+  c.end.time = 1.0;
+  c.mpm_region->activation = -1.0;
+  return c;
+}
+
+// Edges, corners and periodic faces: whatever gas and points give each other stands in some account. The region as a
+// box, as an L, and as a band right across the periodic direction.
+TEST(Confined, MomentumIsKeptToRoundOff) {
+  using Boxes = std::vector<std::array<Index3, 2>>;
+  for (Boxes const& boxes :
+       {Boxes{{{{16, 15, 0}, {36, 37, 1}}}}, Boxes{{{{14, 14, 0}, {46, 30, 1}}}, {{{14, 30, 0}, {30, 46, 1}}}},
+        Boxes{{{{14, 0, 0}, {40, 50, 1}}}}}) {
+    auto c = room(grid::Boundary::periodic);
+    for (auto const& box : boxes) set_region(c, box[0], box[1]);
+    run::World w(c);
+    double largest = 0.0;
+    Vec3 before = w.totals().momentum;
+    run_to(w, 0.002, [&](run::World& now) { largest = std::max(largest, norm(now.totals().momentum - before)); });
+    double const scale = std::sqrt(2.0 * w.totals().energy * w.totals().mass[0]);
+    std::printf("%zu boxes: momentum changes by %.1e of what there is; %ld points born\n", boxes.size(),
+                largest / scale, w.bridge->traffic().born);
+    EXPECT_LT(largest / scale, 1e-13);
+    EXPECT_GT(w.bridge->traffic().born, 1000);
+  }
+}
+
+// A closed room in the plane: 10 ms are some ten passages, at all angles.
+TEST(Confined, RoomKeepsItsEnergy) {
+  auto c = room(grid::Boundary::wall);
+  auto gas_alone = c;
+  gas_alone.mpm_region.reset();
+  run::World alone(gas_alone);
+  run_to(alone, 0.01);
+  set_region(c, {20, 16, 0}, {38, 36, 1});
+  run::World w(c);
+  run::Totals const before = w.totals();
+  run_to(w, 0.01);
+  Balance const b = balance_of(w, before);
+  double const pressure = mean_pressure(w) / mean_pressure(alone);
+  std::printf("room: mean pressure %.4f of gas alone; energy %+.1e, mass %.1e; surplus %.1e of the gas\n", pressure,
+              w.audit.current.energy / before.energy - 1.0, b.mass, w.bridge->surplus() / before.mass[0]);
+  EXPECT_NEAR(pressure, 1.0, 0.01);
+  EXPECT_LT(b.energy, 0.003);
+  EXPECT_LE(b.mass, mass_tolerance);
 }
 
 }  // namespace

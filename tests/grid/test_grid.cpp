@@ -146,6 +146,24 @@ TEST(Exchange, WakesASleepingBlockThatSeesNews) {
   EXPECT_EQ(awake[third], 0);
 }
 
+TEST(Nodes, BehindPeriodicFacesAndMirrorsAreImages) {
+  Domain d = box({12, 9, 7}, Boundary::outflow);
+  d.boundary[0] = d.boundary[1] = Boundary::periodic;
+  d.boundary[2] = Boundary::symmetry;
+  d.boundary[3] = Boundary::wall;
+  auto const expect = [&](Index3 const& node, Index3 const& index, Vec3 const& sign) {
+    NodeImage const image = image_node(d, node);
+    EXPECT_EQ(image.index, index);
+    EXPECT_EQ(image.sign, sign);
+  };
+  expect({5, 4, 3}, {5, 4, 3}, {1.0, 1.0, 1.0});
+  expect({12, 4, 9}, {0, 4, 9}, {1.0, 1.0, 1.0});  // the last node of a period is the first; open faces change nothing
+  expect({-2, 4, -1}, {10, 4, -1}, {1.0, 1.0, 1.0});
+  expect({1, 0, 0}, {1, 0, 0}, {1.0, 0.0, 1.0});  // on a mirror nothing goes across
+  expect({1, -2, 0}, {1, 2, 0}, {1.0, -1.0, 1.0});
+  expect({13, 11, 0}, {1, 7, 0}, {1.0, -1.0, 1.0});
+}
+
 TEST(Exchange, GathersCellsByDomainIndex) {
   Grid const grid(box({12, 9, 7}, Boundary::outflow), 5);
   Exchange const exchange(grid, 1, {{-1, -1, -1}, {}, {0.0}});

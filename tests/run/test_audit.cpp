@@ -264,7 +264,9 @@ TEST(Verdict, GasInTheLedgerIsAnError) {
   EXPECT_GT(w.bridge->ledger().total(), 0.0);
   double const gas = w.audit.memory.gas;
   EXPECT_NEAR(gas, 0.2 * 1.225, 0.1);
-  w.audit.memory.surplus = 0.006 * gas;
+  w.audit.memory.surplus = 0.009 * gas;
+  EXPECT_FALSE(finding(w, Kind::ledger).tells());
+  w.audit.memory.surplus = 0.011 * gas;
   EXPECT_NE(reason(w).find("lie in the ledger"), std::string::npos) << reason(w);
   w.audit.memory.surplus = 0.06 * gas;
   EXPECT_TRUE(finding(w, Kind::ledger).stops());
@@ -357,7 +359,7 @@ TEST(FollowAudit, RemembersTheSameWhateverIsWritten) {
       w.sample_gauges();
     }
     AuditMemory const& m = w.audit.memory;
-    std::vector<double> const all{m.scale, m.all, m.drift, m.surplus, m.gas};
+    std::vector<double> const all{m.scale, m.all, m.drift, m.content, m.surplus, m.gas};
     if (first.empty()) first = all;
     EXPECT_EQ(all, first) << count << " threads";
     EXPECT_NE(m.drift, 0.0);

@@ -94,7 +94,8 @@ std::vector<double> bits_of(World& world) {
   bits.insert(bits.end(), {world.points->dissipation().held, world.points->dissipation().filtered,
                            world.points->dissipation().friction});
   AuditMemory const& memory = world.audit.memory;
-  bits.insert(bits.end(), {memory.scale, memory.all, memory.drift, memory.surplus, memory.gas, memory.unlit});
+  bits.insert(bits.end(),
+              {memory.scale, memory.all, memory.drift, memory.content, memory.surplus, memory.gas, memory.unlit});
   auto const add_sums = [&](std::vector<BodyRecord> const& records) {
     for (BodyRecord const& r : records) {
       mpm::BodySums const& s = r.sums;
