@@ -13,12 +13,14 @@ namespace {
 
 constexpr int group = 64;  // faces that a thread takes at a time
 
-/// A mass near to `wanted` that differs from the usual one by the factor 1.25 at most.
-double near_mass(double usual, double wanted) {
-  constexpr double most = 1.25;
-  return std::clamp(wanted, usual / most, usual * most);
+/// A mass near to `wanted`: not less than the usual one / 1.25, and not more beyond it than fills a quarter of a
+/// point's volume at the fluid's own density.
+double near_mass(double usual, double wanted, double own_density, double volume) {
+  constexpr double most = 0.25;
+  return std::clamp(wanted, usual / (1.0 + most), usual + most * own_density * volume);
 }
 
+constexpr double least_fraction = 1e-6;
 constexpr int most_births = 16;  // of one lane in one step: more is not met within the Courant limit
 
 }  // namespace
@@ -219,14 +221,26 @@ long Ledger::give_birth(GasPoints& points) {
         double const volume = faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
         std::array<double, 2> const usual{(1.0 - donor.mass_fraction) * donor.density * volume,
                                           donor.mass_fraction * donor.density * volume};
+        std::array<double, 2> const fraction{1.0 - donor.volume_fraction, donor.volume_fraction};
+        std::array<double, 2> own_density{0.0, 0.0};  // of a fluid that is not there nothing is known
+        for (int k = 0; k < 2; ++k) {
+          if (fraction[k] > least_fraction) own_density[k] = usual[k] / (fraction[k] * volume);
+        }
         for (int n = 0; n < most_births && account.volume >= 0.5 * volume; ++n) {
           // What is left of the ledger after the birth is to have the donor's partial densities.
           double const left = account.volume / volume - 1.0;
           std::array<double, 2> mass{};
-          for (int k = 0; k < 2; ++k) mass[k] = near_mass(usual[k], account.mass[k] - left * usual[k]);
+          for (int k = 0; k < 2; ++k) {
+            mass[k] = near_mass(usual[k], account.mass[k] - left * usual[k], own_density[k], volume);
+          }
           GasState state = donor;
           state.density = (mass[0] + mass[1]) / volume;
           state.mass_fraction = mass[1] / (mass[0] + mass[1]);
+          // Both fluids keep the ratio of their own densities, and so the pressure.
+          if (own_density[0] > 0.0 && own_density[1] > 0.0) {
+            double const second = mass[1] / own_density[1];
+            state.volume_fraction = second / (mass[0] / own_density[0] + second);
+          }
           double const depth = (account.volume / volume - 0.5) * spacing;
           if (born[g].fields().size() == 0) born[g] = points.empty_set();
           points.append(f, lane, depth, mass[0] + mass[1], state, slopes, born[g]);
