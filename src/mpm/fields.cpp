@@ -283,7 +283,7 @@ void Mpm::share_momentum(int block, Scratch& scratch) const {
     if (w.shared[f] == 0 || scratch.present[f] == 0) continue;
     if (!w.gather(w.momentum, w.momentum_present, block, f, scratch.exchange[f])) continue;
     scratch.exchanges[f] = 1;
-    NodeState const* nodes = scratch.state[f].data();
+    NodeState* nodes = scratch.state[f].data();
     NodeVelocity* exchange = scratch.exchange[f].data();
     for (int node = 0; node < count; ++node) {
       double const own = exchange[node][3];
@@ -292,7 +292,11 @@ void Mpm::share_momentum(int block, Scratch& scratch) const {
       double const inverse = both ? 1.0 / own : 0.0;
       double const part = both ? 1.0 : 0.0;
       NodeVelocity const common = nodes[node].momentum - nodes[node].force;
-      exchange[node] = part * common - inverse * exchange[node];
+      NodeVelocity const alone = inverse * exchange[node];
+      exchange[node] = part * common - alone;
+      exchange[node][3] = own;
+      // What is not in the common motion becomes heat of the first.
+      nodes[node].force[3] += 0.5 * own * (alone[0] * alone[0] + alone[1] * alone[1] + alone[2] * alone[2]);
     }
   }
 }

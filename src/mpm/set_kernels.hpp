@@ -127,7 +127,8 @@ struct Kernels {
     }
   }
 
-  /// Mass, momentum and kinetic energy, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20).
+  /// Mass and momentum, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20); of APIC's points the
+  /// kinetic energy too, that of their velocity gradient included.
   template <bool with_mass, bool with_forces>
   static void map_state(SetView const& v, Hoops const& hoops, OuterForces const& outer, CellMeans const* means,
                         NodeState* nodes) {
@@ -156,9 +157,7 @@ struct Kernels {
         double const m = mass[q];
         double const volume = m / density[q];
         Lanes4 const a{m * velocity[0][q], m * velocity[1][q], m * velocity[2][q], m};
-        double const square =
-            velocity[0][q] * velocity[0][q] + velocity[1][q] * velocity[1][q] + velocity[2][q] * velocity[2][q];
-        Lanes4 b{0.0, 0.0, 0.0, 0.5 * m * square};
+        Lanes4 b{};
         Lanes4 cx{};
         Lanes4 cy{};
         Lanes4 cz{};
@@ -192,8 +191,6 @@ struct Kernels {
         if constexpr (!with_mass) {
           add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
         } else if (affine) {
-          // The energy of its affine velocity too.
-          b[3] = 0.0;
           add_affine_energy<S, D>(*v.patch, k, around, v.h, q, nodes, a, affine_columns(set, begin + q, m),
                                   mixed_columns(set, begin + q, m * inverse_h), 1.0 / m);
           if constexpr (with_forces) add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);

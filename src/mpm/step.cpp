@@ -356,12 +356,26 @@ void Mpm::integrate(double dt) {
     if (options_.order != StressOrder::usf) signals_[block] = 0.0;  // usf has found them already
     if (w.keeps_energy) {
       // In the place of the mass: kinetic energy of the points around per mass, with what the forces of the step add.
+      // Where APIC's points share nodes with others, which keep to the increments, all heat is theirs.
       for (int f = 0; f < w.fields; ++f) {
         if (scratch.present[f] == 0) continue;
         NodeState* nodes = scratch.state[f].data();
+        NodeVelocity const* others = scratch.exchanges[f] == 0 ? nullptr : scratch.exchange[f].data();
         for (int node = 0; node < count; ++node) {
           NodeState& r = nodes[node];
           double const m = r.momentum[3];
+          double const of_others = others == nullptr ? 0.0 : others[node][3];
+          if (of_others > w.mass_floor) {
+            double before = 0.0;
+            double after = 0.0;
+            for (int d = 0; d < 3; ++d) {
+              before += (r.momentum[d] - r.force[d]) * (r.momentum[d] - r.force[d]);
+              after += r.momentum[d] * r.momentum[d];
+            }
+            double const own = m - of_others;
+            r.momentum[3] = own > 1e-12 * m ? (r.force[3] - 0.5 * m * before) / own + 0.5 * after : 0.5 * after;
+            continue;
+          }
           double sum = m > w.mass_floor ? r.force[3] / m : 0.0;
           for (int d = 0; d < 3; ++d) sum += r.force[d] * (r.momentum[d] - 0.5 * r.force[d]);
           r.momentum[3] = sum;
@@ -431,6 +445,7 @@ void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
   Patch const& patch = w.patches[block];
   NodeState const* nodes = scratch.state[f].data();
   NodeState const* lent = w.lent[block].data();
+  bool const takes_over = affine(lent_body_);
   for (int k = 0; k < patch.n[2]; ++k) {
     for (int j = 0; j < patch.n[1]; ++j) {
       for (int i = 0; i < patch.n[0]; ++i) {
@@ -450,7 +465,9 @@ void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
           double const impulse = l.force[d] * dt;
           gift.impulse[d] = sign[d] * impulse;
           gift.work[d] = impulse * (n.momentum[d] - 0.5 * n.force[d]);
-          gift.momentum[d] = sign[d] * (l.momentum[d] - l.momentum[3] * n.momentum[d]);
+          // Points of APIC take over the velocity of their nodes, all others add its change to their own.
+          double const kept = takes_over ? l.momentum[d] - l.momentum[3] * n.momentum[d] : -l.momentum[3] * n.force[d];
+          gift.momentum[d] = sign[d] * kept;
         }
         gifts.push_back(gift);
       }

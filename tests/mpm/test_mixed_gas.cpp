@@ -271,5 +271,29 @@ TEST(MixedGas, VolumesFollowTheRoomThatThereIs) {
   }
 }
 
+// Where points of APIC share nodes with others, whose velocities are not those of the nodes, the gas gets the heat of
+// its own meeting with them, not of their noise: that they keep themselves.
+TEST(MixedGas, TakesNoEnergyFromTheNoiseOfOthers) {
+  Box box(Geometry::planar2d);
+  double const size = box.domain.cells[0];
+  int const other = box.add(material::of(material::Fluid{"dense", "", material::IdealGas{1.4}, 500.0, p_air}));
+  box.bodies[other].transfer = Transfer::flip;
+  box.start();
+  box.fill(0, shape::Box{{0.0, 0.0, -1.0}, {size, size, 1.0}});
+  box.fill(other, shape::Box{{0.0, 0.0, -1.0}, {size, size, 1.0}}, [](Vec3 const& x) {
+    return Vec3{20.0 * std::sin(97.0 * x[0] + 31.0 * x[1]), 20.0 * std::cos(53.0 * x[0] - 71.0 * x[1]), 0.0};
+  });
+  auto const energy = [&](int body) {
+    mpm::BodySums const sums = box.mpm->sums(body);
+    return sums.kinetic_energy + sums.internal_energy;
+  };
+  double const noise = box.mpm->sums(other).kinetic_energy;
+  double const gas = energy(0);
+  double const all = gas + energy(other);
+  box.run(0.3);
+  std::printf("noise %.3g J: gas %+.3g J, all %+.3g J\n", noise, energy(0) - gas, energy(0) + energy(other) - all);
+  EXPECT_LT(std::abs(energy(0) + energy(other) - all), 0.1 * noise);
+}
+
 }  // namespace
 }  // namespace brisance::test
