@@ -251,6 +251,8 @@ class Builder {
   bool pressure_history(Section const& section, mpm::SurfacePressure& pressure);
   /// The layer below the loaded face in whole layers of points; false when the body has none there (reported).
   bool loaded_layer(Section const& section, mpm::SurfacePressure& pressure);
+  bool curved_layer(Section const& section, double asked, double layer, mpm::SurfacePressure& pressure);
+  [[nodiscard]] bool is_flat_face(shape::Shape const& body, int direction, double face) const;
   void reinforcements();  // build_reinforcement.cpp
   void reinforcement(Section const& section);
   void body_gauge(Section const& section, std::string const& name, std::set<std::string>& names);

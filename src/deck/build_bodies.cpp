@@ -463,14 +463,16 @@ void Builder::surface_pressure(Section const& section) {
                               body_names_.front()));
     return;
   }
-  auto const normal = section.text("normal");
-  if (!normal || body_names_.empty()) return;
-  out.normal = signed_normal(*normal);
-  if ((*normal)[1] - 'x' >= dims()) {
-    error(section, "normal",
-          fmt::format("\"{}\" is not resolved in {}, which resolves {} direction{}", *normal,
-                      grid::geometry_name(geometry()), dims(), dims() > 1 ? "s" : ""));
-    return;
+  if (section.broken("normal") || body_names_.empty()) return;
+  if (section.given("normal")) {
+    std::string const normal = *section.text("normal");
+    out.normal = signed_normal(normal);
+    if (normal[1] - 'x' >= dims()) {
+      error(section, "normal",
+            fmt::format("\"{}\" is not resolved in {}, which resolves {} direction{}", normal,
+                        grid::geometry_name(geometry()), dims(), dims() > 1 ? "s" : ""));
+      return;
+    }
   }
   sound = loaded_layer(section, out) && sound;
   if (sound) out_.points.pressures.push_back(std::move(out));
@@ -524,6 +526,29 @@ bool Builder::pressure_history(Section const& section, mpm::SurfacePressure& pre
   return true;
 }
 
+namespace {
+
+/// Length of the pieces of a loaded surface in layers of points.
+constexpr double facets_per_layer = 1.0 / 3.0;
+
+}  // namespace
+
+/// Does a box look to one side with all of a flat face? What else it may be, the surface itself tells.
+bool Builder::is_flat_face(shape::Shape const& body, int direction, double face) const {
+  auto const* box = std::get_if<shape::Box>(&body);
+  if (box == nullptr || (direction == 0 && grid::radial_exponent(geometry()) > 0)) return false;
+  return std::abs(face - box->lower[direction]) < tiny() || std::abs(face - box->upper[direction]) < tiny();
+}
+
+bool Builder::curved_layer(Section const& section, double asked, double layer, mpm::SurfacePressure& pressure) {
+  pressure.thickness = std::max(1.0, std::round(asked / layer)) * layer;
+  if (!section.given("thickness") || asked < 8.0 * layer + tiny()) return true;
+  error(section, "thickness",
+        fmt::format("{} is more than eight layers of points, {:.4g} m each: make it smaller",
+                    section.shown("thickness"), layer));
+  return false;
+}
+
 bool Builder::loaded_layer(Section const& section, mpm::SurfacePressure& pressure) {
   shape::Shape region = shape::Everywhere{};
   if (section.given("region")) {
@@ -561,12 +586,21 @@ bool Builder::loaded_layer(Section const& section, mpm::SurfacePressure& pressur
       return false;
     }
   }
+  double const layer = out_.domain.h / static_cast<double>(*per_cell);  // of points
+  double const asked = section.number("thickness").value_or(layer);
+  if (!section.given("normal")) {
+    pressure.surface = shape::surface(*body, region, out_.domain, facets_per_layer * layer);
+    if (pressure.surface.empty()) {
+      report_.error(section.place_of("region"), section.path_of("region"),
+                    "no part of the body's surface lies in it: move the region, or make it larger");
+      return false;
+    }
+    return curved_layer(section, asked, layer, pressure);
+  }
   int const d = pressure.normal[0] != 0.0 ? 0 : pressure.normal[1] != 0.0 ? 1 : 2;
   bool const high = pressure.normal[d] > 0.0;
   double const face = high ? reach.upper[d] : reach.lower[d];
   double const depth = reach.upper[d] - reach.lower[d];
-  double const layer = out_.domain.h / static_cast<double>(*per_cell);  // of points
-  double const asked = section.number("thickness").value_or(layer);
   if (asked > depth + tiny()) {
     bool const given = section.given("thickness");
     error(section,
@@ -580,6 +614,29 @@ bool Builder::loaded_layer(Section const& section, mpm::SurfacePressure& pressur
                       "{:.6g} m: make the region thicker",
                       asked, depth));
     return false;
+  }
+  if (!is_flat_face(*body, d, face)) {
+    std::vector<shape::Facet> facets;
+    bool flat = true;
+    for (shape::Facet const& f : shape::surface(*body, region, out_.domain, facets_per_layer * layer)) {
+      double const along = dot(f.area, pressure.normal) / norm(f.area);
+      if (along < 1e-9 || !shape::is_clear(*body, out_.domain, f.x, pressure.normal, 0.05 * layer)) continue;
+      flat = flat && along > 1.0 - 1e-9 && std::abs(f.x[d] - face) < tiny();
+      facets.push_back(f);
+    }
+    if (facets.empty()) {
+      report_.error(section.place_of(section.given("region") ? "region" : "normal"),
+                    section.path_of(section.given("region") ? "region" : "normal"),
+                    fmt::format("no part of the body's surface{} is seen from the side of {}: {}",
+                                section.given("region") ? " that lies in it" : "", *section.text("normal"),
+                                section.given("region") ? "move the region, or make it larger"
+                                                        : "give another normal, or none to load the whole surface"));
+      return false;
+    }
+    if (!flat || (d == 0 && grid::radial_exponent(geometry()) > 0)) {
+      pressure.surface = std::move(facets);
+      return curved_layer(section, asked, layer, pressure);
+    }
   }
   // The inner side of the layer lies where sub-cells end, so that their points hold just its volume. A sub-cell that
   // the body fills by less than a half does not count as a layer.

@@ -272,14 +272,19 @@ Table const& history_table() {
 
 Table const& surface_pressure_table() {
   static Table const table{
-      "A pressure on a flat face of a body. The layer of material points below the face takes it.",
+      "A pressure on the surface of a body, by its true normal and area: with `normal` on what is seen from that side, "
+      "so "
+      "that the force is the pressure times the body's shadow; without it on the whole surface, or on all of it in "
+      "`region`. The layer of material points below the surface takes it. Areas and normals are those of the start.",
       {typed(Type::text, "body").note("the only body").like("\"plate\"").means("Name of the body"),
-       face_normal("normal").required().like("\"+z\"").means(
-           "Outer normal of the face: `+z` is the upper face, pushed down"),
+       face_normal("normal")
+           .note("all sides")
+           .like("\"+z\"")
+           .means("Side that the pressure comes from: `+z` loads what is seen from above, and pushes a flat top down"),
        nested(Type::table, "region", points_region_table())
            .note("everywhere")
            .like("{shape = \"cylinder\", radius = \"50 mm\", length = 1}")
-           .means("Part of the body that is loaded, on its face or on the region's, whichever lies deeper"),
+           .means("Part of the surface that is loaded"),
        number("thickness", "m", smallest, far)
            .note("one layer of points")
            .like("\"1 mm\"")

@@ -25,6 +25,7 @@
 #include "mpm/population.hpp"
 #include "mpm/reinforcement.hpp"
 #include "shape/shape.hpp"
+#include "shape/surface.hpp"
 
 namespace brisance::mpm {
 
@@ -128,15 +129,17 @@ struct Contact {
   double friction = 0.0;  ///< Coulomb coefficient
 };
 
-/// A pressure that pushes on the points of a body in a part of space, along -`normal`: the outer layer of points of the
-/// given thickness takes it, [Cui14] Eq. (20).
+/// A pressure on the surface of a body. On a flat face it pushes on the points of the body in a part of space, along
+/// -`normal`: the outer layer of points of the given thickness takes it, [Cui14] Eq. (20). Any other surface is given
+/// in pieces, and the points around each, below it, take what it bears.
 struct SurfacePressure {
   int body = 0;
-  shape::Shape region;            ///< of the points at the start that carry it
-  Vec3 normal{0.0, 0.0, 1.0};     ///< outer normal of the loaded face
-  double thickness = 0.0;         ///< of the loaded layer [m]
-  std::vector<double> times;      ///< [s], rising
-  std::vector<double> pressures;  ///< [Pa] at these times; linear between, 0 outside
+  shape::Shape region;                ///< of the points at the start that carry it
+  Vec3 normal{0.0, 0.0, 1.0};         ///< outer normal of the loaded face
+  std::vector<shape::Facet> surface;  ///< in the place of region and normal, where there are any
+  double thickness = 0.0;             ///< of the loaded layer [m]
+  std::vector<double> times;          ///< [s], rising
+  std::vector<double> pressures;      ///< [Pa] at these times; linear between, 0 outside
 };
 
 /// What became of a bar.
@@ -289,6 +292,9 @@ class Mpm {
 
  private:
   struct Workspace;
+
+  /// Forces of a unit of a pressure [m2] on the points of its body: per block and point.
+  [[nodiscard]] std::vector<std::vector<Vec3>> pushes(SurfacePressure const& pressure) const;
 
   /// Calls work(set, body) for the sets of a block that hold points, those lent to it included.
   template <class Work>

@@ -409,6 +409,14 @@ Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what) {
   data_ = std::move(data);
 }
 
+std::vector<std::array<Vec3, 3>> Mesh::triangles() const {
+  std::vector<std::array<Vec3, 3>> all;
+  all.reserve(data_->triangles.size());
+  for (Triangle const& t : data_->triangles)
+    all.push_back({data_->vertices[t[0]], data_->vertices[t[1]], data_->vertices[t[2]]});
+  return all;
+}
+
 std::size_t Mesh::triangle_count() const { return data_->triangles.size(); }
 Vec3 const& Mesh::lower() const { return data_->lower; }
 Vec3 const& Mesh::upper() const { return data_->upper; }

@@ -1,6 +1,7 @@
 /// Closed triangle meshes as solid bodies.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -26,6 +27,8 @@ class Mesh {
   Mesh(std::vector<Vec3> const& corners, std::string const& what);
 
   [[nodiscard]] std::size_t triangle_count() const;
+  /// Their corners [m], counter-clockwise as seen from outside.
+  [[nodiscard]] std::vector<std::array<Vec3, 3>> triangles() const;
   [[nodiscard]] Vec3 const& lower() const;   ///< corners of the axis-aligned box around it [m]
   [[nodiscard]] Vec3 const& upper() const;   ///< [m]
   [[nodiscard]] Vec3 const& centre() const;  ///< of mass [m]; exact
