@@ -261,6 +261,9 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.area_present.assign(slots, 0);
   w.filled.resize(slots);
   w.filled_present.assign(slots, 0);
+  w.even.resize(sets_.size());
+  w.even_again.resize(sets_.size());
+  w.even_present.assign(sets_.size(), 0);
   w.extent.resize(slots);
   w.present.assign(slots, 0);
   w.shocked.assign(blocks, 0);
@@ -704,6 +707,9 @@ std::size_t Mpm::bytes() const {
   for (auto const& nodes : work_->velocity) total += nodes.bytes();
   for (auto const& nodes : work_->gradient) total += nodes.bytes();
   for (auto const& nodes : work_->area) total += nodes.bytes();
+  for (auto const* all : {&work_->even, &work_->even_again}) {
+    for (auto const& nodes : *all) total += nodes.bytes();
+  }
   for (auto const& nodes : work_->extent) total += nodes.bytes();
   return total;
 }

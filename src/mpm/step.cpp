@@ -82,6 +82,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   if (with_mass) std::fill(w.present.begin(), w.present.end(), 0);
   if (with_mass) std::fill(w.momentum_present.begin(), w.momentum_present.end(), 0);
   if (with_forces) std::fill(w.area_present.begin(), w.area_present.end(), 0);
+  if (with_mass) std::fill(w.even_present.begin(), w.even_present.end(), 0);
   if (with_mass) std::fill(w.filled_present.begin(), w.filled_present.end(), 0);
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
@@ -102,6 +103,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
         means = mean_pressures(view, w.scratch[thread]);
       CellMeans const* mean = means ? &*means : nullptr;
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
+        bool const lent = lent_body_ >= 0 && &set == &lent_[block];
         if (with_mass && with_forces) {
           kernels.template map_state<true, true>(view, hoops, outer, mean, nodes);
         } else if (with_mass) {
@@ -109,12 +111,18 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
         } else {
           kernels.template map_state<false, true>(view, hoops, outer, mean, nodes);
         }
-        bool const lent = lent_body_ >= 0 && &set == &lent_[block];
         if (lent && with_forces) {
           // Once more alone: what they give to the others is booked.
           NodeState* alone = w.lent[block].get(patch.count());
           std::fill(alone, alone + patch.count(), NodeState{});
           kernels.template map_state<true, true>(view, hoops, outer, mean, alone);
+        }
+        if (with_mass && !lent && evens_out(block, body)) {
+          int const at = set_index(block, body);
+          NodeVelocity* even = w.even[at].get(patch.count());
+          std::fill(even, even + patch.count(), NodeVelocity{});
+          w.even_present[at] = 1;
+          kernels.map_even(view, even);
         }
         if (with_mass && w.filling >= 0) kernels.map_filled(view, grid_.domain().geometry, filled_nodes(block));
         if (NodeVelocity* area = with_forces && w.slides ? area_nodes(block, body) : nullptr) {
@@ -135,6 +143,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
     });
     if (with_mass && w.slides) continue_behind_ends(block);
   });
+  if (with_mass) map_even_again();
   if (with_mass && w.touches) map_extents();
 }
 
@@ -475,6 +484,56 @@ void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
   }
 }
 
+bool Mpm::evens_out(int block, int body) const {
+  grid::Domain const& domain = grid_.domain();
+  if (grid::radial_exponent(domain.geometry) == 0) return false;
+  return work_->patches[block].first[0] < even_cells * domain.h && bodies_[body].solid.has_deviator() &&
+         !bodies_[body].rigid_velocity && !points(block, body).empty();
+}
+
+void Mpm::map_even_again() {
+  Workspace& w = *work_;
+  if (grid::radial_exponent(grid_.domain().geometry) == 0) return;
+  PhaseTimer const timer(timings_["beside the axis"]);
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
+    int const block = active_[n];
+    Patch const& patch = w.patches[block];
+    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
+      if (!evens_out(block, body)) continue;
+      NodeVelocity const* means = gather_even(block, body, w.scratch[thread], false);
+      NodeVelocity* nodes = w.even_again[set_index(block, body)].get(patch.count());
+      std::fill(nodes, nodes + patch.count(), NodeVelocity{});
+      SetView const view{&points(block, body), &bodies_[body], &patch, grid_.domain().h};
+      with_kernels(options_.shape, patch.dimensions, [&](auto kernels) { kernels.map_even_again(view, means, nodes); });
+    }
+  });
+}
+
+NodeVelocity* Mpm::gather_even(int block, int body, Scratch& scratch, bool again) const {
+  Workspace const& w = *work_;
+  Patch const& patch = w.patches[block];
+  auto const gathered = [&](std::vector<NodeArray<NodeVelocity>> const& raw, NodeArray<NodeVelocity>& sum) {
+    NodeVelocity* nodes = sum.get(patch.count());
+    sum_links(
+        patch, nodes,
+        [&](int source) {
+          int const from = set_index(source, body);
+          return w.even_present[from] == 0 ? nullptr : raw[from].data();
+        },
+        true);
+    for (int node = 0; node < patch.count(); ++node) {
+      double const volume = nodes[node][3];
+      nodes[node] *= volume > 0.0 ? 1.0 / volume : 0.0;
+    }
+    return nodes;
+  };
+  NodeVelocity* means = gathered(w.even, scratch.even);
+  if (!again) return means;
+  NodeVelocity const* twice = gathered(w.even_again, scratch.even_again);
+  for (int node = 0; node < patch.count(); ++node) means[node] = 2.0 * means[node] - twice[node];
+  return means;
+}
+
 void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch) {
   Workspace& w = *work_;
   PointSet& set = points(block, body);
@@ -487,10 +546,11 @@ void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch
     NodeVelocity const* filled = nullptr;
     if (bodies_[body].fills_space && w.gather(w.filled, w.filled_present, block, w.filling, scratch.filled, true))
       filled = scratch.filled.data();
+    NodeVelocity const* even = evens_out(block, body) ? gather_even(block, body, scratch, true) : nullptr;
     with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
       NodeVelocity const* before = settles_work(body) ? scratch.before[w.field_of[body]].data() : nullptr;
       fastest = kernels.update(view, options_, hoops, time_, dt, scratch.velocity[w.field_of[body]].data(), before,
-                               filled, scratch);
+                               filled, even, scratch);
     });
   }
   signals_[block] = std::max(signals_[block], signal_weight(body) * fastest);

@@ -81,7 +81,9 @@ struct Scratch {
   std::vector<char> rubs;
   std::vector<NodeArray<double>> extent;  ///< contact
   NodeArray<NodeVelocity> filled;         ///< what all points fill of the cells around the nodes
-  std::vector<Vec3> normals;              ///< contact, of one field
+  NodeArray<NodeVelocity> even;           ///< of a body, see `Mpm::gather_even`
+  NodeArray<NodeVelocity> even_again;
+  std::vector<Vec3> normals;  ///< contact, of one field
   std::vector<char> present;
   std::vector<double> strain;     ///< locking control: strain and spin of a whole set
   std::vector<double> cell_sums;  ///< locking control: volume and volume change per cell
@@ -133,6 +135,10 @@ struct Mpm::Workspace {
   /// What all points fill of the cells around the nodes: block x field, of the field of a body that fills space only.
   std::vector<NodeArray<NodeVelocity>> filled;
   std::vector<char> filled_present;
+  /// What the points beside the axis have in common with their neighbours: block x body, see `Kernels::even_out`.
+  std::vector<NodeArray<NodeVelocity>> even;
+  std::vector<NodeArray<NodeVelocity>> even_again;
+  std::vector<char> even_present;
   int filling = -1;                        ///< that field; -1: none
   std::vector<NodeArray<NodeState>> lent;  ///< per block: what its lent points alone wrote
   std::vector<char> present;               ///< block x field: were written in this step
