@@ -72,11 +72,15 @@ struct OuterForces {
 };
 
 /// See `Kernels::even_out`. Measured on the rod of tests/mpm/test_axis.cpp: with 0, 1000, 2000 and 3000 per strain the
-/// pressure at the axis scatters 7.3, 1.8, 1.2 and 1.0 times as much as at mid radius with B-splines, 2.7, 0.5, 0.4 and
+/// pressure at the axis scatters 7.3, 1.8, 1.2 and 1.1 times as much as at mid radius with B-splines, 2.7, 0.5, 0.4 and
 /// 0.3 times with GIMP. A reach of 8 cells brings no more.
 inline constexpr double even_per_strain = 3000.0;
 inline constexpr double even_most = 0.3;   ///< part that a step takes
 inline constexpr double even_cells = 4.0;  ///< radius that it reaches
+/// Nothing is taken off where the cells around a point are filled by no more than the first, all of it from the second
+/// on: the outer two of the points across a plate, of which the nodes see one side only.
+inline constexpr double surface_fill = 0.85;
+inline constexpr double inner_fill = 0.95;
 
 /// Locking control. Replaces the volumetric strain of each point by that of its cell, and the pressure in the forces by
 /// the cell's mean, both weighted with volume: the two are conjugate, so that the work of the forces and the energy of
@@ -645,36 +649,35 @@ struct Kernels {
     return radius < (even_cells + 6.0) * v.h && (damage == nullptr || damage[q] < 1.0);
   }
 
-  /// Volume of the points of a body beside the axis, and the same times density, s_xx and s_yy: see `even_out`.
-  static void map_even(SetView const& v, NodeVelocity* nodes) {
+  /// What the points of a body beside the axis fill of the cells around the nodes, and the same times density, s_xx and
+  /// s_yy: see `even_out`.
+  static void map_even(SetView const& v, grid::Geometry geometry, NodeVelocity* nodes) {
     PointSet const& set = *v.set;
     double const* damage = set.field(Field::damage);
+    double const* density = set.field(Field::density);
+    double const* xx = set.field(Field::deviator_xx);
+    double const* yy = set.field(Field::deviator_yy);
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
-      double const* mass = set.field(Field::mass) + begin;
-      double const* density = set.field(Field::density) + begin;
-      double const* xx = set.field(Field::deviator_xx) + begin;
-      double const* yy = set.field(Field::deviator_yy) + begin;
       for (int q = 0; q < n; ++q) {
-        if (!evened(v, damage, begin + q)) continue;
-        double const volume = mass[q] / density[q];
-        add<S, D>(*v.patch, k, q, nodes, whole, Lanes4{mass[q], volume * xx[q], volume * yy[q], volume});
+        int const at = begin + q;
+        if (!evened(v, damage, at)) continue;
+        double const filled = cells_filled(v, geometry, at);
+        add<S, D>(*v.patch, k, q, nodes, whole, filled * Lanes4{density[at], xx[at], yy[at], 1.0});
       }
     });
   }
 
   /// The same of what the nodes make of it.
-  static void map_even_again(SetView const& v, NodeVelocity const* means, NodeVelocity* nodes) {
-    PointSet const& set = *v.set;
-    double const* damage = set.field(Field::damage);
+  static void map_even_again(SetView const& v, grid::Geometry geometry, NodeVelocity const* means,
+                             NodeVelocity* nodes) {
+    double const* damage = v.set->field(Field::damage);
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
-      double const* mass = set.field(Field::mass) + begin;
-      double const* density = set.field(Field::density) + begin;
       for (int q = 0; q < n; ++q) {
         if (!evened(v, damage, begin + q)) continue;
         Lanes4 seen;
         velocity_at<S, D>(*v.patch, k, q, means, seen);
         seen[3] = 1.0;
-        add<S, D>(*v.patch, k, q, nodes, whole, (mass[q] / density[q]) * seen);
+        add<S, D>(*v.patch, k, q, nodes, whole, cells_filled(v, geometry, begin + q) * seen);
       }
     });
   }
@@ -682,9 +685,9 @@ struct Kernels {
   /// Beside the axis stresses that no node feels gather at the points: patterns a cell long whose forces cancel, left
   /// over by waves that run together there, as strains are taken where the points are while they swing, and worth the
   /// more stress the less volume a ring has. They are drained as fast as the points are strained. With P, from points
-  /// to nodes by volume and back, (I - P)^2 of density and deviator is taken off: all of such a pattern, of a wave of
-  /// ten cells a hundredth. Volume, mass, mean stress and energy of a body remain: what the pattern held is heat.
-  /// `means`: (2 P - P^2) of it at the nodes.
+  /// to nodes and back, (I - P)^2 of density and deviator is taken off: all of such a pattern, of a wave of ten cells a
+  /// hundredth. Mass and energy of a body remain: what the pattern held is heat. At its surface, where P would flatten
+  /// the stress of bending, it stays. `means`: (2 P - P^2) of it at the nodes.
   static void even_out(SetView const& v, int begin, int n, Weights<S, D> const& k, double const (&e)[10][chunk],
                        NodeVelocity const* means) {
     PointSet& set = *v.set;
@@ -697,10 +700,11 @@ struct Kernels {
     for (int q = 0; q < n; ++q) {
       double const near = 1.0 - radius[q] / (even_cells * v.h);
       if (near <= 0.0 || !evened(v, damage, begin + q)) continue;
-      double const strained = std::abs(e[0][q]) + std::abs(e[1][q]) + std::abs(e[2][q]) + 2.0 * std::abs(e[3][q]);
-      double const part = near * std::min(even_most, even_per_strain * strained);
       Lanes4 seen;
       velocity_at<S, D>(*v.patch, k, q, means, seen);
+      double const whole_cells = std::clamp((seen[3] - surface_fill) / (inner_fill - surface_fill), 0.0, 1.0);
+      double const strained = std::abs(e[0][q]) + std::abs(e[1][q]) + std::abs(e[2][q]) + 2.0 * std::abs(e[3][q]);
+      double const part = whole_cells * near * std::min(even_most, even_per_strain * strained);
       double const dx = part * (seen[1] - xx[q]);
       double const dy = part * (seen[2] - yy[q]);
       density[q] += part * (seen[0] - density[q]);
@@ -762,7 +766,9 @@ struct Kernels {
     if (m > 0) {
       double const r = set.field(Field::position_x)[q];
       double const width = v.h / v.body->points_per_direction;
-      volume /= m == 1 ? 2.0 * std::numbers::pi * r : 4.0 * std::numbers::pi * (r * r + width * width / 12.0);
+      // A point closer to the axis than half its width is a disc, not a ring.
+      double const middle = std::max(r, 0.5 * (r + 0.5 * width));
+      volume /= m == 1 ? 2.0 * std::numbers::pi * middle : 4.0 * std::numbers::pi * (r * r + width * width / 12.0);
     }
     for (int d = 0; d < D; ++d) volume /= v.h;
     return volume;

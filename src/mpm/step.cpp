@@ -122,7 +122,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
           NodeVelocity* even = w.even[at].get(patch.count());
           std::fill(even, even + patch.count(), NodeVelocity{});
           w.even_present[at] = 1;
-          kernels.map_even(view, even);
+          kernels.map_even(view, grid_.domain().geometry, even);
         }
         if (with_mass && w.filling >= 0) kernels.map_filled(view, grid_.domain().geometry, filled_nodes(block));
         if (NodeVelocity* area = with_forces && w.slides ? area_nodes(block, body) : nullptr) {
@@ -504,7 +504,8 @@ void Mpm::map_even_again() {
       NodeVelocity* nodes = w.even_again[set_index(block, body)].get(patch.count());
       std::fill(nodes, nodes + patch.count(), NodeVelocity{});
       SetView const view{&points(block, body), &bodies_[body], &patch, grid_.domain().h};
-      with_kernels(options_.shape, patch.dimensions, [&](auto kernels) { kernels.map_even_again(view, means, nodes); });
+      with_kernels(options_.shape, patch.dimensions,
+                   [&](auto kernels) { kernels.map_even_again(view, grid_.domain().geometry, means, nodes); });
     }
   });
 }
@@ -522,8 +523,9 @@ NodeVelocity* Mpm::gather_even(int block, int body, Scratch& scratch, bool again
         },
         true);
     for (int node = 0; node < patch.count(); ++node) {
-      double const volume = nodes[node][3];
-      nodes[node] *= volume > 0.0 ? 1.0 / volume : 0.0;
+      double const filled = nodes[node][3];
+      double const inverse = filled > 0.0 ? 1.0 / filled : 0.0;
+      nodes[node] *= NodeVelocity{inverse, inverse, inverse, 1.0};
     }
     return nodes;
   };

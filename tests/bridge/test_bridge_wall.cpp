@@ -136,6 +136,7 @@ struct Burst {
   static constexpr double end = 0.15;  // nothing has come to the open top
   double impulse = 0.0;                ///< of the wall on the gas, or of what keeps the plate at rest [N s]
   double along = 0.0;                  ///< radial velocity of the points within two cells of the face [m/s]
+  double largest = 0.0;  ///< cross-section of the points beside the axis, within six cells of the face [cells]
 
   [[nodiscard]] static run::Case above(int rows_below) {
     auto c = coupled_case(grid::Geometry::axisymmetric2d, {cells, 2 * cells + rows_below, 1}, grid::Boundary::outflow);
@@ -148,6 +149,10 @@ struct Burst {
     for_each_point(w, gas, [&](mpm::PointSet const& set, int q) {
       double const r = set.field(Field::position_x)[q];
       double const y = (set.field(Field::position_y)[q] - face) * cells;
+      if (r * cells < 1.0 && y > 0.0 && y < 6.0) {
+        double const volume = set.field(Field::mass)[q] / set.field(Field::density)[q];
+        largest = std::max(largest, volume / (2.0 * std::numbers::pi * std::max(r, 0.125 / cells)) * cells * cells);
+      }
       if (y < 0.0 || y > 2.0 || r < 0.3 || r > 0.6) return;
       along += set.field(Field::mass)[q] * set.field(Field::velocity_x)[q];
       mass += set.field(Field::mass)[q];
@@ -219,6 +224,10 @@ TEST(HeldPlate, FeelsTheBurstAsAWallDoes) {
                 part, plate.impulse / wall.impulse, plate.along / wall.along);
     EXPECT_NEAR(plate.impulse / wall.impulse, 1.0, 0.12);
     EXPECT_NEAR(plate.along / wall.along, 1.0, 0.12);
+    // A point holds a quarter of a cell, and is split when it holds twice that.
+    std::printf("  the largest point beside the axis fills %.2f of a cell\n", plate.largest);
+    EXPECT_GT(plate.largest, 0.1);
+    EXPECT_LT(plate.largest, 0.75);
   }
   Burst const rigid = Burst::on_plate(true, 0.0, true);
   std::printf("rigid plate: impulse %.4f, speed along it %.3f\n", rigid.impulse / wall.impulse,

@@ -1,5 +1,8 @@
 // What points beside the axis do that those of a plane do not: scatter of the pressure in a rod that hits a wall.
+#include <numbers>
+
 #include "mpm/harness.hpp"
+#include "mpm/set_kernels.hpp"
 
 namespace brisance::test {
 namespace {
@@ -78,6 +81,61 @@ TEST(Axis, PressureScattersNoMoreThanAtMidRadius) {
       EXPECT_LT(s.axis, 5e6);
       EXPECT_LT(std::abs(s.drift), 0.01);
     }
+  }
+}
+
+// An elastic plate, four cells thick and clamped, that swings goes on swinging: what is evened out is not its bending.
+TEST(Axis, APlateGoesOnSwinging) {
+  Problem problem;
+  double const h = 2e-3;
+  problem.box(Geometry::axisymmetric2d, h, {54, 16, 1}, Boundary::outflow);
+  problem.domain.boundary[0] = Boundary::symmetry;
+  shape::Box const clamp{{50.0 * h, 0.0, -1.0}, {54.0 * h, 16.0 * h, 1.0}};
+  problem.constraints.push_back({clamp, {true, true, true}, {0.0, 0.0, 0.0}, -1});
+  int const body = problem.add(material::elastic_solid(7850.0, 200e9, 0.3));
+  problem.start();
+  double const R = 50.0 * h;
+  problem.fill(body, shape::Box{{0.0, 6.0 * h, -1.0}, {54.0 * h, 10.0 * h, 1.0}}, [&](Vec3 const& x) {
+    double const s = std::max(0.0, 1.0 - x[0] * x[0] / (R * R));
+    return Vec3{0.0, -15.0 * s * s, 0.0};
+  });
+  long const middle = problem.mpm->nearest(body, {0.0, 8.0 * h, 0.0});
+  double const start = 8.0 * h;
+  double first = 0.0;
+  double last = 0.0;
+  while (problem.mpm->time() < 2.5e-3) {
+    problem.mpm->advance(problem.mpm->stable_step());
+    mpm::Place const place = problem.mpm->find(body, middle);
+    double const away = std::abs(problem.mpm->points(place.block, body).field(Field::position_y)[place.index] - start);
+    if (problem.mpm->time() < 0.5e-3) first = std::max(first, away);
+    if (problem.mpm->time() > 2.0e-3) last = std::max(last, away);
+  }
+  std::printf("the middle swings by %.3f mm, and after four periods more by %.3f mm\n", 1e3 * first, 1e3 * last);
+  EXPECT_GT(first, 3.0 * h / 16.0);
+  // Evened out up to its surfaces it would swing by 0.9 of it or less.
+  EXPECT_GT(last / first, 0.95);
+}
+
+// A point that comes to the axis is a disc: it fills what a disc does, and not without bound.
+TEST(Axis, PointsOnItFillTheirDisc) {
+  mpm::Body body;
+  body.points_per_direction = 2;
+  mpm::FieldList fields;
+  for (Field const f : {Field::position_x, Field::mass, Field::density}) fields.add(f);
+  mpm::PointSet set(fields);
+  int const q = set.append();
+  double const h = 0.01;
+  double const width = 0.5 * h;
+  for (double const part : {2.0, 0.5, 0.3, 0.1, 1e-6}) {
+    double const r = part * width;
+    double const outer = r + 0.5 * width;
+    double const inner = std::max(0.0, r - 0.5 * width);
+    set.field(Field::position_x)[q] = r;
+    set.field(Field::mass)[q] = std::numbers::pi * (outer * outer - inner * inner) * width;
+    set.field(Field::density)[q] = 1.0;
+    double const filled =
+        mpm::Kernels<mpm::BSpline, 2>::cells_filled({&set, &body, nullptr, h}, Geometry::axisymmetric2d, q);
+    EXPECT_NEAR(filled, (outer - inner) * width / (h * h), 1e-12) << part;
   }
 }
 
