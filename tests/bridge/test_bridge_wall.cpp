@@ -224,10 +224,10 @@ TEST(HeldPlate, FeelsTheBurstAsAWallDoes) {
                 part, plate.impulse / wall.impulse, plate.along / wall.along);
     EXPECT_NEAR(plate.impulse / wall.impulse, 1.0, 0.12);
     EXPECT_NEAR(plate.along / wall.along, 1.0, 0.12);
-    // A point holds a quarter of a cell, and is split when it holds twice that.
+    // Points of a ninth of a cell, which are split when they fill twice that: the two drift apart by little.
     std::printf("  the largest point beside the axis fills %.2f of a cell\n", plate.largest);
     EXPECT_GT(plate.largest, 0.1);
-    EXPECT_LT(plate.largest, 0.75);
+    EXPECT_LT(plate.largest, 0.35);
   }
   Burst const rigid = Burst::on_plate(true, 0.0, true);
   std::printf("rigid plate: impulse %.4f, speed along it %.3f\n", rigid.impulse / wall.impulse,

@@ -112,8 +112,8 @@ TEST(Axis, APlateGoesOnSwinging) {
   }
   std::printf("the middle swings by %.3f mm, and after four periods more by %.3f mm\n", 1e3 * first, 1e3 * last);
   EXPECT_GT(first, 3.0 * h / 16.0);
-  // Evened out up to its surfaces it would swing by 0.9 of it or less.
-  EXPECT_GT(last / first, 0.95);
+  // 0.99; evened out up to its surfaces it swings by 0.93 of it.
+  EXPECT_GT(last / first, 0.97);
 }
 
 // A point that comes to the axis is a disc: it fills what a disc does, and not without bound.
