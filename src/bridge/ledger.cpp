@@ -263,9 +263,11 @@ long Ledger::give_birth(GasPoints& points) {
 /// other way round. It goes back to the gas cell outside, a part of it in every step, and never more than is small
 /// beside what the cell holds. To the points it cannot go: they would answer at once, and the two would swing.
 void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
-  constexpr double length = 20.0;  // that sound goes while most of a surplus is given back [cells]
-  constexpr double bleed = 200.0;  // see below
-  constexpr double most = 0.02;    // of what a cell holds, in a step
+  static double const length = std::getenv("FB_LENGTH")
+                                   ? std::atof(std::getenv("FB_LENGTH"))
+                                   : 20.0;  // that sound goes while most of a surplus is given back [cells]
+  constexpr double bleed = 200.0;           // see below
+  constexpr double most = 0.02;             // of what a cell holds, in a step
   Faces const& faces = *faces_;
   grid::Domain const& domain = faces.region().domain();
   int const dims = domain.dimensions();
@@ -288,6 +290,7 @@ void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
     double const part = usual * std::min(1.0, bleed * strain);
     double const cell = std::abs(domain.cell_volume(faces[f].outside()[0])) / faces.lanes();
     Account given_by_face;
+    given_.assign(faces.lanes(), Account{});
     for (int lane = 0; lane < faces.lanes(); ++lane) {
       Account& account = at(f, lane);
       double const volume = faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
@@ -299,14 +302,21 @@ void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
       auto const limited = [&](double wanted, double scale) {
         return std::clamp(part * wanted, -most * scale, most * scale);
       };
-      Account given;
+      Account& given = given_[lane];
       given.mass[0] = limited(rest.mass[0], mass * (1.0 - outside.mass_fraction));
       given.mass[1] = limited(rest.mass[1], mass * outside.mass_fraction);
       for (int d = 0; d < dims; ++d) given.momentum[d] = limited(rest.momentum[d], std::sqrt(mass * heat));
       given.energy = limited(rest.energy, heat);
       given_by_face.add(given);
-      account.add(given, -1.0);
     }
+    // The cell keeps most of its heat: fast gas has little beside its motion.
+    double const mass = cell * faces.lanes() * outside.density;
+    Vec3 const momentum = mass * outside.velocity + given_by_face.momentum;
+    double const motion = 0.5 * mass * dot(outside.velocity, outside.velocity);
+    double const heated =
+        given_by_face.energy + motion - 0.5 * dot(momentum, momentum) / (mass + given_by_face.total());
+    if (heated < -most * mass * heat_outside) continue;
+    for (int lane = 0; lane < faces.lanes(); ++lane) at(f, lane).add(given_[lane], -1.0);
     add_to_cell(gas, faces[f].outside(), given_by_face);
   }
 }

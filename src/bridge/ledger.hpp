@@ -83,6 +83,7 @@ class Ledger {
   std::vector<Account> accounts_;  ///< by `Faces::number`
   NodeShares shares_;
   std::vector<Account> gifts_;   ///< scratch, per face
+  std::vector<Account> given_;   ///< scratch, per lane of a face
   std::vector<Account> before_;  ///< scratch: the accounts before the step, or before they are levelled
   std::vector<char> outwards_;   ///< per face: the gas flowed out of the region in the last step
 };

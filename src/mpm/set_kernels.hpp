@@ -620,9 +620,10 @@ struct Kernels {
 
   /// Takes the volumes of a chunk's points towards the room that there is around them, see `Body::fills_space`;
   /// `filled` is what the points fill of the cells around the nodes, by `map_filled`. They drift with the strain, and
-  /// come back with it: gas in uniform motion stays as it is, to the last bit.
-  static void fill_space(SetView const& v, int begin, int n, Weights<S, D> const& k, double const* volumetric,
-                         NodeVelocity const* filled) {
+  /// come back with it: gas in uniform motion stays as it is, to the last bit. Not beside open faces: nobody knows what
+  /// fills the space behind them.
+  static void fill_space(SetView const& v, Options const& options, int begin, int n, Weights<S, D> const& k,
+                         double const* volumetric, NodeVelocity const* filled) {
     // Measured: from 5 to 80 the tubes and rooms of `Confined` come out alike.
     constexpr double per_strain = 20.0;
     constexpr double most_part = 0.3;  // of the difference in a step
@@ -632,6 +633,15 @@ struct Kernels {
     double* energy = set.field(Field::energy) + begin;
     double const reference = v.body->reference_pressure;
     for (int q = 0; q < n; ++q) {
+      bool known = true;
+      for (int d = 0; d < D; ++d) {
+        double const x = set.field(Field::position_x + d)[begin + q];
+        for (int side = 0; side < 2; ++side) {
+          auto const& end = options.ends[2 * d + side];
+          known = known && (!end || std::abs(x - *end) > 3.0 * v.h);
+        }
+      }
+      if (!known) continue;
       Lanes4 seen;
       velocity_at<S, D>(*v.patch, k, q, filled, seen);
       double const part = std::min(most_part, per_strain * std::abs(volumetric[q]));
@@ -729,7 +739,7 @@ struct Kernels {
           settle_work(v, hoops, dt, begin, n, k, before, e[9]);
           std::copy_n(v.set->field(Field::density) + begin, n, density);
         }
-        if (filled != nullptr) fill_space(v, begin, n, k, e[9], filled);
+        if (filled != nullptr) fill_space(v, options, begin, n, k, e[9], filled);
         if (even != nullptr) even_out(v, begin, n, k, e, even);
         fastest = std::max(fastest, stress(v, options, time, dt, begin, n, e, e[9]));
         if (before != nullptr) note_work(v, begin, n, e[9], density);
