@@ -252,8 +252,8 @@ RADIUS, HEIGHT, MARK = 3.81e-3, 25.4e-3, 5.08e-3
 
 
 def bar_sizes(result):
-    """Length, diameter of the foot where it is widest and diameter 5.08 mm above the wall [mm]; the half spacing
-    between the outermost points and the surface is extrapolated."""
+    """Length, diameter of the foot where it is widest and diameter 5.08 mm above the struck end [mm]; the half spacing
+    between the outermost points and the surface is extrapolated. The rod may have left the wall."""
     d = result.dump(result.dumps()[-1])
     x, y = d["position"][:, 0], d["position"][:, 1]
     start = d["position"] - d["displacement"]
@@ -262,15 +262,18 @@ def bar_sizes(result):
     if result.log["domain"]["geometry"] != "axisymmetric2d":
         # Points of cut cells stand anywhere on the side: the diameter is that of the area which a slab of them fills.
         volume = d["mass"] / d["density"]
+        y = y - (y.min() - 0.5 * spacing)
 
         def diameter(low, high):
             return 2e3 * np.sqrt(4.0 / np.pi * volume[(y > low) & (y < high)].sum() / (high - low))
-        return {"length": 1e3 * (y[row == row.max()].max() + 0.5 * spacing), "diameter": diameter(0.0, spacing),
+        foot = max(diameter(k * spacing, (k + 1) * spacing) for k in range(4))  # its rim curls up
+        return {"length": 1e3 * (y[row == row.max()].max() + 0.5 * spacing), "diameter": foot,
                 "bulge": diameter(MARK - 2.0 * spacing, MARK + 2.0 * spacing)}
     column = np.floor(start[:, 0] / spacing).astype(int)
     shape = (row.max() + 1, column.max() + 1)
     grid = np.full((2, *shape), np.nan)
     grid[0, row, column], grid[1, row, column] = x, y
+    grid[1] -= (grid[1, 0] - 0.5 * (grid[1, 1] - grid[1, 0])).min()
     side = grid[:, :, -1] + 0.5 * (grid[:, :, -1] - grid[:, :, -2])
     top = grid[1, -1] + 0.5 * (grid[1, -1] - grid[1, -2])
     foot = side[0, 0] - 0.5 * (side[0, 1] - side[0, 0])
@@ -350,7 +353,11 @@ def taylor(run):
     a.set_title("Radius [mm] along the rod")
     a.legend()
     header = ["calculation", *(f"{k} [mm]" for k in BAR), "largest plastic strain", "highest T [K]", "energy at 80 us"]
-    return {"taylor_table": table(header, rows), "taylor_error": f"{100 * error:.1f}"}, {"points_taylor": figure}
+    speeds = [float(results[folder].csv("gauges/rod.csv")["velocity_y"][-1])
+              for folder in ("bspline-0.508", "bspline-0.254", "bspline-0.127")]
+    rebound = ", ".join(f"{v:.2f}" for v in speeds)
+    return {"taylor_table": table(header, rows), "taylor_error": f"{100 * error:.1f}",
+            "taylor_rebound": rebound}, {"points_taylor": figure}
 
 
 # --- Gurney

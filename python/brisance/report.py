@@ -186,6 +186,8 @@ def point_setup(log, faces):
               f"{points['surface_pressures']} surface pressures"]
     if any(force):
         acting.append("body force (" + ", ".join(f"{a:g}" for a in force) + ") m/s²")
+    if points.get("wall_friction"):
+        acting.append(f"friction {points['wall_friction']:g} of walls")
     return [
         ("method", f"material points, {SHAPES[points['shape_function']]}, {points['order'].upper()}, {transfer}"
                    + (", locking control" if points["locking_control"] else "")

@@ -289,6 +289,7 @@ void Builder::points_options() {
   o.quadratic_viscosity = section->number("quadratic_viscosity").value_or(o.quadratic_viscosity);
   o.courant = section->number("courant").value_or(o.courant);
   o.block_cells = static_cast<int>(section->integer("block_cells").value_or(o.block_cells));
+  o.wall_friction = section->number("wall_friction").value_or(o.wall_friction);
   if (geometry_known_ && section->given("body_force")) {
     o.body_force = point(*section, "body_force").value_or(o.body_force);
     if (radial() && o.body_force[0] != 0.0) {
@@ -308,6 +309,12 @@ void Builder::points_options() {
   }
   if (section->given("xpic_order") && o.transfer != Transfer::xpic) {
     warn(*section, "xpic_order", "has an effect only with transfer = \"xpic\"");
+  }
+  auto const& faces = out_.domain.boundary;
+  bool const walls = std::find(faces.begin(), faces.end(), grid::Boundary::wall) != faces.end();
+  if (o.wall_friction > 0.0 && boundaries_known_ && !walls) {
+    warn(*section, "wall_friction",
+         "has no effect: no face of the domain is a wall; write for example z_low = \"wall\" in [boundaries]");
   }
 }
 

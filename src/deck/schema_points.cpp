@@ -18,7 +18,8 @@ Table const& body_table() {
     Table t{
         "A body of material points. In a deck with `[mpm_region]`, or with charges, regions, obstacles, inflow or "
         "gauges in the gas, bodies stand in the gas of `[ambient]`. Otherwise they move in empty space; the domain's "
-        "faces `wall` and `symmetry` hold them like mirror planes, `outflow` lets them leave, `periodic` joins "
+        "faces `wall` push solids and do not pull them, `symmetry` holds them like a mirror, `outflow` lets them "
+        "leave, `periodic` joins "
         "opposite faces.",
         {typed(Type::name, "name").note("`body-1`, ...").like("\"plate\"").means("Name"),
          typed(Type::text, "material")
@@ -97,6 +98,10 @@ Table const& points_table() {
            .note("none")
            .like("[0, 0, -9.81]")
            .means("Acceleration of everything, gravity for example"),
+       number("wall_friction", "1", 0.0, 10.0)
+           .of(o.wall_friction)
+           .like("0.2")
+           .means("Coulomb's coefficient of friction between bodies and the faces of the domain that are a `wall`"),
        typed(Type::integer, "block_cells", "1", 0, 4096)
            .of(static_cast<long>(o.block_cells))
            .like("8")

@@ -68,7 +68,8 @@ struct Surface {
   return surface;
 }
 
-/// Makes the velocities of the fields compatible. `at` gives access to them: mass(f, node), get(f, node),
+/// Makes the velocities of the fields compatible. `at` gives access to them: mass(f, node), whole(f, node): the mass
+/// with the images behind walls, which fluids have and bodies have not, get(f, node),
 /// set(f, node, velocity), changed(f, node) by the forces of the step, gradient(f, node) of what it fills, and
 /// extent(f, node): how far the field's surface reaches beyond the node along its outer normal [m]. It is told by
 /// rub(f, node, change) what friction changes, and by heat(f, node, energy) what kinetic energy a fluid and the body
@@ -87,8 +88,9 @@ void make_compatible(ContactNodes const& c, Access&& at) {
         bool const rigid_a = (*c.rigid)[a].has_value();
         bool const rigid_b = (*c.rigid)[b].has_value();
         if (rigid_a && rigid_b) continue;
-        double const ma = at.mass(a, node);
-        double const mb = at.mass(b, node);
+        bool const slips = law.kind == Law::Kind::slips;
+        double const ma = slips ? at.whole(a, node) : at.mass(a, node);
+        double const mb = slips ? at.whole(b, node) : at.mass(b, node);
         // Shares of the change of the relative velocity.
         double const share_a = rigid_a ? 0.0 : rigid_b ? 1.0 : mb / (ma + mb);
         double const share_b = rigid_b ? 0.0 : rigid_a ? 1.0 : ma / (ma + mb);

@@ -127,6 +127,7 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
       NodeVelocity const* area = scratch.area[f].data();
       NodeVelocity const* filled = scratch.gradient[f].data();
       NodeState* body = scratch.state[f].data();
+      double const* images = scratch.wholes[f] != 0 ? scratch.whole[f].data() : nullptr;
       for (int node = 0; node < count; ++node) {
         if (!(fluid[node].momentum[3] > w.mass_floor && body[node].momentum[3] > w.mass_floor)) continue;
         Surface const surface = surface_at(filled[node]);
@@ -141,7 +142,9 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
         double const p = pressure[node][0] / pressure[node][1];
         push *= Lanes4{p, p, p, 0.0};
         fluid[node].force += push;
-        body[node].force -= push;
+        // The body has no images behind walls, the fluid has.
+        double const part = images == nullptr ? 1.0 : body[node].momentum[3] / images[node];
+        body[node].force -= Lanes4{part, part, part, 0.0} * push;
         if (!w.rigid[f]) continue;
         for (int d = 0; d < 3; ++d) {
           double const impulse = w.node_weight[block][node] * dt * push[d];
@@ -203,7 +206,7 @@ void Mpm::gather_gradients(int block, Scratch& scratch) const {
   }
 }
 
-void Mpm::constrain_velocity(int block, Scratch& scratch) const {
+void Mpm::constrain_velocity(int block, double dt, Scratch& scratch) const {
   Workspace const& w = *work_;
   int const count = w.patches[block].count();
   for (int f = 0; f < w.fields; ++f) {
@@ -217,6 +220,7 @@ void Mpm::constrain_velocity(int block, Scratch& scratch) const {
     struct Access {
       Scratch* s;
       double mass(int f, int node) const { return s->velocity[f].data()[node][3]; }
+      double whole(int f, int node) const { return s->wholes[f] != 0 ? s->whole[f].data()[node] : mass(f, node); }
       Vec3 get(int f, int node) const {
         NodeVelocity const& v = s->velocity[f].data()[node];
         return {v[0], v[1], v[2]};
@@ -231,7 +235,9 @@ void Mpm::constrain_velocity(int block, Scratch& scratch) const {
       double extent(int f, int node) const { return s->extent[f].data()[node]; }
     };
     make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips}, Access{&scratch});
+    mirror_fluids(block, scratch, false);
   }
+  stop_velocity_at_walls(block, dt, scratch);
   for (Hold const& hold : w.holds[block]) {
     for (int f = 0; f < w.fields; ++f) {
       if (scratch.present[f] == 0 || w.rigid[f] || !w.held(f, hold)) continue;
@@ -281,7 +287,7 @@ void Mpm::share_momentum(int block, Scratch& scratch) const {
   for (int f = 0; f < w.fields; ++f) {
     scratch.exchanges[f] = 0;
     if (w.shared[f] == 0 || scratch.present[f] == 0) continue;
-    if (!w.gather(w.momentum, w.momentum_present, block, f, scratch.exchange[f])) continue;
+    if (!w.gather_moving(w.momentum, w.momentum_present, block, f, scratch.exchange[f])) continue;
     scratch.exchanges[f] = 1;
     NodeState* nodes = scratch.state[f].data();
     NodeVelocity* exchange = scratch.exchange[f].data();
@@ -316,7 +322,8 @@ double Mpm::rubbed_by_rigid(int block, Scratch const& scratch) const {
         if (!w.rigid[g] || scratch.present[g] == 0 || !(scratch.state[g].data()[node].momentum[3] > 0.0)) continue;
         Vec3 const& v = *w.rigid[g];
         double const power = rub[node][0] * v[0] + rub[node][1] * v[1] + rub[node][2] * v[2];
-        work += w.node_weight[block][node] * nodes[node].momentum[3] * power;
+        double const weight = (w.one_sided[f] != 0 ? w.own_weight : w.node_weight)[block][node];
+        work += weight * nodes[node].momentum[3] * power;
         break;
       }
     }
@@ -324,7 +331,7 @@ double Mpm::rubbed_by_rigid(int block, Scratch const& scratch) const {
   return work;
 }
 
-void Mpm::constrain_state(int block, Scratch& scratch) {
+void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
   Workspace& w = *work_;
   int const count = w.patches[block].count();
   for (int f = 0; f < w.fields; ++f) {
@@ -344,9 +351,12 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
       Scratch* s;
       int count;  ///< of nodes
       std::vector<std::optional<Vec3>> const* rigid;
-      double const* weights;  ///< of the nodes; null: nobody wants to know what rigid bodies give
+      double const* weights;      ///< of the nodes; null: nobody wants to know what rigid bodies give
+      double const* own_weights;  ///< the same in fields without images behind walls
+      std::vector<char> const* one_sided;
       Given* given;
       double mass(int f, int node) const { return s->state[f].data()[node].momentum[3]; }
+      double whole(int f, int node) const { return s->wholes[f] != 0 ? s->whole[f].data()[node] : mass(f, node); }
       Vec3 get(int f, int node) const {
         Lanes4 const& v = s->state[f].data()[node].momentum;
         return {v[0], v[1], v[2]};
@@ -359,7 +369,8 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
           r.momentum[d] = v[d];
           if (weights == nullptr) continue;
           // Between two bodies that are not rigid these cancel.
-          double const impulse = weights[node] * r.momentum[3] * change;
+          double const weight = (*one_sided)[f] != 0 ? own_weights[node] : weights[node];
+          double const impulse = weight * r.momentum[3] * change;
           given->impulse[d] += impulse;
           if (Vec3 const* pusher = rigid_at(node)) given->work += impulse * (*pusher)[d];
         }
@@ -388,9 +399,12 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
       double extent(int f, int node) const { return s->extent[f].data()[node]; }
     };
     double const* weights = w.node_weight[block].empty() ? nullptr : w.node_weight[block].data();
+    double const* own_weights = weights == nullptr ? nullptr : w.own_weight[block].data();
     make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips},
-                    Access{&scratch, count, &w.rigid, weights, &given});
+                    Access{&scratch, count, &w.rigid, weights, own_weights, &w.one_sided, &given});
+    mirror_fluids(block, scratch, true);
   }
+  stop_at_walls(block, dt, scratch, given);
   for (int f = 0; f < w.fields; ++f) {
     scratch.halts[f] = scratch.present[f] != 0 && !w.rigid[f] && w.slips[f] == 0 && !w.holds[block].empty() ? 1 : 0;
     if (scratch.halts[f] == 0) continue;
@@ -404,17 +418,20 @@ void Mpm::constrain_state(int block, Scratch& scratch) {
       double const m = r.momentum[3];
       if (!(m > w.mass_floor)) continue;
       NodeVelocity& halt = scratch.halt[f].data()[hold.node];
+      double const weight = w.one_sided[f] != 0 ? hold.own_weight : hold.weight;
       for (int d = 0; d < 3; ++d) {
         if (!hold.held[d]) continue;
         double const change = hold.velocity[d] - r.momentum[d];
-        given.impulse[d] += hold.weight * m * change;
-        given.work += hold.weight * m * change * hold.velocity[d];
+        given.impulse[d] += weight * m * change;
+        given.work += weight * m * change * hold.velocity[d];
         r.force[d] += change;
         r.momentum[d] = hold.velocity[d];
         // `force` is the whole change of the step, the one against the start of the step.
-        given.drive += hold.weight * m * (r.force[d] - halt[d]) * hold.velocity[d];
+        given.drive += weight * m * (r.force[d] - halt[d]) * hold.velocity[d];
         halt[d] = r.force[d];
-        if (scratch.rubs[f] != 0) scratch.rub[f].data()[hold.node][d] = 0.0;  // the constraint does it all
+        // The constraint does it all.
+        if (scratch.rubs[f] != 0) scratch.rub[f].data()[hold.node][d] = 0.0;
+        if (scratch.stops[f] != 0) scratch.stop[f].data()[hold.node][d] = 0.0;
       }
       // What slips along the body stays at its surface.
       for (int g = 0; g < w.fields; ++g) {

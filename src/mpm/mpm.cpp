@@ -98,13 +98,18 @@ std::array<int, 27> blocks_around(grid::Grid const& grid, int block) {
   return around;
 }
 
-/// How much of a node belongs to a block: 0 where another block counts it, halves on mirror planes.
-double node_weight(grid::Grid const& grid, int block, Patch const& patch, Index3 const& node) {
+/// How much of a node belongs to a block: 0 where another block counts it, halves on mirror planes. `own`: in a field
+/// that has no images behind walls, whose nodes there are like any others.
+double node_weight(grid::Grid const& grid, int block, Patch const& patch, Index3 const& node, bool own) {
+  auto const side_of = [&](int d, int side) {
+    Side const s = beyond(grid, block, d, side);
+    return own && s.mirror && grid.domain().boundary[2 * d + side] == grid::Boundary::wall ? Side{} : s;
+  };
   double weight = 1.0;
   for (int d = 0; d < patch.dimensions; ++d) {
     int const i = node[d] - patch.reach;
-    Side const low = beyond(grid, block, d, 0);
-    Side const high = beyond(grid, block, d, 1);
+    Side const low = side_of(d, 0);
+    Side const high = side_of(d, 1);
     bool const low_open = low.block == grid::no_neighbour;
     bool const high_open = high.block == grid::no_neighbour;
     if (i < 0 && !low_open) return 0.0;
@@ -118,12 +123,12 @@ double node_weight(grid::Grid const& grid, int block, Patch const& patch, Index3
   return weight;
 }
 
-std::vector<double> node_weights(grid::Grid const& grid, int block, Patch const& patch) {
+std::vector<double> node_weights(grid::Grid const& grid, int block, Patch const& patch, bool own) {
   std::vector<double> weights;
   weights.reserve(patch.count());
   for (int k = 0; k < patch.n[2]; ++k) {
     for (int j = 0; j < patch.n[1]; ++j) {
-      for (int i = 0; i < patch.n[0]; ++i) weights.push_back(node_weight(grid, block, patch, {i, j, k}));
+      for (int i = 0; i < patch.n[0]; ++i) weights.push_back(node_weight(grid, block, patch, {i, j, k}, own));
     }
   }
   return weights;
@@ -142,13 +147,34 @@ std::vector<Hold> holds_of(grid::Grid const& grid, int block, Patch const& patch
           hold.field = c.body < 0 ? -1 : field_of[c.body];
           hold.held = c.held;
           hold.velocity = c.velocity;
-          hold.weight = node_weight(grid, block, patch, {i, j, k});
+          hold.weight = node_weight(grid, block, patch, {i, j, k}, false);
+          hold.own_weight = node_weight(grid, block, patch, {i, j, k}, true);
           holds.push_back(hold);
         }
       }
     }
   }
   return holds;
+}
+
+/// Can the material pull at a wall? Gases and explosives cannot, nor can liquids that have no tension.
+bool pulls(material::Solid const& solid) {
+  if (solid.has_deviator()) return true;
+  bool const gas = solid.mixes() || solid.burns() || std::holds_alternative<material::IdealGas>(solid.eos) ||
+                   std::holds_alternative<material::Jwl>(solid.eos);
+  return !gas && solid.minimum_pressure < 0.0;
+}
+
+std::vector<WallFace> walls_of(grid::Grid const& grid, int block, Patch const& patch) {
+  std::vector<WallFace> walls;
+  for (int d = 0; d < patch.dimensions; ++d) {
+    for (int side = 0; side < 2; ++side) {
+      if (!beyond(grid, block, d, side).mirror) continue;
+      if (grid.domain().boundary[2 * d + side] != grid::Boundary::wall) continue;
+      walls.push_back({2 * d + side, d, side == 0 ? 1 : -1, patch.reach + side * patch.cells[d]});
+    }
+  }
+  return walls;
 }
 
 }  // namespace
@@ -198,6 +224,13 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.slips.assign(w.fields, 0);
   for (int b = 0; b < body_count; ++b) w.slips[w.field_of[b]] = bodies_[b].slips ? 1 : 0;
   w.contact = w.fields > 1;
+  w.one_sided.assign(w.fields, 0);
+  for (int b = 0; b < body_count; ++b) {
+    if (pulls(bodies_[b].solid) && !bodies_[b].rigid_velocity) w.one_sided[w.field_of[b]] = 1;
+  }
+  auto const& faces = domain.boundary;
+  w.stops = std::find(w.one_sided.begin(), w.one_sided.end(), 1) != w.one_sided.end() &&
+            std::find(faces.begin(), faces.end(), grid::Boundary::wall) != faces.end();
   for (int b = 0; b < body_count; ++b) {
     w.maps_back = w.maps_back || order_of(b) == StressOrder::musl;
     w.strains_early = w.strains_early || order_of(b) == StressOrder::usl;
@@ -206,6 +239,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     if (bodies_[b].fills_space) w.filling = w.field_of[b];
   }
   w.shared.assign(w.fields, 0);
+  w.affine.assign(w.fields, 0);
   for (int f = 0; f < w.fields; ++f) {
     auto const some = [&](bool wanted) {
       for (int b = 0; b < body_count; ++b) {
@@ -214,6 +248,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
       return false;
     };
     w.shared[f] = some(true) && some(false) ? 1 : 0;
+    w.affine[f] = some(true) ? 1 : 0;
   }
   w.filters = std::any_of(bodies_.begin(), bodies_.end(),
                           [&](Body const& b) { return b.transfer.value_or(options_.transfer) == Transfer::xpic; });
@@ -244,7 +279,9 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   for (int b = 0; b < blocks; ++b) {
     w.holds.push_back(holds_of(grid_, b, w.patches[b], constraints, w.field_of));
     w.around.push_back(blocks_around(grid_, b));
-    w.node_weight.push_back(any_rigid ? node_weights(grid_, b, w.patches[b]) : std::vector<double>{});
+    w.node_weight.push_back(any_rigid ? node_weights(grid_, b, w.patches[b], false) : std::vector<double>{});
+    w.walls.push_back(walls_of(grid_, b, w.patches[b]));
+    w.own_weight.push_back(any_rigid ? node_weights(grid_, b, w.patches[b], true) : std::vector<double>{});
     for (Body const& body : bodies_) {
       FieldList const fields = fields_of(body, options_, grid_.domain().dimensions());
       sets_.emplace_back(fields);
@@ -265,6 +302,9 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.even_again.resize(sets_.size());
   w.even_present.assign(sets_.size(), 0);
   w.extent.resize(slots);
+  w.gap.resize(slots);
+  w.gap_present.assign(slots, 0);
+  w.stopped.resize(slots);
   w.present.assign(slots, 0);
   w.shocked.assign(blocks, 0);
   w.impulse.assign(blocks, Vec3{0.0, 0.0, 0.0});
@@ -520,6 +560,8 @@ bool Mpm::keeps_energy(int body) const {
 
 void Mpm::lend_as(int body) {
   lent_body_ = body;
+  // Gas fills the space up to walls, and its pressure may fall below that of reference: it keeps its images.
+  work_->one_sided[work_->field_of[body]] = 0;
   lent_.clear();
   FieldList fields = this->fields(body);
   fields.add(Field::next_x, 3);

@@ -64,6 +64,8 @@ struct Options {
   /// Planes across each direction, low and high [m], behind which bodies go on: open faces of a domain that cuts them.
   /// Fluids that slip do not flow around their ends there.
   std::array<std::optional<double>, 6> ends{};
+  /// Coulomb's coefficient between bodies and faces of the domain that are a `wall`.
+  double wall_friction = 0.0;
   int block_cells = 0;  ///< cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D
 };
 
@@ -200,6 +202,7 @@ struct Place {
 
 void archive(Archive& a, BodySums& sums);
 
+struct Given;
 struct Scratch;
 struct Hoops;
 struct OuterForces;
@@ -336,8 +339,15 @@ class Mpm {
   void gather_extents(int block, Scratch& scratch) const;
   void gather_velocity(int block, Scratch& scratch, bool scalars = false) const;
   void velocity_from_state(int block, Scratch& scratch) const;
-  void constrain_velocity(int block, Scratch& scratch) const;
-  void constrain_state(int block, Scratch& scratch);
+  void constrain_velocity(int block, double dt, Scratch& scratch) const;
+  void constrain_state(int block, double dt, Scratch& scratch);
+  // Walls, see walls.cpp.
+  void map_gaps(int block);
+  void gather_gaps(int block, int field, Scratch& scratch) const;
+  void stop_at_walls(int block, double dt, Scratch& scratch, Given& given);
+  void stop_velocity_at_walls(int block, double dt, Scratch& scratch) const;
+  void weigh_images(int block, Scratch& scratch, bool of_state) const;
+  void mirror_fluids(int block, Scratch& scratch, bool of_state) const;
   void collect_gifts(int block, double dt, Scratch const& scratch);
   [[nodiscard]] double rubbed_by_rigid(int block, Scratch const& scratch) const;
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);

@@ -73,6 +73,8 @@ std::vector<Patch> make_patches(grid::Grid const& grid, int reach) {
                 offset[d] == 0 ? Side{link.source, false} : beyond(grid, link.source, d, offset[d] > 0 ? 1 : 0);
             exists = side.block != grid::no_neighbour;
             if (!exists) break;
+            if (side.mirror && domain.boundary[2 * d + (offset[d] > 0 ? 1 : 0)] == grid::Boundary::wall)
+              link.wall = true;
             link.source = side.block;
             Span const span = span_of(block.n[d], grid.blocks()[side.block].n[d], reach, offset[d], side.mirror);
             link.lower[d] = span.lower;

@@ -22,6 +22,7 @@ struct Link {
   Index3 flip{1, 1, 1};
   Index3 shift{0, 0, 0};
   Index3 source_n{1, 1, 1};  ///< nodes of the source's patch
+  bool wall = false;         ///< the image is behind a `wall`: of bodies there is none
 
   /// Index of the source's node that stands for the patch's node (i, j, k).
   [[nodiscard]] int source_index(int i, int j, int k) const {
@@ -46,6 +47,10 @@ struct Patch {
 
   [[nodiscard]] int count() const { return n[0] * n[1] * n[2]; }
   [[nodiscard]] int index(int i, int j, int k) const { return i + n[0] * (j + n[1] * k); }
+  /// How far apart neighbours along d stand among the nodes.
+  [[nodiscard]] int stride(int d) const { return d == 0 ? 1 : d == 1 ? n[0] : n[0] * n[1]; }
+  /// Storage index of a node along d.
+  [[nodiscard]] int along(int d, int node) const { return node / stride(d) % n[d]; }
   /// Position of a node, by storage indices [m].
   [[nodiscard]] Vec3 position(Index3 const& i, double h) const {
     Vec3 x = first;
@@ -83,11 +88,12 @@ inline void add_to(NodeState& sum, NodeVelocity const& sign, NodeState const& pa
 
 /// Adds up what the links hold for each node of the patch. `raw(block)` is the array that the points of a block wrote,
 /// or null where that block has none. In a mirror the normal components of the vectors change their sign; not those of
-/// `scalars`, records whose parts are no vectors.
+/// `scalars`, records whose parts are no vectors. Without `walls` there are no images behind these.
 template <class Record, class Raw>
-void sum_links(Patch const& patch, Record* sum, Raw&& raw, bool scalars = false) {
+void sum_links(Patch const& patch, Record* sum, Raw&& raw, bool scalars = false, bool walls = true) {
   bool first = true;
   for (Link const& link : patch.links) {
+    if (link.wall && !walls) continue;
     Record const* from = raw(link.source);
     if (from == nullptr) continue;
     NodeVelocity sign{1.0, 1.0, 1.0, 1.0};

@@ -353,12 +353,12 @@ struct Kernels {
   /// `keeps_energy` the nodes hold kinetic energy per mass in the place of their mass, and what the points' velocity
   /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C + h^4/32 B:B (B: the mixed derivatives), heats:
   /// h^2/4 is the second moment of the B-splines. `exchange`: see `Mpm::share_momentum`, or null. `halt`: how
-  /// constraints change the nodes' velocity, or null. `rub`: how friction does, or null. Returns the kinetic energy
-  /// that points which follow increments lose by `halt` (gains count negative) and by the filters, and all points by
-  /// `rub`.
+  /// constraints change the nodes' velocity, or null. `rub`: how friction does, `stop`: how walls do, or null. Returns
+  /// the kinetic energy that points which follow increments lose by `halt` and `stop` (gains count negative) and by the
+  /// filters, and all points by `rub`.
   static Dissipation move(SetView const& v, Options const& options, double dt, bool keeps_energy,
                           NodeState const* nodes, NodeVelocity const* exchange, NodeVelocity const* halt,
-                          NodeVelocity const* rub) {
+                          NodeVelocity const* rub, NodeVelocity const* stop) {
     PointSet& set = *v.set;
     double const h = v.h;
     Transfer const transfer = v.body->transfer.value_or(options.transfer);
@@ -377,10 +377,10 @@ struct Kernels {
       alignas(64) double fresh[3][chunk];
       alignas(64) double change[3][chunk];
       alignas(64) double lost[chunk];
-      /// What friction takes from a point at a velocity in the middle of its change.
-      auto const rubbed = [&](int q, auto&& middle) {
+      /// What changes of the nodes' velocity take from a point at a velocity in the middle of its own change.
+      auto const taken_by = [&](NodeVelocity const* changes, int q, auto&& middle) {
         Lanes4 slowed;
-        velocity_at<S, D>(*v.patch, k, q, rub, slowed);
+        velocity_at<S, D>(*v.patch, k, q, changes, slowed);
         double taken = 0.0;
         for (int d = 0; d < 3; ++d) taken -= set.field(Field::mass)[begin + q] * slowed[d] * middle(d, slowed[d]);
         return taken;
@@ -411,7 +411,7 @@ struct Kernels {
           }
         }
         for (int q = 0; rub != nullptr && q < n; ++q) {
-          dissipated.friction += rubbed(q, [&](int d, double slowed) { return fresh[d][q] - 0.5 * slowed; });
+          dissipated.friction += taken_by(rub, q, [&](int d, double slowed) { return fresh[d][q] - 0.5 * slowed; });
         }
         for (int d = 0; d < 3; ++d) {
           for (int q = 0; q < n; ++q) {
@@ -441,7 +441,9 @@ struct Kernels {
           }
         }
         if (rub != nullptr)
-          dissipated.friction += rubbed(q, [&](int d, double) { return u[d][q] + 0.5 * change[d][q]; });
+          dissipated.friction += taken_by(rub, q, [&](int d, double) { return u[d][q] + 0.5 * change[d][q]; });
+        if (stop != nullptr)
+          dissipated.held += taken_by(stop, q, [&](int d, double slowed) { return u[d][q] + 0.5 * slowed; });
         if (exchange == nullptr) continue;
         Lanes4 taken;
         velocity_at<S, D>(*v.patch, k, q, exchange, taken);

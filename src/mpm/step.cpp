@@ -53,10 +53,15 @@ void Mpm::advance(double dt) {
     scratch.halts.resize(work_->fields);
     scratch.rub.resize(work_->fields);
     scratch.rubs.resize(work_->fields);
+    scratch.stop.resize(work_->fields);
+    scratch.stops.resize(work_->fields);
+    scratch.gap.resize(work_->fields);
+    scratch.whole.resize(work_->fields);
+    scratch.wholes.resize(work_->fields);
   }
   bool const first = options_.order == StressOrder::usf;
   if (first) {
-    map_to_grid(true, false);
+    map_to_grid(true, work_->stops);
     update_stress(dt);
     // Points that stretched with the stress weigh on their nodes anew.
     map_to_grid(options_.shape == ShapeFunction::cpgimp, true);
@@ -79,6 +84,8 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   double const h = grid_.domain().h;
   Hoops const hoops = hoops_of(grid_.domain().geometry);
   OuterForces const outer = outer_forces();
+  // Once more: those of the old stress told what walls stop.
+  bool const again = with_forces && !with_mass && w.stops;
   if (with_mass) std::fill(w.present.begin(), w.present.end(), 0);
   if (with_mass) std::fill(w.momentum_present.begin(), w.momentum_present.end(), 0);
   if (with_forces) std::fill(w.area_present.begin(), w.area_present.end(), 0);
@@ -87,6 +94,11 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
     Patch const& patch = w.patches[block];
+    for (int f = 0; again && f < w.fields; ++f) {
+      if (w.present[w.slot(block, f)] == 0) continue;
+      NodeState* nodes = w.state[w.slot(block, f)].data();
+      for (int node = 0; node < patch.count(); ++node) nodes[node].force = NodeVelocity{};
+    }
     for_sets(block, [&](PointSet& set, int body) {
       int const slot = w.slot(block, w.field_of[body]);
       NodeState* nodes = w.state[slot].get(patch.count());
@@ -142,6 +154,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
       });
     });
     if (with_mass && w.slides) continue_behind_ends(block);
+    if (with_mass) map_gaps(block);
   });
   if (with_mass) map_even_again();
   if (with_mass && w.touches) map_extents();
@@ -311,7 +324,7 @@ void Mpm::gather_velocity(int block, Scratch& scratch, bool scalars) const {
   Workspace const& w = *work_;
   int const count = w.patches[block].count();
   for (int f = 0; f < w.fields; ++f) {
-    scratch.present[f] = w.gather(w.velocity, block, f, scratch.velocity[f], scalars) ? 1 : 0;
+    scratch.present[f] = w.gather_moving(w.velocity, w.present, block, f, scratch.velocity[f], scalars) ? 1 : 0;
     if (scratch.present[f] == 0) continue;
     NodeVelocity* nodes = scratch.velocity[f].data();
     double const floor = w.mass_floor;
@@ -338,13 +351,16 @@ void Mpm::integrate(double dt) {
     int const count = patch.count();
     Scratch& scratch = w.scratch[thread];
     for (int f = 0; f < w.fields; ++f) {
-      scratch.present[f] = w.gather(w.state, block, f, scratch.state[f]) ? 1 : 0;
+      scratch.present[f] = w.gather_moving(w.state, w.present, block, f, scratch.state[f]) ? 1 : 0;
     }
     if (w.contact) {
       gather_gradients(block, scratch);
       if (w.touches) gather_extents(block, scratch);
     }
-    if (w.slides) share_pressure(block, dt, scratch);
+    if (w.slides) {
+      weigh_images(block, scratch, true);
+      share_pressure(block, dt, scratch);
+    }
     for (int f = 0; f < w.fields; ++f) {
       if (scratch.present[f] == 0) continue;
       NodeState* nodes = scratch.state[f].data();
@@ -359,7 +375,7 @@ void Mpm::integrate(double dt) {
         r.momentum = r.momentum * Lanes4{inverse, inverse, inverse, 1.0} + r.force * Lanes4{1.0, 1.0, 1.0, 0.0};
       }
     }
-    constrain_state(block, scratch);
+    constrain_state(block, dt, scratch);
     share_momentum(block, scratch);
     if (lent_body_ >= 0) collect_gifts(block, dt, scratch);
     if (options_.order != StressOrder::usf) signals_[block] = 0.0;  // usf has found them already
@@ -402,8 +418,9 @@ void Mpm::integrate(double dt) {
           NodeVelocity const* exchange = scratch.exchanges[f] == 0 ? nullptr : scratch.exchange[f].data();
           NodeVelocity const* halt = scratch.halts[f] == 0 ? nullptr : scratch.halt[f].data();
           NodeVelocity const* rub = scratch.rubs[f] == 0 ? nullptr : scratch.rub[f].data();
+          NodeVelocity const* stop = scratch.stops[f] == 0 ? nullptr : scratch.stop[f].data();
           Dissipation const lost =
-              kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(), exchange, halt, rub);
+              kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(), exchange, halt, rub, stop);
           w.dissipation[block].held += lost.held;
           w.dissipation[block].filtered += lost.filtered;
           w.dissipation[block].friction += lost.friction;
@@ -577,7 +594,8 @@ void Mpm::update_stress(double dt) {
       gather_gradients(block, scratch);
       if (w.touches) gather_extents(block, scratch);
     }
-    constrain_velocity(block, scratch);
+    if (w.slides) weigh_images(block, scratch, false);
+    constrain_velocity(block, dt, scratch);
     if (first) signals_[block] = 0.0;
     for (int body = 0; body < bodies; ++body) {
       if (order_of(body) != StressOrder::usl) update_set(block, body, hoops, dt, scratch);
@@ -589,7 +607,7 @@ void Mpm::velocity_from_state(int block, Scratch& scratch) const {
   Workspace const& w = *work_;
   int const count = w.patches[block].count();
   for (int f = 0; f < w.fields; ++f) {
-    scratch.present[f] = w.gather(w.state, block, f, scratch.state[f]) ? 1 : 0;
+    scratch.present[f] = w.gather_moving(w.state, w.present, block, f, scratch.state[f]) ? 1 : 0;
     if (scratch.present[f] == 0) continue;
     NodeState const* nodes = scratch.state[f].data();
     NodeVelocity* to = scratch.velocity[f].get(count);

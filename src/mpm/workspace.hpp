@@ -19,7 +19,17 @@ struct Hold {
   int field = -1;  ///< grid field; -1: all
   std::array<bool, 3> held{true, true, true};
   Vec3 velocity{0.0, 0.0, 0.0};
-  double weight = 1.0;  ///< in sums over the domain: copies of a node count once, those on a mirror half
+  double weight = 1.0;      ///< in sums over the domain: copies of a node count once, those on a mirror half
+  double own_weight = 1.0;  ///< the same in fields that have no images behind walls, see `WallFace`
+};
+
+/// Part of a face of the domain that is a `wall`, within reach of a block's nodes. It is one-sided for bodies: their
+/// fields have no images behind it, and the nodes are stopped where they would go through it.
+struct WallFace {
+  int number = 0;     ///< of the face of the domain: 2 d + side
+  int direction = 0;  ///< d, across it
+  int inwards = 1;    ///< 1 or -1: into the domain
+  int plane = 0;      ///< storage index along d of the nodes on it
 };
 
 /// Records of nodes, allocated when they are first needed.
@@ -79,6 +89,11 @@ struct Scratch {
   std::vector<char> halts;
   std::vector<NodeArray<NodeVelocity>> rub;  ///< change of velocity by the friction of contacts
   std::vector<char> rubs;
+  std::vector<NodeArray<NodeVelocity>> stop;  ///< change of velocity by walls, across them
+  std::vector<char> stops;
+  std::vector<NodeArray<double>> gap;    ///< see `Workspace::gap`
+  std::vector<NodeArray<double>> whole;  ///< mass of the nodes with the images behind walls, where fluids slip along it
+  std::vector<char> wholes;
   std::vector<NodeArray<double>> extent;  ///< contact
   NodeArray<NodeVelocity> filled;         ///< what all points fill of the cells around the nodes
   NodeArray<NodeVelocity> even;           ///< of a body, see `Mpm::gather_even`
@@ -144,17 +159,26 @@ struct Mpm::Workspace {
   std::vector<char> present;               ///< block x field: were written in this step
   /// Fields that bodies with APIC share with others, and what those others alone gave the nodes: see `share_momentum`.
   std::vector<char> shared;                       ///< per field
+  std::vector<char> affine;                       ///< per field: some body has APIC
   std::vector<NodeArray<NodeVelocity>> momentum;  ///< block x field
   std::vector<char> momentum_present;
   std::vector<Scratch> scratch;                  ///< per thread
   std::vector<Outbox> outbox;                    ///< block x body
   std::vector<std::array<int, 27>> around;       ///< blocks around each block
   std::vector<std::vector<double>> node_weight;  ///< per block, where there are rigid bodies: see `Hold::weight`
-  std::vector<double> work;                      ///< per block: of outer forces in this step
-  std::vector<Dissipation> dissipation;          ///< per block: in this step
-  std::vector<Vec3> impulse;                     ///< per block: of holds in this step
-  std::vector<Losses> lost;                      ///< per block
-  std::vector<std::string> trouble;              ///< per block: what went wrong
+  std::vector<std::vector<double>> own_weight;   ///< per block, likewise: see `Hold::own_weight`
+  std::vector<std::vector<WallFace>> walls;      ///< per block
+  std::vector<char> one_sided;                   ///< per field: its bodies are free to leave walls
+  bool stops = false;                            ///< there are walls and such fields
+  /// Distance of the surface of a field's points from each of the block's walls, at the nodes on it: block x field.
+  std::vector<NodeArray<double>> gap;
+  std::vector<char> gap_present;
+  std::vector<std::vector<char>> stopped;  ///< block x field, wall by wall: bit k of a node on it: those k cells off
+  std::vector<double> work;                ///< per block: of outer forces in this step
+  std::vector<Dissipation> dissipation;    ///< per block: in this step
+  std::vector<Vec3> impulse;               ///< per block: of holds in this step
+  std::vector<Losses> lost;                ///< per block
+  std::vector<std::string> trouble;        ///< per block: what went wrong
   std::vector<ActiveLoad> loads;
   std::vector<PopulationScratch> population;               ///< per thread
   std::vector<PopulationCount> population_of_block;        ///< in this call
@@ -179,9 +203,11 @@ struct Mpm::Workspace {
   }
   template <class Record>
   bool gather(std::vector<NodeArray<Record>> const& raw, std::vector<char> const& written, int block, int field,
-              NodeArray<Record>& sum, bool scalars = false) const {
+              NodeArray<Record>& sum, bool scalars = false, bool behind_walls = true) const {
     Patch const& patch = patches[block];
-    auto const is_present = [&](Link const& link) { return written[slot(link.source, field)] != 0; };
+    auto const is_present = [&](Link const& link) {
+      return (behind_walls || !link.wall) && written[slot(link.source, field)] != 0;
+    };
     if (!std::any_of(patch.links.begin(), patch.links.end(), is_present)) return false;
     sum_links(
         patch, sum.get(patch.count()),
@@ -189,8 +215,14 @@ struct Mpm::Workspace {
           int const from = slot(source, field);
           return written[from] == 0 ? nullptr : raw[from].data();
         },
-        scalars);
+        scalars, behind_walls);
     return true;
+  }
+  /// The same for what moves: masses, momenta, velocities, forces. Bodies have no images behind walls.
+  template <class Record>
+  bool gather_moving(std::vector<NodeArray<Record>> const& raw, std::vector<char> const& written, int block, int field,
+                     NodeArray<Record>& sum, bool scalars = false) const {
+    return gather(raw, written, block, field, sum, scalars, one_sided[field] == 0);
   }
 };
 

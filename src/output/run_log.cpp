@@ -193,6 +193,7 @@ json points(run::World const& world, double wall_seconds) {
           {"linear_viscosity", o.linear_viscosity},
           {"quadratic_viscosity", o.quadratic_viscosity},
           {"body_force", o.body_force},
+          {"wall_friction", o.wall_friction},
           {"constraints", world.setup.points.constraints.size()},
           {"contacts", world.setup.points.contacts.size()},
           {"surface_pressures", world.setup.points.pressures.size()},

@@ -552,6 +552,7 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_EQ(o.quadratic_viscosity, 2.0);
   EXPECT_EQ(o.courant, 0.3);
   EXPECT_EQ(o.body_force, (Vec3{0.0, 0.0, -9.81}));
+  EXPECT_EQ(o.wall_friction, 0.3);
   EXPECT_EQ(o.block_cells, 16);
   EXPECT_EQ(c.output.point_fields, (std::vector<std::string>{"stress", "velocity"}));
   EXPECT_EQ(c.burst, run::Burst::none);
@@ -571,6 +572,7 @@ TEST(GoodDecks, DefaultsOfMaterialPoints) {
     EXPECT_EQ(o.xpic_order, standard.xpic_order);
     EXPECT_EQ(o.linear_viscosity, standard.linear_viscosity);
     EXPECT_EQ(o.courant, standard.courant);
+    EXPECT_EQ(o.wall_friction, 0.0);
     EXPECT_EQ(c.points.bodies.at(0).name, "body-1");
     EXPECT_EQ(c.points.bodies.at(0).points_per_direction, 2);
     EXPECT_EQ(c.output.point_fields, run::Output{}.point_fields);
@@ -778,6 +780,12 @@ TEST(GoodDecks, WarningsNameWhatIsDoubtful) {
   EXPECT_EQ(warnings(ball + "velocity = [1, 0, 0]\n"), "");
   EXPECT_EQ(warnings(ball + "[points]\nbody_force = [0, 0, -9.81]\n"), "");
   EXPECT_EQ(warnings(ball + "[[surface_pressure]]\nnormal = \"+z\"\npressure = 1e6\n"), "");
+  EXPECT_EQ(warnings(ball + "velocity = [1, 0, 0]\n[points]\nwall_friction = 0.2\n"),
+            "d:12:17: warning: points.wall_friction: has no effect: no face of the domain is a wall; write for example "
+            "z_low = \"wall\" in [boundaries]\n");
+  EXPECT_EQ(
+      warnings("[boundaries]\nz_low = \"wall\"\n" + ball + "velocity = [1, 0, 0]\n[points]\nwall_friction = 0.2\n"),
+      "");
   EXPECT_EQ(warnings("[[body]]\nmaterial = \"TNT\"\nradius = 0.2\nposition = [1, 1, 1]\n"), "");
   EXPECT_EQ(warnings("[[body]]\nmaterial = \"air\"\nradius = 0.2\nposition = [1, 1, 1]\npressure = 1e5\n"), "");
   EXPECT_EQ(

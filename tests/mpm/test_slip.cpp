@@ -173,5 +173,79 @@ TEST(Slip, AHeldBodyHoldsTheGasAcrossItsFaceOnly) {
   EXPECT_LT(body.largest_displacement, 1e-6);
 }
 
+/// A block on the floor of a room full of gas; all faces are walls, which the block may leave and the gas may not.
+struct Room : Problem {
+  int gas = 0;
+  int block = 0;
+
+  /// `reference`: pressure that the gas pushes without.
+  explicit Room(double reference, double speed, double lift = 0.0) {
+    constexpr int cells = 20;
+    box(Geometry::planar2d, 1.0 / cells, {cells, cells, 1}, Boundary::wall);
+    options.linear_viscosity = 0.06;
+    options.quadratic_viscosity = 1.5;
+    options.block_cells = 8;
+    material::Solid fluid;
+    fluid.name = "gas";
+    fluid.eos = material::IdealGas{1.4};
+    fluid.density = density;
+    gas = add(fluid);
+    bodies[gas].slips = true;
+    bodies[gas].transfer = Transfer::apic;
+    bodies[gas].order = StressOrder::usl;
+    block = add(material::elastic_solid(1000.0 * density, 1e4, 0.3));
+    start();
+    mpm->set_reference_pressure(gas, reference);
+    mpm->set_reference_pressure(block, reference - pressure);
+    mpm::Filling fluid_points;
+    mpm::Filling solid_points;
+    double const spacing = 0.5 * domain.h;
+    for (int j = 0; j < 2 * cells; ++j) {
+      for (int i = 0; i < 2 * cells; ++i) {
+        Vec3 const x{(i + 0.5) * spacing, (j + 0.5) * spacing, 0.0};
+        bool const inside = std::abs(x[0] - 0.5) < 0.2 && x[1] > lift && x[1] < 0.3 + lift;
+        mpm::Filling& to = inside ? solid_points : fluid_points;
+        to.positions.push_back(x);
+        to.volumes.push_back(spacing * spacing);
+      }
+    }
+    fluid_points.specific_energy = pressure / (0.4 * density);
+    solid_points.velocity = {0.0, speed, 0.0};
+    mpm->fill(gas, fluid_points);
+    mpm->fill(block, solid_points);
+  }
+};
+
+TEST(Slip, AtAWallGasAndBodyUnderAnEvenPressureStayAtRest) {
+  for (double const reference : {0.0, 0.5 * pressure, pressure}) {
+    for (double const lift : {0.0, 0.1}) {
+      Room room(reference, 0.0, lift);
+      for (int n = 0; n < 200; ++n) room.mpm->advance(room.mpm->stable_step());
+      double worst = 0.0;
+      for (int const body : {room.gas, room.block}) {
+        double const fastest = room.largest(
+            body, [](mpm::PointSet const& set, int q) { return norm(Problem::get(set, q, Field::velocity_x)); });
+        std::printf("reference %.1f lift %.1f, %s: %.3g m/s\n", reference, lift, body == room.gas ? "gas" : "block",
+                    fastest);
+        worst = std::max(worst, fastest);
+      }
+      EXPECT_LT(worst, 1e-9);
+    }
+  }
+}
+
+TEST(Slip, AtAWallABodyLeavesThroughTheGas) {
+  Room room(pressure, 0.05);
+  double const before = room.mpm->sums(room.block).momentum[1];
+  while (room.mpm->time() < 2.0) room.mpm->advance(room.mpm->stable_step());
+  double const after = room.mpm->sums(room.block).momentum[1];
+  std::printf("momentum kept: %.4f\n", after / before);
+  EXPECT_NEAR(after / before, 1.0, 0.05);
+  double least = 1.0;
+  room.for_each_point(
+      room.block, [&](mpm::PointSet const& set, int q) { least = std::min(least, set.field(Field::position_y)[q]); });
+  EXPECT_NEAR(least, 0.0125 + 0.1, 0.01);
+}
+
 }  // namespace
 }  // namespace brisance::test

@@ -1,0 +1,380 @@
+/// Faces of the domain that are a `wall`, for bodies: they press on it and rub along it, but it does not pull them.
+///
+/// Fields of bodies have no images behind walls, only the points' own nodes there. A mirror is the same as a set of
+/// constraints on these: the velocity across the plane is 0 at the nodes on it, and opposite at each pair of nodes that
+/// lie k cells before and behind it. Here each of them acts only where it pushes, and where the surface of the points
+/// reaches the plane within the step: v >= -gap/dt on the plane, the sum of both >= -2 gap/dt in a pair. Both nodes of
+/// a pair get the same impulse. Friction takes up to its coefficient times the change across the plane off the velocity
+/// along it.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "mpm/mpm.hpp"
+#include "mpm/set_kernels.hpp"
+#include "mpm/workspace.hpp"
+
+namespace brisance::mpm {
+
+namespace {
+
+constexpr double far = std::numeric_limits<double>::max();
+
+/// Calls visit(node) for the nodes on a wall, in their order.
+template <class Visit>
+void for_plane(Patch const& patch, WallFace const& wall, Visit&& visit) {
+  int const stride = patch.stride(wall.direction);
+  int const beyond = stride * patch.n[wall.direction];
+  for (int begin = wall.plane * stride; begin < patch.count(); begin += beyond) {
+    for (int node = begin; node < begin + stride; ++node) visit(node);
+  }
+}
+
+/// Half the size of a point across a wall [m]: of a cube of its volume, or its own.
+double half_size(SetView const& v, grid::Geometry geometry, int d, int q) {
+  if (double const* own = v.set->field(Field::half_x + d)) return own[q];
+  double part = 0.0;
+  with_kernels(ShapeFunction::linear, v.patch->dimensions,
+               [&](auto kernels) { part = kernels.cells_filled(v, geometry, q); });
+  return 0.5 * v.h * std::pow(part, 1.0 / v.patch->dimensions);
+}
+
+}  // namespace
+
+/// The nodes on a wall that a point touches learn how far its surface is from it.
+void Mpm::map_gaps(int block) {
+  Workspace& w = *work_;
+  std::vector<WallFace> const& walls = w.walls[block];
+  if (walls.empty()) return;
+  Patch const& patch = w.patches[block];
+  double const h = grid_.domain().h;
+  int const count = patch.count();
+  for (int f = 0; f < w.fields; ++f) w.gap_present[w.slot(block, f)] = 0;
+  for_sets(block, [&](PointSet& set, int body) {
+    int const f = w.field_of[body];
+    if (w.one_sided[f] == 0) return;
+    int const slot = w.slot(block, f);
+    int const all = count * static_cast<int>(walls.size());
+    double* gaps = w.gap[slot].get(all);
+    if (w.gap_present[slot] == 0) std::fill(gaps, gaps + all, far);
+    w.gap_present[slot] = 1;
+    SetView const view{&set, &bodies_[body], &patch, h};
+    for (std::size_t n = 0; n < walls.size(); ++n) {
+      WallFace const& wall = walls[n];
+      int const d = wall.direction;
+      double const plane = patch.first[d] + (wall.plane - patch.reach) * h;
+      double const* x = set.field(Field::position_x + d);
+      for (int q = 0; q < set.size(); ++q) {
+        double const distance = wall.inwards * (x[q] - plane);
+        if (distance >= 2.0 * h) continue;
+        double const gap = distance - half_size(view, grid_.domain().geometry, d, q);
+        // Nodes along the wall that it touches.
+        std::array<int, 3> first{0, 0, 0};
+        std::array<int, 3> last{0, 0, 0};
+        first[d] = last[d] = wall.plane;
+        for (int e = 0; e < patch.dimensions; ++e) {
+          if (e == d) continue;
+          double reach = options_.shape == ShapeFunction::bspline ? 1.5 : 1.0;
+          if (options_.shape == ShapeFunction::gimp) reach += 0.5 / bodies_[body].points_per_direction;
+          if (options_.shape == ShapeFunction::cpgimp) reach += set.field(Field::half_x + e)[q] / h;
+          double const u = (set.field(Field::position_x + e)[q] - patch.first[e]) / h + patch.reach;
+          first[e] = std::max(0, static_cast<int>(std::floor(u - reach)) + 1);
+          last[e] = std::min(patch.n[e] - 1, static_cast<int>(std::ceil(u + reach)) - 1);
+        }
+        for (int k = first[2]; k <= last[2]; ++k) {
+          for (int j = first[1]; j <= last[1]; ++j) {
+            for (int i = first[0]; i <= last[0]; ++i) {
+              double& to = gaps[static_cast<int>(n) * count + patch.index(i, j, k)];
+              to = std::min(to, gap);
+            }
+          }
+        }
+      }
+    }
+  });
+}
+
+/// The least of what the blocks along the walls know.
+void Mpm::gather_gaps(int block, int field, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  Patch const& patch = w.patches[block];
+  std::vector<WallFace> const& walls = w.walls[block];
+  int const count = patch.count();
+  int const all = count * static_cast<int>(walls.size());
+  double* gaps = scratch.gap[field].get(all);
+  std::fill(gaps, gaps + all, far);
+  for (std::size_t n = 0; n < walls.size(); ++n) {
+    int const d = walls[n].direction;
+    for (Link const& link : patch.links) {
+      int const slot = w.slot(link.source, field);
+      if (link.wall || w.walls[link.source].empty() || w.gap_present[slot] == 0) continue;
+      auto const& others = w.walls[link.source];
+      auto const same = std::find_if(others.begin(), others.end(),
+                                     [&](WallFace const& other) { return other.number == walls[n].number; });
+      if (same == others.end()) continue;
+      int const source_count = link.source_n[0] * link.source_n[1] * link.source_n[2];
+      double const* from = w.gap[slot].data() + (same - others.begin()) * source_count;
+      double* to = gaps + static_cast<int>(n) * count;
+      Index3 lower = link.lower;
+      Index3 upper = link.upper;
+      if (lower[d] > walls[n].plane || upper[d] < walls[n].plane) continue;
+      lower[d] = upper[d] = walls[n].plane;
+      for (int k = lower[2]; k <= upper[2]; ++k) {
+        for (int j = lower[1]; j <= upper[1]; ++j) {
+          for (int i = lower[0]; i <= upper[0]; ++i) {
+            double& gap = to[patch.index(i, j, k)];
+            gap = std::min(gap, from[link.source_index(i, j, k)]);
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Stops the new velocities of bodies' nodes where they would go through a wall, and books what they lose by it.
+void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
+  Workspace& w = *work_;
+  std::fill(scratch.stops.begin(), scratch.stops.end(), 0);
+  std::vector<WallFace> const& walls = w.walls[block];
+  if (walls.empty()) return;
+  Patch const& patch = w.patches[block];
+  int const count = patch.count();
+  double const friction = options_.wall_friction;
+  for (int f = 0; f < w.fields; ++f) {
+    if (w.one_sided[f] == 0 || scratch.present[f] == 0) continue;
+    gather_gaps(block, f, scratch);
+    std::vector<char>& stopped = w.stopped[w.slot(block, f)];
+    stopped.resize(static_cast<std::size_t>(count) * walls.size());
+    NodeVelocity* stop = scratch.stop[f].get(count);
+    std::fill(stop, stop + count, NodeVelocity{});
+    scratch.stops[f] = 1;
+    if (friction > 0.0 && scratch.rubs[f] == 0) {
+      NodeVelocity* rub = scratch.rub[f].get(count);
+      std::fill(rub, rub + count, NodeVelocity{});
+      scratch.rubs[f] = 1;
+    }
+    NodeState* nodes = scratch.state[f].data();
+    // Each block books for its own points.
+    NodeState const* own = w.present[w.slot(block, f)] != 0 ? w.state[w.slot(block, f)].data() : nullptr;
+    auto const own_mass = [&](int node) { return own == nullptr ? 0.0 : own[node].momentum[3]; };
+    // Of its points that follow increments of the velocity: the others' loss has no account.
+    NodeVelocity const* following =
+        w.shared[f] != 0 && w.momentum_present[w.slot(block, f)] != 0 ? w.momentum[w.slot(block, f)].data() : nullptr;
+    auto const following_mass = [&](int node) {
+      return w.affine[f] == 0 ? own_mass(node) : following == nullptr ? 0.0 : following[node][3];
+    };
+    auto const push = [&](WallFace const& wall, int node, double change) {
+      NodeState& r = nodes[node];
+      int const d = wall.direction;
+      double const m = r.momentum[3];
+      Vec3 given_here{0.0, 0.0, 0.0};
+      given_here[d] = wall.inwards * change;
+      if (friction > 0.0) {
+        double square = 0.0;
+        for (int e = 0; e < 3; ++e) square += e == d ? 0.0 : r.momentum[e] * r.momentum[e];
+        double const part = square > 0.0 ? std::min(1.0, friction * change / std::sqrt(square)) : 0.0;
+        for (int e = 0; e < 3; ++e) {
+          if (e == d) continue;
+          given_here[e] = -part * r.momentum[e];
+          scratch.rub[f].data()[node][e] += given_here[e];
+        }
+      }
+      for (int e = 0; e < 3; ++e) {
+        r.force[e] += given_here[e];
+        r.momentum[e] += given_here[e];
+        given.impulse[e] += own_mass(node) * given_here[e];
+      }
+      // Heat of fluids that share the node: what is lost at the mean of the velocities before and after the step.
+      for (int e = 0; e < 3; ++e) r.force[3] -= m * given_here[e] * (r.momentum[e] - 0.5 * r.force[e]);
+    };
+    // What is stopped has no velocity left, so that the forces of the step do no work on it: all of its change is loss,
+    // as where constraints hold. While it closes a gap they do, and where the stress was updated before, with another
+    // velocity.
+    bool const before = options_.order == StressOrder::usf;
+    auto const book = [&](WallFace const& wall, int node, double change, double slack, bool held) {
+      int const d = wall.direction;
+      NodeState const& r = nodes[node];
+      stop[node][d] = r.force[d];
+      double const by_forces = wall.inwards * r.force[d] - change;
+      double const was = wall.inwards * (r.momentum[d] - r.force[d]);
+      double const strained = before && !held ? was : -slack;
+      given.drive += following_mass(node) * by_forces * strained;
+    };
+    auto const book_pair = [&](WallFace const& wall, int a, int b, double change, double slack, bool held) {
+      int const d = wall.direction;
+      double const ma = nodes[a].momentum[3];
+      double const mb = nodes[b].momentum[3];
+      double const both = nodes[a].force[d] + nodes[b].force[d];
+      stop[a][d] = both * mb / (ma + mb);
+      stop[b][d] = both * ma / (ma + mb);
+      double const by_forces = wall.inwards * both - change;
+      double const was = wall.inwards * (nodes[a].momentum[d] + nodes[b].momentum[d] - both);
+      double const strained = before && !held ? was : -2.0 * slack;
+      double const mass = 0.5 * (following_mass(a) * mb + following_mass(b) * ma) / (ma + mb);
+      given.drive += mass * by_forces * strained;
+    };
+    for (std::size_t n = 0; n < walls.size(); ++n) {
+      WallFace const& wall = walls[n];
+      int const d = wall.direction;
+      int const stride = wall.inwards * patch.stride(d);
+      double const* gaps = scratch.gap[f].data() + static_cast<int>(n) * count;
+      for_plane(patch, wall, [&](int node) {
+        if (gaps[node] == far) return;
+        double const slack = std::max(0.0, gaps[node]) / dt;
+        char& bits = stopped[n * count + node];
+        char const earlier = bits;
+        bits = 0;
+        if (nodes[node].momentum[3] > w.mass_floor) {
+          double const missing = -slack - wall.inwards * nodes[node].momentum[d];
+          if (missing > 0.0) {
+            push(wall, node, missing);
+            book(wall, node, missing, slack, (earlier & 1) != 0);
+            bits = 1;
+          }
+        }
+        for (int k = 1; k <= patch.reach; ++k) {
+          NodeState const& a = nodes[node + k * stride];
+          NodeState const& b = nodes[node - k * stride];
+          double const ma = a.momentum[3];
+          double const mb = b.momentum[3];
+          if (!(ma > w.mass_floor && mb > w.mass_floor)) continue;
+          double const missing = -2.0 * slack - wall.inwards * (a.momentum[d] + b.momentum[d]);
+          if (!(missing > 0.0)) continue;
+          push(wall, node + k * stride, missing * mb / (ma + mb));
+          push(wall, node - k * stride, missing * ma / (ma + mb));
+          book_pair(wall, node + k * stride, node - k * stride, missing, slack, ((earlier >> k) & 1) != 0);
+          bits = static_cast<char>(bits | (1 << k));
+        }
+      });
+    }
+  }
+}
+
+/// The same for velocities that strain the points. Those that the points gave back to the nodes are held where the new
+/// ones were stopped, and nowhere else, so that noise about the wall's velocity has no mean. Where the stress is
+/// updated first, what the forces of the old stress would do tells which will be: by their velocity alone nodes under a
+/// body that lies on a wall would be let go half of the time, and the forces would do work there that nothing takes up.
+void Mpm::stop_velocity_at_walls(int block, double dt, Scratch& scratch) const {
+  Workspace& w = *work_;
+  std::vector<WallFace> const& walls = w.walls[block];
+  if (walls.empty()) return;
+  Patch const& patch = w.patches[block];
+  int const count = patch.count();
+  bool const first = options_.order == StressOrder::usf;
+  for (int f = 0; f < w.fields; ++f) {
+    if (w.one_sided[f] == 0 || scratch.present[f] == 0) continue;
+    gather_gaps(block, f, scratch);
+    std::vector<char>& stopped = w.stopped[w.slot(block, f)];
+    if (first) stopped.assign(static_cast<std::size_t>(count) * walls.size(), 0);
+    NodeVelocity* nodes = scratch.velocity[f].data();
+    NodeState const* state = scratch.state[f].data();
+    for (std::size_t n = 0; n < walls.size(); ++n) {
+      WallFace const& wall = walls[n];
+      int const d = wall.direction;
+      int const stride = wall.inwards * patch.stride(d);
+      double const* gaps = scratch.gap[f].data() + static_cast<int>(n) * count;
+      auto const pushed = [&](int node) { return wall.inwards * dt * state[node].force[d] / nodes[node][3]; };
+      for_plane(patch, wall, [&](int node) {
+        if (gaps[node] == far) return;
+        double const slack = std::max(0.0, gaps[node]) / dt;
+        char& bits = stopped[n * count + node];
+        if (nodes[node][3] > w.mass_floor) {
+          double const missing = -slack - wall.inwards * nodes[node][d];
+          if (first && missing > pushed(node)) bits = 1;
+          if ((bits & 1) != 0) nodes[node][d] += wall.inwards * missing;
+        }
+        for (int k = 1; k <= patch.reach; ++k) {
+          int const ahead = node + k * stride;
+          int const behind = node - k * stride;
+          NodeVelocity& a = nodes[ahead];
+          NodeVelocity& b = nodes[behind];
+          if (!(a[3] > w.mass_floor && b[3] > w.mass_floor)) continue;
+          double const missing = -2.0 * slack - wall.inwards * (a[d] + b[d]);
+          if (first && missing > pushed(ahead) + pushed(behind)) bits = static_cast<char>(bits | (1 << k));
+          if (((bits >> k) & 1) == 0) continue;
+          double const part = b[3] / (a[3] + b[3]);
+          a[d] += wall.inwards * missing * part;
+          b[d] += wall.inwards * missing * (1.0 - part);
+        }
+      });
+    }
+  }
+}
+
+/// Masses of bodies' nodes with the images behind walls, as the fluids that slip along them have theirs.
+void Mpm::weigh_images(int block, Scratch& scratch, bool of_state) const {
+  Workspace const& w = *work_;
+  Patch const& patch = w.patches[block];
+  for (int f = 0; f < w.fields; ++f) {
+    scratch.wholes[f] = w.one_sided[f] != 0 && scratch.present[f] != 0 && !w.walls[block].empty() ? 1 : 0;
+    if (scratch.wholes[f] == 0) continue;
+    double* masses = scratch.whole[f].get(patch.count());
+    for (int node = 0; node < patch.count(); ++node) {
+      masses[node] = of_state ? scratch.state[f].data()[node].momentum[3] : scratch.velocity[f].data()[node][3];
+    }
+    for (WallFace const& wall : w.walls[block]) {
+      int const stride = patch.stride(wall.direction);
+      for_plane(patch, wall, [&](int node) {
+        masses[node] *= 2.0;
+        for (int k = 1; k <= patch.reach; ++k) {
+          double const both = masses[node + k * stride] + masses[node - k * stride];
+          masses[node + k * stride] = masses[node - k * stride] = both;
+        }
+      });
+    }
+  }
+}
+
+/// What fluids that slip have got from bodies at a wall makes mirror images of their nodes again: each pair shares what
+/// both got, by the masses of the bodies that gave it.
+void Mpm::mirror_fluids(int block, Scratch& scratch, bool of_state) const {
+  Workspace const& w = *work_;
+  Patch const& patch = w.patches[block];
+  if (!w.slides || w.walls[block].empty()) return;
+  for (int g = 0; g < w.fields; ++g) {
+    if (w.slips[g] == 0 || scratch.present[g] == 0) continue;
+    auto const bodies_at = [&](int node) {
+      double mass = 0.0;
+      for (int f = 0; f < w.fields; ++f) {
+        if (scratch.wholes[f] == 0 || !w.slips_along(g, f)) continue;
+        mass += of_state ? scratch.state[f].data()[node].momentum[3] : scratch.velocity[f].data()[node][3];
+      }
+      return mass;
+    };
+    auto const velocity = [&](int node, int d) -> double {
+      return of_state ? scratch.state[g].data()[node].momentum[d] : scratch.velocity[g].data()[node][d];
+    };
+    auto const set = [&](int node, int d, double v) {
+      if (!of_state) {
+        scratch.velocity[g].data()[node][d] = v;
+        return;
+      }
+      NodeState& r = scratch.state[g].data()[node];
+      r.force[d] += v - r.momentum[d];
+      r.momentum[d] = v;
+    };
+    for (WallFace const& wall : w.walls[block]) {
+      int const stride = patch.stride(wall.direction);
+      for_plane(patch, wall, [&](int node) {
+        if (bodies_at(node) > w.mass_floor) set(node, wall.direction, 0.0);
+        for (int k = 1; k <= patch.reach; ++k) {
+          int const a = node + k * stride;
+          int const b = node - k * stride;
+          double const ma = bodies_at(a);
+          double const mb = bodies_at(b);
+          if (!(ma + mb > w.mass_floor)) continue;
+          double const part = ma / (ma + mb);
+          for (int d = 0; d < 3; ++d) {
+            double const sign = d == wall.direction ? -1.0 : 1.0;
+            double const v = part * velocity(a, d) + sign * (1.0 - part) * velocity(b, d);
+            set(a, d, v);
+            set(b, d, sign * v);
+          }
+        }
+      });
+    }
+  }
+}
+
+}  // namespace brisance::mpm
