@@ -263,11 +263,9 @@ long Ledger::give_birth(GasPoints& points) {
 /// other way round. It goes back to the gas cell outside, a part of it in every step, and never more than is small
 /// beside what the cell holds. To the points it cannot go: they would answer at once, and the two would swing.
 void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
-  static double const length = std::getenv("FB_LENGTH")
-                                   ? std::atof(std::getenv("FB_LENGTH"))
-                                   : 20.0;  // that sound goes while most of a surplus is given back [cells]
-  constexpr double bleed = 200.0;           // see below
-  constexpr double most = 0.02;             // of what a cell holds, in a step
+  constexpr double length = 20.0;  // that sound goes while most of a surplus is given back [cells]
+  constexpr double bleed = 200.0;  // see below
+  constexpr double most = 0.02;    // of what a cell holds, in a step
   Faces const& faces = *faces_;
   grid::Domain const& domain = faces.region().domain();
   int const dims = domain.dimensions();
