@@ -295,12 +295,13 @@ def drift_verdict(energy, log=None):
 def dissipation_words(energy):
     """Kinetic energy of the points that was lost and is counted."""
     held, filtered = energy.get("lost_at_held_nodes") or 0.0, energy.get("filtered") or 0.0
-    friction = energy.get("friction") or 0.0
-    if not held and not filtered and not friction:
+    friction, contact = energy.get("friction") or 0.0, energy.get("contact") or 0.0
+    if not held and not filtered and not friction and not contact:
         return ""
     return (f"Points lost {number(held, 3)} J of kinetic energy at held nodes, a plastic impact, PIC and XPIC took "
-            f"{number(filtered, 3)} J and the friction of contacts {number(friction, 3)} J; the drift does not hold "
-            "them. ")
+            f"{number(filtered, 3)} J, the friction of contacts {number(friction, 3)} J, and bodies lost "
+            f"{number(max(contact, 0.0), 3)} J where they met; the drift does not hold them. "
+            + (f"Contact made {number(-contact, 3)} J, which the drift holds. " if contact < 0.0 else ""))
 
 
 def point_audit_section(log):

@@ -38,6 +38,9 @@ struct ContactNodes {
   std::vector<Law> const* laws = nullptr;
   std::vector<std::optional<Vec3>> const* rigid = nullptr;
   std::vector<char> const* slips = nullptr;  ///< which of the two that slip is the fluid
+  bool parts = true;                         ///< fields that part and slide too
+  double slack = 0.0;                        ///< of surfaces that touch [m]
+  double near = 0.0;                         ///< how far from a node the surface of a rigid body rules it [m]
 };
 
 /// What a fluid that slips feels of a body at a node.
@@ -68,12 +71,39 @@ struct Surface {
   return surface;
 }
 
+/// Change of the velocity of the first of two fields against the second.
+struct Parting {
+  Vec3 across{0.0, 0.0, 0.0};
+  Vec3 along{0.0, 0.0, 0.0};  ///< by friction
+};
+
+/// Takes the impulse of a step between two fields to what surfaces may give one another: they push and do not pull, and
+/// friction stops the slip as far as Coulomb's law lets it. `relative` is the velocity of the first against the second
+/// with the impulse so far, `mass` the reduced one. It may also take back of what was given.
+[[nodiscard]] inline Parting settle(Meeting& meeting, Vec3 const& relative, double mass) {
+  Vec3 const& n = meeting.normal;
+  double const pushed = dot(meeting.impulse, n);
+  double const closing = dot(relative, n);
+  double const push = std::max(0.0, pushed + mass * closing);
+  Vec3 rubbed{0.0, 0.0, 0.0};
+  Vec3 rub{0.0, 0.0, 0.0};
+  if (meeting.friction > 0.0) {
+    rubbed = meeting.impulse - pushed * n;
+    rub = rubbed + mass * (relative - closing * n);
+    double const size = norm(rub);
+    double const most = meeting.friction * push;
+    if (size > most) rub = (most / size) * rub;
+  }
+  meeting.impulse = push * n + rub;
+  return {((push - pushed) / mass) * n, (1.0 / mass) * (rub - rubbed)};
+}
+
 /// Makes the velocities of the fields compatible. `at` gives access to them: mass(f, node), whole(f, node): the mass
 /// with the images behind walls, which fluids have and bodies have not, get(f, node),
 /// set(f, node, velocity), changed(f, node) by the forces of the step, gradient(f, node) of what it fills, and
 /// extent(f, node): how far the field's surface reaches beyond the node along its outer normal [m]. It is told by
-/// rub(f, node, change) what friction changes, and by heat(f, node, energy) what kinetic energy a fluid and the body
-/// that it slips along lose when they meet [J].
+/// meet(meeting) which fields touch, by part(f, node, parting) what that changes, and by heat(f, node, energy) what
+/// kinetic energy a fluid and the body that it slips along lose when they meet [J].
 template <class Access>
 void make_compatible(ContactNodes const& c, Access&& at) {
   for (int node = 0; node < c.nodes; ++node) {
@@ -85,6 +115,7 @@ void make_compatible(ContactNodes const& c, Access&& at) {
       for (int b = a + 1; b < c.fields; ++b) {
         if ((*c.present)[b] == 0 || !(at.mass(b, node) > c.mass_floor)) continue;
         Law const law = (*c.laws)[a * c.fields + b];
+        if (law.kind == Law::Kind::contact && !c.parts) continue;
         bool const rigid_a = (*c.rigid)[a].has_value();
         bool const rigid_b = (*c.rigid)[b].has_value();
         if (rigid_a && rigid_b) continue;
@@ -92,8 +123,9 @@ void make_compatible(ContactNodes const& c, Access&& at) {
         double const ma = slips ? at.whole(a, node) : at.mass(a, node);
         double const mb = slips ? at.whole(b, node) : at.mass(b, node);
         // Shares of the change of the relative velocity.
-        double const share_a = rigid_a ? 0.0 : rigid_b ? 1.0 : mb / (ma + mb);
-        double const share_b = rigid_b ? 0.0 : rigid_a ? 1.0 : ma / (ma + mb);
+        double share_a = rigid_a ? 0.0 : rigid_b ? 1.0 : mb / (ma + mb);
+        double share_b = rigid_b ? 0.0 : rigid_a ? 1.0 : ma / (ma + mb);
+        double both = rigid_a ? mb : rigid_b ? ma : ma * share_a;
         Vec3 const va = at.get(a, node);
         Vec3 const vb = at.get(b, node);
         Vec3 const relative = va - vb;
@@ -102,25 +134,28 @@ void make_compatible(ContactNodes const& c, Access&& at) {
           Surface const surface = surface_at(at.gradient((*c.slips)[a] != 0 ? b : a, node));
           if (!surface.felt) continue;
           change = surface.stopped(relative);
-        } else if (law.kind == Law::Kind::contact) {
-          Vec3 const normal = contact_normal(at.gradient(a, node), rigid_a, at.gradient(b, node), rigid_b);
-          double const closing = dot(relative, normal);
-          bool const touching = at.extent(a, node) + at.extent(b, node) >= 0.0;
-          if (!(closing > 0.0) || !touching) continue;
-          Vec3 const slip = relative - closing * normal;
-          double const speed = norm(slip);
-          double const stopped = speed > 0.0 ? std::min(1.0, law.friction * closing / speed) : 0.0;
-          change = closing * normal + stopped * slip;
-          if (stopped > 0.0) {
-            if (!rigid_a) at.rub(a, node, (-share_a * stopped) * slip);
-            if (!rigid_b) at.rub(b, node, (share_b * stopped) * slip);
-          }
-        }
-        if (law.kind == Law::Kind::slips) {
           // What the exchanged momentum takes at the mean of the velocities before and after the step.
-          double const both = rigid_a ? mb : rigid_b ? ma : ma * share_a;
           Vec3 const before = relative - (at.changed(a, node) - at.changed(b, node));
           at.heat((*c.slips)[a] != 0 ? a : b, node, 0.5 * both * dot(change, before));
+        } else if (law.kind == Law::Kind::contact) {
+          double const reach_a = at.extent(a, node);
+          double const reach_b = at.extent(b, node);
+          if (!(reach_a + reach_b >= -c.slack)) continue;
+          Vec3 const normal = contact_normal(at.gradient(a, node), rigid_a, at.gradient(b, node), rigid_b);
+          if (normal == Vec3{0.0, 0.0, 0.0}) continue;
+          if (rigid_a && reach_a < -c.near) {
+            share_b = ma / (ma + mb);
+            both = mb * share_b;
+          } else if (rigid_b && reach_b < -c.near) {
+            share_a = mb / (ma + mb);
+            both = ma * share_a;
+          }
+          Meeting meeting{node, a, b, share_a, share_b, law.friction, normal};
+          Parting const parting = settle(meeting, relative, both);
+          change = parting.across + parting.along;
+          at.part(a, node, {-share_a * parting.across, -share_a * parting.along});
+          at.part(b, node, {share_b * parting.across, share_b * parting.along});
+          at.meet(meeting);
         }
         at.set(a, node, va - share_a * change);
         at.set(b, node, vb + share_b * change);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/parallel.hpp"
+#include "core/timer.hpp"
 #include "mpm/contact.hpp"
 #include "mpm/mpm.hpp"
 #include "mpm/set_kernels.hpp"
@@ -228,13 +229,15 @@ void Mpm::constrain_velocity(int block, double dt, Scratch& scratch) const {
       void set(int f, int node, Vec3 const& v) const {
         for (int d = 0; d < 3; ++d) s->velocity[f].data()[node][d] = v[d];
       }
-      void rub(int /*f*/, int /*node*/, Vec3 const& /*change*/) const {}  // that of the momentum is what counts
-      void heat(int /*f*/, int /*node*/, double /*energy*/) const {}      // likewise
+      void part(int /*f*/, int /*node*/, Parting const& /*change*/) const {}  // see `settle_contacts`
+      void meet(Meeting const& /*meeting*/) const {}
+      void heat(int /*f*/, int /*node*/, double /*energy*/) const {}  // that of the momentum is what counts
       Vec3 changed(int /*f*/, int /*node*/) const { return {0.0, 0.0, 0.0}; }
       NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
-      double extent(int f, int node) const { return s->extent[f].data()[node]; }
+      double extent(int /*f*/, int /*node*/) const { return 0.0; }
     };
-    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips}, Access{&scratch});
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips, false},
+                    Access{&scratch});
     mirror_fluids(block, scratch, false);
   }
   stop_velocity_at_walls(block, dt, scratch);
@@ -307,13 +310,14 @@ void Mpm::share_momentum(int block, Scratch& scratch) const {
   }
 }
 
-/// Work that rigid bodies in motion do by friction: the points do not have it to lose.
-double Mpm::rubbed_by_rigid(int block, Scratch const& scratch) const {
+/// Work that rigid bodies in motion do by contact: the points do not have it to lose.
+Dissipation Mpm::pushed_by_rigid(int block, Scratch const& scratch) const {
   Workspace const& w = *work_;
-  if (w.node_weight[block].empty()) return 0.0;
-  double work = 0.0;
+  Dissipation work;
+  if (w.node_weight[block].empty() || w.meetings[block].empty()) return work;
   for (int f = 0; f < w.fields; ++f) {
-    if (scratch.rubs[f] == 0) continue;
+    if (scratch.meets[f] == 0) continue;
+    NodeVelocity const* meet = scratch.meet[f].data();
     NodeVelocity const* rub = scratch.rub[f].data();
     NodeState const* nodes = scratch.state[f].data();
     for (int node = 0; node < w.patches[block].count(); ++node) {
@@ -321,14 +325,129 @@ double Mpm::rubbed_by_rigid(int block, Scratch const& scratch) const {
       for (int g = 0; g < w.fields; ++g) {
         if (!w.rigid[g] || scratch.present[g] == 0 || !(scratch.state[g].data()[node].momentum[3] > 0.0)) continue;
         Vec3 const& v = *w.rigid[g];
-        double const power = rub[node][0] * v[0] + rub[node][1] * v[1] + rub[node][2] * v[2];
-        double const weight = (w.one_sided[f] != 0 ? w.own_weight : w.node_weight)[block][node];
-        work += weight * nodes[node].momentum[3] * power;
+        double const mass = w.weights(f)[block][node] * nodes[node].momentum[3];
+        work.contact += mass * (meet[node][0] * v[0] + meet[node][1] * v[1] + meet[node][2] * v[2]);
+        work.friction += mass * (rub[node][0] * v[0] + rub[node][1] * v[1] + rub[node][2] * v[2]);
         break;
       }
     }
   }
   return work;
+}
+
+/// The energy per mass that contact and the friction of walls give the nodes of a field goes beside the change of
+/// velocity: points of APIC take over the nodes' velocity, and their own one before knows nothing of it.
+void Mpm::note_contact_work(int count, Scratch& scratch) const {
+  for (int f = 0; f < work_->fields; ++f) {
+    if (work_->affine[f] == 0) continue;
+    auto const note = [&](NodeVelocity* changes) {
+      NodeState const* nodes = scratch.state[f].data();
+      for (int node = 0; node < count; ++node) {
+        NodeVelocity& change = changes[node];
+        NodeState const& r = nodes[node];
+        for (int d = 0; d < 3; ++d) change[3] += change[d] * (r.momentum[d] - 0.5 * r.force[d]);
+      }
+    };
+    if (scratch.meets[f] != 0) note(scratch.meet[f].data());
+    if (scratch.rubs[f] != 0) note(scratch.rub[f].data());
+  }
+}
+
+/// Contact makes the nodes' velocities compatible, but it is the points that get the change, and of what they map back
+/// the nodes see a smoothed picture: the surfaces still close in on each other there, or part although they have
+/// pushed. The impulses of the step, between the fields whose points map back, are settled once more by that picture,
+/// and the points get the difference. Contact does the work J . (v_0 + v_1)/2 on the points, with v_0 and v_1 the
+/// relative velocities that they map to the nodes before and after: without this surfaces that part are pushed on, and
+/// the work is positive. Every pass brings the impulses closer to those at which J . v_1 vanishes.
+void Mpm::settle_contacts() {
+  if (!work_->touches || !work_->maps_back) return;
+  // One pass leaves a loss, most of the time; where contact has made energy all the same, oblique surfaces for one,
+  // more passes take it back. With sixteen what is made stays below 0.3 % of the energy of two discs, with eight it is
+  // 0.5 %, with one 2 %.
+  constexpr int most = 16;
+  int const passes = dissipation_.contact < 0.0 ? most : 1;
+  for (int pass = 0; pass < passes; ++pass) settle_contacts(pass + 1 < passes || options_.order != StressOrder::usf);
+}
+
+void Mpm::settle_contacts(bool map_again) {
+  Workspace& w = *work_;
+  PhaseTimer const timer(timings_["contact"]);
+  double const h = grid_.domain().h;
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
+    int const block = active_[n];
+    if (w.meetings[block].empty()) return;
+    int const count = w.patches[block].count();
+    Scratch& scratch = w.scratch[thread];
+    gather_velocity(block, scratch);
+    clear_contacts(scratch, count);
+    for (Meeting& meeting : w.meetings[block]) {
+      int const a = meeting.first;
+      int const b = meeting.second;
+      if (w.settles[a] == 0 || w.settles[b] == 0) continue;
+      NodeVelocity const& va = scratch.velocity[a].data()[meeting.node];
+      NodeVelocity const& vb = scratch.velocity[b].data()[meeting.node];
+      // What was changed before at this node counts.
+      auto const velocity = [&](int f, NodeVelocity const& v) {
+        if (w.rigid[f]) return *w.rigid[f];
+        NodeVelocity const& meet = scratch.meet[f].data()[meeting.node];
+        NodeVelocity const& rub = scratch.rub[f].data()[meeting.node];
+        return Vec3{v[0] + meet[0] + rub[0], v[1] + meet[1] + rub[1], v[2] + meet[2] + rub[2]};
+      };
+      double const share_a = meeting.first_share;
+      double const share_b = meeting.second_share;
+      double const mass = w.rigid[a] ? vb[3] * share_b : va[3] * share_a;
+      Parting const parting = settle(meeting, velocity(a, va) - velocity(b, vb), mass);
+      for (int d = 0; d < 3; ++d) {
+        scratch.meet[a].data()[meeting.node][d] -= share_a * parting.across[d];
+        scratch.meet[b].data()[meeting.node][d] += share_b * parting.across[d];
+        scratch.rub[a].data()[meeting.node][d] -= share_a * parting.along[d];
+        scratch.rub[b].data()[meeting.node][d] += share_b * parting.along[d];
+      }
+      if (!w.rigid[a] && !w.rigid[b]) continue;
+      Vec3 const& pusher = w.rigid[a] ? *w.rigid[a] : *w.rigid[b];
+      double const weight = w.weights(w.rigid[a] ? b : a)[block][meeting.node];
+      double const given = (w.rigid[a] ? mass : -mass) * weight;
+      Vec3 const change = parting.across + parting.along;
+      w.impulse[block] = w.impulse[block] + given * change;
+      w.work[block] += given * dot(change, pusher);
+      w.dissipation[block].contact += given * dot(parting.across, pusher);
+      w.dissipation[block].friction += given * dot(parting.along, pusher);
+    }
+    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
+      int const f = w.field_of[body];
+      PointSet& set = points(block, body);
+      if (set.empty() || scratch.meets[f] == 0 || w.settles[f] == 0 || w.rigid[f]) continue;
+      SetView const view{&set, &bodies_[body], &w.patches[block], h};
+      with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
+        NodeVelocity const* pull = w.pull[w.slot(block, f)].data();
+        w.dissipation[block] += kernels.push(view, scratch.meet[f].data(), scratch.rub[f].data(), pull);
+      });
+    }
+  });
+  if (!map_again) return;
+  parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
+    int const block = active_[n];
+    if (w.meetings[block].empty()) return;
+    clear_velocity(block);
+    for_sets(block, [&](PointSet& set, int body) {
+      SetView const view{&set, &bodies_[body], &w.patches[block], h};
+      with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
+        kernels.map_velocity(view, Field::velocity_x, w.velocity[w.slot(block, w.field_of[body])].data());
+      });
+    });
+  });
+}
+
+/// No contact has changed anything at the nodes yet.
+void Mpm::clear_contacts(Scratch& scratch, int count) const {
+  for (int f = 0; f < work_->fields; ++f) {
+    scratch.meets[f] = scratch.rubs[f] = work_->touches && work_->parts[f] != 0 && scratch.present[f] != 0 ? 1 : 0;
+    if (scratch.meets[f] == 0) continue;
+    for (NodeArray<NodeVelocity>* part : {&scratch.meet[f], &scratch.rub[f]}) {
+      NodeVelocity* nodes = part->get(count);
+      std::fill(nodes, nodes + count, NodeVelocity{});
+    }
+  }
 }
 
 void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
@@ -345,11 +464,12 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
     }
   }
   Given given = scratch.pressed;
-  std::fill(scratch.rubs.begin(), scratch.rubs.end(), 0);
+  clear_contacts(scratch, count);
+  w.meetings[block].clear();
   if (w.contact) {
     struct Access {
       Scratch* s;
-      int count;  ///< of nodes
+      std::vector<Meeting>* meetings;
       std::vector<std::optional<Vec3>> const* rigid;
       double const* weights;      ///< of the nodes; null: nobody wants to know what rigid bodies give
       double const* own_weights;  ///< the same in fields without images behind walls
@@ -375,14 +495,14 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
           if (Vec3 const* pusher = rigid_at(node)) given->work += impulse * (*pusher)[d];
         }
       }
-      void rub(int f, int node, Vec3 const& change) const {
-        if (s->rubs[f] == 0) {
-          NodeVelocity* nodes = s->rub[f].get(count);
-          std::fill(nodes, nodes + count, NodeVelocity{});
-          s->rubs[f] = 1;
+      void part(int f, int node, Parting const& change) const {
+        if ((*rigid)[f]) return;
+        for (int d = 0; d < 3; ++d) {
+          s->meet[f].data()[node][d] += change.across[d];
+          s->rub[f].data()[node][d] += change.along[d];
         }
-        for (int d = 0; d < 3; ++d) s->rub[f].data()[node][d] += change[d];
       }
+      void meet(Meeting const& meeting) const { meetings->push_back(meeting); }
       Vec3 changed(int f, int node) const {
         Lanes4 const& v = s->state[f].data()[node].force;
         return {v[0], v[1], v[2]};
@@ -400,10 +520,29 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
     };
     double const* weights = w.node_weight[block].empty() ? nullptr : w.node_weight[block].data();
     double const* own_weights = weights == nullptr ? nullptr : w.own_weight[block].data();
-    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips},
-                    Access{&scratch, count, &w.rigid, weights, own_weights, &w.one_sided, &given});
+    constexpr double touch = 1e-6;  // cells: bodies that are placed side by side touch, whatever the round-off
+    // Cells. A node that a rigid body reaches with its outermost points only feels it as it feels any body: by its
+    // mass. Held there altogether, a disc that rolls cannot turn within a cell of the ground and loses 4 % of its way.
+    // Every surface has nodes that are nearer.
+    constexpr double near = 0.75;
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips, true,
+                     touch * grid_.domain().h, near * grid_.domain().h},
+                    Access{&scratch, &w.meetings[block], &w.rigid, weights, own_weights, &w.one_sided, &given});
     mirror_fluids(block, scratch, true);
+    if (w.meetings[block].empty()) {
+      std::fill(scratch.meets.begin(), scratch.meets.end(), 0);
+      std::fill(scratch.rubs.begin(), scratch.rubs.end(), 0);
+    }
+    for (int f = 0; f < w.fields; ++f) {
+      if (scratch.meets[f] == 0) continue;
+      NodeVelocity* pull = w.pull[w.slot(block, f)].get(count);
+      NodeState const* nodes = scratch.state[f].data();
+      NodeVelocity const* meet = scratch.meet[f].data();
+      NodeVelocity const* rub = scratch.rub[f].data();
+      for (int node = 0; node < count; ++node) pull[node] = nodes[node].force - meet[node] - rub[node];
+    }
   }
+  w.dissipation[block] = pushed_by_rigid(block, scratch);
   stop_at_walls(block, dt, scratch, given);
   for (int f = 0; f < w.fields; ++f) {
     scratch.halts[f] = scratch.present[f] != 0 && !w.rigid[f] && w.slips[f] == 0 && !w.holds[block].empty() ? 1 : 0;
@@ -429,8 +568,11 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
         // `force` is the whole change of the step, the one against the start of the step.
         given.drive += weight * m * (r.force[d] - halt[d]) * hold.velocity[d];
         halt[d] = r.force[d];
-        // The constraint does it all.
-        if (scratch.rubs[f] != 0) scratch.rub[f].data()[hold.node][d] = 0.0;
+        // The constraint does it all, but what contact gives while the node moves along is its own.
+        ContactChange const taken = take_contact(scratch, f, hold.node, d, contact_at(scratch, f, hold.node, d),
+                                                 hold.velocity[d] - 0.5 * r.force[d]);
+        if (w.affine[f] == 0) given.take(taken, weight * m * hold.velocity[d]);
+        if (scratch.meets[f] != 0) w.pull[w.slot(block, f)].data()[hold.node][d] = 0.0;
         if (scratch.stops[f] != 0) scratch.stop[f].data()[hold.node][d] = 0.0;
       }
       // What slips along the body stays at its surface.
@@ -451,7 +593,10 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
   }
   w.impulse[block] = given.impulse;
   w.work[block] = given.work;
-  w.dissipation[block] = {.held = given.drive, .friction = rubbed_by_rigid(block, scratch)};
+  w.dissipation[block].held = given.drive;
+  w.dissipation[block].contact += given.contact;
+  w.dissipation[block].friction += given.friction;
+  note_contact_work(count, scratch);
 }
 
 }  // namespace brisance::mpm

@@ -146,9 +146,7 @@ void Mpm::migrate() {
     losses_.points += lost.points;
     constraint_impulse_ = constraint_impulse_ + w.impulse[block];
     outer_work_ += w.work[block];
-    dissipation_.held += w.dissipation[block].held;
-    dissipation_.filtered += w.dissipation[block].filtered;
-    dissipation_.friction += w.dissipation[block].friction;
+    dissipation_ += w.dissipation[block];
   }
 
   // Every block takes what the blocks around it have for it, in their order.

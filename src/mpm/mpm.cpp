@@ -264,12 +264,19 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
       w.slides = true;
     }
   }
+  w.parts.assign(w.fields, 0);
+  w.settles.assign(w.fields, 1);
   for (Contact const& c : contacts) {
     int const a = w.field_of[c.first];
     int const b = w.field_of[c.second];
     w.laws[a * w.fields + b] = {Law::Kind::contact, c.friction};
     w.laws[b * w.fields + a] = {Law::Kind::contact, c.friction};
     w.touches = true;
+    w.parts[a] = w.parts[b] = 1;
+  }
+  if (w.touches && options_.order == StressOrder::usf) w.maps_back = true;
+  for (int b = 0; b < body_count; ++b) {
+    if (order_of(b) == StressOrder::usl && !bodies_[b].rigid_velocity) w.settles[w.field_of[b]] = 0;
   }
 
   int const blocks = grid_.block_count();
@@ -310,6 +317,8 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.impulse.assign(blocks, Vec3{0.0, 0.0, 0.0});
   w.work.assign(blocks, 0.0);
   w.dissipation.assign(blocks, Dissipation{});
+  w.meetings.resize(blocks);
+  w.pull.resize(slots);
   w.lost.resize(blocks);
   w.trouble.resize(blocks);
 }

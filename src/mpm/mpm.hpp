@@ -180,8 +180,17 @@ struct Dissipation {
   double held = 0.0;
   double filtered = 0.0;  ///< by the fraction of PIC, and by XPIC
   double friction = 0.0;  ///< to the friction of contacts; it heats nothing
+  double contact = 0.0;   ///< where surfaces meet, a plastic impact of nodes; negative: what they have made
 
-  [[nodiscard]] double sum() const { return held + filtered + friction; }
+  /// Energy that contact has made is no loss but an error.
+  [[nodiscard]] double sum() const { return held + filtered + friction + (contact < 0.0 ? 0.0 : contact); }
+  Dissipation& operator+=(Dissipation const& more) {
+    held += more.held;
+    filtered += more.filtered;
+    friction += more.friction;
+    contact += more.contact;
+    return *this;
+  }
 };
 
 /// What lent points gave to a node in a step, in the directions of the axes: what they lost of it themselves, forces
@@ -204,6 +213,7 @@ void archive(Archive& a, BodySums& sums);
 
 struct Given;
 struct Scratch;
+struct Meeting;
 struct Hoops;
 struct OuterForces;
 
@@ -349,7 +359,11 @@ class Mpm {
   void weigh_images(int block, Scratch& scratch, bool of_state) const;
   void mirror_fluids(int block, Scratch& scratch, bool of_state) const;
   void collect_gifts(int block, double dt, Scratch const& scratch);
-  [[nodiscard]] double rubbed_by_rigid(int block, Scratch const& scratch) const;
+  void settle_contacts();
+  void settle_contacts(bool map_again);
+  void clear_contacts(Scratch& scratch, int count) const;
+  [[nodiscard]] Dissipation pushed_by_rigid(int block, Scratch const& scratch) const;
+  void note_contact_work(int count, Scratch& scratch) const;
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
   [[nodiscard]] StressOrder order_of(int body) const;
   /// What a body's signals count in the step: 1 at the Courant number of the options.

@@ -353,12 +353,13 @@ struct Kernels {
   /// `keeps_energy` the nodes hold kinetic energy per mass in the place of their mass, and what the points' velocity
   /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C + h^4/32 B:B (B: the mixed derivatives), heats:
   /// h^2/4 is the second moment of the B-splines. `exchange`: see `Mpm::share_momentum`, or null. `halt`: how
-  /// constraints change the nodes' velocity, or null. `rub`: how friction does, `stop`: how walls do, or null. Returns
-  /// the kinetic energy that points which follow increments lose by `halt` and `stop` (gains count negative) and by the
-  /// filters, and all points by `rub`.
+  /// constraints change the nodes' velocity, or null. `meet` and `rub`: how contact does, across and along the
+  /// surfaces, friction on walls with the latter, `stop`: how walls do, across them, or null. Returns the kinetic
+  /// energy that points which follow increments lose by `halt` and `stop` (gains count negative) and by the filters,
+  /// and all points by contact and friction.
   static Dissipation move(SetView const& v, Options const& options, double dt, bool keeps_energy,
                           NodeState const* nodes, NodeVelocity const* exchange, NodeVelocity const* halt,
-                          NodeVelocity const* rub, NodeVelocity const* stop) {
+                          NodeVelocity const* meet, NodeVelocity const* rub, NodeVelocity const* stop) {
     PointSet& set = *v.set;
     double const h = v.h;
     Transfer const transfer = v.body->transfer.value_or(options.transfer);
@@ -377,14 +378,6 @@ struct Kernels {
       alignas(64) double fresh[3][chunk];
       alignas(64) double change[3][chunk];
       alignas(64) double lost[chunk];
-      /// What changes of the nodes' velocity take from a point at a velocity in the middle of its own change.
-      auto const taken_by = [&](NodeVelocity const* changes, int q, auto&& middle) {
-        Lanes4 slowed;
-        velocity_at<S, D>(*v.patch, k, q, changes, slowed);
-        double taken = 0.0;
-        for (int d = 0; d < 3; ++d) taken -= set.field(Field::mass)[begin + q] * slowed[d] * middle(d, slowed[d]);
-        return taken;
-      };
       if (affine) {
         AffineWeights<S, D> around;
         find_affine_weights<S, D>(*v.patch, h, constant_at(set, Field::position_x, begin), n, k, around);
@@ -410,8 +403,15 @@ struct Kernels {
             }
           }
         }
-        for (int q = 0; rub != nullptr && q < n; ++q) {
-          dissipated.friction += taken_by(rub, q, [&](int d, double slowed) { return fresh[d][q] - 0.5 * slowed; });
+        // These take over what the nodes say, see `Mpm::note_contact_work`.
+        auto const lost_by = [&](NodeVelocity const* changes, int q) {
+          Lanes4 given;
+          velocity_at<S, D>(*v.patch, k, q, changes, given);
+          return -set.field(Field::mass)[begin + q] * given[3];
+        };
+        for (int q = 0; q < n; ++q) {
+          if (meet != nullptr) dissipated.contact += lost_by(meet, q);
+          if (rub != nullptr) dissipated.friction += lost_by(rub, q);
         }
         for (int d = 0; d < 3; ++d) {
           for (int q = 0; q < n; ++q) {
@@ -433,17 +433,22 @@ struct Kernels {
           fresh[d][q] = velocity[d];
           change[d][q] = added[d];
         }
-        if (halt != nullptr) {
-          Lanes4 stopped;
-          velocity_at<S, D>(*v.patch, k, q, halt, stopped);
-          for (int d = 0; d < 3; ++d) {
-            dissipated.held -= set.field(Field::mass)[begin + q] * stopped[d] * (u[d][q] + 0.5 * stopped[d]);
-          }
+        // What constraints, walls and contact take: each at the mean velocity, half of what they change together in it.
+        // The forces do their work with the stress, and share it with contact alone.
+        std::array<NodeVelocity const*, 4> const causes{halt, stop, meet, rub};
+        std::array<Lanes4, 4> by{};
+        Lanes4 all{};
+        for (std::size_t n = 0; n < causes.size(); ++n) {
+          if (causes[n] == nullptr) continue;
+          velocity_at<S, D>(*v.patch, k, q, causes[n], by[n]);
+          all += by[n];
         }
-        if (rub != nullptr)
-          dissipated.friction += taken_by(rub, q, [&](int d, double) { return u[d][q] + 0.5 * change[d][q]; });
-        if (stop != nullptr)
-          dissipated.held += taken_by(stop, q, [&](int d, double slowed) { return u[d][q] + 0.5 * slowed; });
+        double const m = set.field(Field::mass)[begin + q];
+        for (int d = 0; d < 3; ++d) {
+          dissipated.held -= m * (by[0][d] + by[1][d]) * (u[d][q] + 0.5 * all[d]);
+          dissipated.contact -= m * by[2][d] * (u[d][q] + 0.5 * change[d][q]);
+          dissipated.friction -= m * by[3][d] * (u[d][q] + 0.5 * change[d][q]);
+        }
         if (exchange == nullptr) continue;
         Lanes4 taken;
         velocity_at<S, D>(*v.patch, k, q, exchange, taken);
@@ -475,6 +480,34 @@ struct Kernels {
       }
     });
     return dissipated;
+  }
+
+  /// Gives the points what contact changes once more, see `Mpm::settle_contacts`. Returns the kinetic energy that they
+  /// lose. `pull`: what the forces of the step change; they act together with the contact, not before it.
+  static Dissipation push(SetView const& v, NodeVelocity const* meet, NodeVelocity const* rub,
+                          NodeVelocity const* pull) {
+    PointSet& set = *v.set;
+    Dissipation lost;
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      auto const u = vector_at(set, Field::velocity_x, begin);
+      double const* mass = set.field(Field::mass) + begin;
+      for (int q = 0; q < n; ++q) {
+        Lanes4 across;
+        Lanes4 along;
+        velocity_at<S, D>(*v.patch, k, q, meet, across);
+        velocity_at<S, D>(*v.patch, k, q, rub, along);
+        Lanes4 forced;
+        velocity_at<S, D>(*v.patch, k, q, pull, forced);
+        for (int d = 0; d < 3; ++d) {
+          double const change = across[d] + along[d];
+          double const middle = u[d][q] + 0.5 * (change - forced[d]);
+          lost.contact -= mass[q] * across[d] * middle;
+          lost.friction -= mass[q] * along[d] * middle;
+          u[d][q] += change;
+        }
+      }
+    });
+    return lost;
   }
 
   /// Strain and spin increments of a chunk, [Cui14] Eqs. (27)-(28), in rows of `chunk`: 0-5 strain, 6-8 spin, 9 volume.

@@ -51,7 +51,9 @@ void Mpm::advance(double dt) {
     scratch.exchanges.resize(work_->fields);
     scratch.halt.resize(work_->fields);
     scratch.halts.resize(work_->fields);
+    scratch.meet.resize(work_->fields);
     scratch.rub.resize(work_->fields);
+    scratch.meets.resize(work_->fields);
     scratch.rubs.resize(work_->fields);
     scratch.stop.resize(work_->fields);
     scratch.stops.resize(work_->fields);
@@ -70,6 +72,7 @@ void Mpm::advance(double dt) {
   }
   if (work_->filters) filter();
   integrate(dt);
+  settle_contacts();
   if (!first) update_stress(dt);
   if (work_->conducts) conduct();
   collect_signals();
@@ -417,13 +420,11 @@ void Mpm::integrate(double dt) {
         if (own) {
           NodeVelocity const* exchange = scratch.exchanges[f] == 0 ? nullptr : scratch.exchange[f].data();
           NodeVelocity const* halt = scratch.halts[f] == 0 ? nullptr : scratch.halt[f].data();
+          NodeVelocity const* meet = scratch.meets[f] == 0 ? nullptr : scratch.meet[f].data();
           NodeVelocity const* rub = scratch.rubs[f] == 0 ? nullptr : scratch.rub[f].data();
           NodeVelocity const* stop = scratch.stops[f] == 0 ? nullptr : scratch.stop[f].data();
-          Dissipation const lost =
-              kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(), exchange, halt, rub, stop);
-          w.dissipation[block].held += lost.held;
-          w.dissipation[block].filtered += lost.filtered;
-          w.dissipation[block].friction += lost.friction;
+          w.dissipation[block] += kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(),
+                                               exchange, halt, meet, rub, stop);
           w.work[block] += work_on(block, body, outer);
         } else {
           for (int d = 0; d < 3; ++d) {
@@ -590,11 +591,10 @@ void Mpm::update_stress(double dt) {
     } else {
       gather_velocity(block, scratch);
     }
-    if (w.contact) {
+    if (w.slides) {
       gather_gradients(block, scratch);
-      if (w.touches) gather_extents(block, scratch);
+      weigh_images(block, scratch, false);
     }
-    if (w.slides) weigh_images(block, scratch, false);
     constrain_velocity(block, dt, scratch);
     if (first) signals_[block] = 0.0;
     for (int body = 0; body < bodies; ++body) {

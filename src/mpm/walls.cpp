@@ -200,6 +200,12 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
       double const was = wall.inwards * (r.momentum[d] - r.force[d]);
       double const strained = before && !held ? was : -slack;
       given.drive += following_mass(node) * by_forces * strained;
+      // What contact gave is in what is stopped, too.
+      ContactChange const taken =
+          take_contact(scratch, f, node, d, contact_at(scratch, f, node, d), r.momentum[d] - 0.5 * r.force[d]);
+      given.take(taken, following_mass(node) * wall.inwards * strained);
+      // Forces do no work against a stop that `settle_contacts` could share.
+      if (scratch.meets[f] != 0) w.pull[w.slot(block, f)].data()[node][d] = 0.0;
     };
     auto const book_pair = [&](WallFace const& wall, int a, int b, double change, double slack, bool held) {
       int const d = wall.direction;
@@ -213,6 +219,19 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
       double const strained = before && !held ? was : -2.0 * slack;
       double const mass = 0.5 * (following_mass(a) * mb + following_mass(b) * ma) / (ma + mb);
       given.drive += mass * by_forces * strained;
+      ContactChange const sum = contact_at(scratch, f, a, d) + contact_at(scratch, f, b, d);
+      auto const take = [&](int node, double part) {
+        double const middle = nodes[node].momentum[d] - 0.5 * nodes[node].force[d];
+        take_contact(scratch, f, node, d, {part * sum.across, part * sum.along}, middle);
+      };
+      take(a, mb / (ma + mb));
+      take(b, ma / (ma + mb));
+      given.take(sum, mass * wall.inwards * strained);
+      if (scratch.meets[f] == 0) return;
+      NodeVelocity* pull = w.pull[w.slot(block, f)].data();
+      double const pulled = pull[a][d] + pull[b][d];
+      pull[a][d] -= pulled * mb / (ma + mb);
+      pull[b][d] -= pulled * ma / (ma + mb);
     };
     for (std::size_t n = 0; n < walls.size(); ++n) {
       WallFace const& wall = walls[n];

@@ -67,11 +67,39 @@ struct Law {
   double friction = 0.0;
 };
 
+/// Two grid fields whose surfaces touch at a node.
+struct Meeting {
+  int node = 0;
+  int first = 0;
+  int second = 0;
+  double first_share = 0.0;  ///< of a change of the relative velocity
+  double second_share = 0.0;
+  double friction = 0.0;
+  Vec3 normal{0.0, 0.0, 0.0};   ///< from the first to the second
+  Vec3 impulse{0.0, 0.0, 0.0};  ///< that the first has given to the second in this step
+};
+
+/// Change of a node's velocity by contact in one direction, across the surfaces and along them.
+struct ContactChange {
+  double across = 0.0;
+  double along = 0.0;
+
+  ContactChange operator+(ContactChange const& more) const { return {across + more.across, along + more.along}; }
+};
+
 /// Momentum that was given to nodes, and the work that it did.
 struct Given {
   Vec3 impulse{0.0, 0.0, 0.0};
   double work = 0.0;
   double drive = 0.0;  ///< work of the constraints if they had stopped the nodes alone, without the forces of the step
+  double contact = 0.0;  ///< what surfaces lost where constraints and walls stop their nodes
+  double friction = 0.0;
+
+  /// Contact did its work on nodes with this momentum.
+  void take(ContactChange const& change, double momentum) {
+    contact -= momentum * change.across;
+    friction -= momentum * change.along;
+  }
 };
 
 /// What one thread needs while it works on one block: the summed nodes of each grid field.
@@ -87,8 +115,10 @@ struct Scratch {
   std::vector<char> exchanges;
   std::vector<NodeArray<NodeVelocity>> halt;  ///< change of velocity from the start of the step by constraints
   std::vector<char> halts;
-  std::vector<NodeArray<NodeVelocity>> rub;  ///< change of velocity by the friction of contacts
-  std::vector<char> rubs;
+  std::vector<NodeArray<NodeVelocity>> meet;  ///< change of velocity across the surfaces of contacts
+  std::vector<char> meets;
+  std::vector<NodeArray<NodeVelocity>> rub;   ///< and along them, by friction, that on walls as well
+  std::vector<char> rubs;                     ///< where `meets`, and where walls rub
   std::vector<NodeArray<NodeVelocity>> stop;  ///< change of velocity by walls, across them
   std::vector<char> stops;
   std::vector<NodeArray<double>> gap;    ///< see `Workspace::gap`
@@ -111,6 +141,25 @@ struct Outbox {
 };
 
 /// A surface pressure that acts, or several on the same points, at an edge of a body for one.
+/// What contact changes of a node's velocity.
+[[nodiscard]] inline ContactChange contact_at(Scratch const& s, int field, int node, int d) {
+  return {s.meets[field] != 0 ? s.meet[field].data()[node][d] : 0.0,
+          s.rubs[field] != 0 ? s.rub[field].data()[node][d] : 0.0};
+}
+
+/// Takes as much of that away: something else brings the node's velocity about and accounts for the loss of points that
+/// follow increments. For those that take over the nodes' velocity it does its work all the same, at the mean of before
+/// and after the step, see `Mpm::note_contact_work`.
+inline ContactChange take_contact(Scratch& s, int field, int node, int d, ContactChange const& change, double mean) {
+  auto const take = [&](NodeVelocity& at, double amount) {
+    at[d] -= amount;
+    at[3] += amount * mean;
+  };
+  if (s.meets[field] != 0) take(s.meet[field].data()[node], change.across);
+  if (s.rubs[field] != 0) take(s.rub[field].data()[node], change.along);
+  return change;
+}
+
 struct ActiveLoad {
   /// One of several: its index, and the force per volume of a unit of its pressure [1/m].
   struct Part {
@@ -127,21 +176,25 @@ struct ActiveLoad {
 struct Mpm::Workspace {
   std::vector<Patch> patches;
   int fields = 1;
-  std::vector<int> field_of;                ///< body -> grid field
-  std::vector<std::optional<Vec3>> rigid;   ///< velocity of rigid grid fields
-  std::vector<Law> laws;                    ///< field x field
-  std::vector<char> slips;                  ///< per field: of the bodies that slip
-  bool contact = false;                     ///< more than one field
-  bool slides = false;                      ///< some fields slip along others
-  bool touches = false;                     ///< some fields part and slide
-  bool filters = false;                     ///< some body uses XPIC
-  bool maps_back = false;                   ///< some body is updated by MUSL
-  bool strains_early = false;               ///< some body is updated by USL
-  bool conducts = false;                    ///< some body conducts heat in shocks
-  std::vector<char> shocked;                ///< per block: there is a shock in it
-  bool keeps_energy = false;                ///< some body's transfer loses no energy
-  std::vector<std::vector<Hold>> holds;     ///< per block
-  std::vector<NodeArray<NodeState>> state;  ///< block x field, as the points wrote them
+  std::vector<int> field_of;                   ///< body -> grid field
+  std::vector<std::optional<Vec3>> rigid;      ///< velocity of rigid grid fields
+  std::vector<Law> laws;                       ///< field x field
+  std::vector<char> slips;                     ///< per field: of the bodies that slip
+  bool contact = false;                        ///< more than one field
+  bool slides = false;                         ///< some fields slip along others
+  bool touches = false;                        ///< some fields part and slide
+  std::vector<char> parts;                     ///< per field: parts from some other
+  std::vector<char> settles;                   ///< per field: see `Mpm::settle_contacts`
+  std::vector<std::vector<Meeting>> meetings;  ///< per block
+  std::vector<NodeArray<NodeVelocity>> pull;   ///< block x field that parts: change of velocity by forces
+  bool filters = false;                        ///< some body uses XPIC
+  bool maps_back = false;                      ///< some body is updated by MUSL
+  bool strains_early = false;                  ///< some body is updated by USL
+  bool conducts = false;                       ///< some body conducts heat in shocks
+  std::vector<char> shocked;                   ///< per block: there is a shock in it
+  bool keeps_energy = false;                   ///< some body's transfer loses no energy
+  std::vector<std::vector<Hold>> holds;        ///< per block
+  std::vector<NodeArray<NodeState>> state;     ///< block x field, as the points wrote them
   std::vector<NodeArray<NodeVelocity>> velocity;
   std::vector<NodeArray<NodeVelocity>> gradient;
   std::vector<NodeArray<NodeVelocity>> area;  ///< of bodies their area, of fluids that slip along them their pressure
@@ -185,6 +238,10 @@ struct Mpm::Workspace {
   double mass_floor = std::numeric_limits<double>::min();  ///< nodes below it are empty [kg]
 
   [[nodiscard]] int slot(int block, int field) const { return block * fields + field; }
+  /// See `Hold::weight`.
+  [[nodiscard]] std::vector<std::vector<double>> const& weights(int field) const {
+    return one_sided[field] != 0 ? own_weight : node_weight;
+  }
 
   [[nodiscard]] bool slips_along(int fluid, int body) const {
     return laws[fluid * fields + body].kind == Law::Kind::slips && slips[fluid] != 0;

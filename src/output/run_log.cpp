@@ -49,6 +49,7 @@ char const* key_of(run::AuditFinding::Kind kind) {
     case Kind::drift: return "drift";
     case Kind::ledger: return "ledger";
     case Kind::unlit: return "unlit_explosive";
+    case Kind::contact: return "contact";
   }
   return "";
 }
@@ -221,7 +222,8 @@ json points(run::World const& world, double wall_seconds) {
               {"work", json_or_null(energy.work)},
               {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
               {"filtered", json_or_null(energy.dissipated.filtered)},
-              {"friction", json_or_null(energy.dissipated.friction)}}},
+              {"friction", json_or_null(energy.dissipated.friction)},
+              {"contact", json_or_null(energy.dissipated.contact)}}},
             {"lost_points", p.losses().points}}}};
 }
 
@@ -267,6 +269,7 @@ json mpm_region(run::World const& world, double wall_seconds) {
             {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
             {"filtered", json_or_null(energy.dissipated.filtered)},
             {"friction", json_or_null(energy.dissipated.friction)},
+            {"contact", json_or_null(energy.dissipated.contact)},
             {"scale", json_or_null(energy.scale)},
             {"drift", json_or_null(energy.drift())},
             {"largest_drift", largest_drift(world)}}}};

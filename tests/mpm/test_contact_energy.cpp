@@ -1,0 +1,358 @@
+// What contact does to the energy: discs that collide, water that hits metal, discs that roll and slip.
+#include <numbers>
+
+#include "mpm/explosives.hpp"
+
+namespace brisance::test {
+namespace {
+
+using grid::Boundary;
+using grid::Geometry;
+
+/// Energy with all that left or is lost and counted, less the work of outer forces.
+double accounted(Problem const& p) {
+  return p.energy() + p.mpm->losses().energy + p.mpm->dissipation().sum() - p.mpm->outer_work();
+}
+
+/// Two elastic discs that meet, `axis` after `axis` renamed: where x stands in the deck, the calculation has axes[0].
+struct Collision : Problem {
+  Collision(ShapeFunction shape, StressOrder order, double radius, double speed, double offset, double friction,
+            Index3 const& axes = {0, 1, 2}, int dimensions = 2, int block_cells = 0) {
+    auto const turned = [&](Vec3 const& x) {
+      Vec3 y{};
+      for (int d = 0; d < 3; ++d) y[axes[d]] = x[d];
+      return y;
+    };
+    int const across = static_cast<int>(2.0 * radius + 14.0);
+    int const along = static_cast<int>(4.0 * radius + 18.0);
+    Index3 cells{1, 1, 1};
+    for (int d = 0; d < dimensions; ++d) cells[axes[d]] = d == 0 ? along : across;
+    box(dimensions == 2 ? Geometry::planar2d : Geometry::cartesian3d, 1.0, cells, Boundary::outflow);
+    options.shape = shape;
+    options.order = order;
+    options.block_cells = block_cells;
+    add(unit_solid(0.3));
+    add(unit_solid(0.3));
+    contacts.push_back({0, 1, friction});
+    start();
+    Vec3 const middle{0.5 * along, 0.5 * across, dimensions == 2 ? 0.0 : 0.5 * across};
+    Vec3 const half{radius + 1.0, 0.5 * offset, dimensions == 2 ? 0.0 : 0.3 * offset};
+    for (int body = 0; body < 2; ++body) {
+      double const side = body == 0 ? -1.0 : 1.0;
+      Vec3 const centre = turned(middle + side * half);
+      Vec3 const velocity = turned({-side * speed, 0.0, 0.0});
+      auto const moving = [=](Vec3 const&) { return velocity; };
+      if (dimensions == 2) {
+        fill(body, shape::Cylinder{centre, radius, 1.0, {0.0, 0.0, 1.0}}, moving);
+      } else {
+        fill(body, shape::Sphere{centre, radius}, moving);
+      }
+    }
+  }
+};
+
+// Slow and fast, head-on and obliquely: no energy is made or lost unseen, and what is lost where the surfaces meet is
+// small and no gain. Before the impulses were settled by what the points map back these gained 2 to 35 %.
+TEST(ContactEnergy, DiscsThatCollideKeepIt) {
+  for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp, ShapeFunction::linear}) {
+    for (StressOrder const order : {StressOrder::musl, StressOrder::usf}) {
+      if (shape == ShapeFunction::linear && order == StressOrder::usf) continue;  // loses energy without a contact too
+      for (auto const& [speed, offset] : {std::pair{0.05, 5.0}, std::pair{0.01, 0.0}, std::pair{0.01, 4.0}}) {
+        Collision discs(shape, order, 8.0, speed, offset, 0.0);
+        double const before = discs.energy();
+        double worst = 0.0;
+        double const span = 2.0 / speed + 60.0;
+        for (int part = 0; part < 20; ++part) {
+          discs.run(span / 20.0, 0.33);
+          worst = std::max(worst, std::abs(accounted(discs) / before - 1.0));
+        }
+        double const lost = discs.mpm->dissipation().contact / before;
+        double const back = -discs.mpm->sums(0).momentum[0] / (discs.mpm->sums(0).mass * speed);
+        std::printf(
+            "%s, %s, speed %g: drift %.2f %% at most, at the end %.3f %%; %.2f %% lost where they met; back with "
+            "%.3f\n",
+            name_of(shape), name_of(order), speed, 100.0 * worst, 100.0 * (accounted(discs) / before - 1.0),
+            100.0 * lost, back);
+        EXPECT_LT(std::abs(accounted(discs) / before - 1.0), 0.005);
+        // Velocities stand half a step behind: on the way there is what passes between kinetic and elastic energy in
+        // half a step, as without a contact.
+        EXPECT_LT(worst, 0.01);
+        // A plastic impact of the nodes in the zone of contact, which is two layers of 8 cells; tents have the noisiest
+        // nodes. Up to 4.1 % was measured (tents 5.9 %).
+        EXPECT_LT(lost, shape == ShapeFunction::linear ? 0.08 : 0.06);
+        // Contact that has made energy is settled until it has not: 0.3 % was measured between, and counts as drift.
+        EXPECT_GT(lost, -0.005);
+        EXPECT_EQ(discs.mpm->dissipation().friction, 0.0);
+      }
+    }
+  }
+}
+
+// The loss where surfaces meet is that of the nodes that meet: with twice the cells less than half of it is left.
+TEST(ContactEnergy, LossWhereBodiesMeetFallsWithTheCells) {
+  std::array<double, 2> lost{};
+  for (int n = 0; n < 2; ++n) {
+    double const radius = n == 0 ? 8.0 : 16.0;
+    Collision discs(ShapeFunction::bspline, StressOrder::musl, radius, 0.05, 0.0, 0.0);
+    double const before = discs.energy();
+    discs.run(10.0 * radius + 20.0, 0.33);
+    lost[n] = discs.mpm->dissipation().contact / before;
+  }
+  std::printf("lost where they met: %.2f %% with 8 cells per radius, %.2f %% with 16\n", 100.0 * lost[0],
+              100.0 * lost[1]);
+  EXPECT_LT(std::abs(lost[1]), 0.5 * lost[0]);
+}
+
+/// What of a calculation must not depend on how its axes are called.
+std::vector<double> picture(Collision const& c, Index3 const& axes) {
+  std::vector<double> out{c.kinetic_energy(), c.energy(), c.mpm->dissipation().contact, c.mpm->dissipation().friction};
+  for (int body = 0; body < 2; ++body) {
+    auto const sums = c.mpm->sums(body);
+    for (int d = 0; d < 3; ++d) out.push_back(sums.momentum[axes[d]]);
+    for (int d = 0; d < 2; ++d) out.push_back(sums.centre[axes[d]]);
+  }
+  return out;
+}
+
+// What contact takes is counted once, whichever blocks the nodes and points lie in.
+TEST(ContactEnergy, AccountsDoNotDependOnTheBlocks) {
+  std::vector<double> first;
+  for (int const block_cells : {64, 8, 5}) {
+    Collision discs(ShapeFunction::bspline, StressOrder::musl, 6.3, 0.05, 3.1, 0.3, {0, 1, 2}, 2, block_cells);
+    double const scale = discs.energy();
+    discs.run(60.0, 0.33);
+    std::vector<double> const now = picture(discs, {0, 1, 2});
+    if (first.empty()) first = now;
+    for (std::size_t n = 0; n < now.size(); ++n) {
+      EXPECT_NEAR(now[n], first[n], 1e-10 * std::max(scale, std::abs(first[n]))) << block_cells << ", " << n;
+    }
+  }
+  EXPECT_GT(first[3], 1e-3 * first[1]) << "there is friction";
+}
+
+// A block of water that hits a plate of copper at 100 m/s.
+TEST(ContactEnergy, WaterThatHitsMetalKeepsIt) {
+  for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp}) {
+    std::array<double, 2> drift{};
+    for (int const parts : {0, 1}) {
+      Problem p;
+      double const h = 2e-3;
+      p.box(Geometry::planar2d, h, {70, 60, 1}, Boundary::outflow);
+      p.options.shape = shape;
+      p.options.linear_viscosity = 0.06;
+      p.options.quadratic_viscosity = 1.5;
+      material::Solid liquid;
+      liquid.name = "water";
+      liquid.eos = material::StiffenedGas{4.4, 6e8};
+      liquid.density = 1000.0;
+      liquid.specific_energy = (101325.0 + 4.4 * 6e8) / (3.4 * 1000.0);
+      int const water = p.add(liquid);
+      int const plate = p.add(copper());
+      if (parts == 1) p.contacts.push_back({water, plate, 0.0});
+      p.start();
+      p.fill(water, shape::Box{{0.02, 0.02, -1.0}, {0.06, 0.1, 1.0}}, [](Vec3 const&) {
+        return Vec3{100.0, 0.0, 0.0};
+      });
+      p.fill(plate, shape::Box{{0.06, 0.01, -1.0}, {0.07, 0.11, 1.0}});
+      double const moving = p.kinetic_energy();
+      double const before = p.energy();
+      while (p.mpm->time() < 1e-4) p.mpm->advance(p.mpm->stable_step());
+      drift[parts] = (accounted(p) - before) / moving;
+      std::printf("%s, %s: drift %.2f %%, %.2f %% lost where they met, %ld points left\n", name_of(shape),
+                  parts == 1 ? "parts" : "glued", 100.0 * drift[parts], 100.0 * p.mpm->dissipation().contact / moving,
+                  p.mpm->losses().points);
+    }
+    EXPECT_LT(std::abs(drift[1]), 0.005);
+  }
+}
+
+/// A disc of 16 cells per radius on ground that is level, under a gravity that is not.
+struct Roller : Problem {
+  static constexpr double radius = 16.0;
+  static constexpr double gravity = 1.3e-4;
+  static constexpr double way = 32.0;
+  double slope = 0.0;
+  double friction = 0.0;
+
+  Roller(ShapeFunction shape, double degrees, double mu, bool rigid)
+      : slope(degrees * std::numbers::pi / 180.0), friction(mu) {
+    box(Geometry::planar2d, 1.0, {84, 42, 1}, Boundary::outflow);
+    options.shape = shape;
+    options.linear_viscosity = 0.06;
+    options.quadratic_viscosity = 1.5;
+    options.body_force = {gravity * std::sin(slope), -gravity * std::cos(slope), 0.0};
+    int const ground = add(unit_solid(0.3));
+    int const disc = add(unit_solid(0.3));
+    if (rigid) bodies[ground].rigid_velocity = Vec3{0.0, 0.0, 0.0};
+    contacts.push_back({ground, disc, mu});
+    if (!rigid)
+      constraints.push_back({shape::Box{{-1.0, -1.0, -1.0}, {85.0, 1.0, 1.0}}, {true, true, true}, {}, ground});
+    start();
+    fill(ground, shape::Box{{0.0, 0.0, -1.0}, {84.0, 4.0, 1.0}});
+    fill(disc, shape::Cylinder{{20.0, 20.0, 0.0}, radius, 1.0, {0.0, 0.0, 1.0}});
+  }
+  [[nodiscard]] bool rolls() const { return std::tan(slope) <= 3.0 * friction; }
+  [[nodiscard]] double acceleration() const {
+    return rolls() ? 2.0 / 3.0 * gravity * std::sin(slope) : gravity * (std::sin(slope) - friction * std::cos(slope));
+  }
+  /// How fast the lowest point of the disc slides.
+  double sliding() {
+    auto const sums = mpm->sums(1);
+    Vec3 const v = (1.0 / sums.mass) * sums.momentum;
+    double spin = 0.0;
+    double inertia = 0.0;
+    for_each_point(1, [&](mpm::PointSet const& set, int q) {
+      Vec3 const r = position(set, q) - sums.centre;
+      Vec3 const u = get(set, q, Field::velocity_x) - v;
+      spin += set.field(Field::mass)[q] * (r[0] * u[1] - r[1] * u[0]);
+      inertia += set.field(Field::mass)[q] * (r[0] * r[0] + r[1] * r[1]);
+    });
+    return v[0] + spin / inertia * radius;
+  }
+};
+
+// A disc rolls down with 2/3 g sin(slope) where tan(slope) < 3 mu, and slides with g (sin - mu cos) where it is
+// steeper. The heat of the friction is its force times the way that the surfaces slide.
+TEST(ContactEnergy, DiscRollsAndSlipsDownASlope) {
+  struct Way {
+    ShapeFunction shape;
+    double degrees;
+    bool rigid;
+  };
+  for (auto const& [shape, degrees, rigid] :
+       {Way{ShapeFunction::bspline, 45.0, true}, Way{ShapeFunction::bspline, 45.0, false},
+        Way{ShapeFunction::gimp, 45.0, true}, Way{ShapeFunction::bspline, 60.0, true},
+        Way{ShapeFunction::bspline, 60.0, false}}) {
+    Roller roller(shape, degrees, 0.495, rigid);
+    double const from = roller.mpm->sums(1).centre[0];
+    double const mass = roller.mpm->sums(1).mass;
+    double const time = std::sqrt(2.0 * Roller::way / roller.acceleration());
+    double rubbed = 0.0;
+    for (int part = 0; part < 100; ++part) {
+      double const slid = roller.sliding();
+      roller.run(time / 100.0, 0.35);
+      rubbed += 0.5 * (slid + roller.sliding()) * time / 100.0;
+    }
+    rubbed *= roller.friction * mass * Roller::gravity * std::cos(roller.slope);
+    double const way = (roller.mpm->sums(1).centre[0] - from) / Roller::way;
+    double const work = roller.mpm->outer_work();
+    double const drift = accounted(roller) / work;
+    double const heat = roller.mpm->dissipation().friction;
+    std::printf(
+        "%s, %s ground, %s: %.4f of the way; drift %.2e of the work, friction took %.3f of it (force times slip "
+        "%.3f)\n",
+        name_of(shape), rigid ? "rigid" : "elastic", roller.rolls() ? "rolls" : "slips", way, drift, heat / work,
+        rubbed / work);
+    EXPECT_NEAR(way, 1.0, 0.03);
+    EXPECT_LT(std::abs(drift), 0.005);
+    EXPECT_GT(heat, 0.0);
+    // Where it rolls too some: the surfaces shear within a cell of each other.
+    if (roller.rolls()) {
+      EXPECT_LT(heat / work, 0.04);
+    } else {
+      EXPECT_NEAR(heat / rubbed, 1.0, 0.1);
+    }
+  }
+}
+
+// Dust that is pressed on held nodes, at rest and in motion, by other dust and by a rigid body in motion: nodes are
+// held where the surfaces meet, and what is lost is counted to round-off.
+TEST(ContactEnergy, LossWhereConstraintsHoldTheNodesThatMeet) {
+  for (bool const rigid : {false, true}) {
+    for (double const v : {0.0, 0.004}) {
+      Problem p;
+      p.box(Geometry::planar2d, 1.0, {12, 12, 1}, Boundary::outflow);
+      p.options.block_cells = 4;
+      p.constraints.push_back({shape::Box{{-1.0, -1.0, -1.0}, {13.0, 3.0, 1.0}}, {true, true, false}, {v, v, 0.0}, 0});
+      p.options.linear_viscosity = p.options.quadratic_viscosity = 0.0;
+      material::Solid const dust = material::elastic_solid(1.0, 1e-30, 0.0);
+      p.add(dust);
+      p.add(dust);
+      if (rigid) p.bodies[1].rigid_velocity = Vec3{0.01, -0.02, 0.0};
+      p.contacts.push_back({0, 1, 0.3});
+      p.start();
+      p.fill_lattice(0, {2.0, 2.5, 0.0}, {16, 3, 1}, 0.5, {0.0, 0.0, 0.0});
+      p.fill_lattice(1, {3.0, 4.2, 0.0}, {12, 6, 1}, 0.5, {0.01, -0.02, 0.0});
+      double const before = p.energy();
+      p.run(60.0, 0.25);
+      mpm::Dissipation const& d = p.mpm->dissipation();
+      double const lost = before + p.mpm->outer_work() - p.energy();
+      double const counted = d.held + d.friction + d.contact;
+      std::printf("%s, held at %g: lost %.4g J, counted %.4g J: held %.3g, friction %.3g, contact %.3g\n",
+                  rigid ? "rigid" : "dust", v, lost, counted, d.held, d.friction, d.contact);
+      EXPECT_GT(lost, 1e-6);
+      EXPECT_NEAR(counted / lost, 1.0, 1e-9);
+    }
+  }
+}
+
+// A body of two cells lies on a wall that rubs, and another one hits it: wall and contact stop the same nodes. What
+// waves, wall and contact have is all there is. The same where a rigid body presses it on the wall.
+TEST(ContactEnergy, IsKeptBetweenAWallAndABody) {
+  for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp}) {
+    for (StressOrder const order : {StressOrder::musl, StressOrder::usf}) {
+      for (bool const rigid : {false, true}) {
+        Problem p;
+        p.box(Geometry::planar2d, 1.0, {16, 16, 1}, Boundary::outflow);
+        p.domain.boundary[2] = Boundary::wall;
+        p.options.shape = shape;
+        p.options.order = order;
+        p.options.wall_friction = 0.2;
+        p.add(unit_solid(0.3));
+        p.add(unit_solid(0.3));
+        Vec3 const coming{0.005, -0.02, 0.0};
+        if (rigid) p.bodies[1].rigid_velocity = coming;
+        p.contacts.push_back({0, 1, 0.2});
+        p.start();
+        p.fill_lattice(0, {3.0, 0.0, 0.0}, {20, 4, 1}, 0.5, {0.0, 0.0, 0.0});
+        p.fill_lattice(1, {4.0, 2.2, 0.0}, {14, 12, 1}, 0.5, coming);
+        double const before = p.energy();
+        p.run(rigid ? 20.0 : 60.0, 0.08);
+        mpm::Dissipation const& d = p.mpm->dissipation();
+        double const moved = rigid ? p.mpm->outer_work() : before;
+        double const drift = (p.energy() + d.held + d.friction + d.contact - p.mpm->outer_work() - before) / moved;
+        std::printf("%s, %s, %s: drift %.2f %%, held %.2f %%, friction %.2f %%, contact %.2f %%\n", name_of(shape),
+                    name_of(order), rigid ? "pressed" : "hit", 100.0 * drift, 100.0 * d.held / moved,
+                    100.0 * d.friction / moved, 100.0 * d.contact / moved);
+        EXPECT_GT(moved, 0.0);
+        EXPECT_LT(std::abs(drift), 0.01);
+      }
+    }
+  }
+}
+
+// A rigid piston stands on a wall and pushes a body along it: fields of bodies have no images behind the wall, and what
+// the piston gives them counts whole at the nodes on it and behind it.
+TEST(ContactEnergy, PistonOnAWallGivesWhatTheBodyGets) {
+  for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp, ShapeFunction::linear}) {
+    for (Boundary const ground : {Boundary::wall, Boundary::symmetry}) {
+      Problem p;
+      p.box(Geometry::planar2d, 1.0, {20, 8, 1}, Boundary::outflow);
+      p.domain.boundary[2] = ground;
+      p.options.shape = shape;
+      int const piston = p.add(unit_solid(0.3));
+      int const body = p.add(unit_solid(0.3));
+      double const v = 0.02;
+      p.bodies[piston].rigid_velocity = Vec3{v, 0.0, 0.0};
+      p.contacts.push_back({piston, body, 0.2});
+      p.start();
+      p.fill_lattice(piston, {2.0, 0.0, 0.0}, {4, 6, 1}, 0.5, {v, 0.0, 0.0});
+      p.fill_lattice(body, {4.1, 0.0, 0.0}, {10, 6, 1}, 0.5, {0.0, 0.0, 0.0});
+      double const before = p.energy();
+      p.run(60.0, 0.1);
+      double const got = p.mpm->sums(body).momentum[0];
+      mpm::Dissipation const& d = p.mpm->dissipation();
+      double const work = p.mpm->outer_work();
+      double const drift = (p.energy() + d.held + d.friction + d.contact - work - before) / work;
+      std::printf("%s: momentum wrong by %.1e; drift %.2f %% of the work\n", name_of(shape),
+                  p.mpm->constraint_impulse()[0] / got - 1.0, 100.0 * drift);
+      EXPECT_GT(got, 15.0 * v);  // 15 m2 of body
+      EXPECT_NEAR(p.mpm->constraint_impulse()[0] / got, 1.0, 1e-9);
+      EXPECT_NEAR(work / (got * v), 1.0, 1e-9);
+      EXPECT_LT(std::abs(drift), 0.01);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace brisance::test
