@@ -426,6 +426,18 @@ std::vector<double> const& Mesh::faces(int direction) const { return data_->face
 
 void Mesh::spans(double y, double z, std::vector<Span>& out) const { (void)data_->spans(y, z, out); }
 
+Mesh Mesh::turned(Index3 const& axes) const {
+  std::vector<Vec3> corners;
+  corners.reserve(3 * data_->triangles.size());
+  for (Triangle const& t : data_->triangles) {
+    for (int c = 0; c < 3; ++c) {
+      Vec3 const& x = data_->vertices[t[c]];
+      corners.push_back({x[axes[0]], x[axes[1]], x[axes[2]]});
+    }
+  }
+  return {corners, "the turned mesh"};
+}
+
 bool Mesh::contains(Vec3 const& x) const {
   if (!(x[0] >= data_->lower[0] && x[0] <= data_->upper[0])) return false;
   std::vector<Crossing> crossings;

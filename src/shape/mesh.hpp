@@ -35,6 +35,9 @@ class Mesh {
   [[nodiscard]] double volume() const;       ///< [m3]; exact, by the divergence theorem
   [[nodiscard]] bool contains(Vec3 const& x) const;
 
+  /// The body with its directions renamed: direction d of the new one is axes[d] of this one.
+  [[nodiscard]] Mesh turned(Index3 const& axes) const;
+
   /// The stretches of the line along x through (y, z) that lie inside, in order.
   void spans(double y, double z, std::vector<Span>& out) const;
 

@@ -96,7 +96,8 @@ void fill_row(SubCells const& cells, Span const& span, double share, double* row
   if (to > end) row[end] += share * part(end, end, to);
 }
 
-void fill(Shape const& shape, SubCells& cells) {
+/// By lines along x.
+void fill_by_lines(Shape const& shape, SubCells& cells) {
   cells.filled.assign(static_cast<std::size_t>(cells.count[0]) * cells.count[1] * cells.count[2], 0.0);
   auto const across = [&](int d, int n) {
     if (d >= cells.dims) return std::vector<Station>{{0.0, 1.0}};
@@ -117,11 +118,39 @@ void fill(Shape const& shape, SubCells& cells) {
         for (Span const& s : inside) fill_row(cells, s, y.share * z.share, row);
       }
     }
-    for (int i = 0; i < cells.count[0]; ++i) {
-      if (row[i] < on_face) row[i] = 0.0;
-      if (row[i] > 1.0 - on_face) row[i] = 1.0;
-    }
   });
+}
+
+/// What lines along x say of a sub-cell that the surface cuts is not what lines along y say: where nothing tells the
+/// directions apart, all are asked, so that a body and its image with the axes exchanged are the same.
+void fill(Shape const& shape, SubCells& cells) {
+  fill_by_lines(shape, cells);
+  bool const along_grid = std::holds_alternative<Box>(shape) || std::holds_alternative<Everywhere>(shape);
+  if (!along_grid && grid::radial_exponent(cells.geometry) == 0) {
+    for (int d = 1; d < cells.dims; ++d) {
+      Index3 const axes = cells.dims == 2 ? Index3{1, 0, 2} : d == 1 ? Index3{1, 2, 0} : Index3{2, 0, 1};
+      SubCells seen = cells;
+      for (int e = 0; e < 3; ++e) {
+        seen.corner[e] = cells.corner[axes[e]];
+        seen.first[e] = cells.first[axes[e]];
+        seen.count[e] = cells.count[axes[e]];
+      }
+      fill_by_lines(turned(shape, axes), seen);
+      for (int k = 0; k < cells.count[2]; ++k) {
+        for (int j = 0; j < cells.count[1]; ++j) {
+          for (int i = 0; i < cells.count[0]; ++i) {
+            Index3 const at{i, j, k};
+            cells.filled[cells.index(i, j, k)] += seen.filled[seen.index(at[axes[0]], at[axes[1]], at[axes[2]])];
+          }
+        }
+      }
+    }
+    for (double& f : cells.filled) f /= cells.dims;
+  }
+  for (double& f : cells.filled) {
+    if (f < on_face) f = 0.0;
+    if (f > 1.0 - on_face) f = 1.0;
+  }
 }
 
 enum class Fate : std::uint8_t { empty, full, part, remnant };
@@ -157,7 +186,10 @@ std::vector<Fate> share_out(SubCells const& cells, std::vector<double>& volumes)
   std::vector<Index3> remnants;
   for_all(cells, [&](int i, int j, int k, std::size_t n) {
     double const f = cells.filled[n];
-    fate[n] = f <= 0.0 ? Fate::empty : f >= 1.0 ? Fate::full : f >= smallest_share ? Fate::part : Fate::remnant;
+    fate[n] = f <= 0.0                       ? Fate::empty
+              : f >= 1.0                     ? Fate::full
+              : f > smallest_share + on_face ? Fate::part
+                                             : Fate::remnant;
     if (fate[n] == Fate::remnant) remnants.push_back({i, j, k});
   });
   auto const is_particle = [&](std::size_t n) { return fate[n] == Fate::full || fate[n] == Fate::part; };
@@ -172,7 +204,7 @@ std::vector<Fate> share_out(SubCells const& cells, std::vector<double>& volumes)
       most = std::max(most, cells.filled[n]);
     });
     std::size_t const n = cells.index(at[0], at[1], at[2]);
-    if (alone && cells.filled[n] >= 0.5 * most) stay.push_back(n);
+    if (alone && cells.filled[n] >= 0.5 * most - on_face) stay.push_back(n);
   }
   for (std::size_t const n : stay) fate[n] = Fate::part;
   volumes.resize(cells.filled.size());

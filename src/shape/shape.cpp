@@ -248,6 +248,29 @@ Shape tube(Vec3 const& centre, double inner_radius, double outer_radius, double 
                  {Cylinder{centre, outer_radius, length, axis}, Cylinder{centre, inner_radius, 1.5 * length, axis}});
 }
 
+Shape turned(Shape const& shape, Index3 const& axes) {
+  struct Visitor {
+    Index3 const& axes;
+    [[nodiscard]] Vec3 turn(Vec3 const& x) const { return {x[axes[0]], x[axes[1]], x[axes[2]]}; }
+    Shape operator()(Everywhere const& s) const { return s; }
+    Shape operator()(Sphere const& s) const { return Sphere{turn(s.centre), s.radius}; }
+    Shape operator()(Hemisphere s) const {
+      s.centre = turn(s.centre);
+      s.normal = turn(s.normal);
+      return s;
+    }
+    Shape operator()(Cylinder const& s) const { return Cylinder{turn(s.centre), s.radius, s.length, turn(s.axis)}; }
+    Shape operator()(Box const& s) const { return Box{turn(s.lower), turn(s.upper)}; }
+    Shape operator()(Mesh const& s) const { return s.turned(axes); }
+    Shape operator()(std::shared_ptr<Combination const> const& s) const {
+      std::vector<Shape> parts;
+      for (Shape const& part : s->parts) parts.push_back(turned(part, axes));
+      return combine(s->operation, std::move(parts));
+    }
+  };
+  return std::visit(Visitor{axes}, shape);
+}
+
 Cover cover(Shape const& shape, int dimensions, Vec3 const& middle, double half) {
   return std::visit(
       [&](auto const& s) {

@@ -59,6 +59,9 @@ struct Combination {
 /// The ring or tube between two coaxial cylinders.
 [[nodiscard]] Shape tube(Vec3 const& centre, double inner_radius, double outer_radius, double length, Vec3 const& axis);
 
+/// The shape with its directions renamed: direction d of the new one is axes[d] of the old one.
+[[nodiscard]] Shape turned(Shape const& shape, Index3 const& axes);
+
 /// Is the point x inside?
 [[nodiscard]] bool contains(Shape const& shape, Vec3 const& x);
 
