@@ -296,12 +296,14 @@ def dissipation_words(energy):
     """Kinetic energy of the points that was lost and is counted."""
     held, filtered = energy.get("lost_at_held_nodes") or 0.0, energy.get("filtered") or 0.0
     friction, contact = energy.get("friction") or 0.0, energy.get("contact") or 0.0
-    if not held and not filtered and not friction and not contact:
+    apic, lifted = energy.get("apic") or 0.0, energy.get("lifted") or 0.0
+    if not any((held, filtered, apic, friction, contact, lifted)):
         return ""
     return (f"Points lost {number(held, 3)} J of kinetic energy at held nodes, a plastic impact, PIC and XPIC took "
-            f"{number(filtered, 3)} J, the friction of contacts {number(friction, 3)} J, and bodies lost "
+            f"{number(filtered, 3)} J, APIC {number(apic, 3)} J, the friction of contacts {number(friction, 3)} J, and bodies lost "
             f"{number(max(contact, 0.0), 3)} J where they met; the drift does not hold them. "
-            + (f"Contact made {number(-contact, 3)} J, which the drift holds. " if contact < 0.0 else ""))
+            + (f"Contact made {number(-contact, 3)} J, which the drift holds. " if contact < 0.0 else "")
+            + (f"Guards lifted gas points by {number(lifted, 3)} J, which the drift holds. " if lifted else ""))
 
 
 def point_audit_section(log):

@@ -208,14 +208,21 @@ void print_broken_zones(run::World const& world) {
 
 /// Kinetic energy that the points lost, where it is known.
 void print_dissipation(run::EnergyBalance const& energy) {
-  auto const& [held, filtered, friction, contact] = energy.dissipated;
-  if (held == 0.0 && filtered == 0.0 && friction == 0.0 && contact == 0.0) return;
+  auto const& [held, filtered, apic, friction, contact] = energy.dissipated;
+  if (held == 0.0 && filtered == 0.0 && apic == 0.0 && friction == 0.0 && contact == 0.0) return;
   print(stdout,
-        "kinetic energy lost and counted: {} at held nodes, {} by PIC and XPIC, {} by the friction of contacts, {} "
-        "where bodies meet{}; {:.2g} % of the energy at work\n",
-        quantity(held, "J"), quantity(filtered, "J"), quantity(friction, "J"), quantity(contact, "J"),
-        contact < 0.0 ? " (energy that they made: it counts as drift)" : "",
+        "kinetic energy lost and counted: {} at held nodes, {} by PIC and XPIC, {} by APIC, {} by the friction of "
+        "contacts, {} where bodies meet{}; {:.2g} % of the energy at work\n",
+        quantity(held, "J"), quantity(filtered, "J"), quantity(apic, "J"), quantity(friction, "J"),
+        quantity(contact, "J"), contact < 0.0 ? " (energy that they made: it counts as drift)" : "",
         energy.scale > 0.0 ? 100.0 * energy.dissipated.sum() / energy.scale : 0.0);
+}
+
+/// Energy that gas points were given because they had less than none.
+void print_lifted(mpm::Mpm const& points) {
+  if (points.floored().points == 0) return;
+  print(stdout, "guards: {} updates of gas points lifted to no pressure; they added {:.3g} J\n",
+        points.floored().points, points.floored().energy);
 }
 
 void print_point_audit(run::World const& world) {
@@ -227,6 +234,7 @@ void print_point_audit(run::World const& world) {
         energy.work != 0.0 ? fmt::format(" by the work {} of outer forces", quantity(energy.work, "J")) : "",
         100.0 * energy.drift(), quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
+  print_lifted(*world.points);
   auto const& lost = world.points->losses();
   if (lost.points > 0) {
     print(stdout, "{} points left the domain with {:.4g} kg and {}\n", lost.points, lost.mass,
@@ -246,6 +254,7 @@ void print_region_audit(run::World const& world) {
         quantity(energy.current + energy.lost, "J"), 100.0 * energy.drift(), quantity(energy.scale, "J"),
         verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
+  print_lifted(*world.points);
   print_guards(world.audit);
   if (!world.awake_since) {
     print(stdout, "MPM region: no wave came near, its points slept\n");

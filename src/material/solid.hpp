@@ -77,6 +77,15 @@ struct Solid {
   [[nodiscard]] bool tears() const { return spall != Spall::limit && minimum_pressure > -unbounded; }
   /// Does it have a burn fraction?
   [[nodiscard]] bool burns() const { return detonation_speed > 0.0; }
+  /// Is it a gas: nothing in it that could be under tension, whatever its density?
+  [[nodiscard]] bool is_gas() const {
+    auto const gas = [](auto const& model) {
+      return std::holds_alternative<IdealGas>(model) || std::holds_alternative<Jwl>(model);
+    };
+    if (has_deviator()) return false;
+    if (!mixes()) return gas(eos);
+    return gas(mixture->ambient) && (!mixture->two || gas(mixture->second));
+  }
   /// Does it mix two fluids?
   [[nodiscard]] bool mixes() const { return mixture.has_value(); }
 };

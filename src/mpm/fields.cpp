@@ -148,7 +148,7 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
         body[node].force -= Lanes4{part, part, part, 0.0} * push;
         if (!w.rigid[f]) continue;
         for (int d = 0; d < 3; ++d) {
-          double const impulse = w.node_weight[block][node] * dt * push[d];
+          double const impulse = dt * push[d] * w.own_mass(block, g, node) / fluid[node].momentum[3];
           scratch.pressed.impulse[d] += impulse;
           scratch.pressed.work += impulse * (*w.rigid[f])[d];
         }
@@ -314,18 +314,17 @@ void Mpm::share_momentum(int block, Scratch& scratch) const {
 Dissipation Mpm::pushed_by_rigid(int block, Scratch const& scratch) const {
   Workspace const& w = *work_;
   Dissipation work;
-  if (w.node_weight[block].empty() || w.meetings[block].empty()) return work;
+  if (!w.pushes || w.meetings[block].empty()) return work;
   for (int f = 0; f < w.fields; ++f) {
     if (scratch.meets[f] == 0) continue;
     NodeVelocity const* meet = scratch.meet[f].data();
     NodeVelocity const* rub = scratch.rub[f].data();
-    NodeState const* nodes = scratch.state[f].data();
     for (int node = 0; node < w.patches[block].count(); ++node) {
       // One rigid body per node, as where contact gives its work. Between two that are not rigid the sum cancels.
       for (int g = 0; g < w.fields; ++g) {
         if (!w.rigid[g] || scratch.present[g] == 0 || !(scratch.state[g].data()[node].momentum[3] > 0.0)) continue;
         Vec3 const& v = *w.rigid[g];
-        double const mass = w.weights(f)[block][node] * nodes[node].momentum[3];
+        double const mass = w.own_mass(block, f, node);
         work.contact += mass * (meet[node][0] * v[0] + meet[node][1] * v[1] + meet[node][2] * v[2]);
         work.friction += mass * (rub[node][0] * v[0] + rub[node][1] * v[1] + rub[node][2] * v[2]);
         break;
@@ -405,8 +404,10 @@ void Mpm::settle_contacts(bool map_again) {
       }
       if (!w.rigid[a] && !w.rigid[b]) continue;
       Vec3 const& pusher = w.rigid[a] ? *w.rigid[a] : *w.rigid[b];
-      double const weight = w.weights(w.rigid[a] ? b : a)[block][meeting.node];
-      double const given = (w.rigid[a] ? mass : -mass) * weight;
+      // By the mass of the block's own points, as `Workspace::own_mass`, where they are now.
+      int const slot = w.slot(block, w.rigid[a] ? b : a);
+      double const own = w.present[slot] != 0 ? w.velocity[slot].data()[meeting.node][3] : 0.0;
+      double const given = w.rigid[a] ? own * share_b : -own * share_a;
       Vec3 const change = parting.across + parting.along;
       w.impulse[block] = w.impulse[block] + given * change;
       w.work[block] += given * dot(change, pusher);
@@ -471,9 +472,8 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
       Scratch* s;
       std::vector<Meeting>* meetings;
       std::vector<std::optional<Vec3>> const* rigid;
-      double const* weights;      ///< of the nodes; null: nobody wants to know what rigid bodies give
-      double const* own_weights;  ///< the same in fields without images behind walls
-      std::vector<char> const* one_sided;
+      Workspace const* workspace;
+      int block;
       Given* given;
       double mass(int f, int node) const { return s->state[f].data()[node].momentum[3]; }
       double whole(int f, int node) const { return s->wholes[f] != 0 ? s->whole[f].data()[node] : mass(f, node); }
@@ -487,10 +487,9 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
           double const change = v[d] - r.momentum[d];
           r.force[d] += change;
           r.momentum[d] = v[d];
-          if (weights == nullptr) continue;
+          if (!workspace->pushes) continue;
           // Between two bodies that are not rigid these cancel.
-          double const weight = (*one_sided)[f] != 0 ? own_weights[node] : weights[node];
-          double const impulse = weight * r.momentum[3] * change;
+          double const impulse = workspace->own_mass(block, f, node) * change;
           given->impulse[d] += impulse;
           if (Vec3 const* pusher = rigid_at(node)) given->work += impulse * (*pusher)[d];
         }
@@ -518,8 +517,6 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
       NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
       double extent(int f, int node) const { return s->extent[f].data()[node]; }
     };
-    double const* weights = w.node_weight[block].empty() ? nullptr : w.node_weight[block].data();
-    double const* own_weights = weights == nullptr ? nullptr : w.own_weight[block].data();
     constexpr double touch = 1e-6;  // cells: bodies that are placed side by side touch, whatever the round-off
     // Cells. A node that a rigid body reaches with its outermost points only feels it as it feels any body: by its
     // mass. Held there altogether, a disc that rolls cannot turn within a cell of the ground and loses 4 % of its way.
@@ -527,7 +524,7 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
     constexpr double near = 0.75;
     make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips, true,
                      touch * grid_.domain().h, near * grid_.domain().h},
-                    Access{&scratch, &w.meetings[block], &w.rigid, weights, own_weights, &w.one_sided, &given});
+                    Access{&scratch, &w.meetings[block], &w.rigid, &w, block, &given});
     mirror_fluids(block, scratch, true);
     if (w.meetings[block].empty()) {
       std::fill(scratch.meets.begin(), scratch.meets.end(), 0);
@@ -557,21 +554,37 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
       double const m = r.momentum[3];
       if (!(m > w.mass_floor)) continue;
       NodeVelocity& halt = scratch.halt[f].data()[hold.node];
-      double const weight = w.one_sided[f] != 0 ? hold.own_weight : hold.weight;
+      double const own = w.own_mass(block, f, hold.node);
       for (int d = 0; d < 3; ++d) {
         if (!hold.held[d]) continue;
         double const change = hold.velocity[d] - r.momentum[d];
-        given.impulse[d] += weight * m * change;
-        given.work += weight * m * change * hold.velocity[d];
+        // What an earlier constraint or a wall has booked.
+        double const stopped = scratch.stops[f] != 0 ? scratch.stop[f].data()[hold.node][d] : 0.0;
+        double const work_before =
+            halt[d] * (r.momentum[d] - 0.5 * halt[d]) + stopped * (r.momentum[d] - 0.5 * r.force[d]);
+        given.impulse[d] += own * change;
+        given.work += own * change * hold.velocity[d];
         r.force[d] += change;
         r.momentum[d] = hold.velocity[d];
         // `force` is the whole change of the step, the one against the start of the step.
-        given.drive += weight * m * (r.force[d] - halt[d]) * hold.velocity[d];
+        double const drive = (r.force[d] - halt[d]) * hold.velocity[d];
+        double const middle = hold.velocity[d] - 0.5 * r.force[d];
+        // What contact gives while the node moves along is its own.
+        ContactChange const taken =
+            take_contact(scratch, f, hold.node, d, contact_at(scratch, f, hold.node, d), middle);
+        // Points that take over the nodes' velocity lose what the nodes do.
+        double const lost_by_node =
+            drive - r.force[d] * middle + work_before - taken.sum() * (hold.velocity[d] - middle);
+        if (w.affine[f] == 0 || w.shared[f] != 0) {
+          given.drive += own * drive;
+        } else if (w.heats[f] != 0) {
+          r.force[3] += m * lost_by_node;
+        } else {
+          given.drive += own * lost_by_node;
+        }
         halt[d] = r.force[d];
-        // The constraint does it all, but what contact gives while the node moves along is its own.
-        ContactChange const taken = take_contact(scratch, f, hold.node, d, contact_at(scratch, f, hold.node, d),
-                                                 hold.velocity[d] - 0.5 * r.force[d]);
-        if (w.affine[f] == 0) given.take(taken, weight * m * hold.velocity[d]);
+        // The constraint does all the rest.
+        if (w.affine[f] == 0) given.take(taken, own * hold.velocity[d]);
         if (scratch.meets[f] != 0) w.pull[w.slot(block, f)].data()[hold.node][d] = 0.0;
         if (scratch.stops[f] != 0) scratch.stop[f].data()[hold.node][d] = 0.0;
       }
@@ -580,12 +593,13 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
         if (!w.slips_along(g, f) || scratch.present[g] == 0) continue;
         NodeState& fluid = scratch.state[g].data()[hold.node];
         double const mass = fluid.momentum[3];
+        double const own_fluid = w.own_mass(block, g, hold.node);
         Vec3 const change = follow(w.mass_floor, scratch.gradient[f].data()[hold.node], r.momentum, fluid.momentum);
         for (int d = 0; d < 3; ++d) {
           fluid.force[d] += change[d];
           fluid.momentum[d] += change[d];
-          given.impulse[d] += hold.weight * mass * change[d];
-          given.work += hold.weight * mass * change[d] * r.momentum[d];
+          given.impulse[d] += own_fluid * change[d];
+          given.work += own_fluid * change[d] * r.momentum[d];
         }
         fluid.force[3] += 0.5 * mass * dot(change, {fluid.force[0], fluid.force[1], fluid.force[2]});  // as in contact
       }

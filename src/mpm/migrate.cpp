@@ -125,6 +125,7 @@ void Mpm::migrate() {
           }
           lost.mass += m;
           lost.energy += m * (0.5 * square + set.field(Field::energy)[q]);
+          if (has_gradient_energy(body)) lost.energy += m * affine_energy(set, q, domain.h);
           ++lost.points;
         } else if (moved) {
           out.points.append(set, q);
@@ -147,6 +148,10 @@ void Mpm::migrate() {
     constraint_impulse_ = constraint_impulse_ + w.impulse[block];
     outer_work_ += w.work[block];
     dissipation_ += w.dissipation[block];
+    floored_ += w.floored[block];
+    conducted_ += w.conducted[block];
+    w.floored[block] = {};
+    w.conducted[block] = {};
   }
 
   // Every block takes what the blocks around it have for it, in their order.

@@ -98,44 +98,8 @@ std::array<int, 27> blocks_around(grid::Grid const& grid, int block) {
   return around;
 }
 
-/// How much of a node belongs to a block: 0 where another block counts it, halves on mirror planes. `own`: in a field
-/// that has no images behind walls, whose nodes there are like any others.
-double node_weight(grid::Grid const& grid, int block, Patch const& patch, Index3 const& node, bool own) {
-  auto const side_of = [&](int d, int side) {
-    Side const s = beyond(grid, block, d, side);
-    return own && s.mirror && grid.domain().boundary[2 * d + side] == grid::Boundary::wall ? Side{} : s;
-  };
-  double weight = 1.0;
-  for (int d = 0; d < patch.dimensions; ++d) {
-    int const i = node[d] - patch.reach;
-    Side const low = side_of(d, 0);
-    Side const high = side_of(d, 1);
-    bool const low_open = low.block == grid::no_neighbour;
-    bool const high_open = high.block == grid::no_neighbour;
-    if (i < 0 && !low_open) return 0.0;
-    if (i == 0 && low.mirror) weight *= 0.5;
-    if (i == patch.cells[d] && high.mirror) {
-      weight *= 0.5;
-    } else if (i >= patch.cells[d] && !high_open) {
-      return 0.0;
-    }
-  }
-  return weight;
-}
-
-std::vector<double> node_weights(grid::Grid const& grid, int block, Patch const& patch, bool own) {
-  std::vector<double> weights;
-  weights.reserve(patch.count());
-  for (int k = 0; k < patch.n[2]; ++k) {
-    for (int j = 0; j < patch.n[1]; ++j) {
-      for (int i = 0; i < patch.n[0]; ++i) weights.push_back(node_weight(grid, block, patch, {i, j, k}, own));
-    }
-  }
-  return weights;
-}
-
-std::vector<Hold> holds_of(grid::Grid const& grid, int block, Patch const& patch,
-                           std::vector<Constraint> const& constraints, std::vector<int> const& field_of) {
+std::vector<Hold> holds_of(grid::Grid const& grid, Patch const& patch, std::vector<Constraint> const& constraints,
+                           std::vector<int> const& field_of) {
   std::vector<Hold> holds;
   for (Constraint const& c : constraints) {
     for (int k = 0; k < patch.n[2]; ++k) {
@@ -147,8 +111,6 @@ std::vector<Hold> holds_of(grid::Grid const& grid, int block, Patch const& patch
           hold.field = c.body < 0 ? -1 : field_of[c.body];
           hold.held = c.held;
           hold.velocity = c.velocity;
-          hold.weight = node_weight(grid, block, patch, {i, j, k}, false);
-          hold.own_weight = node_weight(grid, block, patch, {i, j, k}, true);
           holds.push_back(hold);
         }
       }
@@ -235,11 +197,13 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     w.maps_back = w.maps_back || order_of(b) == StressOrder::musl;
     w.strains_early = w.strains_early || order_of(b) == StressOrder::usl;
     w.keeps_energy = w.keeps_energy || keeps_energy(b);
+    w.counts_energy = w.counts_energy || (affine(b) && !bodies_[b].rigid_velocity);
     w.conducts = w.conducts || bodies_[b].shock_conduction > 0.0;
     if (bodies_[b].fills_space) w.filling = w.field_of[b];
   }
   w.shared.assign(w.fields, 0);
   w.affine.assign(w.fields, 0);
+  w.heats.assign(w.fields, 0);
   for (int f = 0; f < w.fields; ++f) {
     auto const some = [&](bool wanted) {
       for (int b = 0; b < body_count; ++b) {
@@ -249,6 +213,9 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     };
     w.shared[f] = some(true) && some(false) ? 1 : 0;
     w.affine[f] = some(true) ? 1 : 0;
+    for (int b = 0; b < body_count; ++b) {
+      if (w.field_of[b] == f && keeps_energy(b)) w.heats[f] = 1;
+    }
   }
   w.filters = std::any_of(bodies_.begin(), bodies_.end(),
                           [&](Body const& b) { return b.transfer.value_or(options_.transfer) == Transfer::xpic; });
@@ -256,6 +223,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   for (int b = 0; b < body_count; ++b) {
     if (bodies_[b].rigid_velocity) w.rigid[w.field_of[b]] = bodies_[b].rigid_velocity;
   }
+  w.pushes = std::any_of(w.rigid.begin(), w.rigid.end(), [](auto const& velocity) { return velocity.has_value(); });
   w.laws.assign(static_cast<std::size_t>(w.fields) * w.fields, Law{});
   for (int a = 0; a < w.fields; ++a) {
     for (int b = 0; b < w.fields; ++b) {
@@ -280,15 +248,11 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   }
 
   int const blocks = grid_.block_count();
-  bool const any_rigid =
-      std::any_of(bodies_.begin(), bodies_.end(), [](Body const& b) { return b.rigid_velocity.has_value(); });
   w.patches = make_patches(grid_, options_.shape == ShapeFunction::linear ? Linear::reach : Gimp::reach);
   for (int b = 0; b < blocks; ++b) {
-    w.holds.push_back(holds_of(grid_, b, w.patches[b], constraints, w.field_of));
+    w.holds.push_back(holds_of(grid_, w.patches[b], constraints, w.field_of));
     w.around.push_back(blocks_around(grid_, b));
-    w.node_weight.push_back(any_rigid ? node_weights(grid_, b, w.patches[b], false) : std::vector<double>{});
     w.walls.push_back(walls_of(grid_, b, w.patches[b]));
-    w.own_weight.push_back(any_rigid ? node_weights(grid_, b, w.patches[b], true) : std::vector<double>{});
     for (Body const& body : bodies_) {
       FieldList const fields = fields_of(body, options_, grid_.domain().dimensions());
       sets_.emplace_back(fields);
@@ -317,6 +281,8 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.impulse.assign(blocks, Vec3{0.0, 0.0, 0.0});
   w.work.assign(blocks, 0.0);
   w.dissipation.assign(blocks, Dissipation{});
+  w.floored.assign(blocks, FloorCount{});
+  w.conducted.assign(blocks, ConductionCount{});
   w.meetings.resize(blocks);
   w.pull.resize(slots);
   w.lost.resize(blocks);
@@ -556,15 +522,17 @@ StressOrder Mpm::order_of(int body) const {
   return own == StressOrder::usf ? options_.order : own;
 }
 
-/// APIC projects the velocity of the nodes around a point on a linear function: what is left over is lost, and so is
-/// what the points around a node differ in. Both are never negative, if the energy of the gradient is counted: in a
-/// fluid they are a dissipation, as by viscosity, and heat.
 bool Mpm::affine(int body) const { return bodies_[body].transfer.value_or(options_.transfer) == Transfer::apic; }
 
+/// APIC projects the velocity of the nodes around a point on a linear function: what is left over is lost, and so is
+/// what the points around a node differ in. Both are never negative, if the energy of the gradient is counted: in a
+/// fluid they are a dissipation, as by viscosity, and heat. In a solid they have an account.
+bool Mpm::has_gradient_energy(int body) const {
+  return affine(body) && options_.shape == ShapeFunction::bspline && !bodies_[body].rigid_velocity;
+}
+
 bool Mpm::keeps_energy(int body) const {
-  Body const& b = bodies_[body];
-  return affine(body) && options_.shape == ShapeFunction::bspline && !b.solid.has_deviator() && !b.rigid_velocity &&
-         order_of(body) != StressOrder::usf;
+  return has_gradient_energy(body) && !bodies_[body].solid.has_deviator() && order_of(body) != StressOrder::usf;
 }
 
 void Mpm::lend_as(int body) {
@@ -660,7 +628,7 @@ BodySums Mpm::sums(int body) const {
     PointSet const& set = points(block, body);
     BodySums& s = parts[block];
     s.points = set.size();
-    bool const affine = keeps_energy(body);
+    bool const affine = has_gradient_energy(body);
     for (int q = 0; q < set.size(); ++q) {
       double const m = set.field(Field::mass)[q];
       s.mass += m;

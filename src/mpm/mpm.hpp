@@ -179,16 +179,43 @@ struct Dissipation {
   /// At nodes that constraints hold: what arrives there with another velocity takes theirs, a plastic impact.
   double held = 0.0;
   double filtered = 0.0;  ///< by the fraction of PIC, and by XPIC
+  double apic = 0.0;      ///< by APIC in bodies whose heat it is not: solids, and fluids without B-splines
   double friction = 0.0;  ///< to the friction of contacts; it heats nothing
   double contact = 0.0;   ///< where surfaces meet, a plastic impact of nodes; negative: what they have made
 
   /// Energy that contact has made is no loss but an error.
-  [[nodiscard]] double sum() const { return held + filtered + friction + (contact < 0.0 ? 0.0 : contact); }
+  [[nodiscard]] double sum() const { return held + filtered + apic + friction + (contact < 0.0 ? 0.0 : contact); }
   Dissipation& operator+=(Dissipation const& more) {
     held += more.held;
     filtered += more.filtered;
+    apic += more.apic;
     friction += more.friction;
     contact += more.contact;
+    return *this;
+  }
+};
+
+/// What gave gas points their least energy back. A gas that has less than that of no pressure pushes nothing any more
+/// and never comes back: its energy is lifted to it, which adds energy, as the guards of the gas cells do.
+struct FloorCount {
+  double energy = 0.0;  ///< added [J]
+  long points = 0;      ///< lifted, each as often as it was
+
+  FloorCount& operator+=(FloorCount const& more) {
+    energy += more.energy;
+    points += more.points;
+    return *this;
+  }
+};
+
+/// What `Body::shock_conduction` did: what some points give others take.
+struct ConductionCount {
+  double moved = 0.0;  ///< heat that changed its point [J]
+  double made = 0.0;   ///< what was taken less what was given [J]: round-off
+
+  ConductionCount& operator+=(ConductionCount const& more) {
+    moved += more.moved;
+    made += more.made;
     return *this;
   }
 };
@@ -259,8 +286,10 @@ class Mpm {
   void update_signals();
   /// Takes out the points of a block for which `outside(x)` holds, in their order, and appends them to `to`.
   void take_out(int block, int body, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to);
-  /// Does the kinetic energy that a body's transfer loses become heat? That of fluids with APIC and B-splines; their
-  /// kinetic energy then includes that of the velocity gradient.
+  /// Does the kinetic energy of a body include that of the velocity gradients of its points? That of APIC with
+  /// B-splines, to which the second moment of the weights is the same everywhere.
+  [[nodiscard]] bool has_gradient_energy(int body) const;
+  /// Does the kinetic energy that a body's transfer loses become heat? That of fluids with APIC and B-splines.
   [[nodiscard]] bool keeps_energy(int body) const;
   /// Does its energy take the work that the forces on the nodes really do? Where the points are updated by the nodes'
   /// new velocity itself.
@@ -293,6 +322,10 @@ class Mpm {
   [[nodiscard]] double outer_work() const { return outer_work_; }
   /// Since the start; what held nodes and filters take, of bodies with FLIP and XPIC.
   [[nodiscard]] Dissipation const& dissipation() const { return dissipation_; }
+  /// Since the start: energy that gas was given because it had less than none, see `FloorCount`.
+  [[nodiscard]] FloorCount const& floored() const { return floored_; }
+  /// Since the start: heat that went from points to others in shocks.
+  [[nodiscard]] ConductionCount const& conducted() const { return conducted_; }
   /// The point of a body with the given identity; `hint` is where it was last.
   [[nodiscard]] Place find(int body, long identity, Place hint = {}) const;
   /// The point of a body nearest to x [m]: its identity, or -1 for an empty body.
@@ -384,6 +417,8 @@ class Mpm {
   Vec3 constraint_impulse_{0.0, 0.0, 0.0};
   double outer_work_ = 0.0;
   Dissipation dissipation_;
+  FloorCount floored_;
+  ConductionCount conducted_;
   double fastest_ = 0.0;  ///< fastest signal of all points, weighted [m/s]
   double time_ = 0.0;
   long step_ = 0;

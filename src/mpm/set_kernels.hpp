@@ -53,6 +53,12 @@ inline Hoops hoops_of(grid::Geometry geometry) {
   }
 }
 
+/// What becomes of the kinetic energy that APIC loses.
+struct ApicEnergy {
+  bool heats = false;        ///< the points; else it is counted
+  bool of_gradient = false;  ///< is that of the velocity gradient part of a point's?
+};
+
 /// What a pass over one set needs.
 struct SetView {
   PointSet* set;
@@ -314,9 +320,11 @@ struct Kernels {
 
   /// Exchanges heat with the nodes, which hold (energy per mass * part, part, -, mass): what one point gives at a node
   /// others take.
-  static void take_heat(SetView const& v, NodeVelocity const* nodes) {
+  static ConductionCount take_heat(SetView const& v, NodeVelocity const* nodes) {
     PointSet& set = *v.set;
+    ConductionCount count;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      double const* mass = set.field(Field::mass) + begin;
       double const* density = set.field(Field::density) + begin;
       double* energy = set.field(Field::energy) + begin;
       double* pressure = set.field(Field::pressure) + begin;
@@ -328,12 +336,42 @@ struct Kernels {
         double const gained = seen[0] - seen[1] * energy[q];
         if (gained == 0.0) continue;
         energy[q] += gained;
+        count.made += mass[q] * gained;
+        count.moved += std::max(0.0, mass[q] * gained);
         pressure[q] =
             std::max(material::pressure(v.body->solid, density[q], energy[q], Y == nullptr ? 0.0 : Y[begin + q],
                                         alpha == nullptr ? 0.0 : alpha[begin + q]),
                      v.body->solid.minimum_pressure);
       }
     });
+    return count;
+  }
+
+  /// Lifts gas points whose energy is below that of no pressure, see `FloorCount`.
+  static FloorCount lift_energy(SetView const& v) {
+    PointSet& set = *v.set;
+    double const* mass = set.field(Field::mass);
+    double const* density = set.field(Field::density);
+    double const* pressure = set.field(Field::pressure);
+    double const* mass_fraction = set.field(Field::mass_fraction);
+    double const* volume_fraction = set.field(Field::volume_fraction);
+    double* energy = set.field(Field::energy);
+    FloorCount count;
+    for (int q = 0; q < set.size(); ++q) {
+      if (pressure[q] > 0.0) continue;
+      double const Y = mass_fraction == nullptr ? 0.0 : mass_fraction[q];
+      double const alpha = volume_fraction == nullptr ? 0.0 : volume_fraction[q];
+      auto const pressure_at = [&](double e) { return material::pressure(v.body->solid, density[q], e, Y, alpha); };
+      double const own = pressure_at(energy[q]);
+      if (!(own < 0.0)) continue;
+      // The pressure is linear in the energy.
+      double const scale = std::max(std::abs(energy[q]), -own / density[q]);
+      double const added = -own * scale / (pressure_at(energy[q] + scale) - own);
+      energy[q] += added;
+      count.energy += mass[q] * added;
+      ++count.points;
+    }
+    return count;
   }
 
   /// XPIC: takes from `filtered` what the nodes see of it.
@@ -350,16 +388,17 @@ struct Kernels {
   }
 
   /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity. With
-  /// `keeps_energy` the nodes hold kinetic energy per mass in the place of their mass, and what the points' velocity
-  /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C + h^4/32 B:B (B: the mixed derivatives), heats:
-  /// h^2/4 is the second moment of the B-splines. `exchange`: see `Mpm::share_momentum`, or null. `halt`: how
-  /// constraints change the nodes' velocity, or null. `meet` and `rub`: how contact does, across and along the
-  /// surfaces, friction on walls with the latter, `stop`: how walls do, across them, or null. Returns the kinetic
-  /// energy that points which follow increments lose by `halt` and `stop` (gains count negative) and by the filters,
-  /// and all points by contact and friction.
-  static Dissipation move(SetView const& v, Options const& options, double dt, bool keeps_energy,
-                          NodeState const* nodes, NodeVelocity const* exchange, NodeVelocity const* halt,
-                          NodeVelocity const* meet, NodeVelocity const* rub, NodeVelocity const* stop) {
+  /// APIC the nodes hold kinetic energy per mass in the place of their mass, and what the points' velocity
+  /// and its gradient C do not take up of it, e = v^2/2 + h^2/8 C:C + h^4/32 B:B (B: the mixed derivatives), heats or
+  /// is counted: h^2/4 is the second moment of the B-splines. With other shape functions, whose moments depend on the
+  /// place, the energy of the gradient is no part of a point's, and what it had given the nodes is taken off.
+  /// `exchange`: see `Mpm::share_momentum`, or null. `halt`: how constraints change the nodes' velocity, or null.
+  /// `meet` and `rub`: how contact does, across and along the surfaces, friction on walls with the latter, `stop`: how
+  /// walls do, across them, or null. Returns the kinetic energy that points which follow increments lose by `halt` and
+  /// `stop` (gains count negative) and by the filters, and all points by contact and friction.
+  static Dissipation move(SetView const& v, Options const& options, double dt, ApicEnergy fate, NodeState const* nodes,
+                          NodeVelocity const* exchange, NodeVelocity const* halt, NodeVelocity const* meet,
+                          NodeVelocity const* rub, NodeVelocity const* stop) {
     PointSet& set = *v.set;
     double const h = v.h;
     Transfer const transfer = v.body->transfer.value_or(options.transfer);
@@ -387,7 +426,8 @@ struct Kernels {
           std::array<Lanes4, 7> sum;
           value_and_gradient<S, D>(*v.patch, k, around.g, q, nodes, momentum_of, sum);
           lost[q] = sum[0][3] - 0.5 * (sum[0][0] * sum[0][0] + sum[0][1] * sum[0][1] + sum[0][2] * sum[0][2]);
-          for (int j = 0; j < D; ++j) {
+          if (!fate.of_gradient) lost[q] -= gradient_energy(set, k, around, h, begin, q);
+          for (int j = 0; fate.of_gradient && j < D; ++j) {
             for (int i = 0; i < 3; ++i) lost[q] -= 0.125 * sum[1 + j][i] * sum[1 + j][i];
           }
           for (int pair = 0; mixed && pair < (D == 3 ? 3 : 1); ++pair) {
@@ -419,9 +459,11 @@ struct Kernels {
             way[d][q] = dt * fresh[d][q];
           }
         }
-        if (keeps_energy) {
+        if (fate.heats) {
           double* const energy = set.field(Field::energy) + begin;
           for (int q = 0; q < n; ++q) energy[q] += lost[q];
+        } else {
+          for (int q = 0; q < n; ++q) dissipated.apic += set.field(Field::mass)[begin + q] * lost[q];
         }
         return;
       }
@@ -438,10 +480,10 @@ struct Kernels {
         std::array<NodeVelocity const*, 4> const causes{halt, stop, meet, rub};
         std::array<Lanes4, 4> by{};
         Lanes4 all{};
-        for (std::size_t n = 0; n < causes.size(); ++n) {
-          if (causes[n] == nullptr) continue;
-          velocity_at<S, D>(*v.patch, k, q, causes[n], by[n]);
-          all += by[n];
+        for (std::size_t c = 0; c < causes.size(); ++c) {
+          if (causes[c] == nullptr) continue;
+          velocity_at<S, D>(*v.patch, k, q, causes[c], by[c]);
+          all += by[c];
         }
         double const m = set.field(Field::mass)[begin + q];
         for (int d = 0; d < 3; ++d) {
@@ -480,6 +522,24 @@ struct Kernels {
       }
     });
     return dissipated;
+  }
+
+  /// What a point gave the nodes by its velocity gradient, 1/2 sum w |C (x_I - x)|^2 [J/kg].
+  static double gradient_energy(PointSet& set, Weights<S, D> const& k, AffineWeights<S, D> const& around, double h,
+                                int begin, int q) {
+    double sum = 0.0;
+    for (int j = 0; j < D; ++j) {
+      double moment = 0.0;
+      for (int s = 0; s < S::support; ++s) {
+        double const distance = around.first[j][q] + s * h;
+        moment += k.w[j][s][q] * distance * distance;
+      }
+      for (int i = 0; i < 3; ++i) {
+        double const c = set.field(Field::affine_xx + (3 * i + j))[begin + q];
+        sum += 0.5 * moment * c * c;
+      }
+    }
+    return sum;
   }
 
   /// Gives the points what contact changes once more, see `Mpm::settle_contacts`. Returns the kinetic energy that they

@@ -71,7 +71,8 @@ void Mpm::archive(Archive& a) {
   a.same(work_->loads.size(), "the number of surface pressures");
   a.sized(next_identity_, "the number of bodies");
   a(losses_.mass, losses_.momentum, losses_.energy, losses_.points, constraint_impulse_, outer_work_);
-  a(dissipation_.held, dissipation_.filtered, dissipation_.friction, dissipation_.contact);
+  a(dissipation_.held, dissipation_.filtered, dissipation_.apic, dissipation_.friction, dissipation_.contact);
+  a(floored_.energy, floored_.points, conducted_.moved, conducted_.made);
   a(fastest_, time_, step_);
   a.require(fastest_ >= 0.0 && std::isfinite(time_) && step_ >= 0, "the time of the points");
   a.sized(signals_, "the number of blocks of points");

@@ -307,7 +307,7 @@ void Mpm::conduct() {
       for (int node = 0; node < count; ++node) nodes[node][0] *= nodes[node][1];
     }
     each_set(block, [&](int body, SetView const& view, auto kernels) {
-      kernels.take_heat(view, scratch.velocity[w.field_of[body]].data());
+      w.conducted[block] += kernels.take_heat(view, scratch.velocity[w.field_of[body]].data());
     });
   });
 }
@@ -382,7 +382,7 @@ void Mpm::integrate(double dt) {
     share_momentum(block, scratch);
     if (lent_body_ >= 0) collect_gifts(block, dt, scratch);
     if (options_.order != StressOrder::usf) signals_[block] = 0.0;  // usf has found them already
-    if (w.keeps_energy) {
+    if (w.counts_energy) {
       // In the place of the mass: kinetic energy of the points around per mass, with what the forces of the step add.
       // Where APIC's points share nodes with others, which keep to the increments, all heat is theirs.
       for (int f = 0; f < w.fields; ++f) {
@@ -423,8 +423,9 @@ void Mpm::integrate(double dt) {
           NodeVelocity const* meet = scratch.meets[f] == 0 ? nullptr : scratch.meet[f].data();
           NodeVelocity const* rub = scratch.rubs[f] == 0 ? nullptr : scratch.rub[f].data();
           NodeVelocity const* stop = scratch.stops[f] == 0 ? nullptr : scratch.stop[f].data();
-          w.dissipation[block] += kernels.move(view, options_, dt, keeps_energy(body), scratch.state[f].data(),
-                                               exchange, halt, meet, rub, stop);
+          ApicEnergy const fate{keeps_energy(body), has_gradient_energy(body)};
+          w.dissipation[block] +=
+              kernels.move(view, options_, dt, fate, scratch.state[f].data(), exchange, halt, meet, rub, stop);
           w.work[block] += work_on(block, body, outer);
         } else {
           for (int d = 0; d < 3; ++d) {
@@ -571,6 +572,7 @@ void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch
       NodeVelocity const* before = settles_work(body) ? scratch.before[w.field_of[body]].data() : nullptr;
       fastest = kernels.update(view, options_, hoops, time_, dt, scratch.velocity[w.field_of[body]].data(), before,
                                filled, even, scratch);
+      if (bodies_[body].solid.is_gas()) w.floored[block] += kernels.lift_energy(view);
     });
   }
   signals_[block] = std::max(signals_[block], signal_weight(body) * fastest);

@@ -156,13 +156,14 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
     }
     NodeState* nodes = scratch.state[f].data();
     // Each block books for its own points.
-    NodeState const* own = w.present[w.slot(block, f)] != 0 ? w.state[w.slot(block, f)].data() : nullptr;
-    auto const own_mass = [&](int node) { return own == nullptr ? 0.0 : own[node].momentum[3]; };
-    // Of its points that follow increments of the velocity: the others' loss has no account.
+    auto const own_mass = [&](int node) { return w.own_mass(block, f, node); };
+    // Of its points that follow increments of the velocity: what gas loses is heat. Where points take over the nodes'
+    // velocity and the loss is counted, the nodes tell it.
+    bool const taken_over = w.taken_over(f);
     NodeVelocity const* following =
         w.shared[f] != 0 && w.momentum_present[w.slot(block, f)] != 0 ? w.momentum[w.slot(block, f)].data() : nullptr;
     auto const following_mass = [&](int node) {
-      return w.affine[f] == 0 ? own_mass(node) : following == nullptr ? 0.0 : following[node][3];
+      return w.affine[f] == 0 || taken_over ? own_mass(node) : following == nullptr ? 0.0 : following[node][3];
     };
     auto const push = [&](WallFace const& wall, int node, double change) {
       NodeState& r = nodes[node];
@@ -186,12 +187,17 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
         given.impulse[e] += own_mass(node) * given_here[e];
       }
       // Heat of fluids that share the node: what is lost at the mean of the velocities before and after the step.
+      if (taken_over) return;
       for (int e = 0; e < 3; ++e) r.force[3] -= m * given_here[e] * (r.momentum[e] - 0.5 * r.force[e]);
     };
     // What is stopped has no velocity left, so that the forces of the step do no work on it: all of its change is loss,
     // as where constraints hold. While it closes a gap they do, and where the stress was updated before, with another
     // velocity.
     bool const before = options_.order == StressOrder::usf;
+    auto const lost_by_node = [&](int node, int d) {
+      NodeState const& r = nodes[node];
+      return taken_over ? -own_mass(node) * stop[node][d] * (r.momentum[d] - 0.5 * r.force[d]) : 0.0;
+    };
     auto const book = [&](WallFace const& wall, int node, double change, double slack, bool held) {
       int const d = wall.direction;
       NodeState const& r = nodes[node];
@@ -199,11 +205,15 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
       double const by_forces = wall.inwards * r.force[d] - change;
       double const was = wall.inwards * (r.momentum[d] - r.force[d]);
       double const strained = before && !held ? was : -slack;
-      given.drive += following_mass(node) * by_forces * strained;
+      given.drive += following_mass(node) * by_forces * strained + lost_by_node(node, d);
       // What contact gave is in what is stopped, too.
-      ContactChange const taken =
-          take_contact(scratch, f, node, d, contact_at(scratch, f, node, d), r.momentum[d] - 0.5 * r.force[d]);
-      given.take(taken, following_mass(node) * wall.inwards * strained);
+      double const middle = r.momentum[d] - 0.5 * r.force[d];
+      ContactChange const taken = take_contact(scratch, f, node, d, contact_at(scratch, f, node, d), middle);
+      if (taken_over) {
+        given.drive += own_mass(node) * taken.sum() * (middle - wall.inwards * strained);
+      } else {
+        given.take(taken, following_mass(node) * wall.inwards * strained);
+      }
       // Forces do no work against a stop that `settle_contacts` could share.
       if (scratch.meets[f] != 0) w.pull[w.slot(block, f)].data()[node][d] = 0.0;
     };
@@ -218,15 +228,20 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
       double const was = wall.inwards * (nodes[a].momentum[d] + nodes[b].momentum[d] - both);
       double const strained = before && !held ? was : -2.0 * slack;
       double const mass = 0.5 * (following_mass(a) * mb + following_mass(b) * ma) / (ma + mb);
-      given.drive += mass * by_forces * strained;
+      given.drive += mass * by_forces * strained + lost_by_node(a, d) + lost_by_node(b, d);
       ContactChange const sum = contact_at(scratch, f, a, d) + contact_at(scratch, f, b, d);
       auto const take = [&](int node, double part) {
         double const middle = nodes[node].momentum[d] - 0.5 * nodes[node].force[d];
         take_contact(scratch, f, node, d, {part * sum.across, part * sum.along}, middle);
+        if (taken_over) given.drive += own_mass(node) * part * sum.sum() * middle;
       };
       take(a, mb / (ma + mb));
       take(b, ma / (ma + mb));
-      given.take(sum, mass * wall.inwards * strained);
+      if (taken_over) {
+        given.drive -= mass * sum.sum() * wall.inwards * strained;
+      } else {
+        given.take(sum, mass * wall.inwards * strained);
+      }
       if (scratch.meets[f] == 0) return;
       NodeVelocity* pull = w.pull[w.slot(block, f)].data();
       double const pulled = pull[a][d] + pull[b][d];

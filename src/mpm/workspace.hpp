@@ -19,8 +19,6 @@ struct Hold {
   int field = -1;  ///< grid field; -1: all
   std::array<bool, 3> held{true, true, true};
   Vec3 velocity{0.0, 0.0, 0.0};
-  double weight = 1.0;      ///< in sums over the domain: copies of a node count once, those on a mirror half
-  double own_weight = 1.0;  ///< the same in fields that have no images behind walls, see `WallFace`
 };
 
 /// Part of a face of the domain that is a `wall`, within reach of a block's nodes. It is one-sided for bodies: their
@@ -84,6 +82,7 @@ struct ContactChange {
   double across = 0.0;
   double along = 0.0;
 
+  [[nodiscard]] double sum() const { return across + along; }
   ContactChange operator+(ContactChange const& more) const { return {across + more.across, along + more.along}; }
 };
 
@@ -183,6 +182,7 @@ struct Mpm::Workspace {
   bool contact = false;                        ///< more than one field
   bool slides = false;                         ///< some fields slip along others
   bool touches = false;                        ///< some fields part and slide
+  bool pushes = false;                         ///< some bodies are rigid: somebody wants to know what they give
   std::vector<char> parts;                     ///< per field: parts from some other
   std::vector<char> settles;                   ///< per field: see `Mpm::settle_contacts`
   std::vector<std::vector<Meeting>> meetings;  ///< per block
@@ -193,6 +193,7 @@ struct Mpm::Workspace {
   bool conducts = false;                       ///< some body conducts heat in shocks
   std::vector<char> shocked;                   ///< per block: there is a shock in it
   bool keeps_energy = false;                   ///< some body's transfer loses no energy
+  bool counts_energy = false;                  ///< some body has APIC
   std::vector<std::vector<Hold>> holds;        ///< per block
   std::vector<NodeArray<NodeState>> state;     ///< block x field, as the points wrote them
   std::vector<NodeArray<NodeVelocity>> velocity;
@@ -213,22 +214,23 @@ struct Mpm::Workspace {
   /// Fields that bodies with APIC share with others, and what those others alone gave the nodes: see `share_momentum`.
   std::vector<char> shared;                       ///< per field
   std::vector<char> affine;                       ///< per field: some body has APIC
+  std::vector<char> heats;                        ///< per field: what APIC loses is heat, see `Mpm::keeps_energy`
   std::vector<NodeArray<NodeVelocity>> momentum;  ///< block x field
   std::vector<char> momentum_present;
-  std::vector<Scratch> scratch;                  ///< per thread
-  std::vector<Outbox> outbox;                    ///< block x body
-  std::vector<std::array<int, 27>> around;       ///< blocks around each block
-  std::vector<std::vector<double>> node_weight;  ///< per block, where there are rigid bodies: see `Hold::weight`
-  std::vector<std::vector<double>> own_weight;   ///< per block, likewise: see `Hold::own_weight`
-  std::vector<std::vector<WallFace>> walls;      ///< per block
-  std::vector<char> one_sided;                   ///< per field: its bodies are free to leave walls
-  bool stops = false;                            ///< there are walls and such fields
+  std::vector<Scratch> scratch;              ///< per thread
+  std::vector<Outbox> outbox;                ///< block x body
+  std::vector<std::array<int, 27>> around;   ///< blocks around each block
+  std::vector<std::vector<WallFace>> walls;  ///< per block
+  std::vector<char> one_sided;               ///< per field: its bodies are free to leave walls
+  bool stops = false;                        ///< there are walls and such fields
   /// Distance of the surface of a field's points from each of the block's walls, at the nodes on it: block x field.
   std::vector<NodeArray<double>> gap;
   std::vector<char> gap_present;
   std::vector<std::vector<char>> stopped;  ///< block x field, wall by wall: bit k of a node on it: those k cells off
   std::vector<double> work;                ///< per block: of outer forces in this step
   std::vector<Dissipation> dissipation;    ///< per block: in this step
+  std::vector<FloorCount> floored;         ///< likewise
+  std::vector<ConductionCount> conducted;  ///< likewise
   std::vector<Vec3> impulse;               ///< per block: of holds in this step
   std::vector<Losses> lost;                ///< per block
   std::vector<std::string> trouble;        ///< per block: what went wrong
@@ -238,9 +240,16 @@ struct Mpm::Workspace {
   double mass_floor = std::numeric_limits<double>::min();  ///< nodes below it are empty [kg]
 
   [[nodiscard]] int slot(int block, int field) const { return block * fields + field; }
-  /// See `Hold::weight`.
-  [[nodiscard]] std::vector<std::vector<double>> const& weights(int field) const {
-    return one_sided[field] != 0 ? own_weight : node_weight;
+  /// Mass that the points of a block gave to a node [kg]. What happens to nodes is booked with it, block by block: so
+  /// copies of a node in several blocks, and behind mirrors, count once, for the points that feel it.
+  [[nodiscard]] double own_mass(int block, int field, int node) const {
+    int const at = slot(block, field);
+    return present[at] != 0 ? state[at].data()[node].momentum[3] : 0.0;
+  }
+
+  /// Do all points of a field take over the nodes' velocity, and is what they lose by that counted, and no heat?
+  [[nodiscard]] bool taken_over(int field) const {
+    return affine[field] != 0 && shared[field] == 0 && heats[field] == 0;
   }
 
   [[nodiscard]] bool slips_along(int fluid, int body) const {

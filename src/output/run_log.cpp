@@ -222,8 +222,12 @@ json points(run::World const& world, double wall_seconds) {
               {"work", json_or_null(energy.work)},
               {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
               {"filtered", json_or_null(energy.dissipated.filtered)},
+              {"apic", json_or_null(energy.dissipated.apic)},
               {"friction", json_or_null(energy.dissipated.friction)},
-              {"contact", json_or_null(energy.dissipated.contact)}}},
+              {"contact", json_or_null(energy.dissipated.contact)},
+              {"lifted", json_or_null(p.floored().energy)},
+              {"lifted_points", p.floored().points},
+              {"conducted", json_or_null(p.conducted().moved)}}},
             {"lost_points", p.losses().points}}}};
 }
 
@@ -268,8 +272,12 @@ json mpm_region(run::World const& world, double wall_seconds) {
             {"work", json_or_null(energy.work)},
             {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
             {"filtered", json_or_null(energy.dissipated.filtered)},
+            {"apic", json_or_null(energy.dissipated.apic)},
             {"friction", json_or_null(energy.dissipated.friction)},
             {"contact", json_or_null(energy.dissipated.contact)},
+            {"lifted", json_or_null(world.points->floored().energy)},
+            {"lifted_points", world.points->floored().points},
+            {"conducted", json_or_null(world.points->conducted().moved)},
             {"scale", json_or_null(energy.scale)},
             {"drift", json_or_null(energy.drift())},
             {"largest_drift", largest_drift(world)}}}};

@@ -315,13 +315,18 @@ std::vector<AuditFinding> World::audit_findings() const {
   if (gas != nullptr) {
     double const of_charges = charge_energy(*this);
     double const fail = limits.fail > 0.0 ? guards_fail : 0.0;
-    found.push_back({Kind::guard_energy, audit.guard_energy, of_charges > 0.0 ? of_charges : energy.scale, guards_warn,
-                     fail, of_charges > 0.0 ? 0.0 : drift_round_off * energy.all});
+    double const added = audit.guard_energy + (points == nullptr ? 0.0 : points->floored().energy);
+    found.push_back({Kind::guard_energy, added, of_charges > 0.0 ? of_charges : energy.scale, guards_warn, fail,
+                     of_charges > 0.0 ? 0.0 : drift_round_off * energy.all});
     double const mass = two && !setup.charges.empty() ? audit.initial.mass[1] : audit.initial.mass[0];
     found.push_back({Kind::guard_mass, audit.guard_mass, mass, guards_warn, fail});
     if (two && !setup.charges.empty()) found.push_back({Kind::unlit, audit.memory.unlit, 1.0, unlit_warn});
   }
   if (points == nullptr) return found;
+  if (gas == nullptr) {
+    found.push_back({Kind::guard_energy, points->floored().energy, energy.scale, guards_warn,
+                     limits.fail > 0.0 ? guards_fail : 0.0, drift_round_off * energy.all});
+  }
   // Velocities stand half a step before positions and stress (a leapfrog): while loads set something in motion, the
   // energies of the same time do not add up. The work that they did since the look before bounds that; it is a small
   // part of the scale but in the first moments of a load.
