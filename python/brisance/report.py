@@ -300,8 +300,8 @@ def dissipation_words(energy):
     if not any((held, filtered, apic, friction, contact, lifted)):
         return ""
     return (f"Points lost {number(held, 3)} J of kinetic energy at held nodes, a plastic impact, PIC and XPIC took "
-            f"{number(filtered, 3)} J, APIC {number(apic, 3)} J, the friction of contacts {number(friction, 3)} J, and bodies lost "
-            f"{number(max(contact, 0.0), 3)} J where they met; the drift does not hold them. "
+            f"{number(filtered, 3)} J, APIC {number(apic, 3)} J, the friction of contacts {number(friction, 3)} J, and "
+            f"bodies lost {number(max(contact, 0.0), 3)} J where they met; the drift does not hold them. "
             + (f"Contact made {number(-contact, 3)} J, which the drift holds. " if contact < 0.0 else "")
             + (f"Guards lifted gas points by {number(lifted, 3)} J, which the drift holds. " if lifted else ""))
 

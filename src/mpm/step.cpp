@@ -100,7 +100,8 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
     for (int f = 0; again && f < w.fields; ++f) {
       if (w.present[w.slot(block, f)] == 0) continue;
       NodeState* nodes = w.state[w.slot(block, f)].data();
-      for (int node = 0; node < patch.count(); ++node) nodes[node].force = NodeVelocity{};
+      // The scalar is the kinetic energy of APIC's points, which came with the mass.
+      for (int node = 0; node < patch.count(); ++node) nodes[node].force *= NodeVelocity{0.0, 0.0, 0.0, 1.0};
     }
     for_sets(block, [&](PointSet& set, int body) {
       int const slot = w.slot(block, w.field_of[body]);
