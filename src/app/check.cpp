@@ -265,6 +265,8 @@ void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Pl
           "give it its size",
           o.name, 100.0 * std::abs(o.excess) / o.asked_volume, o.excess > 0.0 ? "larger" : "smaller"));
     }
+    run::SolidCells const solid(setup.domain, setup.obstacles);
+    p.panels = run::Panels(setup.domain, setup.obstacles, solid).reports();
   }
 }
 
@@ -648,6 +650,15 @@ std::string obstacle_line(run::ObstacleReport const& o) {
                      o.volume, o.cells);
 }
 
+std::string panel_line(run::PanelReport const& p) {
+  std::string const mass = p.release.areal_mass > 0.0
+                               ? fmt::format("{:.4g} kg/m2, open after a travel of {}", p.release.areal_mass,
+                                             quantity(p.place.area / p.place.perimeter, "m", 3))
+                               : "without mass";
+  return fmt::format("{:<12} {}: a panel that gives way along {} at {}, area {:.6g} m2, {}\n", "", p.name,
+                     "xyz"[p.place.direction], quantity(p.release.pressure, "Pa"), p.place.area, mass);
+}
+
 }  // namespace
 
 std::string plan_text(run::Case const& setup, Plan const& p) {
@@ -757,6 +768,8 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
   if (!setup.obstacles.empty()) line("obstacles", fmt::format("{}", setup.obstacles.size()));
   for (std::size_t n = 0; n < p.obstacles.size() && n < most_listed; ++n) out += obstacle_line(p.obstacles[n]);
   if (p.obstacles.size() > most_listed) line("", fmt::format("and {} more", p.obstacles.size() - most_listed));
+  for (std::size_t n = 0; n < p.panels.size() && n < most_listed; ++n) out += panel_line(p.panels[n]);
+  if (p.panels.size() > most_listed) line("", fmt::format("and {} more panels", p.panels.size() - most_listed));
   for (MaterialLine const& m : materials_of(setup))
     line("material", fmt::format("{} ({}): {}", m.name, m.role, m.source));
 
@@ -855,6 +868,7 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
           {"obstacles", setup.obstacles.size()},
           {"placed_regions", output::regions_json(p.regions)},
           {"placed_obstacles", output::obstacles_json(p.obstacles)},
+          {"panels", output::panels_json(p.panels)},
           {"fields", fields},
           {"dumps", p.dumps},
           {"dump_bytes", p.dump_bytes},

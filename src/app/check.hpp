@@ -42,6 +42,7 @@ struct Plan {
   /// What regions and obstacles become; empty where that would take long to count.
   std::vector<run::RegionReport> regions;
   std::vector<run::ObstacleReport> obstacles;
+  std::vector<run::PanelReport> panels;
   std::vector<run::BodyReport> bodies;
   double points = 0.0;  ///< material points; 0: a calculation of the gas alone
   std::optional<RegionPlan> region;

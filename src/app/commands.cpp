@@ -130,6 +130,23 @@ void print_guards(run::Audit const& a) {
         a.guard_mass, a.guard_energy);
 }
 
+void print_panels(run::World const& world) {
+  if (world.panels == nullptr) return;
+  print(stdout, "\n");
+  std::size_t shown = 0;
+  auto const& panels = world.panels->reports();
+  for (run::PanelReport const& p : panels) {
+    if (++shown > most_rows) break;
+    print(stdout, "panel {}: {}\n", p.name, panel_in_words(p, world.setup.domain));
+  }
+  if (panels.size() > most_rows) print(stdout, "... and {} more panels in summary.json\n", panels.size() - most_rows);
+  auto const& a = world.audit;
+  double const mass = a.panel_mass[0] + a.panel_mass[1];
+  if (mass == 0.0 && a.panel_energy == 0.0) return;
+  print(stdout, "panels: {:+.3g} kg and {} came with the cells that opened, which had counted as gas of the ambient\n",
+        mass, quantity(a.panel_energy, "J", 3));
+}
+
 void print_audit(run::World const& world) {
   auto const error = world.audit.relative_error();
   bool const two = world.gas->fluids().two;
@@ -419,6 +436,7 @@ ExitCode run_deck(RunArguments const& arguments) {
     print(stdout, "{}", gauge_tables(world));
     print_points(world);
     print_broken_zones(world);
+    print_panels(world);
     print_region_audit(world);
   } else if (world.points != nullptr) {
     print_points(world);
@@ -426,6 +444,7 @@ ExitCode run_deck(RunArguments const& arguments) {
     print_point_audit(world);
   } else {
     print(stdout, "{}", gauge_tables(world));
+    print_panels(world);
     print_audit(world);
   }
   print(stdout, "\nresults: {}\npictures and comparison: brisance report {}\n", folder.string(), folder.string());

@@ -57,6 +57,24 @@ std::string listed(std::vector<std::string> const& messages) {
   return out;
 }
 
+std::string panel_in_words(run::PanelReport const& p, grid::Domain const& domain) {
+  char const* const unit =
+      domain.geometry == grid::Geometry::planar2d || domain.geometry == grid::Geometry::cylindrical1d ? "m2 per m"
+                                                                                                      : "m2";
+  std::string const area =
+      domain.geometry == grid::Geometry::planar1d ? "" : fmt::format(" of {:.4g} {}", p.place.area, unit);
+  if (!p.released) {
+    return fmt::format("held; the difference of the pressures reached {} of {}", quantity(p.largest, "Pa", 3),
+                       quantity(p.release.pressure, "Pa", 3));
+  }
+  std::string text =
+      fmt::format("gave way at {} with a difference of {}", quantity(*p.released, "s"), quantity(p.difference, "Pa"));
+  if (!(p.release.areal_mass > 0.0)) return text + fmt::format("; all{} opened at once", area);
+  std::string const moved = fmt::format("travel {}, speed {}", quantity(p.travel, "m", 3), quantity(p.speed, "m/s", 3));
+  if (p.opened) return text + fmt::format("; all{} was open at {}, {}", area, quantity(*p.opened, "s"), moved);
+  return text + fmt::format("; {:.3g}{} is open, {}", p.open_area(), area, moved);
+}
+
 std::string verdict_word(run::Verdict const& verdict) {
   if (!verdict.balanced) return "NOT BALANCED";
   return verdict.drift_judged ? "balanced" : "the drift of the energy is not judged, as [audit] warn = 0";

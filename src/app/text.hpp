@@ -31,6 +31,9 @@ inline constexpr std::size_t most_messages = 50;
 /// The first messages, each on a line of its own, and how many more there are.
 [[nodiscard]] std::string listed(std::vector<std::string> const& messages);
 
+/// What became of a panel.
+[[nodiscard]] std::string panel_in_words(run::PanelReport const& panel, grid::Domain const& domain);
+
 /// "balanced", "NOT BALANCED", or, where the drift of the energy is not judged, that.
 [[nodiscard]] std::string verdict_word(run::Verdict const& verdict);
 

@@ -194,6 +194,8 @@ class Builder {
   [[nodiscard]] bool has_points_in(shape::Shape const& body, shape::Shape const& layer, long points_per_cell) const;
   /// An obstacle makes cells solid, and no gas flows through it.
   void check_obstacles();
+  /// An obstacle that gives way has gas on both its sides, and an edge where it needs one.
+  void check_panels(run::SolidCells const& solid);
   /// Warns of gaps beside boxes that are narrower than a cell and would be closed.
   void closed_gaps(run::SolidCells const& solid);
   /// A charge beside obstacles finds room between solid cells.

@@ -407,6 +407,14 @@ void Builder::obstacles() {
     touches_domain(section, *body);
     obstacle_shapes_.emplace_back(i, *body);
     out_.obstacles.push_back({section.text("name").value_or(fmt::format("obstacle-{}", i + 1)), *body});
+    auto const fails_at = section.number("fails_at");
+    auto const areal_mass = section.number("areal_mass");
+    if (fails_at) out_.obstacles.back().release = run::Release{*fails_at, areal_mass.value_or(0.0)};
+    if (areal_mass && !section.given("fails_at")) {
+      error(section, "areal_mass",
+            "it is the mass of a panel that gives way, and this obstacle does not: give it fails_at, the difference of "
+            "the pressures at which it does, or remove the key");
+    }
   }
   check_obstacles();
 }

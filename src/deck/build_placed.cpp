@@ -9,6 +9,7 @@
 #include "core/error.hpp"
 #include "deck/build.hpp"
 #include "mpm/holds.hpp"
+#include "run/panels.hpp"
 #include "run/place_gas_regions.hpp"
 #include "shape/shares.hpp"
 
@@ -101,7 +102,10 @@ void Builder::check_obstacles() {
                     "so many cells lie at the surfaces of obstacles that not all were looked at for walls too thin to "
                     "hold the gas");
   }
-  if (!leak) return;
+  if (!leak) {
+    check_panels(solid);
+    return;
+  }
   Section const& section = sections[obstacle_shapes_[leak->obstacle].first];
   double const t = solid.thickness(leak->obstacle);
   error(
@@ -110,6 +114,19 @@ void Builder::check_obstacles() {
                   "it is too thin for cells of {:.4g} m; make them {:.3g} m or smaller (domain.cell), or the obstacle "
                   "thicker, or let its faces lie between cells",
                   point_text(leak->place, dims()), h, t < 2.0 * h ? std::min(t, 0.5 * h) : 0.5 * h));
+}
+
+void Builder::check_panels(run::SolidCells const& solid) {
+  auto const& sections = *deck_.sections("obstacle");
+  for (std::size_t n = 0; n < out_.obstacles.size(); ++n) {
+    if (!out_.obstacles[n].release) continue;
+    Section const& section = sections[obstacle_shapes_[n].first];
+    try {
+      (void)run::place_panel(out_.domain, out_.obstacles, solid, n);
+    } catch (InputError const& problem) {
+      error(section, "fails_at", problem.what());
+    }
+  }
 }
 
 void Builder::closed_gaps(run::SolidCells const& solid) {

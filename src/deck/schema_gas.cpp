@@ -234,9 +234,23 @@ Table const& gauge_table() {
 Table const& obstacle_table() {
   static Table const table{
       "A rigid body inside the gas. A cell is solid from half its volume on. An obstacle that makes no "
-      "cell solid, and a wall so thin that gas would pass between its cells, is refused.",
-      joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
-             shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
+      "cell solid, and a wall so thin that gas would pass between its cells, is refused. With `fails_at` it is a panel "
+      "that gives way: a vent, a door, a window. An obstacle takes the place of those before it: a panel that is "
+      "written after a wall leaves a hole in the wall.",
+      joined(joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
+                    shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
+             {number("fails_at", "Pa", 1e-3, 1e13)
+                  .note("never")
+                  .like("\"10 kPa\"")
+                  .means("The obstacle gives way, as a whole, when the difference between the mean pressures on its "
+                         "two sides reaches this, in either sense. Its sides face along the direction in which there "
+                         "is gas on both and it is thinnest"),
+              number("areal_mass", "kg/m2", 1e-6, 1e6)
+                  .note("none: all of it opens at once")
+                  .like("\"10 kg/m2\"")
+                  .means("Mass of the panel per area. From `fails_at` on it moves as a whole, mass times acceleration "
+                         "equal to the difference of the pressures, and gas passes through its perimeter times the "
+                         "way that it has gone, until that is its area")}),
       {},
       {}};
   return table;

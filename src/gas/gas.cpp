@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -91,6 +92,12 @@ void Gas::set_obstacles(int block, std::vector<std::uint8_t> solid) { blocks_[bl
 bool Gas::is_obstacle(int block, int i, int j, int k) const {
   if (blocks_[block].solid.empty()) return false;
   return blocks_[block].solid[PaddedBox(grid_->blocks()[block], grid_->domain().dimensions()).offset(i, j, k)] != 0;
+}
+
+bool Gas::is_obstacle(Index3 const& cell) const {
+  int const b = grid_->block_of(cell);
+  Index3 const& o = grid_->blocks()[b].origin;
+  return is_obstacle(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
 }
 
 void Gas::set_roles(int block, std::vector<Role> roles) {
@@ -227,7 +234,9 @@ void Gas::start(double time) {
     return std::isfinite(blocks_[b].burn_times[padded].end);
   });
   prepare_workspaces();
-  find_near_walls();
+  std::vector<int> all(blocks_.size());
+  std::iota(all.begin(), all.end(), 0);
+  find_near_walls(all);
   quiet_pressure_ = quiescent_pressure();
   if (quiet[momentum_x] != 0.0 || quiet[momentum_y] != 0.0 || quiet[momentum_z] != 0.0) wake_where_wind_changes();
   measure_all();
@@ -302,6 +311,7 @@ Account Gas::account() const {
     sum.guard_mass += block.account.guard_mass;
     sum.guard_energy += block.account.guard_energy;
     sum.afterburn_energy += block.account.afterburn_energy;
+    for (int c = 0; c < afterburn_components; ++c) sum.opened[c] += block.account.opened[c];
   }
   return sum;
 }

@@ -67,6 +67,7 @@ struct Account {
   double guard_mass = 0.0;        ///< [kg]
   double guard_energy = 0.0;      ///< [J]
   double afterburn_energy = 0.0;  ///< released by the products after the detonation [J]
+  Components opened{};            ///< of each component, what cells hold more since obstacles gave way [unit m3]
 };
 
 /// What a cell is to the gas where another method calculates too.
@@ -118,6 +119,13 @@ class Gas {
   /// Marks obstacle cells of a block (1: solid), with `PaddedBox` padding.
   void set_obstacles(int block, std::vector<std::uint8_t> solid);
   [[nodiscard]] bool is_obstacle(int block, int i, int j, int k) const;
+  /// The same of a cell of the domain.
+  [[nodiscard]] bool is_obstacle(Index3 const& cell) const;
+  /// From now on these cells (domain indices) are gas; they hold what they did.
+  void open_obstacles(std::vector<Index3> const& cells);
+  /// Gives a cell that has just been opened the gas of another, at rest; what it held and what it holds now go to the
+  /// account. From a cell in which explosive burns it gets nothing.
+  void fill_opened(Index3 const& cell, Index3 const& from);
 
   /// Gives the cells of a block their roles; without them all are its own.
   void set_roles(int block, std::vector<Role> roles);
@@ -235,8 +243,11 @@ class Gas {
                        BundleArrays& arrays);
   void measure_all();
   void prepare_workspaces();
-  /// Finds the cells near rigid surfaces, from the obstacles and the faces of the domain. See walls.cpp.
-  void find_near_walls();
+  /// Finds the cells of some blocks that are near rigid surfaces, from the obstacles and the faces of the domain. See
+  /// walls.cpp.
+  void find_near_walls(std::vector<int> const& blocks);
+  /// Blocks that reach, with so many layers around them, into the box of some cells; all where the domain is periodic.
+  [[nodiscard]] std::vector<int> blocks_near(std::vector<Index3> const& cells, int layers) const;
   /// Infinite where a fluid bears tension, else 0, see `margin`.
   [[nodiscard]] double most_H() const;
   [[noreturn]] void report_not_a_number(int block, int direction) const;

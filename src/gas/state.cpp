@@ -11,7 +11,7 @@ namespace {
 
 void archive(Archive& a, Account& account) {
   a(account.outflow, account.guarded_cells, account.fallback_faces, account.guard_mass, account.guard_energy,
-    account.afterburn_energy);
+    account.afterburn_energy, account.opened);
 }
 
 void archive(Archive& a, FaceFlux& flux) {

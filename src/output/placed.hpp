@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
+#include "run/panels.hpp"
 #include "run/place_gas_regions.hpp"
 #include "run/solid_cells.hpp"
 
@@ -11,5 +12,7 @@ namespace brisance::output {
 
 [[nodiscard]] nlohmann::json regions_json(std::vector<run::RegionReport> const& regions);
 [[nodiscard]] nlohmann::json obstacles_json(std::vector<run::ObstacleReport> const& obstacles);
+/// What became of the panels of a run.
+[[nodiscard]] nlohmann::json panels_json(std::vector<run::PanelReport> const& panels);
 
 }  // namespace brisance::output

@@ -85,6 +85,9 @@ json audit(run::World const& world) {
           {"guard_mass", json_or_null(a.guard_mass)},
           {"guard_energy", json_or_null(a.guard_energy)},
           {"afterburn_energy", json_or_null(a.afterburn_energy)},
+          {"panels",
+           {{"mass", {json_or_null(a.panel_mass[0]), json_or_null(a.panel_mass[1])}},
+            {"energy", json_or_null(a.panel_energy)}}},
           {"relative_error",
            {{"mass", {json_or_null(error[0]), json_or_null(error[1])}}, {"energy", json_or_null(error[2])}}}};
 }
@@ -399,6 +402,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"audit", audit(world)},
            {"versions", versions()},
            {"machine", machine()}};
+  if (world.panels != nullptr) log["panels"] = panels_json(world.panels->reports());
   if (world.setup.afterburn) log["afterburn"] = afterburn(*world.setup.afterburn);
   if (world.points != nullptr) log["points"] = points(world, status.wall_seconds);
   if (auto zones = broken_zones_json(world); !zones.empty()) log["points"]["broken_zones"] = std::move(zones);

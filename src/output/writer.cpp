@@ -11,6 +11,7 @@
 #include "output/file.hpp"
 #include "output/folder.hpp"
 #include "output/json.hpp"
+#include "output/placed.hpp"
 #include "output/profile_file.hpp"
 #include "output/run_log.hpp"
 #include "run/point_fields.hpp"
@@ -202,6 +203,7 @@ void Writer::finish(run::World const& world, std::string const& end_reason, int 
                               ? nlohmann::json::object()
                               : write_point_table(folder_ / "bodies.csv", world, point_gauges_.names());
     if (world.setup.afterburn) more["afterburn_energy"] = json_or_null(world.audit.afterburn_energy);
+    if (world.panels != nullptr) more["panels"] = panels_json(world.panels->reports());
     if (!world.starts.empty()) more["starts"] = starts(world);
     write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names(), more);
   }

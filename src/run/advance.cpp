@@ -13,7 +13,10 @@ namespace brisance::run {
 namespace {
 
 /// A diaphragm that has just been removed moves faster than either side's sound: start gently.
-double ramp(World const& w) { return std::min(1.0, 0.1 * static_cast<double>(w.clock.step + 1)); }
+double ramp_since(World const& w, long step) {
+  return std::min(1.0, 0.1 * static_cast<double>(w.clock.step - step + 1));
+}
+double ramp(World const& w) { return ramp_since(w, 0); }
 
 /// While products break out of a charge their pressure falls a hundredfold within a few steps of the usual length, and
 /// what a gauge sees of the first shock would depend on the step by 20 to 60 %.
@@ -22,10 +25,12 @@ constexpr double bursting_courant = 0.2;
 double stable_gas_step(World const& w) {
   gas::Gas const& gas = *w.gas;
   double signal = gas.fastest_signal();
-  double courant = ramp(w) * w.setup.numerics.courant;
+  double const opening =
+      w.panels == nullptr || w.panels->last_opening() == 0 ? 1.0 : ramp_since(w, w.panels->last_opening());
+  double courant = std::min(ramp(w), opening) * w.setup.numerics.courant;
   if (gas.bursting()) {
     // Gentle enough at the start too; and whatever Courant number is asked for, the burst has the same steps.
-    courant = std::min(w.setup.numerics.courant, bursting_courant);
+    courant = std::min(opening * w.setup.numerics.courant, bursting_courant);
     // A charge that burns releases its pressure within a step, and the products that break out of it run ahead of the
     // detonation at up to 1.3 D with the sound on top: twice D bounds both.
     if (gas.burning()) signal = std::max(signal, 2.0 * w.setup.charges.front().explosive.detonation_speed);
@@ -141,6 +146,7 @@ double advance(World& w, double latest) {
   w.clock.time = arrives ? latest : w.clock.time + dt;
   w.clock.dt = dt;
   ++w.clock.step;
+  if (w.panels != nullptr) w.panels->follow(*w.gas, w.clock.time, dt, w.clock.step);
   if (w.gas != nullptr) {
     for (auto const& [phase, seconds] : w.gas->timings()) w.timings[phase] = seconds;
   }

@@ -87,9 +87,9 @@ std::array<double, 3> Audit::relative_error() const {
     double const scale = std::max({std::abs(before), std::abs(out), std::abs(now), 1e-300});
     return std::abs(before - out + added - now) / scale;
   };
-  return {error(initial.mass[0], outflow.mass[0], guard_mass, current.mass[0]),
-          error(initial.mass[1], outflow.mass[1], 0.0, current.mass[1]),
-          error(initial.energy, outflow.energy, guard_energy + afterburn_energy, current.energy)};
+  return {error(initial.mass[0], outflow.mass[0], guard_mass + panel_mass[0], current.mass[0]),
+          error(initial.mass[1], outflow.mass[1], panel_mass[1], current.mass[1]),
+          error(initial.energy, outflow.energy, guard_energy + afterburn_energy + panel_energy, current.energy)};
 }
 
 double AuditFinding::share() const {
@@ -229,6 +229,8 @@ void World::take_account() {
   audit.guard_mass = account.guard_mass;
   audit.guard_energy = account.guard_energy;
   audit.afterburn_energy = account.afterburn_energy;
+  audit.panel_mass = {account.opened[gas::density], account.opened[gas::second_density]};
+  audit.panel_energy = account.opened[gas::energy];
 }
 
 void World::update_audit() {
@@ -240,7 +242,8 @@ void World::update_audit() {
 /// At present; see `EnergyBalance::scale`. The energy of gas alone follows from what went through its boundaries.
 double World::energy_at_work() const {
   if (points != nullptr) return energy_above(audit.current) + std::abs(points->outer_work());
-  return std::abs(audit.initial.energy - audit.initial.rest_energy - audit.outflow.energy + audit.afterburn_energy);
+  return std::abs(audit.initial.energy - audit.initial.rest_energy - audit.outflow.energy + audit.afterburn_energy +
+                  audit.panel_energy);
 }
 
 EnergyBalance World::energy_balance() const {
@@ -249,6 +252,7 @@ EnergyBalance World::energy_balance() const {
   balance.current = audit.current.energy;
   balance.lost = audit.outflow.energy;
   balance.released = audit.afterburn_energy;
+  balance.opened = audit.panel_energy;
   if (points != nullptr) {
     balance.work = points->outer_work();
     balance.dissipated = points->dissipation();

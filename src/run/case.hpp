@@ -64,9 +64,16 @@ struct Gauge {
   Vec3 position{0.0, 0.0, 0.0};
 };
 
+/// When and how an obstacle gives way.
+struct Release {
+  double pressure = 0.0;    ///< difference between the means of its two sides, of either sign, at which it does [Pa]
+  double areal_mass = 0.0;  ///< the heavier, the longer it takes to open [kg/m2]; 0: at once
+};
+
 struct Obstacle {
   std::string name;
   shape::Shape shape;
+  std::optional<Release> release{};  ///< of a panel
 };
 
 /// A body of material points. A case with bodies and without an MPM region is calculated by the material point method

@@ -198,6 +198,21 @@ CellRange SolidCells::around(std::size_t obstacle, int layers) const {
   return r;
 }
 
+std::vector<Index3> SolidCells::cells_of(std::size_t obstacle) const {
+  std::vector<Index3> cells;
+  shape::for_each_share(shapes_, domain_, around(obstacle, 0),
+                        [&](CellRange const& r, std::vector<Share> const& shares) {
+                          if (!solid(sum_of(shares)) || largest_of(shares) != static_cast<int>(obstacle)) return true;
+                          for (int k = r.lower[2]; k < r.upper[2]; ++k) {
+                            for (int j = r.lower[1]; j < r.upper[1]; ++j) {
+                              for (int i = r.lower[0]; i < r.upper[0]; ++i) cells.push_back({i, j, k});
+                            }
+                          }
+                          return true;
+                        });
+  return cells;
+}
+
 bool SolidCells::vanishes(std::size_t obstacle) const {
   if (!(shape::volume_inside(shapes_[obstacle], domain_) > 0.0)) return true;
   bool holds = false;

@@ -53,6 +53,9 @@ class SolidCells {
     long most = std::numeric_limits<long>::max();
     return leak(most);
   }
+  /// The solid cells that an obstacle has the largest part of; where it has as much as others, the first of them has
+  /// it.
+  [[nodiscard]] std::vector<Index3> cells_of(std::size_t obstacle) const;
   /// The least extent of an obstacle [m], in the directions that are resolved.
   [[nodiscard]] double thickness(std::size_t obstacle) const;
 

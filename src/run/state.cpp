@@ -47,6 +47,8 @@ void World::archive(Archive& a) {
     a(charges, starts);
     a.require(charges.size() == setup.charges.size() && starts.size() == setup.charges.size(), "the number of charges");
   }
+  a.same(panels != nullptr, "whether there are panels");
+  if (panels != nullptr) panels->archive(a, *gas);
   if (gas != nullptr) gas->archive(a);
   if (points != nullptr) points->archive(a);
   a.same(bridge != nullptr, "whether gas and points meet");

@@ -139,6 +139,9 @@ void place_gas(World& w) {
   if (solid.any()) {
     place_obstacles(setup, solid.all(), grid, gas, ambient);
     w.obstacles = *solid.reports(std::numeric_limits<long>::max());
+    bool const panels =
+        std::any_of(setup.obstacles.begin(), setup.obstacles.end(), [](Obstacle const& o) { return o.release; });
+    if (panels) w.panels = std::make_unique<Panels>(setup.domain, setup.obstacles, solid);
   }
   for (Gauge const& gauge : setup.gauges) w.gauges.push_back({gauge, {}});
   if (!setup.start.remap || setup.start.from_checkpoint) return;

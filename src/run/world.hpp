@@ -10,6 +10,7 @@
 #include "gas/gas.hpp"
 #include "grid/grid.hpp"
 #include "run/case.hpp"
+#include "run/panels.hpp"
 #include "run/place_gas_regions.hpp"
 #include "run/solid_cells.hpp"
 #include "run/start.hpp"
@@ -61,7 +62,7 @@ struct AuditMemory {
   double unlit = 0.0;    ///< largest compression of explosive before it was lit
 };
 
-/// What must stay constant, and what changed it. At any time: current = initial - outflow + guards + afterburn
+/// What must stay constant, and what changed it. At any time: current = initial - outflow + guards + afterburn + panels
 /// (+ round-off).
 struct Audit {
   Totals initial;
@@ -73,10 +74,13 @@ struct Audit {
   double guard_mass = 0.0;  ///< mass that the guards added [kg]
   double guard_energy = 0.0;      ///< energy that the guards added [J]
   double afterburn_energy = 0.0;  ///< energy that the products released after the detonation [J]
+  /// What the cells of panels hold more since they opened: ambient gas was counted there before [kg, J].
+  std::array<double, 2> panel_mass{0.0, 0.0};
+  double panel_energy = 0.0;
   AuditMemory memory;
 
-  /// |initial - outflow + guards + afterburn - current| relative to the largest of the terms; index 0, 1: fluids, 2:
-  /// energy.
+  /// |initial - outflow + guards + afterburn + panels - current| relative to the largest of the terms; index 0, 1:
+  /// fluids, 2: energy.
   [[nodiscard]] std::array<double, 3> relative_error() const;
 };
 
@@ -148,6 +152,7 @@ struct EnergyBalance {
   double lost = 0.0;            ///< left through the domain's faces [J]
   double work = 0.0;            ///< done by loads, the body force, and constraints and rigid bodies in motion [J]
   double released = 0.0;        ///< by the afterburn [J]
+  double opened = 0.0;          ///< came with the cells of panels that opened [J]
   mpm::Dissipation dissipated;  ///< kinetic energy that was lost and is known
   /// What an error of the energy is to be compared with [J]: the largest value so far of the energy at work, that is
   /// kinetic energy + |work| + internal energy above (or below) the start's ambient state. The latter holds what burns
@@ -155,8 +160,8 @@ struct EnergyBalance {
   double scale = 0.0;
   double all = 0.0;  ///< the same, the energy of the ambient state included [J]
 
-  /// current + lost + dissipated - work - released - initial [J]. What guards add is in it.
-  [[nodiscard]] double error() const { return current + lost + dissipated.sum() - work - released - initial; }
+  /// current + lost + dissipated - work - released - opened - initial [J]. What guards add is in it.
+  [[nodiscard]] double error() const { return current + lost + dissipated.sum() - work - released - opened - initial; }
   /// `error` over `scale`; 0 where there is no energy.
   [[nodiscard]] double drift() const { return scale > 0.0 ? error() / scale : 0.0; }
 };
@@ -241,6 +246,7 @@ class World {
   std::unique_ptr<gas::Gas> gas;           ///< null where the case has bodies in a vacuum
   std::unique_ptr<mpm::Mpm> points;        ///< null where it has none
   std::unique_ptr<bridge::Bridge> bridge;  ///< joins the two where both are there
+  std::unique_ptr<Panels> panels;          ///< null where the case has none
   Clock clock;
   Audit audit;
   std::vector<ChargeReport> charges;
