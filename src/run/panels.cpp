@@ -304,7 +304,8 @@ void Panels::archive(Archive& a, gas::Gas& gas) {
     a(released, opened, when_released, when_opened, panel.largest, panel.difference, panel.travel, panel.speed, rings);
     if (!a.reading()) continue;
     int const all = static_cast<int>(panel.place.rings.size());
-    a.require(rings >= 0 && rings <= all && opened == (rings == all) && (released || rings == 0) &&
+    // What is open is not closed again.
+    a.require(rings >= panel.open_rings && rings <= all && opened == (rings == all) && (released || rings == 0) &&
                   std::isfinite(panel.travel) && std::isfinite(panel.speed),
               "the state of panel \"" + panel.name + "\"");
     panel.released = released ? std::optional<double>(when_released) : std::nullopt;

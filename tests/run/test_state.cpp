@@ -81,6 +81,14 @@ std::vector<double> bits_of(World& world) {
     }
     for (gas::FaceFlux const& flux : world.gas->watched()) bits.insert(bits.end(), {flux.mass[0], flux.energy});
   }
+  if (world.panels != nullptr) {
+    bits.insert(bits.end(),
+                {double(world.panels->last_opening()), world.audit.panel_mass[0], world.audit.panel_energy});
+    for (PanelReport const& p : world.panels->reports()) {
+      bits.insert(bits.end(), {p.released.value_or(-1.0), p.opened.value_or(-1.0), p.largest, p.difference, p.travel,
+                               p.speed, double(p.open_rings)});
+    }
+  }
   if (world.points == nullptr) return bits;
   for (int b = 0; b < world.points->grid().block_count(); ++b) {
     for (int body = 0; body < static_cast<int>(world.bodies.size()); ++body) {
@@ -172,6 +180,21 @@ TEST(State, GasGoesOnAfterAnyStep) {
     EXPECT_LT(world.active_cells(), world.setup.domain.cell_count()) << "some blocks must sleep at the start";
     expect_the_same_after_any_stop(burst(scheme), 60);
   }
+}
+
+/// Stopped before the panels give way, while they open ring by ring, and when one of them is open.
+TEST(State, PanelsGoOnAfterAnyStep) {
+  Case c = burst(Scheme::muscl_hancock);
+  c.obstacles = {{"plate", shape::Box{{0.0, 0.4, 0.0}, {9.0, 0.42, 0.0}}},
+                 {"hatch", shape::Box{{0.0, 0.4, 0.0}, {0.2, 0.42, 0.0}}, Release{3e5, 2.0}},
+                 {"ring", shape::Box{{0.3, 0.4, 0.0}, {0.36, 0.42, 0.0}}, Release{2e5, 0.0}}};
+  World world(c);
+  for (int n = 0; n < 140; ++n) step(world);
+  auto const& panels = world.panels->reports();
+  EXPECT_GT(panels[0].open_rings, 2);
+  EXPECT_FALSE(panels[0].opened) << "the last stop should be in the midst of its opening";
+  EXPECT_TRUE(panels[1].opened);
+  expect_the_same_after_any_stop(c, 140, 9);
 }
 
 TEST(State, AfterburnGoesOnAfterAnyStep) {
