@@ -3,8 +3,8 @@
 /// A panel is taken for flat: it has two sides, one direction apart, and gives way as a whole when the difference
 /// between the means of the pressure on them reaches its release pressure, in either sense. Without mass it is gone at
 /// once. With an areal mass m it moves away as a whole from then on, m dv/dt = difference, and gas passes through the
-/// gap around its edge, perimeter times travel, until that is its whole area: the usual rule for vent covers
-/// [Molkov00]. On the grid the cells at its edge open first, ring by ring, when half of the ring's area is due.
+/// gap around its edge, perimeter times travel, until that is its whole area: the usual rule for covers that do not
+/// turn. On the grid the cells at its edge open first, ring by ring, when half of the ring's area is due.
 #pragma once
 
 #include <optional>
