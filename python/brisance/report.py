@@ -488,13 +488,31 @@ def audit_section(log):
         f"<p>The products released {number(released, 6)} J after the detonation (afterburn "
         f"<code>{burnt['model']}</code>, {number(burnt['energy'], 4)} J/kg in all); the balance of the energy counts "
         "it.</p>")
-    terms = "guards plus afterburn" if burnt else "guards"
+    panels = log.get("panels")
+    terms = "guards" + (" plus afterburn" if burnt else "") + (" plus panels" if panels else "")
     return (balance_words(log)
             + table(["account", "initial", "flowed out", "added by guards", "now", "relative error",
                      ("text", "verdict")], rows)
             + f'<p class="note">Initial less outflow plus {terms} must equal the present content. {per_metre}</p>'
             + afterburn
+            + panel_words(panels, audit)
             + f"<p>{guards} {words}</p>")
+
+
+def panel_words(panels, audit):
+    """What became of the panels, and what came with their cells."""
+    if not panels:
+        return ""
+    rows = [[("text", html.escape(p["name"])), number(1e-3 * p["fails_at"], 4),
+             ("text", "held" if p["failed_at"] is None else f'{1e3 * p["failed_at"]:.4g}'),
+             number(1e-3 * (p["largest_difference"] if p["difference"] is None else p["difference"]), 4),
+             ("text", "-" if p["open_at"] is None else f'{1e3 * p["open_at"]:.4g}'), number(p["area"], 4),
+             number(p["open_area"], 4), number(p["speed"], 3)] for p in panels]
+    came = audit["panels"]
+    return (table([("text", "panel"), "fails at [kPa]", ("text", "gave way at [ms]"), "difference [kPa]",
+                   ("text", "open at [ms]"), "area [m2]", "open [m2]", "speed [m/s]"], rows)
+            + f'<p class="note">With the cells of panels that opened came {number(sum(came["mass"]), 3)} kg and '
+            f'{number(came["energy"], 3)} J more than had counted there.</p>')
 
 
 def region_section(run):

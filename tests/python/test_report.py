@@ -58,6 +58,26 @@ class Pages(Folders):
         self.assertIn("outflow plus guards plus afterburn", page)
         self.assertIn("released 8.16·10<sup>7</sup> J after the detonation", page)
 
+    def test_panels(self):
+        self.assertNotIn("gave way", self.page("1d"))
+        path = self.root / "1d/run.json"
+        without = path.read_text(encoding="utf-8")
+        log = json.loads(without)
+        vent = {"name": "vent", "fails_at": 5e3, "area": 0.5, "open_area": 0.5, "failed_at": 5.5e-3, "open_at": 2.5e-2,
+                "difference": 5653.0, "largest_difference": 4900.0, "speed": 16.4}
+        door = vent | {"name": "<door>", "failed_at": None, "open_at": None, "difference": None, "open_area": 0.0}
+        log["panels"] = [vent, door]
+        log["audit"]["panels"] = {"mass": [-0.002, 0.0], "energy": -584.0}
+        path.write_text(json.dumps(log), encoding="utf-8")
+        try:
+            page = self.page("1d")
+        finally:
+            path.write_text(without, encoding="utf-8")
+        self.assertIn("outflow plus guards plus panels must equal", page)
+        self.assertRegex(page, r"vent</td><td>5</td><td[^>]*>5.5</td><td>5.653</td><td[^>]*>25</td>")
+        self.assertRegex(page, r"&lt;door&gt;</td><td>5</td><td[^>]*>held</td><td>4.9</td><td[^>]*>-</td>")
+        self.assertRegex(page, r"584 J more than had counted there")
+
     def test_unknown_tnt_equivalent(self):
         path = self.root / "1d/summary.json"
         known = path.read_text(encoding="utf-8")
