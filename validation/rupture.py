@@ -286,7 +286,8 @@ A slit in a plate one cell thick, room at 5 bar, from the return of the first wa
 A clamped plate of 10 mm under 100 bar. When more gas stands beyond 50 mm behind it than it can have pushed along
 [ms], the gas there at the start and at 1.1 ms [kg/m], and the balance.
 
-{table(("cell [mm]", "plate", "gas passes at", "at first", "in the end", "error of mass", "drift of energy"), plates)}"""
+{table(("cell [mm]", "plate", "gas passes at", "at first", "in the end", "error of mass", "drift of energy"),
+       plates)}"""
     target = work if arguments.quick else ROOT / "docs" / "validation"
     target.mkdir(parents=True, exist_ok=True)
     (target / "rupture.md").write_text(text)

@@ -265,8 +265,12 @@ TEST(GoodDecks, EveryKeyArrives) {
   EXPECT_EQ(c.gauges[11].position, (Vec3{2.0, 0.5, 1.5}));
   EXPECT_EQ(c.gauges[7].position, (Vec3{2.0, 0.0, 1.5}));
 
-  ASSERT_EQ(c.obstacles.size(), 1U);
+  ASSERT_EQ(c.obstacles.size(), 2U);
   EXPECT_EQ(c.obstacles[0].name, "block");
+  EXPECT_FALSE(c.obstacles[0].release);
+  ASSERT_TRUE(c.obstacles[1].release);
+  EXPECT_DOUBLE_EQ(c.obstacles[1].release->pressure, 1e4);
+  EXPECT_DOUBLE_EQ(c.obstacles[1].release->areal_mass, 10.0);
   ASSERT_EQ(c.regions.size(), 2U);
   EXPECT_FALSE(c.regions[0].second_fluid);
   EXPECT_DOUBLE_EQ(c.regions[0].state.density, 2.0);

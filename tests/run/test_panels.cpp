@@ -114,6 +114,7 @@ struct Outflow {
 /// calculated. From the return of the first wave on, over whole periods of the waves in the room, what leaves it is
 /// compared with an orifice between the mean state of the room and the gas outside.
 Outflow empty(double pressure, int cells_per_half, int periods, double (*contraction_of)(double, double)) {
+  set_threads(1);  // small: threads would wait for each other
   double const h = 0.1 / cells_per_half;
   Case c = air_case(Geometry::planar2d, {16 * cells_per_half, 10 * cells_per_half + 1, 1}, h, Boundary::outflow);
   c.domain.boundary[0] = Boundary::wall;

@@ -6,12 +6,14 @@
 #include <cmath>
 
 #include "cases.hpp"
+#include "core/parallel.hpp"
 #include "deck/deck.hpp"
 
 namespace brisance::run {
 namespace {
 
 Case case_of(std::string const& text) {
+  set_threads(1);  // small: threads would wait for each other
   deck::Result result = deck::read_text(text, "deck");
   EXPECT_TRUE(result.case_) << (result.errors.empty() ? "" : deck::format(result.errors.front()));
   return *result.case_;
