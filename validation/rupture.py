@@ -276,8 +276,8 @@ Target: 5 %.
         "error of the audit"), rooms)}
 With 16 cells choked outflow meets the target, from 5 bar on with 8. Subsonic jets contract more, and the scheme draws a
 third of a cell more along at each sharp edge: the error falls with the cells. What is left where they vanish is not the
-scheme's: a room of 1 m at 1.3 bar loses two thirds of its overpressure in the two periods and is no quasi-steady one; in
-one of 3 m the same slit meets the target.
+scheme's: a room of 1 m at 1.3 bar loses three quarters of its overpressure in the two periods and is no quasi-steady
+one; in one of 3 m the same slit meets the target.
 
 ## Gaps between bodies in an MPM region
 

@@ -424,7 +424,7 @@ Case room_with_charge() {
   c.obstacles = {wall(box(0.3, 0.32)),
                  panel(box(0.3, 0.32, 0.0, 0.2, 0.1, 0.22), 2.0 * bar),
                  {"second wall", box(0.48, 0.5)},
-                 {"door", box(0.48, 0.5, 0.04, 0.24, 0.06, 0.26), Release{bar, 1.0}}};
+                 {"door", box(0.48, 0.5, 0.04, 0.24, 0.06, 0.26), Release{bar, 0.2}}};
   c.end.time = 1.0;
   return c;
 }
