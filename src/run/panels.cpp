@@ -63,7 +63,7 @@ void find_rings(grid::Domain const& domain, PanelPlace& place) {
     at[line] = &c;
     c.ring = -1;
   }
-  // Does the panel go on beyond a face of the domain?
+  // Is what lies beyond a face of the domain an image of what lies before it, or across?
   auto const goes_on = [&](Index3 const& outside, int direction) {
     int const side = outside[direction] < 0 ? 0 : 1;
     grid::Boundary const b = domain.boundary[2 * direction + side];
@@ -79,9 +79,9 @@ void find_rings(grid::Domain const& domain, PanelPlace& place) {
       for (int d = 0; d < domain.dimensions(); ++d) {
         if (d == place.direction) continue;
         for (int side = 0; side < 2; ++side) {
-          Index3 const next = moved(line, d, 2 * side - 1);
+          Index3 next = moved(line, d, 2 * side - 1);
           bool const outside = next[d] < 0 || next[d] >= domain.cells[d];
-          if (outside && goes_on(next, d)) continue;
+          if (outside && goes_on(next, d)) next = grid::image_cell(domain, next);
           auto const other = at.find(next);
           if (other != at.end() && other->second->ring < 0) continue;
           edge = true;
