@@ -205,8 +205,8 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
     report.cells_per_radius = profile.charge.radius / profile.domain.h;
     reach = profile.reach();
     p.starts.push_back(fmt::format("profile \"{}\" of {}, time {}, the burst has a radius of {}, {:.3g} cells",
-                                   setup.start.profile, grid::geometry_name(profile.domain.geometry),
-                                   quantity(profile.time, "s"), quantity(reach, "m"), reach / setup.domain.h));
+                                   setup.start.profile, word_of(profile.domain.geometry), quantity(profile.time, "s"),
+                                   quantity(reach, "m"), reach / setup.domain.h));
   } else if (setup.start.profile.empty()) {
     run::StartPlan const plan = run::plan_start(setup, number);
     run::Case const one = run::start_case(setup, number, plan);
@@ -221,7 +221,7 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
             ? fmt::format("until the shock has come to {}", quantity(plan.radius, "m"))
             : fmt::format("until the shock has come to {}, near {}", quantity(plan.radius, "m"), plan.reach.by);
     p.starts.push_back(fmt::format("{} by {}, {} cells of {}, {}; then remapped, {:.3g} cells per radius",
-                                   grid::geometry_name(plan.geometry),
+                                   word_of(plan.geometry),
                                    setup.start.method == run::StartMethod::gas ? "the gas scheme" : "material points",
                                    plan.cells, quantity(plan.cell, "m"), until, reach / setup.domain.h));
   } else {
@@ -676,14 +676,14 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     box += fmt::format("{}{:g} to {:g}", k == 0 ? "" : " x ", d.lower[k], d.upper(k));
     cells += fmt::format("{}{}", k == 0 ? "" : " x ", d.cells[k]);
   }
-  line("domain", fmt::format("{}, {} m", grid::geometry_name(d.geometry), box));
+  line("domain", fmt::format("{}, {} m", word_of(d.geometry), box));
   bool const points = p.points > 0.0;
   bool const gas = !points || p.region;
   line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.h, "m"),
                             !gas ? "" : fmt::format(", in {} blocks", p.blocks)));
   std::string boundaries;
   for (int f = 0; f < 2 * dims; ++f)
-    boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", grid::face_names[f], grid::boundary_name(d.boundary[f]));
+    boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", grid::face_names[f], word_of(d.boundary[f]));
   line("boundaries", boundaries);
   if (p.region) out += region_text(setup, *p.region);
   if (points) {
@@ -691,14 +691,12 @@ std::string plan_text(run::Case const& setup, Plan const& p) {
     line("points",
          fmt::format("{} in {} bod{}{}", large_count(p.points), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
                      p.region ? fmt::format(" and {} of the gas", large_count(p.region->gas_points)) : ""));
-    line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", output::name_of(o.shape),
-                               output::name_of(o.order), output::name_of(o.transfer), o.courant));
+    line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", word_of(o.shape), word_of(o.order),
+                               word_of(o.transfer), o.courant));
   }
   if (gas) {
-    line(points ? "" : "scheme",
-         fmt::format("{}, Courant number {:g}, {}",
-                     setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock" : "lax-wendroff",
-                     setup.numerics.courant, two_fluids(setup) ? "two fluids" : "one fluid"));
+    line(points ? "" : "scheme", fmt::format("{}, Courant number {:g}, {}", word_of(setup.numerics.scheme),
+                                             setup.numerics.courant, two_fluids(setup) ? "two fluids" : "one fluid"));
   }
   line("end", end_text(setup.end));
   if (p.region) {
@@ -826,7 +824,7 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
     materials.push_back({{"name", m.name}, {"role", m.role}, {"source", m.source}});
   json boundaries = json::object();
   for (int f = 0; f < 2 * setup.domain.dimensions(); ++f)
-    boundaries[grid::face_names[f]] = grid::boundary_name(setup.domain.boundary[f]);
+    boundaries[grid::face_names[f]] = word_of(setup.domain.boundary[f]);
   json fields = json::array();
   for (auto const& f : output::dumped_fields(setup)) fields.push_back(f.name);
   for (auto const& f : output::dumped_point_fields(setup)) fields.push_back(f.name);
@@ -842,7 +840,7 @@ nlohmann::json plan_json(run::Case const& setup, Plan const& p) {
               {"point_steps", std::round(p.region->point_steps)}};
   }
   return {{"title", setup.title},
-          {"geometry", grid::geometry_name(setup.domain.geometry)},
+          {"geometry", word_of(setup.domain.geometry)},
           {"cells", setup.domain.cells},
           {"cell_count", setup.domain.cell_count()},
           {"cell_size", setup.domain.h},

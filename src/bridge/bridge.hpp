@@ -33,6 +33,9 @@ enum class Transport {
   ledger,  ///< conservative
   paper,   ///< as printed in [Cui14] Eqs. (40)-(51): counts twice what flows out of the region
 };
+constexpr auto words(Transport) {
+  return std::array{Word{Transport::ledger, "ledger"}, Word{Transport::paper, "paper"}};
+}
 
 struct Options {
   int width = 5;  ///< w [cells]

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <system_error>
 
 #include "core/error.hpp"
@@ -73,7 +74,23 @@ run::Case Builder::build() {
   audit();
   compare();
   unused_materials();
+  nothing_is_dropped();
   return std::move(out_);
+}
+
+/// What a deck names is built, or an error says why it is not.
+void Builder::nothing_is_dropped() const {
+  if (report_.failed()) return;
+  auto const named = [&](std::string_view key) {
+    auto const* all = deck_.sections(key);
+    return all == nullptr ? std::size_t{0} : all->size();
+  };
+  for (auto const& [key, built] :
+       {std::pair{"charge", out_.charges.size()}, std::pair{"body", out_.points.bodies.size()},
+        std::pair{"region", out_.regions.size()}, std::pair{"gauge", out_.gauges.size() + out_.points.gauges.size()}}) {
+    if (built >= named(key)) continue;  // a line of gauges is many
+    throw std::logic_error(fmt::format("of {} [[{}]] {} were built, and nothing says why", named(key), key, built));
+  }
 }
 
 bool Builder::speaks_of_gas() const {
@@ -92,7 +109,7 @@ std::optional<Vec3> Builder::point(Section const& section, std::string_view key)
   if (count < dims()) {
     error(section, key,
           fmt::format("{} has {} element{}, but {} resolves {}: give {} elements", section.shown(key), count,
-                      count == 1 ? "" : "s", grid::geometry_name(geometry()), direction_list(dims()), dims()));
+                      count == 1 ? "" : "s", word_of(geometry()), direction_list(dims()), dims()));
     return std::nullopt;
   }
   Vec3 out{0.0, 0.0, 0.0};
@@ -100,7 +117,7 @@ std::optional<Vec3> Builder::point(Section const& section, std::string_view key)
     if (d >= dims() && (*values)[d] != 0.0) {
       error(section, key,
             fmt::format("{} has a value in direction {}, but {} resolves only {}: remove it or write 0",
-                        section.shown(key), directions[d], grid::geometry_name(geometry()), direction_list(dims())));
+                        section.shown(key), directions[d], word_of(geometry()), direction_list(dims())));
       return std::nullopt;
     }
     out[d] = (*values)[d];
@@ -113,10 +130,7 @@ void Builder::domain() {
   if (section == nullptr) return;
   auto const word = section->text("geometry");
   if (!word) return;
-  for (Geometry const g : {Geometry::cartesian3d, Geometry::planar2d, Geometry::axisymmetric2d, Geometry::planar1d,
-                           Geometry::cylindrical1d, Geometry::spherical1d}) {
-    if (*word == grid::geometry_name(g)) out_.domain.geometry = g;
-  }
+  out_.domain.geometry = *value_of<Geometry>(*word);
   geometry_known_ = true;
   if (section->doubtful()) return;
 
@@ -134,7 +148,7 @@ void Builder::domain() {
   if (lower && radial() && (*lower)[0] < 0.0) {
     error(*section, "lower",
           fmt::format("{} starts at a negative radius; in {} x is the radius: write 0 or more", section->shown("lower"),
-                      grid::geometry_name(geometry())));
+                      word_of(geometry())));
     return;
   }
   if (!h || !lower || (section->given("upper") && !upper) || (section->given("size") && !size)) return;
@@ -201,13 +215,7 @@ void Builder::domain() {
 
 void Builder::boundaries() {
   Section const* section = deck_.section("boundaries");
-  auto const kind = [](std::string const& word) {
-    for (Boundary const b :
-         {Boundary::wall, Boundary::symmetry, Boundary::inflow, Boundary::periodic, Boundary::zero_gradient}) {
-      if (word == grid::boundary_name(b)) return b;
-    }
-    return Boundary::outflow;
-  };
+  auto const kind = [](std::string const& word) { return *value_of<Boundary>(word); };
   boundaries_known_ = section == nullptr || !section->broken("all");
   Boundary const all = section == nullptr ? Boundary::outflow : kind(section->text("all").value_or("outflow"));
   bool const axis = radial() && out_.domain.lower[0] == 0.0;
@@ -217,8 +225,8 @@ void Builder::boundaries() {
     if (f / 2 >= dims()) {
       if (given) {
         error(*section, face,
-              fmt::format("{} has no face {}: it resolves only {}; remove the key", grid::geometry_name(geometry()),
-                          face, direction_list(dims())));
+              fmt::format("{} has no face {}: it resolves only {}; remove the key", word_of(geometry()), face,
+                          direction_list(dims())));
       }
       continue;
     }
@@ -240,7 +248,7 @@ void Builder::boundaries() {
     if (f / 2 == 0 && radial() && b == Boundary::periodic) {
       error(*section, face,
             fmt::format("\"periodic\" is not possible along the radius x of {}; choose another boundary",
-                        grid::geometry_name(geometry())));
+                        word_of(geometry())));
     }
   }
   if (!boundaries_known_) return;
@@ -252,7 +260,7 @@ void Builder::boundaries() {
     error(*section,
           section->given(grid::face_names[low ? 2 * d : 2 * d + 1]) ? grid::face_names[low ? 2 * d : 2 * d + 1] : "all",
           fmt::format("\"periodic\" joins both faces of a direction, but {} is \"{}\": make both periodic",
-                      grid::face_names[other], grid::boundary_name(out_.domain.boundary[other])));
+                      grid::face_names[other], word_of(out_.domain.boundary[other])));
   }
   inflow(section);
 }
@@ -261,7 +269,7 @@ void Builder::numerics() {
   Section const* section = deck_.section("numerics");
   if (section == nullptr) return;
   auto& n = out_.numerics;
-  if (section->text("scheme") == "lax-wendroff") n.scheme = run::Scheme::lax_wendroff;
+  choose(*section, "scheme", n.scheme);
   n.courant = section->number("courant").value_or(n.courant);
   n.block_cells = static_cast<int>(section->integer("block_cells").value_or(n.block_cells));
   n.sleep = section->boolean("sleep").value_or(n.sleep);

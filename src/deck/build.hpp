@@ -24,6 +24,13 @@ inline constexpr char const* directions = "xyz";
 /// "[1, 2, 3]", the resolved directions.
 [[nodiscard]] std::string point_text(Vec3 const& p, int dimensions);
 
+/// Sets a choice to the word that a section gives, if it gives one.
+template <class E>
+void choose(Section const& section, std::string_view key, E& choice) {
+  auto const word = section.text(key);
+  if (auto const value = word ? value_of<E>(*word) : std::nullopt) choice = *value;
+}
+
 /// What a shape is for: it decides which shapes are possible and how much of them must be given.
 enum class Use {
   gas,     ///< obstacle or region of the gas
@@ -114,6 +121,8 @@ class Builder {
     }
     return nullptr;
   }
+  /// Notes that a material has an error; throws std::logic_error where none was reported.
+  void wrong_material(std::string const& name);
   void own_materials();
   void own_solids();
   material::Explosive const* explosive(std::string_view name) const;
@@ -201,6 +210,8 @@ class Builder {
   /// A charge beside obstacles finds room between solid cells.
   void fits_between_obstacles(Section const& section, shape::Shape const& body);
   /// Own materials that nothing is made of.
+  /// Throws std::logic_error where something of the deck was left out and no error reported.
+  void nothing_is_dropped() const;
   void unused_materials();
   /// A region has cells of its own.
   void check_regions();

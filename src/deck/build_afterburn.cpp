@@ -5,23 +5,12 @@
 #include <cmath>
 
 #include "deck/build.hpp"
+#include "deck/build_models.hpp"
 #include "run/start.hpp"
 
 namespace brisance::deck {
 
 namespace {
-
-/// The model's parameters; nothing when one of them was wrong.
-template <class Model>
-std::optional<Model> model_of(Section const& section) {
-  Model model;
-  for (auto const& p : Model::parameters()) {
-    auto const value = section.number(p.key);
-    if (!value) return std::nullopt;
-    model.*p.member = *value;
-  }
-  return model;
-}
 
 /// A time [s] at which the charge has burnt in every cell [m]: its farthest corner is lit, and its cells have burnt
 /// through.
@@ -76,13 +65,9 @@ void Builder::afterburn() {
     return;
   }
   afterburn.energy = section->given("energy") ? *section->number("energy") : *products->afterburn_energy;
-  if (*word == material::MillerAfterburn::name) {
-    auto const model = model_of<material::MillerAfterburn>(*section);
-    if (!model) return;
-    afterburn.rate = *model;
-  } else {
-    auto const model = model_of<material::ConstantRateAfterburn>(*section);
-    if (!model) return;
+  auto const rate = filled<material::AfterburnRate>(*word, *section);
+  if (!rate) return;
+  if (auto const* model = std::get_if<material::ConstantRateAfterburn>(&*rate)) {
     if (!(model->end > model->begin)) {
       error(*section, "end",
             fmt::format("{} does not lie after begin = {}: exchange or correct them", section->shown("end"),
@@ -111,8 +96,8 @@ void Builder::afterburn() {
     if (end_known_ && model->begin >= out_.end.time) {
       warn(*section, "begin", fmt::format("lies after the end of the calculation at {:g} s", out_.end.time));
     }
-    afterburn.rate = *model;
   }
+  afterburn.rate = *rate;
   out_.afterburn = afterburn;
 }
 

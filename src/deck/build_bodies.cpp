@@ -215,7 +215,7 @@ bool Builder::body_fits(Section const& section, shape::Shape const& shape) {
           section, key,
           fmt::format("{}, which is \"{}\": move the body inside or enlarge the domain; only a symmetry plane through "
                       "its middle may cut a body",
-                      where, grid::boundary_name(boundary)));
+                      where, word_of(boundary)));
     }
     return false;
   }
@@ -263,24 +263,9 @@ void Builder::points_options() {
   Section const* section = deck_.section("points");
   if (section == nullptr) return;
   auto& o = out_.points.options;
-  auto const choose = [&](std::string_view key, auto& value, auto const& choices) {
-    auto const word = section->text(key);
-    for (auto const& [name, choice] : choices) {
-      if (word && *word == name) value = choice;
-    }
-  };
-  using mpm::ShapeFunction;
-  using mpm::StressOrder;
-  using mpm::Transfer;
-  choose("shape_function", o.shape,
-         std::array{std::pair{"linear", ShapeFunction::linear}, std::pair{"gimp", ShapeFunction::gimp},
-                    std::pair{"cpgimp", ShapeFunction::cpgimp}, std::pair{"bspline", ShapeFunction::bspline}});
-  choose("stress_order", o.order,
-         std::array{std::pair{"usf", StressOrder::usf}, std::pair{"usl", StressOrder::usl},
-                    std::pair{"musl", StressOrder::musl}});
-  choose("transfer", o.transfer,
-         std::array{std::pair{"flip", Transfer::flip}, std::pair{"apic", Transfer::apic},
-                    std::pair{"xpic", Transfer::xpic}});
+  choose(*section, "shape_function", o.shape);
+  choose(*section, "stress_order", o.order);
+  choose(*section, "transfer", o.transfer);
   o.pic_fraction = section->number("pic_fraction").value_or(o.pic_fraction);
   o.xpic_order = static_cast<int>(section->integer("xpic_order").value_or(o.xpic_order));
   o.crack_band = section->text("regularisation").value_or("crack_band") == "crack_band";
@@ -297,17 +282,17 @@ void Builder::points_options() {
           *section, "body_force",
           fmt::format("{} points along x, the radius of {}, and would not be the same on both sides of the axis: write "
                       "0 as its first element",
-                      section->shown("body_force"), grid::geometry_name(geometry())));
+                      section->shown("body_force"), word_of(geometry())));
     }
   }
   if (o.block_cells != 0 && o.block_cells < 4) {
     error(*section, "block_cells",
           fmt::format("{} is too small; allowed: 0 (chosen by the program) or 4 to 4096", o.block_cells));
   }
-  if (section->given("pic_fraction") && o.transfer != Transfer::flip) {
+  if (section->given("pic_fraction") && o.transfer != mpm::Transfer::flip) {
     warn(*section, "pic_fraction", "has an effect only with transfer = \"flip\"");
   }
-  if (section->given("xpic_order") && o.transfer != Transfer::xpic) {
+  if (section->given("xpic_order") && o.transfer != mpm::Transfer::xpic) {
     warn(*section, "xpic_order", "has an effect only with transfer = \"xpic\"");
   }
   auto const& faces = out_.domain.boundary;
@@ -392,8 +377,7 @@ void Builder::constraint(Section const& section) {
   for (std::string const& letter : held) {
     int const d = letter[0] - 'x';
     if (d >= dims()) {
-      error(section, key,
-            fmt::format("\"{}\" is not resolved in {}: remove it", letter, grid::geometry_name(geometry())));
+      error(section, key, fmt::format("\"{}\" is not resolved in {}: remove it", letter, word_of(geometry())));
       return;
     }
     out.held[static_cast<std::size_t>(d)] = true;
@@ -476,8 +460,8 @@ void Builder::surface_pressure(Section const& section) {
     out.normal = signed_normal(normal);
     if (normal[1] - 'x' >= dims()) {
       error(section, "normal",
-            fmt::format("\"{}\" is not resolved in {}, which resolves {} direction{}", normal,
-                        grid::geometry_name(geometry()), dims(), dims() > 1 ? "s" : ""));
+            fmt::format("\"{}\" is not resolved in {}, which resolves {} direction{}", normal, word_of(geometry()),
+                        dims(), dims() > 1 ? "s" : ""));
       return;
     }
   }

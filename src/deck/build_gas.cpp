@@ -35,7 +35,7 @@ void Builder::inflow(Section const* section) {
           fmt::format(
               "the face {} is \"{}\", so that this table is without use: write {} = \"inflow\" in [boundaries] or "
               "remove the table",
-              given.name, f / 2 >= dims() ? "not resolved" : grid::boundary_name(out_.domain.boundary[f]), given.name));
+              given.name, f / 2 >= dims() ? "not resolved" : word_of(out_.domain.boundary[f]), given.name));
       return;
     }
     if (auto const s = state(given, out_.ambient.fluid, out_.ambient.state, "density")) out_.inflow[f] = *s;
@@ -222,7 +222,7 @@ bool Builder::mass_unit_fits(Section const& section) {
   if (unit == own) return true;
   error(section, "mass",
         fmt::format("{} is given in {}, but a charge in {} has its mass in {}", section.shown("mass"), unit,
-                    grid::geometry_name(geometry()), own));
+                    word_of(geometry()), own));
   return false;
 }
 
@@ -270,7 +270,7 @@ bool Builder::inside_domain(Section const& section, shape::Shape const& body) {
             fmt::format(
                 "{}, which is \"{}\": move the charge inside or enlarge the domain; only a symmetry plane through "
                 "its centre may cut a charge",
-                where, grid::boundary_name(boundary)));
+                where, word_of(boundary)));
     }
     return false;
   }
@@ -282,7 +282,7 @@ bool Builder::initiation(Section const& section, shape::Shape const& body, char 
                          run::Detonation& detonation, std::vector<run::InitiationPoint>& points) {
   auto const word = section.text("detonation");
   if (!word || section.broken("initiation")) return false;
-  detonation = *word == "instantaneous" ? run::Detonation::instantaneous : run::Detonation::programmed;
+  choose(section, "detonation", detonation);
   auto const* all = section.sections("initiation");
   // A body may be hollow.
   auto const middle_is_explosive = [&](Section const& blamed, std::string_view key) {
@@ -490,7 +490,7 @@ void Builder::plane(Section const& section, std::string const& name) {
   auto const edge2 = point(*given, "edge2");
   auto const* counts = given->numbers("counts");
   if (dims() < 2) {
-    error(section, "plane", fmt::format("{} resolves only x: use a line", grid::geometry_name(geometry())));
+    error(section, "plane", fmt::format("{} resolves only x: use a line", word_of(geometry())));
     return;
   }
   if (counts != nullptr && counts->size() != 2) {

@@ -1,6 +1,8 @@
 /// Materials of a deck: its own and those of the library.
 #include <fmt/format.h>
 
+#include <stdexcept>
+
 #include "core/error.hpp"
 #include "deck/build.hpp"
 #include "deck/parameters.hpp"
@@ -8,11 +10,17 @@
 
 namespace brisance::deck {
 
+void Builder::wrong_material(std::string const& name) {
+  if (!report_.failed())
+    throw std::logic_error(fmt::format("the material \"{}\" cannot be built, and nothing says why", name));
+  wrong_materials_.insert(name);
+}
+
 void Builder::own_materials() {
   each("explosives", [&](Section const& section) {
     auto explosive = build_explosive(section, section.name);
     if (!explosive) {
-      wrong_materials_.insert(section.name);
+      wrong_material(section.name);
       return;
     }
     try {
@@ -28,7 +36,7 @@ void Builder::own_materials() {
       }
     } catch (InputError const& e) {
       report_.error(section.place, section.path, fmt::format("these constants describe no detonation: {}", e.what()));
-      wrong_materials_.insert(section.name);
+      wrong_material(section.name);
       return;
     }
     if (library().explosive(section.name) != nullptr) {
@@ -39,7 +47,7 @@ void Builder::own_materials() {
   each("fluids", [&](Section const& section) {
     auto fluid = build_fluid(section, section.name);
     if (!fluid) {
-      wrong_materials_.insert(section.name);
+      wrong_material(section.name);
       return;
     }
     if (library().fluid(section.name) != nullptr) {
@@ -53,7 +61,7 @@ void Builder::own_solids() {
   each("solids", [&](Section const& section) {
     auto solid = build_solid(section, section.name, report_);
     if (!solid) {
-      wrong_materials_.insert(section.name);
+      wrong_material(section.name);
       return;
     }
     if (library().solid(section.name) != nullptr) {

@@ -75,12 +75,11 @@ void Builder::mpm_region_options(Section const& section, run::MpmRegion& region)
   set("width", region.width);
   set("points_per_direction", region.points_per_direction);
   set("population_interval", region.population_interval);
-  if (section.text("transport") == "paper") region.transport = bridge::Transport::paper;
+  choose(section, "transport", region.transport);
   region.activation = section.number("activation");
   region.subcycling = section.boolean("subcycling").value_or(region.subcycling);
-  if (section.text("transfer") == "flip") region.transfer = mpm::Transfer::flip;
-  if (section.text("transfer") == "xpic") region.transfer = mpm::Transfer::xpic;
-  if (section.text("order") == "musl") region.order = mpm::StressOrder::musl;
+  choose(section, "transfer", region.transfer);
+  choose(section, "order", region.order);
   region.linear_viscosity = section.number("linear_viscosity").value_or(region.linear_viscosity);
   region.quadratic_viscosity = section.number("quadratic_viscosity").value_or(region.quadratic_viscosity);
   region.slip = section.boolean("slip").value_or(region.slip);

@@ -20,13 +20,12 @@ std::optional<std::string> misplaced(mpm::Bar const& bar, grid::Domain const& do
     double const middle = 0.5 * (depth(bar.from) + depth(bar.to));
     bool const mirror = domain.boundary[f] == grid::Boundary::symmetry;
     if (least < -tiny && !(mirror && std::abs(middle) <= tiny)) {
-      return fmt::format(
-          "the bar reaches {:.4g} m over the face {} ({} = {:.6g} m), {}", -least, grid::face_names[f], directions[d],
-          plane,
-          mirror ? fmt::format("which is a symmetry plane, but its middle at {} = {:.6g} m does not lie "
-                               "on it: put the middle on the plane, or end the bar there",
-                               directions[d], f % 2 == 0 ? plane + middle : plane - middle)
-                 : fmt::format("which is \"{}\": end it within the body", grid::boundary_name(domain.boundary[f])));
+      return fmt::format("the bar reaches {:.4g} m over the face {} ({} = {:.6g} m), {}", -least, grid::face_names[f],
+                         directions[d], plane,
+                         mirror ? fmt::format("which is a symmetry plane, but its middle at {} = {:.6g} m does not lie "
+                                              "on it: put the middle on the plane, or end the bar there",
+                                              directions[d], f % 2 == 0 ? plane + middle : plane - middle)
+                                : fmt::format("which is \"{}\": end it within the body", word_of(domain.boundary[f])));
     }
     // Along the plane and less than a radius from it the bar and its image are in each other's way.
     bool const along = std::abs(depth(bar.from) - depth(bar.to)) <= 1e-3 * norm(bar.to - bar.from);
@@ -62,9 +61,8 @@ void Builder::reinforcement(Section const& section) {
     return;
   }
   if (geometry() != grid::Geometry::cartesian3d) {
-    report_.error(
-        section.place, section.path,
-        fmt::format("bars are those of cartesian3d, and this is {}: remove them", grid::geometry_name(geometry())));
+    report_.error(section.place, section.path,
+                  fmt::format("bars are those of cartesian3d, and this is {}: remove them", word_of(geometry())));
     return;
   }
   auto const from = point(section, "from");

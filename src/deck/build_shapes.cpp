@@ -48,8 +48,8 @@ std::optional<shape::Shape> Builder::shape(Section const& section, Use use, std:
     std::string const disc =
         word == "sphere" && geometry() == Geometry::planar2d ? " (a \"cylinder\" is a disc here)" : "";
     error(section, "shape",
-          fmt::format("\"{}\" is not possible in {}; allowed: {}{}", word, grid::geometry_name(geometry()),
-                      quoted_list(possible), disc));
+          fmt::format("\"{}\" is not possible in {}; allowed: {}{}", word, word_of(geometry()), quoted_list(possible),
+                      disc));
     return std::nullopt;
   }
   if (!only_keys_of(section, word)) return std::nullopt;
@@ -65,7 +65,7 @@ std::optional<shape::Shape> Builder::shape(Section const& section, Use use, std:
       error(section, "position",
             fmt::format("{} does not lie on the axis; a {} in {} is centred at radius 0: write 0 as its first "
                         "element, or use a box, which is a ring or shell",
-                        section.shown("position"), word, grid::geometry_name(geometry())));
+                        section.shown("position"), word, word_of(geometry())));
       return std::nullopt;
     }
   }
@@ -125,10 +125,10 @@ bool Builder::only_keys_of(Section const& section, std::string const& word) {
     if (!section.given(key) || std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
     auto offered = allowed;
     std::erase_if(offered, [&](std::string const& k) { return section.table->find(k) == nullptr; });
-    error(section, key,
-          fmt::format("{} does not apply to {} in {}; its keys are {}: remove it or change the shape",
-                      section.shown(key), word == "stl" ? "an stl mesh" : "a " + word, grid::geometry_name(geometry()),
-                      fmt::join(offered, ", ")));
+    error(
+        section, key,
+        fmt::format("{} does not apply to {} in {}; its keys are {}: remove it or change the shape", section.shown(key),
+                    word == "stl" ? "an stl mesh" : "a " + word, word_of(geometry()), fmt::join(offered, ", ")));
     sound = false;
   }
   return sound;
@@ -240,7 +240,7 @@ std::optional<shape::Shape> Builder::box(Section const& section, Vec3 const& pos
         section, key,
         fmt::format("the box starts at the radius {:g} m; in {} x is the radius: give lower and upper with radii of 0 "
                     "or more",
-                    low[0], grid::geometry_name(geometry())));
+                    low[0], word_of(geometry())));
     return std::nullopt;
   }
   // One metre thick where a direction is not resolved.

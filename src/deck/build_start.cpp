@@ -22,7 +22,7 @@ void Builder::start() {
       error(*deck_.section("output"), "profile",
             fmt::format("a profile is the burst of one charge in spherical1d, cylindrical1d or axisymmetric2d without "
                         "bodies, obstacles and regions; this deck {}: remove the key",
-                        !possible ? fmt::format("is of {}", grid::geometry_name(geometry()))
+                        !possible ? fmt::format("is of {}", word_of(geometry()))
                         : !one    ? fmt::format("has {} charges", charges == nullptr ? 0 : charges->size())
                                   : "has one of these"));
     }
@@ -38,7 +38,7 @@ void Builder::start() {
   std::string_view key = "start";
   Section const* blamed = &deck_;
   if (section != nullptr) {
-    if (section->text("method") == "points") s.method = run::StartMethod::points;
+    choose(*section, "method", s.method);
     s.cell = section->number("cell").value_or(0.0);
     s.time = section->number("time");
     s.radius = section->number("radius");

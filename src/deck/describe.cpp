@@ -41,6 +41,13 @@ std::string model_lines() {
   return out;
 }
 
+template <class List>
+std::string lines_of_models() {
+  std::string out;
+  for_each_model<List>([&]<class Model>() { out += model_lines<Model>(); });
+  return out;
+}
+
 template <class Variant>
 char const* model_name(Variant const& model) {
   return std::visit([](auto const& m) { return m.name; }, model);
@@ -138,16 +145,13 @@ std::string describe_models() {
                     words_line("Point shapes", "points", "shape_function") +
                     words_line("Stress order", "points", "stress_order") + words_line("Transfer", "points", "transfer");
   out += "\nEquations of state and their parameters\n";
-  out += model_lines<material::IdealGas>() + model_lines<material::Jwl>() + model_lines<material::StiffenedGas>() +
-         model_lines<material::MieGruneisen>() + model_lines<material::Linear>() + model_lines<material::Compaction>();
+  out += lines_of_models<material::PointEos>();
   out += "\nAfterburn models and their parameters\n";
-  out += model_lines<material::ConstantRateAfterburn>() + model_lines<material::MillerAfterburn>();
+  out += lines_of_models<material::AfterburnRate>();
   out += "\nStrength models and their parameters\n";
-  out += model_lines<material::NoStrength>() + model_lines<material::Elastic>() + model_lines<material::VonMises>() +
-         model_lines<material::JohnsonCook>() + model_lines<material::Hjc>() + model_lines<material::DruckerPrager>();
+  out += lines_of_models<material::Strength>();
   out += "\nFailure models and their parameters\n";
-  out += model_lines<material::NoFailure>() + model_lines<material::JohnsonCookFailure>() +
-         model_lines<material::TensileDamage>();
+  out += lines_of_models<material::Failure>();
   out += "\nFields for output\n";
   for (auto const& field : run::known_fields()) {
     out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);

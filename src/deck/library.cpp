@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/error.hpp"
+#include "deck/build_models.hpp"
 #include "deck/embedded.hpp"
 #include "deck/reader.hpp"
 #include "deck/schema.hpp"
@@ -44,38 +45,15 @@ std::vector<std::string> names_of(std::vector<Named<Material>> const& all) {
   return names;
 }
 
-/// The model's parameters from the table; false when one is missing or wrong.
-template <class Model>
-bool fill(Model& model, Section const& section) {
-  bool complete = true;
-  for (auto const& p : Model::parameters()) {
-    auto const value = section.number(p.key);
-    if (value) {
-      model.*p.member = *value;
-    } else {
-      complete = false;
-    }
-  }
-  return complete;
-}
-
-template <class Model>
-bool fill_if(std::string const& word, material::Eos& eos, Section const& section) {
-  if (word != Model::name) return true;
-  Model model;
-  bool const complete = fill(model, section);
-  eos = model;
-  return complete;
-}
-
 /// The model of a solid's table [eos], [strength] or [failure]; what the table leaves out is taken from `derived`.
-template <class Variant, class... Models>
-std::optional<Variant> model_of(Section const& section, std::map<std::string_view, double> const& derived) {
+template <class List>
+std::optional<List> model_of(Section const& section, std::map<std::string_view, double> const& derived) {
   auto const word = section.text("model");
   if (!word) return std::nullopt;
-  std::optional<Variant> out;
-  auto const read = [&]<class Model>(Model model) {
+  std::optional<List> out;
+  for_each_model<List>([&]<class Model>() {
     if (*word != Model::name) return;
+    Model model;
     for (auto const& p : Model::parameters()) {
       if (section.broken(p.key)) return;
       auto const value = section.number(p.key);
@@ -84,8 +62,7 @@ std::optional<Variant> model_of(Section const& section, std::map<std::string_vie
       model.*p.member = value ? *value : other->second;
     }
     out = model;
-  };
-  (read(Models{}), ...);
+  });
   return out;
 }
 
@@ -222,6 +199,9 @@ void check(Report const& report, EmbeddedFile const& file) {
 
 template <class Material>
 Named<Material> named(std::optional<Material> material, Section const& section) {
+  if (!material)
+    throw std::logic_error(
+        fmt::format("the material of {} cannot be built, and nothing says why", section.text("name").value_or("?")));
   Named<Material> out{std::move(*material), {}, {}};
   if (auto const* aliases = section.strings("aliases")) out.aliases = *aliases;
   out.note = section.text("note").value_or("");
@@ -324,11 +304,9 @@ std::optional<material::Fluid> build_fluid(Section const& section, std::string c
   auto const density = section.number("density");
   auto const pressure = section.number("pressure");
   if (!word || !density || !pressure) return std::nullopt;
-  bool const complete = fill_if<material::IdealGas>(*word, out.eos, section) &&
-                        fill_if<material::Jwl>(*word, out.eos, section) &&
-                        fill_if<material::StiffenedGas>(*word, out.eos, section) &&
-                        fill_if<material::MieGruneisen>(*word, out.eos, section);
-  if (!complete) return std::nullopt;
+  auto const eos = filled<material::Eos>(*word, section);
+  if (!eos) return std::nullopt;
+  out.eos = *eos;
   out.density = *density;
   out.pressure = *pressure;
   return out;
@@ -356,7 +334,7 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
 
   bool const elastic = derived.contains("K");
   if (auto const* table = section.section("eos")) {
-    auto const eos = model_of<PointEos, Linear, MieGruneisen, Compaction>(*table, derived);
+    auto const eos = model_of<PointEos>(*table, derived);
     if (!eos) {
       missing_modulus(*table, "K", "bulk modulus", derived, report);
       return std::nullopt;
@@ -372,8 +350,7 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
     return std::nullopt;
   }
   if (auto const* table = section.section("strength")) {
-    auto const strength =
-        model_of<Strength, NoStrength, Elastic, VonMises, JohnsonCook, Hjc, DruckerPrager>(*table, derived);
+    auto const strength = model_of<Strength>(*table, derived);
     if (!strength) {
       missing_modulus(*table, "G", "shear modulus", derived, report);
       return std::nullopt;
@@ -383,7 +360,7 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
     out.strength = Elastic{derived["G"]};
   }
   if (auto const* table = section.section("failure")) {
-    auto const failure = model_of<Failure, NoFailure, JohnsonCookFailure, TensileDamage>(*table, derived);
+    auto const failure = model_of<Failure>(*table, derived);
     if (!failure) return std::nullopt;
     out.failure = *failure;
     bool const metal =
@@ -396,7 +373,7 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
     }
   }
   if (auto const spall = section.text("spall"); spall && *spall != "limit") {
-    out.spall = *spall == "pressure" ? Spall::pressure : Spall::principal_stress;
+    out.spall = *value_of<Spall>(*spall);
     if (!out.plastic() || std::holds_alternative<Hjc>(out.strength) ||
         std::holds_alternative<DruckerPrager>(out.strength)) {
       report.error(section.place_of("spall"), section.path_of("spall"),

@@ -10,7 +10,7 @@ namespace brisance::deck {
 Table const& domain_table() {
   static Table const table{
       "The grid: a box of cubic cells.",
-      {word("geometry", {"cartesian3d", "planar2d", "axisymmetric2d", "planar1d", "cylindrical1d", "spherical1d"})
+      {word<grid::Geometry>("geometry")
            .of("cartesian3d")
            .like("\"cartesian3d\"")
            .means("Resolved directions and symmetry. In axisymmetric2d x is the radius and y the axis; in "
@@ -35,7 +35,6 @@ std::vector<std::string> const& faces() {
 
 Table const& boundaries_table() {
   static Table const table = [] {
-    std::vector<std::string> const kinds{"outflow", "wall", "symmetry", "inflow", "periodic", "zero_gradient"};
     Table t{
         "What happens at the faces of the domain: `outflow` lets waves out, as if the gas that is there at the start "
         "went on beyond the face; `wall` is rigid (the ground); `symmetry` is a mirror plane; `inflow` holds the state "
@@ -45,10 +44,11 @@ Table const& boundaries_table() {
         {},
         {},
         {}};
-    t.keys.push_back(word("all", kinds).of("outflow").like("\"outflow\"").means("All faces that are not named"));
+    t.keys.push_back(
+        word<grid::Boundary>("all").of("outflow").like("\"outflow\"").means("All faces that are not named"));
     for (auto const& face : faces()) {
       t.keys.push_back(
-          word(face, kinds)
+          word(face, all_words<grid::Boundary>())
               .note(face == "x_low" ? "as `all`; `symmetry` where x is a radius and x_low lies at 0" : "as `all`")
               .like("\"symmetry\"")
               .means(fmt::format("Face at the {} end of {}", face.substr(2), face.substr(0, 1))));
@@ -132,7 +132,7 @@ Table const& charge_table() {
                                  .note("from `length`")
                                  .like("1.0")
                                  .means("Of a cylinder that is given by its mass; instead of `length` or `radius`"),
-                             word("detonation", {"programmed", "instantaneous"})
+                             word<run::Detonation>("detonation")
                                  .of("programmed")
                                  .like("\"programmed\"")
                                  .means("`programmed`: a detonation front runs from the points of initiation at the "
@@ -155,10 +155,8 @@ Table const& remap_table() {
       "Its profile then goes onto the grid, with the mass of both fluids, the energy and the momentum that it has, and "
       "the "
       "calculation goes on from that time.",
-      {word("method", {"gas", "points"})
-           .of("gas")
-           .like("\"gas\"")
-           .means("`gas`: the gas scheme; `points`: material points, as in [Cui14]"),
+      {word<run::StartMethod>("method").of("gas").like("\"gas\"").means(
+           "`gas`: the gas scheme; `points`: material points, as in [Cui14]"),
        number("cell", "m", smallest, 1e4)
            .note("a 400th of the charge's radius")
            .like("\"0.5 mm\"")
@@ -280,7 +278,7 @@ Table const& numerics_table() {
   static run::Numerics const n;
   static Table const table{
       "The numerical method.",
-      {word("scheme", {"muscl-hancock", "lax-wendroff"})
+      {word<gas::Scheme>("scheme")
            .of("muscl-hancock")
            .like("\"muscl-hancock\"")
            .means("`muscl-hancock`: second-order Godunov scheme with the HLLC solver; `lax-wendroff`: the scheme of "

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/models.hpp"
 #include "core/parameter.hpp"
 #include "deck/schema.hpp"
 
@@ -40,6 +41,11 @@ inline Key word(std::string name, std::vector<std::string> choices) {
   Key key = typed(Type::word, std::move(name));
   key.choices = std::move(choices);
   return key;
+}
+/// One of the words of an enumeration.
+template <class E>
+Key word(std::string name) {
+  return word(std::move(name), all_words<E>());
 }
 inline Key nested(Type type, std::string name, Table const& table) {
   Key key = typed(type, std::move(name));

@@ -1,6 +1,7 @@
 /// Tables of materials, in decks and material files.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "deck/schema_keys.hpp"
@@ -31,10 +32,8 @@ std::vector<Key> parameter_keys() {
   return keys;
 }
 
-/// Those of a model of a solid: what the solid's own keys tell may be left out.
-template <class Model>
-std::vector<Key> solid_parameter_keys() {
-  auto keys = parameter_keys<Model>();
+/// Keys of a model that the solid's own keys tell may be left out.
+void leave_to_solid(std::vector<Key>& keys) {
   for (auto& key : keys) {
     if (key.name == "rho0") {
       key.needed = false;
@@ -45,12 +44,38 @@ std::vector<Key> solid_parameter_keys() {
       key.note("from the solid's `E` and `nu`");
     }
   }
-  return keys;
 }
 
-}  // namespace
+/// Which models of a list a table takes.
+struct Every {
+  template <class Model>
+  static constexpr bool takes = true;
+};
+struct OfSolids {
+  template <class Model>
+  static constexpr bool takes = Model::of_solids;
+};
 
-namespace {
+/// The names of a list's models; "none" comes last.
+template <class List, class Which = Every>
+std::vector<std::string> model_names() {
+  std::vector<std::string> names;
+  for_each_model<List>([&]<class Model>() {
+    if (Which::template takes<Model>) names.emplace_back(Model::name);
+  });
+  std::stable_partition(names.begin(), names.end(), [](std::string const& name) { return name != "none"; });
+  return names;
+}
+
+/// The keys of each model of a list.
+template <class List, class Which = Every>
+std::map<std::string, std::vector<Key>> keys_of_models() {
+  std::map<std::string, std::vector<Key>> keys;
+  for_each_model<List>([&]<class Model>() {
+    if (Which::template takes<Model>) keys[Model::name] = parameter_keys<Model>();
+  });
+  return keys;
+}
 
 Table const& tnt_equivalent_table() {
   static Table const table{
@@ -83,7 +108,7 @@ Table const& afterburn_table() {
   static Table const table{
       "Energy that the detonation products release after the detonation, in proportion to their mass and wherever they "
       "are: none of the models knows how much air has been mixed in. Absent: no afterburn. Gas cells only.",
-      {word("model", {material::ConstantRateAfterburn::name, material::MillerAfterburn::name})
+      {word("model", model_names<material::AfterburnRate>())
            .required()
            .like("\"constant_rate\"")
            .means(
@@ -94,8 +119,7 @@ Table const& afterburn_table() {
            .like("\"10.2 MJ/kg\"")
            .means("Energy Q in all, per mass of the products")},
       "model",
-      {{material::ConstantRateAfterburn::name, parameter_keys<material::ConstantRateAfterburn>()},
-       {material::MillerAfterburn::name, parameter_keys<material::MillerAfterburn>()}}};
+      keys_of_models<material::AfterburnRate>()};
   return table;
 }
 
@@ -125,8 +149,7 @@ std::vector<Key> explosive_keys() {
 }
 
 std::vector<Key> fluid_keys() {
-  return {word("eos", {material::IdealGas::name, material::StiffenedGas::name, material::MieGruneisen::name,
-                       material::Jwl::name})
+  return {word("eos", model_names<material::Eos>())
               .of(material::IdealGas::name)
               .like("\"ideal_gas\"")
               .means("Equation of state"),
@@ -138,12 +161,7 @@ std::map<std::string, std::vector<Key>> explosive_variants() {
   return {{material::Jwl::name, parameter_keys<material::Jwl>()}};
 }
 
-std::map<std::string, std::vector<Key>> fluid_variants() {
-  return {{material::IdealGas::name, parameter_keys<material::IdealGas>()},
-          {material::StiffenedGas::name, parameter_keys<material::StiffenedGas>()},
-          {material::MieGruneisen::name, parameter_keys<material::MieGruneisen>()},
-          {material::Jwl::name, parameter_keys<material::Jwl>()}};
-}
+std::map<std::string, std::vector<Key>> fluid_variants() { return keys_of_models<material::Eos>(); }
 
 namespace {
 
@@ -167,30 +185,29 @@ Table const& fluids_table() {
 
 namespace {
 
-template <class... Models>
+template <class List, class Which = Every>
 Table model_table(std::string meaning, std::string explanation) {
+  std::vector<std::string> const names = model_names<List, Which>();
+  std::map<std::string, std::vector<Key>> keys = keys_of_models<List, Which>();
+  for (auto& [name, own] : keys) leave_to_solid(own);
   return {std::move(meaning),
-          {word("model", {Models::name...})
-               .required()
-               .like(fmt::format("\"{}\"", [](char const* first, auto const*...) { return first; }(Models::name...)))
-               .means(std::move(explanation))},
+          {word("model", names).required().like(fmt::format("\"{}\"", names.front())).means(std::move(explanation))},
           "model",
-          {{Models::name, solid_parameter_keys<Models>()}...}};
+          std::move(keys)};
 }
 
 Table const& solid_eos_table() {
-  static Table const table = model_table<material::Linear, material::MieGruneisen, material::Compaction>(
+  static Table const table = model_table<material::PointEos, OfSolids>(
       "Equation of state of a solid: the pressure from density and energy.", "Equation of state");
   return table;
 }
 Table const& strength_table() {
   static Table const table =
-      model_table<material::Elastic, material::VonMises, material::JohnsonCook, material::Hjc, material::DruckerPrager,
-                  material::NoStrength>("Strength of a solid: the rest of the stress.", "Strength model");
+      model_table<material::Strength>("Strength of a solid: the rest of the stress.", "Strength model");
   return table;
 }
 Table const& failure_table() {
-  static Table const table = model_table<material::JohnsonCookFailure, material::TensileDamage, material::NoFailure>(
+  static Table const table = model_table<material::Failure>(
       "Failure of a solid: growing damage, at 1 neither shear stress nor tension.", "Failure model");
   return table;
 }
@@ -219,7 +236,7 @@ std::vector<Key> solid_keys() {
               .note("none")
               .like("\"-2 GPa\"")
               .means("Tension cut-off: the pressure never falls below it"),
-          word("spall", {"limit", "pressure", "principal_stress"})
+          word<material::Spall>("spall")
               .of("limit")
               .like("\"pressure\"")
               .means("What happens to a metal at the tension cut-off. `limit`: it goes on pulling with this pressure; "

@@ -40,7 +40,7 @@ Table const& body_table() {
                  typed(Type::boolean, "rigid").of(false).like("true").means("It keeps its velocity, whatever it meets"),
                  density().note("that of the fluid").means("Density at the start, of fluids only"),
                  pressure().note("that of the fluid").means("Pressure at the start, of fluids only"),
-                 word("detonation", {"programmed", "instantaneous"})
+                 word<run::Detonation>("detonation")
                      .of("programmed")
                      .like("\"programmed\"")
                      .means("Of explosives, as for charges"),
@@ -57,17 +57,17 @@ Table const& points_table() {
   static mpm::Options const o;
   static Table const table{
       "The material point method.",
-      {word("shape_function", {"linear", "gimp", "cpgimp", "bspline"})
+      {word<mpm::ShapeFunction>("shape_function")
            .of("bspline")
            .like("\"gimp\"")
            .means("`linear`: tents; `gimp`: points of constant size (uGIMP); `cpgimp`: points that stretch with the "
                   "material; `bspline`: quadratic"),
-       word("stress_order", {"usf", "usl", "musl"})
+       word<mpm::StressOrder>("stress_order")
            .of("musl")
            .like("\"usf\"")
            .means("When the stress is updated: before the momentum (`usf`), after it (`usl`), or after it with the "
                   "velocity of the points mapped back to the nodes (`musl`)"),
-       word("transfer", {"flip", "apic", "xpic"})
+       word<mpm::Transfer>("transfer")
            .of("flip")
            .like("\"apic\"")
            .means("How the velocity of the points follows that of the nodes"),
@@ -155,7 +155,7 @@ Table const& mpm_region_table() {
              .of(static_cast<long>(r.width))
              .like("5")
              .means("Width w of the bridge in cells, 5 in [Cui14]"),
-         word("transport", {"ledger", "paper"})
+         word<bridge::Transport>("transport")
              .of("ledger")
              .like("\"ledger\"")
              .means("How mass crosses the faces of the region: `ledger` conserves it to round-off, `paper` is Eqs. "
@@ -172,7 +172,7 @@ Table const& mpm_region_table() {
              .of(r.subcycling)
              .like("true")
              .means("Gas and points take steps of their own within a common one; else both take the shorter one"),
-         word("transfer", {"flip", "apic", "xpic"})
+         word<mpm::Transfer>("transfer")
              .of("apic")
              .like("\"apic\"")
              .means("Of the gas points; `points.transfer` is that of the bodies"),

@@ -486,7 +486,7 @@ void check_fit(gas::Gas const& gas, Profile const& profile) {
                                                        : false;
   if (!fits) {
     throw InputError(
-        fmt::format("a profile of {} does not fit {}", grid::geometry_name(from), grid::geometry_name(to)));
+        fmt::format("a profile of {} does not fit {}", word_of(from), word_of(to)));
   }
   if (profile.components != gas.components() || profile.components > most_components) {
     throw InputError(

@@ -25,6 +25,9 @@ class Archive;
 namespace brisance::gas {
 
 enum class Scheme { muscl_hancock, lax_wendroff };
+constexpr auto words(Scheme) {
+  return std::array{Word{Scheme::muscl_hancock, "muscl-hancock"}, Word{Scheme::lax_wendroff, "lax-wendroff"}};
+}
 
 struct Options {
   Scheme scheme = Scheme::muscl_hancock;

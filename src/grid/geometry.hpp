@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/models.hpp"
 #include "core/vec.hpp"
 
 namespace brisance::grid {
@@ -32,17 +33,10 @@ enum class Geometry { cartesian3d, planar2d, axisymmetric2d, planar1d, cylindric
   }
 }
 
-/// Name of a geometry in decks and results.
-[[nodiscard]] constexpr char const* geometry_name(Geometry geometry) {
-  switch (geometry) {
-    case Geometry::cartesian3d: return "cartesian3d";
-    case Geometry::planar2d: return "planar2d";
-    case Geometry::axisymmetric2d: return "axisymmetric2d";
-    case Geometry::planar1d: return "planar1d";
-    case Geometry::cylindrical1d: return "cylindrical1d";
-    case Geometry::spherical1d: return "spherical1d";
-  }
-  return "";
+constexpr auto words(Geometry) {
+  return std::array{Word{Geometry::cartesian3d, "cartesian3d"},       Word{Geometry::planar2d, "planar2d"},
+                    Word{Geometry::axisymmetric2d, "axisymmetric2d"}, Word{Geometry::planar1d, "planar1d"},
+                    Word{Geometry::cylindrical1d, "cylindrical1d"},   Word{Geometry::spherical1d, "spherical1d"}};
 }
 
 /// What happens at one face of the domain. Through `outflow` waves leave without an echo, see gas/open_faces.hpp;
@@ -55,17 +49,10 @@ enum class Boundary { outflow, wall, symmetry, inflow, periodic, zero_gradient }
 /// Does the face mirror what lies before it?
 [[nodiscard]] constexpr bool is_mirror(Boundary b) { return b == Boundary::symmetry || b == Boundary::wall; }
 
-/// Name of a boundary in decks and results.
-[[nodiscard]] constexpr char const* boundary_name(Boundary boundary) {
-  switch (boundary) {
-    case Boundary::outflow: return "outflow";
-    case Boundary::wall: return "wall";
-    case Boundary::symmetry: return "symmetry";
-    case Boundary::inflow: return "inflow";
-    case Boundary::periodic: return "periodic";
-    case Boundary::zero_gradient: return "zero_gradient";
-  }
-  return "";
+constexpr auto words(Boundary) {
+  return std::array{Word{Boundary::outflow, "outflow"},   Word{Boundary::wall, "wall"},
+                    Word{Boundary::symmetry, "symmetry"}, Word{Boundary::inflow, "inflow"},
+                    Word{Boundary::periodic, "periodic"}, Word{Boundary::zero_gradient, "zero_gradient"}};
 }
 
 /// The six faces in the order x low, x high, y low, y high, z low, z high: `2 * direction + side`.

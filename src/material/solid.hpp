@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "core/models.hpp"
 #include "core/parameter.hpp"
 #include "material/eos/compaction.hpp"
 #include "material/eos/eos.hpp"
@@ -18,8 +19,8 @@
 
 namespace brisance::material {
 
-/// The equations of state of material points: those of the gas cells and the linear one.
-using PointEos = std::variant<Linear, IdealGas, Jwl, StiffenedGas, MieGruneisen, Compaction>;
+/// The equations of state of material points: those of the gas cells, the linear one, and that of concrete.
+using PointEos = Joined<std::variant<Linear>, Eos, std::variant<Compaction>>::type;
 
 /// Pressure [Pa] from density [kg/m3] and specific internal energy [J/kg].
 [[nodiscard]] inline double pressure(PointEos const& eos, double rho, double e) {
@@ -36,6 +37,10 @@ enum class Spall {
   pressure,          ///< the point fails where the pressure has fallen to the limit
   principal_stress,  ///< it fails where the largest principal stress has risen to the limit, with the other sign
 };
+constexpr auto words(Spall) {
+  return std::array{Word{Spall::limit, "limit"}, Word{Spall::pressure, "pressure"},
+                    Word{Spall::principal_stress, "principal_stress"}};
+}
 
 /// A material. Gases and detonation products are solids without strength here.
 struct Solid {
@@ -79,8 +84,8 @@ struct Solid {
   [[nodiscard]] bool burns() const { return detonation_speed > 0.0; }
   /// Is it a gas: nothing in it that could be under tension, whatever its density?
   [[nodiscard]] bool is_gas() const {
-    auto const gas = [](auto const& model) {
-      return std::holds_alternative<IdealGas>(model) || std::holds_alternative<Jwl>(model);
+    auto const gas = [](auto const& models) {
+      return std::visit([](auto const& model) { return !model.bears_tension; }, models);
     };
     if (has_deviator()) return false;
     if (!mixes()) return gas(eos);

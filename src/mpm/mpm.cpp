@@ -122,9 +122,7 @@ std::vector<Hold> holds_of(grid::Grid const& grid, Patch const& patch, std::vect
 /// Can the material pull at a wall? Gases and explosives cannot, nor can liquids that have no tension.
 bool pulls(material::Solid const& solid) {
   if (solid.has_deviator()) return true;
-  bool const gas = solid.mixes() || solid.burns() || std::holds_alternative<material::IdealGas>(solid.eos) ||
-                   std::holds_alternative<material::Jwl>(solid.eos);
-  return !gas && solid.minimum_pressure < 0.0;
+  return !solid.mixes() && !solid.burns() && !solid.is_gas() && solid.minimum_pressure < 0.0;
 }
 
 std::vector<WallFace> walls_of(grid::Grid const& grid, int block, Patch const& patch) {

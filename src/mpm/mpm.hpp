@@ -35,10 +35,17 @@ enum class ShapeFunction {
   cpgimp,   ///< points that stretch with the material
   bspline,  ///< quadratic
 };
+constexpr auto words(ShapeFunction) {
+  return std::array{Word{ShapeFunction::linear, "linear"}, Word{ShapeFunction::gimp, "gimp"},
+                    Word{ShapeFunction::cpgimp, "cpgimp"}, Word{ShapeFunction::bspline, "bspline"}};
+}
 
 /// When the stress is updated: before the momentum, or after it with the velocity of the nodes or with the velocity of
 /// the points mapped back to the nodes ([Cui14] Eq. (26)).
 enum class StressOrder { usf, usl, musl };
+constexpr auto words(StressOrder) {
+  return std::array{Word{StressOrder::usf, "usf"}, Word{StressOrder::usl, "usl"}, Word{StressOrder::musl, "musl"}};
+}
 
 /// How the velocity of the points follows that of the nodes.
 enum class Transfer {
@@ -46,6 +53,9 @@ enum class Transfer {
   apic,  ///< the nodes' velocity and its gradient, [Jiang15]
   xpic,  ///< increments without what the grid cannot see, [Hammerquist17]
 };
+constexpr auto words(Transfer) {
+  return std::array{Word{Transfer::flip, "flip"}, Word{Transfer::apic, "apic"}, Word{Transfer::xpic, "xpic"}};
+}
 
 struct Options {
   ShapeFunction shape = ShapeFunction::bspline;

@@ -117,7 +117,7 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
     DumpFile file(std::size_t(bytes_per_dump(domain, fields, options_.single_precision)), "cells");
     file.attribute(file.root(), "time", std::array{time});
     file.attribute(file.root(), "step", std::array{step});
-    file.attribute(file.root(), "geometry", grid::geometry_name(domain.geometry));
+    file.attribute(file.root(), "geometry", word_of(domain.geometry));
     file.attribute(file.root(), "origin", domain.lower);
     file.attribute(file.root(), "spacing", std::array{domain.h});
     file.attribute(file.root(), "cells", std::array<long, 3>{domain.cells[0], domain.cells[1], domain.cells[2]});

@@ -94,7 +94,7 @@ void PointSeries::dump(double time, long step, grid::Geometry geometry, long cou
     DumpFile file(std::size_t(bytes_per_dump(static_cast<double>(count), fields, options_.single_precision)), "points");
     file.attribute(file.root(), "time", std::array{time});
     file.attribute(file.root(), "step", std::array{step});
-    file.attribute(file.root(), "geometry", grid::geometry_name(geometry));
+    file.attribute(file.root(), "geometry", word_of(geometry));
     file.attribute(file.root(), "count", std::array{count});
     std::vector<double> buffer;
     for (auto const& field : fields) write_field(file, field, count, options_, values, buffer);

@@ -152,7 +152,7 @@ void write_profile(fs::path const& path, detonation::Profile const& p) {
   file.attribute(root, "format", std::string(format_name));
   file.attribute(root, "version", std::array{format_version});
   file.attribute(root, "checksum", std::array{static_cast<long>(checksum_of(p))});
-  file.attribute(root, "geometry", std::string(grid::geometry_name(p.domain.geometry)));
+  file.attribute(root, "geometry", std::string(word_of(p.domain.geometry)));
   file.attribute(root, "origin", p.domain.lower);
   file.attribute(root, "spacing", std::array{p.domain.h});
   file.attribute(root, "cells", std::array<long, 2>{p.domain.cells[0], p.domain.cells[1]});
@@ -211,7 +211,7 @@ detonation::Profile read_profile(fs::path const& path) {
   std::string const geometry = file.text(file.root(), "geometry");
   bool known = false;
   for (auto const g : {grid::Geometry::spherical1d, grid::Geometry::cylindrical1d, grid::Geometry::axisymmetric2d}) {
-    if (geometry != grid::geometry_name(g)) continue;
+    if (geometry != word_of(g)) continue;
     p.domain.geometry = g;
     known = true;
   }

@@ -131,8 +131,8 @@ json afterburn(material::Afterburn const& a) {
 
 json domain_of(grid::Domain const& d) {
   json boundary = json::array();
-  for (auto const b : d.boundary) boundary.push_back(grid::boundary_name(b));
-  return {{"geometry", grid::geometry_name(d.geometry)},
+  for (auto const b : d.boundary) boundary.push_back(word_of(b));
+  return {{"geometry", word_of(d.geometry)},
           {"lower", d.lower},
           {"upper", {d.upper(0), d.upper(1), d.upper(2)}},
           {"cell_size", d.h},
@@ -187,9 +187,9 @@ json points(run::World const& world, double wall_seconds) {
   double const updates = count * static_cast<double>(world.clock.point_steps);
   return {{"count", p.point_count()},
           {"bytes", p.bytes()},
-          {"shape_function", name_of(o.shape)},
-          {"order", name_of(o.order)},
-          {"transfer", name_of(o.transfer)},
+          {"shape_function", word_of(o.shape)},
+          {"order", word_of(o.order)},
+          {"transfer", word_of(o.transfer)},
           {"pic_fraction", o.pic_fraction},
           {"xpic_order", o.xpic_order},
           {"regularisation", o.crack_band ? "crack_band" : "none"},
@@ -256,10 +256,10 @@ json mpm_region(run::World const& world, double wall_seconds) {
           {"cells", region.cells().size()},
           {"bridge_faces", bridges},
           {"width", region.width()},
-          {"transport", bridge.options().transport == bridge::Transport::ledger ? "ledger" : "paper"},
+          {"transport", word_of(bridge.options().transport)},
           {"points_per_direction", bridge.options().points_per_direction},
-          {"transfer", name_of(settings.transfer)},
-          {"order", name_of(settings.order)},
+          {"transfer", word_of(settings.transfer)},
+          {"order", word_of(settings.order)},
           {"awake_since", world.awake_since ? json(*world.awake_since) : json(nullptr)},
           {"gas_steps", world.clock.gas_steps},
           {"point_steps", world.clock.point_steps},
@@ -287,34 +287,6 @@ json mpm_region(run::World const& world, double wall_seconds) {
 }
 
 }  // namespace
-
-char const* name_of(mpm::ShapeFunction f) {
-  switch (f) {
-    case mpm::ShapeFunction::linear: return "linear";
-    case mpm::ShapeFunction::gimp: return "gimp";
-    case mpm::ShapeFunction::cpgimp: return "cpgimp";
-    case mpm::ShapeFunction::bspline: return "bspline";
-  }
-  return "";
-}
-
-char const* name_of(mpm::StressOrder o) {
-  switch (o) {
-    case mpm::StressOrder::usf: return "usf";
-    case mpm::StressOrder::usl: return "usl";
-    case mpm::StressOrder::musl: return "musl";
-  }
-  return "";
-}
-
-char const* name_of(mpm::Transfer t) {
-  switch (t) {
-    case mpm::Transfer::flip: return "flip";
-    case mpm::Transfer::apic: return "apic";
-    case mpm::Transfer::xpic: return "xpic";
-  }
-  return "";
-}
 
 std::string start_in_words(run::Case const& setup, run::StartReport const& report) {
   if (!setup.start.profile.empty()) return fmt::format("profile \"{}\"", report.from);
@@ -380,9 +352,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"last_dt", world.clock.dt},
            {"domain", domain_of(world.setup.domain)},
            {"blocks", gas ? world.grid.block_count() : world.points->grid().block_count()},
-           {"scheme", !gas                                                        ? "material points"
-                      : world.setup.numerics.scheme == run::Scheme::muscl_hancock ? "muscl-hancock"
-                                                                                  : "lax-wendroff"},
+           {"scheme", gas ? word_of(world.setup.numerics.scheme) : "material points"},
            {"courant", gas ? world.setup.numerics.courant : world.setup.points.options.courant},
            {"ambient",
             {{"fluid", world.setup.ambient.fluid.name},

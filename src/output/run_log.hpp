@@ -25,11 +25,6 @@ struct RunStatus {
 /// Processor model, number of cores and threads. Names neither host nor user.
 [[nodiscard]] nlohmann::json machine();
 
-/// The words of decks for the choices of the material point method.
-[[nodiscard]] char const* name_of(mpm::ShapeFunction f);
-[[nodiscard]] char const* name_of(mpm::StressOrder o);
-[[nodiscard]] char const* name_of(mpm::Transfer t);
-
 /// How a charge was calculated before its remap, in words.
 [[nodiscard]] std::string start_in_words(run::Case const& setup, run::StartReport const& report);
 

@@ -44,7 +44,10 @@ struct Region {
   std::string fluid_name;
 };
 
-enum class Detonation { instantaneous, programmed };
+enum class Detonation { programmed, instantaneous };
+constexpr auto words(Detonation) {
+  return std::array{Word{Detonation::programmed, "programmed"}, Word{Detonation::instantaneous, "instantaneous"}};
+}
 
 using detonation::InitiationPoint;
 
@@ -146,6 +149,9 @@ struct MpmRegion {
 
 /// How a charge is calculated until the shock comes near anything.
 enum class StartMethod { gas, points };
+constexpr auto words(StartMethod) {
+  return std::array{Word{StartMethod::gas, "gas"}, Word{StartMethod::points, "points"}};
+}
 
 /// The start of a calculation by a remap: each charge bursts in a calculation of its own with fewer directions.
 struct Start {

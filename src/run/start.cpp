@@ -41,7 +41,7 @@ double ball_radius(Case const& setup, std::size_t number) {
   }
   if (geometry != Geometry::cartesian3d && geometry != Geometry::axisymmetric2d) {
     throw InputError(fmt::format("{} is calculated in one direction anyway: remove start = \"remap\"",
-                                 grid::geometry_name(geometry)));
+                                 word_of(geometry)));
   }
   if (auto const* ball = std::get_if<shape::Sphere>(&charge.shape)) return ball->radius;
   if (auto const* half = std::get_if<shape::Hemisphere>(&charge.shape)) {
@@ -349,7 +349,7 @@ std::shared_ptr<detonation::Profile const> fitted_profile(Case const& setup, std
                         : from == Geometry::cylindrical1d ? to == Geometry::planar2d
                                                           : to == Geometry::cartesian3d;
   if (!possible) {
-    mismatch(fmt::format("it is of {}, which cannot become {}", grid::geometry_name(from), grid::geometry_name(to)));
+    mismatch(fmt::format("it is of {}, which cannot become {}", word_of(from), word_of(to)));
   }
   if (given.charge.explosive != charge.explosive.name) {
     mismatch(fmt::format("its explosive is {}, that of the deck is {}", given.charge.explosive, charge.explosive.name));
@@ -446,7 +446,7 @@ detonation::Profile profile_of(World const& w) {
     throw InputError(
         fmt::format("a state in {} cannot become a profile; possible: spherical1d, cylindrical1d, "
                     "axisymmetric2d",
-                    grid::geometry_name(geometry)));
+                    word_of(geometry)));
   }
   if (w.gas == nullptr || w.points != nullptr || w.setup.charges.size() != 1 || !w.setup.obstacles.empty() ||
       !w.setup.regions.empty()) {
@@ -524,7 +524,7 @@ void place_start(World& w) {
     double const images = detonation::symmetry_images(charge.shape, setup.domain, what);
     StartReport report;
     report.method = setup.start.method;
-    report.from = setup.start.profile.empty() ? grid::geometry_name(profile.domain.geometry) : setup.start.profile;
+    report.from = setup.start.profile.empty() ? word_of(profile.domain.geometry) : setup.start.profile;
     report.cell = profile.domain.h;
     report.charge_radius = profile.charge.radius;
     if (setup.start.profile.empty()) report.by = plan_start(setup, n).reach.by;

@@ -18,7 +18,7 @@ using mpm::Field;
 using mpm::ShapeFunction;
 using mpm::Transfer;
 
-inline char const* name_of(ShapeFunction shape) {
+inline char const* word_of(ShapeFunction shape) {
   switch (shape) {
     case ShapeFunction::linear: return "linear";
     case ShapeFunction::gimp: return "gimp";
@@ -28,7 +28,7 @@ inline char const* name_of(ShapeFunction shape) {
   return "";
 }
 
-inline char const* name_of(Transfer transfer) {
+inline char const* word_of(Transfer transfer) {
   return transfer == Transfer::flip ? "flip" : transfer == Transfer::apic ? "apic" : "xpic";
 }
 

@@ -148,7 +148,7 @@ void expect_sums(Geometry geometry, std::array<Boundary, 6> const& boundary) {
 class Faces : public testing::TestWithParam<Geometry> {};
 INSTANTIATE_TEST_SUITE_P(Averages, Faces,
                          testing::Values(Geometry::planar1d, Geometry::planar2d, Geometry::cartesian3d),
-                         [](auto const& one) { return std::string(grid::geometry_name(one.param)); });
+                         [](auto const& one) { return std::string(word_of(one.param)); });
 
 TEST_P(Faces, MirrorAndRepeatWhatLiesBeforeThem) {
   int const faces = 2 * grid::dimensions(GetParam());

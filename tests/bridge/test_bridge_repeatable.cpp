@@ -71,9 +71,9 @@ TEST(CoupledRun, IsTheSameWithSleepOnAndOff) {
   for (auto const geometry : {Geometry::planar2d, Geometry::axisymmetric2d}) {
     auto const asleep = everything(geometry, 2);
     auto const awake = everything(geometry, 2, false);
-    ASSERT_EQ(asleep.size(), awake.size()) << grid::geometry_name(geometry);
+    ASSERT_EQ(asleep.size(), awake.size()) << word_of(geometry);
     EXPECT_EQ(std::memcmp(asleep.data(), awake.data(), asleep.size() * sizeof(double)), 0)
-        << grid::geometry_name(geometry);
+        << word_of(geometry);
   }
 }
 
@@ -82,11 +82,11 @@ TEST(CoupledRun, IsTheSameOnAnyNumberOfThreads) {
     auto const one = everything(geometry, 1);
     for (int const threads : {2, 4}) {
       auto const many = everything(geometry, threads);
-      ASSERT_EQ(one.size(), many.size()) << grid::geometry_name(geometry);
+      ASSERT_EQ(one.size(), many.size()) << word_of(geometry);
       EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(double)), 0)
-          << grid::geometry_name(geometry) << ", " << threads << " threads";
+          << word_of(geometry) << ", " << threads << " threads";
     }
-    std::printf("%s: %zu numbers the same on 1, 2 and 4 threads\n", grid::geometry_name(geometry), one.size());
+    std::printf("%s: %zu numbers the same on 1, 2 and 4 threads\n", word_of(geometry), one.size());
   }
 }
 

@@ -15,8 +15,8 @@ INSTANTIATE_TEST_SUITE_P(
                                      Geometry::spherical1d, Geometry::cartesian3d),
                      testing::Values(ShapeFunction::linear, ShapeFunction::gimp, ShapeFunction::bspline)),
     [](auto const& one) {
-      return std::string(grid::geometry_name(std::get<0>(one.param))).substr(0, 4) +
-             std::to_string(static_cast<int>(std::get<0>(one.param))) + "_" + name_of(std::get<1>(one.param));
+      return std::string(word_of(std::get<0>(one.param))).substr(0, 4) +
+             std::to_string(static_cast<int>(std::get<0>(one.param))) + "_" + word_of(std::get<1>(one.param));
     });
 
 run::Case case_of(Geometry geometry, ShapeFunction shape, Boundary boundary) {
@@ -56,7 +56,7 @@ Deviation run_uniform(run::Case const& c, double end, char const* what) {
   std::printf(
       "%s %s, %s: %ld steps, velocity %.1e, pressure %.1e, density %.1e; mass %.1e, energy %.1e; born %ld, left "
       "%ld\n",
-      grid::geometry_name(c.domain.geometry), name_of(c.points.options.shape), what, steps, d.velocity, d.pressure,
+      word_of(c.domain.geometry), word_of(c.points.options.shape), what, steps, d.velocity, d.pressure,
       d.density, b.mass, b.energy, w.bridge->traffic().born, w.bridge->traffic().left);
   EXPECT_GT(w.clock.point_steps, 10);
   EXPECT_LE(b.mass, mass_tolerance);
@@ -109,7 +109,7 @@ TEST_P(Uniform, DISABLED_NoiseWithoutReferencePressure) {
     auto c = moving_case(geometry, shape);
     c.mpm_region->transfer = transfer;
     c.mpm_region->reference_pressure = 0.0;
-    std::printf("%s, no reference pressure: ", name_of(transfer));
+    std::printf("%s, no reference pressure: ", word_of(transfer));
     run_uniform(c, 1.0, "in motion");
   }
 }

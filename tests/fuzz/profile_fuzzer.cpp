@@ -224,7 +224,7 @@ std::string file_of(Bytes& in) {
   put_text("format", "brisance profile");
   put("version", number(1L));
   put("checksum", number(static_cast<long>(sum)));
-  put_text("geometry", grid::geometry_name(p.domain.geometry));
+  put_text("geometry", word_of(p.domain.geometry));
   put("origin", numbers<double>(H5T_IEEE_F64LE, {0.0, 0.0, 0.0}, {3}));
   put("spacing", number(p.domain.h));
   put("cells", numbers<long>(H5T_STD_I64LE, {p.domain.cells[0], p.domain.cells[1]}, {2}));

@@ -79,7 +79,7 @@ TEST_P(PhaseDensity, FollowsTheVolume) {
   for (Way const& way : ways) {
     for (bool const afterburn : {false, true}) {
       double const d = deviation(way, false, GetParam(), afterburn);
-      std::printf("%s, direction %d, side %d%s: %.1e\n", grid::geometry_name(way.geometry), way.direction, way.side,
+      std::printf("%s, direction %d, side %d%s: %.1e\n", word_of(way.geometry), way.direction, way.side,
                   afterburn ? ", afterburn" : "", d);
       // Second order: at most 1.3e-4 is measured. An error of the first order, k dt / 2 = 2e-3 of every flux, leaves
       // 5e-4 and more.
@@ -91,7 +91,7 @@ TEST_P(PhaseDensity, FollowsTheVolume) {
 TEST_P(PhaseDensity, FollowsTheVolumeAtTheEdgeOfTheProducts) {
   for (Way const& way : ways) {
     double const d = deviation(way, true, GetParam(), true);
-    std::printf("%s, direction %d, side %d: %.1e\n", grid::geometry_name(way.geometry), way.direction, way.side, d);
+    std::printf("%s, direction %d, side %d: %.1e\n", word_of(way.geometry), way.direction, way.side, d);
     // The volume fraction is not squeezed within a step, which is of the first order in the mixed cells. Per direction
     // that shrinks 0.85 % is measured in squeezed cells and 0.6 % in stretched ones; bounds of the wrong sign make it
     // 1.2 % and more in both.

@@ -26,24 +26,6 @@ inline constexpr std::array all_shapes{ShapeFunction::linear, ShapeFunction::gim
                                        ShapeFunction::bspline};
 inline constexpr std::array all_orders{StressOrder::usf, StressOrder::usl, StressOrder::musl};
 
-inline char const* name_of(ShapeFunction shape) {
-  switch (shape) {
-    case ShapeFunction::linear: return "linear";
-    case ShapeFunction::gimp: return "gimp";
-    case ShapeFunction::cpgimp: return "cpgimp";
-    case ShapeFunction::bspline: return "bspline";
-  }
-  return "";
-}
-
-inline char const* name_of(StressOrder order) {
-  return order == StressOrder::usf ? "usf" : order == StressOrder::usl ? "usl" : "musl";
-}
-
-inline char const* name_of(Transfer transfer) {
-  return transfer == Transfer::flip ? "flip" : transfer == Transfer::apic ? "apic" : "xpic";
-}
-
 /// Unit density and unit Young's modulus: speeds are then those of the bar.
 inline material::Solid unit_solid(double nu) { return material::elastic_solid(1.0, 1.0, nu); }
 

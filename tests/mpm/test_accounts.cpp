@@ -43,7 +43,7 @@ TEST(ApicInSolids, LossIsCounted) {
       p.run(40.0, 0.1);
       double const lost = p.mpm->dissipation().apic / before;
       double const drift = accounted(p) / before - 1.0;
-      std::printf("%s, %s: lost %.2f %%, drift %.3f %%\n", name_of(shape), name_of(order), 100.0 * lost, 100.0 * drift);
+      std::printf("%s, %s: lost %.2f %%, drift %.3f %%\n", word_of(shape), word_of(order), 100.0 * lost, 100.0 * drift);
       EXPECT_GT(lost, 0.2);
       EXPECT_LT(std::abs(drift), 0.02);
     }
@@ -74,7 +74,7 @@ TEST(ApicInSolids, LossOfDustIsCountedToRoundOff) {
         std::printf(
             "%s, %s, held at %g: of %.4g J %.4g J are lost, counted with an error of %.1e: held %.3g, APIC %.3g, "
             "friction %.3g\n",
-            name_of(shape), wall ? "wall" : "symmetry", v, before, lost, d.sum() / lost - 1.0, d.held, d.apic,
+            word_of(shape), wall ? "wall" : "symmetry", v, before, lost, d.sum() / lost - 1.0, d.held, d.apic,
             d.friction);
         EXPECT_GT(d.held, 0.02 * before);
         EXPECT_GT(d.apic, 0.0);

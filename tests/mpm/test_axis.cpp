@@ -75,7 +75,7 @@ TEST(Axis, PressureScattersNoMoreThanAtMidRadius) {
   for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp}) {
     for (bool const locking_control : {false, true}) {
       Scatter const s = rod(shape, locking_control);
-      std::printf("%s%s: scatter at the axis %.2f MPa, at mid radius %.2f MPa, energy %+.2f %%\n", name_of(shape),
+      std::printf("%s%s: scatter at the axis %.2f MPa, at mid radius %.2f MPa, energy %+.2f %%\n", word_of(shape),
                   locking_control ? ", locking control" : "", s.axis / 1e6, s.middle / 1e6, 100.0 * s.drift);
       EXPECT_LT(s.axis, 1.3 * s.middle);
       EXPECT_LT(s.axis, 5e6);

@@ -53,7 +53,7 @@ class Bending : public testing::TestWithParam<ShapeFunction> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Bending,
                          testing::Values(ShapeFunction::gimp, ShapeFunction::cpgimp, ShapeFunction::bspline),
-                         [](auto const& one) { return name_of(one.param); });
+                         [](auto const& one) { return word_of(one.param); });
 
 // Kirchhoff's value is that of a thin plate: shear and rotation lower the frequency by 7.6 (H/L)^2, here 0.8 %.
 // B-splines need more cells through the thickness: their nodes beyond the free faces soften the outer fibres.
@@ -62,7 +62,7 @@ TEST_P(Bending, ClampedPlateStrip) {
   int const through = GetParam() == ShapeFunction::bspline ? 6 : 4;
   double const ratio = clamped_strip(GetParam(), through, 15.0, nu);
   std::printf("clamped strip, L/H 30, %d cells through, %s: frequency %+.2f %% of Kirchhoff\n", through,
-              name_of(GetParam()), 100.0 * (1.0 / ratio - 1.0));
+              word_of(GetParam()), 100.0 * (1.0 / ratio - 1.0));
   EXPECT_NEAR(1.0 / ratio, 1.0, 0.02);
 }
 
@@ -108,7 +108,7 @@ TEST(Locking, ControlFreesABendingBeam) {
   for (ShapeFunction const shape : {ShapeFunction::linear, ShapeFunction::gimp, ShapeFunction::bspline}) {
     double const locked = 1.0 / cantilever(shape, false, nu) - 1.0;
     double const freed = 1.0 / cantilever(shape, true, nu) - 1.0;
-    std::printf("cantilever, nu 0.49, %s: frequency %+.1f %% without, %+.1f %% with locking control\n", name_of(shape),
+    std::printf("cantilever, nu 0.49, %s: frequency %+.1f %% without, %+.1f %% with locking control\n", word_of(shape),
                 100.0 * locked, 100.0 * freed);
     // What is left is the theory's -1.5 % and the discretisation by 4 cells through the thickness.
     EXPECT_LT(std::abs(freed), 0.05);

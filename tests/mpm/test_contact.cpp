@@ -32,7 +32,7 @@ struct Bars : Problem {
 class EachShape : public testing::TestWithParam<ShapeFunction> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, EachShape, testing::ValuesIn(all_shapes),
-                         [](auto const& one) { return name_of(one.param); });
+                         [](auto const& one) { return word_of(one.param); });
 
 // Two equal bars exchange their velocity: contact lasts 2 L/c, the stress meanwhile is rho c v/2, afterwards they part.
 TEST_P(EachShape, EqualBarsExchangeTheirVelocity) {
@@ -78,7 +78,7 @@ TEST_P(EachShape, EqualBarsExchangeTheirVelocity) {
   std::printf(
       "%s: contact %.4f (exact 2), stress %.4f rho c v/2, velocities %.5f %.5f, energy error %.1e, not in motion "
       "%.4f\n",
-      name_of(GetParam()), duration, -2.0 * stress / v, left, got, bars.energy() / before - 1.0, loss);
+      word_of(GetParam()), duration, -2.0 * stress / v, left, got, bars.energy() / before - 1.0, loss);
   // The ends of a bar are known to half a point, 0.25 % of L, and so is the time that a wave takes through it.
   EXPECT_NEAR(duration, 2.0, 0.005);
   // Behind the front the stress is even but for the oscillations that the viscosity damps.
@@ -105,7 +105,7 @@ TEST_P(EachShape, ShortBarStaysBehindTheLongOne) {
   auto const second = bars.mpm->sums(1);
   double const rest = first.momentum[0] / first.mass / v;
   double const got = second.momentum[0] / second.mass / v;
-  std::printf("%s: velocities %.5f %.5f (exact 0, 0.5), energy error %.1e\n", name_of(GetParam()), rest, got,
+  std::printf("%s: velocities %.5f %.5f (exact 0, 0.5), energy error %.1e\n", word_of(GetParam()), rest, got,
               bars.energy() / before - 1.0);
   // As with equal bars.
   EXPECT_NEAR(rest, 0.0, 0.02);
@@ -135,7 +135,7 @@ TEST_P(EachShape, RigidPistonThrowsABarOff) {
   auto const pushed = problem.mpm->sums(piston);
   double const got = thrown.momentum[0] / thrown.mass / v;
   double const impulse = problem.mpm->constraint_impulse()[0] / thrown.momentum[0];
-  std::printf("%s: bar %.5f of the piston's velocity (exact 2), impulse booked %.3f of it\n", name_of(GetParam()), got,
+  std::printf("%s: bar %.5f of the piston's velocity (exact 2), impulse booked %.3f of it\n", word_of(GetParam()), got,
               impulse);
   // As with equal bars: 2 % of L.
   EXPECT_NEAR(got, 2.0, 0.04);
@@ -195,7 +195,7 @@ TEST_P(EachShape, BlockSlidesWithCoulombFriction) {
   std::printf(
       "%s: slowed by %.5f mu N t, %.4f mu g t; friction took %.4f mu m g s, drift %.1e; after it should stop %.1e of "
       "its speed; sunk %.4f h\n",
-      name_of(GetParam()), slowed, plain, rubbed, drift, end, sunk);
+      word_of(GetParam()), slowed, plain, rubbed, drift, end, sunk);
   // The normals at the block's lower corners, two of 17 nodes, are oblique and take part of the weight.
   EXPECT_NEAR(slowed, 1.0, 0.03);
   // The bounce is that of a weight put on at once; it ends anywhere in its period of 4 H/c = 12.
@@ -215,7 +215,7 @@ TEST_P(EachShape, BlockSlidesOnWithoutFriction) {
     Slider slider(GetParam(), 0.0, Boundary::outflow, h);
     slider.run(200.0 * h, slider.dt);
     double const kept = slider.mean_velocity()[0] / slider.speed;
-    std::printf("%s, h = %g: keeps %.6f of its speed without friction\n", name_of(GetParam()), h, kept);
+    std::printf("%s, h = %g: keeps %.6f of its speed without friction\n", word_of(GetParam()), h, kept);
     // Nothing acts along the floor but the oblique normals of the corners, left against right.
     EXPECT_NEAR(kept, 1.0, 0.02);
     EXPECT_EQ(slider.mpm->dissipation().friction, 0.0);
@@ -248,7 +248,7 @@ TEST_P(EachShape, SurfacePressureAcceleratesAPlate) {
   problem.run(60.0, dt);
   auto const sums = problem.mpm->sums(plate);
   double const whole = sums.momentum[1] / (-p * 8.0 * 60.0);
-  std::printf("%s: %.8f of p t, %.8f of the whole impulse, across %.1e\n", name_of(GetParam()), held, whole,
+  std::printf("%s: %.8f of p t, %.8f of the whole impulse, across %.1e\n", word_of(GetParam()), held, whole,
               sums.momentum[0] / sums.momentum[1]);
   // The loaded layer carries its present volume: strains of p/E.
   EXPECT_NEAR(held, 1.0, 2e-6);
@@ -379,7 +379,7 @@ TEST_P(EachShape, ConstraintImpulseIsTheChangeOfMomentum) {
   problem.run(90.0, 0.25);
   double const change = problem.momentum()[1] - before + mass * 1e-5 * 90.0;
   double const impulse = problem.mpm->constraint_impulse()[1];
-  std::printf("%s: change of momentum %.6g, impulse error %.1e\n", name_of(GetParam()), change, impulse / change - 1.0);
+  std::printf("%s: change of momentum %.6g, impulse error %.1e\n", word_of(GetParam()), change, impulse / change - 1.0);
   EXPECT_GT(std::abs(change), 0.5 * std::abs(before));  // it did hit
   EXPECT_NEAR(impulse / change, 1.0, 1e-11);            // sums of 360 steps
 }
@@ -402,7 +402,7 @@ TEST_P(EachShape, ImpulseOfARigidBodyIsTheChangeOfMomentum) {
   problem.run(90.0, 0.25);
   double const change = problem.mpm->sums(body).momentum[1] - before;
   double const impulse = problem.mpm->constraint_impulse()[1];
-  std::printf("%s: change of momentum %.6g, impulse error %.1e\n", name_of(GetParam()), change, impulse / change - 1.0);
+  std::printf("%s: change of momentum %.6g, impulse error %.1e\n", word_of(GetParam()), change, impulse / change - 1.0);
   EXPECT_GT(std::abs(change), 0.5 * std::abs(before));  // it did hit
   EXPECT_NEAR(impulse / change, 1.0, 1e-11);            // sums of 360 steps
 }
@@ -523,7 +523,7 @@ TEST_P(EachShape, KineticEnergyLostAtHeldNodesIsCounted) {
     problem.run(150.0, 0.25);
     double const lost = before + problem.mpm->outer_work() - problem.energy();
     double const counted = problem.mpm->dissipation().held;
-    std::printf("%s: of %.4g J %.4g J are lost, counted with an error of %.1e\n", name_of(GetParam()), before, lost,
+    std::printf("%s: of %.4g J %.4g J are lost, counted with an error of %.1e\n", word_of(GetParam()), before, lost,
                 counted / lost - 1.0);
     EXPECT_GT(lost, 0.05 * before);
     EXPECT_NEAR(counted / lost, 1.0, 1e-11);  // sums of 600 steps
@@ -582,7 +582,7 @@ TEST_P(EachShape, KineticEnergyLostToFrictionIsCounted) {
     }
     double const error = (left[0] - left[1]) / friction - 1.0;
     std::printf("%s, %s with PIC %g: friction took %.3f of the energy, counted with an error of %.1e\n",
-                name_of(GetParam()), name_of(transfer), pic, friction / before, error);
+                word_of(GetParam()), word_of(transfer), pic, friction / before, error);
     EXPECT_GT(friction, 0.05 * before);
     EXPECT_NEAR(error, 0.0, 1e-10);  // a difference of sums of 400 steps
   }
@@ -596,7 +596,7 @@ TEST_P(EachShape, FrictionOfARigidBodyInMotionIsCounted) {
   double const friction = dust.mpm->dissipation().friction;
   double const error = (before + dust.mpm->outer_work() - dust.energy_along()) / friction - 1.0;
   std::printf("%s: the floor did %.3f of the energy, friction took %.3f, counted with an error of %.1e\n",
-              name_of(GetParam()), dust.mpm->outer_work() / before, friction / before, error);
+              word_of(GetParam()), dust.mpm->outer_work() / before, friction / before, error);
   EXPECT_LT(dust.mpm->outer_work(), -0.05 * before) << "it slowed the dust down";
   EXPECT_GT(friction, 0.05 * before);
   EXPECT_NEAR(error, 0.0, 1e-10);  // sums of 400 steps
@@ -620,8 +620,8 @@ TEST_P(EachShape, KineticEnergyThatFiltersTakeIsCounted) {
     problem.run(20.0, 0.25);
     double const lost = before - problem.energy();
     double const counted = problem.mpm->dissipation().filtered;
-    std::printf("%s, %s: of %.4g J %.4g J are lost, counted with an error of %.1e\n", name_of(GetParam()),
-                name_of(transfer), before, lost, counted / lost - 1.0);
+    std::printf("%s, %s: of %.4g J %.4g J are lost, counted with an error of %.1e\n", word_of(GetParam()),
+                word_of(transfer), before, lost, counted / lost - 1.0);
     EXPECT_GT(lost, 0.1 * before);
     EXPECT_NEAR(counted / lost, 1.0, 1e-11);  // sums of 80 steps
   }

@@ -72,7 +72,7 @@ TEST(ContactEnergy, DiscsThatCollideKeepIt) {
         std::printf(
             "%s, %s, speed %g: drift %.2f %% at most, at the end %.3f %%; %.2f %% lost where they met; back with "
             "%.3f\n",
-            name_of(shape), name_of(order), speed, 100.0 * worst, 100.0 * (accounted(discs) / before - 1.0),
+            word_of(shape), word_of(order), speed, 100.0 * worst, 100.0 * (accounted(discs) / before - 1.0),
             100.0 * lost, back);
         EXPECT_LT(std::abs(accounted(discs) / before - 1.0), 0.005);
         // Velocities stand half a step behind: on the way there is what passes between kinetic and elastic energy in
@@ -128,7 +128,7 @@ TEST(ContactEnergy, NoAxisIsPreferred) {
         if (first.empty()) first = now;
         for (std::size_t n = 0; n < now.size(); ++n) {
           // Sums in another order, over 180 steps.
-          EXPECT_NEAR(now[n], first[n], 1e-10 * std::max(scale, std::abs(first[n]))) << name_of(shape) << ", " << n;
+          EXPECT_NEAR(now[n], first[n], 1e-10 * std::max(scale, std::abs(first[n]))) << word_of(shape) << ", " << n;
         }
       }
       EXPECT_GT(first[4 + 5], 0.0) << "the second disc has turned back";
@@ -191,7 +191,7 @@ TEST(ContactEnergy, WaterThatHitsMetalKeepsIt) {
       double const before = p.energy();
       while (p.mpm->time() < 1e-4) p.mpm->advance(p.mpm->stable_step());
       drift[parts] = (accounted(p) - before) / moving;
-      std::printf("%s, %s: drift %.2f %%, %.2f %% lost where they met, %ld points left\n", name_of(shape),
+      std::printf("%s, %s: drift %.2f %%, %.2f %% lost where they met, %ld points left\n", word_of(shape),
                   parts == 1 ? "parts" : "glued", 100.0 * drift[parts], 100.0 * p.mpm->dissipation().contact / moving,
                   p.mpm->losses().points);
     }
@@ -274,7 +274,7 @@ TEST(ContactEnergy, DiscRollsAndSlipsDownASlope) {
     std::printf(
         "%s, %s ground, %s: %.4f of the way; drift %.2e of the work, friction took %.3f of it (force times slip "
         "%.3f)\n",
-        name_of(shape), rigid ? "rigid" : "elastic", roller.rolls() ? "rolls" : "slips", way, drift, heat / work,
+        word_of(shape), rigid ? "rigid" : "elastic", roller.rolls() ? "rolls" : "slips", way, drift, heat / work,
         rubbed / work);
     EXPECT_NEAR(way, 1.0, 0.03);
     EXPECT_LT(std::abs(drift), 0.005);
@@ -348,8 +348,8 @@ TEST(ContactEnergy, IsKeptBetweenAWallAndABody) {
         mpm::Dissipation const& d = p.mpm->dissipation();
         double const moved = rigid ? p.mpm->outer_work() : before;
         double const drift = (p.energy() + d.held + d.friction + d.contact - p.mpm->outer_work() - before) / moved;
-        std::printf("%s, %s, %s: drift %.2f %%, held %.2f %%, friction %.2f %%, contact %.2f %%\n", name_of(shape),
-                    name_of(order), rigid ? "pressed" : "hit", 100.0 * drift, 100.0 * d.held / moved,
+        std::printf("%s, %s, %s: drift %.2f %%, held %.2f %%, friction %.2f %%, contact %.2f %%\n", word_of(shape),
+                    word_of(order), rigid ? "pressed" : "hit", 100.0 * drift, 100.0 * d.held / moved,
                     100.0 * d.friction / moved, 100.0 * d.contact / moved);
         EXPECT_GT(moved, 0.0);
         EXPECT_LT(std::abs(drift), 0.01);
@@ -381,7 +381,7 @@ TEST(ContactEnergy, PistonOnAWallGivesWhatTheBodyGets) {
       mpm::Dissipation const& d = p.mpm->dissipation();
       double const work = p.mpm->outer_work();
       double const drift = (p.energy() + d.held + d.friction + d.contact - work - before) / work;
-      std::printf("%s: momentum wrong by %.1e; drift %.2f %% of the work\n", name_of(shape),
+      std::printf("%s: momentum wrong by %.1e; drift %.2f %% of the work\n", word_of(shape),
                   p.mpm->constraint_impulse()[0] / got - 1.0, 100.0 * drift);
       EXPECT_GT(got, 15.0 * v);  // 15 m2 of body
       EXPECT_NEAR(p.mpm->constraint_impulse()[0] / got, 1.0, 1e-9);

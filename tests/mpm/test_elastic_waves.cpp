@@ -85,7 +85,7 @@ double observed_order(char const* what, Wave const& wave, mpm::Options const& op
   for (int g = 0; g < 3; ++g) error[g] = displacement_error(wave, options, grids[g]);
   double const first = std::log2(error[0] / error[1]) / std::log2(static_cast<double>(grids[1]) / grids[0]);
   double const second = std::log2(error[1] / error[2]) / std::log2(static_cast<double>(grids[2]) / grids[1]);
-  std::printf("%-24s %-8s errors %.2e %.2e %.2e orders %.2f %.2f\n", what, name_of(options.shape), error[0], error[1],
+  std::printf("%-24s %-8s errors %.2e %.2e %.2e orders %.2f %.2f\n", what, word_of(options.shape), error[0], error[1],
               error[2], first, second);
   return second;
 }
@@ -106,7 +106,7 @@ class WaveOrder : public testing::TestWithParam<ShapeFunction> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Shapes, WaveOrder, testing::ValuesIn(all_shapes),
-                         [](auto const& one) { return name_of(one.param); });
+                         [](auto const& one) { return word_of(one.param); });
 
 TEST_P(WaveOrder, BarBetweenMirrors) { demand(observed_order("bar", Wave{}, with(GetParam()), {32, 64, 128}), false); }
 
@@ -136,7 +136,7 @@ TEST(WaveOrders, EveryOrderOfTheStressUpdate) {
       options.order = order;
       options.transfer = transfer;
       char what[32];
-      std::snprintf(what, sizeof what, "bar, %s %s", name_of(order), name_of(transfer));
+      std::snprintf(what, sizeof what, "bar, %s %s", word_of(order), word_of(transfer));
       double const found = observed_order(what, Wave{}, options, {32, 64, 128});
       EXPECT_GE(found, 1.8) << what;
     }
@@ -168,8 +168,8 @@ TEST_P(WaveOrder, EnergyOverTenPeriods) {
         swing = std::max(swing, std::abs(energy() / start - 1.0));
       }
       double const drift = energy() / start - 1.0;
-      std::printf("%-8s %-4s %s: energy after 10 periods %+.2e, largest deviation %.2e\n", name_of(GetParam()),
-                  name_of(order), moving ? "moving" : "at rest", drift, swing);
+      std::printf("%-8s %-4s %s: energy after 10 periods %+.2e, largest deviation %.2e\n", word_of(GetParam()),
+                  word_of(order), moving ? "moving" : "at rest", drift, swing);
       if (moving && GetParam() == ShapeFunction::linear) continue;  // crossing noise: reported only
       // What the nodes cannot see of the points' velocity is lost, most of it when points cross cells.
       EXPECT_LT(std::abs(drift), 0.05);

@@ -16,8 +16,8 @@ INSTANTIATE_TEST_SUITE_P(All, Gravity,
                                           testing::Values(ShapeFunction::linear, ShapeFunction::gimp,
                                                           ShapeFunction::bspline)),
                          [](auto const& one) {
-                           return std::string(grid::geometry_name(std::get<0>(one.param))) + "_" +
-                                  name_of(std::get<1>(one.param));
+                           return std::string(word_of(std::get<0>(one.param))) + "_" +
+                                  word_of(std::get<1>(one.param));
                          });
 
 /// A body that fills a closed box but for a gap at its high sides; along y, with an axis, and along x.
@@ -62,7 +62,7 @@ TEST_P(Gravity, IsThePullOnEveryPoint) {
         auto const a = everywhere.values(0, Field::position_x + d);
         auto const b = one_by_one.values(0, Field::position_x + d);
         for (std::size_t q = 0; q < a.size(); ++q) {
-          ASSERT_NEAR(a[q], b[q], 1e-12) << name_of(transfer) << " " << name_of(order) << " direction " << d;
+          ASSERT_NEAR(a[q], b[q], 1e-12) << word_of(transfer) << " " << word_of(order) << " direction " << d;
         }
       }
       EXPECT_NEAR(everywhere.mpm->outer_work() / one_by_one.mpm->outer_work(), 1.0, 1e-9);
@@ -113,7 +113,7 @@ TEST(DamBreak, FrontRunsAsInTheExperiment) {
       std::vector<double> x = p.values(0, Field::position_x);
       std::sort(x.begin(), x.end());
       double const front = x[x.size() - 1 - x.size() / 200];
-      std::printf("%s, %.3f: front at %.3f, measured %.3f: %+.1f %%\n", name_of(transfer), time, front, measured,
+      std::printf("%s, %.3f: front at %.3f, measured %.3f: %+.1f %%\n", word_of(transfer), time, front, measured,
                   100.0 * (front / measured - 1.0));
       EXPECT_GT(front / measured, 1.0);
       EXPECT_LT(front / measured, 1.11);

@@ -55,14 +55,14 @@ double displacement_error(ShapeFunction shape, int cells) {
 class Manufactured : public testing::TestWithParam<ShapeFunction> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Manufactured, testing::ValuesIn(all_shapes),
-                         [](auto const& one) { return name_of(one.param); });
+                         [](auto const& one) { return word_of(one.param); });
 
 TEST_P(Manufactured, ConvergesInDisplacement) {
   std::array<double, 3> error{};
   for (int n = 0; n < 3; ++n) error[n] = displacement_error(GetParam(), 16 << n);
   double const first = std::log2(error[0] / error[1]);
   double const second = std::log2(error[1] / error[2]);
-  std::printf("%-8s errors %.2e %.2e %.2e orders %.2f %.2f\n", name_of(GetParam()), error[0], error[1], error[2], first,
+  std::printf("%-8s errors %.2e %.2e %.2e orders %.2f %.2f\n", word_of(GetParam()), error[0], error[1], error[2], first,
               second);
   EXPECT_GE(second, 1.8);  // all parts of the method are of second order in space and time
   EXPECT_LT(error[2], 2e-2);

@@ -241,7 +241,7 @@ TEST(MixedGas, ShockedAgainAndAgainKeepsItsEnergy) {
     });
     double const before = box.energy();
     box.run(30.0 * size / 700.0);
-    std::printf("%s: energy %+.1e\n", grid::geometry_name(geometry), box.energy() / before - 1.0);
+    std::printf("%s: energy %+.1e\n", word_of(geometry), box.energy() / before - 1.0);
     EXPECT_NEAR(box.energy() / before, 1.0, 1e-3);
   }
 }

@@ -34,7 +34,7 @@ std::vector<Way> ways(Geometry geometry, ShapeFunction shape) {
 }
 
 std::string words_of(Way const& way) {
-  return std::string(name_of(way.transfer)) + (way.pic > 0.0 ? " (pic)" : "") + " " + name_of(way.order);
+  return std::string(word_of(way.transfer)) + (way.pic > 0.0 ? " (pic)" : "") + " " + word_of(way.order);
 }
 
 /// A block before the low wall of a domain; along y where there is an axis, else along x.
@@ -100,8 +100,8 @@ class OneSidedWall : public testing::TestWithParam<std::tuple<Geometry, ShapeFun
 INSTANTIATE_TEST_SUITE_P(All, OneSidedWall,
                          testing::Combine(testing::ValuesIn(all_geometries), testing::ValuesIn(all_shapes)),
                          [](auto const& one) {
-                           return std::string(grid::geometry_name(std::get<0>(one.param))) + "_" +
-                                  name_of(std::get<1>(one.param));
+                           return std::string(word_of(std::get<0>(one.param))) + "_" +
+                                  word_of(std::get<1>(one.param));
                          });
 
 TEST_P(OneSidedWall, LetsABodyGoThatTouchesIt) {
@@ -274,7 +274,7 @@ TEST(OneSidedWall, IsTheSameOnAnyNumberOfThreads) {
       for (int const threads : {2, 4}) {
         auto const many = heap(shape, transfer, threads);
         ASSERT_EQ(one.size(), many.size());
-        EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(double)), 0) << name_of(transfer);
+        EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(double)), 0) << word_of(transfer);
       }
     }
   }

@@ -10,7 +10,7 @@ using grid::Geometry;
 class Conservation : public testing::TestWithParam<ShapeFunction> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Conservation, testing::ValuesIn(all_shapes),
-                         [](auto const& one) { return name_of(one.param); });
+                         [](auto const& one) { return word_of(one.param); });
 
 /// Three bodies that fly into each other, frictionless, rubbing and sticking, far from the faces.
 Problem three_bodies(Geometry geometry, ShapeFunction shape, Transfer transfer, StressOrder order, int block_cells) {
@@ -60,8 +60,8 @@ TEST_P(Conservation, MassAndMomentumInFreeFlightWithContact) {
         EXPECT_EQ(problem.mpm->losses().points, 0);
       }
     }
-    std::printf("%s %s: momentum wrong by %.1e of m v, at least %.0f %% exchanged\n", grid::geometry_name(geometry),
-                name_of(GetParam()), worst, 100.0 * least_exchange);
+    std::printf("%s %s: momentum wrong by %.1e of m v, at least %.0f %% exchanged\n", word_of(geometry),
+                word_of(GetParam()), worst, 100.0 * least_exchange);
     EXPECT_LT(worst, 1e-13);          // round-off of 60 steps
     EXPECT_GT(least_exchange, 0.05);  // they did meet
   }
@@ -130,8 +130,8 @@ TEST_P(Conservation, MirroredHalfEqualsTheWhole) {
           worst = std::max(worst, error);
         });
       }
-      std::printf("%s %s %s: half and whole differ by %.1e\n", grid::geometry_name(geometry), name_of(GetParam()),
-                  name_of(transfer), worst);
+      std::printf("%s %s %s: half and whole differ by %.1e\n", word_of(geometry), word_of(GetParam()),
+                  word_of(transfer), worst);
       // Sums in another order, 40 steps; points that rub and stick turn round-off into little more.
       EXPECT_LT(worst, 1e-12);
     }
@@ -156,7 +156,7 @@ TEST_P(Conservation, BlocksDoNotShow) {
         for (std::size_t n = 0; n < a.size(); ++n) worst = std::max(worst, std::abs(a[n] - b[n]));
       }
     }
-    std::printf("%s %s: blocks of 16 and of 3 cells differ by %.1e\n", name_of(GetParam()), name_of(transfer), worst);
+    std::printf("%s %s: blocks of 16 and of 3 cells differ by %.1e\n", word_of(GetParam()), word_of(transfer), worst);
     EXPECT_LT(worst, 1e-12);  // sums over nodes in another order, 32 steps
   }
 }

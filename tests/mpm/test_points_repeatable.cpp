@@ -70,7 +70,7 @@ class Repeatable : public testing::TestWithParam<std::tuple<ShapeFunction, Stres
 INSTANTIATE_TEST_SUITE_P(All, Repeatable,
                          testing::Combine(testing::ValuesIn(all_shapes), testing::ValuesIn(all_orders)),
                          [](auto const& one) {
-                           return std::string(name_of(std::get<0>(one.param))) + "_" + name_of(std::get<1>(one.param));
+                           return std::string(word_of(std::get<0>(one.param))) + "_" + word_of(std::get<1>(one.param));
                          });
 
 TEST_P(Repeatable, OnAnyNumberOfThreads) {
@@ -86,7 +86,7 @@ TEST_P(Repeatable, OnAnyNumberOfThreads) {
       auto const many = everything(shape, way.transfer, way.pic, order, threads);
       ASSERT_EQ(one.size(), many.size());
       EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(double)), 0)
-          << name_of(way.transfer) << ", " << threads << " threads";
+          << word_of(way.transfer) << ", " << threads << " threads";
     }
   }
 }

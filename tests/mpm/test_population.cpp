@@ -177,7 +177,7 @@ INSTANTIATE_TEST_SUITE_P(All, RandomPoints,
                                                           Geometry::axisymmetric2d, Geometry::cartesian3d),
                                           testing::Bool(), testing::Bool()),
                          [](auto const& one) {
-                           return std::string(grid::geometry_name(std::get<0>(one.param))) +
+                           return std::string(word_of(std::get<0>(one.param))) +
                                   (std::get<1>(one.param) ? "_apic" : "") + (std::get<2>(one.param) ? "_mixed" : "");
                          });
 
@@ -481,7 +481,7 @@ TEST(Expansion, FillsTheTubeBehindTheFront) {
       tube.fill(0, shape::Box{{0.0, -1.0, -1.0}, {0.2, 1.0, 1.0}});
       tube.go(0.3);
       auto const [empty, all] = tube.holes();
-      std::printf("1D %s %s: %d of %d cells empty, %ld points, %ld split, energy %+.2e\n", name_of(shape),
+      std::printf("1D %s %s: %d of %d cells empty, %ld points, %ld split, energy %+.2e\n", word_of(shape),
                   controlled ? "controlled" : "free", empty, all, tube.mpm->point_count(), tube.total.split,
                   tube.drift);
       EXPECT_EQ(tube.mpm->losses().points, 0);
@@ -505,7 +505,7 @@ TEST(Expansion, FillsThePlaneBehindTheFront) {
       disk.fill(0, shape::Sphere{{0.0, 0.0, 0.0}, 0.4});
       disk.go(0.3);
       auto const [empty, all] = disk.holes();
-      std::printf("2D %s %s: %d of %d cells empty, %ld points, %ld split, energy %+.2e\n", name_of(transfer),
+      std::printf("2D %s %s: %d of %d cells empty, %ld points, %ld split, energy %+.2e\n", word_of(transfer),
                   controlled ? "controlled" : "free", empty, all, disk.mpm->point_count(), disk.total.split,
                   disk.drift);
       // With APIC the energy that the transfer would lose is kept as heat: the thinnest points of the front outrun it.
@@ -596,8 +596,8 @@ TEST(Population, IsTheSameOnAnyNumberOfThreads) {
         return all;
       };
       auto const one = run(1);
-      EXPECT_TRUE(same_bits(run(2), one)) << name_of(shape) << ", " << name_of(transfer);
-      EXPECT_TRUE(same_bits(run(4), one)) << name_of(shape) << ", " << name_of(transfer);
+      EXPECT_TRUE(same_bits(run(2), one)) << word_of(shape) << ", " << word_of(transfer);
+      EXPECT_TRUE(same_bits(run(4), one)) << word_of(shape) << ", " << word_of(transfer);
     }
   }
 }

@@ -80,15 +80,15 @@ double half_period_ratio(Geometry geometry, bool sphere, ShapeFunction shape, in
 class Radial : public testing::TestWithParam<ShapeFunction> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Radial, testing::ValuesIn(all_shapes),
-                         [](auto const& one) { return name_of(one.param); });
+                         [](auto const& one) { return word_of(one.param); });
 
 TEST_P(Radial, LinesOfPoints) {
   for (bool const sphere : {true, false}) {
     auto const geometry = sphere ? Geometry::spherical1d : Geometry::cylindrical1d;
     double const coarse = half_period_ratio(geometry, sphere, GetParam(), 40) - 1.0;
     double const fine = half_period_ratio(geometry, sphere, GetParam(), 80) - 1.0;
-    std::printf("%s %s: half period off by %+.3f %% (40 cells), %+.3f %% (80)\n", grid::geometry_name(geometry),
-                name_of(GetParam()), 100.0 * coarse, 100.0 * fine);
+    std::printf("%s %s: half period off by %+.3f %% (40 cells), %+.3f %% (80)\n", word_of(geometry),
+                word_of(GetParam()), 100.0 * coarse, 100.0 * fine);
     // Second order: (k h)^2/12 would be 0.04 % and 0.01 %.
     EXPECT_LT(std::abs(coarse), 4e-4);
     EXPECT_LT(std::abs(fine), 1e-4);
@@ -97,13 +97,13 @@ TEST_P(Radial, LinesOfPoints) {
 
 TEST_P(Radial, AxisymmetricCylinder) {
   double const off = half_period_ratio(Geometry::axisymmetric2d, false, GetParam(), 40) - 1.0;
-  std::printf("axisymmetric cylinder %s: half period off by %+.3f %%\n", name_of(GetParam()), 100.0 * off);
+  std::printf("axisymmetric cylinder %s: half period off by %+.3f %%\n", word_of(GetParam()), 100.0 * off);
   EXPECT_LT(std::abs(off), 4e-4);  // as the line of points
 }
 
 TEST_P(Radial, AxisymmetricSphere) {
   double const off = half_period_ratio(Geometry::axisymmetric2d, true, GetParam(), 24) - 1.0;
-  std::printf("axisymmetric sphere %s: half period off by %+.3f %%\n", name_of(GetParam()), 100.0 * off);
+  std::printf("axisymmetric sphere %s: half period off by %+.3f %%\n", word_of(GetParam()), 100.0 * off);
   // The cut points of the surface carry their volume, but not its shape: a tenth of a cell, 0.4 % of R.
   EXPECT_LT(std::abs(off), 0.004);
 }

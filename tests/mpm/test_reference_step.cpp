@@ -190,8 +190,8 @@ INSTANTIATE_TEST_SUITE_P(All, ReferenceStep,
                                                           Geometry::cartesian3d),
                                           testing::ValuesIn(all_shapes)),
                          [](auto const& one) {
-                           return std::string(grid::geometry_name(std::get<0>(one.param))) + "_" +
-                                  name_of(std::get<1>(one.param));
+                           return std::string(word_of(std::get<0>(one.param))) + "_" +
+                                  word_of(std::get<1>(one.param));
                          });
 
 TEST_P(ReferenceStep, AgreesWithTheDefinitions) {
@@ -266,11 +266,11 @@ TEST_P(ReferenceStep, AgreesWithTheDefinitions) {
           }
         }
       });
-      EXPECT_LT(error, 1e-12) << name_of(transfer) << " " << name_of(order);
+      EXPECT_LT(error, 1e-12) << word_of(transfer) << " " << word_of(order);
       worst = std::max(worst, error);
     }
   }
-  std::printf("%s %s: largest difference %.1e\n", grid::geometry_name(geometry), name_of(shape), worst);
+  std::printf("%s %s: largest difference %.1e\n", word_of(geometry), word_of(shape), worst);
 }
 
 }  // namespace

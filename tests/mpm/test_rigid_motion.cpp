@@ -13,7 +13,7 @@ using std::numbers::pi;
 class Motion : public testing::TestWithParam<ShapeFunction> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Motion, testing::ValuesIn(all_shapes),
-                         [](auto const& one) { return name_of(one.param); });
+                         [](auto const& one) { return word_of(one.param); });
 
 /// Largest change of velocity over the speed, of stress over the modulus, and of place over the way.
 struct Change {
@@ -58,8 +58,8 @@ TEST_P(Motion, FreeBlockFliesThroughTheGrid) {
         problem.run(time, 0.3);
         Change const c = change_of(problem, v, time, 0.0);
         if (transfer == Transfer::flip && direction[1] != 0.0) {
-          std::printf("%s %s: velocity %.1e, stress %.1e E, place %.1e\n", grid::geometry_name(geometry),
-                      name_of(GetParam()), c.velocity, c.stress, c.place);
+          std::printf("%s %s: velocity %.1e, stress %.1e E, place %.1e\n", word_of(geometry),
+                      word_of(GetParam()), c.velocity, c.stress, c.place);
         }
         // Round-off of 100 steps, in tents divided by the small masses of nodes that the rim just reaches.
         double const slack = GetParam() == ShapeFunction::linear ? 100.0 : 1.0;
@@ -91,8 +91,8 @@ TEST_P(Motion, StressedMediumMovesThroughTheGrid) {
     double const time = 25.0;
     problem.run(time, 0.3);
     Change const c = change_of(problem, v, time, -pressure);
-    std::printf("%s %s under pressure: velocity %.1e, stress %.1e p, place %.1e\n", grid::geometry_name(geometry),
-                name_of(GetParam()), c.velocity, c.stress / pressure, c.place);
+    std::printf("%s %s under pressure: velocity %.1e, stress %.1e p, place %.1e\n", word_of(geometry),
+                word_of(GetParam()), c.velocity, c.stress / pressure, c.place);
     // The forces of evenly spaced points cancel but for round-off; those of tents jump when points reach a node.
     if (GetParam() == ShapeFunction::linear && geometry != Geometry::planar1d) continue;
     EXPECT_LT(c.velocity, 1e-11);
@@ -207,8 +207,8 @@ TEST_P(Motion, StressTurnsWithAGivenRotation) {
         double const energy =
             std::abs(problem.mpm->sums(0).internal_energy - start) / (0.02 * 0.02 * problem.mpm->sums(0).mass);
         if (order == StressOrder::musl) {
-          std::printf("%s %s: %.2f turns, stress off by %.1e, energy by %.1e\n", grid::geometry_name(geometry),
-                      name_of(GetParam()), turns, off, energy);
+          std::printf("%s %s: %.2f turns, stress off by %.1e, energy by %.1e\n", word_of(geometry),
+                      word_of(GetParam()), turns, off, energy);
         }
         // The spin of a step turns the stress by 2 atan(a/2) = a - a^3/12; a stress that is off by an angle is off by
         // at most twice that.
@@ -285,8 +285,8 @@ TEST(FreeRotation, DiscTurnsItsStress) {
       for (double const turns : {0.25, 1.0}) {
         if (turns == 1.0 && (shape != ShapeFunction::gimp || transfer != Transfer::apic)) continue;  // to save time
         Turned const t = turn(shape, transfer, Geometry::planar2d, 8.0, turns);
-        std::printf("disc, %s %s, %.2f turns: stress off by %.1f %%, energy by %.2e\n", name_of(shape),
-                    name_of(transfer), turns, 100.0 * t.stress, t.energy);
+        std::printf("disc, %s %s, %.2f turns: stress off by %.1f %%, energy by %.2e\n", word_of(shape),
+                    word_of(transfer), turns, 100.0 * t.stress, t.energy);
         // A stress that stayed where it was would be off by 200 % after a quarter.
         if (transfer == Transfer::flip) {
           EXPECT_LT(t.energy, 0.01);
@@ -302,7 +302,7 @@ TEST(FreeRotation, DiscTurnsItsStress) {
 TEST(FreeRotation, CylinderTurnsOverItsEdge) {
   for (ShapeFunction const shape : {ShapeFunction::gimp, ShapeFunction::bspline}) {
     Turned const t = turn(shape, Transfer::flip, Geometry::cartesian3d, 4.0, 0.1);
-    std::printf("cylinder, %s flip, 0.1 turns: stress off by %.1f %%, energy by %.2e\n", name_of(shape),
+    std::printf("cylinder, %s flip, 0.1 turns: stress off by %.1f %%, energy by %.2e\n", word_of(shape),
                 100.0 * t.stress, t.energy);
     EXPECT_LT(t.energy, 0.01);
   }

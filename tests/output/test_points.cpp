@@ -231,7 +231,7 @@ TEST(Points, LogTellsBodiesOptionsAndAudit) {
   EXPECT_EQ(points["count"], 3600);
   EXPECT_EQ(points["order"], "musl");
   EXPECT_EQ(points["transfer"], "flip");
-  EXPECT_EQ(points["shape_function"], name_of(world.points->options().shape));
+  EXPECT_EQ(points["shape_function"], word_of(world.points->options().shape));
   EXPECT_GT(points["point_updates_per_second"].get<double>(), 0.0);
   ASSERT_EQ(points["bodies"].size(), 3U);
   auto const& left = points["bodies"][0];

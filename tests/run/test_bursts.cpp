@@ -84,7 +84,7 @@ TEST(Bursts, NeedNoGuardAndDoNotHangOnTheStep) {
           }
           for (std::size_t g = 0; g < found[0].size(); ++g) {
             EXPECT_NEAR(found[0][g] / found[1][g], 1.0, 0.15)
-                << explosive << " " << grid::geometry_name(geometry) << " " << cells << " gauge " << g;
+                << explosive << " " << word_of(geometry) << " " << cells << " gauge " << g;
           }
         }
       }

@@ -194,7 +194,7 @@ TEST(FillFraction, SumsToTheVolumeInAllGeometries) {
     }
     EXPECT_GT(full, 0);
     // 16 lines per cell and direction.
-    EXPECT_NEAR(sum / volume(shell, g), 1.0, dims == 1 ? 1e-12 : 1e-4) << grid::geometry_name(g);
+    EXPECT_NEAR(sum / volume(shell, g), 1.0, dims == 1 ? 1e-12 : 1e-4) << word_of(g);
   }
 }
 

@@ -48,7 +48,7 @@ TEST(Shares, BoxesAlongTheGridCutNoCell) {
 TEST(Shares, BoxesThatCutCellsAreExactInEveryGeometry) {
   for (Geometry const g : {Geometry::cartesian3d, Geometry::planar2d, Geometry::axisymmetric2d, Geometry::planar1d,
                            Geometry::cylindrical1d, Geometry::spherical1d}) {
-    SCOPED_TRACE(grid::geometry_name(g));
+    SCOPED_TRACE(word_of(g));
     int const dims = grid::dimensions(g);
     Domain const domain = domain_of(g, 0.1, {10, dims > 1 ? 9 : 1, dims > 2 ? 8 : 1});
     Box const box{{0.133, 0.257, 0.311}, {0.677, 0.519, 0.587}};

@@ -27,6 +27,8 @@ struct Compaction {
   double K3 = 208e9;        ///< [Pa]
 
   static constexpr char const* name = "compaction";
+  static constexpr bool bears_tension = true;  ///< can its pressure be negative?
+  static constexpr bool of_solids = true;      ///< can `[solids.NAME]` have it?
   static constexpr auto parameters() {
     using P = Parameter<Compaction>;
     return std::array{

@@ -7,6 +7,7 @@
 ///     reference(rho)        f(rho) [Pa]; equals p_ref - G rho e_ref in the usual notation
 ///     rho_d_reference(rho)  rho f'(rho) [Pa]
 ///     bears_tension         whether its pressure can be negative; that of gases cannot
+///     of_solids             whether a solid of a deck can have it
 ///     cold_energy(rho)      of gases: specific energy without thermal energy [J/kg], none has less
 ///     cold_pressure(rho)    and the pressure that goes with it [Pa]
 /// Everything else (energy, sound speed) follows and is written once, below.
@@ -23,7 +24,7 @@
 
 namespace brisance::material {
 
-using Eos = std::variant<IdealGas, Jwl, StiffenedGas, MieGruneisen>;
+using Eos = std::variant<IdealGas, StiffenedGas, MieGruneisen, Jwl>;
 
 /// Pressure [Pa] from density [kg/m3] and specific internal energy [J/kg].
 template <class E>

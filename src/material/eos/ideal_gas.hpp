@@ -12,6 +12,7 @@ struct IdealGas {
 
   static constexpr char const* name = "ideal_gas";
   static constexpr bool bears_tension = false;  ///< can its pressure be negative?
+  static constexpr bool of_solids = false;      ///< can `[solids.NAME]` have it?
   static constexpr auto parameters() {
     return std::array{Parameter<IdealGas>{"gamma", "1", &IdealGas::gamma, 1.0001, 10.0, "ratio of specific heats"}};
   }

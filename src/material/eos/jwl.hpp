@@ -26,6 +26,7 @@ struct Jwl {
 
   static constexpr char const* name = "jwl";
   static constexpr bool bears_tension = false;  ///< can its pressure be negative?
+  static constexpr bool of_solids = false;      ///< can `[solids.NAME]` have it?
   static constexpr auto parameters() {
     return std::array{
         Parameter<Jwl>{"rho0", "kg/m3", &Jwl::rho0, 1.0, 1e5, "density of the unreacted explosive"},

@@ -12,6 +12,8 @@ struct Linear {
   double K = 160e9;      ///< bulk modulus [Pa]
 
   static constexpr char const* name = "linear";
+  static constexpr bool bears_tension = true;  ///< can its pressure be negative?
+  static constexpr bool of_solids = true;      ///< can `[solids.NAME]` have it?
   static constexpr auto parameters() {
     return std::array{Parameter<Linear>{"rho0", "kg/m3", &Linear::rho0, 1.0, 1e5, "stress-free density"},
                       Parameter<Linear>{"K", "Pa", &Linear::K, 1.0, 1e13, "bulk modulus"}};

@@ -17,6 +17,7 @@ struct MieGruneisen {
 
   static constexpr char const* name = "mie_gruneisen";
   static constexpr bool bears_tension = true;  ///< can its pressure be negative?
+  static constexpr bool of_solids = true;      ///< can `[solids.NAME]` have it?
   static constexpr auto parameters() {
     return std::array{
         Parameter<MieGruneisen>{"rho0", "kg/m3", &MieGruneisen::rho0, 1.0, 1e5, "stress-free density"},

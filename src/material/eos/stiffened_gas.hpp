@@ -13,6 +13,7 @@ struct StiffenedGas {
 
   static constexpr char const* name = "stiffened_gas";
   static constexpr bool bears_tension = true;  ///< can its pressure be negative?
+  static constexpr bool of_solids = false;     ///< can `[solids.NAME]` have it?
   static constexpr auto parameters() {
     return std::array{Parameter<StiffenedGas>{"gamma", "1", &StiffenedGas::gamma, 1.0001, 20.0, "exponent gamma"},
                       Parameter<StiffenedGas>{"p_inf", "Pa", &StiffenedGas::p_inf, 0.0, 1e12, "stiffening pressure"}};
