@@ -45,7 +45,9 @@ std::string ForbiddenCells::intruder() const {
         trouble[n] = fmt::format(
             "body \"{}\" has come to the bridge at ({:.6g}, {:.6g}, {:.6g}) m; the MPM region must reach further: "
             "solids keep "
-            "{} cells away from its faces",
+            "{} cells away from its faces; give it more room there, by mpm_region.box or, where that is laid around "
+            "the "
+            "bodies, by mpm_region.margin",
             points_->bodies()[body].name, x[0], x[1], x[2], region_->width() + 2);
         return;
       }

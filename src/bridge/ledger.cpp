@@ -132,6 +132,7 @@ void Ledger::add_inflow(double dt, Account& outflow) {
   Faces const& faces = *faces_;
   for (int f = 0; f < faces.count(); ++f) {
     if (!faces[f].open) continue;
+    if (shared_->solid_at(f)) continue;
     CellSums const& sums = shared_->sums_at(f);
     if (sums.volume < 0.1 * faces.region().domain().cell_volume(faces[f].inside[0])) continue;
     GasState const s = state_of(shared_->fluids(), sums);

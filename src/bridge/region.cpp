@@ -10,9 +10,6 @@ namespace brisance::bridge {
 
 namespace {
 
-/// Cells that the gas needs between the region and a boundary of the domain.
-constexpr int least_gap = 4;
-
 bool mirrors_or_repeats(grid::Boundary b) {
   return b == grid::Boundary::symmetry || b == grid::Boundary::wall || b == grid::Boundary::periodic;
 }

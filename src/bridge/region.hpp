@@ -18,6 +18,9 @@
 
 namespace brisance::bridge {
 
+/// Cells that the gas needs between the region and a boundary of the domain.
+inline constexpr int least_gap = 4;
+
 /// Cells lower <= i < upper of the domain.
 struct CellBox {
   Index3 lower{0, 0, 0};

@@ -1,5 +1,7 @@
 #include "bridge/shared_gas.hpp"
 
+#include <algorithm>
+
 namespace brisance::bridge {
 
 namespace {
@@ -69,7 +71,42 @@ SharedGas::SharedGas(gas::Gas const& gas, mpm::Mpm const& points, int gas_body, 
       beside.inside = read_.at(face.inside);
     }
     beside_.push_back(beside);
+    if (!face.open) continue;
+    solid_[face.inside] = 0.0;
+    Index3 cell = face.inside;
+    for (int d = 0; d < 3; ++d) cell[d] += faces.region().shift()[d];
+    int const block = points.grid().block_of(cell);
+    if (std::find(open_blocks_.begin(), open_blocks_.end(), block) == open_blocks_.end()) open_blocks_.push_back(block);
   }
+}
+
+void SharedGas::average() {
+  averages_.compute(*points_, gas_body_);
+  find_solids();
+}
+
+void SharedGas::find_solids() {
+  using mpm::Field;
+  for (auto& [cell, volume] : solid_) volume = 0.0;
+  for (int const block : open_blocks_) {
+    for (int body = 0; body < static_cast<int>(points_->bodies().size()); ++body) {
+      material::Solid const& solid = points_->bodies()[body].solid;
+      if (!solid.has_deviator()) continue;
+      mpm::PointSet const& set = points_->points(block, body);
+      for (int q = 0; q < set.size(); ++q) {
+        auto const found = solid_.find(faces_->cell_at(
+            {set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]}));
+        if (found == solid_.end()) continue;
+        found->second += set.field(Field::mass)[q] / std::max(set.field(Field::density)[q], solid.density);
+      }
+    }
+  }
+}
+
+bool SharedGas::solid_at(int face) const {
+  auto const found = solid_.find((*faces_)[face].inside);
+  if (found == solid_.end()) return false;
+  return found->second > 0.5 * faces_->region().domain().cell_volume(found->first[0]);
 }
 
 GasSlopes SharedGas::slopes_outside(int face) const {

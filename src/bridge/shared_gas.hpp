@@ -20,7 +20,7 @@ class SharedGas {
   SharedGas(gas::Gas const& gas, mpm::Mpm const& points, int gas_body, Faces const& faces);
 
   /// Takes the averages over the points as they are now.
-  void average() { averages_.compute(*points_, gas_body_); }
+  void average();
   /// Reads the states of the cells that act as points.
   void read_cells() { states_.read(*gas_); }
 
@@ -35,6 +35,8 @@ class SharedGas {
 
   /// Open faces: the sums of the inside cell; the gas beyond is what it is on this side.
   [[nodiscard]] CellSums const& sums_at(int face) const { return averages_.sums()[beside_[face].average]; }
+  /// Do solids fill most of the inside cell? What gas there is among them is none to take the gas beyond for.
+  [[nodiscard]] bool solid_at(int face) const;
   /// Other faces: the states on both sides at the later time.
   [[nodiscard]] GasState const& outside(int face) const { return states_.later(beside_[face].outside); }
   [[nodiscard]] GasState const& inside(int face) const { return states_.later(beside_[face].inside); }
@@ -44,6 +46,8 @@ class SharedGas {
   [[nodiscard]] GasState donor(int face, int lane, GasSlopes& slopes) const;
 
  private:
+  void find_solids();
+
   /// What lies on both sides of a face.
   struct Beside {
     int outside = -1;  ///< in `states_`
@@ -63,7 +67,9 @@ class SharedGas {
   std::map<Index3, int> read_;
   Averages averages_;  ///< of the ghost cells and their neighbours, then of the cells at open boundaries
   CellStates states_;
-  std::vector<Beside> beside_;  ///< per face
+  std::vector<Beside> beside_;      ///< per face
+  std::map<Index3, double> solid_;  ///< cells at open faces: volume of the matter of solids in them [m3]
+  std::vector<int> open_blocks_;    ///< blocks of points that hold such cells
 };
 
 }  // namespace brisance::bridge

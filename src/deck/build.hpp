@@ -278,6 +278,8 @@ class Builder {
 
   void mpm_region();
   void warn_if_only_gauges();
+  /// The products of explosives in the region are the second fluid of the gas.
+  void products_of_bodies();
   void mpm_region_options(Section const& section, run::MpmRegion& region);
   /// The boxes of the table; false after an error.
   bool mpm_region_boxes(Section const& section, run::MpmRegion& region);

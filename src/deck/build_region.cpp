@@ -38,6 +38,7 @@ void Builder::mpm_region() {
     return;
   }
   out_.mpm_region = region;
+  products_of_bodies();
   if (!sound || (has_bodies() && (!bodies_known || body_shapes_.empty()))) return;
   try {
     check_mpm_region(run::region_of(out_));
@@ -65,6 +66,23 @@ void Builder::warn_if_only_gauges() {
   report_.warning(deck_.place_of("gauge"), "gauge",
                   "gauges in the gas put the bodies into the ambient gas, with an MPM region around them; write body = "
                   "... to measure on a body alone, or [mpm_region] where this is meant");
+}
+
+void Builder::products_of_bodies() {
+  auto const* const sections = deck_.sections("body");
+  if (sections == nullptr || sections->size() != out_.points.bodies.size()) return;  // there were errors
+  for (std::size_t n = 0; n < sections->size(); ++n) {
+    run::Body const& body = out_.points.bodies[n];
+    if (!body.solid.burns()) continue;
+    if (!out_.second_fluid) {
+      out_.second_fluid = products(*explosive(body.solid.name));
+    } else if (out_.second_fluid->name != body.solid.name) {
+      error((*sections)[n], "material",
+            fmt::format("the products of \"{}\" would be a third fluid beside \"{}\" and \"{}\"; a calculation has at "
+                        "most two: use one explosive for all, or convert the mass by its TNT equivalent",
+                        body.solid.name, out_.ambient.fluid.name, out_.second_fluid->name));
+    }
+  }
 }
 
 void Builder::mpm_region_options(Section const& section, run::MpmRegion& region) {

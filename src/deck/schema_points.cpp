@@ -141,7 +141,7 @@ Table const& mpm_region_table() {
                  .like("{lower = [\"110 mm\", 0], upper = [\"160 mm\", \"500 mm\"]}")
                  .means("Where: a table with `lower` and `upper`, whose faces lie between cells, on a boundary of "
                         "the domain or at least 4 cells from it; `auto`: the smallest box around the bodies with "
-                        "`margin`")),
+                        "`margin`, and the whole domain where an explosive throws out soil")),
          nested(Type::tables, "boxes", box_table())
              .note("none")
              .like("[{lower = [0, 0], upper = [1, 2]}, {lower = [1, 0], upper = [2, 1]}]")

@@ -115,6 +115,7 @@ Lanes4* Mpm::area_nodes(int block, int body) {
 void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
   Workspace const& w = *work_;
   scratch.pressed = {};
+  scratch.pushes.clear();
   int const count = w.patches[block].count();
   for (int g = 0; g < w.fields; ++g) {
     if (w.slips[g] == 0 || scratch.present[g] == 0) continue;
@@ -146,6 +147,7 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
         // The body has no images behind walls, the fluid has.
         double const part = images == nullptr ? 1.0 : body[node].momentum[3] / images[node];
         body[node].force -= Lanes4{part, part, part, 0.0} * push;
+        scratch.pushes.push_back({g, f, node, {dt * push[0], dt * push[1], dt * push[2]}});
         if (!w.rigid[f]) continue;
         for (int d = 0; d < 3; ++d) {
           double const impulse = dt * push[d] * w.own_mass(block, g, node) / fluid[node].momentum[3];
@@ -154,6 +156,23 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
         }
       }
     }
+  }
+}
+
+/// What the pressure at the surface of a body takes from the one it should give to the other, and does not, as their
+/// velocities differ: where the fluid does not feel the body yet, or before the forces of the step made them alike. The
+/// fluid has it as heat; it may be negative.
+void Mpm::settle_pushes(Scratch& scratch) {
+  for (Push const& push : scratch.pushes) {
+    NodeState& fluid = scratch.state[push.fluid].data()[push.node];
+    NodeState const& body = scratch.state[push.body].data()[push.node];
+    double work = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      double const of_fluid = fluid.momentum[d] - 0.5 * fluid.force[d];
+      double const of_body = body.momentum[d] - 0.5 * body.force[d];
+      work += push.impulse[d] * (of_fluid - of_body);
+    }
+    fluid.force[3] -= work;
   }
 }
 
@@ -420,7 +439,7 @@ void Mpm::settle_contacts(bool map_again) {
       if (set.empty() || scratch.meets[f] == 0 || w.settles[f] == 0 || w.rigid[f]) continue;
       SetView const view{&set, &bodies_[body], &w.patches[block], h};
       with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
-        NodeVelocity const* pull = w.pull[w.slot(block, f)].data();
+        NodeVelocity const* pull = books_work(body) ? nullptr : w.pull[w.slot(block, f)].data();
         w.dissipation[block] += kernels.push(view, scratch.meet[f].data(), scratch.rub[f].data(), pull);
       });
     }
@@ -605,6 +624,7 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
       }
     }
   }
+  settle_pushes(scratch);
   w.impulse[block] = given.impulse;
   w.work[block] = given.work;
   w.dissipation[block].held = given.drive;

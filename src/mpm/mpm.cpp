@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "mpm/burn.hpp"
 #include "mpm/holds.hpp"
 #include "mpm/workspace.hpp"
 
@@ -37,6 +38,7 @@ FieldList fields_of(Body const& body, Options const& options, int dimensions) {
     if (dimensions > 1) fields.add(Field::cross_xy, dimensions == 2 ? 3 : 9);
     fields.add(Field::provisional);
   }
+  if (body.books_work) fields.add(Field::provisional);
   if (transfer == Transfer::xpic) fields.add(Field::filtered_x, 3);
   for (Field const scalar : {Field::pressure, Field::viscosity, Field::energy}) fields.add(scalar);
   if (solid.has_deviator()) {
@@ -196,6 +198,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     w.strains_early = w.strains_early || order_of(b) == StressOrder::usl;
     w.keeps_energy = w.keeps_energy || keeps_energy(b);
     w.counts_energy = w.counts_energy || (affine(b) && !bodies_[b].rigid_velocity);
+    w.books_work = w.books_work || books_work(b);
     w.conducts = w.conducts || bodies_[b].shock_conduction > 0.0;
     if (bodies_[b].fills_space) w.filling = w.field_of[b];
   }
@@ -533,6 +536,12 @@ bool Mpm::keeps_energy(int body) const {
   return has_gradient_energy(body) && !bodies_[body].solid.has_deviator() && order_of(body) != StressOrder::usf;
 }
 
+bool Mpm::books_work(int body) const {
+  Body const& b = bodies_[body];
+  return b.books_work && !affine(body) && !b.rigid_velocity && order_of(body) != StressOrder::usf &&
+         !(options_.locking_control && b.solid.has_deviator());
+}
+
 void Mpm::lend_as(int body) {
   lent_body_ = body;
   // Gas fills the space up to walls, and its pressure may fall below that of reference: it keeps its images.
@@ -568,6 +577,35 @@ void Mpm::take_out(int block, int body, std::function<bool(PointSet const& set, 
     }
   }
   if (static_cast<int>(stay.size()) < set.size()) set.reorder(stay);
+}
+
+long Mpm::hand_over_burnt(int explosive, int gas) {
+  double const rate = burn_rate(bodies_[explosive].solid.detonation_speed, grid_.domain().h);
+  long count = 0;
+  std::vector<int> stay;
+  for (int block = 0; block < grid_.block_count(); ++block) {
+    PointSet& from = points(block, explosive);
+    double const* lighting = from.field(Field::lighting_time);
+    PointSet& to = points(block, gas);
+    stay.clear();
+    for (int q = 0; q < from.size(); ++q) {
+      if (lighting != nullptr && burn_fraction(time_, lighting[q], rate) < 1.0) {
+        stay.push_back(q);
+        continue;
+      }
+      int const at = to.append();
+      for (int n = 0; n < field_count; ++n) {
+        auto const f = static_cast<Field>(n);
+        if (double* value = to.field(f); value != nullptr && from.fields().has(f)) value[at] = from.field(f)[q];
+      }
+      to.field(Field::mass_fraction)[at] = 1.0;
+      to.field(Field::volume_fraction)[at] = 1.0;
+      to.field(Field::identity)[at] = static_cast<double>(next_identity_[gas]++);
+      ++count;
+    }
+    if (static_cast<int>(stay.size()) < from.size()) from.reorder(stay);
+  }
+  return count;
 }
 
 void Mpm::find_active() {

@@ -59,6 +59,13 @@ struct ApicEnergy {
   bool of_gradient = false;  ///< is that of the velocity gradient part of a point's?
 };
 
+/// Part of a point's volume that the gas around does not fill. Debris flies apart and soil bursts, and the volumes of
+/// their points grow with the gaps between them: a solid bears the pressure of the gas with no more than its matter.
+/// With all of it single grains push, and are pushed, as if they filled many cells, and are thrown.
+inline double matter_part(Body const& body, double density) {
+  return body.solid.has_deviator() ? std::min(1.0, density / body.solid.density) : 1.0;
+}
+
 /// What a pass over one set needs.
 struct SetView {
   PointSet* set;
@@ -180,7 +187,7 @@ struct Kernels {
         Lanes4 cz{};
         if constexpr (with_forces) {
           double const own = means == nullptr ? pressure[q] + viscosity[q] : means->mean(begin + q);
-          double const p = stressed * (own - reference);
+          double const p = stressed * (own - reference * matter_part(*v.body, density[q]));
           std::array<double, 6> s{-p, -p, -p, 0.0, 0.0, 0.0};
           if (deviator[0] != nullptr) {
             for (int c = 0; c < 6; ++c) s[c] += deviator[c][begin + q];
@@ -543,7 +550,8 @@ struct Kernels {
   }
 
   /// Gives the points what contact changes once more, see `Mpm::settle_contacts`. Returns the kinetic energy that they
-  /// lose. `pull`: what the forces of the step change; they act together with the contact, not before it.
+  /// lose. `pull`: what the forces of the step change; they act together with the contact, not before it. Null
+  /// where the body's energy takes the work of the nodes and knows nothing of this change.
   static Dissipation push(SetView const& v, NodeVelocity const* meet, NodeVelocity const* rub,
                           NodeVelocity const* pull) {
     PointSet& set = *v.set;
@@ -556,8 +564,8 @@ struct Kernels {
         Lanes4 along;
         velocity_at<S, D>(*v.patch, k, q, meet, across);
         velocity_at<S, D>(*v.patch, k, q, rub, along);
-        Lanes4 forced;
-        velocity_at<S, D>(*v.patch, k, q, pull, forced);
+        Lanes4 forced{};
+        if (pull != nullptr) velocity_at<S, D>(*v.patch, k, q, pull, forced);
         for (int d = 0; d < 3; ++d) {
           double const change = across[d] + along[d];
           double const middle = u[d][q] + 0.5 * (change - forced[d]);
@@ -713,6 +721,63 @@ struct Kernels {
     }
   }
 
+  /// The energy of points that follow increments takes what the forces on the nodes really do, and what of it the
+  /// points do not take up as motion: see `Body::books_work`. The stress of the start of the step works while the nodes
+  /// move at `middle`, the mean of their velocities before and after; it stands in for what the last step booked for
+  /// the time being. Of the squares of the changes the nodes gain the mean, a point the square of the mean: the rest is
+  /// heat. `forced`: change of the nodes' velocity by forces, `change` the whole one and once more what holds and walls
+  /// did of it, which has an account of its own; their product in the place of the mass of `forced`.
+  static void book_work(SetView const& v, Hoops const& hoops, double dt, NodeVelocity const* middle,
+                        NodeVelocity const* forced, NodeVelocity const* change) {
+    PointSet& set = *v.set;
+    std::array<double const*, 6> deviator{};
+    for (int c = 0; c < 6; ++c) deviator[c] = set.field(Field::deviator_xx + c);
+    double const* bar_number = set.field(Field::bar_number);
+    double const* pressure = set.field(Field::pressure);
+    double const* viscosity = set.field(Field::viscosity);
+    double const* density = set.field(Field::density);
+    double const* provisional = set.field(Field::provisional);
+    double* energy = set.field(Field::energy);
+    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
+      alignas(64) double e[10][chunk];
+      strain(v, hoops, dt, begin, n, k, middle, e);
+      for (int q = 0; q < n; ++q) {
+        int const at = begin + q;
+        double const p = pressure[at] + viscosity[at] - v.body->reference_pressure * matter_part(*v.body, density[at]);
+        std::array<double, 6> s{-p, -p, -p, 0.0, 0.0, 0.0};
+        for (int c = 0; deviator[0] != nullptr && c < 6; ++c) s[c] += deviator[c][at];
+        if (bar_number != nullptr && bar_number[at] > 0.0) add_bar(set, at, s);
+        double work = 0.0;
+        for (int c = 0; c < 3; ++c) work += s[c] * e[c][q] + 2.0 * s[3 + c] * e[3 + c][q];
+        Lanes4 own;
+        Lanes4 all;
+        velocity_at<S, D>(*v.patch, k, q, forced, own);
+        velocity_at<S, D>(*v.patch, k, q, change, all);
+        double const heat = 0.5 * (own[3] - (own[0] * all[0] + own[1] * all[1] + own[2] * all[2]));
+        energy[at] += work / density[at] + heat - provisional[at];
+      }
+    });
+  }
+
+  /// Takes off the first half of the work that the coming update of the stress books, with strains of its own: the
+  /// forces have done it. `booked`: the energy without it.
+  static void undo_half(SetView const& v, int begin, int n, double const (&e)[10][chunk], double (&booked)[chunk]) {
+    PointSet& set = *v.set;
+    double* energy = set.field(Field::energy) + begin;
+    double const* pressure = set.field(Field::pressure) + begin;
+    double const* density = set.field(Field::density) + begin;
+    double const reference = v.body->fills_space ? v.body->reference_pressure : 0.0;
+    for (int q = 0; q < n; ++q) {
+      double work = -(pressure[q] - reference) * e[9][q];
+      for (int c = 0; c < 3 && set.field(Field::deviator_xx) != nullptr; ++c) {
+        work += set.field(Field::deviator_xx + c)[begin + q] * (e[c][q] - e[9][q] / 3.0) +
+                2.0 * set.field(Field::deviator_xx + (3 + c))[begin + q] * e[3 + c][q];
+      }
+      booked[q] = energy[q] - reference * e[9][q] / density[q];
+      energy[q] -= 0.5 * work / density[q];
+    }
+  }
+
   /// Takes the volumes of a chunk's points towards the room that there is around them, see `Body::fills_space`;
   /// `filled` is what the points fill of the cells around the nodes, by `map_filled`. They drift with the strain, and
   /// come back with it: gas in uniform motion stays as it is, to the last bit. Not beside open faces: nobody knows what
@@ -747,11 +812,13 @@ struct Kernels {
     }
   }
 
-  /// Does a point take part? Those within the reach and, so that their means are whole, some cells around them; failed
-  /// ones drift apart and have nothing in common.
+  /// Does a point take part? Those within the reach and, so that their means are whole, some cells around them; those
+  /// that have failed or come loose drift apart and have nothing in common.
   static bool evened(SetView const& v, double const* damage, int q) {
+    constexpr double whole = 0.9;  // of the density at the start; no solid stretches that far
     double const radius = v.set->field(Field::position_x)[q];
-    return radius < (even_cells + 6.0) * v.h && (damage == nullptr || damage[q] < 1.0);
+    return radius < (even_cells + 6.0) * v.h && (damage == nullptr || damage[q] < 1.0) &&
+           v.set->field(Field::density)[q] > whole * v.body->solid.density;
   }
 
   /// What the points of a body beside the axis fill of the cells around the nodes, and the same times density, s_xx and
@@ -802,6 +869,12 @@ struct Kernels {
     double* xx = set.field(Field::deviator_xx) + begin;
     double* yy = set.field(Field::deviator_yy) + begin;
     double* zz = set.field(Field::deviator_zz) + begin;
+    double* pressure = set.field(Field::pressure) + begin;
+    // In soil the pressure is a state that follows the changes of density; it would keep the pattern, and a point that
+    // lost density here would bear pressure however far it flew apart.
+    auto const* linear = std::get_if<material::Linear>(&v.body->solid.eos);
+    bool const soil = linear != nullptr && std::holds_alternative<material::DruckerPrager>(v.body->solid.strength);
+    double const stiffness = soil ? linear->K / linear->rho0 : 0.0;
     for (int q = 0; q < n; ++q) {
       double const near = 1.0 - radius[q] / (even_cells * v.h);
       if (near <= 0.0 || !evened(v, damage, begin + q)) continue;
@@ -812,7 +885,9 @@ struct Kernels {
       double const part = whole_cells * near * std::min(even_most, even_per_strain * strained);
       double const dx = part * (seen[1] - xx[q]);
       double const dy = part * (seen[2] - yy[q]);
-      density[q] += part * (seen[0] - density[q]);
+      double const denser = part * (seen[0] - density[q]);
+      density[q] += denser;
+      pressure[q] += stiffness * denser;
       xx[q] += dx;
       yy[q] += dy;
       zz[q] -= dx + dy;
@@ -820,10 +895,11 @@ struct Kernels {
   }
 
   /// Strain and stress of a set, [Cui14] Eqs. (27)-(30). Returns the fastest signal [m/s]. `nodes`: the new velocities;
-  /// `before`: those before the step, for `settle_work`, or null; `filled`: for `fill_space`, or null.
+  /// `before`: those before the step, for `settle_work`, or null; `filled`: for `fill_space`, or null;
+  /// `books`: does the body book the work of the nodes?
   static double update(SetView const& v, Options const& options, Hoops const& hoops, double time, double dt,
                        NodeVelocity const* nodes, NodeVelocity const* before, NodeVelocity const* filled,
-                       NodeVelocity const* even, Scratch& scratch) {
+                       NodeVelocity const* even, bool books, Scratch& scratch) {
     double fastest = 0.0;
     if (!options.locking_control || !v.body->solid.has_deviator()) {
       for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
@@ -836,7 +912,11 @@ struct Kernels {
         }
         if (filled != nullptr) fill_space(v, options, begin, n, k, e[9], filled);
         if (even != nullptr) even_out(v, begin, n, k, e, even);
+        alignas(64) double booked[chunk];
+        if (books) undo_half(v, begin, n, e, booked);
         fastest = std::max(fastest, stress(v, options, time, dt, begin, n, e, e[9]));
+        for (int q = 0; books && q < n; ++q)
+          v.set->field(Field::provisional)[begin + q] = v.set->field(Field::energy)[begin + q] - booked[q];
         if (before != nullptr) note_work(v, begin, n, e[9], density);
       });
       return fastest;
@@ -879,15 +959,12 @@ struct Kernels {
     return volume;
   }
 
-  /// What the points fill of the cells around the nodes. A solid fills no more than its matter does, however far its
-  /// debris flies.
+  /// What the points fill of the cells around the nodes.
   static void map_filled(SetView const& v, grid::Geometry geometry, NodeVelocity* nodes) {
     double const* density = v.set->field(Field::density);
-    bool const breaks = v.body->solid.has_deviator();
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       for (int q = 0; q < n; ++q) {
-        double f = cells_filled(v, geometry, begin + q);
-        if (breaks) f *= std::min(1.0, density[begin + q] / v.body->solid.density);
+        double const f = cells_filled(v, geometry, begin + q) * matter_part(*v.body, density[begin + q]);
         add<S, D>(*v.patch, k, q, nodes, whole, Lanes4{f, 0.0, 0.0, 0.0});
       }
     });
@@ -900,11 +977,14 @@ struct Kernels {
                             Lanes4{0.0, 0.0, f, 0.0});
   }
 
-  /// What the points fill of the cells around the nodes, and its gradient per h: surfaces and their normals.
-  static void map_gradient(SetView const& v, grid::Geometry geometry, NodeVelocity* nodes) {
+  /// What the points fill of the cells around the nodes, and its gradient per h: surfaces and their normals. `matter`:
+  /// of solids that have come loose their matter alone, see `matter_part`.
+  static void map_gradient(SetView const& v, grid::Geometry geometry, bool matter, NodeVelocity* nodes) {
+    double const* density = v.set->field(Field::density);
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       for (int q = 0; q < n; ++q) {
-        double const f = cells_filled(v, geometry, begin + q);
+        double const part = matter ? matter_part(*v.body, density[begin + q]) : 1.0;
+        double const f = cells_filled(v, geometry, begin + q) * part;
         add_surface(v, k, q, Lanes4{0.0, 0.0, 0.0, f}, f, nodes);
       }
     });
@@ -920,7 +1000,7 @@ struct Kernels {
       double const* density = set.field(Field::density) + begin;
       double const* radius = set.field(Field::position_x) + begin;
       for (int q = 0; q < n; ++q) {
-        double const volume = mass[q] / density[q];
+        double const volume = mass[q] / density[q] * matter_part(*v.body, density[q]);
         double const f = volume / v.h;
         Lanes4 b{};
         if (hoop > 0.0) b[0] = hoop * volume / radius[q];

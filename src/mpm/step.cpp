@@ -60,6 +60,9 @@ void Mpm::advance(double dt) {
     scratch.gap.resize(work_->fields);
     scratch.whole.resize(work_->fields);
     scratch.wholes.resize(work_->fields);
+    scratch.middle.resize(work_->fields);
+    scratch.forced.resize(work_->fields);
+    scratch.changed.resize(work_->fields);
   }
   bool const first = options_.order == StressOrder::usf;
   if (first) {
@@ -148,7 +151,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
             kernels.map_area(view, hoops, area);
           }
         }
-        if (with_mass && gradient != nullptr) kernels.map_gradient(view, grid_.domain().geometry, gradient);
+        if (with_mass && gradient != nullptr) kernels.map_gradient(view, grid_.domain().geometry, w.slides, gradient);
         if (with_mass && w.shared[w.field_of[body]] != 0 && !affine(body)) {
           NodeVelocity* own = w.momentum[slot].get(patch.count());
           if (w.momentum_present[slot] == 0) std::fill(own, own + patch.count(), NodeVelocity{});
@@ -412,6 +415,8 @@ void Mpm::integrate(double dt) {
       }
     }
 
+    if (w.books_work) note_changes(scratch, count);
+
     if (map_back) clear_velocity(block);
     for_sets(block, [&](PointSet& set, int body) {
       int const f = w.field_of[body];
@@ -424,6 +429,10 @@ void Mpm::integrate(double dt) {
           NodeVelocity const* meet = scratch.meets[f] == 0 ? nullptr : scratch.meet[f].data();
           NodeVelocity const* rub = scratch.rubs[f] == 0 ? nullptr : scratch.rub[f].data();
           NodeVelocity const* stop = scratch.stops[f] == 0 ? nullptr : scratch.stop[f].data();
+          if (books_work(body)) {
+            kernels.book_work(view, hoops, dt, scratch.middle[f].data(), scratch.forced[f].data(),
+                              scratch.changed[f].data());
+          }
           ApicEnergy const fate{keeps_energy(body), has_gradient_energy(body)};
           w.dissipation[block] +=
               kernels.move(view, options_, dt, fate, scratch.state[f].data(), exchange, halt, meet, rub, stop);
@@ -450,6 +459,40 @@ void Mpm::integrate(double dt) {
       if (order_of(body) == StressOrder::usl) update_set(block, body, hoops, dt, scratch);
     }
   });
+}
+
+/// For `Kernels::book_work`. What holds, friction and walls change of the nodes' velocity has accounts of its own:
+/// those of holds and walls go first, before what forces do, that of friction in the middle of the whole change.
+void Mpm::note_changes(Scratch& scratch, int count) const {
+  for (int f = 0; f < work_->fields; ++f) {
+    if (scratch.present[f] == 0) continue;
+    NodeState const* nodes = scratch.state[f].data();
+    auto const of = [f](std::vector<char> const& known, std::vector<NodeArray<NodeVelocity>> const& changes) {
+      return known[f] == 0 ? nullptr : changes[f].data();
+    };
+    NodeVelocity const* exchange = of(scratch.exchanges, scratch.exchange);
+    NodeVelocity const* halt = of(scratch.halts, scratch.halt);
+    NodeVelocity const* meet = of(scratch.meets, scratch.meet);
+    NodeVelocity const* rub = of(scratch.rubs, scratch.rub);
+    NodeVelocity const* stop = of(scratch.stops, scratch.stop);
+    NodeVelocity* middle = scratch.middle[f].get(count);
+    NodeVelocity* forced = scratch.forced[f].get(count);
+    NodeVelocity* changed = scratch.changed[f].get(count);
+    for (int node = 0; node < count; ++node) {
+      NodeVelocity first{};
+      if (halt != nullptr) first += halt[node];
+      if (stop != nullptr) first += stop[node];
+      NodeVelocity const change = nodes[node].force;
+      middle[node] = nodes[node].momentum - 0.5 * (change - first);
+      NodeVelocity const whole = exchange == nullptr ? change : change + exchange[node];
+      NodeVelocity own = whole - first;
+      if (meet != nullptr) own -= meet[node];
+      if (rub != nullptr) own -= rub[node];
+      changed[node] = whole + first;
+      own[3] = own[0] * changed[node][0] + own[1] * changed[node][1] + own[2] * changed[node][2];
+      forced[node] = own;
+    }
+  }
 }
 
 NodeVelocity* Mpm::filled_nodes(int block) {
@@ -572,7 +615,7 @@ void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch
     with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
       NodeVelocity const* before = settles_work(body) ? scratch.before[w.field_of[body]].data() : nullptr;
       fastest = kernels.update(view, options_, hoops, time_, dt, scratch.velocity[w.field_of[body]].data(), before,
-                               filled, even, scratch);
+                               filled, even, books_work(body), scratch);
       if (bodies_[body].solid.is_gas()) w.floored[block] += kernels.lift_energy(view);
     });
   }

@@ -102,6 +102,14 @@ struct Given {
 };
 
 /// What one thread needs while it works on one block: the summed nodes of each grid field.
+/// What a fluid that slips took from a body at a node by its pressure in a step.
+struct Push {
+  int fluid = 0;  ///< fields
+  int body = 0;
+  int node = 0;
+  Vec3 impulse{0.0, 0.0, 0.0};  ///< [kg m/s]
+};
+
 struct Scratch {
   std::vector<NodeArray<NodeState>> state;
   std::vector<NodeArray<NodeVelocity>> velocity;
@@ -110,6 +118,7 @@ struct Scratch {
   std::vector<NodeArray<NodeVelocity>> gradient;
   std::vector<NodeArray<NodeVelocity>> area;      ///< see `Mpm::share_pressure`
   Given pressed;                                  ///< what rigid bodies gave to the fluids that press on them
+  std::vector<Push> pushes;                       ///< see `Mpm::settle_pushes`
   std::vector<NodeArray<NodeVelocity>> exchange;  ///< velocity that bodies without APIC take over at shared nodes
   std::vector<char> exchanges;
   std::vector<NodeArray<NodeVelocity>> halt;  ///< change of velocity from the start of the step by constraints
@@ -120,6 +129,10 @@ struct Scratch {
   std::vector<char> rubs;                     ///< where `meets`, and where walls rub
   std::vector<NodeArray<NodeVelocity>> stop;  ///< change of velocity by walls, across them
   std::vector<char> stops;
+  /// See `Mpm::note_changes`.
+  std::vector<NodeArray<NodeVelocity>> middle;
+  std::vector<NodeArray<NodeVelocity>> forced;
+  std::vector<NodeArray<NodeVelocity>> changed;
   std::vector<NodeArray<double>> gap;    ///< see `Workspace::gap`
   std::vector<NodeArray<double>> whole;  ///< mass of the nodes with the images behind walls, where fluids slip along it
   std::vector<char> wholes;
@@ -192,6 +205,7 @@ struct Mpm::Workspace {
   bool strains_early = false;                  ///< some body is updated by USL
   bool conducts = false;                       ///< some body conducts heat in shocks
   std::vector<char> shocked;                   ///< per block: there is a shock in it
+  bool books_work = false;                     ///< some body does, see `Mpm::books_work`
   bool keeps_energy = false;                   ///< some body's transfer loses no energy
   bool counts_energy = false;                  ///< some body has APIC
   std::vector<std::vector<Hold>> holds;        ///< per block

@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/timer.hpp"
+#include "run/place_bodies.hpp"
 #include "run/world.hpp"
 
 namespace brisance::run {
@@ -115,7 +116,11 @@ Totals World::point_totals() const {
     total.energy += sums.kinetic_energy + sums.internal_energy;
     total.kinetic_energy += sums.kinetic_energy;
     if (body != gas_body) total.rest_energy += sums.mass * rest_energy(setup, setup.points.bodies[body]);
-    if (gas_body >= 0 && body != gas_body) continue;
+    if (gas_body >= 0 && body != gas_body) {
+      // Its products will be the second fluid of the gas.
+      if (becomes_gas(setup, setup.points.bodies[body])) total.mass[1] += sums.mass;
+      continue;
+    }
     for (int f = 0; f < 2; ++f) total.mass[f] += sums.fluid_mass[f];
   }
   return total;

@@ -2,11 +2,36 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.hpp"
 #include "detonation/charge.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::run {
+
+bool becomes_gas(Case const& c, Body const& body) {
+  if (!c.mpm_region || !body.solid.burns()) return false;
+  if (!c.charges.empty()) return c.charges.front().explosive.name == body.solid.name;
+  return c.second_fluid && c.second_fluid->name == body.solid.name;
+}
+
+void calculate_as_gas(MpmRegion const& settings, mpm::Body& body) {
+  body.transfer = settings.transfer;
+  body.order = settings.order;
+  body.linear_viscosity = settings.linear_viscosity;
+  body.viscosity_onset = settings.viscosity_onset;
+  body.quadratic_viscosity = settings.quadratic_viscosity;
+  body.courant = settings.courant;
+  body.slips = settings.slip;
+}
+
+void hand_over_products(World& w) {
+  for (std::size_t n = 0; n < w.setup.points.bodies.size(); ++n) {
+    if (becomes_gas(w.setup, w.setup.points.bodies[n]))
+      w.points->hand_over_burnt(static_cast<int>(n), w.bridge->gas_body());
+  }
+}
 
 void place_bodies(World& w, grid::Domain const& domain, std::vector<mpm::Body> others) {
   Points const& p = w.setup.points;
@@ -19,6 +44,8 @@ void place_bodies(World& w, grid::Domain const& domain, std::vector<mpm::Body> o
     body.points_per_direction = b.points_per_direction;
     if (b.rigid) body.rigid_velocity = b.velocity;
     body.slips = w.setup.mpm_region && w.setup.mpm_region->slip && !b.rigid && !b.solid.has_deviator();
+    body.books_work = w.setup.mpm_region.has_value();
+    if (becomes_gas(w.setup, b)) calculate_as_gas(*w.setup.mpm_region, body);
     bodies.push_back(std::move(body));
   }
   bodies.insert(bodies.end(), others.begin(), others.end());

@@ -46,8 +46,31 @@ bridge::CellBox cells_of(grid::Domain const& domain, shape::Box const& box) {
   return cells;
 }
 
+/// What an explosive throws out of soil flies anywhere.
+bool throws_out(Case const& setup) {
+  auto const& bodies = setup.points.bodies;
+  return std::any_of(bodies.begin(), bodies.end(), [](Body const& b) { return b.solid.burns(); }) &&
+         std::any_of(bodies.begin(), bodies.end(), [](Body const& b) {
+           return std::holds_alternative<material::DruckerPrager>(b.solid.strength) && !b.rigid;
+         });
+}
+
+/// As much of it as a region may take.
+bridge::CellBox whole_domain(grid::Domain const& domain) {
+  bridge::CellBox cells;
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    auto const kept = [&](int side) {
+      return domain.boundary[2 * d + side] == grid::Boundary::inflow ? bridge::least_gap : 0;
+    };
+    cells.lower[d] = kept(0);
+    cells.upper[d] = domain.cells[d] - kept(1);
+  }
+  return cells;
+}
+
 bridge::CellBox box_around_bodies(Case const& setup) {
   grid::Domain const& domain = setup.domain;
+  if (throws_out(setup)) return whole_domain(domain);
   int const margin = margin_of(*setup.mpm_region);
   bridge::CellBox cells;
   for (int d = 0; d < domain.dimensions(); ++d) {
@@ -203,14 +226,9 @@ void place_region(World& w) {
   gas.name = "gas";
   gas.solid = material::gas_of(w.gas->fluids(), ambient.density, ambient.pressure);
   gas.points_per_direction = settings.gas_points(w.setup.domain.dimensions());
-  gas.transfer = settings.transfer;
-  gas.order = settings.order;
-  gas.linear_viscosity = settings.linear_viscosity;
-  gas.viscosity_onset = settings.viscosity_onset;
-  gas.quadratic_viscosity = settings.quadratic_viscosity;
+  calculate_as_gas(settings, gas);
   gas.shock_conduction = settings.shock_conduction;
-  gas.courant = settings.courant;
-  gas.slips = settings.slip;
+  gas.books_work = true;
   gas.fills_space = settings.transport == bridge::Transport::ledger;
   place_bodies(w, region.points_domain(), {gas});
   int const gas_body = static_cast<int>(w.points->bodies().size()) - 1;
@@ -240,6 +258,7 @@ void place_region(World& w) {
   options.awake = !still;
   w.bridge = std::make_unique<bridge::Bridge>(*w.gas, *w.points, gas_body, std::move(region), options, quiet);
   check_neighbours(w);
+  hand_over_products(w);
   std::string const intruder = w.bridge->intruder();
   if (!intruder.empty()) throw InputError(intruder);
 }

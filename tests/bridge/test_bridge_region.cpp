@@ -161,10 +161,12 @@ TEST(RegionOfACase, KeepsObstaclesAndSolidsAway) {
   body.solid = material::elastic_solid(100.0, 1e3, 0.3);
   body.shape = shape::Box{{0.46, -1.0, -1.0}, {0.50, 1.0, 1.0}};
   c.points.bodies = {body};
-  EXPECT_EQ(refusal(c),
-            "body \"wall\" has come to the bridge at (0.4625, 0.005, 0.005) m; the MPM region must reach further: "
-            "solids keep 7 "
-            "cells away from its faces");
+  EXPECT_EQ(
+      refusal(c),
+      "body \"wall\" has come to the bridge at (0.4625, 0.005, 0.005) m; the MPM region must reach further: "
+      "solids keep 7 "
+      "cells away from its faces; give it more room there, by mpm_region.box or, where that is laid around the bodies, "
+      "by mpm_region.margin");
   c.points.bodies[0].shape = shape::Box{{0.47, -1.0, -1.0}, {0.50, 1.0, 1.0}};
   EXPECT_EQ(refusal(c), "accepted");
 }
