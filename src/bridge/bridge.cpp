@@ -115,12 +115,14 @@ void Bridge::exchange(double share, double dt) {
   take_leavers();
   count_pressure(share);
   ledger_.find_directions(gas_->watched(), share);
-  ledger_.add_inflow(dt, traffic_.outflow);
+  std::optional<double> reference;
+  if (options_.transport == Transport::ledger) reference = points_->bodies()[gas_body_].reference_pressure;
+  ledger_.add_inflow(dt, reference, traffic_.outflow);
   if (options_.transport == Transport::ledger) {
     ledger_.add_fluxes(gas_->watched(), share);
     ledger_.add_pressure(gas_->watched(), share, dt, points_->bodies()[gas_body_].reference_pressure,
                          ambient_.pressure);
-    ledger_.take_gifts(*points_, proxies_.blocks());
+    ledger_.take_gifts(*points_, proxies_.blocks(), traffic_.outflow);
     ledger_.follow_volumes(dt);
     ledger_.level();
     traffic_.born += ledger_.give_birth(gas_points_);
@@ -145,7 +147,7 @@ void Bridge::take_leavers() {
       Account const load = gas_points_.carried(set, q);
       ++traffic_.left;
       if (faces_[face].open) {
-        traffic_.outflow.add(load);
+        traffic_.outflow.add(options_.transport == Transport::ledger ? gas_points_.handed_over(set, q) : load);
       } else if (options_.transport == Transport::ledger) {
         ledger_.add_leaver(face, faces_.lane_of(face, x), gas_points_.handed_over(set, q));
       } else {

@@ -103,7 +103,7 @@ void Ledger::add_pressure(Fluxes const& watched, double share, double dt, double
   }
 }
 
-void Ledger::take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks) {
+void Ledger::take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks, Account& outflow) {
   gifts_.assign(faces_->count(), Account{});
   int const dims = faces_->region().domain().dimensions();
   for (int const block : blocks) {
@@ -121,14 +121,17 @@ void Ledger::take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks) 
     }
   }
   for (int f = 0; f < faces_->count(); ++f) {
-    if ((*faces_)[f].open) continue;
+    if ((*faces_)[f].open) {
+      outflow.energy -= gifts_[f].energy;
+      continue;
+    }
     double area = 0.0;
     for (int lane = 0; lane < faces_->lanes(); ++lane) area += faces_->lane_area(f, lane);
     for (int lane = 0; lane < faces_->lanes(); ++lane) at(f, lane).add(gifts_[f], -faces_->lane_area(f, lane) / area);
   }
 }
 
-void Ledger::add_inflow(double dt, Account& outflow) {
+void Ledger::add_inflow(double dt, std::optional<double> reference, Account& outflow) {
   Faces const& faces = *faces_;
   for (int f = 0; f < faces.count(); ++f) {
     if (!faces[f].open) continue;
@@ -142,13 +145,14 @@ void Ledger::add_inflow(double dt, Account& outflow) {
     Account const per_mass{{1.0 - s.mass_fraction, s.mass_fraction}, s.velocity, e};
     for (int lane = 0; lane < faces.lanes(); ++lane) {
       double const volume = faces.lane_area(f, lane) * dt * inward;
-      outflow.energy -= volume * s.pressure;
+      if (!reference) outflow.energy -= volume * s.pressure;
       if (inward <= 0.0) continue;
       double const mass = volume * s.density;
       at(f, lane).add(per_mass, mass);
       at(f, lane).volume += volume;
       outflow.add(per_mass, -mass);
       outflow.volume -= volume;
+      outflow.energy -= volume * reference.value_or(0.0);
     }
   }
 }

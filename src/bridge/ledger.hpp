@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "bridge/account.hpp"
@@ -54,16 +55,16 @@ class Ledger {
   void add_leaver(int face, int lane, Account const& load) { at(face, lane).add(load); }
   /// Finds the faces through which the gas flows out of the region.
   void find_directions(Fluxes const& watched, double share);
-  /// Lets gas in through open faces, at the state of the region's gas there; it is taken off `outflow`, as is the work
-  /// of its pressure.
-  void add_inflow(double dt, Account& outflow);
+  /// Lets gas in through open faces, at the state of the region's gas there; it is taken off `outflow`. Absent
+  /// `reference`, the reference pressure: so is the work of the gas's pressure, which `take_gifts` does not tell then.
+  void add_inflow(double dt, std::optional<double> reference, Account& outflow);
   /// Adds what the gas carried through the faces.
   void add_fluxes(Fluxes const& watched, double share);
   /// Adds what the pressure of the gas did there, less the part of the reference pressure, which the points do not
   /// feel; `resting`: the pressure where both sides of a face sleep [Pa].
   void add_pressure(Fluxes const& watched, double share, double dt, double reference, double resting);
-  /// Takes off what the cells outside gave at the nodes, block by block.
-  void take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks);
+  /// Takes off what the cells outside gave at the nodes, block by block; at open faces the energy of it off `outflow`.
+  void take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks, Account& outflow);
   /// Lets the volumes of the accounts follow the gas.
   void follow_volumes(double dt);
   /// Evens out neighbouring accounts where gas flows out.
