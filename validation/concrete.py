@@ -1,5 +1,6 @@
 """Concrete and soil: single points, calibration of the tensile damage, spall, a crater on four grids, a column of soil,
 a beam with bars, a slab on soil."""
+import json
 import re
 import subprocess
 import sys
@@ -479,5 +480,20 @@ def column(run):
         "concrete_column": figure}
 
 
+def charges(run):
+    """A charge in soil under a plate, on three grids."""
+    rows, impulses = [], []
+    for cell in (12.0, 8.0, 16.0 / 3.0):
+        result = run("charge_in_soil_2d", f"{cell:.3g}", {"domain.cell": f"{cell} mm"})
+        bodies = json.loads((result.folder / "summary.json").read_text())["bodies"]
+        plate = next(body for body in bodies if body["body"] == "plate")["end"]
+        impulses.append(plate["momentum"][1])
+        change = f"{100 * (impulses[-1] / impulses[-2] - 1):+.1f} %" if len(impulses) > 1 else ""
+        rows.append([f"{cell:.3g}", f"{impulses[-1]:.1f}", change, f"{plate['velocity'][1]:.2f}",
+                     f"{100 * result.log['points']['audit']['energy']['drift']:+.2f} %"])
+    header = ["cell mm", "impulse of the plate N s", "change", "its velocity m/s", "energy drift"]
+    return {"charges": table(header, rows)}, {}
+
+
 PARTS = {"paths": paths, "calibration": calibration, "impact": impact, "bar": bar, "crater": crater, "column": column,
-         "beam": beam, "ground": ground}
+         "beam": beam, "ground": ground, "charges": charges}
