@@ -280,6 +280,8 @@ class Builder {
   void warn_if_only_gauges();
   /// The products of explosives in the region are the second fluid of the gas.
   void products_of_bodies();
+  /// Fluids that slip share one field of the grid and have no contact of their own.
+  void contacts_of_fluids(run::MpmRegion const& region);
   void mpm_region_options(Section const& section, run::MpmRegion& region);
   /// The boxes of the table; false after an error.
   bool mpm_region_boxes(Section const& section, run::MpmRegion& region);

@@ -39,6 +39,7 @@ void Builder::mpm_region() {
   }
   out_.mpm_region = region;
   products_of_bodies();
+  contacts_of_fluids(region);
   if (!sound || (has_bodies() && (!bodies_known || body_shapes_.empty()))) return;
   try {
     check_mpm_region(run::region_of(out_));
@@ -81,6 +82,24 @@ void Builder::products_of_bodies() {
             fmt::format("the products of \"{}\" would be a third fluid beside \"{}\" and \"{}\"; a calculation has at "
                         "most two: use one explosive for all, or convert the mass by its TNT equivalent",
                         body.solid.name, out_.ambient.fluid.name, out_.second_fluid->name));
+    }
+  }
+}
+
+void Builder::contacts_of_fluids(run::MpmRegion const& region) {
+  auto const* const sections = deck_.sections("contact");
+  auto const& contacts = out_.points.contacts;
+  if (!region.slip || sections == nullptr || sections->size() != contacts.size()) return;
+  for (std::size_t n = 0; n < contacts.size(); ++n) {
+    for (int const body : {contacts[n].first, contacts[n].second}) {
+      if (body >= static_cast<int>(out_.points.bodies.size())) return;  // there were errors
+      run::Body const& fluid = out_.points.bodies[body];
+      if (fluid.rigid || fluid.solid.has_deviator()) continue;
+      error(
+          (*sections)[n], "bodies",
+          fmt::format("\"{}\" is a fluid, and fluids slip along solids in an MPM region, without friction: remove the "
+                      "contact, or write mpm_region.slip = false",
+                      fluid.name));
     }
   }
 }
