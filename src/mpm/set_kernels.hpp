@@ -815,10 +815,10 @@ struct Kernels {
   /// Does a point take part? Those within the reach and, so that their means are whole, some cells around them; those
   /// that have failed or come loose drift apart and have nothing in common.
   static bool evened(SetView const& v, double const* damage, int q) {
-    constexpr double whole = 0.9;  // of the density at the start; no solid stretches that far
+    constexpr double coherent = 0.9;  // of the density at the start; no solid stretches that far
     double const radius = v.set->field(Field::position_x)[q];
     return radius < (even_cells + 6.0) * v.h && (damage == nullptr || damage[q] < 1.0) &&
-           v.set->field(Field::density)[q] > whole * v.body->solid.density;
+           v.set->field(Field::density)[q] > coherent * v.body->solid.density;
   }
 
   /// What the points of a body beside the axis fill of the cells around the nodes, and the same times density, s_xx and

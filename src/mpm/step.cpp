@@ -484,11 +484,11 @@ void Mpm::note_changes(Scratch& scratch, int count) const {
       if (stop != nullptr) first += stop[node];
       NodeVelocity const change = nodes[node].force;
       middle[node] = nodes[node].momentum - 0.5 * (change - first);
-      NodeVelocity const whole = exchange == nullptr ? change : change + exchange[node];
-      NodeVelocity own = whole - first;
+      NodeVelocity const total = exchange == nullptr ? change : change + exchange[node];
+      NodeVelocity own = total - first;
       if (meet != nullptr) own -= meet[node];
       if (rub != nullptr) own -= rub[node];
-      changed[node] = whole + first;
+      changed[node] = total + first;
       own[3] = own[0] * changed[node][0] + own[1] * changed[node][1] + own[2] * changed[node][2];
       forced[node] = own;
     }

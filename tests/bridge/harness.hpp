@@ -18,20 +18,6 @@ using mpm::Field;
 using mpm::ShapeFunction;
 using mpm::Transfer;
 
-inline char const* word_of(ShapeFunction shape) {
-  switch (shape) {
-    case ShapeFunction::linear: return "linear";
-    case ShapeFunction::gimp: return "gimp";
-    case ShapeFunction::cpgimp: return "cpgimp";
-    case ShapeFunction::bspline: return "bspline";
-  }
-  return "";
-}
-
-inline char const* word_of(Transfer transfer) {
-  return transfer == Transfer::flip ? "flip" : transfer == Transfer::apic ? "apic" : "xpic";
-}
-
 /// Ideal gas in a box of `cells` per direction with edge 1 in x.
 inline run::Case coupled_case(grid::Geometry geometry, Index3 const& cells, grid::Boundary boundary) {
   run::Case c;

@@ -72,8 +72,7 @@ TEST(CoupledRun, IsTheSameWithSleepOnAndOff) {
     auto const asleep = everything(geometry, 2);
     auto const awake = everything(geometry, 2, false);
     ASSERT_EQ(asleep.size(), awake.size()) << word_of(geometry);
-    EXPECT_EQ(std::memcmp(asleep.data(), awake.data(), asleep.size() * sizeof(double)), 0)
-        << word_of(geometry);
+    EXPECT_EQ(std::memcmp(asleep.data(), awake.data(), asleep.size() * sizeof(double)), 0) << word_of(geometry);
   }
 }
 

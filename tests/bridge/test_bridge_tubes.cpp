@@ -18,7 +18,7 @@ class Tubes : public testing::TestWithParam<TubeSetting> {};
 
 INSTANTIATE_TEST_SUITE_P(All, Tubes, testing::ValuesIn(all_tubes()), [](auto const& one) {
   std::string name;
-  for (char const ch : word_of(one.param)) {
+  for (char const ch : name_of(one.param)) {
     if (std::isalnum(static_cast<unsigned char>(ch)) != 0) name += ch;
   }
   return name;
@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(All, Tubes, testing::ValuesIn(all_tubes()), [](auto con
 TEST_P(Tubes, KeepTheExactSolution) {
   TubeSetting const s = GetParam();
   TubeResult const r = run_tube(s.tube, tube_case(s.tube, s.where));
-  print(word_of(s), r);
+  print(name_of(s), r);
   for (int k = 0; k < 3; ++k) EXPECT_LT(r.cells[k], 1.5 * r.alone[k]) << k;
   EXPECT_LT(r.peak, 0.02);
   EXPECT_LE(std::abs(r.mass_drift), mass_tolerance);

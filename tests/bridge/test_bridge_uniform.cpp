@@ -56,8 +56,8 @@ Deviation run_uniform(run::Case const& c, double end, char const* what) {
   std::printf(
       "%s %s, %s: %ld steps, velocity %.1e, pressure %.1e, density %.1e; mass %.1e, energy %.1e; born %ld, left "
       "%ld\n",
-      word_of(c.domain.geometry), word_of(c.points.options.shape), what, steps, d.velocity, d.pressure,
-      d.density, b.mass, b.energy, w.bridge->traffic().born, w.bridge->traffic().left);
+      word_of(c.domain.geometry), word_of(c.points.options.shape), what, steps, d.velocity, d.pressure, d.density,
+      b.mass, b.energy, w.bridge->traffic().born, w.bridge->traffic().left);
   EXPECT_GT(w.clock.point_steps, 10);
   EXPECT_LE(b.mass, mass_tolerance);
   // The nodes' sums over points are as exact as the shape function; those of tents at the axis are not.

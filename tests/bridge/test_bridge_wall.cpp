@@ -105,8 +105,8 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
       "Mach %4.1f, %s: reflected pressure %.4f of exact (%.4g MPa); momentum of the wall %.4f of the gas impulse, "
       "%.4f of the exact one, since the arrival %.4f; mass %.1e; steps of the gas "
       "%ld, of the points %ld\n",
-      mach, word_of(geometry), h.pressure, 1e-6 * s.reflected, h.impulse, h.exact_impulse, h.whole_impulse,
-      h.mass, w.clock.gas_steps, w.clock.point_steps);
+      mach, word_of(geometry), h.pressure, 1e-6 * s.reflected, h.impulse, h.exact_impulse, h.whole_impulse, h.mass,
+      w.clock.gas_steps, w.clock.point_steps);
   return h;
 }
 

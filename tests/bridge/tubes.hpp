@@ -173,7 +173,7 @@ inline std::vector<TubeSetting> all_tubes() {
   return all;
 }
 
-inline std::string word_of(TubeSetting const& s) {
+inline std::string name_of(TubeSetting const& s) {
   return std::string(s.tube.name) + (s.tube.left.p >= s.tube.right.p ? "" : ", mirrored") +
          (s.where.right ? ", region right of " : ", region left of ") + std::to_string(s.where.face);
 }

@@ -267,7 +267,7 @@ TEST(Panels, OpensInEveryGeometryAndBooksWhatItsCellsHold) {
         Sample{Geometry::cartesian3d, {16, 40, 16}, 1, 0.08 * 0.08},
         Sample{Geometry::cartesian3d, {16, 16, 40}, 2, 0.08 * 0.08}}) {
     for (bool const low_end : {true, false}) {
-      SCOPED_TRACE(testing::Message() << grid::geometry_name(s.geometry) << " along "
+      SCOPED_TRACE(testing::Message() << word_of(s.geometry) << " along "
                                       << "xyz"[s.direction]
                                       << (low_end ? ", from the low end" : ", from the high end"));
       Case c = air_case(s.geometry, s.cells, 0.01, Boundary::wall);
