@@ -154,7 +154,8 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   if (options_.xpic_order < 1) throw InputError("the order of XPIC is at least 1");
 
   // Bodies with a contact and rigid bodies have grid fields of their own, fluids that slip have one in common; all
-  // others share the first.
+  // others share the first. Rigid bodies that move alike and have the same contacts are one: where they touch, their
+  // faces are no surface.
   Workspace& w = *work_;
   w.field_of.assign(bodies_.size(), 0);
   std::vector<char> own(bodies_.size(), 0);
@@ -180,8 +181,22 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.fields = 0;
   in_common(false);
   in_common(true);
+  auto const contacts_of = [&](int b) {
+    std::vector<std::pair<int, double>> found;
+    for (Contact const& c : contacts) {
+      if (c.first == b || c.second == b) found.emplace_back(c.first == b ? c.second : c.first, c.friction);
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  };
   for (int b = 0; b < body_count; ++b) {
-    if (own[b] != 0) w.field_of[b] = w.fields++;
+    if (own[b] == 0) continue;
+    w.field_of[b] = -1;
+    for (int a = 0; a < b && w.field_of[b] < 0 && bodies_[b].rigid_velocity; ++a) {
+      bool const alike = bodies_[a].rigid_velocity == bodies_[b].rigid_velocity && contacts_of(a) == contacts_of(b);
+      if (alike) w.field_of[b] = w.field_of[a];
+    }
+    if (w.field_of[b] < 0) w.field_of[b] = w.fields++;
   }
   w.slips.assign(w.fields, 0);
   for (int b = 0; b < body_count; ++b) w.slips[w.field_of[b]] = bodies_[b].slips ? 1 : 0;
