@@ -130,8 +130,6 @@ void Bridge::exchange(double share, double dt) {
   } else {
     traffic_.born += give_birth_as_printed(faces_, shared_, gas_points_, dt);
   }
-  std::string const solid = intruder();
-  if (!solid.empty()) throw NumericalError(solid);
 }
 
 void Bridge::take_leavers() {

@@ -75,7 +75,7 @@ class Bridge {
   /// these parts of the gas step, 0 to 1.
   void lend_cells_to_nodes(double begin, double end);
   /// Transport through the region's faces, [Cui14] Sec. 3.4; `share`: part of the gas step that the points have made
-  /// since the last call, `dt` its length [s]. Throws NumericalError where a solid has come to the bridge.
+  /// since the last call, `dt` its length [s].
   void exchange(double share, double dt);
 
   /// What is wrong where a solid has come to the bridge; empty: none has.

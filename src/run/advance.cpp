@@ -106,6 +106,8 @@ void advance_coupled(World& w, double dt) {
   w.gas->clear_watched();
   PhaseTimer const timer(w.timings["bridge"]);
   bridge.read_cells();  // with what the ledger gave back
+  // Only now: in the midst of a step the mass is not balanced.
+  if (std::string const solid = bridge.intruder(); !solid.empty()) throw NumericalError(solid);
 }
 
 }  // namespace
