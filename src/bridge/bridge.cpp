@@ -6,7 +6,6 @@
 
 #include "bridge/conversion.hpp"
 #include "bridge/printed.hpp"
-#include "core/error.hpp"
 
 namespace brisance::bridge {
 

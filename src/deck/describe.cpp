@@ -10,6 +10,7 @@
 #include "deck/parameters.hpp"
 #include "deck/schema.hpp"
 #include "material/afterburn.hpp"
+#include "run/gas_fields.hpp"
 #include "run/point_fields.hpp"
 #include "run/world.hpp"
 

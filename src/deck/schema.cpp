@@ -7,6 +7,7 @@
 
 #include "core/units.hpp"
 #include "deck/schema_keys.hpp"
+#include "run/gas_fields.hpp"
 #include "run/point_fields.hpp"
 #include "run/world.hpp"
 

@@ -14,6 +14,7 @@
 #include "output/placed.hpp"
 #include "output/profile_file.hpp"
 #include "output/run_log.hpp"
+#include "run/gas_fields.hpp"
 #include "run/point_fields.hpp"
 
 namespace brisance::output {

@@ -4,8 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
+#include <variant>
 
 #include "core/error.hpp"
 #include "mpm/burn.hpp"
@@ -16,31 +15,18 @@ namespace {
 
 using mpm::Field;
 
-/// Fields that are written as they are kept.
-std::optional<Field> kept(std::string const& name) {
-  static std::map<std::string, Field> const fields{
-      {"position", Field::position_x},
-      {"velocity", Field::velocity_x},
-      {"mass", Field::mass},
-      {"density", Field::density},
-      {"pressure", Field::pressure},
-      {"viscosity", Field::viscosity},
-      {"energy", Field::energy},
-      {"identity", Field::identity},
-      {"plastic_strain", Field::plastic_strain},
-      {"plastic_work", Field::plastic_work},
-      {"temperature", Field::temperature},
-      {"damage", Field::damage},
-      {"compression_damage", Field::crushing},
-      {"tensile_damage", Field::cracking},
-      {"products", Field::mass_fraction},
-      {"bar_part", Field::bar_part},
-      {"bar_stress", Field::bar_stress},
-  };
-  auto const found = fields.find(name);
-  if (found == fields.end()) return std::nullopt;
-  return found->second;
-}
+/// Points of a body in a block.
+struct SetOf {
+  World const& world;
+  mpm::PointSet const& set;
+  int body;
+};
+
+/// A field that is written as it is kept, from its first component on, or what finds it.
+struct PointField {
+  FieldInfo info;
+  std::variant<Field, void (*)(SetOf const& s, double* out)> value;
+};
 
 void add_kept(mpm::PointSet const& set, Field first, int components, double* out) {
   for (int c = 0; c < components; ++c) {
@@ -50,7 +36,8 @@ void add_kept(mpm::PointSet const& set, Field first, int components, double* out
   }
 }
 
-void add_displacement(mpm::PointSet const& set, double* out) {
+void add_displacement(SetOf const& s, double* out) {
+  mpm::PointSet const& set = s.set;
   for (int d = 0; d < 3; ++d) {
     double const* const origin = set.field(Field::origin_x + d);
     double const* const position = set.field(Field::position_x + d);
@@ -59,7 +46,8 @@ void add_displacement(mpm::PointSet const& set, double* out) {
   }
 }
 
-void add_stress(mpm::PointSet const& set, double* out) {
+void add_stress(SetOf const& s, double* out) {
+  mpm::PointSet const& set = s.set;
   add_kept(set, Field::deviator_xx, 6, out);
   double const* const pressure = set.field(Field::pressure);
   for (int q = 0; q < set.size(); ++q) {
@@ -68,11 +56,13 @@ void add_stress(mpm::PointSet const& set, double* out) {
 }
 
 /// The burn fraction that the pressure of the last step was taken with, [Cui14] Eqs. (52)-(53).
-void add_burn_fraction(mpm::PointSet const& set, World const& w, double detonation_speed, double* out) {
+void add_burn_fraction(SetOf const& s, double* out) {
+  mpm::PointSet const& set = s.set;
   double const* const lighting = set.field(Field::lighting_time);
   if (lighting == nullptr) return;
-  double const rate = mpm::burn_rate(detonation_speed, w.setup.domain.h);
-  double const time = w.clock.time;
+  double const speed = s.world.points->bodies()[s.body].solid.detonation_speed;
+  double const rate = mpm::burn_rate(speed, s.world.setup.domain.h);
+  double const time = s.world.clock.time;
   for (int q = 0; q < set.size(); ++q) out[q] = mpm::burn_fraction(time, lighting[q], rate);
 }
 
@@ -83,49 +73,77 @@ int material_number(World const& w, int body) {
   return static_cast<int>(first - bodies.begin());
 }
 
-FieldInfo const& info_of(std::string const& name) {
-  for (auto const* list : {&known_point_fields(), &standing_point_fields()}) {
-    auto const found = std::find_if(list->begin(), list->end(), [&](FieldInfo const& f) { return f.name == name; });
+void add_mises(SetOf const& s, double* out) {
+  for (int q = 0; q < s.set.size(); ++q) out[q] = mises_of(s.set, q);
+}
+
+void add_body(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), s.body); }
+
+void add_material(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), material_number(s.world, s.body)); }
+
+std::vector<PointField> const& asked_fields() {
+  static std::vector<PointField> const fields{
+      {{"velocity", "m/s", 3, "velocity"}, Field::velocity_x},
+      {{"displacement", "m", 3, "displacement since the start; 0 in bodies without strength, which do not know it"},
+       add_displacement},
+      {{"pressure", "Pa", 1, "mean stress, compression positive, without the bulk viscosity"}, Field::pressure},
+      {{"mises", "Pa", 1, "equivalent stress (von Mises)"}, add_mises},
+      {{"stress", "Pa", 6, "Cauchy stress without the bulk viscosity, tension positive: xx yy zz xy yz zx"},
+       add_stress},
+      {{"density", "kg/m3", 1, "density"}, Field::density},
+      {{"energy", "J/kg", 1, "specific internal energy, the elastic energy of shear included"}, Field::energy},
+      {{"plastic_strain", "1", 1, "equivalent plastic strain"}, Field::plastic_strain},
+      {{"plastic_work", "J/kg", 1, "plastic work"}, Field::plastic_work},
+      {{"temperature", "K", 1, "temperature; 0 in bodies that do not heat"}, Field::temperature},
+      {{"damage", "1", 1, "damage, 1: failed"}, Field::damage},
+      {{"compression_damage", "1", 1, "concrete: damage by compression and shear, 1: crushed"}, Field::crushing},
+      {{"tensile_damage", "1", 1, "concrete: damage by tension, 1: cracked through"}, Field::cracking},
+      {{"burn_fraction", "1", 1, "burn fraction F of programmed burn"}, add_burn_fraction},
+      {{"mass", "kg", 1, "mass of the point"}, Field::mass},
+      {{"products", "1", 1, "mass fraction of the second fluid (detonation products) in gas points"},
+       Field::mass_fraction},
+      {{"bar_part", "1", 1, "part of steel of smeared reinforcement"}, Field::bar_part},
+      {{"bar_stress", "Pa", 1, "stress of the bar that runs through the point"}, Field::bar_stress},
+      {{"identity", "1", 1, "number of the point within its body"}, Field::identity},
+      {{"viscosity", "Pa", 1, "bulk viscosity q of the last step"}, Field::viscosity},
+  };
+  return fields;
+}
+
+std::vector<PointField> const& standing_fields() {
+  static std::vector<PointField> const fields{
+      {{"position", "m", 3, "position"}, Field::position_x},
+      {{"body", "1", 1, "number of the body in the deck, from 0"}, add_body},
+      {{"material", "1", 1, "number of the first body of the same material"}, add_material},
+  };
+  return fields;
+}
+
+PointField const& field_of(std::string const& name) {
+  for (auto const* list : {&asked_fields(), &standing_fields()}) {
+    auto const found =
+        std::find_if(list->begin(), list->end(), [&](PointField const& f) { return f.info.name == name; });
     if (found != list->end()) return *found;
   }
   throw InputError(fmt::format("there is no field \"{}\" of the material points", name));
 }
 
+std::vector<FieldInfo> infos_of(std::vector<PointField> const& fields) {
+  std::vector<FieldInfo> all;
+  for (PointField const& field : fields) all.push_back(field.info);
+  return all;
+}
+
 }  // namespace
 
 std::vector<FieldInfo> const& known_point_fields() {
-  static std::vector<FieldInfo> const fields{
-      {"velocity", "m/s", 3, "velocity"},
-      {"displacement", "m", 3, "displacement since the start; 0 in bodies without strength, which do not know it"},
-      {"pressure", "Pa", 1, "mean stress, compression positive, without the bulk viscosity"},
-      {"mises", "Pa", 1, "equivalent stress (von Mises)"},
-      {"stress", "Pa", 6, "Cauchy stress without the bulk viscosity, tension positive: xx yy zz xy yz zx"},
-      {"density", "kg/m3", 1, "density"},
-      {"energy", "J/kg", 1, "specific internal energy, the elastic energy of shear included"},
-      {"plastic_strain", "1", 1, "equivalent plastic strain"},
-      {"plastic_work", "J/kg", 1, "plastic work"},
-      {"temperature", "K", 1, "temperature; 0 in bodies that do not heat"},
-      {"damage", "1", 1, "damage, 1: failed"},
-      {"compression_damage", "1", 1, "concrete: damage by compression and shear, 1: crushed"},
-      {"tensile_damage", "1", 1, "concrete: damage by tension, 1: cracked through"},
-      {"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
-      {"mass", "kg", 1, "mass of the point"},
-      {"products", "1", 1, "mass fraction of the second fluid (detonation products) in gas points"},
-      {"bar_part", "1", 1, "part of steel of smeared reinforcement"},
-      {"bar_stress", "Pa", 1, "stress of the bar that runs through the point"},
-      {"identity", "1", 1, "number of the point within its body"},
-      {"viscosity", "Pa", 1, "bulk viscosity q of the last step"},
-  };
-  return fields;
+  static std::vector<FieldInfo> const infos = infos_of(asked_fields());
+  return infos;
 }
 
 std::vector<FieldInfo> const& standing_point_fields() {
-  static std::vector<FieldInfo> const fields{
-      {"position", "m", 3, "position"},
-      {"body", "1", 1, "number of the body in the deck, from 0"},
-      {"material", "1", 1, "number of the first body of the same material"},
-  };
-  return fields;
+  static std::vector<FieldInfo> const infos = infos_of(standing_fields());
+  return infos;
 }
 
 double mises_of(mpm::PointSet const& set, int q) {
@@ -152,27 +170,19 @@ long dumped_points(World const& w) {
 }
 
 void point_field(World const& w, std::string const& name, std::vector<double>& out) {
-  int const components = info_of(name).components;
+  PointField const& field = field_of(name);
+  int const components = field.info.components;
   mpm::Mpm const& points = *w.points;
   out.assign(static_cast<std::size_t>(dumped_points(w)) * components, 0.0);
-  auto const field = kept(name);
   double* at = out.data();
   int const bodies = dumped_bodies(w);
   for (int block = 0; block < points.grid().block_count(); ++block) {
     for (int body = 0; body < bodies; ++body) {
       mpm::PointSet const& set = points.points(block, body);
-      if (field) {
-        add_kept(set, *field, components, at);
-      } else if (name == "displacement") {
-        add_displacement(set, at);
-      } else if (name == "stress") {
-        add_stress(set, at);
-      } else if (name == "mises") {
-        for (int q = 0; q < set.size(); ++q) at[q] = mises_of(set, q);
-      } else if (name == "burn_fraction") {
-        add_burn_fraction(set, w, points.bodies()[body].solid.detonation_speed, at);
+      if (Field const* kept = std::get_if<Field>(&field.value)) {
+        add_kept(set, *kept, components, at);
       } else {
-        std::fill_n(at, set.size(), name == "body" ? body : material_number(w, body));
+        std::get<1>(field.value)({w, set, body}, at);
       }
       at += static_cast<std::ptrdiff_t>(set.size()) * components;
     }

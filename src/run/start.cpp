@@ -40,8 +40,8 @@ double ball_radius(Case const& setup, std::size_t number) {
     throw InputError(fmt::format("{} is no cylinder: a 1D calculation in planar2d knows cylinders only", what));
   }
   if (geometry != Geometry::cartesian3d && geometry != Geometry::axisymmetric2d) {
-    throw InputError(fmt::format("{} is calculated in one direction anyway: remove start = \"remap\"",
-                                 word_of(geometry)));
+    throw InputError(
+        fmt::format("{} is calculated in one direction anyway: remove start = \"remap\"", word_of(geometry)));
   }
   if (auto const* ball = std::get_if<shape::Sphere>(&charge.shape)) return ball->radius;
   if (auto const* half = std::get_if<shape::Hemisphere>(&charge.shape)) {

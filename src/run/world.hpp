@@ -216,11 +216,6 @@ struct FieldInfo {
   std::string meaning;
 };
 
-/// All fields that a run can write: pressure, overpressure, density, velocity, energy, sound_speed, mach, products
-/// (mass fraction of the second fluid), volume_fraction, burn_fraction, afterburn, peak_overpressure, impulse (largest
-/// running overpressure impulse), obstacle, region, solid.
-[[nodiscard]] std::vector<FieldInfo> const& known_fields();
-
 class GasView;
 
 /// What a charge would become on a grid, beside the solid cells of obstacles; the cells that it takes are added to
@@ -308,12 +303,6 @@ class World {
   std::unique_ptr<GasView> gauge_view_;  ///< made with the first sample
   double gas_rest_energy_ = 0.0;         ///< of gas cells and gas points in the ambient state [J]
 };
-
-/// Values of a field in one block: x fastest, components interleaved; `out` is resized. With a view of all cells those
-/// that points hold show the gas of the points, and where there is none the ambient pressure and else 0. Throws
-/// InputError for an unknown name.
-void block_field(World const& world, int block, std::string const& field, std::vector<double>& out,
-                 GasView const* view = nullptr);
 
 /// Largest stable time step of the present state [s].
 [[nodiscard]] double stable_step(World const& world);

@@ -6,6 +6,7 @@
 
 #include "cases.hpp"
 #include "core/parallel.hpp"
+#include "run/gas_fields.hpp"
 
 namespace brisance::run {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "run/gas_fields.hpp"
 #include "run/gas_view.hpp"
 #include "run/place_region.hpp"
 #include "run/point_fields.hpp"

@@ -11,6 +11,7 @@
 #include "core/archive.hpp"
 #include "core/parallel.hpp"
 #include "points_case.hpp"
+#include "run/gas_fields.hpp"
 
 namespace brisance::run {
 namespace {
