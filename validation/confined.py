@@ -45,6 +45,7 @@ name = "wall"
 point = [0.33, 0.6]
 [output]
 peak_fields = false
+field_times = ["45 ms", "46 ms", "47 ms", "48 ms", "49 ms"]
 [audit]
 fail = 0
 [end]
@@ -129,19 +130,30 @@ def room_rows(variants):
     return rows
 
 
+def mean_in_box(result):
+    """Of the overpressure over the inside of the box, in the dumps from 45 ms on [Pa]."""
+    means = []
+    for path in sorted(result.folder.glob("fields/*.h5"))[1:]:
+        with h5py.File(path) as file:
+            pressure = np.squeeze(file["cells/pressure"][()]).astype(float)
+        y, x = np.meshgrid(*((np.arange(n) + 0.5) * 0.02 for n in pressure.shape), indexing="ij")
+        weight = np.where((x < 0.36) & (abs(y - 0.6) < 0.36), x, 0.0)
+        means.append(np.sum(weight * (pressure - 101325.0)) / np.sum(weight))
+    return float(np.mean(means))
+
+
 def box_rows(variants):
     rigid = variants("steel_box", "rigid", text=BOX.format(walls=RIGID_WALLS))
     points = variants("steel_box", "points", text=BOX.format(walls=WALLS_OF_POINTS))
-    drift, surplus = audit_of(points)
-    rows = []
+    over = [mean_in_box(result) for result in (rigid, points)]
+    rows = [("mean inside", f"{1e-3 * over[0]:.1f} kPa", per_cent(over[1] / over[0]), *audit_of(points))]
     for gauge in ("axis", "wall"):
         over = []
         for result in (rigid, points):
             history = result.gauge(gauge)
             last = history["time"] >= 0.045
             over.append(float(np.mean(history["overpressure"][last])))
-        rows.append((gauge, f"{1e-3 * over[0]:.1f} kPa", per_cent(over[1] / over[0]), drift, surplus))
-        drift = surplus = ""
+        rows.append((f"gauge \"{gauge}\"", f"{1e-3 * over[0]:.1f} kPa", per_cent(over[1] / over[0]), "", ""))
     return rows
 
 
@@ -164,10 +176,12 @@ on cells of half the size. Mean pressure at the end, impulses to the end. Target
 {table(header, rooms)}
 Where the flow behind the plate is not resolved the obstacle's own impulses move by more than the target with the cells.
 
-A closed box of steel, walls of 40 mm, under gas that bursts in it, for 50 ms: mean overpressure of the last 5 ms. The
-box of points is free and elastic; the other is of rigid obstacles. Target: 3 %.
+A closed box of steel, walls of 40 mm, under gas that bursts in it, for 50 ms: overpressure over the last 5 ms, the mean
+over the inside of the box and at two places. The box of points is free and elastic; the other is of rigid obstacles.
+Target for the mean, the quasi-static pressure: 3 %. A gauge in points reads the few that are in its cell, here with a
+scatter of 4 %.
 
-{table(("gauge", "rigid", "points", "drift of energy", "surplus in the ledger"), boxes)}
+{table(("", "rigid", "points", "drift of energy", "surplus in the ledger"), boxes)}
 Closed tubes at 2 to 50 bar and the balance of momentum are tests: `tests/bridge/test_bridge_confined.cpp`.
 """
     target = work if arguments.quick else ROOT / "docs" / "validation"

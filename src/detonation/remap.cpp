@@ -485,8 +485,7 @@ void check_fit(gas::Gas const& gas, Profile const& profile) {
                     : from == Geometry::axisymmetric2d ? to == Geometry::cartesian3d
                                                        : false;
   if (!fits) {
-    throw InputError(
-        fmt::format("a profile of {} does not fit {}", word_of(from), word_of(to)));
+    throw InputError(fmt::format("a profile of {} does not fit {}", word_of(from), word_of(to)));
   }
   if (profile.components != gas.components() || profile.components > most_components) {
     throw InputError(

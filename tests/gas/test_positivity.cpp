@@ -65,8 +65,8 @@ TEST(ProductsThatBreakOut, NeedNoGuardWhateverSurroundsThem) {
           problem.run_to(14e-6);
           problem.courant = 0.8;
           problem.run_to(30e-6);
-          std::string const where = std::string(gas.name) + ", " + word_of(geometry) + ", " +
-                                    std::to_string(cells) + (strong ? " PETN" : " TNT");
+          std::string const where = std::string(gas.name) + ", " + word_of(geometry) + ", " + std::to_string(cells) +
+                                    (strong ? " PETN" : " TNT");
           EXPECT_EQ(problem.gas->account().guarded_cells, 0) << where;
           EXPECT_EQ(problem.gas->account().guard_energy, 0.0) << where;
           EXPECT_NEAR(problem.total(gas::energy) / energy, 1.0, 1e-12) << where;

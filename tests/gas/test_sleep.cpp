@@ -203,8 +203,8 @@ TEST_P(Noh, ReachesTheDensityBehindTheShock) {
   for (int i = problem.domain.cells[0] - 1; i > 0 && front == 0.0; --i) {
     if (line[i].density > 0.5 * (exact + std::pow(4.0, m))) front = problem.domain.centre({i, 0, 0})[0];
   }
-  std::printf("%s: density %.4g (%.4g to %.4g), exact %.4g; shock at %.4g, exact 0.2\n", word_of(geometry),
-              sum / count, lowest, highest, exact, front);
+  std::printf("%s: density %.4g (%.4g to %.4g), exact %.4g; shock at %.4g, exact 0.2\n", word_of(geometry), sum / count,
+              lowest, highest, exact, front);
   // A captured shock that runs slowly against the grid leaves noise; towards a centre the inflowing gas is compressed
   // before it, with the truncation error of the geometry. Both halve with the cells.
   double const tolerance = m == 0 ? 0.002 : m == 1 ? 0.02 : 0.04;

@@ -132,8 +132,8 @@ TEST(ReflectedShock, LeavesNoneInAnyDimensionOrDirection) {
     for (bool const high : {true, false}) {
       for (Surface const surface : {Surface::symmetry, Surface::obstacle}) {
         Reading const r = reflect(3.0, 0.8, way.geometry, way.direction, high, surface, 0);
-        EXPECT_LT(r.over, most_over) << word_of(way.geometry) << " along " << way.direction << " high "
-                                     << high << " surface " << static_cast<int>(surface);
+        EXPECT_LT(r.over, most_over) << word_of(way.geometry) << " along " << way.direction << " high " << high
+                                     << " surface " << static_cast<int>(surface);
         EXPECT_NEAR(r.last, 0.0, plateau);
       }
     }

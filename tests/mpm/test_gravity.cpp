@@ -16,8 +16,7 @@ INSTANTIATE_TEST_SUITE_P(All, Gravity,
                                           testing::Values(ShapeFunction::linear, ShapeFunction::gimp,
                                                           ShapeFunction::bspline)),
                          [](auto const& one) {
-                           return std::string(word_of(std::get<0>(one.param))) + "_" +
-                                  word_of(std::get<1>(one.param));
+                           return std::string(word_of(std::get<0>(one.param))) + "_" + word_of(std::get<1>(one.param));
                          });
 
 /// A body that fills a closed box but for a gap at its high sides; along y, with an axis, and along x.

@@ -100,8 +100,7 @@ class OneSidedWall : public testing::TestWithParam<std::tuple<Geometry, ShapeFun
 INSTANTIATE_TEST_SUITE_P(All, OneSidedWall,
                          testing::Combine(testing::ValuesIn(all_geometries), testing::ValuesIn(all_shapes)),
                          [](auto const& one) {
-                           return std::string(word_of(std::get<0>(one.param))) + "_" +
-                                  word_of(std::get<1>(one.param));
+                           return std::string(word_of(std::get<0>(one.param))) + "_" + word_of(std::get<1>(one.param));
                          });
 
 TEST_P(OneSidedWall, LetsABodyGoThatTouchesIt) {

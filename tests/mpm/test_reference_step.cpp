@@ -190,8 +190,7 @@ INSTANTIATE_TEST_SUITE_P(All, ReferenceStep,
                                                           Geometry::cartesian3d),
                                           testing::ValuesIn(all_shapes)),
                          [](auto const& one) {
-                           return std::string(word_of(std::get<0>(one.param))) + "_" +
-                                  word_of(std::get<1>(one.param));
+                           return std::string(word_of(std::get<0>(one.param))) + "_" + word_of(std::get<1>(one.param));
                          });
 
 TEST_P(ReferenceStep, AgreesWithTheDefinitions) {

@@ -58,8 +58,8 @@ TEST_P(Motion, FreeBlockFliesThroughTheGrid) {
         problem.run(time, 0.3);
         Change const c = change_of(problem, v, time, 0.0);
         if (transfer == Transfer::flip && direction[1] != 0.0) {
-          std::printf("%s %s: velocity %.1e, stress %.1e E, place %.1e\n", word_of(geometry),
-                      word_of(GetParam()), c.velocity, c.stress, c.place);
+          std::printf("%s %s: velocity %.1e, stress %.1e E, place %.1e\n", word_of(geometry), word_of(GetParam()),
+                      c.velocity, c.stress, c.place);
         }
         // Round-off of 100 steps, in tents divided by the small masses of nodes that the rim just reaches.
         double const slack = GetParam() == ShapeFunction::linear ? 100.0 : 1.0;
@@ -207,8 +207,8 @@ TEST_P(Motion, StressTurnsWithAGivenRotation) {
         double const energy =
             std::abs(problem.mpm->sums(0).internal_energy - start) / (0.02 * 0.02 * problem.mpm->sums(0).mass);
         if (order == StressOrder::musl) {
-          std::printf("%s %s: %.2f turns, stress off by %.1e, energy by %.1e\n", word_of(geometry),
-                      word_of(GetParam()), turns, off, energy);
+          std::printf("%s %s: %.2f turns, stress off by %.1e, energy by %.1e\n", word_of(geometry), word_of(GetParam()),
+                      turns, off, energy);
         }
         // The spin of a step turns the stress by 2 atan(a/2) = a - a^3/12; a stress that is off by an angle is off by
         // at most twice that.
