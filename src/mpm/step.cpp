@@ -514,6 +514,7 @@ void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
   gifts.clear();
   int const f = w.field_of[lent_body_];
   if (lent_[block].empty() || scratch.present[f] == 0) return;
+  double const h = grid_.domain().h;
   Patch const& patch = w.patches[block];
   NodeState const* nodes = scratch.state[f].data();
   NodeState const* lent = w.lent[block].data();
@@ -532,6 +533,10 @@ void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
         // Kinetic energy of all points around per mass, with what the forces of the step add.
         double all = n.force[3] / n.momentum[3];
         for (int d = 0; d < 3; ++d) all += n.force[d] * (n.momentum[d] - 0.5 * n.force[d]);
+        // A node with next to no gas, among solids whose surfaces push it about: it would pass more than a cell in the
+        // step, by its energy or by what the forces change. No point follows it.
+        double const changed = n.force[0] * n.force[0] + n.force[1] * n.force[1] + n.force[2] * n.force[2];
+        if (!(std::max(all, changed) * dt * dt <= h * h)) continue;
         gift.energy = l.force[3] - l.momentum[3] * all;
         for (int d = 0; d < 3; ++d) {
           double const impulse = l.force[d] * dt;
