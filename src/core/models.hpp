@@ -40,6 +40,8 @@ struct Word {
   E value;
   char const* name;
 };
+template <class E>
+Word(E, char const*) -> Word<E>;
 
 /// The word of a value.
 template <class E>

@@ -343,6 +343,18 @@ void Mpm::gather_velocity(int block, Scratch& scratch, bool scalars) const {
   }
 }
 
+namespace {
+
+/// Does the kinetic energy per mass of a node mean anything? Nodes of next to no gas, among solids whose surfaces push
+/// it about, would pass more than a cell in the step by this energy or by what the forces change. No point follows
+/// them: their parts in the points are as small as their mass.
+bool means_something(NodeState const& node, double energy, double dt, double h) {
+  double const changed = node.force[0] * node.force[0] + node.force[1] * node.force[1] + node.force[2] * node.force[2];
+  return std::max(std::abs(energy), changed) * dt * dt <= h * h;
+}
+
+}  // namespace
+
 void Mpm::integrate(double dt) {
   PhaseTimer const timer(timings_["momentum and motion"]);
   Workspace& w = *work_;
@@ -410,7 +422,7 @@ void Mpm::integrate(double dt) {
           }
           double sum = m > w.mass_floor ? r.force[3] / m : 0.0;
           for (int d = 0; d < 3; ++d) sum += r.force[d] * (r.momentum[d] - 0.5 * r.force[d]);
-          r.momentum[3] = sum;
+          r.momentum[3] = means_something(r, sum, dt, h) ? sum : 0.0;
         }
       }
     }
@@ -533,10 +545,7 @@ void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
         // Kinetic energy of all points around per mass, with what the forces of the step add.
         double all = n.force[3] / n.momentum[3];
         for (int d = 0; d < 3; ++d) all += n.force[d] * (n.momentum[d] - 0.5 * n.force[d]);
-        // A node with next to no gas, among solids whose surfaces push it about: it would pass more than a cell in the
-        // step, by its energy or by what the forces change. No point follows it.
-        double const changed = n.force[0] * n.force[0] + n.force[1] * n.force[1] + n.force[2] * n.force[2];
-        if (!(std::max(all, changed) * dt * dt <= h * h)) continue;
+        if (!means_something(n, all, dt, h)) continue;
         gift.energy = l.force[3] - l.momentum[3] * all;
         for (int d = 0; d < 3; ++d) {
           double const impulse = l.force[d] * dt;
