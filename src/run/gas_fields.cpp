@@ -119,6 +119,7 @@ void for_each_cell(World const& w, int b, GasView const* view, Use&& use) {
 std::vector<FieldInfo> const& known_fields() {
   static std::vector<FieldInfo> const infos = [] {
     std::vector<FieldInfo> all;
+    all.reserve(gas_fields().size());
     for (GasField const& field : gas_fields()) all.push_back(field.info);
     return all;
   }();

@@ -130,6 +130,7 @@ PointField const& field_of(std::string const& name) {
 
 std::vector<FieldInfo> infos_of(std::vector<PointField> const& fields) {
   std::vector<FieldInfo> all;
+  all.reserve(fields.size());
   for (PointField const& field : fields) all.push_back(field.info);
   return all;
 }
