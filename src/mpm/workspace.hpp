@@ -101,7 +101,6 @@ struct Given {
   }
 };
 
-/// What one thread needs while it works on one block: the summed nodes of each grid field.
 /// What a fluid that slips took from a body at a node by its pressure in a step.
 struct Push {
   int fluid = 0;  ///< fields
@@ -110,6 +109,7 @@ struct Push {
   Vec3 impulse{0.0, 0.0, 0.0};  ///< [kg m/s]
 };
 
+/// What one thread needs while it works on one block: the summed nodes of each grid field.
 struct Scratch {
   std::vector<NodeArray<NodeState>> state;
   std::vector<NodeArray<NodeVelocity>> velocity;
@@ -152,7 +152,6 @@ struct Outbox {
   std::vector<int> destination;  ///< block of each point
 };
 
-/// A surface pressure that acts, or several on the same points, at an edge of a body for one.
 /// What contact changes of a node's velocity.
 [[nodiscard]] inline ContactChange contact_at(Scratch const& s, int field, int node, int d) {
   return {s.meets[field] != 0 ? s.meet[field].data()[node][d] : 0.0,
@@ -172,6 +171,7 @@ inline ContactChange take_contact(Scratch& s, int field, int node, int d, Contac
   return change;
 }
 
+/// A surface pressure that acts, or several on the same points, at an edge of a body for one.
 struct ActiveLoad {
   /// One of several: its index, and the force per volume of a unit of its pressure [1/m].
   struct Part {

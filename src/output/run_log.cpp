@@ -155,6 +155,27 @@ json largest_drift(run::World const& world) {
   return nullptr;
 }
 
+/// The accounts of the energy of points, alone or with gas; `left`: the key of what left the domain.
+json energy_of_points(run::World const& world, char const* left) {
+  run::EnergyBalance const energy = world.energy_balance();
+  mpm::Mpm const& points = *world.points;
+  return {{"initial", json_or_null(energy.initial)},
+          {"current", json_or_null(energy.current)},
+          {left, json_or_null(energy.lost)},
+          {"work", json_or_null(energy.work)},
+          {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
+          {"filtered", json_or_null(energy.dissipated.filtered)},
+          {"apic", json_or_null(energy.dissipated.apic)},
+          {"friction", json_or_null(energy.dissipated.friction)},
+          {"contact", json_or_null(energy.dissipated.contact)},
+          {"lifted", json_or_null(points.floored().energy)},
+          {"lifted_points", points.floored().points},
+          {"conducted", json_or_null(points.conducted().moved)},
+          {"scale", json_or_null(energy.scale)},
+          {"drift", json_or_null(energy.drift())},
+          {"largest_drift", largest_drift(world)}};
+}
+
 /// What a run of material points has beside the rest.
 json points(run::World const& world, double wall_seconds) {
   mpm::Mpm const& p = *world.points;
@@ -181,7 +202,6 @@ json points(run::World const& world, double wall_seconds) {
                       {"bar_volume", json_or_null(report.bar_volume)}});
   }
   auto const& a = world.audit;
-  auto const energy = world.energy_balance();
   auto const& impulse = p.constraint_impulse();
   double const count = static_cast<double>(p.point_count());
   double const updates = count * static_cast<double>(world.clock.point_steps);
@@ -215,22 +235,7 @@ json points(run::World const& world, double wall_seconds) {
               {"current", a.current.momentum},
               {"lost", a.outflow.momentum},
               {"constraint_impulse", impulse}}},
-            {"energy",
-             {{"initial", json_or_null(energy.initial)},
-              {"current", json_or_null(energy.current)},
-              {"lost", json_or_null(energy.lost)},
-              {"scale", json_or_null(energy.scale)},
-              {"drift", json_or_null(energy.drift())},
-              {"largest_drift", largest_drift(world)},
-              {"work", json_or_null(energy.work)},
-              {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
-              {"filtered", json_or_null(energy.dissipated.filtered)},
-              {"apic", json_or_null(energy.dissipated.apic)},
-              {"friction", json_or_null(energy.dissipated.friction)},
-              {"contact", json_or_null(energy.dissipated.contact)},
-              {"lifted", json_or_null(p.floored().energy)},
-              {"lifted_points", p.floored().points},
-              {"conducted", json_or_null(p.conducted().moved)}}},
+            {"energy", energy_of_points(world, "lost")},
             {"lost_points", p.losses().points}}}};
 }
 
@@ -251,7 +256,6 @@ json mpm_region(run::World const& world, double wall_seconds) {
       std::count_if(region.faces().begin(), region.faces().end(), [](auto const& f) { return !f.open; });
   auto const time = world.timings.find("bridge");
   double const seconds = time == world.timings.end() ? 0.0 : time->second;
-  auto const energy = world.energy_balance();
   return {{"boxes", std::move(boxes)},
           {"cells", region.cells().size()},
           {"bridge_faces", bridges},
@@ -268,22 +272,7 @@ json mpm_region(run::World const& world, double wall_seconds) {
           {"ledger", ledger(bridge.ledger())},
           {"bridge_seconds", seconds},
           {"bridge_share", wall_seconds > 0.0 ? seconds / wall_seconds : 0.0},
-          {"energy",
-           {{"initial", json_or_null(energy.initial)},
-            {"current", json_or_null(energy.current)},
-            {"outflow", json_or_null(energy.lost)},
-            {"work", json_or_null(energy.work)},
-            {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
-            {"filtered", json_or_null(energy.dissipated.filtered)},
-            {"apic", json_or_null(energy.dissipated.apic)},
-            {"friction", json_or_null(energy.dissipated.friction)},
-            {"contact", json_or_null(energy.dissipated.contact)},
-            {"lifted", json_or_null(world.points->floored().energy)},
-            {"lifted_points", world.points->floored().points},
-            {"conducted", json_or_null(world.points->conducted().moved)},
-            {"scale", json_or_null(energy.scale)},
-            {"drift", json_or_null(energy.drift())},
-            {"largest_drift", largest_drift(world)}}}};
+          {"energy", energy_of_points(world, "outflow")}};
 }
 
 }  // namespace

@@ -192,6 +192,10 @@ struct Problem {
     for (std::size_t b = 0; b < bodies.size(); ++b) total += mpm->sums(static_cast<int>(b)).internal_energy;
     return total;
   }
+  /// Energy with all that left or is lost and counted, less the work of outer forces.
+  [[nodiscard]] double accounted() const {
+    return energy() + mpm->losses().energy + mpm->dissipation().sum() - mpm->outer_work();
+  }
   [[nodiscard]] Vec3 momentum() const {
     Vec3 total{0.0, 0.0, 0.0};
     for (std::size_t b = 0; b < bodies.size(); ++b) total = total + mpm->sums(static_cast<int>(b)).momentum;

@@ -7,11 +7,6 @@ namespace {
 using grid::Boundary;
 using grid::Geometry;
 
-/// Energy with all that left or is lost and counted, less the work of outer forces.
-double accounted(Problem const& p) {
-  return p.energy() + p.mpm->losses().energy + p.mpm->dissipation().sum() - p.mpm->outer_work();
-}
-
 /// A block that shears and swings.
 struct Block : Problem {
   Block(ShapeFunction shape, StressOrder order) {
@@ -42,7 +37,7 @@ TEST(ApicInSolids, LossIsCounted) {
       double const before = p.energy();
       p.run(40.0, 0.1);
       double const lost = p.mpm->dissipation().apic / before;
-      double const drift = accounted(p) / before - 1.0;
+      double const drift = p.accounted() / before - 1.0;
       std::printf("%s, %s: lost %.2f %%, drift %.3f %%\n", word_of(shape), word_of(order), 100.0 * lost, 100.0 * drift);
       EXPECT_GT(lost, 0.2);
       EXPECT_LT(std::abs(drift), 0.02);

@@ -10,11 +10,6 @@ namespace {
 using grid::Boundary;
 using grid::Geometry;
 
-/// Energy with all that left or is lost and counted, less the work of outer forces.
-double accounted(Problem const& p) {
-  return p.energy() + p.mpm->losses().energy + p.mpm->dissipation().sum() - p.mpm->outer_work();
-}
-
 /// Two elastic discs that meet, `axis` after `axis` renamed: where x stands in the deck, the calculation has axes[0].
 struct Collision : Problem {
   Collision(ShapeFunction shape, StressOrder order, double radius, double speed, double offset, double friction,
@@ -65,16 +60,16 @@ TEST(ContactEnergy, DiscsThatCollideKeepIt) {
         double const span = 2.0 / speed + 60.0;
         for (int part = 0; part < 20; ++part) {
           discs.run(span / 20.0, 0.33);
-          worst = std::max(worst, std::abs(accounted(discs) / before - 1.0));
+          worst = std::max(worst, std::abs(discs.accounted() / before - 1.0));
         }
         double const lost = discs.mpm->dissipation().contact / before;
         double const back = -discs.mpm->sums(0).momentum[0] / (discs.mpm->sums(0).mass * speed);
         std::printf(
             "%s, %s, speed %g: drift %.2f %% at most, at the end %.3f %%; %.2f %% lost where they met; back with "
             "%.3f\n",
-            word_of(shape), word_of(order), speed, 100.0 * worst, 100.0 * (accounted(discs) / before - 1.0),
+            word_of(shape), word_of(order), speed, 100.0 * worst, 100.0 * (discs.accounted() / before - 1.0),
             100.0 * lost, back);
-        EXPECT_LT(std::abs(accounted(discs) / before - 1.0), 0.005);
+        EXPECT_LT(std::abs(discs.accounted() / before - 1.0), 0.005);
         // Velocities stand half a step behind: on the way there is what passes between kinetic and elastic energy in
         // half a step, as without a contact.
         EXPECT_LT(worst, 0.01);
@@ -190,7 +185,7 @@ TEST(ContactEnergy, WaterThatHitsMetalKeepsIt) {
       double const moving = p.kinetic_energy();
       double const before = p.energy();
       while (p.mpm->time() < 1e-4) p.mpm->advance(p.mpm->stable_step());
-      drift[parts] = (accounted(p) - before) / moving;
+      drift[parts] = (p.accounted() - before) / moving;
       std::printf("%s, %s: drift %.2f %%, %.2f %% lost where they met, %ld points left\n", word_of(shape),
                   parts == 1 ? "parts" : "glued", 100.0 * drift[parts], 100.0 * p.mpm->dissipation().contact / moving,
                   p.mpm->losses().points);
@@ -269,7 +264,7 @@ TEST(ContactEnergy, DiscRollsAndSlipsDownASlope) {
     rubbed *= roller.friction * mass * Roller::gravity * std::cos(roller.slope);
     double const way = (roller.mpm->sums(1).centre[0] - from) / Roller::way;
     double const work = roller.mpm->outer_work();
-    double const drift = accounted(roller) / work;
+    double const drift = roller.accounted() / work;
     double const heat = roller.mpm->dissipation().friction;
     std::printf(
         "%s, %s ground, %s: %.4f of the way; drift %.2e of the work, friction took %.3f of it (force times slip "
