@@ -151,11 +151,22 @@ void make_compatible(ContactNodes const& c, Access&& at) {
             both = ma * share_a;
           }
           Meeting meeting{node, a, b, share_a, share_b, law.friction, normal};
-          Parting const parting = settle(meeting, relative, both);
-          change = parting.across + parting.along;
-          at.part(a, node, {-share_a * parting.across, -share_a * parting.along});
-          at.part(b, node, {share_b * parting.across, share_b * parting.along});
+          double const closing = dot(relative, normal);
+          if (!(closing > 0.0)) continue;
+          Vec3 const forced = at.changed(a, node) - at.changed(b, node);
+          double const push = dot(forced, normal);
+          Vec3 const slip = relative - closing * normal;
+          double const speed = norm(slip);
+          double const stopped = speed > 0.0 ? std::min(1.0, law.friction * std::max(0.0, push) / speed) : 0.0;
+          Vec3 const rubbed = stopped * slip;
+          at.part(a, node, {Vec3{}, -share_a * rubbed});
+          at.part(b, node, {Vec3{}, share_b * rubbed});
           at.meet(meeting);
+          Vec3 const given = push * normal + rubbed;
+          Vec3 const moved = closing * normal + rubbed;
+          at.push(a, node, va - share_a * moved, -share_a * given);
+          at.push(b, node, vb + share_b * moved, share_b * given);
+          continue;
         }
         at.set(a, node, va - share_a * change);
         at.set(b, node, vb + share_b * change);
