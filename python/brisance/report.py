@@ -295,14 +295,13 @@ def drift_verdict(energy, log=None):
 def dissipation_words(energy):
     """Kinetic energy of the points that was lost and is counted."""
     held, filtered = energy.get("lost_at_held_nodes") or 0.0, energy.get("filtered") or 0.0
-    friction, contact = energy.get("friction") or 0.0, energy.get("contact") or 0.0
-    apic, lifted = energy.get("apic") or 0.0, energy.get("lifted") or 0.0
-    if not any((held, filtered, apic, friction, contact, lifted)):
+    friction, apic = energy.get("friction") or 0.0, energy.get("apic") or 0.0
+    lifted = energy.get("lifted") or 0.0
+    if not any((held, filtered, apic, friction, lifted)):
         return ""
     return (f"Points lost {number(held, 3)} J of kinetic energy at held nodes, a plastic impact, PIC and XPIC took "
-            f"{number(filtered, 3)} J, APIC {number(apic, 3)} J, the friction of contacts {number(friction, 3)} J, and "
-            f"bodies lost {number(max(contact, 0.0), 3)} J where they met; the drift does not hold them. "
-            + (f"Contact made {number(-contact, 3)} J, which the drift holds. " if contact < 0.0 else "")
+            f"{number(filtered, 3)} J, APIC {number(apic, 3)} J, and the friction of contacts {number(friction, 3)} J; "
+            "the drift does not hold them. "
             + (f"Guards lifted gas points by {number(lifted, 3)} J, which the drift holds. " if lifted else ""))
 
 

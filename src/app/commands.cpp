@@ -225,13 +225,12 @@ void print_broken_zones(run::World const& world) {
 
 /// Kinetic energy that the points lost, where it is known.
 void print_dissipation(run::EnergyBalance const& energy) {
-  auto const& [held, filtered, apic, friction, contact] = energy.dissipated;
-  if (held == 0.0 && filtered == 0.0 && apic == 0.0 && friction == 0.0 && contact == 0.0) return;
+  auto const& [held, filtered, apic, friction] = energy.dissipated;
+  if (held == 0.0 && filtered == 0.0 && apic == 0.0 && friction == 0.0) return;
   print(stdout,
         "kinetic energy lost and counted: {} at held nodes, {} by PIC and XPIC, {} by APIC, {} by the friction of "
-        "contacts, {} where bodies meet{}; {:.2g} % of the energy at work\n",
+        "contacts; {:.2g} % of the energy at work\n",
         quantity(held, "J"), quantity(filtered, "J"), quantity(apic, "J"), quantity(friction, "J"),
-        quantity(contact, "J"), contact < 0.0 ? " (energy that they made: it counts as drift)" : "",
         energy.scale > 0.0 ? 100.0 * energy.dissipated.sum() / energy.scale : 0.0);
 }
 

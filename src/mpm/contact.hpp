@@ -1,6 +1,6 @@
-/// Contact of bodies that have grid fields of their own, [Bardenhagen01]: where two fields meet in a node and their
-/// surfaces touch there, their velocities are made compatible along the normal, with Coulomb friction across it. Fluids
-/// that slip along bodies share the velocity along the normal at all times.
+/// What grid fields that meet in a node do to each other. Those of bodies that part and slide meet where their surfaces
+/// touch, see contact.cpp. Fluids that slip along bodies share the velocity along the normal at all times, and fields
+/// that are glued all of it.
 #pragma once
 
 #include <algorithm>
@@ -38,9 +38,6 @@ struct ContactNodes {
   std::vector<Law> const* laws = nullptr;
   std::vector<std::optional<Vec3>> const* rigid = nullptr;
   std::vector<char> const* slips = nullptr;  ///< which of the two that slip is the fluid
-  bool parts = true;                         ///< fields that part and slide too
-  double slack = 0.0;                        ///< of surfaces that touch [m]
-  double near = 0.0;                         ///< how far from a node the surface of a rigid body rules it [m]
 };
 
 /// What a fluid that slips feels of a body at a node.
@@ -71,39 +68,10 @@ struct Surface {
   return surface;
 }
 
-/// Change of the velocity of the first of two fields against the second.
-struct Parting {
-  Vec3 across{0.0, 0.0, 0.0};
-  Vec3 along{0.0, 0.0, 0.0};  ///< by friction
-};
-
-/// Takes the impulse of a step between two fields to what surfaces may give one another: they push and do not pull, and
-/// friction stops the slip as far as Coulomb's law lets it. `relative` is the velocity of the first against the second
-/// with the impulse so far, `mass` the reduced one. It may also take back of what was given.
-[[nodiscard]] inline Parting settle(Meeting& meeting, Vec3 const& relative, double mass) {
-  Vec3 const& n = meeting.normal;
-  double const pushed = dot(meeting.impulse, n);
-  double const closing = dot(relative, n);
-  double const push = std::max(0.0, pushed + mass * closing);
-  Vec3 rubbed{0.0, 0.0, 0.0};
-  Vec3 rub{0.0, 0.0, 0.0};
-  if (meeting.friction > 0.0) {
-    rubbed = meeting.impulse - pushed * n;
-    rub = rubbed + mass * (relative - closing * n);
-    double const size = norm(rub);
-    double const most = meeting.friction * push;
-    if (size > most) rub = (most / size) * rub;
-  }
-  meeting.impulse = push * n + rub;
-  return {((push - pushed) / mass) * n, (1.0 / mass) * (rub - rubbed)};
-}
-
-/// Makes the velocities of the fields compatible. `at` gives access to them: mass(f, node), whole(f, node): the mass
-/// with the images behind walls, which fluids have and bodies have not, get(f, node),
-/// set(f, node, velocity), changed(f, node) by the forces of the step, gradient(f, node) of what it fills, and
-/// extent(f, node): how far the field's surface reaches beyond the node along its outer normal [m]. It is told by
-/// meet(meeting) which fields touch, by part(f, node, parting) what that changes, and by heat(f, node, energy) what
-/// kinetic energy a fluid and the body that it slips along lose when they meet [J].
+/// Makes the velocities of the fields that are glued or slip along others compatible. `at` gives access to them:
+/// mass(f, node), whole(f, node): the mass with the images behind walls, which fluids have and bodies have not,
+/// get(f, node), set(f, node, velocity), and gradient(f, node) of what it fills. It is told by give(fluid, body, node,
+/// impulse) what a fluid gets from a body that it slips along [kg m/s].
 template <class Access>
 void make_compatible(ContactNodes const& c, Access&& at) {
   for (int node = 0; node < c.nodes; ++node) {
@@ -115,7 +83,7 @@ void make_compatible(ContactNodes const& c, Access&& at) {
       for (int b = a + 1; b < c.fields; ++b) {
         if ((*c.present)[b] == 0 || !(at.mass(b, node) > c.mass_floor)) continue;
         Law const law = (*c.laws)[a * c.fields + b];
-        if (law.kind == Law::Kind::contact && !c.parts) continue;
+        if (law.kind == Law::Kind::contact) continue;
         bool const rigid_a = (*c.rigid)[a].has_value();
         bool const rigid_b = (*c.rigid)[b].has_value();
         if (rigid_a && rigid_b) continue;
@@ -123,50 +91,22 @@ void make_compatible(ContactNodes const& c, Access&& at) {
         double const ma = slips ? at.whole(a, node) : at.mass(a, node);
         double const mb = slips ? at.whole(b, node) : at.mass(b, node);
         // Shares of the change of the relative velocity.
-        double share_a = rigid_a ? 0.0 : rigid_b ? 1.0 : mb / (ma + mb);
-        double share_b = rigid_b ? 0.0 : rigid_a ? 1.0 : ma / (ma + mb);
-        double both = rigid_a ? mb : rigid_b ? ma : ma * share_a;
+        double const share_a = rigid_a ? 0.0 : rigid_b ? 1.0 : mb / (ma + mb);
+        double const share_b = rigid_b ? 0.0 : rigid_a ? 1.0 : ma / (ma + mb);
+        double const both = rigid_a ? mb : rigid_b ? ma : ma * share_a;
         Vec3 const va = at.get(a, node);
         Vec3 const vb = at.get(b, node);
         Vec3 const relative = va - vb;
         Vec3 change = relative;  // glued: all of it goes
-        if (law.kind == Law::Kind::slips) {
+        if (slips) {
           Surface const surface = surface_at(at.gradient((*c.slips)[a] != 0 ? b : a, node));
           if (!surface.felt) continue;
           change = surface.stopped(relative);
-          // What the exchanged momentum takes at the mean of the velocities before and after the step.
-          Vec3 const before = relative - (at.changed(a, node) - at.changed(b, node));
-          at.heat((*c.slips)[a] != 0 ? a : b, node, 0.5 * both * dot(change, before));
-        } else if (law.kind == Law::Kind::contact) {
-          double const reach_a = at.extent(a, node);
-          double const reach_b = at.extent(b, node);
-          if (!(reach_a + reach_b >= -c.slack)) continue;
-          Vec3 const normal = contact_normal(at.gradient(a, node), rigid_a, at.gradient(b, node), rigid_b);
-          if (normal == Vec3{0.0, 0.0, 0.0}) continue;
-          if (rigid_a && reach_a < -c.near) {
-            share_b = ma / (ma + mb);
-            both = mb * share_b;
-          } else if (rigid_b && reach_b < -c.near) {
-            share_a = mb / (ma + mb);
-            both = ma * share_a;
+          if ((*c.slips)[a] != 0) {
+            at.give(a, b, node, -both * change);
+          } else {
+            at.give(b, a, node, both * change);
           }
-          Meeting meeting{node, a, b, share_a, share_b, law.friction, normal};
-          double const closing = dot(relative, normal);
-          if (!(closing > 0.0)) continue;
-          Vec3 const forced = at.changed(a, node) - at.changed(b, node);
-          double const push = dot(forced, normal);
-          Vec3 const slip = relative - closing * normal;
-          double const speed = norm(slip);
-          double const stopped = speed > 0.0 ? std::min(1.0, law.friction * std::max(0.0, push) / speed) : 0.0;
-          Vec3 const rubbed = stopped * slip;
-          at.part(a, node, {Vec3{}, -share_a * rubbed});
-          at.part(b, node, {Vec3{}, share_b * rubbed});
-          at.meet(meeting);
-          Vec3 const given = push * normal + rubbed;
-          Vec3 const moved = closing * normal + rubbed;
-          at.push(a, node, va - share_a * moved, -share_a * given);
-          at.push(b, node, vb + share_b * moved, share_b * given);
-          continue;
         }
         at.set(a, node, va - share_a * change);
         at.set(b, node, vb + share_b * change);

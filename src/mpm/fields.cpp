@@ -147,7 +147,7 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
         // The body has no images behind walls, the fluid has.
         double const part = images == nullptr ? 1.0 : body[node].momentum[3] / images[node];
         body[node].force -= Lanes4{part, part, part, 0.0} * push;
-        scratch.pushes.push_back({g, f, node, {dt * push[0], dt * push[1], dt * push[2]}});
+        scratch.pushes.push_back({g, f, node, {dt * push[0], dt * push[1], dt * push[2]}, true});
         if (!w.rigid[f]) continue;
         for (int d = 0; d < 3; ++d) {
           double const impulse = dt * push[d] * w.own_mass(block, g, node) / fluid[node].momentum[3];
@@ -159,9 +159,10 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
   }
 }
 
-/// What the pressure at the surface of a body takes from the one it should give to the other, and does not, as their
-/// velocities differ: where the fluid does not feel the body yet, or before the forces of the step made them alike. The
-/// fluid has it as heat; it may be negative.
+/// What a fluid and the body that it slips along take from the one they should give to the other, and do not, as their
+/// velocities differ: at the mean of those before and after the step, once all has acted on the node. The fluid has it
+/// as heat; it may be negative. What contact shares among bodies works at the nodes' velocity, the rest at that which
+/// the points keep.
 void Mpm::settle_pushes(Scratch& scratch) {
   for (Push const& push : scratch.pushes) {
     NodeState& fluid = scratch.state[push.fluid].data()[push.node];
@@ -169,53 +170,13 @@ void Mpm::settle_pushes(Scratch& scratch) {
     double work = 0.0;
     for (int d = 0; d < 3; ++d) {
       double const of_fluid = fluid.momentum[d] - 0.5 * fluid.force[d];
-      double const of_body = body.momentum[d] - 0.5 * body.force[d];
+      double const kept =
+          push.shared || scratch.meets[push.body] == 0 ? 0.0 : scratch.keep[push.body].data()[push.node][d];
+      double const of_body = body.momentum[d] + kept - 0.5 * body.force[d];
       work += push.impulse[d] * (of_fluid - of_body);
     }
     fluid.force[3] -= work;
   }
-}
-
-void Mpm::map_extents() {
-  Workspace& w = *work_;
-  double const h = grid_.domain().h;
-  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
-    int const block = active_[n];
-    Patch const& patch = w.patches[block];
-    Scratch& scratch = w.scratch[thread];
-    gather_gradients(block, scratch);
-    for (int f = 0; f < w.fields; ++f) {
-      int const slot = w.slot(block, f);
-      if (w.present[slot] == 0 || w.slips[f] != 0) continue;
-      std::vector<Vec3>& normals = scratch.normals;
-      normals.assign(patch.count(), Vec3{0.0, 0.0, 0.0});
-      bool any = false;
-      for (int node = 0; node < patch.count(); ++node) {
-        NodeVelocity others{};
-        bool met = false;
-        bool rigid = false;
-        for (int g = 0; g < w.fields; ++g) {
-          if (g == f || w.slips[g] != 0 || scratch.present[g] == 0) continue;
-          NodeVelocity const& gradient = scratch.gradient[g].data()[node];
-          others += gradient;
-          rigid = rigid || w.rigid[g].has_value();
-          met = met || gradient[0] != 0.0 || gradient[1] != 0.0 || gradient[2] != 0.0;
-        }
-        if (!met) continue;
-        normals[node] = contact_normal(scratch.gradient[f].data()[node], w.rigid[f].has_value(), others, rigid);
-        any = true;
-      }
-      double* extents = w.extent[slot].get(patch.count());
-      std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
-      if (!any) continue;
-      for_sets(block, [&](PointSet& set, int body) {
-        if (w.field_of[body] != f) return;
-        SetView const view{&set, &bodies_[body], &patch, h};
-        with_kernels(options_.shape, patch.dimensions,
-                     [&](auto kernels) { kernels.map_extent(view, grid_.domain().geometry, normals.data(), extents); });
-      });
-    }
-  });
 }
 
 void Mpm::gather_gradients(int block, Scratch& scratch) const {
@@ -248,30 +209,11 @@ void Mpm::constrain_velocity(int block, double dt, Scratch& scratch) const {
       void set(int f, int node, Vec3 const& v) const {
         for (int d = 0; d < 3; ++d) s->velocity[f].data()[node][d] = v[d];
       }
-      void push(int f, int node, Vec3 const& v, Vec3 const& /*by*/) const { set(f, node, v); }
-      void part(int /*f*/, int /*node*/, Parting const& /*change*/) const {}  // see `settle_contacts`
-      void meet(Meeting const& /*meeting*/) const {}
-      void heat(int /*f*/, int /*node*/, double /*energy*/) const {}  // that of the momentum is what counts
-      Vec3 changed(int /*f*/, int /*node*/) const { return {0.0, 0.0, 0.0}; }
+      void give(int /*fluid*/, int /*body*/, int /*node*/, Vec3 const& /*impulse*/) const {}  // the momentum's counts
       NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
-      double extent(int /*f*/, int /*node*/) const { return 0.0; }
     };
-    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips, false},
-                    Access{&scratch});
-    for (Meeting const& m : w.meetings[block]) {
-      NodeVelocity& a = scratch.velocity[m.first].data()[m.node];
-      NodeVelocity& b = scratch.velocity[m.second].data()[m.node];
-      if (!(a[3] > w.mass_floor) || !(b[3] > w.mass_floor)) continue;
-      double closing = 0.0;
-      for (int d = 0; d < 3; ++d) closing += (a[d] - b[d]) * m.normal[d];
-      bool const rigid = w.rigid[m.first] || w.rigid[m.second];
-      double const sa = rigid ? m.first_share : b[3] / (a[3] + b[3]);
-      double const sb = rigid ? m.second_share : 1.0 - sa;
-      for (int d = 0; d < 3; ++d) {
-        a[d] -= sa * closing * m.normal[d];
-        b[d] += sb * closing * m.normal[d];
-      }
-    }
+    meet_velocity(block, scratch);
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips}, Access{&scratch});
     mirror_fluids(block, scratch, false);
   }
   stop_velocity_at_walls(block, dt, scratch);
@@ -287,29 +229,6 @@ void Mpm::constrain_velocity(int block, double dt, Scratch& scratch) const {
         NodeVelocity& fluid = scratch.velocity[g].data()[hold.node];
         Vec3 const change = follow(w.mass_floor, scratch.gradient[f].data()[hold.node], v, fluid);
         for (int d = 0; d < 3; ++d) fluid[d] += change[d];
-      }
-    }
-  }
-}
-
-void Mpm::gather_extents(int block, Scratch& scratch) const {
-  Workspace const& w = *work_;
-  Patch const& patch = w.patches[block];
-  for (int f = 0; f < w.fields; ++f) {
-    if (scratch.present[f] == 0 || w.slips[f] != 0) continue;
-    double* extents = scratch.extent[f].get(patch.count());
-    std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
-    for (Link const& link : patch.links) {
-      int const slot = w.slot(link.source, f);
-      if (w.present[slot] == 0) continue;
-      double const* from = w.extent[slot].data();
-      for (int k = link.lower[2]; k <= link.upper[2]; ++k) {
-        for (int j = link.lower[1]; j <= link.upper[1]; ++j) {
-          for (int i = link.lower[0]; i <= link.upper[0]; ++i) {
-            double& to = extents[patch.index(i, j, k)];
-            to = std::max(to, from[link.source_index(i, j, k)]);
-          }
-        }
       }
     }
   }
@@ -344,143 +263,22 @@ void Mpm::share_momentum(int block, Scratch& scratch) const {
   }
 }
 
-/// Work that rigid bodies in motion do by contact: the points do not have it to lose.
-Dissipation Mpm::pushed_by_rigid(int block, Scratch const& scratch) const {
-  Workspace const& w = *work_;
-  Dissipation work;
-  if (!w.pushes || w.meetings[block].empty()) return work;
-  for (int f = 0; f < w.fields; ++f) {
-    if (scratch.meets[f] == 0) continue;
-    NodeVelocity const* meet = scratch.meet[f].data();
-    NodeVelocity const* rub = scratch.rub[f].data();
-    for (int node = 0; node < w.patches[block].count(); ++node) {
-      // One rigid body per node, as where contact gives its work. Between two that are not rigid the sum cancels.
-      for (int g = 0; g < w.fields; ++g) {
-        if (!w.rigid[g] || scratch.present[g] == 0 || !(scratch.state[g].data()[node].momentum[3] > 0.0)) continue;
-        Vec3 const& v = *w.rigid[g];
-        double const mass = w.own_mass(block, f, node);
-        work.contact += mass * (meet[node][0] * v[0] + meet[node][1] * v[1] + meet[node][2] * v[2]);
-        work.friction += mass * (rub[node][0] * v[0] + rub[node][1] * v[1] + rub[node][2] * v[2]);
-        break;
-      }
-    }
-  }
-  return work;
-}
-
-/// The energy per mass that contact and the friction of walls give the nodes of a field goes beside the change of
-/// velocity: points of APIC take over the nodes' velocity, and their own one before knows nothing of it.
-void Mpm::note_contact_work(int count, Scratch& scratch) const {
+/// From here on the nodes have the velocity that points take over: it is not the one with which they move where bodies
+/// meet, see contact.cpp. The energy per mass that friction gives goes beside its change of the velocity: the points'
+/// own one before knows nothing of it.
+void Mpm::release(int count, Scratch& scratch) const {
   for (int f = 0; f < work_->fields; ++f) {
-    if (work_->affine[f] == 0) continue;
-    auto const note = [&](NodeVelocity* changes) {
-      NodeState const* nodes = scratch.state[f].data();
-      for (int node = 0; node < count; ++node) {
-        NodeVelocity& change = changes[node];
-        NodeState const& r = nodes[node];
-        for (int d = 0; d < 3; ++d) change[3] += change[d] * (r.momentum[d] - 0.5 * r.force[d]);
-      }
-    };
-    if (scratch.meets[f] != 0) note(scratch.meet[f].data());
-    if (scratch.rubs[f] != 0) note(scratch.rub[f].data());
-  }
-}
-
-/// Contact makes the nodes' velocities compatible, but it is the points that get the change, and of what they map back
-/// the nodes see a smoothed picture: the surfaces still close in on each other there, or part although they have
-/// pushed. The impulses of the step, between the fields whose points map back, are settled once more by that picture,
-/// and the points get the difference. Contact does the work J . (v_0 + v_1)/2 on the points, with v_0 and v_1 the
-/// relative velocities that they map to the nodes before and after: without this surfaces that part are pushed on, and
-/// the work is positive. Every pass brings the impulses closer to those at which J . v_1 vanishes.
-void Mpm::settle_contacts() {
-  return;
-  // One pass leaves a loss, most of the time; where contact has made energy all the same, oblique surfaces for one,
-  // more passes take it back. With sixteen what is made stays below 0.3 % of the energy of two discs, with eight it is
-  // 0.5 %, with one 2 %.
-  constexpr int most = 16;
-  int const passes = dissipation_.contact < 0.0 ? most : 1;
-  for (int pass = 0; pass < passes; ++pass) settle_contacts(pass + 1 < passes || options_.order != StressOrder::usf);
-}
-
-void Mpm::settle_contacts(bool map_again) {
-  Workspace& w = *work_;
-  PhaseTimer const timer(timings_["contact"]);
-  double const h = grid_.domain().h;
-  parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
-    int const block = active_[n];
-    if (w.meetings[block].empty()) return;
-    int const count = w.patches[block].count();
-    Scratch& scratch = w.scratch[thread];
-    gather_velocity(block, scratch);
-    clear_contacts(scratch, count);
-    for (Meeting& meeting : w.meetings[block]) {
-      int const a = meeting.first;
-      int const b = meeting.second;
-      if (w.settles[a] == 0 || w.settles[b] == 0) continue;
-      NodeVelocity const& va = scratch.velocity[a].data()[meeting.node];
-      NodeVelocity const& vb = scratch.velocity[b].data()[meeting.node];
-      // What was changed before at this node counts.
-      auto const velocity = [&](int f, NodeVelocity const& v) {
-        if (w.rigid[f]) return *w.rigid[f];
-        NodeVelocity const& meet = scratch.meet[f].data()[meeting.node];
-        NodeVelocity const& rub = scratch.rub[f].data()[meeting.node];
-        return Vec3{v[0] + meet[0] + rub[0], v[1] + meet[1] + rub[1], v[2] + meet[2] + rub[2]};
-      };
-      double const share_a = meeting.first_share;
-      double const share_b = meeting.second_share;
-      double const mass = w.rigid[a] ? vb[3] * share_b : va[3] * share_a;
-      Parting const parting = settle(meeting, velocity(a, va) - velocity(b, vb), mass);
-      for (int d = 0; d < 3; ++d) {
-        scratch.meet[a].data()[meeting.node][d] -= share_a * parting.across[d];
-        scratch.meet[b].data()[meeting.node][d] += share_b * parting.across[d];
-        scratch.rub[a].data()[meeting.node][d] -= share_a * parting.along[d];
-        scratch.rub[b].data()[meeting.node][d] += share_b * parting.along[d];
-      }
-      if (!w.rigid[a] && !w.rigid[b]) continue;
-      Vec3 const& pusher = w.rigid[a] ? *w.rigid[a] : *w.rigid[b];
-      // By the mass of the block's own points, as `Workspace::own_mass`, where they are now.
-      int const slot = w.slot(block, w.rigid[a] ? b : a);
-      double const own = w.present[slot] != 0 ? w.velocity[slot].data()[meeting.node][3] : 0.0;
-      double const given = w.rigid[a] ? own * share_b : -own * share_a;
-      Vec3 const change = parting.across + parting.along;
-      w.impulse[block] = w.impulse[block] + given * change;
-      w.work[block] += given * dot(change, pusher);
-      w.dissipation[block].contact += given * dot(parting.across, pusher);
-      w.dissipation[block].friction += given * dot(parting.along, pusher);
+    NodeState* nodes = scratch.state[f].data();
+    if (scratch.meets[f] != 0) {
+      NodeVelocity const* keep = scratch.keep[f].data();
+      for (int node = 0; node < count; ++node) nodes[node].momentum += keep[node];
     }
-    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
-      int const f = w.field_of[body];
-      PointSet& set = points(block, body);
-      if (set.empty() || scratch.meets[f] == 0 || w.settles[f] == 0 || w.rigid[f]) continue;
-      SetView const view{&set, &bodies_[body], &w.patches[block], h};
-      with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
-        NodeVelocity const* pull = books_work(body) ? nullptr : w.pull[w.slot(block, f)].data();
-        w.dissipation[block] += kernels.push(view, scratch.meet[f].data(), scratch.rub[f].data(), pull);
-      });
-    }
-  });
-  if (!map_again) return;
-  parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
-    int const block = active_[n];
-    if (w.meetings[block].empty()) return;
-    clear_velocity(block);
-    for_sets(block, [&](PointSet& set, int body) {
-      SetView const view{&set, &bodies_[body], &w.patches[block], h};
-      with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) {
-        kernels.map_velocity(view, Field::velocity_x, w.velocity[w.slot(block, w.field_of[body])].data());
-      });
-    });
-  });
-}
-
-/// No contact has changed anything at the nodes yet.
-void Mpm::clear_contacts(Scratch& scratch, int count) const {
-  for (int f = 0; f < work_->fields; ++f) {
-    scratch.meets[f] = scratch.rubs[f] = work_->touches && work_->parts[f] != 0 && scratch.present[f] != 0 ? 1 : 0;
-    if (scratch.meets[f] == 0) continue;
-    for (NodeArray<NodeVelocity>* part : {&scratch.meet[f], &scratch.rub[f]}) {
-      NodeVelocity* nodes = part->get(count);
-      std::fill(nodes, nodes + count, NodeVelocity{});
+    if (work_->affine[f] == 0 || scratch.rubs[f] == 0) continue;
+    NodeVelocity* rub = scratch.rub[f].data();
+    for (int node = 0; node < count; ++node) {
+      NodeVelocity& change = rub[node];
+      NodeState const& r = nodes[node];
+      for (int d = 0; d < 3; ++d) change[3] += change[d] * (r.momentum[d] - 0.5 * r.force[d]);
     }
   }
 }
@@ -499,12 +297,11 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
     }
   }
   Given given = scratch.pressed;
-  clear_contacts(scratch, count);
-  w.meetings[block].clear();
+  if (w.touches && options_.order != StressOrder::usf) find_meetings(block, dt, scratch, false);
+  meet(block, scratch, given);
   if (w.contact) {
     struct Access {
       Scratch* s;
-      std::vector<Meeting>* meetings;
       std::vector<std::optional<Vec3>> const* rigid;
       Workspace const* workspace;
       int block;
@@ -516,13 +313,9 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
         return {v[0], v[1], v[2]};
       }
       void set(int f, int node, Vec3 const& v) const {
-        NodeState const& r = s->state[f].data()[node];
-        push(f, node, v, {v[0] - r.momentum[0], v[1] - r.momentum[1], v[2] - r.momentum[2]});
-      }
-      void push(int f, int node, Vec3 const& v, Vec3 const& by) const {
         NodeState& r = s->state[f].data()[node];
         for (int d = 0; d < 3; ++d) {
-          double const change = by[d];
+          double const change = v[d] - r.momentum[d];
           r.force[d] += change;
           r.momentum[d] = v[d];
           if (!workspace->pushes) continue;
@@ -532,19 +325,9 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
           if (Vec3 const* pusher = rigid_at(node)) given->work += impulse * (*pusher)[d];
         }
       }
-      void part(int f, int node, Parting const& change) const {
-        if ((*rigid)[f]) return;
-        for (int d = 0; d < 3; ++d) {
-          s->meet[f].data()[node][d] += change.across[d];
-          s->rub[f].data()[node][d] += change.along[d];
-        }
+      void give(int fluid, int body, int node, Vec3 const& impulse) const {
+        s->pushes.push_back({fluid, body, node, impulse, false});
       }
-      void meet(Meeting const& meeting) const { meetings->push_back(meeting); }
-      Vec3 changed(int f, int node) const {
-        Lanes4 const& v = s->state[f].data()[node].force;
-        return {v[0], v[1], v[2]};
-      }
-      void heat(int f, int node, double energy) const { s->state[f].data()[node].force[3] += energy; }
       /// Velocity of the rigid body that reaches the node, or null.
       Vec3 const* rigid_at(int node) const {
         for (std::size_t g = 0; g < rigid->size(); ++g) {
@@ -553,31 +336,11 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
         return nullptr;
       }
       NodeVelocity const& gradient(int f, int node) const { return s->gradient[f].data()[node]; }
-      double extent(int f, int node) const { return s->extent[f].data()[node]; }
     };
-    constexpr double touch = 1e-6;  // cells: bodies that are placed side by side touch, whatever the round-off
-    // Cells. A node that a rigid body reaches with its outermost points only feels it as it feels any body: by its
-    // mass. Held there altogether, a disc that rolls cannot turn within a cell of the ground and loses 4 % of its way.
-    // Every surface has nodes that are nearer.
-    constexpr double near = 0.75;
-    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips, true,
-                     touch * grid_.domain().h, near * grid_.domain().h},
-                    Access{&scratch, &w.meetings[block], &w.rigid, &w, block, &given});
+    make_compatible({count, w.fields, w.mass_floor, &scratch.present, &w.laws, &w.rigid, &w.slips},
+                    Access{&scratch, &w.rigid, &w, block, &given});
     mirror_fluids(block, scratch, true);
-    if (w.meetings[block].empty()) {
-      std::fill(scratch.meets.begin(), scratch.meets.end(), 0);
-      std::fill(scratch.rubs.begin(), scratch.rubs.end(), 0);
-    }
-    for (int f = 0; f < w.fields; ++f) {
-      if (scratch.meets[f] == 0) continue;
-      NodeVelocity* pull = w.pull[w.slot(block, f)].get(count);
-      NodeState const* nodes = scratch.state[f].data();
-      NodeVelocity const* meet = scratch.meet[f].data();
-      NodeVelocity const* rub = scratch.rub[f].data();
-      for (int node = 0; node < count; ++node) pull[node] = nodes[node].force - meet[node] - rub[node];
-    }
   }
-  w.dissipation[block] = pushed_by_rigid(block, scratch);
   stop_at_walls(block, dt, scratch, given);
   for (int f = 0; f < w.fields; ++f) {
     scratch.halts[f] = scratch.present[f] != 0 && !w.rigid[f] && w.slips[f] == 0 && !w.holds[block].empty() ? 1 : 0;
@@ -607,12 +370,9 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
         // `force` is the whole change of the step, the one against the start of the step.
         double const drive = (r.force[d] - halt[d]) * hold.velocity[d];
         double const middle = hold.velocity[d] - 0.5 * r.force[d];
-        // What contact gives while the node moves along is its own.
-        ContactChange const taken =
-            take_contact(scratch, f, hold.node, d, contact_at(scratch, f, hold.node, d), middle);
         // Points that take over the nodes' velocity lose what the nodes do.
-        double const lost_by_node =
-            drive - r.force[d] * middle + work_before - taken.sum() * (hold.velocity[d] - middle);
+        double const rubbed = scratch.rubs[f] != 0 ? scratch.rub[f].data()[hold.node][d] : 0.0;
+        double const lost_by_node = drive - r.force[d] * middle + work_before - rubbed * (hold.velocity[d] - middle);
         if (w.affine[f] == 0 || w.shared[f] != 0) {
           given.drive += own * drive;
         } else if (w.heats[f] != 0) {
@@ -621,9 +381,13 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
           given.drive += own * lost_by_node;
         }
         halt[d] = r.force[d];
-        // The constraint does all the rest.
-        if (w.affine[f] == 0) given.take(taken, own * hold.velocity[d]);
-        if (scratch.meets[f] != 0) w.pull[w.slot(block, f)].data()[hold.node][d] = 0.0;
+        // What walls rub off while the node moves along is theirs, the constraint does all the rest.
+        if (rubbed != 0.0) {
+          NodeVelocity& rub = scratch.rub[f].data()[hold.node];
+          rub[d] -= rubbed;
+          rub[3] += rubbed * middle;
+          if (w.affine[f] == 0) given.friction -= own * rubbed * hold.velocity[d];
+        }
         if (scratch.stops[f] != 0) scratch.stop[f].data()[hold.node][d] = 0.0;
       }
       // What slips along the body stays at its surface.
@@ -646,10 +410,10 @@ void Mpm::constrain_state(int block, double dt, Scratch& scratch) {
   settle_pushes(scratch);
   w.impulse[block] = given.impulse;
   w.work[block] = given.work;
+  w.dissipation[block] = {};
   w.dissipation[block].held = given.drive;
-  w.dissipation[block].contact += given.contact;
-  w.dissipation[block].friction += given.friction;
-  note_contact_work(count, scratch);
+  w.dissipation[block].friction = given.friction;
+  release(count, scratch);
 }
 
 }  // namespace brisance::mpm

@@ -249,7 +249,6 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     }
   }
   w.parts.assign(w.fields, 0);
-  w.settles.assign(w.fields, 1);
   for (Contact const& c : contacts) {
     int const a = w.field_of[c.first];
     int const b = w.field_of[c.second];
@@ -258,15 +257,16 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     w.touches = true;
     w.parts[a] = w.parts[b] = 1;
   }
-  if (w.touches && options_.order == StressOrder::usf) w.maps_back = true;
-  for (int b = 0; b < body_count; ++b) {
-    if (order_of(b) == StressOrder::usl && !bodies_[b].rigid_velocity) w.settles[w.field_of[b]] = 0;
-  }
 
   int const blocks = grid_.block_count();
   w.patches = make_patches(grid_, options_.shape == ShapeFunction::linear ? Linear::reach : Gimp::reach);
   for (int b = 0; b < blocks; ++b) {
     w.holds.push_back(holds_of(grid_, w.patches[b], constraints, w.field_of));
+    w.has_hold.emplace_back();
+    if (w.touches && !w.holds[b].empty()) {
+      w.has_hold[b].assign(w.patches[b].count(), 0);
+      for (Hold const& hold : w.holds[b]) w.has_hold[b][hold.node] = 1;
+    }
     w.around.push_back(blocks_around(grid_, b));
     w.walls.push_back(walls_of(grid_, b, w.patches[b]));
     for (Body const& body : bodies_) {
@@ -300,7 +300,6 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.floored.assign(blocks, FloorCount{});
   w.conducted.assign(blocks, ConductionCount{});
   w.meetings.resize(blocks);
-  w.pull.resize(slots);
   w.lost.resize(blocks);
   w.trouble.resize(blocks);
 }
@@ -553,8 +552,7 @@ bool Mpm::keeps_energy(int body) const {
 
 bool Mpm::books_work(int body) const {
   Body const& b = bodies_[body];
-  return b.books_work && !affine(body) && !b.rigid_velocity && order_of(body) != StressOrder::usf &&
-         !(options_.locking_control && b.solid.has_deviator());
+  return b.books_work && !keeps_energy(body) && !b.rigid_velocity;
 }
 
 void Mpm::lend_as(int body) {
@@ -680,6 +678,7 @@ BodySums Mpm::sums(int body) const {
     BodySums& s = parts[block];
     s.points = set.size();
     bool const affine = has_gradient_energy(body);
+    bool const books = books_work(body) && !bodies_[body].solid.is_gas();
     for (int q = 0; q < set.size(); ++q) {
       double const m = set.field(Field::mass)[q];
       s.mass += m;
@@ -700,6 +699,7 @@ BodySums Mpm::sums(int body) const {
       s.kinetic_energy += 0.5 * m * square;
       if (affine) s.kinetic_energy += m * affine_energy(set, q, grid_.domain().h);
       s.internal_energy += m * set.field(Field::energy)[q];
+      if (books) s.provisional_energy += m * set.field(Field::provisional)[q];
       if (double const* work = set.field(Field::plastic_work)) s.plastic_work += m * work[q];
       if (double const* damage = set.field(Field::damage)) s.damaged_mass += damage[q] >= 1.0 ? m : 0.0;
       s.largest_displacement = std::max(s.largest_displacement, std::sqrt(moved));
@@ -714,6 +714,7 @@ BodySums Mpm::sums(int body) const {
     total.centre = total.centre + s.centre;
     total.kinetic_energy += s.kinetic_energy;
     total.internal_energy += s.internal_energy;
+    total.provisional_energy += s.provisional_energy;
     total.plastic_work += s.plastic_work;
     total.damaged_mass += s.damaged_mass;
     total.largest_displacement = std::max(total.largest_displacement, s.largest_displacement);

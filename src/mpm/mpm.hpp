@@ -112,8 +112,8 @@ struct Body {
   bool fills_space = false;
   /// The energy of points that follow increments takes the work that the forces on the nodes do, and as heat what the
   /// points do not take up of the nodes' kinetic energy. Without it either is left to what the strains of the points
-  /// say: beside a detonation both are wrong by percents of its energy. The pressure of a solid that is warmed by it
-  /// rises.
+  /// say: beside a detonation both are wrong by percents of its energy, where bodies meet the second by as much. The
+  /// pressure of a solid that is warmed by it rises.
   bool books_work = false;
 };
 
@@ -172,10 +172,13 @@ struct BodySums {
   /// Of it, of the ambient and of the second fluid: gas. Each is summed by itself: of products and a little air the
   /// difference of two sums would lose three digits of the air.
   std::array<double, 2> fluid_mass{0.0, 0.0};
-  Vec3 momentum{0.0, 0.0, 0.0};       ///< [kg m/s]
-  Vec3 centre{0.0, 0.0, 0.0};         ///< of mass [m]
-  double kinetic_energy = 0.0;        ///< [J]
-  double internal_energy = 0.0;       ///< [J]
+  Vec3 momentum{0.0, 0.0, 0.0};  ///< [kg m/s]
+  Vec3 centre{0.0, 0.0, 0.0};    ///< of mass [m]
+  double kinetic_energy = 0.0;   ///< [J]
+  double internal_energy = 0.0;  ///< [J]
+  /// Part of it that the next step puts the real work in the place of, of bodies that book the work of the nodes [J].
+  /// Without it the energies are those of one time: velocities stand half a step before positions and stress.
+  double provisional_energy = 0.0;
   double plastic_work = 0.0;          ///< [J]
   double largest_displacement = 0.0;  ///< [m]; of bodies that know their origin
   double damaged_mass = 0.0;          ///< mass with damage 1 [kg]
@@ -196,16 +199,13 @@ struct Dissipation {
   double filtered = 0.0;  ///< by the fraction of PIC, and by XPIC
   double apic = 0.0;      ///< by APIC in bodies whose heat it is not: solids, and fluids without B-splines
   double friction = 0.0;  ///< to the friction of contacts; it heats nothing
-  double contact = 0.0;   ///< where surfaces meet, a plastic impact of nodes; negative: what they have made
 
-  /// Energy that contact has made is no loss but an error.
-  [[nodiscard]] double sum() const { return held + filtered + apic + friction + (contact < 0.0 ? 0.0 : contact); }
+  [[nodiscard]] double sum() const { return held + filtered + apic + friction; }
   Dissipation& operator+=(Dissipation const& more) {
     held += more.held;
     filtered += more.filtered;
     apic += more.apic;
     friction += more.friction;
-    contact += more.contact;
     return *this;
   }
 };
@@ -256,6 +256,7 @@ void archive(Archive& a, BodySums& sums);
 struct Given;
 struct Scratch;
 struct Meeting;
+struct Partner;
 struct Hoops;
 struct OuterForces;
 
@@ -312,8 +313,7 @@ class Mpm {
   /// Does its energy take the work that the forces on the nodes really do? Where the points are updated by the nodes'
   /// new velocity itself.
   [[nodiscard]] bool settles_work(int body) const { return keeps_energy(body) && order_of(body) == StressOrder::usl; }
-  /// Does it book the work of the nodes, see `Body::books_work`? Not with a stress that is updated first, nor with the
-  /// means of cells that control locking.
+  /// Does it book the work of the nodes, see `Body::books_work`?
   [[nodiscard]] bool books_work(int body) const;
   [[nodiscard]] FieldList const& fields(int body) const { return sets_[body].fields(); }
 
@@ -415,11 +415,17 @@ class Mpm {
   void weigh_images(int block, Scratch& scratch, bool of_state) const;
   void mirror_fluids(int block, Scratch& scratch, bool of_state) const;
   void collect_gifts(int block, double dt, Scratch const& scratch);
-  void settle_contacts();
-  void settle_contacts(bool map_again);
-  void clear_contacts(Scratch& scratch, int count) const;
-  [[nodiscard]] Dissipation pushed_by_rigid(int block, Scratch const& scratch) const;
-  void note_contact_work(int count, Scratch& scratch) const;
+  void release(int count, Scratch& scratch) const;
+  // Contact, see contact.cpp.
+  void find_meetings(int block, double dt, Scratch& scratch, bool with_forces) const;
+  template <class Trial>
+  void find_meetings(int block, double dt, Scratch& scratch, Trial&& trial) const;
+  [[nodiscard]] Partner partner(int block, int field, int node, double dt, Scratch const& scratch) const;
+  void clear_contacts(int block, Scratch& scratch) const;
+  void weigh_meetings(int block, Scratch const& scratch) const;
+  void meet(int block, Scratch& scratch, Given& given) const;
+  void book(int block, Meeting const& meeting, double impulse, Vec3 const& rubbed, Given& given) const;
+  void meet_velocity(int block, Scratch& scratch) const;
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
   [[nodiscard]] StressOrder order_of(int body) const;
   /// What a body's signals count in the step: 1 at the Courant number of the options.

@@ -400,12 +400,13 @@ struct Kernels {
   /// is counted: h^2/4 is the second moment of the B-splines. With other shape functions, whose moments depend on the
   /// place, the energy of the gradient is no part of a point's, and what it had given the nodes is taken off.
   /// `exchange`: see `Mpm::share_momentum`, or null. `halt`: how constraints change the nodes' velocity, or null.
-  /// `meet` and `rub`: how contact does, across and along the surfaces, friction on walls with the latter, `stop`: how
-  /// walls do, across them, or null. Returns the kinetic energy that points which follow increments lose by `halt` and
-  /// `stop` (gains count negative) and by the filters, and all points by contact and friction.
+  /// `rub`: how friction does, of contacts and walls, `stop`: how walls do, across them, `keep`: by how much the
+  /// velocity that points take over differs from that with which the nodes move, or null. Returns the kinetic energy
+  /// that points which follow increments lose by `halt` and `stop` (gains count negative) and by the filters, and all
+  /// points by friction.
   static Dissipation move(SetView const& v, Options const& options, double dt, ApicEnergy fate, NodeState const* nodes,
-                          NodeVelocity const* exchange, NodeVelocity const* halt, NodeVelocity const* meet,
-                          NodeVelocity const* rub, NodeVelocity const* stop) {
+                          NodeVelocity const* exchange, NodeVelocity const* halt, NodeVelocity const* rub,
+                          NodeVelocity const* stop, NodeVelocity const* keep) {
     PointSet& set = *v.set;
     double const h = v.h;
     Transfer const transfer = v.body->transfer.value_or(options.transfer);
@@ -450,15 +451,11 @@ struct Kernels {
             }
           }
         }
-        // These take over what the nodes say, see `Mpm::note_contact_work`.
-        auto const lost_by = [&](NodeVelocity const* changes, int q) {
+        // These take over what the nodes say, see `Mpm::release`.
+        for (int q = 0; rub != nullptr && q < n; ++q) {
           Lanes4 given;
-          velocity_at<S, D>(*v.patch, k, q, changes, given);
-          return -set.field(Field::mass)[begin + q] * given[3];
-        };
-        for (int q = 0; q < n; ++q) {
-          if (meet != nullptr) dissipated.contact += lost_by(meet, q);
-          if (rub != nullptr) dissipated.friction += lost_by(rub, q);
+          velocity_at<S, D>(*v.patch, k, q, rub, given);
+          dissipated.friction -= set.field(Field::mass)[begin + q] * given[3];
         }
         for (int d = 0; d < 3; ++d) {
           for (int q = 0; q < n; ++q) {
@@ -466,6 +463,7 @@ struct Kernels {
             way[d][q] = dt * fresh[d][q];
           }
         }
+        if (keep != nullptr) take_kept(v, k, n, dt, keep, way);
         if (fate.heats) {
           double* const energy = set.field(Field::energy) + begin;
           for (int q = 0; q < n; ++q) energy[q] += lost[q];
@@ -482,10 +480,10 @@ struct Kernels {
           fresh[d][q] = velocity[d];
           change[d][q] = added[d];
         }
-        // What constraints, walls and contact take: each at the mean velocity, half of what they change together in it.
-        // The forces do their work with the stress, and share it with contact alone.
-        std::array<NodeVelocity const*, 4> const causes{halt, stop, meet, rub};
-        std::array<Lanes4, 4> by{};
+        // What constraints, walls and friction take: each at the mean velocity, half of what they change together in
+        // it. The forces do their work with the stress, and share it with friction alone.
+        std::array<NodeVelocity const*, 3> const causes{halt, stop, rub};
+        std::array<Lanes4, 3> by{};
         Lanes4 all{};
         for (std::size_t c = 0; c < causes.size(); ++c) {
           if (causes[c] == nullptr) continue;
@@ -495,8 +493,7 @@ struct Kernels {
         double const m = set.field(Field::mass)[begin + q];
         for (int d = 0; d < 3; ++d) {
           dissipated.held -= m * (by[0][d] + by[1][d]) * (u[d][q] + 0.5 * all[d]);
-          dissipated.contact -= m * by[2][d] * (u[d][q] + 0.5 * change[d][q]);
-          dissipated.friction -= m * by[3][d] * (u[d][q] + 0.5 * change[d][q]);
+          dissipated.friction -= m * by[2][d] * (u[d][q] + 0.5 * change[d][q]);
         }
         if (exchange == nullptr) continue;
         Lanes4 taken;
@@ -527,8 +524,19 @@ struct Kernels {
         }
         for (int q = 0; filters && q < n; ++q) dissipated.filtered -= 0.5 * mass[q] * to[q] * to[q];
       }
+      if (keep != nullptr) take_kept(v, k, n, dt, keep, way);
     });
     return dissipated;
+  }
+
+  /// Takes off the way of points what only their velocity has.
+  static void take_kept(SetView const& v, Weights<S, D> const& k, int n, double dt, NodeVelocity const* keep,
+                        std::array<double*, 3> const& way) {
+    for (int q = 0; q < n; ++q) {
+      Lanes4 kept;
+      velocity_at<S, D>(*v.patch, k, q, keep, kept);
+      for (int d = 0; d < 3; ++d) way[d][q] -= dt * kept[d];
+    }
   }
 
   /// What a point gave the nodes by its velocity gradient, 1/2 sum w |C (x_I - x)|^2 [J/kg].
@@ -547,35 +555,6 @@ struct Kernels {
       }
     }
     return sum;
-  }
-
-  /// Gives the points what contact changes once more, see `Mpm::settle_contacts`. Returns the kinetic energy that they
-  /// lose. `pull`: what the forces of the step change; they act together with the contact, not before it. Null
-  /// where the body's energy takes the work of the nodes and knows nothing of this change.
-  static Dissipation push(SetView const& v, NodeVelocity const* meet, NodeVelocity const* rub,
-                          NodeVelocity const* pull) {
-    PointSet& set = *v.set;
-    Dissipation lost;
-    for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
-      auto const u = vector_at(set, Field::velocity_x, begin);
-      double const* mass = set.field(Field::mass) + begin;
-      for (int q = 0; q < n; ++q) {
-        Lanes4 across;
-        Lanes4 along;
-        velocity_at<S, D>(*v.patch, k, q, meet, across);
-        velocity_at<S, D>(*v.patch, k, q, rub, along);
-        Lanes4 forced{};
-        if (pull != nullptr) velocity_at<S, D>(*v.patch, k, q, pull, forced);
-        for (int d = 0; d < 3; ++d) {
-          double const change = across[d] + along[d];
-          double const middle = u[d][q] + 0.5 * (change - forced[d]);
-          lost.contact -= mass[q] * across[d] * middle;
-          lost.friction -= mass[q] * along[d] * middle;
-          u[d][q] += change;
-        }
-      }
-    });
-    return lost;
   }
 
   /// Strain and spin increments of a chunk, [Cui14] Eqs. (27)-(28), in rows of `chunk`: 0-5 strain, 6-8 spin, 9 volume.
@@ -727,8 +706,9 @@ struct Kernels {
   /// the time being. Of the squares of the changes the nodes gain the mean, a point the square of the mean: the rest is
   /// heat. `forced`: change of the nodes' velocity by forces, `change` the whole one and once more what holds and walls
   /// did of it, which has an account of its own; their product in the place of the mass of `forced`.
+  /// `means`: see `CellMeans`, or null.
   static void book_work(SetView const& v, Hoops const& hoops, double dt, NodeVelocity const* middle,
-                        NodeVelocity const* forced, NodeVelocity const* change) {
+                        NodeVelocity const* forced, NodeVelocity const* change, CellMeans const* means) {
     PointSet& set = *v.set;
     std::array<double const*, 6> deviator{};
     for (int c = 0; c < 6; ++c) deviator[c] = set.field(Field::deviator_xx + c);
@@ -736,25 +716,29 @@ struct Kernels {
     double const* pressure = set.field(Field::pressure);
     double const* viscosity = set.field(Field::viscosity);
     double const* density = set.field(Field::density);
-    double const* provisional = set.field(Field::provisional);
+    double* provisional = set.field(Field::provisional);
     double* energy = set.field(Field::energy);
+    bool const affine = set.field(Field::affine_xx) != nullptr;
     for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
       alignas(64) double e[10][chunk];
       strain(v, hoops, dt, begin, n, k, middle, e);
       for (int q = 0; q < n; ++q) {
         int const at = begin + q;
-        double const p = pressure[at] + viscosity[at] - v.body->reference_pressure * matter_part(*v.body, density[at]);
+        double const own = means == nullptr ? pressure[at] + viscosity[at] : means->mean(at);
+        double const p = own - v.body->reference_pressure * matter_part(*v.body, density[at]);
         std::array<double, 6> s{-p, -p, -p, 0.0, 0.0, 0.0};
         for (int c = 0; deviator[0] != nullptr && c < 6; ++c) s[c] += deviator[c][at];
         if (bar_number != nullptr && bar_number[at] > 0.0) add_bar(set, at, s);
         double work = 0.0;
         for (int c = 0; c < 3; ++c) work += s[c] * e[c][q] + 2.0 * s[3 + c] * e[3 + c][q];
-        Lanes4 own;
+        Lanes4 by;
         Lanes4 all;
-        velocity_at<S, D>(*v.patch, k, q, forced, own);
+        velocity_at<S, D>(*v.patch, k, q, forced, by);
         velocity_at<S, D>(*v.patch, k, q, change, all);
-        double const heat = 0.5 * (own[3] - (own[0] * all[0] + own[1] * all[1] + own[2] * all[2]));
-        energy[at] += work / density[at] + heat - provisional[at];
+        double const heat = 0.5 * (by[3] - (by[0] * all[0] + by[1] * all[1] + by[2] * all[2]));
+        // What APIC's points do not take up has an account of its own.
+        energy[at] += work / density[at] + (affine ? 0.0 : heat) - provisional[at];
+        provisional[at] = 0.0;
       }
     });
   }
@@ -901,6 +885,14 @@ struct Kernels {
                        NodeVelocity const* nodes, NodeVelocity const* before, NodeVelocity const* filled,
                        NodeVelocity const* even, bool books, Scratch& scratch) {
     double fastest = 0.0;
+    auto const stress_of = [&](int begin, int n, double const(&e)[10][chunk]) {
+      alignas(64) double booked[chunk];
+      if (books) undo_half(v, begin, n, e, booked);
+      double const signal = stress(v, options, time, dt, begin, n, e, e[9]);
+      for (int q = 0; books && q < n; ++q)
+        v.set->field(Field::provisional)[begin + q] = v.set->field(Field::energy)[begin + q] - booked[q];
+      return signal;
+    };
     if (!options.locking_control || !v.body->solid.has_deviator()) {
       for_chunks(v, [&](int begin, int n, Weights<S, D> const& k) {
         alignas(64) double e[10][chunk];
@@ -912,11 +904,7 @@ struct Kernels {
         }
         if (filled != nullptr) fill_space(v, options, begin, n, k, e[9], filled);
         if (even != nullptr) even_out(v, begin, n, k, e, even);
-        alignas(64) double booked[chunk];
-        if (books) undo_half(v, begin, n, e, booked);
-        fastest = std::max(fastest, stress(v, options, time, dt, begin, n, e, e[9]));
-        for (int q = 0; books && q < n; ++q)
-          v.set->field(Field::provisional)[begin + q] = v.set->field(Field::energy)[begin + q] - booked[q];
+        fastest = std::max(fastest, stress_of(begin, n, e));
         if (before != nullptr) note_work(v, begin, n, e[9], density);
       });
       return fastest;
@@ -938,7 +926,7 @@ struct Kernels {
       int const n = std::min(chunk, points - begin);
       auto& e = stored[begin / chunk];
       for (int q = 0; q < n; ++q) e[9][q] = means.mean(begin + q);
-      fastest = std::max(fastest, stress(v, options, time, dt, begin, n, e, e[9]));
+      fastest = std::max(fastest, stress_of(begin, n, e));
     }
     return fastest;
   }

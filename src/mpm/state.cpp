@@ -12,8 +12,8 @@
 namespace brisance::mpm {
 
 void archive(Archive& a, BodySums& s) {
-  a(s.points, s.mass, s.fluid_mass, s.momentum, s.centre, s.kinetic_energy, s.internal_energy, s.plastic_work,
-    s.largest_displacement, s.damaged_mass);
+  a(s.points, s.mass, s.fluid_mass, s.momentum, s.centre, s.kinetic_energy, s.internal_energy, s.provisional_energy,
+    s.plastic_work, s.largest_displacement, s.damaged_mass);
 }
 
 void PointSet::archive(Archive& a) {
@@ -71,7 +71,7 @@ void Mpm::archive(Archive& a) {
   a.same(work_->loads.size(), "the number of surface pressures");
   a.sized(next_identity_, "the number of bodies");
   a(losses_.mass, losses_.momentum, losses_.energy, losses_.points, constraint_impulse_, outer_work_);
-  a(dissipation_.held, dissipation_.filtered, dissipation_.apic, dissipation_.friction, dissipation_.contact);
+  a(dissipation_.held, dissipation_.filtered, dissipation_.apic, dissipation_.friction);
   a(floored_.energy, floored_.points, conducted_.moved, conducted_.made);
   a(fastest_, time_, step_);
   a.require(fastest_ >= 0.0 && std::isfinite(time_) && step_ >= 0, "the time of the points");

@@ -55,6 +55,7 @@ void Mpm::advance(double dt) {
     scratch.rub.resize(work_->fields);
     scratch.meets.resize(work_->fields);
     scratch.rubs.resize(work_->fields);
+    scratch.keep.resize(work_->fields);
     scratch.stop.resize(work_->fields);
     scratch.stops.resize(work_->fields);
     scratch.gap.resize(work_->fields);
@@ -66,7 +67,8 @@ void Mpm::advance(double dt) {
   }
   bool const first = options_.order == StressOrder::usf;
   if (first) {
-    map_to_grid(true, work_->stops);
+    // What the forces of the old stress do tells what walls stop and which bodies close in on each other.
+    map_to_grid(true, work_->stops || work_->touches);
     update_stress(dt);
     // Points that stretched with the stress weigh on their nodes anew.
     map_to_grid(options_.shape == ShapeFunction::cpgimp, true);
@@ -75,7 +77,6 @@ void Mpm::advance(double dt) {
   }
   if (work_->filters) filter();
   integrate(dt);
-  settle_contacts();
   if (!first) update_stress(dt);
   if (work_->conducts) conduct();
   collect_signals();
@@ -90,8 +91,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   double const h = grid_.domain().h;
   Hoops const hoops = hoops_of(grid_.domain().geometry);
   OuterForces const outer = outer_forces();
-  // Once more: those of the old stress told what walls stop.
-  bool const again = with_forces && !with_mass && w.stops;
+  bool const again = with_forces && !with_mass && (w.stops || w.touches);
   if (with_mass) std::fill(w.present.begin(), w.present.end(), 0);
   if (with_mass) std::fill(w.momentum_present.begin(), w.momentum_present.end(), 0);
   if (with_forces) std::fill(w.area_present.begin(), w.area_present.end(), 0);
@@ -374,7 +374,7 @@ void Mpm::integrate(double dt) {
     }
     if (w.contact) {
       gather_gradients(block, scratch);
-      if (w.touches) gather_extents(block, scratch);
+      if (w.touches && options_.order != StressOrder::usf) gather_extents(block, scratch);
     }
     if (w.slides) {
       weigh_images(block, scratch, true);
@@ -422,7 +422,7 @@ void Mpm::integrate(double dt) {
           }
           double sum = m > w.mass_floor ? r.force[3] / m : 0.0;
           for (int d = 0; d < 3; ++d) sum += r.force[d] * (r.momentum[d] - 0.5 * r.force[d]);
-          r.momentum[3] = means_something(r, sum, dt, h) ? sum : 0.0;
+          r.momentum[3] = w.heats[f] == 0 || means_something(r, sum, dt, h) ? sum : 0.0;
         }
       }
     }
@@ -438,16 +438,18 @@ void Mpm::integrate(double dt) {
         if (own) {
           NodeVelocity const* exchange = scratch.exchanges[f] == 0 ? nullptr : scratch.exchange[f].data();
           NodeVelocity const* halt = scratch.halts[f] == 0 ? nullptr : scratch.halt[f].data();
-          NodeVelocity const* meet = scratch.meets[f] == 0 ? nullptr : scratch.meet[f].data();
           NodeVelocity const* rub = scratch.rubs[f] == 0 ? nullptr : scratch.rub[f].data();
           NodeVelocity const* stop = scratch.stops[f] == 0 ? nullptr : scratch.stop[f].data();
+          NodeVelocity const* keep = scratch.meets[f] == 0 ? nullptr : scratch.keep[f].data();
           if (books_work(body)) {
+            std::optional<CellMeans> means;
+            if (options_.locking_control && bodies_[body].solid.has_deviator()) means = mean_pressures(view, scratch);
             kernels.book_work(view, hoops, dt, scratch.middle[f].data(), scratch.forced[f].data(),
-                              scratch.changed[f].data());
+                              scratch.changed[f].data(), means ? &*means : nullptr);
           }
           ApicEnergy const fate{keeps_energy(body), has_gradient_energy(body)};
           w.dissipation[block] +=
-              kernels.move(view, options_, dt, fate, scratch.state[f].data(), exchange, halt, meet, rub, stop);
+              kernels.move(view, options_, dt, fate, scratch.state[f].data(), exchange, halt, rub, stop, keep);
           w.work[block] += work_on(block, body, outer);
         } else {
           for (int d = 0; d < 3; ++d) {
@@ -463,6 +465,10 @@ void Mpm::integrate(double dt) {
       NodeState const* from = scratch.state[f].data();
       NodeVelocity* to = scratch.velocity[f].get(count);
       for (int node = 0; node < count; ++node) to[node] = from[node].momentum;
+      if (scratch.meets[f] != 0) {
+        NodeVelocity const* keep = scratch.keep[f].data();
+        for (int node = 0; node < count; ++node) to[node] -= keep[node];
+      }
       if (!w.keeps_energy) continue;
       NodeVelocity* before = scratch.before[f].get(count);
       for (int node = 0; node < count; ++node) before[node] = from[node].momentum - from[node].force;
@@ -487,6 +493,7 @@ void Mpm::note_changes(Scratch& scratch, int count) const {
     NodeVelocity const* meet = of(scratch.meets, scratch.meet);
     NodeVelocity const* rub = of(scratch.rubs, scratch.rub);
     NodeVelocity const* stop = of(scratch.stops, scratch.stop);
+    NodeVelocity const* keep = of(scratch.meets, scratch.keep);
     NodeVelocity* middle = scratch.middle[f].get(count);
     NodeVelocity* forced = scratch.forced[f].get(count);
     NodeVelocity* changed = scratch.changed[f].get(count);
@@ -495,13 +502,16 @@ void Mpm::note_changes(Scratch& scratch, int count) const {
       if (halt != nullptr) first += halt[node];
       if (stop != nullptr) first += stop[node];
       NodeVelocity const change = nodes[node].force;
-      middle[node] = nodes[node].momentum - 0.5 * (change - first);
+      // The nodes move with what contact lets them.
+      NodeVelocity const moves = keep == nullptr ? nodes[node].momentum : nodes[node].momentum - keep[node];
+      middle[node] = moves - 0.5 * (change - first);
       NodeVelocity const total = exchange == nullptr ? change : change + exchange[node];
       NodeVelocity own = total - first;
-      if (meet != nullptr) own -= meet[node];
       if (rub != nullptr) own -= rub[node];
       changed[node] = total + first;
-      own[3] = own[0] * changed[node][0] + own[1] * changed[node][1] + own[2] * changed[node][2];
+      // Contact takes part of what the stress does, and does no work itself.
+      NodeVelocity const by_stress = meet == nullptr ? own : own - meet[node];
+      own[3] = by_stress[0] * changed[node][0] + by_stress[1] * changed[node][1] + by_stress[2] * changed[node][2];
       forced[node] = own;
     }
   }
@@ -651,10 +661,12 @@ void Mpm::update_stress(double dt) {
     } else {
       gather_velocity(block, scratch);
     }
-    if (w.slides) {
-      gather_gradients(block, scratch);
-      weigh_images(block, scratch, false);
+    if (w.slides || (first && w.touches)) gather_gradients(block, scratch);
+    if (first && w.touches) {
+      gather_extents(block, scratch);
+      find_meetings(block, dt, scratch, true);
     }
+    if (w.slides) weigh_images(block, scratch, false);
     constrain_velocity(block, dt, scratch);
     if (first) signals_[block] = 0.0;
     for (int body = 0; body < bodies; ++body) {

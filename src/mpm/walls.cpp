@@ -198,6 +198,18 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
       NodeState const& r = nodes[node];
       return taken_over ? -own_mass(node) * stop[node][d] * (r.momentum[d] - 0.5 * r.force[d]) : 0.0;
     };
+    // What contact gave is in what is stopped, too. What friction did of it: the wall takes that away, and accounts for
+    // the loss of points that follow increments. For those that take over the nodes' velocity friction does its work
+    // all the same, at the mean of before and after the step, see `Mpm::release`.
+    auto const at = [&](std::vector<char> const& known, std::vector<NodeArray<NodeVelocity>> const& changes, int node,
+                        int d) { return known[f] == 0 ? 0.0 : changes[f].data()[node][d]; };
+    auto const take = [&](int node, int d, double met, double rubbed) {
+      if (scratch.meets[f] != 0) scratch.meet[f].data()[node][d] -= met;
+      if (scratch.rubs[f] == 0) return;
+      NodeVelocity& rub = scratch.rub[f].data()[node];
+      rub[d] -= rubbed;
+      rub[3] += rubbed * (nodes[node].momentum[d] - 0.5 * nodes[node].force[d]);
+    };
     auto const book = [&](WallFace const& wall, int node, double change, double slack, bool held) {
       int const d = wall.direction;
       NodeState const& r = nodes[node];
@@ -206,16 +218,14 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
       double const was = wall.inwards * (r.momentum[d] - r.force[d]);
       double const strained = before && !held ? was : -slack;
       given.drive += following_mass(node) * by_forces * strained + lost_by_node(node, d);
-      // What contact gave is in what is stopped, too.
       double const middle = r.momentum[d] - 0.5 * r.force[d];
-      ContactChange const taken = take_contact(scratch, f, node, d, contact_at(scratch, f, node, d), middle);
+      double const taken = at(scratch.rubs, scratch.rub, node, d);
+      take(node, d, at(scratch.meets, scratch.meet, node, d), taken);
       if (taken_over) {
-        given.drive += own_mass(node) * taken.sum() * (middle - wall.inwards * strained);
+        given.drive += own_mass(node) * taken * (middle - wall.inwards * strained);
       } else {
-        given.take(taken, following_mass(node) * wall.inwards * strained);
+        given.friction -= following_mass(node) * wall.inwards * strained * taken;
       }
-      // Forces do no work against a stop that `settle_contacts` could share.
-      if (scratch.meets[f] != 0) w.pull[w.slot(block, f)].data()[node][d] = 0.0;
     };
     auto const book_pair = [&](WallFace const& wall, int a, int b, double change, double slack, bool held) {
       int const d = wall.direction;
@@ -229,24 +239,18 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
       double const strained = before && !held ? was : -2.0 * slack;
       double const mass = 0.5 * (following_mass(a) * mb + following_mass(b) * ma) / (ma + mb);
       given.drive += mass * by_forces * strained + lost_by_node(a, d) + lost_by_node(b, d);
-      ContactChange const sum = contact_at(scratch, f, a, d) + contact_at(scratch, f, b, d);
-      auto const take = [&](int node, double part) {
+      double const met = at(scratch.meets, scratch.meet, a, d) + at(scratch.meets, scratch.meet, b, d);
+      double const sum = at(scratch.rubs, scratch.rub, a, d) + at(scratch.rubs, scratch.rub, b, d);
+      for (auto const& [node, part] : {std::pair{a, mb / (ma + mb)}, std::pair{b, ma / (ma + mb)}}) {
+        take(node, d, part * met, part * sum);
         double const middle = nodes[node].momentum[d] - 0.5 * nodes[node].force[d];
-        take_contact(scratch, f, node, d, {part * sum.across, part * sum.along}, middle);
-        if (taken_over) given.drive += own_mass(node) * part * sum.sum() * middle;
-      };
-      take(a, mb / (ma + mb));
-      take(b, ma / (ma + mb));
-      if (taken_over) {
-        given.drive -= mass * sum.sum() * wall.inwards * strained;
-      } else {
-        given.take(sum, mass * wall.inwards * strained);
+        if (taken_over) given.drive += own_mass(node) * part * sum * middle;
       }
-      if (scratch.meets[f] == 0) return;
-      NodeVelocity* pull = w.pull[w.slot(block, f)].data();
-      double const pulled = pull[a][d] + pull[b][d];
-      pull[a][d] -= pulled * mb / (ma + mb);
-      pull[b][d] -= pulled * ma / (ma + mb);
+      if (taken_over) {
+        given.drive -= mass * sum * wall.inwards * strained;
+      } else {
+        given.friction -= mass * wall.inwards * strained * sum;
+      }
     };
     for (std::size_t n = 0; n < walls.size(); ++n) {
       WallFace const& wall = walls[n];

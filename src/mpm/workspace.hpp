@@ -65,25 +65,31 @@ struct Law {
   double friction = 0.0;
 };
 
-/// Two grid fields whose surfaces touch at a node.
-struct Meeting {
-  int node = 0;
-  int first = 0;
-  int second = 0;
-  double first_share = 0.0;  ///< of a change of the relative velocity
-  double second_share = 0.0;
-  double friction = 0.0;
-  Vec3 normal{0.0, 0.0, 0.0};   ///< from the first to the second
-  Vec3 impulse{0.0, 0.0, 0.0};  ///< that the first has given to the second in this step
+/// One of two bodies at a node where their surfaces touch.
+struct Partner {
+  int field = 0;
+  double mass = 0.0;  ///< at the node [kg]
+  /// Change of its velocity per impulse, in the directions of the axes [1/kg]: 1/mass, and 0 where something prescribes
+  /// the velocity.
+  Vec3 yields{0.0, 0.0, 0.0};
+  Vec3 prescribed{0.0, 0.0, 0.0};  ///< the velocity where `yields` is 0 [m/s]
 };
 
-/// Change of a node's velocity by contact in one direction, across the surfaces and along them.
-struct ContactChange {
-  double across = 0.0;
-  double along = 0.0;
+/// Two bodies whose surfaces touch at a node and close in on each other.
+struct Meeting {
+  int node = 0;
+  Partner first;
+  Partner second;
+  double friction = 0.0;
+  Vec3 normal{0.0, 0.0, 0.0};  ///< from the first to the second
+  double slack = 0.0;          ///< beside what the two yield [1/kg], see `Mpm::find_meetings`
 
-  [[nodiscard]] double sum() const { return across + along; }
-  ContactChange operator+(ContactChange const& more) const { return {across + more.across, along + more.along}; }
+  /// Change of the relative velocity along a direction per impulse along it [1/kg].
+  [[nodiscard]] double yields(Vec3 const& along) const {
+    double sum = slack;
+    for (int d = 0; d < 3; ++d) sum += along[d] * along[d] * (first.yields[d] + second.yields[d]);
+    return sum;
+  }
 };
 
 /// Momentum that was given to nodes, and the work that it did.
@@ -91,22 +97,16 @@ struct Given {
   Vec3 impulse{0.0, 0.0, 0.0};
   double work = 0.0;
   double drive = 0.0;  ///< work of the constraints if they had stopped the nodes alone, without the forces of the step
-  double contact = 0.0;  ///< what surfaces lost where constraints and walls stop their nodes
-  double friction = 0.0;
-
-  /// Contact did its work on nodes with this momentum.
-  void take(ContactChange const& change, double momentum) {
-    contact -= momentum * change.across;
-    friction -= momentum * change.along;
-  }
+  double friction = 0.0;  ///< what it lost by work of those who rub, where the points do not lose it
 };
 
-/// What a fluid that slips took from a body at a node by its pressure in a step.
+/// What a fluid that slips took from a body at a node in a step, by its pressure or where it meets the body.
 struct Push {
   int fluid = 0;  ///< fields
   int body = 0;
   int node = 0;
   Vec3 impulse{0.0, 0.0, 0.0};  ///< [kg m/s]
+  bool shared = false;          ///< contact shares it among the bodies
 };
 
 /// What one thread needs while it works on one block: the summed nodes of each grid field.
@@ -123,10 +123,17 @@ struct Scratch {
   std::vector<char> exchanges;
   std::vector<NodeArray<NodeVelocity>> halt;  ///< change of velocity from the start of the step by constraints
   std::vector<char> halts;
-  std::vector<NodeArray<NodeVelocity>> meet;  ///< change of velocity across the surfaces of contacts
+  std::vector<NodeArray<NodeVelocity>> meet;  ///< change of velocity by contact, across the surfaces
   std::vector<char> meets;
-  std::vector<NodeArray<NodeVelocity>> rub;   ///< and along them, by friction, that on walls as well
-  std::vector<char> rubs;                     ///< where `meets`, and where walls rub
+  std::vector<NodeArray<NodeVelocity>> rub;  ///< and along them, by friction, that on walls as well
+  std::vector<char> rubs;                    ///< where `meets`, and where walls rub
+  /// By what the velocity that the points take over differs from that with which the nodes move, see contact.cpp.
+  std::vector<NodeArray<NodeVelocity>> keep;
+  std::vector<Vec3> trial;  ///< contact: velocities of all fields at a node
+  /// Contact: of the meetings at a node, see `Mpm::meet`.
+  std::vector<double> stopping;
+  std::vector<double> pushing;
+  std::vector<double> matrix;
   std::vector<NodeArray<NodeVelocity>> stop;  ///< change of velocity by walls, across them
   std::vector<char> stops;
   /// See `Mpm::note_changes`.
@@ -151,25 +158,6 @@ struct Outbox {
   PointSet points;
   std::vector<int> destination;  ///< block of each point
 };
-
-/// What contact changes of a node's velocity.
-[[nodiscard]] inline ContactChange contact_at(Scratch const& s, int field, int node, int d) {
-  return {s.meets[field] != 0 ? s.meet[field].data()[node][d] : 0.0,
-          s.rubs[field] != 0 ? s.rub[field].data()[node][d] : 0.0};
-}
-
-/// Takes as much of that away: something else brings the node's velocity about and accounts for the loss of points that
-/// follow increments. For those that take over the nodes' velocity it does its work all the same, at the mean of before
-/// and after the step, see `Mpm::note_contact_work`.
-inline ContactChange take_contact(Scratch& s, int field, int node, int d, ContactChange const& change, double mean) {
-  auto const take = [&](NodeVelocity& at, double amount) {
-    at[d] -= amount;
-    at[3] += amount * mean;
-  };
-  if (s.meets[field] != 0) take(s.meet[field].data()[node], change.across);
-  if (s.rubs[field] != 0) take(s.rub[field].data()[node], change.along);
-  return change;
-}
 
 /// A surface pressure that acts, or several on the same points, at an edge of a body for one.
 struct ActiveLoad {
@@ -197,9 +185,7 @@ struct Mpm::Workspace {
   bool touches = false;                        ///< some fields part and slide
   bool pushes = false;                         ///< some bodies are rigid: somebody wants to know what they give
   std::vector<char> parts;                     ///< per field: parts from some other
-  std::vector<char> settles;                   ///< per field: see `Mpm::settle_contacts`
-  std::vector<std::vector<Meeting>> meetings;  ///< per block
-  std::vector<NodeArray<NodeVelocity>> pull;   ///< block x field that parts: change of velocity by forces
+  std::vector<std::vector<Meeting>> meetings;  ///< per block, those at a node one after another
   bool filters = false;                        ///< some body uses XPIC
   bool maps_back = false;                      ///< some body is updated by MUSL
   bool strains_early = false;                  ///< some body is updated by USL
@@ -209,6 +195,7 @@ struct Mpm::Workspace {
   bool keeps_energy = false;                   ///< some body's transfer loses no energy
   bool counts_energy = false;                  ///< some body has APIC
   std::vector<std::vector<Hold>> holds;        ///< per block
+  std::vector<std::vector<char>> has_hold;     ///< per block and node, where bodies part and slide
   std::vector<NodeArray<NodeState>> state;     ///< block x field, as the points wrote them
   std::vector<NodeArray<NodeVelocity>> velocity;
   std::vector<NodeArray<NodeVelocity>> gradient;

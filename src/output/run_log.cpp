@@ -49,7 +49,6 @@ char const* key_of(run::AuditFinding::Kind kind) {
     case Kind::drift: return "drift";
     case Kind::ledger: return "ledger";
     case Kind::unlit: return "unlit_explosive";
-    case Kind::contact: return "contact";
   }
   return "";
 }
@@ -167,7 +166,6 @@ json energy_of_points(run::World const& world, char const* left) {
           {"filtered", json_or_null(energy.dissipated.filtered)},
           {"apic", json_or_null(energy.dissipated.apic)},
           {"friction", json_or_null(energy.dissipated.friction)},
-          {"contact", json_or_null(energy.dissipated.contact)},
           {"lifted", json_or_null(points.floored().energy)},
           {"lifted_points", points.floored().points},
           {"conducted", json_or_null(points.conducted().moved)},

@@ -27,8 +27,6 @@ constexpr double ledger_fail = 0.05;
 /// Unburnt explosive has no strength in programmed burn: a blow compresses it like dust, far beyond any real state, and
 /// what it does when it is lit at last means nothing.
 constexpr double unlit_warn = 0.05;
-/// Kinetic energy that bodies lose where their surfaces meet, of the energy at work.
-constexpr double contact_warn = 0.05;
 /// A drift up to this part of all energy, that of the ambient state included, is round-off: water at rest holds
 /// megajoules, and a plate under stress holds what it was given.
 constexpr double drift_round_off = 1e-9;
@@ -113,7 +111,7 @@ Totals World::point_totals() const {
   for (int body = 0; body < static_cast<int>(points->bodies().size()); ++body) {
     mpm::BodySums const sums = points->sums(body);
     total.momentum = total.momentum + sums.momentum;
-    total.energy += sums.kinetic_energy + sums.internal_energy;
+    total.energy += sums.kinetic_energy + sums.internal_energy - sums.provisional_energy;
     total.kinetic_energy += sums.kinetic_energy;
     if (body != gas_body) total.rest_energy += sums.mass * rest_energy(setup, setup.points.bodies[body]);
     if (gas_body >= 0 && body != gas_body) {
@@ -344,12 +342,6 @@ std::vector<AuditFinding> World::audit_findings() const {
   double const drift = larger_size(audit.memory.drift, energy.error());
   double const smallest = std::max(drift_round_off * energy.all, noise * stiffness(*this));
   found.push_back({Kind::drift, drift, energy.scale, limits.warn, limits.fail, smallest, fresh});
-  // A loss that is known is no drift, but the bodies lack it.
-  if (!setup.points.contacts.empty()) {
-    double const lost = energy.dissipated.contact;
-    found.push_back(
-        {Kind::contact, lost < 0.0 ? 0.0 : lost, energy.scale, limits.warn > 0.0 ? contact_warn : 0.0, 0.0, smallest});
-  }
   if (bridge != nullptr) {
     found.push_back({Kind::ledger, audit.memory.surplus, audit.memory.gas, limits.warn > 0.0 ? ledger_warn : 0.0,
                      limits.fail > 0.0 ? ledger_fail : 0.0});
@@ -377,10 +369,6 @@ std::string World::in_words(AuditFinding const& f) const {
       return fmt::format(
           "{:.3g} kg of gas lie in the ledger between cells and points that belong to neither, {:.3g} % of the gas "
           "points",
-          f.amount, percent);
-    case Kind::contact:
-      return fmt::format(
-          "bodies lost {:.3g} J where their surfaces met, {:.3g} % of the energy at work: finer cells lose less",
           f.amount, percent);
     case Kind::unlit:
       return fmt::format(

@@ -44,7 +44,7 @@ void place_bodies(World& w, grid::Domain const& domain, std::vector<mpm::Body> o
     body.points_per_direction = b.points_per_direction;
     if (b.rigid) body.rigid_velocity = b.velocity;
     body.slips = w.setup.mpm_region && w.setup.mpm_region->slip && !b.rigid && !b.solid.has_deviator();
-    body.books_work = w.setup.mpm_region.has_value();
+    body.books_work = w.setup.mpm_region || !p.contacts.empty() || p.options.transfer == mpm::Transfer::apic;
     if (becomes_gas(w.setup, b)) calculate_as_gas(*w.setup.mpm_region, body);
     bodies.push_back(std::move(body));
   }

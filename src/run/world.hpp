@@ -177,7 +177,6 @@ struct AuditFinding {
     drift,    ///< of the energy of points, alone or together with gas
     ledger,   ///< gas that lies between cells and points
     unlit,    ///< compression of explosive before it was lit
-    contact,  ///< kinetic energy that bodies lost where their surfaces met
   };
   Kind kind = Kind::drift;
   double amount = 0.0;    ///< what is too much [J, kg or of 1], with its sign

@@ -189,8 +189,15 @@ struct Problem {
   }
   [[nodiscard]] double energy() const {
     double total = kinetic_energy();
-    for (std::size_t b = 0; b < bodies.size(); ++b) total += mpm->sums(static_cast<int>(b)).internal_energy;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      auto const sums = mpm->sums(static_cast<int>(b));
+      total += sums.internal_energy - sums.provisional_energy;
+    }
     return total;
+  }
+  /// All bodies book the work of the nodes, as in a calculation with contacts: to be called before `start`.
+  void book_work() {
+    for (mpm::Body& body : bodies) body.books_work = true;
   }
   /// Energy with all that left or is lost and counted, less the work of outer forces.
   [[nodiscard]] double accounted() const {

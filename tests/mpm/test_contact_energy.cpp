@@ -30,6 +30,7 @@ struct Collision : Problem {
     add(unit_solid(0.3));
     add(unit_solid(0.3));
     contacts.push_back({0, 1, friction});
+    book_work();
     start();
     Vec3 const middle{0.5 * along, 0.5 * across, dimensions == 2 ? 0.0 : 0.5 * across};
     Vec3 const half{radius + 1.0, 0.5 * offset, dimensions == 2 ? 0.0 : 0.3 * offset};
@@ -47,12 +48,12 @@ struct Collision : Problem {
   }
 };
 
-// Slow and fast, head-on and obliquely: no energy is made or lost unseen, and what is lost where the surfaces meet is
-// small and no gain. Before the impulses were settled by what the points map back these gained 2 to 35 %.
+// Slow and fast, head-on and obliquely: no energy is made or lost, at no time. A plastic impact of the nodes that meet
+// would lose 4 %.
 TEST(ContactEnergy, DiscsThatCollideKeepIt) {
   for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp, ShapeFunction::linear}) {
-    for (StressOrder const order : {StressOrder::musl, StressOrder::usf}) {
-      if (shape == ShapeFunction::linear && order == StressOrder::usf) continue;  // loses energy without a contact too
+    for (StressOrder const order : {StressOrder::musl, StressOrder::usf, StressOrder::usl}) {
+      if (shape == ShapeFunction::linear && order == StressOrder::usl) continue;  // tents tear points apart
       for (auto const& [speed, offset] : {std::pair{0.05, 5.0}, std::pair{0.01, 0.0}, std::pair{0.01, 4.0}}) {
         Collision discs(shape, order, 8.0, speed, offset, 0.0);
         double const before = discs.energy();
@@ -62,46 +63,53 @@ TEST(ContactEnergy, DiscsThatCollideKeepIt) {
           discs.run(span / 20.0, 0.33);
           worst = std::max(worst, std::abs(discs.accounted() / before - 1.0));
         }
-        double const lost = discs.mpm->dissipation().contact / before;
         double const back = -discs.mpm->sums(0).momentum[0] / (discs.mpm->sums(0).mass * speed);
-        std::printf(
-            "%s, %s, speed %g: drift %.2f %% at most, at the end %.3f %%; %.2f %% lost where they met; back with "
-            "%.3f\n",
-            word_of(shape), word_of(order), speed, 100.0 * worst, 100.0 * (discs.accounted() / before - 1.0),
-            100.0 * lost, back);
-        EXPECT_LT(std::abs(discs.accounted() / before - 1.0), 0.005);
-        // Velocities stand half a step behind: on the way there is what passes between kinetic and elastic energy in
-        // half a step, as without a contact.
-        EXPECT_LT(worst, 0.01);
-        // A plastic impact of the nodes in the zone of contact, which is two layers of 8 cells; tents have the noisiest
-        // nodes. Up to 4.1 % was measured (tents 5.9 %).
-        EXPECT_LT(lost, shape == ShapeFunction::linear ? 0.08 : 0.06);
-        // Contact that has made energy is settled until it has not: 0.3 % was measured between, and counts as drift.
-        EXPECT_GT(lost, -0.005);
+        std::printf("%s, %s, speed %g: drift %.2g %% at most, at the end %.2g %%; back with %.3f\n", word_of(shape),
+                    word_of(order), speed, 100.0 * worst, 100.0 * (discs.accounted() / before - 1.0), back);
+        EXPECT_LT(worst, 1e-11);
+        EXPECT_GT(back, offset == 0.0 ? 0.9 : 0.5) << "discs bounce";
         EXPECT_EQ(discs.mpm->dissipation().friction, 0.0);
       }
     }
   }
 }
 
-// The loss where surfaces meet is that of the nodes that meet: with twice the cells less than half of it is left.
-TEST(ContactEnergy, LossWhereBodiesMeetFallsWithTheCells) {
-  std::array<double, 2> lost{};
-  for (int n = 0; n < 2; ++n) {
-    double const radius = n == 0 ? 8.0 : 16.0;
-    Collision discs(ShapeFunction::bspline, StressOrder::musl, radius, 0.05, 0.0, 0.0);
-    double const before = discs.energy();
-    discs.run(10.0 * radius + 20.0, 0.33);
-    lost[n] = discs.mpm->dissipation().contact / before;
+// Three bodies around one node, one of them rigid or not, and a ball between two plates that close in on it: pairs that
+// open and close each other's gaps.
+TEST(ContactEnergy, IsKeptWhereThreeBodiesMeet) {
+  for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp}) {
+    for (bool const rigid : {false, true}) {
+      Problem p;
+      p.box(Geometry::planar2d, 1.0, {32, 24, 1}, Boundary::outflow);
+      p.options.shape = shape;
+      p.options.block_cells = 8;
+      for (int body = 0; body < 4; ++body) p.add(unit_solid(0.3));
+      if (rigid) p.bodies[3].rigid_velocity = Vec3{0.0, -0.03, 0.0};
+      for (int a = 0; a < 4; ++a) {
+        for (int b = a + 1; b < 4; ++b) p.contacts.push_back({a, b, 0.2});
+      }
+      p.book_work();
+      p.start();
+      p.fill_lattice(0, {6.0, 6.0, 0.0}, {18, 8, 1}, 0.5, {0.004, 0.0, 0.0});
+      p.fill_lattice(1, {15.1, 6.0, 0.0}, {18, 8, 1}, 0.5, {-0.004, 0.0, 0.0});
+      p.fill_lattice(2, {12.3, 10.2, 0.0}, {10, 4, 1}, 0.5, {0.0, -0.02, 0.0});
+      p.fill_lattice(3, {8.0, 13.1, 0.0}, {28, 4, 1}, 0.5, {0.0, -0.03, 0.0});
+      double const before = p.energy();
+      p.run(60.0, 0.1);
+      double const moved = rigid ? p.mpm->outer_work() : before;
+      double const drift = (p.accounted() - before) / moved;
+      std::printf("%s, %s: drift %.2g, friction %.3f, the bodies below have %.3f of the energy\n", word_of(shape),
+                  rigid ? "rigid" : "elastic", drift, p.mpm->dissipation().friction / moved,
+                  (p.mpm->sums(0).kinetic_energy + p.mpm->sums(1).kinetic_energy) / moved);
+      EXPECT_GT(p.mpm->dissipation().friction, 0.0);
+      EXPECT_LT(std::abs(drift), 1e-11);
+    }
   }
-  std::printf("lost where they met: %.2f %% with 8 cells per radius, %.2f %% with 16\n", 100.0 * lost[0],
-              100.0 * lost[1]);
-  EXPECT_LT(std::abs(lost[1]), 0.5 * lost[0]);
 }
 
 /// What of a calculation must not depend on how its axes are called.
 std::vector<double> picture(Collision const& c, Index3 const& axes) {
-  std::vector<double> out{c.kinetic_energy(), c.energy(), c.mpm->dissipation().contact, c.mpm->dissipation().friction};
+  std::vector<double> out{c.kinetic_energy(), c.energy(), c.mpm->dissipation().held, c.mpm->dissipation().friction};
   for (int body = 0; body < 2; ++body) {
     auto const sums = c.mpm->sums(body);
     for (int d = 0; d < 3; ++d) out.push_back(sums.momentum[axes[d]]);
@@ -177,6 +185,7 @@ TEST(ContactEnergy, WaterThatHitsMetalKeepsIt) {
       int const water = p.add(liquid);
       int const plate = p.add(copper());
       if (parts == 1) p.contacts.push_back({water, plate, 0.0});
+      p.book_work();
       p.start();
       p.fill(water, shape::Box{{0.02, 0.02, -1.0}, {0.06, 0.1, 1.0}}, [](Vec3 const&) {
         return Vec3{100.0, 0.0, 0.0};
@@ -186,11 +195,10 @@ TEST(ContactEnergy, WaterThatHitsMetalKeepsIt) {
       double const before = p.energy();
       while (p.mpm->time() < 1e-4) p.mpm->advance(p.mpm->stable_step());
       drift[parts] = (p.accounted() - before) / moving;
-      std::printf("%s, %s: drift %.2f %%, %.2f %% lost where they met, %ld points left\n", word_of(shape),
-                  parts == 1 ? "parts" : "glued", 100.0 * drift[parts], 100.0 * p.mpm->dissipation().contact / moving,
-                  p.mpm->losses().points);
+      std::printf("%s, %s: drift %.2g %%, %ld points left\n", word_of(shape), parts == 1 ? "parts" : "glued",
+                  100.0 * drift[parts], p.mpm->losses().points);
     }
-    EXPECT_LT(std::abs(drift[1]), 0.005);
+    EXPECT_LT(std::abs(drift[1]), 1e-10);  // two gases of the same energies sum no better
   }
 }
 
@@ -215,6 +223,7 @@ struct Roller : Problem {
     contacts.push_back({ground, disc, mu});
     if (!rigid)
       constraints.push_back({shape::Box{{-1.0, -1.0, -1.0}, {85.0, 1.0, 1.0}}, {true, true, true}, {}, ground});
+    book_work();
     start();
     fill(ground, shape::Box{{0.0, 0.0, -1.0}, {84.0, 4.0, 1.0}});
     fill(disc, shape::Cylinder{{20.0, 20.0, 0.0}, radius, 1.0, {0.0, 0.0, 1.0}});
@@ -256,98 +265,115 @@ TEST(ContactEnergy, DiscRollsAndSlipsDownASlope) {
     double const mass = roller.mpm->sums(1).mass;
     double const time = std::sqrt(2.0 * Roller::way / roller.acceleration());
     double rubbed = 0.0;
+    double speed = 0.0;
     for (int part = 0; part < 100; ++part) {
       double const slid = roller.sliding();
       roller.run(time / 100.0, 0.35);
-      rubbed += 0.5 * (slid + roller.sliding()) * time / 100.0;
+      // What gravity gives along the slope and the disc has not got is the impulse of the friction.
+      double const faster = roller.mpm->sums(1).momentum[0] / mass - speed;
+      speed += faster;
+      double const impulse = mass * (Roller::gravity * std::sin(roller.slope) * time / 100.0 - faster);
+      rubbed += 0.5 * (slid + roller.sliding()) * impulse;
     }
-    rubbed *= roller.friction * mass * Roller::gravity * std::cos(roller.slope);
     double const way = (roller.mpm->sums(1).centre[0] - from) / Roller::way;
     double const work = roller.mpm->outer_work();
     double const drift = roller.accounted() / work;
     double const heat = roller.mpm->dissipation().friction;
     std::printf(
-        "%s, %s ground, %s: %.4f of the way; drift %.2e of the work, friction took %.3f of it (force times slip "
-        "%.3f)\n",
+        "%s, %s ground, %s: %.4f of the way; drift %.2e of the work, friction took %.3f of it (its impulse times "
+        "the slip %.3f)\n",
         word_of(shape), rigid ? "rigid" : "elastic", roller.rolls() ? "rolls" : "slips", way, drift, heat / work,
         rubbed / work);
     EXPECT_NEAR(way, 1.0, 0.03);
-    EXPECT_LT(std::abs(drift), 0.005);
+    // Gravity works over a step at the new velocity, the balance at the mean of both.
+    EXPECT_LT(std::abs(drift), 0.001);
     EXPECT_GT(heat, 0.0);
     // Where it rolls too some: the surfaces shear within a cell of each other.
     if (roller.rolls()) {
       EXPECT_LT(heat / work, 0.04);
     } else {
-      EXPECT_NEAR(heat / rubbed, 1.0, 0.1);
+      // The disc's lowest point slides a little faster than the nodes around it.
+      EXPECT_NEAR(heat / rubbed, 1.0, 0.06);
     }
   }
 }
 
-// Dust that is pressed on held nodes, at rest and in motion, by other dust and by a rigid body in motion: nodes are
-// held where the surfaces meet, and what is lost is counted to round-off.
-TEST(ContactEnergy, LossWhereConstraintsHoldTheNodesThatMeet) {
-  for (auto const& [rigid, v, transfer] :
-       {std::tuple{false, 0.0, Transfer::flip}, std::tuple{false, 0.004, Transfer::flip},
-        std::tuple{true, 0.0, Transfer::flip}, std::tuple{true, 0.004, Transfer::flip},
-        std::tuple{false, 0.0, Transfer::apic}, std::tuple{true, 0.004, Transfer::apic}}) {
-    {
-      Problem p;
-      p.box(Geometry::planar2d, 1.0, {12, 12, 1}, Boundary::outflow);
-      p.options.block_cells = 4;
-      p.options.transfer = transfer;
-      p.constraints.push_back({shape::Box{{-1.0, -1.0, -1.0}, {13.0, 3.0, 1.0}}, {true, true, false}, {v, v, 0.0}, 0});
-      p.options.linear_viscosity = p.options.quadratic_viscosity = 0.0;
-      material::Solid const dust = material::elastic_solid(1.0, 1e-30, 0.0);
-      p.add(dust);
-      p.add(dust);
-      if (rigid) p.bodies[1].rigid_velocity = Vec3{0.01, -0.02, 0.0};
-      p.contacts.push_back({0, 1, 0.3});
-      p.start();
-      p.fill_lattice(0, {2.0, 2.5, 0.0}, {16, 3, 1}, 0.5, {0.0, 0.0, 0.0});
-      p.fill_lattice(1, {3.0, 4.2, 0.0}, {12, 6, 1}, 0.5, {0.01, -0.02, 0.0});
-      double const before = p.energy();
-      p.run(60.0, 0.25);
-      mpm::Dissipation const& d = p.mpm->dissipation();
-      double const lost = before + p.mpm->outer_work() - p.energy();
-      double const counted = d.held + d.apic + d.friction + d.contact;
-      std::printf("%s, held at %g: lost %.4g J, counted %.4g J: held %.3g, friction %.3g, contact %.3g\n",
-                  rigid ? "rigid" : "dust", v, lost, counted, d.held, d.friction, d.contact);
-      EXPECT_GT(lost, 1e-6);
-      EXPECT_NEAR(counted / lost, 1.0, 1e-9);
-    }
-  }
-}
-
-// A body of two cells lies on a wall that rubs, and another one hits it: wall and contact stop the same nodes. What
-// waves, wall and contact have is all there is. The same where a rigid body presses it on the wall.
-TEST(ContactEnergy, IsKeptBetweenAWallAndABody) {
-  for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp}) {
-    for (StressOrder const order : {StressOrder::musl, StressOrder::usf}) {
-      for (bool const rigid : {false, true}) {
+// Bodies that are pressed on held nodes, at rest and in motion, by others and by a rigid body in motion: nodes are held
+// where the surfaces meet. What is held has no energy of its own to give, the other loses none by that.
+TEST(ContactEnergy, IsKeptWhereConstraintsHoldTheNodesThatMeet) {
+  for (Transfer const transfer : {Transfer::flip, Transfer::apic}) {
+    for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp}) {
+      for (auto const& [rigid, v] : {std::pair{false, 0.0}, std::pair{false, 0.004}, std::pair{true, 0.004}}) {
         Problem p;
-        p.box(Geometry::planar2d, 1.0, {16, 16, 1}, Boundary::outflow);
-        p.domain.boundary[2] = Boundary::wall;
+        p.box(Geometry::planar2d, 1.0, {20, 20, 1}, Boundary::outflow);
+        p.options.block_cells = 8;
         p.options.shape = shape;
-        p.options.order = order;
-        p.options.wall_friction = 0.2;
+        p.options.transfer = transfer;
+        p.constraints.push_back(
+            {shape::Box{{-1.0, -1.0, -1.0}, {21.0, 3.0, 1.0}}, {true, true, false}, {v, v, 0.0}, 0});
         p.add(unit_solid(0.3));
         p.add(unit_solid(0.3));
-        Vec3 const coming{0.005, -0.02, 0.0};
-        if (rigid) p.bodies[1].rigid_velocity = coming;
-        p.contacts.push_back({0, 1, 0.2});
+        if (rigid) p.bodies[1].rigid_velocity = Vec3{0.01, -0.02, 0.0};
+        p.contacts.push_back({0, 1, 0.3});
+        p.book_work();
         p.start();
-        p.fill_lattice(0, {3.0, 0.0, 0.0}, {20, 4, 1}, 0.5, {0.0, 0.0, 0.0});
-        p.fill_lattice(1, {4.0, 2.2, 0.0}, {14, 12, 1}, 0.5, coming);
+        Vec3 const held{v, v, 0.0};
+        p.fill_lattice(0, {2.0, 1.5, 0.0}, {28, rigid ? 12 : 4, 1}, 0.5, held);
+        p.fill_lattice(1, {4.0, rigid ? 7.6 : 3.6, 0.0}, {20, 12, 1}, 0.5, {0.01, -0.02, 0.0});
         double const before = p.energy();
-        p.run(rigid ? 20.0 : 60.0, 0.08);
+        p.run(60.0, 0.1);
         mpm::Dissipation const& d = p.mpm->dissipation();
         double const moved = rigid ? p.mpm->outer_work() : before;
-        double const drift = (p.energy() + d.held + d.friction + d.contact - p.mpm->outer_work() - before) / moved;
-        std::printf("%s, %s, %s: drift %.2f %%, held %.2f %%, friction %.2f %%, contact %.2f %%\n", word_of(shape),
-                    word_of(order), rigid ? "pressed" : "hit", 100.0 * drift, 100.0 * d.held / moved,
-                    100.0 * d.friction / moved, 100.0 * d.contact / moved);
+        double const drift = (p.accounted() - before) / moved;
+        std::printf("%s, %s, %s, held at %g: drift %.2g %%, held %.2f %%, apic %.2f %%, friction %.2f %%, work %.3g\n",
+                    word_of(shape), word_of(transfer), rigid ? "rigid" : "elastic", v, 100.0 * drift,
+                    100.0 * d.held / moved, 100.0 * d.apic / moved, 100.0 * d.friction / moved, p.mpm->outer_work());
         EXPECT_GT(moved, 0.0);
-        EXPECT_LT(std::abs(drift), 0.01);
+        // What is heavier than round-off of masses has a velocity: nodes that a crushed body hardly reaches count for
+        // little with APIC, but not for nothing.
+        EXPECT_LT(std::abs(drift), rigid && transfer == Transfer::apic ? 1e-4 : 1e-11);
+      }
+    }
+  }
+}
+
+// A body lies on a wall that rubs, and another one hits it, or a rigid body presses it on the wall: it has no energy
+// but what waves, wall and friction have. Where it is thinner than the nodes reach, contact and wall stop the same
+// nodes one after the other, and the account is not exact.
+TEST(ContactEnergy, IsKeptBetweenAWallAndABody) {
+  for (int const cells : {4, 2}) {
+    for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp}) {
+      for (StressOrder const order : {StressOrder::musl, StressOrder::usf}) {
+        for (bool const rigid : {false, true}) {
+          Problem p;
+          p.box(Geometry::planar2d, 1.0, {16, 16, 1}, Boundary::outflow);
+          p.domain.boundary[2] = Boundary::wall;
+          p.options.shape = shape;
+          p.options.order = order;
+          p.options.wall_friction = 0.2;
+          p.add(unit_solid(0.3));
+          p.add(unit_solid(0.3));
+          Vec3 const coming{0.005, -0.02, 0.0};
+          if (rigid) p.bodies[1].rigid_velocity = coming;
+          p.contacts.push_back({0, 1, 0.2});
+          p.book_work();
+          p.start();
+          p.fill_lattice(0, {3.0, 0.0, 0.0}, {20, 2 * cells, 1}, 0.5, {0.0, 0.0, 0.0});
+          p.fill_lattice(1, {4.0, cells + 0.2, 0.0}, {14, 12, 1}, 0.5, coming);
+          double const before = p.energy();
+          p.run(rigid ? 20.0 : 60.0, 0.08);
+          mpm::Dissipation const& d = p.mpm->dissipation();
+          double const moved = rigid ? p.mpm->outer_work() : before;
+          double const drift = (p.accounted() - before) / moved;
+          std::printf("%d cells, %s, %s, %s: drift %.2g %%, held %.2f %%, friction %.2f %%\n", cells, word_of(shape),
+                      word_of(order), rigid ? "pressed" : "hit", 100.0 * drift, 100.0 * d.held / moved,
+                      100.0 * d.friction / moved);
+          EXPECT_GT(moved, 0.0);
+          // Where the stress is updated first, what walls stop is guessed beforehand: 3e-7 was measured, else 1e-15.
+          double const thick = order == StressOrder::usf ? 1e-6 : 1e-11;
+          double const thin = rigid ? 0.06 : 0.005;  // 4.6 % and 0.3 % were measured
+          EXPECT_LT(std::abs(drift), cells == 4 ? thick : thin);
+        }
       }
     }
   }
@@ -367,21 +393,21 @@ TEST(ContactEnergy, PistonOnAWallGivesWhatTheBodyGets) {
       double const v = 0.02;
       p.bodies[piston].rigid_velocity = Vec3{v, 0.0, 0.0};
       p.contacts.push_back({piston, body, 0.2});
+      p.book_work();
       p.start();
       p.fill_lattice(piston, {2.0, 0.0, 0.0}, {4, 6, 1}, 0.5, {v, 0.0, 0.0});
       p.fill_lattice(body, {4.1, 0.0, 0.0}, {10, 6, 1}, 0.5, {0.0, 0.0, 0.0});
       double const before = p.energy();
       p.run(60.0, 0.1);
       double const got = p.mpm->sums(body).momentum[0];
-      mpm::Dissipation const& d = p.mpm->dissipation();
       double const work = p.mpm->outer_work();
-      double const drift = (p.energy() + d.held + d.friction + d.contact - work - before) / work;
-      std::printf("%s: momentum wrong by %.1e; drift %.2f %% of the work\n", word_of(shape),
+      double const drift = (p.accounted() - before) / work;
+      std::printf("%s: momentum wrong by %.1e; drift %.2g %% of the work\n", word_of(shape),
                   p.mpm->constraint_impulse()[0] / got - 1.0, 100.0 * drift);
       EXPECT_GT(got, 15.0 * v);  // 15 m2 of body
       EXPECT_NEAR(p.mpm->constraint_impulse()[0] / got, 1.0, 1e-9);
       EXPECT_NEAR(work / (got * v), 1.0, 1e-9);
-      EXPECT_LT(std::abs(drift), 0.01);
+      EXPECT_LT(std::abs(drift), 1e-11);
     }
   }
 }

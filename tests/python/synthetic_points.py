@@ -157,7 +157,7 @@ def write(folder, which, dumps=5, drift=-2e-3):
                                 "energy": {"initial": 186.0, "current": 186.0 * (1 + drift), "lost": 0.0,
                                            "scale": 186.0, "drift": drift, "largest_drift": drift,
                                            "work": 0.0, "lost_at_held_nodes": 0.25, "filtered": 0.0, "apic": 0.0,
-                                           "friction": 0.125, "contact": 0.0},
+                                           "friction": 0.125},
                                 "lost_points": 17 if which == "1d" else 0}}}
     (folder / "run.json").write_text(json.dumps(log))
 

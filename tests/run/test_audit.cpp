@@ -277,63 +277,6 @@ TEST(Verdict, GasInTheLedgerIsAnError) {
 
 // Blocks that meet lose less the finer their cells are. The loss is known and no drift, but it is told when it is
 // large.
-TEST(Verdict, WhatBodiesLoseWhereTheyMeetIsTold) {
-  set_threads(1);
-  auto const met = [](int finer) {
-    Case c = two_blocks();
-    c.points.bodies.resize(2);
-    c.points.bodies[0].solid = c.points.bodies[1].solid;
-    c.points.gauges.clear();
-    c.points.contacts = {{0, 1, 0.0}};
-    c.domain.h = 4e-3 / finer;
-    c.domain.cells = {16 * finer, 12 * finer, 1};
-    c.points.options.courant = 0.1;  // velocities stand half a step before positions, which is most of the drift
-    auto w = std::make_unique<World>(c);
-    while (!w->finished()) {
-      advance(*w, c.end.time);
-      w->follow_audit();
-    }
-    w->update_audit();
-    AuditFinding const found = finding(*w, Kind::contact);
-    EXPECT_EQ(found.amount, w->points->dissipation().contact);
-    EXPECT_EQ(found.scale, w->energy_balance().scale);
-    EXPECT_LT(std::abs(finding(*w, Kind::drift).share()), 0.005);
-    EXPECT_FALSE(found.stops());
-    std::printf("%d: %.3f %% lost where they met, drift %.3f %%\n", finer, 100.0 * found.share(),
-                100.0 * finding(*w, Kind::drift).share());
-    return w;
-  };
-  auto const coarse = met(1);
-  AuditFinding const found = finding(*coarse, Kind::contact);
-  EXPECT_GT(found.share(), 0.05);
-  EXPECT_NE(reason(*coarse).find("where their surfaces met"), std::string::npos) << reason(*coarse);
-  EXPECT_NE(reason(*coarse).find("finer cells lose less"), std::string::npos) << reason(*coarse);
-  EXPECT_FALSE(coarse->verdict().balanced);
-  coarse->setup.audit.warn = 0.0;
-  EXPECT_TRUE(coarse->verdict().balanced) << reason(*coarse);
-  auto const fine = met(4);
-  EXPECT_LT(finding(*fine, Kind::contact).share(), 0.05);
-  EXPECT_GT(finding(*fine, Kind::contact).share(), 0.0);
-  EXPECT_EQ(reason(*fine), "");
-  World const alone(pool());
-  for (AuditFinding const& f : alone.audit_findings()) EXPECT_NE(f.kind, Kind::contact) << "there are no contacts";
-}
-
-TEST(Verdict, WhatAContactMakesIsNoLoss) {
-  EnergyBalance balance;
-  balance.initial = 100.0;
-  balance.scale = 100.0;
-  balance.current = 97.0;
-  balance.dissipated.held = 1.0;
-  balance.dissipated.contact = 2.0;
-  EXPECT_EQ(balance.error(), 0.0);
-  balance.current = 102.0;
-  balance.dissipated.contact = -3.0;
-  EXPECT_EQ(balance.error(), 3.0) << "it counts as drift";
-  balance.dissipated.contact = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(std::isnan(balance.error()));
-}
-
 // Velocities stand half a step before positions: in the first steps of a fall or a load that is a large part of all
 // there is, whenever it begins.
 TEST(FollowAudit, FirstMomentsOfALoadAreNoDrift) {

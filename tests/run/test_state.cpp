@@ -100,9 +100,8 @@ std::vector<double> bits_of(World& world) {
   }
   for (double const p : world.points->constraint_impulse()) bits.push_back(p);
   bits.push_back(world.points->outer_work());
-  bits.insert(bits.end(),
-              {world.points->dissipation().held, world.points->dissipation().filtered, world.points->dissipation().apic,
-               world.points->dissipation().friction, world.points->dissipation().contact});
+  bits.insert(bits.end(), {world.points->dissipation().held, world.points->dissipation().filtered,
+                           world.points->dissipation().apic, world.points->dissipation().friction});
   AuditMemory const& memory = world.audit.memory;
   bits.insert(bits.end(),
               {memory.scale, memory.all, memory.drift, memory.content, memory.surplus, memory.gas, memory.unlit});
