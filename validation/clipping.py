@@ -50,10 +50,6 @@ def law(strength, wall):
     return 0.55 * strength ** -0.23 + (1.15 * strength ** 2 / (1 + strength ** 2) if wall else 0.0)
 
 
-def gauge(result):
-    return json.loads((result.folder / "summary.json").read_text())["gauges"][0]
-
-
 def before(program, path):
     answer = json.loads(subprocess.run([str(program), "check", "--json", str(path)], check=True, capture_output=True,
                                        text=True).stdout)
@@ -64,15 +60,15 @@ def rows_of(variants, wall, numbers):
     rows = []
     for z, end in DISTANCES:
         kind = "wall" if wall else "open"
-        fine = gauge(variants("clipping", f"open-{z:g}-{REFERENCE}", text=deck(z, REFERENCE, False, end)))
+        fine = variants("clipping", f"open-{z:g}-{REFERENCE}", text=deck(z, REFERENCE, False, end)).gauges["g"]
         incident = fine["front_overpressure"]
         right = reflected(incident) if wall else incident
         runs = [n for n in numbers if RADIUS * n / z >= FEWEST]
         # N of all grids from the finest record: the time in which the pressure falls to half of the right peak.
-        finest = gauge(variants("clipping", f"{kind}-{z:g}-{REFERENCE}", text=deck(z, REFERENCE, wall, end)))
+        finest = variants("clipping", f"{kind}-{z:g}-{REFERENCE}", text=deck(z, REFERENCE, wall, end)).gauges["g"]
         for number in runs:
             name = f"{kind}-{z:g}-{number}"
-            g = gauge(variants("clipping", name, text=deck(z, number, wall, end)))
+            g = variants("clipping", name, text=deck(z, number, wall, end)).gauges["g"]
             expected = before(variants.program, variants.work / f"clipping-{name}.toml")
             cells = finest["cells_per_half_width"] * number / REFERENCE
             part = 1 - g["peak_overpressure"] / right

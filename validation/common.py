@@ -15,10 +15,10 @@ from pathlib import Path
 import matplotlib
 
 matplotlib.use("Agg")
-import h5py  # noqa: E402
-import numpy as np  # noqa: E402
-
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "python"))
+from brisance.results import Run, nearest  # noqa: E402, F401
+
 FAILURE = 4  # exit code of a numerical failure
 INK, MUTED, GRID = "#1d2733", "#66727f", "#e3e8ed"
 COLOURS = ("#b5d3ec", "#7db3de", "#3f84c2", "#1f4f88")  # coarse to fine
@@ -175,8 +175,7 @@ class Variants:
             self.calculate(case, name, text, state == "resumable", may_fail)
         if not (folder / "run.json").exists():
             sys.exit(f"{case}, {name}: no results; see `brisance check {self.work / f'{case}-{name}.toml'}`")
-        result = Result(folder)
-        result.processor_seconds = self.note(folder).get("processor_seconds")
+        result = Result(folder, self.note(folder).get("processor_seconds"))
         if result.log["status"] != "done":
             if may_fail:
                 return None
@@ -228,44 +227,14 @@ class Variants:
             sys.exit(f"{case}, {name}: failed with exit code {code}")
 
 
-class Result:
-    """The output folder of a run of material points."""
+class Result(Run):
+    """The output folder of a variant, and what it cost."""
 
-    def __init__(self, folder):
-        self.folder = Path(folder)
-        self.log = json.loads((self.folder / "run.json").read_text())
-        self.bodies = self.log.get("points", {}).get("bodies", [])
-        self.h = self.log["domain"]["cell_size"]
-        self.processor_seconds = None
+    def __init__(self, folder, processor_seconds=None):
+        super().__init__(folder)
+        self.processor_seconds = processor_seconds
 
     @property
     def seconds(self):
         """Seconds of the processor, which other programs on the machine hardly change; on the wall where not known."""
         return self.processor_seconds or self.log["wall_seconds"]
-
-    def csv(self, name):
-        """Columns of a CSV file by their headers without the units."""
-        path = self.folder / name
-        header = [h.split(" [")[0].strip('"') for h in path.read_text().split("\n", 1)[0].split(",")]
-        values = np.atleast_2d(np.genfromtxt(path, delimiter=",", skip_header=1))
-        return {h: values[:, k] for k, h in enumerate(header)}
-
-    def gauge(self, name):
-        return self.csv(f"gauges/{name}.csv")
-
-    def dumps(self):
-        return sorted(self.folder.glob("points/points_*.h5"))
-
-    @staticmethod
-    def dump(path):
-        with h5py.File(path, "r") as file:
-            return {name: file["points"][name][...].astype(float) for name in file["points"]} | {
-                "time": float(file.attrs["time"])}
-
-    def energies(self):
-        """Time, and the kinetic and internal energies of all bodies together."""
-        columns = self.csv("energies.csv")
-
-        def total(kind):
-            return sum(v for k, v in columns.items() if k.endswith(kind))
-        return columns["time"], total("kinetic_energy"), total("internal_energy")

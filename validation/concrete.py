@@ -1,6 +1,5 @@
 """Concrete and soil: single points, calibration of the tensile damage, spall, a crater on four grids, a column of soil,
 a beam with bars, a slab on soil."""
-import json
 import re
 import subprocess
 import sys
@@ -219,8 +218,8 @@ def spall_estimate(pulse, law, speed, cap):
 
 def first_cracked(result, end):
     """Distances [m] from the end of the bar of the points in its farther half that cracked first."""
-    for path in result.dumps():
-        dump = result.dump(path)
+    for dump in result.point_dumps:
+        dump = dump.read()
         x = end - (dump["position"][:, 0] - dump["displacement"][:, 0])
         cracked = (dump["tensile_damage"] >= 1.0) & (x < 0.5 * end)
         if cracked.any():
@@ -261,7 +260,7 @@ def bar(run):
                          f"{1e3 * wide.mean():.1f}",
                          f"{100 * result.log['points']['audit']['energy']['drift']:+.2f} %"])
             axes[0].plot(1e6 * gauge["time"], gauge["velocity_x"], color=colour, label=f"{peak * 1e-6:g} MPa")
-            dump = result.dump(result.dumps()[-1])
+            dump = result.point_dumps[-1].read()
             x = dump["position"][:, 0] - dump["displacement"][:, 0]
             order = np.argsort(x)
             axes[1].plot(1e3 * (0.5 - x[order]), dump["tensile_damage"][order], color=colour)
@@ -299,8 +298,8 @@ def crater(run):
             result = run("concrete_crater_2d", f"{cell:g}-{law}",
                          {"domain.cell": f"{cell:g} mm", "points.regularisation": law})
             zones = result.log["points"]["broken_zones"][0]
-            dump = result.dump(result.dumps()[-1])
-            origin, spacing = dump["position"] - dump["displacement"], 0.5 * result.h
+            dump = result.point_dumps[-1].read()
+            origin, spacing = dump["position"] - dump["displacement"], 0.5 * result.cell_size
             volume = 2.0 * np.pi * origin[:, 0] * spacing ** 2
             top = (origin[:, 1] > 0.3 - spacing) & (dump["damage"] >= 0.5)
             grown, sunk = growth(origin, dump["displacement"], spacing, 0.4, 0.3)
@@ -370,8 +369,8 @@ def beam(run):
             if bars:
                 stiffness, lever = cracked_section(material("concrete-48MPa"), 0.04, 0.06, np.pi * 0.004 ** 2)
                 time, mean, most = [], [], []
-                for path in result.dumps():
-                    dump = result.dump(path)
+                for dump in result.point_dumps:
+                    dump = dump.read()
                     x = dump["position"][:, 0] - dump["displacement"][:, 0]
                     steel = (dump["bar_part"] > 0.0) & (x < 0.05)
                     time.append(dump["time"])
@@ -424,7 +423,7 @@ def ground(run):
             pushed = f"{result.gauge('soil')['pressure'].max() * 1e-6:.2f}" if text is None else "-"
             rows.append([name, f"{-1e3 * below['displacement_y'].min():.2f}", pushed,
                          f"{1e3 * zones['cracked']['volume']:.1f}", f"{100 * energy['drift']:+.2f} %"])
-            shots.append(result.dump(result.dumps()[-1]))
+            shots.append(result.point_dumps[-1].read())
         for axis, dump, name in zip(axes[1:], shots, ("on soil", "free")):
             slab = dump["body"] == 0
             x = 1e3 * dump["position"]
@@ -448,8 +447,8 @@ def column(run):
     """Collapse of a column of soil."""
     result = run("soil_column_2d", "column")
     shots = []
-    for path in result.dumps():
-        dump = result.dump(path)
+    for dump in result.point_dumps:
+        dump = dump.read()
         if any(abs(dump["time"] - t) < 1e-6 for t in (0.0, 0.2, 0.4, 1.0)):
             shots.append(dump)
     with plt.rc_context(RC):
@@ -485,8 +484,7 @@ def charges(run):
     rows, impulses = [], []
     for cell in (12.0, 8.0, 16.0 / 3.0):
         result = run("charge_in_soil_2d", f"{cell:.3g}", {"domain.cell": f"{cell} mm"})
-        bodies = json.loads((result.folder / "summary.json").read_text())["bodies"]
-        plate = next(body for body in bodies if body["body"] == "plate")["end"]
+        plate = next(body for body in result.bodies if body["body"] == "plate")["end"]
         impulses.append(plate["momentum"][1])
         change = f"{100 * (impulses[-1] / impulses[-2] - 1):+.1f} %" if len(impulses) > 1 else ""
         rows.append([f"{cell:.3g}", f"{impulses[-1]:.1f}", change, f"{plate['velocity'][1]:.2f}",

@@ -1,6 +1,5 @@
 """Gas and points in closed rooms, where waves come back: a held plate of points against a rigid obstacle of the same
 shape, and a steel box under the pressure of gas for 50 ms."""
-import h5py
 import numpy as np
 from common import ROOT, Variants, commit, machine, per_cent, table
 
@@ -86,13 +85,10 @@ def room_deck(room, with_points, cell=None):
 
 def mean_pressure(result, room):
     """Over all that is not the plate, at the end [Pa]."""
-    size, plate = room[2], room[5]
-    with h5py.File(sorted(result.folder.glob("fields/*.h5"))[-1]) as file:
-        names = []
-        file.visit(names.append)
-        pressure = file[next(n for n in names if n.rsplit("/", 1)[-1] == "pressure")][()]
-    pressure = pressure.reshape([round(s / result.h) for s in reversed(size)])
-    centres = [(np.arange(n) + 0.5) * result.h for n in reversed(pressure.shape)]
+    plate = room[5]
+    dump = result.dumps[-1]
+    pressure = dump.values("pressure")
+    centres = [dump.centres(d) for d in range(pressure.ndim)]
     grids = np.meshgrid(*reversed(centres), indexing="ij")[::-1]  # x, y, z
     solid = np.all([(x > a) & (x < b) for x, a, b in zip(grids, *plate)], axis=0)
     weight = np.where(solid, 0.0, grids[0] if room[1] == "axisymmetric2d" else 1.0)
@@ -133,10 +129,9 @@ def room_rows(variants):
 def mean_in_box(result):
     """Of the overpressure over the inside of the box, in the dumps from 45 ms on [Pa]."""
     means = []
-    for path in sorted(result.folder.glob("fields/*.h5"))[1:]:
-        with h5py.File(path) as file:
-            pressure = np.squeeze(file["cells/pressure"][()]).astype(float)
-        y, x = np.meshgrid(*((np.arange(n) + 0.5) * 0.02 for n in pressure.shape), indexing="ij")
+    for dump in result.dumps[1:]:
+        pressure = dump.values("pressure")
+        y, x = np.meshgrid(dump.centres(1), dump.centres(0), indexing="ij")
         weight = np.where((x < 0.36) & (abs(y - 0.6) < 0.36), x, 0.0)
         means.append(np.sum(weight * (pressure - 101325.0)) / np.sum(weight))
     return float(np.mean(means))

@@ -26,8 +26,7 @@ AMBIENT_PRESSURE = 101325.0
 def run(variants, case, cell):
     """One run of a case at a cell size [mm]: its log and its gauges."""
     result = variants(case, f"{cell:g}mm", {"cell": f"{cell:g} mm"})
-    gauges = {g["name"]: g for g in json.loads((result.folder / "summary.json").read_text())["gauges"]}
-    return {"cell": cell, "log": result.log, "gauges": gauges}
+    return {"cell": cell, "log": result.log, "gauges": result.gauges}
 
 
 def kingery_bulmash(program, distances):

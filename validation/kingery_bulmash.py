@@ -69,10 +69,6 @@ def ground_deck(cell, kind):
             + gauges_text(points) + "[output]\npeak_fields = false\n[end]\ntime = 6.5e-3\n")
 
 
-def gauges_of(result):
-    return {g["name"]: g for g in json.loads((result.folder / "summary.json").read_text())["gauges"]}
-
-
 class Curves:
     """Kingery and Bulmash's values of 1 kg of TNT, as the program knows them."""
 
@@ -240,35 +236,35 @@ def validate(arguments, work):
     curves = Curves(arguments.brisance)
     coarse = 4e-3 if arguments.quick else 1e-3
     points = [(f"z{z:g}", (z,)) for z in DISTANCES] + [(f"g{z:g}", (z * GROUND,)) for z in DISTANCES]
-    plain = gauges_of(run("kb", "free-air", text=free_air_deck(coarse, points)))
+    plain = run("kb", "free-air", text=free_air_deck(coarse, points)).gauges
     burnt = {}
     for name, _, lines in AFTERBURN:
         result = run("kb", f"afterburn-{name}", text=free_air_deck(coarse, points, lines))
-        burnt[name], burnt[name, "log"] = gauges_of(result), result.log
+        burnt[name], burnt[name, "log"] = result.gauges, result.log
     walls = {}
     factor = 2.0 if arguments.quick else 1.0
     for z, size, cell, end in WALLS:
         result = run("kb", f"wall-{z:g}", text=wall_deck(z, size, cell * factor, end))
-        walls[z], walls[z, "log"] = gauges_of(result), result.log
+        walls[z], walls[z, "log"] = result.gauges, result.log
         # With afterburn on a grid twice as coarse, and without it once more on the same.
         for name, lines in (("coarse", ""), ("burnt", AFTERBURN[1][2])):
             folder = f"wall-{z:g}-{'afterburn' if lines else name}"
-            walls[z, name] = gauges_of(run("kb", folder, text=wall_deck(z, size, 2.0 * cell * factor, end, lines)))
+            walls[z, name] = run("kb", folder, text=wall_deck(z, size, 2.0 * cell * factor, end, lines)).gauges
     ground = run("kb", "ground-wall", text=ground_deck(0.01 * factor, "wall"))
     mirror = run("kb", "ground-symmetry", text=ground_deck(0.01 * factor, "symmetry"))
     same = all((ground.folder / f"gauges/{n}.csv").read_bytes() == (mirror.folder / f"gauges/{n}.csv").read_bytes()
-               for n in gauges_of(ground))
-    sphere = gauges_of(run("kb", "sphere-2kg", text=free_air_deck(coarse, [(f"z{z:g}", (z,)) for z in (1, 2, 3)],
-                                                                  mass=2.0, size=5, end=6.5e-3)))
+               for n in ground.gauges)
+    sphere = run("kb", "sphere-2kg", text=free_air_deck(coarse, [(f"z{z:g}", (z,)) for z in (1, 2, 3)], mass=2.0,
+                                                        size=5, end=6.5e-3)).gauges
     at_sea = json.loads(subprocess.run([str(arguments.brisance), "kb", "--charge", "1", "--distance", "1", "--burst",
                                         "spherical", "--altitude", f"{ALTITUDE} m", "--json"], check=True,
                                        capture_output=True, text=True).stdout)
     pressure = at_sea["ambient_pressure"] / AMBIENT
     sound = np.sqrt(pressure / (at_sea["ambient_density"] / 1.225))
     length = pressure ** (-1 / 3)
-    high = gauges_of(run("kb", "altitude", text=free_air_deck(
+    high = run("kb", "altitude", text=free_air_deck(
         coarse, [(f"z{z:g}", (z * length,)) for z in DISTANCES], ambient=f"[ambient]\naltitude = {ALTITUDE}\n", size=16,
-        end=38e-3)))
+        end=38e-3)).gauges
 
     target = work if arguments.quick else ROOT / "docs" / "validation"
     plot(plain, burnt, plain, walls, curves, target / "kingery_bulmash.png")
@@ -281,7 +277,7 @@ def validate(arguments, work):
         "afterburn": released_rows(burnt), "peaks": afterburn_rows(plain, burnt, curves, "peak_overpressure"),
         "impulses": afterburn_rows(plain, burnt, curves, "positive_impulse"),
         "arrivals": afterburn_rows(plain, burnt, curves, "arrival_time"),
-        "walls": wall_rows(walls, plain, curves), "ground_check": ground_rows(gauges_of(ground), sphere),
+        "walls": wall_rows(walls, plain, curves), "ground_check": ground_rows(ground.gauges, sphere),
         "same": "the same to the last digit" if same else "NOT the same",
         "masses": "{:.12g} kg on the wall, {:.12g} kg with its image".format(*(c["realised_mass"] for c in charge)),
         "altitude": altitude_rows(plain, high, length, length / sound, pressure),

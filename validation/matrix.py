@@ -8,7 +8,6 @@ import argparse
 import collections
 import functools
 import itertools
-import json
 import os
 import subprocess
 import sys
@@ -19,6 +18,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "python"))
+from brisance.results import Run  # noqa: E402
+
 RADIUS = 0.05  # of the charge [m]
 AMBIENTS = {"sea level": "", "10 km": 'altitude = "10 km"\n', "20 km": 'altitude = "20 km"\n',
             "32 km": 'altitude = "32 km"\n', "helium": 'fluid = "helium"\n'}
@@ -99,12 +101,11 @@ def run(program, folder, text):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     message = (done.stderr.strip().splitlines() or [""])[0]
     try:
-        log = json.loads((out / "run.json").read_text(encoding="utf-8"))
-        summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+        result = Run(out)
+        peaks = [gauge["peak_overpressure"] for gauge in result.summary["gauges"]]
     except (OSError, ValueError):
         return done.returncode, {}, [], message
-    peaks = [gauge["peak_overpressure"] for gauge in summary["gauges"]]
-    return done.returncode, log["audit"] | {"step": log["step"]}, peaks, message
+    return done.returncode, result.log["audit"] | {"step": result.log["step"]}, peaks, message
 
 
 def check(program, work, case):

@@ -18,7 +18,7 @@ FAILED = "fails"
 def energy_drift(result):
     """Relative deviation of the energy from that at the start, at every record: the plain sum, and with the kinetic
     energy of the middle of the step, where the velocity belongs, moved to its end."""
-    time, kinetic, internal = result.energies()
+    time, kinetic, internal = result.total_energies()
     lost = result.log["points"]["audit"]["energy"]["lost"] or 0.0
     start = kinetic[0] + internal[0]
     plain = (kinetic + internal) / start - 1.0
@@ -62,7 +62,7 @@ def sod_exact(x, time, gamma=1.4):
 
 
 def sod_profile(result):
-    d = result.dump(result.dumps()[-1])
+    d = result.point_dumps[-1].read()
     # Of equal volume within each body at the start: the mass tells the volume.
     order = np.argsort(d["position"][:, 0])
     x = d["position"][order, 0]
@@ -167,7 +167,7 @@ def slab_row(name, result):
         arrival = t[n - 1] + (t[n] - t[n - 1]) * (0.5 * peak - p[n - 1]) / (p[n] - p[n - 1])
         arrivals.append(per_cent(arrival * TNT_SPEED / g["x"][0], 2))
         peaks.append(per_cent(peak / TNT_CJ))
-    highest = max(float(np.max(d["pressure"])) for d in map(result.dump, result.dumps()))
+    highest = max(float(np.max(d.values("pressure"))) for d in result.point_dumps)
     drift = 100.0 * result.log["points"]["audit"]["energy"]["drift"]
     return [name, *arrivals, *peaks, f"{highest / 1e9:.2f}", f"{drift:+.2f} %"]
 
@@ -199,8 +199,8 @@ def tnt_slab_points(run):
         result = results[s]
         if result is None:
             continue
-        for path in result.dumps()[4:29:6]:
-            d = result.dump(path)
+        for d in result.point_dumps[4:29:6]:
+            d = d.read()
             order = np.argsort(d["position"][:, 0])
             a.plot(d["position"][order, 0] * 1e3, d["pressure"][order] / 1e9, color=SHAPE_COLOURS[s], linewidth=0.8)
         a.axhline(TNT_CJ / 1e9, color=ORANGE, linewidth=1.0)
@@ -254,10 +254,10 @@ RADIUS, HEIGHT, MARK = 3.81e-3, 25.4e-3, 5.08e-3
 def bar_sizes(result):
     """Length, diameter of the foot where it is widest and diameter 5.08 mm above the struck end [mm]; the half spacing
     between the outermost points and the surface is extrapolated. The rod may have left the wall."""
-    d = result.dump(result.dumps()[-1])
+    d = result.point_dumps[-1].read()
     x, y = d["position"][:, 0], d["position"][:, 1]
     start = d["position"] - d["displacement"]
-    spacing = result.h / result.bodies[0]["points_per_direction"]
+    spacing = result.cell_size / result.points["bodies"][0]["points_per_direction"]
     row = np.floor(start[:, 1] / spacing).astype(int)
     if result.log["domain"]["geometry"] != "axisymmetric2d":
         # Points of cut cells stand anywhere on the side: the diameter is that of the area which a slab of them fills.
@@ -310,8 +310,8 @@ def taylor(run):
             continue
         results[folder] = result
         sizes = bar_sizes(result)
-        d = result.dump(result.dumps()[-1])
-        _, kinetic, internal = result.energies()
+        d = result.point_dumps[-1].read()
+        _, kinetic, internal = result.total_energies()
         drift = (kinetic[-1] + internal[-1]) / (kinetic[0] + internal[0])
         rows.append([name, *(f"{sizes[k]:.2f} ({per_cent(sizes[k] / BAR[k])})" for k in BAR),
                      f"{d['plastic_strain'].max():.2f}", f"{d['temperature'].max():.0f}", per_cent(drift, 2)])
@@ -325,7 +325,7 @@ def taylor(run):
                                                           (0.8, "#e0702f"), (1.0, "#a81e2b")])
     a = axes[0]
     style(a)
-    d = results["bspline-0.127"].dump(results["bspline-0.127"].dumps()[-1])
+    d = results["bspline-0.127"].point_dumps[-1].read()
     for sign in (-1, 1):
         drawn = a.scatter(sign * d["position"][:, 0] * 1e3, d["position"][:, 1] * 1e3, c=d["plastic_strain"], s=0.6,
                           cmap=rising, vmin=0.0, vmax=1.5, linewidths=0)
@@ -340,12 +340,12 @@ def taylor(run):
     a = axes[1]
     style(a)
     for folder, colour in zip(("bspline-0.508", "bspline-0.254", "bspline-0.127"), COLOURS[1:]):
-        d = results[folder].dump(results[folder].dumps()[-1])
+        d = results[folder].point_dumps[-1].read()
         start = d["position"] - d["displacement"]
-        edge = start[:, 0] > RADIUS - results[folder].h / 2
+        edge = start[:, 0] > RADIUS - results[folder].cell_size / 2
         order = np.argsort(start[edge, 1])
         a.plot(d["position"][edge][order, 1] * 1e3, d["position"][edge][order, 0] * 1e3, color=colour, linewidth=1.2,
-               label=f"h = {results[folder].h * 1e3:g} mm, outermost points")
+               label=f"h = {results[folder].cell_size * 1e3:g} mm, outermost points")
     a.plot([0.0, 5.08], [half, 5.05], "o", color=INK, markersize=4, label="test")
     a.axvline(height, color=INK, linewidth=0.8, linestyle=":")
     a.text(height - 0.2, 6.5, "length, test", ha="right", color=INK)
@@ -353,7 +353,7 @@ def taylor(run):
     a.set_title("Radius [mm] along the rod")
     a.legend()
     header = ["calculation", *(f"{k} [mm]" for k in BAR), "largest plastic strain", "highest T [K]", "energy at 80 us"]
-    speeds = [float(results[folder].csv("gauges/rod.csv")["velocity_y"][-1])
+    speeds = [float(results[folder].gauge("rod")["velocity_y"][-1])
               for folder in ("bspline-0.508", "bspline-0.254", "bspline-0.127")]
     rebound = ", ".join(f"{v:.2f}" for v in speeds)
     return {"taylor_table": table(header, rows), "taylor_error": f"{100 * error:.1f}",
@@ -379,10 +379,10 @@ def gurney(run):
             for name, changes in chosen + [("instantaneous", {"body.detonation": "instantaneous", "initiation": None})]:
                 result = run(case, f"{explosive}-{name.replace(' = ', '').replace(' mm', '')}",
                              {"body.material": explosive, **changes})
-                masses = {b["name"]: b["mass"] for b in result.bodies}
+                masses = {b["name"]: b["mass"] for b in result.points["bodies"]}
                 ratio = masses["metal"] / masses["charge"]
                 factor = (ratio + constant) ** -0.5
-                columns = result.csv("energies.csv")
+                columns = result.energies
                 speed = np.sqrt(2.0 * columns["metal: kinetic_energy"] / masses["metal"])
                 # Volume of the products: inside the metal, whose own volume hardly changes.
                 g = result.gauge(gauge)

@@ -1,9 +1,7 @@
 """The start by a remap: a burst in 3D from a 1D start against the same burst in 1D throughout and in 3D throughout; the
 time of the remap; the 1D start by material points against that by the gas scheme; products that become an ideal gas."""
-import json
 import re
 
-import h5py
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
@@ -118,13 +116,9 @@ steps=2
 """
 
 
-def gauges_of(result):
-    return {g["name"]: g for g in json.loads((result.folder / "summary.json").read_text())["gauges"]}
-
-
 def ratios(result, reference, distances=DISTANCES):
     """Of every quantity and distance: values in all directions over those of the 1D run."""
-    fine, gauges = gauges_of(reference), gauges_of(result)
+    fine, gauges = reference.gauges, result.gauges
     directions = DIRECTIONS if f"r{distances[0]}-xyz" in gauges else FLAT
 
     def ratio(key, d, n):
@@ -197,12 +191,12 @@ def farther_table(runs, reference):
 
 
 def cut_over_table(runs):
-    full = gauges_of(runs[0])
+    full = runs[0].gauges
     rows = []
     for volume, run in runs.items():
         if not volume:
             continue
-        gauges = gauges_of(run)
+        gauges = run.gauges
         row = [f"{volume:g}"]
         for key in ("arrival_time", "peak_overpressure", "positive_impulse"):
             deviation = [gauges[f"r{d}"][key] / full[f"r{d}"][key] for d in FAR]
@@ -299,15 +293,10 @@ def costs(runs, reference):
                   *(f"mean error of the {n}" for n in QUANTITIES.values()), "mean scatter of the peak"], rows)
 
 
-def cumulated(path, radii, component):
-    """Integral of a component of a profile (None: the pressure) from the centre to the radii."""
-    with h5py.File(path) as file:
-        spacing, ambient = float(file.attrs["spacing"]), file["profile/ambient"][...]
-        if component is None:
-            values = np.append(file["profile/pressure"][0], file.attrs["ambient_pressure"])
-        else:
-            values = np.append(file["profile/state"][component, 0], ambient[component])
-    edges = 4 / 3 * np.pi * (np.arange(len(values)) * spacing) ** 3
+def cumulated(profile, radii, component):
+    """Integral of a component of a profile from the centre to the radii."""
+    values = np.append(profile.values(component), profile.ambient(component))
+    edges = 4 / 3 * np.pi * (np.arange(len(values)) * profile.spacing) ** 3
     sums = np.append(0.0, np.cumsum(values[:-1] * np.diff(edges)))
     asked = 4 / 3 * np.pi * radii ** 3
     return np.interp(asked, edges, sums) + np.maximum(0.0, asked - edges[-1]) * values[-1]
@@ -316,12 +305,14 @@ def cumulated(path, radii, component):
 def difference(of, reference, component, cell):
     """L1 of means over `cell` [m] of a component of the start's profile, relative."""
     radii = np.arange(0.0, 0.34, cell)
-    a = np.diff(cumulated(reference.folder / "profiles/start_1.h5", radii, component))
-    b = np.diff(cumulated(of.folder / "profiles/start_1.h5", radii, component))
+    a = np.diff(cumulated(reference.profiles["start_1"], radii, component))
+    b = np.diff(cumulated(of.profiles["start_1"], radii, component))
     return np.abs(a - b).sum() / np.abs(a).sum()
 
 
-COMPONENTS = (None, 0, 6, 1, 4)  # pressure, air, products, momentum, energy
+# of a profile, and their names in the table
+COMPONENTS = {"pressure": "pressure", "density": "air", "second_density": "products", "momentum_x": "momentum",
+              "energy": "energy"}
 
 
 def points_worst(starts, gas):
@@ -339,7 +330,7 @@ def start_table(starts):
         for cell in (0.26e-3, 5e-3):
             row += [f"{100 * difference(run, starts[finest], c, cell):.2f} %" for c in COMPONENTS]
         rows.append(row + [f"{run.log['timings']['start']:.1f}"])
-    names = ("pressure", "air", "products", "momentum", "energy")
+    names = COMPONENTS.values()
     return table(["method", "cell [mm]", "cells per charge radius", *names, *(f"{n}, 5 mm" for n in names), "time [s]"],
                  rows)
 
@@ -370,12 +361,10 @@ def plots(runs, reference, starts, target):
     gas = [key for key in starts if key[0] == "gas"][-1]
     points = [key for key in starts if key[0] == "points"][-1]
     for key, colour in ((points, ORANGE), (gas, INK)):
-        with h5py.File(starts[key].folder / "profiles/start_1.h5") as file:
-            state, pressure = file["profile/state"][:, 0], file["profile/pressure"][0]
-            r = (np.arange(len(pressure)) + 0.5) * float(file.attrs["spacing"])
-        rho = state[0] + state[6]
-        for a, values in zip(axes, (rho, state[1] / rho, pressure / 1e6)):
-            a.plot(r, values, color=colour, linewidth=0.9, label=f"{key[0]}, cells of {key[1]} mm")
+        profile = starts[key].profiles["start_1"]
+        rho = profile.values("density") + profile.values("second_density")
+        for a, values in zip(axes, (rho, profile.values("momentum_x") / rho, profile.values("pressure") / 1e6)):
+            a.plot(profile.radii(), values, color=colour, linewidth=0.9, label=f"{key[0]}, cells of {key[1]} mm")
     for a, title in zip(axes, ("Density [kg/m³]", "Velocity [m/s]", "Pressure [MPa]")):
         style(a)
         a.set_title(f"{title} at {SAME_TIME}")

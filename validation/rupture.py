@@ -1,5 +1,4 @@
 """What flows through openings: panels that give way, gaps between bodies, a plate that tears."""
-import h5py
 import numpy as np
 from common import ROOT, Variants, commit, machine, per_cent, table
 
@@ -139,12 +138,6 @@ def contraction(p):
     return (b - np.sqrt(b * b - 4.0 * a * (1.0 - OUTSIDE / p))) / (2.0 * a)
 
 
-def fields(path):
-    with h5py.File(path) as file:
-        return {name: file["cells"][name][0].astype(float) for name in file["cells"]} | {
-            "time": float(file.attrs["time"]), "h": float(file.attrs["spacing"])}
-
-
 def room_rows(variants):
     rows = []
     for bar, room, resolutions in ROOMS:
@@ -156,10 +149,9 @@ def room_rows(variants):
                                time=(1.0 + PERIODS) * period)
             result = variants("room", f"{room:g}m-{bar}bar-{cells}", text=deck)
             states = []
-            for path in sorted(result.folder.glob("fields/*.h5")):
-                dump = fields(path)
-                n = round(room / h)
-                states.append((dump["time"], dump["pressure"][:n, :n].mean(), dump["density"][:n, :n].mean()))
+            n = round(room / h)
+            for dump in result.dumps:
+                states.append((dump.time, *(dump.values(key)[:n, :n].mean() for key in ("pressure", "density"))))
             time, p, rho = np.array([s for s in states if s[0] >= period * (1.0 - 1e-9)]).T
             flow = 0.1 * contraction(p) * jet(p, rho)
             formula = np.sum(0.5 * (flow[1:] + flow[:-1]) * np.diff(time)) / room**2
@@ -241,12 +233,11 @@ def plate_rows(variants):
         for failure, name in ((TEARS, "tears"), ("", "whole")):
             result = variants("plate", f"{cell:g}mm-{name}", text=PLATE.format(cell=cell, failure=failure))
             times, mass = [], []
-            for path in sorted(result.folder.glob("fields/*.h5")):
-                dump = fields(path)
-                i = round(0.26 / dump["h"])
-                gas = dump["density"] * (1.0 - dump["solid"])
-                times.append(dump["time"])
-                mass.append(gas[:, i:].sum() * dump["h"] ** 2)
+            i = round(0.26 / result.cell_size)
+            for dump in result.dumps:
+                gas = dump.values("density") * (1.0 - dump.values("solid"))
+                times.append(dump.time)
+                mass.append(gas[:, i:].sum() * dump.spacing ** 2)
             most = mass[0] + DENSITY * 0.05 * 0.05  # what the plate pushes along
             through = next((f"{1e3 * t:.2f}" for t, m in zip(times, mass) if m > most), "-")
             audit, energy = result.log["audit"], result.log["mpm_region"]["energy"]

@@ -1,11 +1,10 @@
 """The paper's example 5.2: a disc of TNT beside a slab, gas cells and material points together [Cui14]."""
 import re
 
-import h5py
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, ORANGE, RC, ROOT, per_cent, style, table
+from common import COLOURS, ORANGE, RC, ROOT, nearest, per_cent, style, table
 
 CASE = "slab_2d"
 AMBIENT = 101325.0
@@ -70,16 +69,8 @@ def front_noise(fields, angles):
 
 def pressure(result, time):
     """Cell centres along x and y [m] and the pressure [Pa] of the dump next to a time."""
-    best = None
-    for path in sorted(result.folder.glob("fields/fields_*.h5")):
-        with h5py.File(path, "r") as file:
-            t = float(file.attrs["time"])
-            if best is None or abs(t - time) < abs(best[0] - time):
-                best = t, np.squeeze(file["cells/pressure"][...].astype(float))
-    h = result.h
-    ny, nx = best[1].shape
-    lower = result.log["domain"]["lower"]
-    return lower[0] + h * (np.arange(nx) + 0.5), lower[1] + h * (np.arange(ny) + 0.5), best[1]
+    dump = nearest(result.dumps, time)
+    return dump.centres(0), dump.centres(1), dump.values("pressure")
 
 
 def slab(run):

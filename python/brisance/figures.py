@@ -390,7 +390,7 @@ def profiles(run):
     for panel, (name, factor, label) in zip(panels, quantities):
         largest = smallest = None
         for n, dump in enumerate(dumps):
-            values = dump.line(name)
+            values = dump.values(name)
             values = (values[:, 0] if values.ndim == 2 else values) * factor
             colour = TIME_COLOURS(n / max(len(dumps) - 1, 1))
             panel.plot(dump.centres(0), values, color=colour, linewidth=1.2, label=f"{dump.time * 1e3:.4g} ms")
@@ -421,9 +421,9 @@ def peak_profile(run):
     figure = Figure(figsize=(10.2, 3.5), layout="constrained")
     # What no wave has reached is left out, and so is the charge itself, whose pressures would take the whole scale.
     nearest = 0.0 if run.curve is None else run.curve["distance"].min()
-    seen = (dump.line("peak_overpressure") > 1e-5 * run.ambient_pressure) & (distance > nearest)
+    seen = (dump.values("peak_overpressure") > 1e-5 * run.ambient_pressure) & (distance > nearest)
     for panel, (name, factor, label, key) in zip(np.atleast_1d(figure.subplots(1, len(quantities))), quantities):
-        values = dump.line(name) * factor
+        values = dump.values(name) * factor
         panel.plot(distance[seen], values[seen], color=BLUE, label="this calculation")
         if run.curve is not None and seen.any():
             inside = (run.curve["distance"] >= distance[seen].min()) & (run.curve["distance"] <= distance[seen].max())

@@ -1,6 +1,11 @@
-"""The output folder of a run, read for plotting. Everything is in SI units."""
+"""The output folder of a run: the one reader of it, for the report, the validation and users, in SI units.
+
+docs/output.md, "Reading results in Python", shows how it is used.
+"""
 import csv
+import functools
 import json
+import re
 from pathlib import Path
 
 import h5py
@@ -11,6 +16,16 @@ DIMENSIONS = {"cartesian3d": 3, "planar2d": 2, "axisymmetric2d": 2, "planar1d": 
 AXES = {"axisymmetric2d": ("r", "z", ""), "cylindrical1d": ("r", "", ""), "spherical1d": ("r", "", "")}
 
 
+def text(attribute):
+    """A text that HDF5 may hold as bytes."""
+    return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
+
+
+def nearest(dumps, time):
+    """The dump next to a time [s]."""
+    return min(dumps, key=lambda dump: abs(dump.time - time))
+
+
 class Dump:
     """One field dump. Values are read when they are asked for, and only the part that is needed."""
 
@@ -19,10 +34,18 @@ class Dump:
         with h5py.File(path, "r") as file:
             self.time = float(file.attrs["time"])
             self.step = int(file.attrs["step"])
+            self.geometry = text(file.attrs["geometry"])
             self.origin = np.array(file.attrs["origin"])
             self.spacing = float(file.attrs["spacing"])
             self.cells = tuple(int(n) for n in file.attrs["cells"])
             self.fields = sorted(file["cells"])
+
+    def values(self, field):
+        """All values of a field, [k, j, i] with k along z, without the directions that the run does not resolve; of a
+        vector the last index is the component."""
+        with h5py.File(self.path, "r") as file:
+            values = file["cells"][field][...].astype(float)
+        return values.reshape(values.shape[3 - DIMENSIONS[self.geometry]:])
 
     def plane(self, field, normal, index):
         """Values of a scalar field in the layer `index` of cells across direction `normal` (0: x, 1: y, 2: z).
@@ -33,11 +56,6 @@ class Dump:
         where[2 - normal] = index
         with h5py.File(self.path, "r") as file:
             return file["cells"][field][tuple(where)].astype(float)
-
-    def line(self, field):
-        """Values along x in a one-dimensional run."""
-        with h5py.File(self.path, "r") as file:
-            return file["cells"][field][0, 0].astype(float)
 
     def centres(self, direction):
         """Positions of the cell centres along a direction [m]."""
@@ -69,28 +87,116 @@ class PointDump:
         with h5py.File(self.path, "r") as file:
             return file["points"][field][...].astype(float)
 
+    def read(self):
+        """All fields by their names, and the `time`."""
+        with h5py.File(self.path, "r") as file:
+            return {name: file["points"][name][...].astype(float) for name in self.fields} | {"time": self.time}
+
+
+class Profile:
+    """The state of a burst in one or two dimensions, with which a run begins or ended: `values` by component, and the
+    `ambient` state around it. Components are "pressure" and those that `components` lists."""
+
+    def __init__(self, path):
+        self.path = path
+        with h5py.File(path, "r") as file:
+            self.time = float(file.attrs["time"])
+            self.origin = np.array(file.attrs["origin"])
+            self.spacing = float(file.attrs["spacing"])
+            self.cells = tuple(int(n) for n in file.attrs["cells"])
+            self.components = text(file["profile/state"].attrs["names"]).split()
+            self._ambient = dict(zip(self.components, file["profile/ambient"][...].astype(float)))
+            self._ambient["pressure"] = float(file.attrs["ambient_pressure"])
+
+    def values(self, component):
+        """[i] along the radius, or [j, i] where the profile has two dimensions."""
+        with h5py.File(self.path, "r") as file:
+            data = file["profile"]
+            values = data["pressure"][...] if component == "pressure" else data["state"][
+                self.components.index(component)]
+        return values[0] if values.shape[0] == 1 else values
+
+    def ambient(self, component):
+        return self._ambient[component]
+
+    def radii(self):
+        """Of the centres of the cells [m]."""
+        return (np.arange(self.cells[0]) + 0.5) * self.spacing
+
 
 class Run:
-    """A run's folder: log, gauges with their histories and summaries, dumps in order of time."""
+    """A run's folder. What is not asked for is not read."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
         self.log = self._json("run.json")
         if self.log is None:
             raise FileNotFoundError(f'"{folder}" is not the output folder of a run: it holds no run.json')
-        self.summary = self._json("summary.json") or {"gauges": [], "burst": "none"}
-        self.histories = {gauge["name"]: self._history(gauge["file"]) for gauge in self.summary["gauges"]}
-        self.dumps = sorted((Dump(path) for path in self.folder.glob("fields/fields_*.h5")),
-                            key=lambda dump: dump.time)
-        # Runs of material points only.
-        self.points = self.log.get("points")
-        self.point_gauges = self.summary.get("point_gauges", [])
-        self.bodies = self.summary.get("bodies", [])
-        self.point_dumps = sorted((PointDump(path) for path in self.folder.glob("points/points_*.h5")),
-                                  key=lambda dump: dump.time)
-        for gauge in self.point_gauges:
-            self.histories[gauge["name"]] = self._history(gauge["file"])
-        self.energies = self._history("energies.csv")
+        self.points = self.log.get("points")  # of runs of material points
+
+    @functools.cached_property
+    def summary(self):
+        """What summary.json holds; of a run that is not done, no gauges."""
+        return self._json("summary.json") or {"gauges": [], "burst": "none"}
+
+    @property
+    def gauges(self):
+        """Summaries of the gauges of the gas by their names."""
+        return {gauge["name"]: gauge for gauge in self.summary["gauges"]}
+
+    @property
+    def point_gauges(self):
+        return self.summary.get("point_gauges", [])
+
+    @property
+    def bodies(self):
+        """Summaries of the bodies, those of the gauges that watch one among them."""
+        return self.summary.get("bodies", [])
+
+    @functools.cached_property
+    def histories(self):
+        """All histories by the names of their gauges; None where the file is missing."""
+        return {name: self._table(file) for name, file in self._gauge_files.items()}
+
+    def gauge(self, name):
+        """The history of one gauge: columns by their names without units."""
+        # A run that is not done has no summary yet, which tells the files.
+        file = self._gauge_files.get(name) or f"gauges/{file_name(name)}.csv"
+        history = self._table(file)
+        if history is None:
+            known = ", ".join(self._gauge_files) or "none"
+            raise KeyError(f'"{self.folder}" holds no history of a gauge "{name}"; it has: {known}')
+        return history
+
+    @functools.cached_property
+    def dumps(self):
+        """Field dumps in order of time."""
+        return sorted((Dump(path) for path in self.folder.glob("fields/fields_*.h5")), key=lambda dump: dump.time)
+
+    @functools.cached_property
+    def point_dumps(self):
+        """Dumps of the material points in order of time."""
+        return sorted((PointDump(path) for path in self.folder.glob("points/points_*.h5")), key=lambda dump: dump.time)
+
+    @functools.cached_property
+    def profiles(self):
+        """Profiles by the names of their files: start_1, start_2, ..., end."""
+        return {path.stem: Profile(path) for path in sorted(self.folder.glob("profiles/*.h5"))}
+
+    @functools.cached_property
+    def energies(self):
+        """Columns of energies.csv, of every body three; None without material points."""
+        return self._table("energies.csv")
+
+    def total_energies(self):
+        """Times, and kinetic and internal energies of all bodies together."""
+        kinetic, internal = (sum(values for name, values in self.energies.items() if name.endswith(kind))
+                             for kind in ("kinetic_energy", "internal_energy"))
+        return self.energies["time"], kinetic, internal
+
+    @property
+    def cell_size(self):
+        return self.log["domain"]["cell_size"]
 
     @property
     def geometry(self):
@@ -121,10 +227,16 @@ class Run:
         path = self.folder / name
         return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
-    def _history(self, name):
-        """Columns of a gauge's file by their names without units."""
+    @functools.cached_property
+    def _gauge_files(self):
+        """Files of the histories by the names of the gauges."""
+        entries = [*self.summary["gauges"], *self.point_gauges, *self.bodies]
+        return {entry["name"]: entry["file"] for entry in entries if entry["name"] and entry.get("file")}
+
+    def _table(self, name):
+        """Columns of a CSV file by their names without units."""
         path = self.folder / name
-        if not name or not path.exists():
+        if not path.exists():
             return None
         with open(path, newline="", encoding="utf-8") as file:
             rows = csv.reader(file)
@@ -133,3 +245,9 @@ class Run:
             values = [[float(value) for value in row] for row in rows if len(row) == len(names) and row[-1]]
         table = np.array(values).reshape(-1, len(names))
         return {column: table[:, i] for i, column in enumerate(names)}
+
+
+def file_name(gauge):
+    """What a gauge's name becomes in the name of its file (`sanitised` in src/output/gauges.cpp)."""
+    name = re.sub(rb"[^A-Za-z0-9_.-]", b"_", gauge.encode()).decode()
+    return f"_{name}" if not name or name.startswith(".") else name

@@ -2,10 +2,9 @@
 import math
 import re
 
-import h5py
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, ORANGE, RC, ROOT, per_cent, style
+from common import COLOURS, ORANGE, RC, ROOT, nearest, per_cent, style
 
 TITLE = "Clamped circular plates under charges"
 CASE = "paper_plates"
@@ -105,8 +104,7 @@ def held_plate(text):
 
 def wall_row(result):
     """Specific impulse [Pa s] on a rigid wall, cell by cell, and the size of the cells [m]."""
-    with h5py.File(sorted(result.folder.glob("fields/*.h5"))[-1], "r") as file:
-        return np.squeeze(file["cells/impulse"][...].astype(float))[0], result.h
+    return result.dumps[-1].values("impulse")[0], result.cell_size
 
 
 def wall_impulse(result):
@@ -152,18 +150,11 @@ def deflection(result, factor):
     return t, u, u[i], t[i]
 
 
-def plate(result, dump):
-    """The plate's points in a dump."""
-    d = result.dump(dump)
+def plate(result, time):
+    """The plate's points in the dump next to a time [s], and its time."""
+    d = nearest(result.point_dumps, time).read()
     mine = d["body"] == 0
     return {k: v[mine] for k, v in d.items() if k != "time"}, d["time"]
-
-
-def nearest_dump(result, time):
-    def when(path):
-        with h5py.File(path, "r") as file:
-            return abs(float(file.attrs["time"]) - time)
-    return min(result.dumps(), key=when)
 
 
 def back_face(points):
@@ -220,7 +211,7 @@ def mises(runs, path):
         figure, axes = plt.subplots(2, 3, figsize=(12.0, 2.7), layout="compressed", sharex=True, sharey=True)
         for row, case in zip(axes, (2, 5)):
             for a, time in zip(row, MISES_TIMES):
-                p, when = plate(runs[case], nearest_dump(runs[case], time))
+                p, when = plate(runs[case], time)
                 x, y = p["position"][:, 0] * 1e3, p["position"][:, 1] * 1e3
                 for side in (-1, 1):
                     shown = a.scatter(side * x, y, c=p["mises"] / 1e6, s=1.2, linewidths=0, cmap="turbo", vmin=0,
@@ -241,7 +232,7 @@ def profile(result, path):
         figure, a = plt.subplots(figsize=(9.0, 3.0), layout="constrained")
         style(a)
         for time, colour in ((MISES_TIMES[-1], COLOURS[1]), (np.inf, ORANGE)):
-            p, when = plate(result, nearest_dump(result, min(time, 1.0)))
+            p, when = plate(result, min(time, 1.0))
             r, y = back_face(p)
             a.plot(np.concatenate((-r[::-1], r)) * 1e3, np.concatenate((y[::-1], y)) * 1e3, color=colour,
                    linewidth=1.5, label=f"{when * 1e3:.2f} ms")
@@ -253,9 +244,9 @@ def profile(result, path):
 
 def draw_in(result):
     """How far the plate of case 1 or 4 has moved inwards at the edge of the hole [m], in the dump next to 0.5 ms."""
-    p, _ = plate(result, nearest_dump(result, 0.5e-3))
+    p, _ = plate(result, 0.5e-3)
     start = p["position"][:, 0] - p["displacement"][:, 0]
-    return -np.mean(p["displacement"][np.abs(start - HOLE) < result.h, 0])
+    return -np.mean(p["displacement"][np.abs(start - HOLE) < result.cell_size, 0])
 
 
 def variants_figure(runs, path):

@@ -1,7 +1,7 @@
 """Example 5.2: a disc of TNT beside a slab of concrete, in the plane; gas cells and points against points alone."""
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, ORANGE, RC, per_cent, style
+from common import COLOURS, ORANGE, RC, nearest, per_cent, style
 from slab import CASE, FREE, FRONT, arrival_peak_impulse, front_noise, front_peaks, points_alone, pressure, without_slab
 
 TITLE = "A charge beside a concrete slab, in the plane"
@@ -23,9 +23,8 @@ LINEAR = '\n[points]\nshape_function = "linear"\n'
 
 def points_at(result, time):
     """Positions [m] and pressure [Pa] of the points in the dump next to a time."""
-    dumps = [result.dump(path) for path in result.dumps()]
-    best = min(dumps, key=lambda d: abs(d["time"] - time))
-    return best["position"], best["pressure"]
+    dump = nearest(result.point_dumps, time)
+    return dump.values("position"), dump.values("pressure")
 
 
 def scatter(axis, result, time, limit):

@@ -30,13 +30,13 @@ def empirical(mass):
 class Slab:
     """What a dump shows of the slab (body 0), by where its points stood at the start."""
 
-    def __init__(self, result, path):
-        dump = result.dump(path)
+    def __init__(self, result, dump):
+        dump = dump.read()
         of_slab = dump["body"] == 0
         self.time = dump["time"]
         self.origin = (dump["position"] - dump["displacement"])[of_slab]
         self.values = {k: dump[k][of_slab] for k in ("damage", "compression_damage", "tensile_damage")}
-        self.spacing = 0.5 * result.h
+        self.spacing = 0.5 * result.cell_size
         self.plane = result.log["domain"]["geometry"] == "axisymmetric2d"
         self.up = 1 if self.plane else 2  # the vertical direction
 
@@ -87,7 +87,7 @@ class Slab:
 
 
 def slabs(result):
-    return [Slab(result, path) for path in result.dumps()]
+    return [Slab(result, dump) for dump in result.point_dumps]
 
 
 def nearest(shots, time):
@@ -227,8 +227,8 @@ def interface_rows(variants):
         moved = text.replace('"500 mm"', f'"{face:g} mm"').replace('"650 mm"', f'"{face + 150.0:g} mm"')
         result = variants(CASE, f"interface-{shape}-{face:g}", {"points.shape_function": shape}, text=moved)
         ratios = []
-        for path in result.dumps()[1:]:
-            dump = result.dump(path)
+        for dump in result.point_dumps[1:]:
+            dump = dump.read()
             slab = dump["body"] == 0
             order = np.argsort((dump["position"] - dump["displacement"])[slab][:, 0])
             stress = dump["stress"][slab][order, 0]

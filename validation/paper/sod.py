@@ -1,7 +1,6 @@
 """Example 5.1: Sod's shock tube in gas cells and in material points, against the exact solution."""
 import re
 
-import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 from common import COLOURS, INK, ORANGE, RC, ROOT, style
@@ -52,10 +51,8 @@ def profile(result):
     if "points" in result.log:
         x, values, volume, _ = sod_profile(result)
         return x, values, volume
-    path = sorted(result.folder.glob("fields/fields_*.h5"))[-1]
-    with h5py.File(path, "r") as file:
-        density, pressure = (np.squeeze(file[f"cells/{k}"][...].astype(float)) for k in ("density", "pressure"))
-        velocity = np.squeeze(file["cells/velocity"][...].astype(float))[:, 0]
+    density, velocity, pressure = (result.dumps[-1].values(k) for k in ("density", "velocity", "pressure"))
+    velocity = velocity[:, 0]
     n = len(density)
     return (np.arange(n) + 0.5) / n, (density, velocity, pressure), np.full(n, 1.0 / n)
 
