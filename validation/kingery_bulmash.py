@@ -252,8 +252,8 @@ def validate(arguments, work):
             walls[z, name] = run("kb", folder, text=wall_deck(z, size, 2.0 * cell * factor, end, lines)).gauges
     ground = run("kb", "ground-wall", text=ground_deck(0.01 * factor, "wall"))
     mirror = run("kb", "ground-symmetry", text=ground_deck(0.01 * factor, "symmetry"))
-    same = all((ground.folder / f"gauges/{n}.csv").read_bytes() == (mirror.folder / f"gauges/{n}.csv").read_bytes()
-               for n in ground.gauges)
+    same = all(np.array_equal(values, mirror.gauge(name)[column])
+               for name in ground.gauges for column, values in ground.gauge(name).items())
     sphere = run("kb", "sphere-2kg", text=free_air_deck(coarse, [(f"z{z:g}", (z,)) for z in (1, 2, 3)], mass=2.0,
                                                         size=5, end=6.5e-3)).gauges
     at_sea = json.loads(subprocess.run([str(arguments.brisance), "kb", "--charge", "1", "--distance", "1", "--burst",
