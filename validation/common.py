@@ -36,6 +36,33 @@ def per_cent(ratio, digits=1):
     return f"{100.0 * (ratio - 1.0):+.{digits}f} %"
 
 
+def span(values, form="{:g}"):
+    """From the smallest to the largest of some numbers: "2 to 3", or "2" where all look alike."""
+    low, high = form.format(min(values)), form.format(max(values))
+    return low if low == high else f"{low} to {high}"
+
+
+def listed(words):
+    """Words of a list as a sentence has them: "a, b and c"; "none" without any."""
+    words = list(words)
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words) or "none"
+
+
+class Curves:
+    """Kingery and Bulmash's values of a mass of TNT [kg], as the program knows them."""
+
+    def __init__(self, program, mass=1):
+        self.program, self.mass, self.known = str(program), mass, {}
+
+    def __call__(self, burst, distance, key):
+        if (burst, distance) not in self.known:
+            command = [self.program, "kb", "--charge", f"{self.mass:g}", "--distance", f"{distance:.9g}", "--burst",
+                       burst, "--json"]
+            answer = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+            self.known[burst, distance] = answer["quantities"]
+        return self.known[burst, distance][key]["value"]
+
+
 def style(axes):
     axes.grid(True, which="major", color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)

@@ -7,7 +7,7 @@ import subprocess
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, INK, MUTED, ORANGE, RC, ROOT, Variants, commit, machine, per_cent, style, table
+from common import COLOURS, INK, MUTED, ORANGE, RC, ROOT, Curves, Variants, commit, machine, per_cent, style, table
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 DISTANCES = (0.5, 0.7, 1, 1.5, 2, 3, 4, 5, 7, 10)  # Z [m/kg^(1/3)], of 1 kg
@@ -67,20 +67,6 @@ def ground_deck(cell, kind):
     return ('title = "1 kg of TNT on the ground"\n[domain]\ngeometry = "axisymmetric2d"\nsize = [3.6, 3.6]\n'
             f'cell = {cell}\n[boundaries]\ny_low = "{kind}"\n[[charge]]\nexplosive = "TNT"\n{charge}position = [0, 0]\n'
             + gauges_text(points) + "[output]\npeak_fields = false\n[end]\ntime = 6.5e-3\n")
-
-
-class Curves:
-    """Kingery and Bulmash's values of 1 kg of TNT, as the program knows them."""
-
-    def __init__(self, program):
-        self.program, self.known = str(program), {}
-
-    def __call__(self, burst, distance, key):
-        if (burst, distance) not in self.known:
-            command = [self.program, "kb", "--charge", "1", "--distance", f"{distance:.9g}", "--burst", burst, "--json"]
-            answer = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-            self.known[burst, distance] = answer["quantities"]
-        return self.known[burst, distance][key]["value"]
 
 
 def reflected(overpressure):

@@ -1,10 +1,11 @@
 """Example 5.4: clamped circular plates of armour steel under spheres of TNT, after Neuberger, Peles & Rittel (2007)."""
 import math
 import re
+import tomllib
 
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, ORANGE, RC, ROOT, nearest, per_cent, style
+from common import COLOURS, ORANGE, RC, ROOT, Curves, listed, nearest, per_cent, span, style
 
 TITLE = "Clamped circular plates under charges"
 CASE = "paper_plates"
@@ -16,7 +17,7 @@ CELLS = {"quick": 3, "standard": 4, "fine": 6}  # over the thickness, in all cas
 GRIDS = {"quick": (3,), "standard": (3, 4, 6), "fine": (4, 6, 8)}  # of case 1
 MISES_TIMES = (0.3e-3, 0.5e-3, 1.0e-3)
 LONG = 2.0  # case 5 is calculated so many times longer, for its final shape
-LIMIT = 5.0  # per cent
+LIMIT, LIMIT_OF_SCALE = 5.0, 2.0  # asked for: deviation from the tests, and between two sizes, per cent
 WALL_END, WALL_GAUGES = "0.3 ms", 26
 END = 0.8  # of case 1 [ms]
 BOTH = '=["x", "y"]'  # directions of a clamp in which nothing slides
@@ -180,29 +181,31 @@ def histories(runs, path):
             a.set(xlabel="time over the scale of the lengths [ms]", xlim=(0, END), ylim=(0, None))
             a.legend(loc="lower right")
         axes[0].set_ylabel("deflection / thickness")
-        axes[0].set_title("0.468 kg scaled")
-        axes[1].set_title("1.094 kg scaled")
+        for a, case in zip(axes, (1, 4)):
+            a.set_title(f"{CASES[case][1]:g} kg scaled")
         figure.savefig(path, dpi=130, facecolor="white")
         plt.close(figure)
 
 
 def clamps_block(variants, runs, cells):
-    """Table of cases 1 and 4 in other clamps, and how much more the larger charge does."""
+    """Table of cases 1 and 4 in other clamps, and how much more the larger charge does; and {label: deflections of
+    cases 1 and 4}, that of the deck first."""
     clamped = {"slides, grip of 30 mm (taken)": [runs[1], runs[4]]}
     for label, (name, radius, changes) in CLAMPS.items():
         texts = {case: deck(case, cells) for case in (1, 4)}
         clamped[label] = [variants(CASE, f"clamp-{name}-{case}", changes,
                                    text=hinged(text, cells) if radius is None else gripped(text, radius))
                           for case, text in texts.items()]
-    rows = []
+    rows, peaks = [], {}
     for label, results in clamped.items():
-        first, fourth = (deflection(r, 1)[2] for r in results)
+        first, fourth = peaks[label] = [deflection(r, 1)[2] for r in results]
         rows.append([label, *(peak_of(r) for r in results), f"{fourth / first:.2f}", "–"])
     for label, k in (("tests", 2), ("[Cui14]", 3), ("LS-DYNA", 4)):
         one, two, four, five = (CASES[n][k] for n in (1, 2, 4, 5))
         rows.append([label, f"{one:.2f}", f"{four:.2f}", f"{four / one:.2f}", f"{five / two:.2f}"])
-    return ("table", "Clamps: peak deflection over thickness of cases 1 and 4, of 0.468 and 1.094 kg",
-            ["clamp", "case 1", "case 4", "case 4 / case 1", "case 5 / case 2"], rows)
+    caption = f"Clamps: peak deflection over thickness of cases 1 and 4, of {CASES[1][1]:g} and {CASES[4][1]:g} kg"
+    header = ["clamp", "case 1", "case 4", "case 4 / case 1", "case 5 / case 2"]
+    return ("table", caption, header, rows), peaks
 
 
 def mises(runs, path):
@@ -292,7 +295,8 @@ def run(variants, resolution, target):
             CASE, f"alone-held-{coarse}", VARIANTS[HELD][1], text=loaded_plate(deck(1, coarse), wall)),
     }
 
-    clamps = [clamps_block(variants, runs, cells)] if resolution != "quick" else []  # on coarser cells case 4 is direct
+    # On coarser cells case 4 is direct.
+    block, of_clamps = clamps_block(variants, runs, cells) if resolution != "quick" else (None, {})
 
     histories(runs, target / "histories.png")
     mises(runs, target / "mises.png")
@@ -310,12 +314,15 @@ def run(variants, resolution, target):
         acceptance.append((f"Case {case}: peak deflection over thickness", f"{peaks[case]:.2f}, {per_cent(ratio)}",
                            f"{test:.2f} within {LIMIT:g} % (paper {paper:.2f}, {per_cent(paper / test)})",
                            bool(abs(ratio - 1.0) <= LIMIT / 100.0)))
+    paper = {case: values[3] for case, values in CASES.items()}
     trend = peaks[3] / peaks[2], peaks[6] / peaks[5], peaks[5] / peaks[4]
     acceptance += [
-        ("Case 3 as case 2: hardly any effect of the scale", per_cent(trend[0]), "within 2 % (paper -1.1 %)",
-         bool(abs(trend[0] - 1.0) <= 0.02)),
+        ("Case 3 as case 2: hardly any effect of the scale", per_cent(trend[0]),
+         f"within {LIMIT_OF_SCALE:g} % (paper {per_cent(paper[3] / paper[2])})",
+         bool(abs(trend[0] - 1.0) <= LIMIT_OF_SCALE / 100.0)),
         ("Case 6 above case 5, case 5 above case 4: less rate hardening in the larger plates",
-         f"{per_cent(trend[1])}, {per_cent(trend[2])}", "both above 0 (paper +3.2 %, +4.8 %)",
+         f"{per_cent(trend[1])}, {per_cent(trend[2])}",
+         f"both above 0 (paper {per_cent(paper[6] / paper[5])}, {per_cent(paper[5] / paper[4])})",
          bool(trend[1] > 1.0 and trend[2] > 1.0)),
     ]
     if len(grids) > 1:
@@ -375,11 +382,12 @@ def run(variants, resolution, target):
          ["run", "peak deflection / t", "time of the peak [ms]", "drawn in at D/2 [mm]", "largest momentum [N s]",
           "largest kinetic energy [kJ]", "points", "wall time [s]"], table),
         ("figure", "variants.png", "Case 1 on several grids and in variants"),
-        *clamps,
+        *([block] if block else []),
         ("table", f"Impulse on the face of case 1 to {WALL_END}",
          ["run", "on the whole face [N s]", "against the wall", "within D/2, by gauges [N s]", "against the wall",
           "in the middle [Pa s]"], loads),
-        ("text", DISCUSSION),
+        ("text", discussion(variants, runs, grids, others, next(iter(alone.values())),
+                            {"full": full, "middle": middle, "held": held}, of_clamps)),
     ]
     return {"acceptance": acceptance, "blocks": blocks, "costs": variants.costs}
 
@@ -412,43 +420,105 @@ clamp: from the edge of the hole on, 30 mm wide, the plate may slide inwards wit
 down. The thick plates themselves, of unknown thickness, are left out. All cases of a column have the same number of
 cells, so that only the rate of strain tells the scales apart. No constant was fitted; <b>the clamp is the one choice
 that was made with the tests in sight</b>: how the plates were gripped, and how far beyond the hole they reached, is not
-printed, and of the three clamps of the table below this one comes nearest. The deck is <code>cases/paper_plates</code>.
+printed. The table of the clamps shows what others do. The deck is <code>cases/paper_plates</code>.
 </p>
 """
-DISCUSSION = """
+
+
+def most_momentum(result):
+    """The plate's, downwards [N s]."""
+    return -result.gauge("plate")["momentum_y"].min()
+
+
+def ratios_of(case_values):
+    """Deflections of the larger charge over those of the smaller, of {case: deflection}; None where one is missing."""
+    pairs = ((case_values[4], case_values[1]), (case_values[5], case_values[2]))
+    return [large / small for large, small in pairs if large and small]
+
+
+def on_the_tests(peaks):
+    """Which tests are met, and what tells them apart."""
+    tests = {case: values[2] for case, values in CASES.items() if values[2]}
+    off = {case: peaks[case] / test for case, test in tests.items()}
+    missed = [case for case, ratio in off.items() if abs(ratio - 1.0) > LIMIT / 100.0]
+    paper = {case: CASES[case][3] / test for case, test in tests.items()}
+    worst = max(paper, key=lambda case: abs(paper[case] - 1.0))
+    scaled = [peaks[b] / peaks[a] for a, b in ((1, 2), (2, 3), (4, 5), (5, 6))]
+    low, high = (1.0 - LIMIT / 100.0) * tests[5], (1.0 + LIMIT / 100.0) * tests[4]
+    hardening = tomllib.loads((ROOT / "materials" / "rha.toml").read_text())["strength"]["C"] * math.log(2.0)
+    of_missed = listed(f"case {case} ({per_cent(off[case])})" for case in missed)
+    return f"""<li><b>{len(off) - len(missed)} of the {len(off)} tests are met within {LIMIT:g} %</b>; missed:
+{of_missed}. The paper's worst is {per_cent(paper[worst])} in case {worst}. Cases 1 and 2,
+and 4 and 5, are the same arrangement in two sizes. Rate hardening, the only thing that tells them apart, adds C ln 2 =
+{100 * hardening:.1f} % to the yield stress per halving of the lengths; here the deflection changes by
+{span([100 * (s - 1) for s in scaled], "{:+.1f}")} % per doubling, in the tests by {per_cent(tests[2] / tests[1])} and
+{per_cent(tests[5] / tests[4])}. Whoever scales meets both tests of the larger charge, {tests[4]:.2f} and
+{tests[5]:.2f}, within {LIMIT:g} % only between {low:.2f} and {high:.2f}.</li>"""
+
+
+def on_the_load(variants, loads, alone, coarse, grids):
+    """The impulse on the face, and what it does to a plate without gas."""
+    burst = grids[coarse].log["charges"][0]
+    distance = burst["centre"][1] - THICKNESS
+    expected = Curves(variants.program, CASES[1][1])("spherical", distance, "reflected_impulse")
+    held = [held_impulse(r) / loads["full"] for r in loads["held"].values()]
+    free = deflection(alone, 1)[2] / deflection(grids[coarse], 1)[2]
+    return f"""<li><b>The load.</b> Over a rigid wall the gas cells give {1e-3 * loads["middle"]:.1f} kPa s in the
+middle; Kingery and Bulmash's reflected impulse at this distance is {1e-3 * expected:.1f} (<code>brisance kb</code>).
+The impulse on a plate that is held all over differs from it by {span([100 * (h - 1) for h in held], "{:+.1f}")} %.
+A plate alone, without any gas, under the impulse of the rigid wall has another deflection than the coupled run on
+{coarse} cells by {per_cent(free)}: that is what the coupling changes.</li>"""
+
+
+def on_the_clamp(others, grids, coarse, clamps):
+    """Gas that sticks, the clamp, and the ratio of the two charges."""
+    base, stuck = grids[coarse], others[STUCK]
+    peaks = {label: deflection(r, 1)[2] for label, r in ((HELD, others[HELD]), (WIDE, others[WIDE]), ("", base))}
+    text = f"""<li><b>Gas that sticks to the plate</b>, as in the paper, where all share one grid: with <code>slip =
+false</code> the plate takes {most_momentum(stuck):.0f} N s in place of {most_momentum(base):.0f} and deflects
+{deflection(stuck, 1)[2]:.2f} in place of {peaks[""]:.2f}.</li>
+<li><b>The clamp.</b> Case 1 on {coarse} cells, held at D/2, so that nothing is drawn in: {peaks[HELD]:.2f}. Sliding
+with a {WIDE}: {peaks[WIDE]:.2f}. Sliding as in the deck: {peaks[""]:.2f}. Tests with small charges saw no effect of the
+height of the clamp [Bonorchis09].</li>"""
+    if not clamps:
+        return text
+    tests = ratios_of({case: values[2] for case, values in CASES.items()})
+    others = ratios_of({case: values[3] for case, values in CASES.items()}) + ratios_of(
+        {case: values[4] for case, values in CASES.items()})
+    taken, *_ = here = {label: fourth / first for label, (first, fourth) in clamps.items()}
+    nearest_to = min(here, key=lambda label: abs(here[label] - np.mean(tests)))
+    more = here[taken] > max(tests)
+    end = (" So the real clamp gave way to the smaller charges more, and was drawn in less by the larger, than the one "
+           "taken: plates that part and turn a little, and bolts against which the plate comes to bear, would do so. "
+           "Such a clamp has two numbers that are not known; it was not tried." if more else "")
+    return text + f"""<li><b>The step from {CASES[1][1]:g} to {CASES[4][1]:g} kg</b> makes the deflection
+{listed(f"{r:.2f}" for r in tests)} times as large in the tests, {span(others, "{:.2f}")} times in the other
+calculations and {here[taken]:.2f} times here (table of the clamps). Of the clamps there the ratio of "{nearest_to}" is
+nearest to that of the tests, {here[nearest_to]:.2f}; it deflects by
+{per_cent(clamps[nearest_to][0] / CASES[1][2])} against the test in case 1.{end}</li>"""
+
+
+def discussion(variants, runs, grids, others, alone, loads, clamps):
+    """What the runs show, from their values. `clamps`: {label: deflections of cases 1 and 4}."""
+    coarse = next(iter(grids))
+    peaks = {case: deflection(r, CASES[case][0])[2] for case, r in runs.items()}
+    by_grid = {n: deflection(r, 1)[2] for n, r in grids.items()}
+    further = {label: deflection(r, 1)[2] / by_grid[coarse] for label, r in others.items() if label not in SHOWN}
+    variations = listed(f"{label} {per_cent(ratio)}" for label, ratio in further.items())
+    energy = runs[1].log["mpm_region"]["energy"]
+    drifts = [100.0 * r.log["mpm_region"]["energy"]["drift"] for r in runs.values()]
+    of_plate = runs[1].gauge("plate")["kinetic_energy"].max()
+    return f"""
 <h3>What it shows</h3>
 <ul>
-<li><b>Two of the four tests are met within 5 %</b> (cases 1 and 5), the others miss it by 2 to 3 %: case 2 is 7.6 %
-below its test and case 4 6.9 % above; the paper's worst is 7.2 % in case 4. A calculation cannot do much better, for
-cases 1 and 2, and 4 and 5, are the same arrangement in two sizes. Rate hardening, the only thing that tells them
-apart, gives +0.2 to +0.4 % per doubling of the lengths, as C ln 2 = 1 % of the yield stress must; the tests have +4 and
-+10 %. Whoever scales meets both 4.85 and 5.35 within 5 % only between 5.08 and 5.09.</li>
-<li><b>The load.</b> Over a rigid wall the gas cells give 10.7 kPa s in the middle; Kingery and Bulmash's reflected
-impulse at this distance is 10.5 (<code>brisance kb</code>). A plate that is held all over gets 4 to 5 % more than the
-wall. A plate alone, without any gas, under the impulse of the rigid wall deflects as far as in the coupled run (2.48
-and 2.46 on 3 cells): the coupling adds nothing of its own.</li>
-<li><b>Gas that sticks to the plate</b>, as in the paper, where all share one grid, is the old error: with <code>slip =
-false</code> the plate takes 423 N s in place of 363 and deflects 2.91 (held in its clamp 2.34, which falls to 2.13 on
-8 cells). Some of the paper's agreement may be owed to that.</li>
-<li><b>The clamp</b> decides now. Held at D/2, so that nothing is drawn in: 1.98 (case 1). Sliding with a grip of 250
-mm, a plate of 1 m: 2.30, for the ring beyond the hole resists. Sliding with a grip of 30 mm: 2.49. Rings of 20 and 50
-mm height around the hole, as rigid bodies from which the gas is thrown back, changed the last by -2 and +3 % (tried
-apart from this report); tests with small charges saw no effect of the height of the clamp [Bonorchis09].</li>
-<li><b>A plate that slides freely is not what was tested.</b> By the step from 0.468 to 1.094 kg the deflection grows
-1.87- and 1.98-fold in the tests, 1.92- to 2.01-fold in both other calculations, but 2.09-fold here (table of the
-clamps): the smaller charge does too little and the larger too much. A plate that is held has the right ratio, 1.94, and
-deflects by a quarter too little; a grip of 60 mm meets case 4 and misses case 1 by 7 %; one that can turn at the edge
-adds a fifth. So the real clamp gave way to the smaller charges more, and was drawn in less by the larger, than any of
-these: plates that part and turn a little, and bolts against which the plate comes to bear, would do so. Such a clamp
-has two numbers that are not known, and two ratios to be fitted to; it was not tried.</li>
-<li><b>The grid.</b> 2.46, 2.49 and 2.49 on 3, 4 and 6 cells over the thickness. The charge on the grid from the start
-instead of a remap: +1 %; more points, a higher domain, less viscosity, the plate by APIC or with control of locking:
-less than 1 %.</li>
-<li><b>Audit.</b> Mass is exact. The drift of the energy is 0.5 to 0.6 % of the charge's: 11 kJ in case 1, where the
-plate has 8 kJ at most. It is small for the gas, and no proof that the plate gets the right share; that the plate alone
-under the same impulse does the same is a better one.</li>
-<li><b>Shapes.</b> Case 5 is a dome at its peak and more of a cone afterwards. It was not compared with the
-photograph of [Cui14] Fig. 17 by numbers. The Mises stress tells what the paper says: in case 2 much of the plate
-stays elastic, in case 5 nearly all of it yields.</li>
+{on_the_tests(peaks)}
+{on_the_load(variants, loads, alone, coarse, grids)}
+{on_the_clamp(others, grids, coarse, clamps)}
+<li><b>The grid.</b> Case 1: {listed(f"{peak:.2f} on {n}" for n, peak in by_grid.items())} cells over the
+thickness. Changed on {coarse} cells: {variations}.</li>
+<li><b>Audit.</b> The drift of the energy is {span(drifts, "{:+.2f}")} % of the energy at work; in case 1
+{abs(energy["drift"]) * energy["scale"] / 1e3:.1f} kJ, beside {of_plate / 1e3:.1f} kJ that the plate moves with at
+most. It is no proof that the plate gets the right share; the plate alone under the same impulse is a better one.</li>
+<li><b>Shapes.</b> They were not compared with the photograph of [Cui14] Fig. 17 by numbers.</li>
 </ul>
 """
