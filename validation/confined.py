@@ -110,7 +110,7 @@ def audit_of(result):
 
 
 def room_rows(variants):
-    """Rows of a table, and how far the obstacle's own impulses move with the cells: the largest ratio or its inverse."""
+    """Rows of a table, and how far the impulses of the obstacle itself move with the cells, as a ratio."""
     rows, moved = [], 1.0
     for room in ROOMS:
         name, cell = room[0], room[3]
@@ -169,15 +169,16 @@ Made by `validation/run confined`, commit {arguments.commit or commit()}; machin
 TNT bursts in a closed room of 1 m beside a plate. The plate is of material points that are held, in an MPM region, or a
 rigid obstacle of the same shape. Both runs know the same gas; waves pass the faces of the region many times.
 Deviations are from the run with the obstacle on the same cells; the last but two columns show how far that itself moves
-on cells of half the size. Mean pressure at the end, impulses to the end. Targets: {TARGETS[0]:g} % and {TARGETS[1]:g} %.
+on cells of half the size. Mean pressure at the end, impulses to the end. Targets: {TARGETS[0]:g} % and {TARGETS[1]:g}
+%.
 
 {table(header, rooms)}
 The obstacle's own impulses move by up to {100 * (moved - 1):.1f} % with the cells: no flow is better known than that.
 
 A closed box of steel, walls of 40 mm, under gas that bursts in it, for 50 ms: overpressure over the last 5 ms, the mean
 over the inside of the box and at two places. The box of points is free and elastic; the other is of rigid obstacles.
-Target for the mean, the quasi-static pressure: {TARGETS[1]:g} %. A gauge in points reads the few that are in its cell, here with a
-scatter (standard deviation in time) of up to {100 * scatter:.1f} %.
+Target for the mean, the quasi-static pressure: {TARGETS[1]:g} %. A gauge in points reads the few that are in its cell,
+here with a scatter (standard deviation in time) of up to {100 * scatter:.1f} %.
 
 {table(("", "rigid", "points", "drift of energy", "surplus in the ledger"), boxes)}
 Closed tubes at 2 to 50 bar and the balance of momentum are tests: `tests/bridge/test_bridge_confined.cpp`.

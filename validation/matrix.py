@@ -157,9 +157,9 @@ Charges of 50 mm radius, programmed burn, in a domain of four radii, 30 us (long
 detonation is slower than 7 km/s): {len(explosives())} explosives in 2D, {in_3d}
 in 3D, in air at four altitudes and in helium. A case fails when the run ends otherwise than with exit code 0, when a
 guard adds energy, or, from {COMPARED_FROM} cells per radius on, when a peak at one of three gauges (two radii from the
-centre beside an axis, {near:.1f} and {far:.1f} radii between the axes) differs by more than {100 * MOST_DIFFERENCE:.0f} % from the
-same run at Courant number {SHORT_STEP}. The last five columns hold the largest such difference. Limited faces: fluxes
-that were blended with a first-order one.
+centre beside an axis, {near:.1f} and {far:.1f} radii between the axes) differs by more than {100 * MOST_DIFFERENCE:.0f}
+% from the same run at Courant number {SHORT_STEP}. The last five columns hold the largest such difference. Limited
+faces: fluxes that were blended with a first-order one.
 
 {table(header, rows)}
 {len(results)} cases, {failed} failed. Made by `scripts/matrix --full`, commit {commit()}, {machine()},

@@ -140,7 +140,7 @@ def contraction(p):
 
 
 def room_rows(variants):
-    """Rows of a table; (pressure, room, cells, error of the outflow) of all; and the largest part of a room's overpressure
+    """Rows of a table; (pressure, room, cells, error of the outflow) of all; and the largest part of an overpressure
     that is lost, with its pressure and size."""
     rows, errors, lost = [], [], []
     for bar, room, resolutions in ROOMS:
@@ -284,8 +284,8 @@ Target: {TARGET:g} %.
         "error of the audit"), rooms)}
 {told(errors)}.
 
-The scheme draws a part of a cell more along at each sharp edge, so that an error of it falls with the cells. What is left
-where they vanish is not the scheme's: the more of its overpressure a room loses in the periods, the less it is a
+The scheme draws a part of a cell more along at each sharp edge, so that an error of it falls with the cells. What is
+left where they vanish is not the scheme's: the more of its overpressure a room loses in the periods, the less it is a
 quasi-steady one, most of all that of {size:g} m at {bar:g} bar, which loses {100 * lost:.0f} %.
 
 ## Gaps between bodies in an MPM region

@@ -109,8 +109,8 @@ def run(variants, resolution, target):
     when = "never" if first is None else f"at {1e3 * first.time:.1f} ms"
     text = f"""<p>The paper's figure does not give the size of the block, nor the side from which the slab is
 thinned. Here it is {2 * BLOCK:g} m wide, hollowed from above, and 25 mm of concrete are left ([Cui14]: 20 mm), so
-that the faces lie between cells: see example 5.3 on why they must. More than {100 * SHARE_OF_BLOCK:.0f} % of the block have
-damage 1 {when}. Energy drift: {slab3d.drift(thin_run)}, without defect {slab3d.drift(whole_run)}.</p>
+that the faces lie between cells: see example 5.3 on why they must. More than {100 * SHARE_OF_BLOCK:.0f} % of the block
+have damage 1 {when}. Energy drift: {slab3d.drift(thin_run)}, without defect {slab3d.drift(whole_run)}.</p>
 <p>With the defect the mean damage at {1e3 * early.time:.2f} ms is {outer:.2f} in the ring from {BLOCK:g} to
 {2 * BLOCK:g} m around the block and {inner:.2f} within, where the thin rest of the block is pressed into the soil; at
 {1e3 * ring_ends:.1f} ms it is {late:.2f} within. The paper shows an annulus at a time that it does not tell.</p>
