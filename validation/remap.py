@@ -5,7 +5,7 @@ import re
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, INK, ORANGE, RC, ROOT, Variants, commit, machine, per_cent, style, table
+from common import COLOURS, INK, ORANGE, RC, ROOT, Variants, commit, machine, per_cent, span, style, table
 
 DISTANCES = (0.25, 0.3, 0.35, 0.4, 0.45)  # of the gauges [m]
 DIRECTIONS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "xy": (1, 1, 0), "yz": (0, 1, 1), "xyz": (1, 1, 1)}
@@ -15,6 +15,8 @@ CHARGE_RADIUS = 52.7118  # [mm]
 REMAP_RADIUS = 0.15  # of the shock [m]
 REMAP_RADII = (0.1, 0.15, 0.2, 0.24, 0.29)  # of the runs in axisymmetry
 FLAT = {"x": (1, 0), "30deg": (0.8660254, 0.5), "60deg": (0.5, 0.8660254), "z": (0, 1)}
+FORMED = 1.6  # radii of the remap from which on a front counts as formed
+LATE = 10  # relative volume
 CUT_OVERS = (0, 4, 5, 7, 10, 20)  # relative volumes from which products are an ideal gas; 0: never
 FARTHER = (0.5, 0.7, 1.0, 1.4)  # gauges of a larger domain in axisymmetry [m]
 FAR = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 5.0)  # gauges of those runs [m]
@@ -127,7 +129,7 @@ def ratios(result, reference, distances=DISTANCES):
     return {key: {d: np.array([ratio(key, d, n) for n in directions]) for d in distances} for key in QUANTITIES}
 
 
-def span(v):
+def deviations(v):
     """Smallest to largest deviation of ratios."""
     return "-" if np.isnan(v).any() else f"{per_cent(v.min())} to {per_cent(v.max())}"
 
@@ -145,7 +147,7 @@ def comparison(runs, reference):
             row = [start, cell, f"{CHARGE_RADIUS / float(cell):.1f}", f"{d:g}"]
             for key in QUANTITIES:
                 v = r[key][d]
-                row += [span(v), "-" if np.isnan(v).any() else f"{100 * scatter(v):.1f} %"]
+                row += [deviations(v), "-" if np.isnan(v).any() else f"{100 * scatter(v):.1f} %"]
             rows.append(row)
     header = ["start", "h [mm]", "cells per charge radius", "distance [m]"]
     for name in QUANTITIES.values():
@@ -175,7 +177,7 @@ def radii_table(flat, reference):
         r = ratios(run, reference)["front_overpressure"]
         # Before the remap a gauge holds ambient gas.
         rows.append([cell, f"{CHARGE_RADIUS / float(cell):.0f}", f"{radius:g}",
-                     *("before" if d <= radius else span(r[d]) for d in DISTANCES)])
+                     *("before" if d <= radius else deviations(r[d]) for d in DISTANCES)])
     return table(["h [mm]", "cells per charge radius", "shock at the remap [m]", *(f"{d:g} m" for d in DISTANCES)],
                  rows)
 
@@ -186,7 +188,7 @@ def farther_table(runs, reference):
         r = ratios(run, reference, FARTHER)
         for key in ("peak_overpressure", "front_overpressure"):
             rows.append([cell, f"{CHARGE_RADIUS / float(cell):.0f}", QUANTITIES[key],
-                         *(span(r[key][d]) for d in FARTHER)])
+                         *(deviations(r[key][d]) for d in FARTHER)])
     return table(["h [mm]", "cells per charge radius", "", *(f"{d:g} m" for d in FARTHER)], rows)
 
 
@@ -204,6 +206,34 @@ def cut_over_table(runs):
             row.append(f"{per_cent(deviation[worst], 2)} at {FAR[worst]:g} m")
         rows.append(row)
     return table(["V of the cut-over", "arrival", "peak", "impulse"], rows)
+
+
+def young(flat, reference):
+    """What the peak at the front in axisymmetry is worth soon after a remap, and later."""
+    soon, later = [], []
+    for (_, radius), run in flat.items():
+        for d, values in ratios(run, reference)["front_overpressure"].items():
+            if d > radius and not np.isnan(values).any():
+                (soon if d < FORMED * radius else later).extend(100.0 * (values - 1.0))
+    if not soon or not later:
+        return "These grids do not tell how young a front is."
+    return (f"Up to {FORMED:g} times the radius of the remap the peak at the front deviates by "
+            f"{span(soon, '{:+.1f}')} %, farther on by {span(later, '{:+.1f}')} % (all cells and places of the table).")
+
+
+def gain(reference):
+    """By how much the peak at the front of the reference exceeds that of its record, in per cent."""
+    return 100.0 * float(np.mean([g["front_overpressure"] / g["peak_overpressure"] - 1.0
+                                  for g in reference.gauges.values()]))
+
+
+def late_cut_over(runs):
+    """The largest change of any value by a late cut-over."""
+    full = runs[0].gauges
+    worst = max(abs(run.gauges[name][key] / full[name][key] - 1.0) for volume, run in runs.items()
+                if volume >= LATE for name in full for key in ("arrival_time", "peak_overpressure",
+                                                               "positive_impulse"))
+    return f"From V = {LATE:g} on no value changes by more than {100 * worst:.2f} %."
 
 
 def later_rises(history):
@@ -403,7 +433,12 @@ def validate(arguments, work):
               "verdict": verdict(octants, reference), "radii": radii_table(flat, reference),
               "farther": farther_table(farther, far_reference),
               "equal": equal_accuracy(octants, reference), "cut_overs": cut_over_table(cut_overs),
-              "vanished": f"{60 / 0.95:.0f}", "points_same": points_worst(starts, None),
+              "vanished": f"{60 / 0.95:.0f}", "young": young(flat, reference), "gain": f"{gain(reference):.1f}",
+              "late_cut_over": late_cut_over(cut_overs), "charge_radius": f"{CHARGE_RADIUS:.1f}",
+              "remap_radius": f"{REMAP_RADIUS:g}", "gauges": f"{len(DISTANCES) * len(DIRECTIONS)}",
+              "finest": f"{CHARGE_RADIUS / float(cells['remap'][-1]):.0f}", "same_time": SAME_TIME,
+              "points_cells": f"{CHARGE_RADIUS / float(STARTS[arguments.quick]['points'][-1]):.0f}",
+              "far": f"{FAR[0]:g} to {FAR[-1]:g}", "points_same": points_worst(starts, None),
               "points_finest": points_worst(starts, [key for key in starts if key[0] == "gas"][-1]),
               "starts": start_table(starts)}
     template = (ROOT / "validation" / "remap.md.in").read_text()

@@ -4,7 +4,7 @@ import re
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, ORANGE, RC, ROOT, nearest, per_cent, style, table
+from common import COLOURS, ORANGE, RC, ROOT, listed, nearest, per_cent, style, table
 
 CASE = "slab_2d"
 AMBIENT = 101325.0
@@ -128,7 +128,10 @@ def slab(run):
         ratio = f"{alone.seconds / coupled:.1f}"
     energy = table(["run", "energy drift"], [[f"w = {w}", f"{100.0 * r.log['mpm_region']['energy']['drift']:.3f} %"]
                                              for w, r in widths.items()])
-    values = {"gauges": gauges, "ratio": ratio, "energy": energy,
+    widest = max(widths)
+    gas, points = (arrival_peak_impulse(widths[widest].gauge(g)) for g in (FREE, FRONT))
+    within = listed(f"{per_cent(b / a, 2)} ({name})" for name, a, b in zip(("arrival", "peak", "impulse"), gas, points))
+    values = {"widest": f"{widest}", "in_the_bridge": within, "gauges": gauges, "ratio": ratio, "energy": energy,
               "cost": table(["method", "common steps", "processor time [s]", "unevenness of the front at 20 us"], cost)}
     return values, {"slab_histories": figure, "slab_contours": contours}
 
