@@ -2,11 +2,13 @@
 import json
 import re
 import subprocess
+import tomllib
 
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, INK, MUTED, ORANGE, RC, ROOT, Variants, commit, per_cent, processor, style, table
+from common import (COLOURS, INK, MUTED, ORANGE, RC, ROOT, Variants, commit, listed, per_cent, processor, span, style,
+                    table)
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 # key of summary.json: name, unit, factor from SI, target of the deviation in per cent, key of `kb --json`
@@ -19,7 +21,8 @@ ACCEPTANCE = (0.5, 1, 2, 3, 5, 10)  # scaled distances of the targets
 CELLS = {False: {"free_air_1d": (2, 1, 0.5), "free_air_3d": (30, 20, 15)},  # mm, coarse to fine
          True: {"free_air_1d": (8, 4, 2), "free_air_3d": (60, 40, 30)}}
 DIRECTIONS = {"axis": "axis", "face": "face diagonal", "body": "body diagonal"}
-ENERGY = 6.993e9 / 1630.0  # E0 / rho0 of the default TNT [J/kg]
+TNT = tomllib.loads((ROOT / "materials" / "tnt.toml").read_text())
+ENERGY = TNT["energy"] / TNT["rho0"]  # of the detonation [J/kg]
 AMBIENT_PRESSURE = 101325.0
 
 
@@ -90,15 +93,16 @@ def convergence_table(results):
 
 
 def energy_table(result):
-    """What point explosion has the computed and the empirical peaks."""
-    rows = []
+    """What point explosion has the computed and the empirical peaks: a table, and both energies [J]."""
+    rows, energies = [], []
     for g in by_distance(result):
         computed = point_source_energy(g["peak_overpressure"], g["distance"])
         empirical = point_source_energy(g["kingery_bulmash"]["peak_overpressure"], g["distance"])
         if computed and empirical:
+            energies.append((computed, empirical))
             rows.append([f"{g['scaled_distance']:g}", f"{computed / 1e6:.2f}", f"{empirical / 1e6:.2f}",
                          f"{empirical / computed:.2f}"])
-    return table(["Z [m/kg^(1/3)]", "computed [MJ]", "K-B [MJ]", "ratio"], rows)
+    return table(["Z [m/kg^(1/3)]", "computed [MJ]", "K-B [MJ]", "ratio"], rows), list(zip(*energies))
 
 
 def duration_table(result):
@@ -212,8 +216,34 @@ def misses(result):
     return "\n".join(lines)
 
 
+def change(results):
+    """The largest change of each value from the next coarser grid to the finest."""
+    coarse, fine = (r["gauges"] for r in results[-2:])
+    return listed(f"{100 * max(abs(coarse[g][key] / fine[g][key] - 1.0) for g in fine):.2f} % ({name})"
+                  for key, (name, *_) in QUANTITIES.items())
+
+
+def mean_deviations(result):
+    """Of impulse, duration and peak from the curves, over all distances, in words; and where the impulse is worst."""
+    def ratio(g, key):
+        return g[key] / g["kingery_bulmash"][key]
+    gauges = by_distance(result)
+    means = [per_cent(np.mean([ratio(g, f"{key}") for g in gauges]))
+             for key in ("positive_impulse", "positive_duration", "peak_overpressure")]
+    worst = max(gauges, key=lambda g: abs(ratio(g, "positive_impulse") - 1.0))
+    words = "On average over the distances the impulse is {}, the positive phase {} and the peak {} off the curves."
+    return words.format(*means), per_cent(ratio(worst, "positive_impulse")), f"{worst['scaled_distance']:g}"
+
+
+def cells_per_radius(results):
+    return span([r["log"]["charges"][0]["cells_per_radius"] for r in results], "{:.1f}")
+
+
 def page(results, octants, command, built_from):
     fine = results[-1]
+    energies, (computed, empirical) = energy_table(fine)
+    missing, worst, worst_z = mean_deviations(fine)
+    radius = (3.0 / (4.0 * np.pi * TNT["rho0"])) ** (1.0 / 3.0)  # of 1 kg
     machine = fine["log"]["machine"]
     template = (ROOT / "validation" / "free_air.md.in").read_text()
     values = {
@@ -222,7 +252,14 @@ def page(results, octants, command, built_from):
         "cells_1d": ", ".join(f"{r['cell']:g}" for r in results),
         "cells_3d": ", ".join(f"{r['cell']:g}" for r in octants),
         "comparison": comparison_table(fine), "misses": misses(fine), "convergence": convergence_table(results),
-        "energy": energy_table(fine), "duration": duration_table(fine), "specific_energy": f"{ENERGY / 1e6:.2f}",
+        "settled": change(results), "missing": missing, "worst_impulse": worst, "worst_z": worst_z,
+        "computed_energies": span([e / 1e6 for e in computed], "{:.2f}"),
+        "empirical_energies": span([e / 1e6 for e in empirical], "{:.2f}"),
+        "burnt_energy": f"{(ENERGY + TNT['afterburn']['energy']) / 1e6:.1f}", "density": f"{TNT['rho0']:g}",
+        "charge_radius": f"{1e3 * radius:.1f}", "radius_3d": cells_per_radius(octants),
+        "radius_1d": cells_per_radius(results), "cell_coarse": f"{results[0]['cell']:g}",
+        "more_steps": f"{fine['log']['step'] / results[0]['log']['step']:.1f}",
+        "energy": energies, "duration": duration_table(fine), "specific_energy": f"{ENERGY / 1e6:.2f}",
         "octants": octant_tables(octants, fine), "cost": cost_table(results + octants),
     }
     return re.sub(r"@(\w+)@", lambda match: values[match.group(1)].rstrip("\n"), template)

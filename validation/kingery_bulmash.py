@@ -7,11 +7,13 @@ import subprocess
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, INK, MUTED, ORANGE, RC, ROOT, Curves, Variants, commit, machine, per_cent, style, table
+from common import (COLOURS, INK, MUTED, ORANGE, RC, ROOT, Curves, Variants, commit, listed, machine, per_cent, span,
+                    style, table)
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 DISTANCES = (0.5, 0.7, 1, 1.5, 2, 3, 4, 5, 7, 10)  # Z [m/kg^(1/3)], of 1 kg
 GROUND = 2.0 ** (-1 / 3)  # a hemisphere on rigid ground is half of a sphere of twice its mass
+FAR = 1  # Z from which on texts tell deviations once more
 ASIDE = 0.1  # distance of the gauge on the wall from the axis, in Z
 SLANT = (1 + ASIDE ** 2) ** 0.5
 AMBIENT = 101325.0
@@ -146,14 +148,92 @@ def ground_rows(ground, sphere):
     return table(["distance [m]", "quantity", "2D along the ground / 1D", "2D on the axis / 1D"], rows)
 
 
-def altitude_rows(sea, high, length, time, pressure):
-    factors = {"peak_overpressure": pressure, "arrival_time": time, "positive_impulse": pressure * time,
-               "positive_duration": time}
+def altitude_rows(sea, high, factors):
     header = ["Z [m/kg^(1/3)] at the sea level"] + [f"{name}, 3000 m / scaled" for name, *_ in QUANTITIES.values()]
     rows = [[f"{z:g}"] + ["-" if sea[f"z{z:g}"][key] is None or high[f"z{z:g}"][key] is None else
                           per_cent(high[f"z{z:g}"][key] / (sea[f"z{z:g}"][key] * factors[key]), 2)
                           for key in QUANTITIES] for z in DISTANCES]
     return table(header, rows)
+
+
+def beyond(values, least=0.0):
+    """Deviations in per cent, of {Z: ratio}, from a distance on: "-12.1 to +3.0"."""
+    return span([100.0 * (r - 1.0) for z, r in values.items() if z >= least], "{:+.1f}")
+
+
+def incident_ratios(gauges, curves, burst, name_of):
+    """Values over the curves, {quantity: {Z: ratio}}, as in `incident_rows`."""
+    ratios = {}
+    for key, (_, _, _, empirical) in QUANTITIES.items():
+        scale = 1.0 if burst == "spherical" or key == "peak_overpressure" else 1 / GROUND
+        ratios[key] = {z: gauges[name_of(z)][key] * scale / curves(burst, z, empirical) for z in DISTANCES
+                       if gauges[name_of(z)][key]}
+    return ratios
+
+
+def incident_text(ratios):
+    """The deviations of `incident_ratios` in words."""
+    peaks = ratios["peak_overpressure"]
+    worst = max(peaks, key=lambda z: abs(peaks[z] - 1.0))
+    return (f"Deviations: arrivals {beyond(ratios['arrival_time'])} %, peaks {beyond(peaks)} %, the largest at "
+            f"Z = {worst:g}, from Z = {FAR:g} on {beyond(peaks, FAR)} %; impulses from Z = {FAR:g} on "
+            f"{beyond(ratios['positive_impulse'], FAR)} %, "
+            f"positive phases {beyond(ratios['positive_duration'], FAR)} %.")
+
+
+def afterburn_text(plain, burnt, curves):
+    """What each release makes of peaks and impulses, a line each; and what the best ones still miss."""
+    lines, worst = [], {"peak_overpressure": {}, "positive_impulse": {}}
+    for name, what, _ in AFTERBURN:
+        ratios = incident_ratios(burnt[name], curves, "spherical", lambda z: f"z{z:g}")
+        change = [100.0 * (burnt[name][f"z{z:g}"]["positive_impulse"] / plain[f"z{z:g}"]["positive_impulse"] - 1.0)
+                  for z in DISTANCES if burnt[name][f"z{z:g}"]["positive_impulse"]]
+        lines.append(f"- `{name}`: peaks {beyond(ratios['peak_overpressure'])} %, impulses "
+                     f"{beyond(ratios['positive_impulse'])} % from the curves; impulses "
+                     f"{span(change, '{:+.1f}')} % from those without afterburn.")
+        for key, values in worst.items():
+            values[name] = max(abs(r - 1.0) for r in ratios[key].values())
+    best = listed(f"{100 * min(values.values()):.0f} % ({QUANTITIES[key][0]}, `{min(values, key=values.get)}`)"
+                  for key, values in worst.items())
+    return "\n".join(lines), best
+
+
+def wall_texts(walls, plain, curves):
+    """What the text on reflection says, from its values."""
+    def rise(key):
+        return span([100.0 * (walls[z]["aside"][key] / walls[z, "coarse"]["aside"][key] - 1.0) for z, *_ in WALLS],
+                    "{:+.1f}")
+    by_reflection = {z: reflected(plain[f"z{z:g}"]["peak_overpressure"])
+                     / curves("spherical", z, "reflected_overpressure") for z, *_ in WALLS}
+    impulses = {z: walls[z]["aside"]["positive_impulse"] / curves("spherical", z * SLANT, "reflected_impulse")
+                for z, *_ in WALLS}
+    near = WALLS[0][0]
+    incident, curve = (curves("spherical", near, f"{kind}_overpressure") for kind in ("incident", "reflected"))
+    return {"axis": span([walls[z]["wall"]["peak_overpressure"] / walls[z]["aside"]["peak_overpressure"]
+                          for z, *_ in WALLS], "{:.2f}"),
+            "halved": rise("peak_overpressure"), "impulse_halved": rise("positive_impulse"),
+            "by_reflection": beyond(by_reflection), "wall_impulses": beyond(impulses), "nearest": f"{near:g}",
+            "strength": f"{curve / AMBIENT:.0f}", "own_incident": f"{1e-3 * incident:.0f}",
+            "own_reflected": f"{1e-6 * reflected(incident):.1f}", "curve_reflected": f"{1e-6 * curve:.1f}"}
+
+
+def altitude_text(sea, high, factors):
+    """How far scaled values miss, beside the charge and beyond it. `factors`: by quantity."""
+    parts = []
+    for key, (name, _, _, _) in QUANTITIES.items():
+        ratios = {z: high[f"z{z:g}"][key] / (sea[f"z{z:g}"][key] * factors[key]) for z in DISTANCES
+                  if high[f"z{z:g}"][key] and sea[f"z{z:g}"][key]}
+        parts.append(f"{name} {beyond(ratios)} %, from Z = {FAR:g} on {beyond(ratios, FAR)} %")
+    return f"Deviations from it: {'; '.join(parts)}."
+
+
+def ground_check_text(ground, sphere):
+    """The largest deviations of 2D from 1D by quantity."""
+    def largest(key):
+        return 100 * max(abs(ground[f"{side}{z:g}"][key] / sphere[f"z{z:g}"][key] - 1.0)
+                         for z in (1, 2, 3) for side in ("ground", "up"))
+    return listed(f"{largest(key):.1f} % ({name})" for key, (name, *_) in QUANTITIES.items()
+                  if key != "positive_duration")
 
 
 def axes_of_curves(a, title, label):
@@ -255,6 +335,10 @@ def validate(arguments, work):
     target = work if arguments.quick else ROOT / "docs" / "validation"
     plot(plain, burnt, plain, walls, curves, target / "kingery_bulmash.png")
     charge = ground.log["charges"][0], mirror.log["charges"][0]
+    time = length / sound
+    factors = {"peak_overpressure": pressure, "arrival_time": time, "positive_impulse": pressure * time,
+               "positive_duration": time}
+    rates, best = afterburn_text(plain, burnt, curves)
     values = {
         "command": "validation/run kingery_bulmash" + (" --quick" if arguments.quick else ""),
         "commit": arguments.commit or commit(), "machine": machine(), "minutes": f"{run.seconds / 60:.0f}",
@@ -266,9 +350,13 @@ def validate(arguments, work):
         "walls": wall_rows(walls, plain, curves), "ground_check": ground_rows(ground.gauges, sphere),
         "same": "the same to the last digit" if same else "NOT the same",
         "masses": "{:.12g} kg on the wall, {:.12g} kg with its image".format(*(c["realised_mass"] for c in charge)),
-        "altitude": altitude_rows(plain, high, length, length / sound, pressure),
+        "altitude": altitude_rows(plain, high, factors), "altitude_text": altitude_text(plain, high, factors),
+        "free_air_text": incident_text(incident_ratios(plain, curves, "spherical", lambda z: f"z{z:g}")),
+        "ground_text": incident_text(incident_ratios(plain, curves, "hemispherical", lambda z: f"g{z:g}")),
+        "ground_cell": f"{1e3 * ground.cell_size:g}", "ground_check_text": ground_check_text(ground.gauges, sphere),
+        "afterburn_text": rates, "best_rates": best, **wall_texts(walls, plain, curves),
         "thin_air": f"{at_sea['ambient_pressure'] / 1e3:.3f} kPa, {at_sea['ambient_density']:.4f} kg/m³",
-        "factors": f"pressures {pressure:.4f}, distances {length:.4f}, times {length / sound:.4f}",
+        "factors": f"pressures {pressure:.4f}, distances {length:.4f}, times {time:.4f}",
     }
     template = (ROOT / "validation" / "kingery_bulmash.md.in").read_text()
     text = re.sub(r"@(\w+)@", lambda match: values[match.group(1)].rstrip("\n"), template)
