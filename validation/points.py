@@ -4,7 +4,7 @@ import re
 
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, INK, MUTED, ORANGE, RC, ROOT, commit, machine, per_cent, style, table
+from common import COLOURS, INK, MUTED, ORANGE, RC, ROOT, commit, listed, machine, per_cent, span, style, table
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.ticker import NullFormatter
 
@@ -83,6 +83,28 @@ def judged_by_the_reader(run):
     return lambda case, name, changes, **more: run(case, name, {"audit.fail": 0} | changes, **more)
 
 
+def densities(result, low=0.52, high=0.6):
+    """Between two places behind the rarefaction: the density of the points counted in space, and the mean of those that
+    they carry."""
+    x, (density, _, _), length, _ = sod_profile(result)
+    inside = (x > low) & (x < high)
+    return (density * length)[inside].sum() / (high - low), density[inside].mean()
+
+
+def sod_text(results, errors, orders, others):
+    """What the text says of the densities, orders and variants. `others`: error of the pressure by variant."""
+    linear = [densities(results["linear", 1000, c]) for c in (2, 4, 8)]
+    kept = [abs(carried / counted - 1.0) for s in ("cpgimp", "bspline") for c in (2, 4, 8)
+            for counted, carried in [densities(results[s, 1000, c])]]
+    default, *more = others
+    return {"sod_exact": f"{float(sod_exact(0.56, 0.143)[0]):.3f}", "sod_kept": f"{100 * max(kept):.1f}",
+            "sod_counted": listed(f"{counted:.3f}" for counted, _ in linear),
+            "sod_carried": listed(f"{carried:.3f}" for _, carried in linear),
+            "sod_orders": span([orders[s, c] for s in ("cpgimp", "bspline") for c in (2, 4, 8)], "{:.1f}"),
+            "sod_over": listed(f"{others[name] / others[default]:.2f} ({name})" for name in more
+                               if np.isfinite(others[name]))}
+
+
 def sod(run):
     run = judged_by_the_reader(run)
     cells, counts = (125, 250, 500, 1000), (2, 4, 8)
@@ -91,13 +113,13 @@ def sod(run):
         "point_fields": '=["velocity", "pressure", "density", "mass"]'}, may_fail=True)
         for s in SHAPES for n in cells for c in counts}
     errors = {key: sod_errors(r) for key, r in results.items()}
-    rows = []
+    rows, orders = [], {}
     for s in SHAPES:
         for c in counts:
             p = [errors[s, n, c][2] if errors[s, n, c] else np.nan for n in cells]
             fine = errors[s, cells[-1], c]
             drift = results[s, cells[-1], c].log["points"]["audit"]["energy"]["drift"] if fine else np.nan
-            order = np.log2(p[0] / p[-1]) / np.log2(cells[-1] / cells[0])
+            order = orders[s, c] = np.log2(p[0] / p[-1]) / np.log2(cells[-1] / cells[0])
             rows.append([LABELS[s], str(c), *(f"{v:.4f}" for v in p), f"{order:.2f}",
                          *([f"{fine[0]:.4f}", f"{fine[1]:.4f}"] if fine else [FAILED] * 2), f"{100 * drift:+.2f} %"])
     header = ["shape function", "points per cell", *(f"p, {n} cells" for n in cells), "order of p",
@@ -108,7 +130,7 @@ def sod(run):
                 "no bulk viscosity": {"points.linear_viscosity": 0.0, "points.quadratic_viscosity": 0.0},
                 "linear viscosity 0.3": {"points.linear_viscosity": 0.3},
                 "quadratic viscosity 3": {"points.quadratic_viscosity": 3.0}}
-    others = []
+    others, of_bspline = [], {}
     for name, changes in variants.items():
         row = [name]
         for s in ("linear", "gimp", "cpgimp", "bspline"):
@@ -117,7 +139,9 @@ def sod(run):
                 "shape_function": s, "cell": "=0.001", "points_per_cell": "=4",
                 "point_fields": '=["velocity", "pressure", "density", "mass"]', **changes}, may_fail=True)
             e = sod_errors(result)
-            row.append(f"{e[2]:.4f}" if e and np.isfinite(e[2]) and e[2] < 10 else FAILED)
+            good = e and np.isfinite(e[2]) and e[2] < 10
+            row.append(f"{e[2]:.4f}" if good else FAILED)
+            of_bspline[name] = e[2] if good else np.nan  # the last of the shape functions
         others.append(row)
 
     plt.rcParams.update(RC)
@@ -149,8 +173,8 @@ def sod(run):
         a.set_xlabel("h")
     axes[0][0].legend()
     axes[0][3].legend()
-    return {"sod_table": table(header, rows),
-            "sod_variants": table(["variant", *(LABELS[s] for s in SHAPES)], others)}, {"points_sod": figure}
+    return {"sod_table": table(header, rows), "sod_variants": table(["variant", *(LABELS[s] for s in SHAPES)], others),
+            **sod_text(results, errors, orders, of_bspline)}, {"points_sod": figure}
 
 
 # --- slab of TNT
@@ -170,6 +194,18 @@ def slab_row(name, result):
     highest = max(float(np.max(d.values("pressure"))) for d in result.point_dumps)
     drift = 100.0 * result.log["points"]["audit"]["energy"]["drift"]
     return [name, *arrivals, *peaks, f"{highest / 1e9:.2f}", f"{drift:+.2f} %"]
+
+
+def slab_text(results):
+    """Deviations of the shape functions, from the rows of the table."""
+    lines = []
+    for label, result in results.items():
+        row = slab_row(label, result)
+        if row[1] == FAILED:
+            lines.append(f"{label} {FAILED}")
+            continue
+        lines.append(f"{label}: arrival {row[1]} to {row[3]}, peak {row[4]} to {row[6]}, energy {row[8]}")
+    return "; ".join(lines) + "."
 
 
 def tnt_slab_points(run):
@@ -209,10 +245,24 @@ def tnt_slab_points(run):
         a.set_xlim(0.0, 120.0)
         a.set_title(f"{LABELS[s]}: pressure [GPa] every 3 us")
         a.set_xlabel("x [mm]")
-    return {"slab_table": table(header, rows)}, {"points_tnt_slab": figure}
+    text = slab_text({LABELS[s]: r for s, r in results.items()})
+    return {"slab_table": table(header, rows), "slab_text": text, "speed": f"{TNT_SPEED:g}",
+            "cj": f"{TNT_CJ / 1e9:.2f}"}, {"points_tnt_slab": figure}
 
 
 # --- cased cube
+
+def cube_text(histories):
+    """What the text says of the energies. `histories`: times and deviations, plain and centred, by shape and Courant
+    number."""
+    last = {s: [f"{100 * h[1][-1]:+.3f} %" for (shape, _), h in histories.items() if shape == s] for s in SHAPES}
+    end = "; ".join(f"{LABELS[s]} {', '.join(values)}" for s, values in last.items())
+    deepest = {key: np.abs(h[1]).max() for key, h in histories.items()}
+    smooth = [s for s in SHAPES if s != "linear"]  # linear ones lose energy for good
+    return {"cube_end": end, "cube_dip": span([100 * deepest[s, 0.4] for s in smooth], "{:.2f}"),
+            "cube_half": span([deepest[s, 0.2] / deepest[s, 0.4] for s in smooth], "{:.2f}"),
+            "cube_centred": listed(f"{100 * np.abs(histories[s, 0.4][2]).max():.3f} % ({LABELS[s]})" for s in SHAPES)}
+
 
 def cased_cube(run):
     rows, histories = [], {}
@@ -242,7 +292,7 @@ def cased_cube(run):
     axes[0].legend(ncols=2, fontsize=7.5, loc="lower left")
     header = ["shape function", "Courant number", "steps", "energy at 6 us", "largest deviation",
               "at 6 us, kinetic energy centred", "largest, centred"]
-    return {"cube_table": table(header, rows)}, {"points_cased_cube": figure}
+    return {"cube_table": table(header, rows), **cube_text(histories)}, {"points_cased_cube": figure}
 
 
 # --- Taylor bar
@@ -281,6 +331,26 @@ def bar_sizes(result):
     bulge = np.interp(MARK, side[1, above - 1:above + 1], side[0, above - 1:above + 1])
     return {"length": 1e3 * top.max(), "diameter": 2e3 * max(foot, side[0].max()),
             "bulge": 2e3 * bulge}
+
+
+def taylor_text(results):
+    """What the text says of the sizes, from those of the runs by their folders."""
+    sizes = {folder: bar_sizes(result) for folder, result in results.items()}
+
+    def changes(a, b):
+        return {k: sizes[b][k] / sizes[a][k] - 1.0 for k in BAR}
+
+    def against(folder):
+        return listed(f"{per_cent(sizes[folder][k] / BAR[k])} ({k})" for k in BAR)
+    by_grid = changes("bspline-0.508", "bspline-0.127")
+    alike = [abs(d) for folder in (*(f"{s}-0.254" for s in SHAPES[:3]), "quarter") if folder in sizes
+             for d in changes("bspline-0.508" if folder == "quarter" else "bspline-0.254", folder).values()]
+    locking = [abs(d) for s, other in (("bspline", "bspline-0.254"), ("linear", "linear-0.254"))
+               if f"locking-{s}" in sizes and other in sizes for d in changes(other, f"locking-{s}").values()]
+    return {"taylor_converged": listed(f"{100 * d:+.1f} % ({k})" for k, d in by_grid.items()),
+            "taylor_same": f"{100 * max(alike):.1f} %", "taylor_off": against("bspline-0.127"),
+            "taylor_stuck": against("stuck") if "stuck" in sizes else FAILED,
+            "taylor_locking": f"{100 * max(locking):.1f} %"}
 
 
 def taylor(run):
@@ -357,7 +427,7 @@ def taylor(run):
               for folder in ("bspline-0.508", "bspline-0.254", "bspline-0.127")]
     rebound = ", ".join(f"{v:.2f}" for v in speeds)
     return {"taylor_table": table(header, rows), "taylor_error": f"{100 * error:.1f}",
-            "taylor_rebound": rebound}, {"points_taylor": figure}
+            "taylor_rebound": rebound, **taylor_text(results)}, {"points_taylor": figure}
 
 
 # --- Gurney
@@ -372,7 +442,7 @@ def gurney(run):
                                        ("h = 0.2 mm", {"cell": "0.2 mm"})],
                 "gurney_sandwich_1d": [("h = 0.4 mm", {"cell": "0.4 mm"}), ("h = 0.2 mm", {}),
                                        ("h = 0.1 mm", {"cell": "0.1 mm"})]}
-    rows, curves = [], []
+    rows, curves, off, later = [], [], {}, []
     for label, (case, constant, gauge) in cases.items():
         for explosive, range_ in GURNEY.items():
             chosen = variants[case] if explosive == "TNT" else variants[case][1:2]
@@ -395,6 +465,8 @@ def gurney(run):
                 at = [float(np.interp(v, volume, speed)) if volume[-1] >= v else np.nan for v in (4, 7, 10)]
                 expected = [factor * v for v in range_]
                 middle = sum(expected) / 2.0
+                off.setdefault(label, []).append(at[1] / middle)
+                later += [v / middle for v in at]
                 _, plain, _ = energy_drift(result)
                 start = name if name == "instantaneous" else f"programmed, {name}"
                 rows.append([label, explosive, f"{ratio:.3f}", start, *(f"{v:.0f}" for v in at),
@@ -422,7 +494,12 @@ def gurney(run):
     axes[0].legend(loc="lower right")
     header = ["case", "explosive", "M/C", "detonation", "v [m/s] at V = 4", "at V = 7", "at V = 10",
               "Gurney [m/s]", "V = 7 against the middle", "energy"]
-    return {"gurney_table": table(header, rows)}, {"points_gurney": figure}
+    deviations = listed(f"{span([100 * (r - 1) for r in ratios], '{:+.1f}')} % ({label})"
+                        for label, ratios in off.items())
+    known = [100 * (r - 1) for r in later if np.isfinite(r)]
+    speeds = listed(f"{low / 1e3:.2f} to {high / 1e3:.2f} km/s for {name}" for name, (low, high) in GURNEY.items())
+    return {"gurney_table": table(header, rows), "gurney_text": deviations, "gurney_span": span(known, "{:+.1f}"),
+            "gurney_speeds": speeds}, {"points_gurney": figure}
 
 
 PARTS = {"cased_cube": cased_cube, "tnt_slab_points": tnt_slab_points, "taylor": taylor, "gurney": gurney,
