@@ -8,9 +8,10 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from common import COLOURS, INK, MUTED, ORANGE, RC, ROOT, style, table
+from common import COLOURS, INK, MUTED, ORANGE, RC, ROOT, listed, style, table
 
 STATIC = {"concrete-48MPa": 4.0e6, "concrete-25MPa": 3.1e6}  # quasi-static tensile strength [Pa]
+YIELD = 500e6  # of bars, the default of the program [Pa]
 FILES = {"concrete-48MPa": "concrete_48mpa", "concrete-25MPa": "concrete_25mpa"}
 
 
@@ -62,7 +63,9 @@ def paths(run):
         axes[0].legend()
         axes[1].legend(title="confinement")
         figure.tight_layout()
-    return {}, {"concrete_paths": figure}
+        fc = material(name)["strength"]["fc"]
+        most = data[("uniaxial 1 /s", name)][1].max()
+    return {"uniaxial": f"{most / fc:.1f} f'c, {1e-6 * most:.0f} MPa"}, {"concrete_paths": figure}
 
 
 def uniaxial_strength(rate, file, a, sigma0, gamma):
@@ -141,7 +144,10 @@ def calibration(run):
         figure.tight_layout()
     header = ["material", "quasi-static MPa", "a 1/s", "sigma0 MPa", "gamma", "fitted to /s", "deviation rms", "worst",
               "factor at 178 /s (curve)"]
-    return {"rates": table(header, rows)}, {"concrete_rates": figure}
+    hjc, name = material("concrete-25MPa")["strength"], "concrete-25MPa"
+    cohesion = hjc["A"] * hjc["fc"]
+    cohesive = f"{1e-6 * cohesion:.2f} MPa, {cohesion / STATIC[name]:.1f} times the quasi-static strength"
+    return {"rates": table(header, rows), "cohesive": cohesive}, {"concrete_rates": figure}
 
 
 def pull_back(gauge, after, speed, density, noise=0.03):
@@ -288,10 +294,25 @@ def growth(origin, moved, spacing, radius, height):
     return 2.0 * np.pi * radius * spacing * moved[side, 0].sum() - ring(bottom, 1) - sunk, sunk
 
 
+def crater_text(changes):
+    """What the text says of the changes between grids, (grids, relative change of every value of the table), and of the
+    openings of the crack band."""
+    law = material("concrete-25MPa")["failure"]
+    scale = law["fracture_energy"] / law["sigma0"]  # [m]
+    opening = {d: -np.log(1.0 - d) * scale for d in (0.5, 0.75, 0.99)}
+
+    def largest(chosen):
+        return listed(f"{100 * np.abs(values[chosen]).max():.1f} % from {grids}" for grids, values in changes)
+    return {"crater_damage": largest(slice(0, 4)), "crater_faces": largest(slice(5, 7)), "w_c": f"{1e6 * scale:.0f}",
+            "w_half": f"{1e6 * opening[0.5]:.0f}", "w_three": f"{1e6 * opening[0.75]:.0f}",
+            "w_one": f"{1e6 * opening[0.99]:.0f}", "strain_coarse": f"{100 * opening[0.99] / 10e-3:.1f}",
+            "strain_fine": f"{100 * opening[0.99] / 2.5e-3:.1f}"}
+
+
 def crater(run):
     """The crater on four grids with the crack band, on three without."""
     cells = {"crack_band": (10.0, 5.0, 2.5, 1.25), "none": (10.0, 5.0, 2.5)}
-    rows, last = [], {}
+    rows, last, changes = [], {}, []
     for law in cells:
         values = {}
         for cell in cells[law]:
@@ -312,6 +333,8 @@ def crater(run):
                         + [f"{100 * drift:+.2f} %"])
             last[law, cell] = (origin, dump)
         for middle, fine in zip(cells[law][1:], cells[law][2:]):
+            if law == "crack_band":
+                changes.append((f"{middle:g} to {fine:g} mm", np.array(values[fine]) / values[middle] - 1.0))
             rows.append([law, f"change {middle:g} to {fine:g}"]
                         + [f"{100 * (b / a - 1):+.1f} %" for a, b in zip(values[middle], values[fine])] + [""])
     with plt.rc_context(RC):
@@ -333,7 +356,7 @@ def crater(run):
     header = ["regularisation", "cell mm", "volume with D >= 1/2 cm3", "with D >= 3/4 cm3", "diameter on the face mm",
               "integral of D cm3", "integral of D_c cm3", "growth of the block cm3", "face sunk in cm3",
               "volume with D = 1 cm3", "energy drift"]
-    return {"crater": table(header, rows)}, {"concrete_crater": figure}
+    return {"crater": table(header, rows), **crater_text(changes)}, {"concrete_crater": figure}
 
 
 def without_table(text, name):
@@ -354,7 +377,7 @@ def cracked_section(file, width, depth, area):
 def beam(run):
     """A beam under a pressure pulse with and without bars."""
     deck = (ROOT / "cases" / "reinforced_beam_3d" / "deck.toml").read_text()
-    rows = []
+    rows, told = [], []
     with plt.rc_context(RC):
         figure, axes = plt.subplots(1, 3, figsize=(11.0, 3.0))
         for bars, colour in ((True, COLOURS[3]), (False, ORANGE)):
@@ -385,11 +408,16 @@ def beam(run):
                         figure.colorbar(marks, ax=axis, shrink=0.8)
                 axes[1].plot(1e3 * np.array(time), 1e-6 * np.array(mean), color=colour, label="mean within 50 mm")
                 axes[1].plot(1e3 * np.array(time), 1e-6 * np.array(most), "--", color=colour, label="largest")
-                axes[1].axhline(500, color=MUTED, linewidth=0.8)
-                axes[1].text(0.05, 505, "yield", color=MUTED, fontsize=7.5)
+                axes[1].axhline(1e-6 * YIELD, color=MUTED, linewidth=0.8)
+                axes[1].text(0.05, 1e-6 * YIELD + 5, "yield", color=MUTED, fontsize=7.5)
                 # Simply supported over 2 x 0.38 m, evenly loaded.
                 moment = 9.6 * stiffness * -gauge["displacement_z"][low] / 0.76 ** 2
                 stress = f"{max(mean) * 1e-6:.0f} ({max(most) * 1e-6:.0f})"
+                state = "stay elastic" if max(most) < 0.999 * YIELD else "yield"
+                told.append(f"With bars, which {state}, the deflection is largest at {1e3 * gauge['time'][low]:.1f} ms")
+            else:
+                still = "still grows" if low > 0.99 * len(gauge["time"]) else "comes back"
+                told.append(f"without them it {still} when the run ends")
                 estimate = f"{moment / (np.pi * 0.004 ** 2 * lever) * 1e-6:.0f}"
             rows.append([name, f"{-1e3 * gauge['displacement_z'][low]:.2f}"
                          + (" and moving" if low > 0.99 * len(gauge["time"]) else ""),
@@ -403,7 +431,7 @@ def beam(run):
         figure.tight_layout()
     header = ["beam", "largest deflection mm", "at ms", "bar stress MPa: mean in the middle (largest)",
               "of a cracked section at this deflection", "cracked of 1.28 l", "energy drift"]
-    return {"beam": table(header, rows)}, {"concrete_beam": figure}
+    return {"beam": table(header, rows), "beam_text": "; ".join(told) + "."}, {"concrete_beam": figure}
 
 
 def ground(run):
@@ -443,6 +471,9 @@ def ground(run):
     return {"ground": table(header, rows)}, {"concrete_ground": figure}
 
 
+ASPECT = 4.0  # height over half width of the column of cases/soil_column_2d
+
+
 def column(run):
     """Collapse of a column of soil."""
     result = run("soil_column_2d", "column")
@@ -468,8 +499,9 @@ def column(run):
 
     def part(key, of):
         return f"{100 * of[key] / max(abs(of['initial']), abs(of['current'] + of['lost'])):.1f} %"
-    rows = [["run-out (99 % of the mass) / half width", f"{bulk / 0.1:.2f}", "1 + 1.9 a^(2/3) = 5.8"],
-            ["height left / half width", f"{height / 0.1:.2f}", "0.65 a^(2/5) = 1.1"],
+    rows = [["run-out (99 % of the mass) / half width", f"{bulk / 0.1:.2f}",
+             f"1 + 1.9 a^(2/3) = {1.0 + 1.9 * ASPECT ** (2.0 / 3.0):.1f}"],
+            ["height left / half width", f"{height / 0.1:.2f}", f"0.65 a^(2/5) = {0.65 * ASPECT ** 0.4:.1f}"],
             ["mean slope", f"{slope:.0f} degrees", "below the angle of friction, 33"],
             ["kinetic energy lost at held nodes, of all energy", part("lost_at_held_nodes", energy),
              f"(cells of 20 mm: {part('lost_at_held_nodes', coarse)})"],
