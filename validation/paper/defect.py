@@ -103,8 +103,8 @@ def run(variants, resolution, target):
          f"{100 * share_thin:.0f} % of the face broken at {END:g} ms, without defect {100 * share_whole:.0f} %",
          "more than without", bool(share_thin > share_whole)),
         ("the damage of the back face is an annulus around the block",
-         f"mean damage at {1e3 * early.time:.2f} ms {inner:.2f} in the block's radius of 0.1 m, "
-         f"{outer:.2f} from 0.1 to 0.2 m",
+         f"mean damage at {1e3 * early.time:.2f} ms {inner:.2f} in the block's radius of {BLOCK:g} m, "
+         f"{outer:.2f} from {BLOCK:g} to {2 * BLOCK:g} m",
          "at least 1.5 times as much around the block when it begins to break there", bool(outer >= 1.5 * inner))]
     when = "never" if first is None else f"at {1e3 * first.time:.1f} ms"
     text = f"""<p>The paper's figure does not give the size of the block, nor the side from which the slab is
