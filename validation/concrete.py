@@ -413,12 +413,12 @@ def beam(run):
                 # Simply supported over 2 x 0.38 m, evenly loaded.
                 moment = 9.6 * stiffness * -gauge["displacement_z"][low] / 0.76 ** 2
                 stress = f"{max(mean) * 1e-6:.0f} ({max(most) * 1e-6:.0f})"
+                estimate = f"{moment / (np.pi * 0.004 ** 2 * lever) * 1e-6:.0f}"
                 state = "stay elastic" if max(most) < 0.999 * YIELD else "yield"
                 told.append(f"With bars, which {state}, the deflection is largest at {1e3 * gauge['time'][low]:.1f} ms")
             else:
                 still = "still grows" if low > 0.99 * len(gauge["time"]) else "comes back"
                 told.append(f"without them it {still} when the run ends")
-                estimate = f"{moment / (np.pi * 0.004 ** 2 * lever) * 1e-6:.0f}"
             rows.append([name, f"{-1e3 * gauge['displacement_z'][low]:.2f}"
                          + (" and moving" if low > 0.99 * len(gauge["time"]) else ""),
                          f"{1e3 * gauge['time'][low]:.2f}", stress, estimate, f"{1e3 * zones['cracked']['volume']:.2f}",
