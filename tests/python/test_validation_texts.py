@@ -6,13 +6,21 @@ which tells of each what it is: a setting, what was asked for, an identity or a 
 """
 import ast
 import re
+import sys
 import unittest
 from pathlib import Path
+from unittest import mock
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "validation"))
 try:
-    import tomllib
-except ImportError as missing:  # Python before 3.11
-    raise unittest.SkipTest("the Python package tomllib is missing") from missing
+    import tomllib  # not before Python 3.11
+
+    import common
+    import numpy as np
+    import rupture
+    from paper import slab3d, sod
+except ImportError as missing:
+    raise unittest.SkipTest(f"the Python package {missing.name} is missing") from missing
 
 ROOT = Path(__file__).resolve().parents[2]
 ALLOWED = Path(__file__).with_name("typed_numbers.toml")
@@ -145,6 +153,60 @@ class Numbers(unittest.TestCase):
         path = ROOT / "validation" / "confined.py"
         self.assertFalse(any("Over all that is not the plate" in text for text in strings_of(path)))
         self.assertFalse(any("[[obstacle]]" in text for text in strings_of(path)))
+
+
+class Words(unittest.TestCase):
+    """Words that depend on values."""
+
+    def test_spans_and_lists(self):
+        self.assertEqual([common.span(v, "{:+.1f}") for v in ([2.0, -1.04], [1.0, 1.04])], ["-1.0 to +2.0", "+1.0"])
+        self.assertEqual([common.listed(w) for w in ([], ["a"], ["a", "b"], ["a", "b", "c"])],
+                         ["none", "a", "a and b", "a, b and c"])
+
+    def test_rooms_that_meet_the_target(self):
+        text = rupture.told([(1.3, 1.0, 8, -0.09), (5.0, 1.0, 8, 0.049), (1.3, 1.0, 16, 0.02)])
+        self.assertEqual(text, "With 8 cells met: 5 bar (1 m); missed: 1.3 bar (1 m). "
+                               "With 16 cells met: 1.3 bar (1 m); missed: none")
+
+    def test_thresholds_are_impossible_where_the_largest_edge_bears_more_than_the_smallest_centre(self):
+        class Floor(slab3d.Floor):
+            def __init__(self, centre, radius=(0.0, 0.4)):
+                self.radius = np.array(radius)
+                self.peak = self.impulse = np.array([centre, 0.2 * centre])
+
+        with mock.patch.object(slab3d, "kingery_bulmash", lambda variants, mass, key: mass):
+            heads = [slab3d.on_thresholds(None, {m: Floor(centre) for m, centre in zip(slab3d.MASSES, centres)})
+                     for centres in ((1.0, 2.0, 4.0, 8.0), (1.0, 1.1, 1.2, 1.3))]
+        self.assertIn("No damage that grows with the load", heads[0])
+        self.assertIn("breaks nothing at 2 kg", heads[0])
+        self.assertNotIn("No damage that grows with the load", heads[1])
+        self.assertNotIn("breaks nothing", heads[1])
+
+    def test_orders_and_costs_of_the_tube(self):
+        cells = (250, 500, 1000)
+        first = [{norm: 1.0 / n for norm in sod.NORMS} for n in cells]
+        half = [{norm: n ** -0.5 for norm in sod.NORMS} for n in cells]
+        errors = {(m, start, sod.COURANT): first if m in ("fdm", "muscl") else half
+                  for m in sod.METHODS for start in (sod.EQUAL_VOLUMES, sod.EQUAL_MASSES)}
+
+        def discussion(ratio, seconds):
+            ratios = {(start, norm): ratio for start in (sod.EQUAL_VOLUMES, sod.EQUAL_MASSES) for norm in sod.NORMS}
+            steps = dict.fromkeys(seconds, 100)
+            return flat(sod.discussion(errors, cells, 1000, ratios, seconds, steps))
+        text = discussion(2.0, {"fdm": 1.0, "mpm": 4.0, "cpgimp": 6.0})
+        self.assertIn("Their order is 1.00 in L1 and 1.00 in L2", text)
+        self.assertIn("the lines that ask for 1.5 reach it", text)
+        self.assertIn("The order FDM, MPM, GIMP is that of the paper: 1.0 : 4.0 : 6.0", text)
+        self.assertNotIn("the error does not fall", text)
+        text = discussion(1.1, {"fdm": 1.0, "mpm": 4.0, "cpgimp": 3.0})
+        self.assertIn("the lines that ask for 1.5 miss it", text)
+        self.assertIn("is not that of the paper", text)
+
+    def test_stress_at_the_interface(self):
+        first = {key: (1.0 + k, 1.5 + k) for k, key in enumerate(slab3d.INTERFACES)}
+        text = flat(slab3d.on_the_interface(first))
+        self.assertIn("bear 1.00 to 1.50 (gimp), 2.00 to 2.50 (linear) and 3.00 to 3.50 (bspline) of it, in the middle "
+                      "of a cell 4.00 to 4.50 (gimp) and 5.00 to 5.50 (linear)", text)
 
 
 if __name__ == "__main__":
