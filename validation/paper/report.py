@@ -136,8 +136,6 @@ def page(sections, examples, resolution):
     builds = {section["made"]["build"] for section in sections.values()}
     notes = "" if len(builds) < 2 else ('<p class="note">The examples were calculated by different builds of the '
                                         "program; each tells its own below.</p>")
-    if resolution != "standard":
-        notes += '<p class="note">The texts discuss the results of the resolution “standard”.</p>'
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>The examples of Cui et al. 2014</title><style>{style}</style></head>
