@@ -4,6 +4,7 @@ docs/output.md, "Reading results in Python", shows how it is used.
 """
 import csv
 import functools
+import io
 import json
 import re
 from pathlib import Path
@@ -23,6 +24,8 @@ def text(attribute):
 
 def nearest(dumps, time):
     """The dump next to a time [s]."""
+    if not dumps:
+        raise ValueError("there is no dump: the run has written none yet, or was not asked for any")
     return min(dumps, key=lambda dump: abs(dump.time - time))
 
 
@@ -234,15 +237,17 @@ class Run:
         return {entry["name"]: entry["file"] for entry in entries if entry["name"] and entry.get("file")}
 
     def _table(self, name):
-        """Columns of a CSV file by their names without units."""
+        """Columns of a CSV file by their names without units; None where it is missing or has no head yet."""
         path = self.folder / name
         if not path.exists():
             return None
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = csv.reader(file)
-            names = [column.split(" [")[0] for column in next(rows)]
-            # A run that was killed may leave a last line that is cut off.
-            values = [[float(value) for value in row] for row in rows if len(row) == len(names) and row[-1]]
+        # A run that goes on or was killed may leave a last line that is cut off, even within its last number.
+        whole = path.read_bytes().decode("utf-8").rpartition("\n")[0]
+        rows = csv.reader(io.StringIO(whole, newline=""))
+        names = [column.split(" [")[0] for column in next(rows, [])]
+        if not names:
+            return None
+        values = [[float(value) for value in row] for row in rows]
         table = np.array(values).reshape(-1, len(names))
         return {column: table[:, i] for i, column in enumerate(names)}
 

@@ -105,6 +105,27 @@ class Reader(unittest.TestCase):
         finally:
             summary.write_bytes(kept)
 
+    def test_last_line_that_is_cut_off_is_left_out(self):
+        path = self.root / "out/gauges/gauge_1.csv"
+        whole = path.read_bytes()
+        head, *_, last = whole.splitlines(keepends=True)
+        try:
+            # Between two numbers, within the last one, and after it without the end of the line.
+            for cut in (last[:20], last[:-3], last[:-1]):
+                path.write_bytes(whole + cut)
+                self.assertEqual(len(results.Run(self.root / "out").gauge("gauge 1")["time"]), 2001, cut)
+            path.write_bytes(head)
+            self.assertEqual(len(results.Run(self.root / "out").gauge("gauge 1")["time"]), 0)
+            path.write_bytes(head[:12])
+            with self.assertRaises(KeyError):
+                results.Run(self.root / "out").gauge("gauge 1")
+        finally:
+            path.write_bytes(whole)
+
+    def test_no_dump_is_told(self):
+        with self.assertRaisesRegex(ValueError, "no dump"):
+            results.nearest(results.Run(self.root / "bare").dumps, 0.0)
+
     def test_unknown_gauge_is_named_with_those_there_are(self):
         with self.assertRaisesRegex(KeyError, "gauge 3.*gauge 1, gauge 2"):
             results.Run(self.root / "out").gauge("gauge 3")
