@@ -504,7 +504,8 @@ def discussion(variants, runs, grids, others, alone, loads, clamps):
     peaks = {case: deflection(r, CASES[case][0])[2] for case, r in runs.items()}
     by_grid = {n: deflection(r, 1)[2] for n, r in grids.items()}
     further = {label: deflection(r, 1)[2] / by_grid[coarse] for label, r in others.items() if label not in SHOWN}
-    variations = listed(f"{label} {per_cent(ratio)}" for label, ratio in further.items())
+    changed = listed(f"{label} {per_cent(ratio)}" for label, ratio in further.items())
+    variations = f" Changed on {coarse} cells: {changed}." if further else ""
     energy = runs[1].log["mpm_region"]["energy"]
     drifts = [100.0 * r.log["mpm_region"]["energy"]["drift"] for r in runs.values()]
     of_plate = runs[1].gauge("plate")["kinetic_energy"].max()
@@ -515,7 +516,7 @@ def discussion(variants, runs, grids, others, alone, loads, clamps):
 {on_the_load(variants, loads, alone, coarse, grids)}
 {on_the_clamp(others, grids, coarse, clamps)}
 <li><b>The grid.</b> Case 1: {listed(f"{peak:.2f} on {n}" for n, peak in by_grid.items())} cells over the
-thickness. Changed on {coarse} cells: {variations}.</li>
+thickness.{variations}</li>
 <li><b>Audit.</b> The drift of the energy is {span(drifts, "{:+.2f}")} % of the energy at work; in case 1
 {abs(energy["drift"]) * energy["scale"] / 1e3:.1f} kJ, beside {of_plate / 1e3:.1f} kJ that the plate moves with at
 most. It is no proof that the plate gets the right share; the plate alone under the same impulse is a better one.</li>
