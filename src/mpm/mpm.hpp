@@ -363,7 +363,7 @@ class Mpm {
   /// Forces of a unit of a pressure [m2] on the points of its body: per block and point.
   [[nodiscard]] std::vector<std::vector<Vec3>> pushes(SurfacePressure const& pressure) const;
 
-  /// Has the block points of the body beside the axis, see `Kernels::even_out`?
+  /// Has the block points of the body beside the axis, see `BesideAxis::even_out`?
   [[nodiscard]] bool evens_out(int block, int body) const;
   void map_even_again();
   /// What is even beside the axis, at the nodes of a block: the points' means, or (`again`) those made sharper.

@@ -28,7 +28,7 @@ enum class Field : int {
   pressure,     ///< of the equation of state [Pa]
   viscosity,    ///< bulk viscosity q [Pa]
   energy,       ///< specific internal energy [J/kg]
-  provisional,  ///< part of it that the next step replaces: fluids, see `Kernels::settle_work` [J/kg]
+  provisional,  ///< part of it that the next step replaces: fluids, see `NodeWork::settle_work` [J/kg]
   identity,     ///< number of the point, counted from 0 in the order of creation
   move_x,       ///< displacement of the present step [m], 3
   move_y,

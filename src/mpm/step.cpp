@@ -436,11 +436,12 @@ void Mpm::integrate(double dt) {
       bool const own = lent_body_ < 0 || &set != &lent_[block];
       with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
         if (own) {
-          NodeVelocity const* exchange = scratch.exchanges[f] == 0 ? nullptr : scratch.exchange[f].data();
-          NodeVelocity const* halt = scratch.halts[f] == 0 ? nullptr : scratch.halt[f].data();
-          NodeVelocity const* rub = scratch.rubs[f] == 0 ? nullptr : scratch.rub[f].data();
-          NodeVelocity const* stop = scratch.stops[f] == 0 ? nullptr : scratch.stop[f].data();
-          NodeVelocity const* keep = scratch.meets[f] == 0 ? nullptr : scratch.keep[f].data();
+          auto const known = [f](std::vector<char> const& which, std::vector<NodeArray<NodeVelocity>> const& changes) {
+            return which[f] == 0 ? nullptr : changes[f].data();
+          };
+          NodeChanges const changes{known(scratch.exchanges, scratch.exchange), known(scratch.halts, scratch.halt),
+                                    known(scratch.rubs, scratch.rub), known(scratch.stops, scratch.stop),
+                                    known(scratch.meets, scratch.keep)};
           if (books_work(body)) {
             std::optional<CellMeans> means;
             if (options_.locking_control && bodies_[body].solid.has_deviator()) means = mean_pressures(view, scratch);
@@ -448,8 +449,7 @@ void Mpm::integrate(double dt) {
                               scratch.changed[f].data(), means ? &*means : nullptr);
           }
           ApicEnergy const fate{keeps_energy(body), has_gradient_energy(body)};
-          w.dissipation[block] +=
-              kernels.move(view, options_, dt, fate, scratch.state[f].data(), exchange, halt, rub, stop, keep);
+          w.dissipation[block] += kernels.move(view, options_, dt, fate, scratch.state[f].data(), changes);
           w.work[block] += work_on(block, body, outer);
         } else {
           for (int d = 0; d < 3; ++d) {
@@ -479,7 +479,7 @@ void Mpm::integrate(double dt) {
   });
 }
 
-/// For `Kernels::book_work`. What holds, friction and walls change of the nodes' velocity has accounts of its own:
+/// For `NodeWork::book_work`. What holds, friction and walls change of the nodes' velocity has accounts of its own:
 /// those of holds and walls go first, before what forces do, that of friction in the middle of the whole change.
 void Mpm::note_changes(Scratch& scratch, int count) const {
   for (int f = 0; f < work_->fields; ++f) {

@@ -205,7 +205,7 @@ struct Mpm::Workspace {
   /// What all points fill of the cells around the nodes: block x field, of the field of a body that fills space only.
   std::vector<NodeArray<NodeVelocity>> filled;
   std::vector<char> filled_present;
-  /// What the points beside the axis have in common with their neighbours: block x body, see `Kernels::even_out`.
+  /// What the points beside the axis have in common with their neighbours: block x body, see `BesideAxis::even_out`.
   std::vector<NodeArray<NodeVelocity>> even;
   std::vector<NodeArray<NodeVelocity>> even_again;
   std::vector<char> even_present;

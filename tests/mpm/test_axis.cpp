@@ -70,7 +70,7 @@ Scatter rod(ShapeFunction shape, bool locking_control) {
   return {std::sqrt(all.axis / looks), std::sqrt(all.middle / looks), all.drift / looks};
 }
 
-// Without `Kernels::even_out` the ratios are 7.3, 2.9, 2.7 and 2.3, and B-splines scatter by 43 MPa at the axis.
+// Without `BesideAxis::even_out` the ratios are 7.3, 2.9, 2.7 and 2.3, and B-splines scatter by 43 MPa at the axis.
 TEST(Axis, PressureScattersNoMoreThanAtMidRadius) {
   for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp}) {
     for (bool const locking_control : {false, true}) {

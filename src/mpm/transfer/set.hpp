@@ -1,0 +1,139 @@
+/// The points of one body in one block, and what the loops between them and the nodes of the block's patch share.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "core/loops.hpp"
+#include "mpm/kernels.hpp"
+#include "mpm/mpm.hpp"
+#include "mpm/workspace.hpp"
+
+namespace brisance::mpm {
+
+inline std::array<double const*, 3> constant_at(PointSet const& set, Field first, int begin) {
+  std::array<double const*, 3> out{};
+  for (int d = 0; d < 3; ++d) {
+    double const* values = set.field(first + d);
+    out[d] = values == nullptr ? nullptr : values + begin;
+  }
+  return out;
+}
+
+inline std::array<double*, 3> vector_at(PointSet& set, Field first, int begin) {
+  std::array<double*, 3> out{};
+  for (int d = 0; d < 3; ++d) {
+    double* values = set.field(first + d);
+    out[d] = values == nullptr ? nullptr : values + begin;
+  }
+  return out;
+}
+
+inline HalfLengths half_lengths(PointSet const& set, Body const& body, double h, int begin) {
+  HalfLengths half;
+  double const constant = 0.5 * h / body.points_per_direction;
+  half.constant = {constant, constant, constant};
+  half.own = constant_at(set, Field::half_x, begin);
+  return half;
+}
+
+inline Hoops hoops_of(grid::Geometry geometry) {
+  switch (geometry) {
+    case grid::Geometry::axisymmetric2d:
+    case grid::Geometry::cylindrical1d: return {0.0, 1.0};
+    case grid::Geometry::spherical1d: return {1.0, 1.0};
+    default: return {};
+  }
+}
+
+/// Part of a point's volume that the gas around does not fill. Debris flies apart and soil bursts, and the volumes of
+/// their points grow with the gaps between them: a solid bears the pressure of the gas with no more than its matter.
+/// With all of it single grains push, and are pushed, as if they filled many cells, and are thrown.
+inline double matter_part(Body const& body, double density) {
+  return body.solid.has_deviator() ? std::min(1.0, density / body.solid.density) : 1.0;
+}
+
+/// What a pass over one set needs.
+struct SetView {
+  PointSet* set;
+  Body const* body;
+  Patch const* patch;
+  double h;
+};
+
+/// Locking control. Replaces the volumetric strain of each point by that of its cell, and the pressure in the forces by
+/// the cell's mean, both weighted with volume: the two are conjugate, so that the work of the forces and the energy of
+/// the points agree (the B-bar method of finite elements, with the cell as the element, [Hughes80]).
+class CellMeans {
+ public:
+  /// Finds the cell of each point of a set.
+  CellMeans(SetView const& v, Scratch& scratch) : scratch_(&scratch) {
+    PointSet const& set = *v.set;
+    Patch const& patch = *v.patch;
+    scratch.order.assign(set.size(), 0);
+    scratch.cell_sums.assign(static_cast<std::size_t>(patch.cells[0] * patch.cells[1] * patch.cells[2]) * 2, 0.0);
+    double const inverse_h = 1.0 / v.h;
+    int stride = 1;
+    for (int d = 0; d < patch.dimensions; ++d) {
+      double const* x = set.field(Field::position_x + d);
+      for (int q = 0; q < set.size(); ++q) {
+        int const i = static_cast<int>((x[q] - patch.first[d]) * inverse_h);
+        scratch.order[q] += stride * std::clamp(i, 0, patch.cells[d] - 1);
+      }
+      stride *= patch.cells[d];
+    }
+  }
+  void add(int point, double volume, double value) {
+    double* sums = scratch_->cell_sums.data() + 2L * scratch_->order[point];
+    sums[0] += volume;
+    sums[1] += volume * value;
+  }
+  [[nodiscard]] double mean(int point) const {
+    double const* sums = scratch_->cell_sums.data() + 2L * scratch_->order[point];
+    return sums[1] / sums[0];
+  }
+
+ private:
+  Scratch* scratch_;
+};
+
+/// Calls work(begin, n, weights) for the points of a set, a chunk at a time.
+template <class S, int D, class Work>
+void for_chunks(SetView const& v, Work&& work) {
+  PointSet const& set = *v.set;
+  Weights<S, D> k;
+  for (int begin = 0; begin < set.size(); begin += chunk) {
+    int const n = std::min(chunk, set.size() - begin);
+    find_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin),
+                       half_lengths(set, *v.body, v.h, begin), n, k);
+    work(begin, n, k);
+  }
+}
+
+/// Takes off the way of points what only their velocity has, see contact.cpp.
+template <class S, int D>
+void take_kept(SetView const& v, Weights<S, D> const& k, int n, double dt, NodeVelocity const* keep,
+               std::array<double*, 3> const& way) {
+  for (int q = 0; q < n; ++q) {
+    Lanes4 kept;
+    velocity_at<S, D>(*v.patch, k, q, keep, kept);
+    for (int d = 0; d < 3; ++d) way[d][q] -= dt * kept[d];
+  }
+}
+
+/// What changes the nodes' velocity beside the forces, each null where there is none: what they take over from points
+/// of another transfer (see `Mpm::share_momentum`), and what constraints, the friction of contacts and walls, and walls
+/// across them do; by how much the velocity that points take over differs from that with which the nodes move.
+struct NodeChanges {
+  NodeVelocity const* exchange = nullptr;
+  NodeVelocity const* halt = nullptr;
+  NodeVelocity const* rub = nullptr;
+  NodeVelocity const* stop = nullptr;
+  NodeVelocity const* keep = nullptr;
+};
+
+}  // namespace brisance::mpm
