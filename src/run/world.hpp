@@ -174,9 +174,9 @@ struct AuditFinding {
     gas_energy,    ///< of gas alone
     guard_energy,  ///< that the guards added
     guard_mass,
-    drift,    ///< of the energy of points, alone or together with gas
-    ledger,   ///< gas that lies between cells and points
-    unlit,    ///< compression of explosive before it was lit
+    drift,   ///< of the energy of points, alone or together with gas
+    ledger,  ///< gas that lies between cells and points
+    unlit,   ///< compression of explosive before it was lit
   };
   Kind kind = Kind::drift;
   double amount = 0.0;    ///< what is too much [J, kg or of 1], with its sign
