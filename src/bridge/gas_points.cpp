@@ -67,7 +67,8 @@ Account GasPoints::carried(mpm::PointSet const& set, int q) const {
   }
   l.energy = m * (set.field(Field::energy)[q] + 0.5 * square);
   l.volume = m / set.field(Field::density)[q];
-  if (points_->has_gradient_energy(body_)) l.energy += m * mpm::affine_energy(set, q, faces_->region().domain().h);
+  if (points_->rules(body_).has_gradient_energy)
+    l.energy += m * mpm::affine_energy(set, q, faces_->region().domain().h);
   return l;
 }
 

@@ -113,14 +113,14 @@ void Mpm::map_extents() {
         bool met = false;
         bool rigid = false;
         for (int g = 0; g < w.fields; ++g) {
-          if (g == f || w.slips[g] != 0 || scratch.present[g] == 0) continue;
-          NodeVelocity const& gradient = scratch.gradient[g].data()[node];
+          if (g == f || w.slips[g] != 0 || !scratch.of[g].present) continue;
+          NodeVelocity const& gradient = scratch.of[g].gradient.data()[node];
           others += gradient;
           rigid = rigid || w.rigid[g].has_value();
           met = met || gradient[0] != 0.0 || gradient[1] != 0.0 || gradient[2] != 0.0;
         }
         if (!met) continue;
-        normals[node] = contact_normal(scratch.gradient[f].data()[node], w.rigid[f].has_value(), others, rigid);
+        normals[node] = contact_normal(scratch.of[f].gradient.data()[node], w.rigid[f].has_value(), others, rigid);
         any = true;
       }
       double* extents = w.extent[slot].get(patch.count());
@@ -140,8 +140,8 @@ void Mpm::gather_extents(int block, Scratch& scratch) const {
   Workspace const& w = *work_;
   Patch const& patch = w.patches[block];
   for (int f = 0; f < w.fields; ++f) {
-    if (scratch.present[f] == 0 || w.slips[f] != 0) continue;
-    double* extents = scratch.extent[f].get(patch.count());
+    if (!scratch.of[f].present || w.slips[f] != 0) continue;
+    double* extents = scratch.of[f].extent.get(patch.count());
     std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
     for (Link const& link : patch.links) {
       int const slot = w.slot(link.source, f);
@@ -176,38 +176,38 @@ void Mpm::find_meetings(int block, double dt, Scratch& scratch, Trial&& trial) c
   std::vector<Meeting>& meetings = w.meetings[block];
   meetings.clear();
   for (int f = 0; f < w.fields; ++f) {
-    if (w.parts[f] != 0 && w.one_sided[f] != 0 && scratch.present[f] != 0 && !w.walls[block].empty())
+    if (w.parts[f] != 0 && w.one_sided[f] != 0 && scratch.of[f].present && !w.walls[block].empty())
       gather_gaps(block, f, scratch);
   }
-  auto const mass = [&](int f, int node) { return scratch.state[f].data()[node].momentum[3]; };
+  auto const mass = [&](int f, int node) { return scratch.of[f].sums.data()[node].momentum[3]; };
   for (int node = 0; node < patch.count(); ++node) {
     int met = 0;
     for (int f = 0; f < w.fields; ++f) {
-      met += w.parts[f] != 0 && scratch.present[f] != 0 && mass(f, node) > w.mass_floor ? 1 : 0;
+      met += w.parts[f] != 0 && scratch.of[f].present && mass(f, node) > w.mass_floor ? 1 : 0;
     }
     if (met < 2) continue;
     std::size_t const first_here = meetings.size();
     scratch.trial.resize(w.fields);
     for (int f = 0; f < w.fields; ++f) {
-      if (w.parts[f] != 0 && scratch.present[f] != 0 && mass(f, node) > w.mass_floor) scratch.trial[f] = trial(f, node);
+      if (w.parts[f] != 0 && scratch.of[f].present && mass(f, node) > w.mass_floor) scratch.trial[f] = trial(f, node);
     }
     std::size_t found = 0;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       for (int a = 0; a < w.fields; ++a) {
-        if (w.parts[a] == 0 || scratch.present[a] == 0 || !(mass(a, node) > w.mass_floor)) continue;
+        if (w.parts[a] == 0 || !scratch.of[a].present || !(mass(a, node) > w.mass_floor)) continue;
         for (int b = a + 1; b < w.fields; ++b) {
           Law const& law = w.laws[a * w.fields + b];
-          if (law.kind != Law::Kind::contact || scratch.present[b] == 0 || !(mass(b, node) > w.mass_floor)) continue;
+          if (law.kind != Law::Kind::contact || !scratch.of[b].present || !(mass(b, node) > w.mass_floor)) continue;
           auto const same = [&](Meeting const& m) { return m.first.field == a && m.second.field == b; };
           if (std::any_of(meetings.begin() + static_cast<std::ptrdiff_t>(first_here), meetings.end(), same)) continue;
-          double const reach_a = scratch.extent[a].data()[node];
-          double const reach_b = scratch.extent[b].data()[node];
+          double const reach_a = scratch.of[a].extent.data()[node];
+          double const reach_b = scratch.of[b].extent.data()[node];
           if (!(reach_a + reach_b >= -touch * h)) continue;
           Meeting meeting;
           meeting.node = node;
           meeting.friction = law.friction;
-          meeting.normal = contact_normal(scratch.gradient[a].data()[node], w.rigid[a].has_value(),
-                                          scratch.gradient[b].data()[node], w.rigid[b].has_value());
+          meeting.normal = contact_normal(scratch.of[a].gradient.data()[node], w.rigid[a].has_value(),
+                                          scratch.of[b].gradient.data()[node], w.rigid[b].has_value());
           if (meeting.normal == Vec3{0.0, 0.0, 0.0}) continue;
           // As in the other pairs at the node, if there are any: what is prescribed hangs on the velocity.
           auto const known = [&](int field) {
@@ -248,7 +248,7 @@ Partner Mpm::partner(int block, int field, int node, double dt, Scratch const& s
   Workspace const& w = *work_;
   Partner one;
   one.field = field;
-  one.mass = scratch.state[field].data()[node].momentum[3];
+  one.mass = scratch.of[field].sums.data()[node].momentum[3];
   if (w.rigid[field]) {
     one.prescribed = *w.rigid[field];
     return one;
@@ -260,7 +260,7 @@ Partner Mpm::partner(int block, int field, int node, double dt, Scratch const& s
       WallFace const& wall = w.walls[block][n];
       int const d = wall.direction;
       if (node / patch.stride(d) % patch.n[d] != wall.plane) continue;
-      double const gap = scratch.gap[field].data()[n * static_cast<std::size_t>(patch.count()) + node];
+      double const gap = scratch.of[field].gap.data()[n * static_cast<std::size_t>(patch.count()) + node];
       if (gap == std::numeric_limits<double>::max()) continue;
       double const into = -std::max(0.0, gap) / dt;
       if (wall.inwards * scratch.trial[field][d] > into) continue;
@@ -286,10 +286,10 @@ void Mpm::clear_contacts(int block, Scratch& scratch) const {
   bool const any = w.touches && !w.meetings[block].empty();
   int const count = w.patches[block].count();
   for (int f = 0; f < w.fields; ++f) {
-    bool const here = any && w.parts[f] != 0 && !w.rigid[f] && scratch.present[f] != 0;
-    scratch.meets[f] = scratch.rubs[f] = here ? 1 : 0;
+    bool const here = any && w.parts[f] != 0 && !w.rigid[f] && scratch.of[f].present;
+    scratch.of[f].meets = scratch.of[f].rubs = here;
     if (!here) continue;
-    for (NodeArray<NodeVelocity>* part : {&scratch.meet[f], &scratch.rub[f], &scratch.keep[f]}) {
+    for (NodeArray<NodeVelocity>* part : {&scratch.of[f].meet, &scratch.of[f].rub, &scratch.of[f].keep}) {
       NodeVelocity* nodes = part->get(count);
       std::fill(nodes, nodes + count, NodeVelocity{});
     }
@@ -300,7 +300,7 @@ void Mpm::clear_contacts(int block, Scratch& scratch) const {
 void Mpm::weigh_meetings(int block, Scratch const& scratch) const {
   Workspace& w = *work_;
   std::vector<Meeting>& meetings = w.meetings[block];
-  auto const mass = [&](Partner const& one, int node) { return scratch.state[one.field].data()[node].momentum[3]; };
+  auto const mass = [&](Partner const& one, int node) { return scratch.of[one.field].sums.data()[node].momentum[3]; };
   std::erase_if(meetings, [&](Meeting const& m) {
     return !(mass(m.first, m.node) > w.mass_floor && mass(m.second, m.node) > w.mass_floor);
   });
@@ -326,28 +326,29 @@ void Mpm::meet(int block, Scratch& scratch, Given& given) const {
     int const count = static_cast<int>(end - begin);
     // What holds and walls will prescribe.
     auto const velocity = [&](Partner const& one) {
-      NodeVelocity const& v = scratch.state[one.field].data()[node].momentum;
+      NodeVelocity const& v = scratch.of[one.field].motion.data()[node].velocity;
       Vec3 now{};
       for (int d = 0; d < 3; ++d) now[d] = one.yields[d] == 0.0 ? one.prescribed[d] : v[d];
       return now;
     };
     auto const changed = [&](Partner const& one) {
-      NodeVelocity const& c = scratch.state[one.field].data()[node].force;
+      NodeVelocity const& c = scratch.of[one.field].motion.data()[node].change;
       Vec3 now{};
       for (int d = 0; d < 3; ++d) now[d] = one.yields[d] == 0.0 ? 0.0 : c[d];
       return now;
     };
     auto const push = [&](Partner const& one, Vec3 const& moved, Vec3 const& impulse, bool rubs) {
       if (w.rigid[one.field]) return;
-      NodeState& r = scratch.state[one.field].data()[node];
-      NodeVelocity& part = (rubs ? scratch.rub : scratch.meet)[one.field].data()[node];
-      NodeVelocity& keep = scratch.keep[one.field].data()[node];
+      FieldScratch& s = scratch.of[one.field];
+      NodeMotion& r = s.motion.data()[node];
+      NodeVelocity& part = (rubs ? s.rub : s.meet).data()[node];
+      NodeVelocity& keep = s.keep.data()[node];
       for (int d = 0; d < 3; ++d) {
         // Where the velocity is prescribed the impulse passes on to who does that.
         bool const free = one.yields[d] != 0.0;
         double const change = impulse[d] / one.mass;
-        r.momentum[d] += free ? moved[d] / one.mass : change;
-        r.force[d] += change;
+        r.velocity[d] += free ? moved[d] / one.mass : change;
+        r.change[d] += change;
         if (!free) continue;
         part[d] += change;
         keep[d] += change - moved[d] / one.mass;
@@ -421,8 +422,8 @@ void Mpm::meet_velocity(int block, Scratch& scratch) const {
     stopping.assign(count, 0.0);
     for (int n = 0; n < count; ++n) {
       Meeting const& m = meetings[begin + n];
-      NodeVelocity const& a = scratch.velocity[m.first.field].data()[node];
-      NodeVelocity const& b = scratch.velocity[m.second.field].data()[node];
+      NodeVelocity const& a = scratch.of[m.first.field].velocity.data()[node];
+      NodeVelocity const& b = scratch.of[m.second.field].velocity.data()[node];
       for (int d = 0; d < 3; ++d) {
         double const va = m.first.yields[d] == 0.0 ? m.first.prescribed[d] : a[d];
         double const vb = m.second.yields[d] == 0.0 ? m.second.prescribed[d] : b[d];
@@ -432,8 +433,8 @@ void Mpm::meet_velocity(int block, Scratch& scratch) const {
     stop(&meetings[begin], count, stopping.data(), scratch.matrix);
     for (int n = 0; n < count; ++n) {
       Meeting const& m = meetings[begin + n];
-      NodeVelocity& a = scratch.velocity[m.first.field].data()[node];
-      NodeVelocity& b = scratch.velocity[m.second.field].data()[node];
+      NodeVelocity& a = scratch.of[m.first.field].velocity.data()[node];
+      NodeVelocity& b = scratch.of[m.second.field].velocity.data()[node];
       for (int d = 0; d < 3; ++d) {
         a[d] -= stopping[n] * m.first.yields[d] * m.normal[d];
         b[d] += stopping[n] * m.second.yields[d] * m.normal[d];
@@ -442,13 +443,16 @@ void Mpm::meet_velocity(int block, Scratch& scratch) const {
   });
 }
 
-void Mpm::find_meetings(int block, double dt, Scratch& scratch, bool with_forces) const {
+void Mpm::find_meetings(int block, double dt, Scratch& scratch, bool from_sums) const {
   find_meetings(block, dt, scratch, [&](int f, int node) {
-    NodeState const& r = scratch.state[f].data()[node];
-    double const scale = with_forces ? 1.0 / r.momentum[3] : 1.0;
-    double const push = with_forces ? dt * scale : 0.0;
+    if (!from_sums) {
+      NodeVelocity const& v = scratch.of[f].motion.data()[node].velocity;
+      return Vec3{v[0], v[1], v[2]};
+    }
+    NodeSums const& r = scratch.of[f].sums.data()[node];
+    double const scale = 1.0 / r.momentum[3];
     Vec3 v{};
-    for (int d = 0; d < 3; ++d) v[d] = scale * r.momentum[d] + push * r.force[d];
+    for (int d = 0; d < 3; ++d) v[d] = scale * r.momentum[d] + dt * scale * r.force[d];
     return v;
   });
 }

@@ -29,12 +29,11 @@ namespace brisance::mpm {
   return (1.0 / length) * n;
 }
 
-/// The nodes of one block. Fields that are not in `present` are left out.
+/// The nodes of one block.
 struct ContactNodes {
   int nodes = 0;
   int fields = 0;
   double mass_floor = 0.0;
-  std::vector<char> const* present = nullptr;
   std::vector<Law> const* laws = nullptr;
   std::vector<std::optional<Vec3>> const* rigid = nullptr;
   std::vector<char> const* slips = nullptr;  ///< which of the two that slip is the fluid
@@ -69,19 +68,19 @@ struct Surface {
 }
 
 /// Makes the velocities of the fields that are glued or slip along others compatible. `at` gives access to them:
-/// mass(f, node), whole(f, node): the mass with the images behind walls, which fluids have and bodies have not,
-/// get(f, node), set(f, node, velocity), and gradient(f, node) of what it fills. It is told by give(fluid, body, node,
-/// impulse) what a fluid gets from a body that it slips along [kg m/s].
+/// present(f), mass(f, node), whole(f, node): the mass with the images behind walls, which fluids have and bodies have
+/// not, get(f, node), set(f, node, velocity), and gradient(f, node) of what it fills. It is told by give(fluid, body,
+/// node, impulse) what a fluid gets from a body that it slips along [kg m/s].
 template <class Access>
 void make_compatible(ContactNodes const& c, Access&& at) {
   for (int node = 0; node < c.nodes; ++node) {
     int met = 0;
-    for (int f = 0; f < c.fields; ++f) met += (*c.present)[f] != 0 && at.mass(f, node) > c.mass_floor ? 1 : 0;
+    for (int f = 0; f < c.fields; ++f) met += at.present(f) && at.mass(f, node) > c.mass_floor ? 1 : 0;
     if (met < 2) continue;
     for (int a = 0; a < c.fields; ++a) {
-      if ((*c.present)[a] == 0 || !(at.mass(a, node) > c.mass_floor)) continue;
+      if (!at.present(a) || !(at.mass(a, node) > c.mass_floor)) continue;
       for (int b = a + 1; b < c.fields; ++b) {
-        if ((*c.present)[b] == 0 || !(at.mass(b, node) > c.mass_floor)) continue;
+        if (!at.present(b) || !(at.mass(b, node) > c.mass_floor)) continue;
         Law const law = (*c.laws)[a * c.fields + b];
         if (law.kind == Law::Kind::contact) continue;
         bool const rigid_a = (*c.rigid)[a].has_value();

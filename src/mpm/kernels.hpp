@@ -126,10 +126,10 @@ inline __attribute__((always_inline)) void for_rows(Patch const& patch, Weights<
 
 /// momentum += w a, force += w b + g_x cx + g_y cy + g_z cz for one point.
 template <class S, int D>
-inline __attribute__((always_inline)) void add_state(Patch const& patch, Weights<S, D> const& k, int q,
-                                                     NodeState* nodes, Lanes4 const& a, Lanes4 const& b,
-                                                     Lanes4 const& cx, Lanes4 const& cy, Lanes4 const& cz) {
-  for_rows<S, D>(patch, k, q, nodes, [&](NodeState* row, double w, double gy, double gz, int, int) {
+inline __attribute__((always_inline)) void add_state(Patch const& patch, Weights<S, D> const& k, int q, NodeSums* nodes,
+                                                     Lanes4 const& a, Lanes4 const& b, Lanes4 const& cx,
+                                                     Lanes4 const& cy, Lanes4 const& cz) {
+  for_rows<S, D>(patch, k, q, nodes, [&](NodeSums* row, double w, double gy, double gz, int, int) {
     Lanes4 const m = w * a;
     Lanes4 t = w * b;
     if constexpr (D > 1) t += gy * cy;
@@ -186,10 +186,10 @@ inline __attribute__((always_inline)) void add_affine(Patch const& patch, Weight
 template <class S, int D>
 inline __attribute__((always_inline)) void add_affine_energy(Patch const& patch, Weights<S, D> const& k,
                                                              AffineWeights<S, D> const& affine, double h, int q,
-                                                             NodeState* nodes, Lanes4 const& a,
+                                                             NodeSums* nodes, Lanes4 const& a,
                                                              std::array<Lanes4, 3> const& c,
                                                              std::array<Lanes4, 3> const& mixed, double inverse_mass) {
-  for_rows<S, D>(patch, k, q, nodes, [&](NodeState* row, double w, double, double, int j, int i) {
+  for_rows<S, D>(patch, k, q, nodes, [&](NodeSums* row, double w, double, double, int j, int i) {
     Lanes4 along = c[0];  // change per distance in x
     Lanes4 t = a;
     if constexpr (D > 1) {
@@ -213,17 +213,17 @@ inline __attribute__((always_inline)) void add_affine_energy(Patch const& patch,
   });
 }
 
-/// Sums of w times both halves of the nodes' state at one point.
+/// Sums of w times the nodes' velocity and of its change at one point.
 template <class S, int D>
 inline __attribute__((always_inline)) void state_at(Patch const& patch, Weights<S, D> const& k, int q,
-                                                    NodeState const* nodes, Lanes4& velocity, Lanes4& change) {
+                                                    NodeMotion const* nodes, Lanes4& velocity, Lanes4& change) {
   Lanes4 v{};
   Lanes4 c{};
-  for_rows<S, D>(patch, k, q, nodes, [&](NodeState const* row, double w, double, double, int, int) {
+  for_rows<S, D>(patch, k, q, nodes, [&](NodeMotion const* row, double w, double, double, int, int) {
     for (int s = 0; s < S::support; ++s) {
       double const weight = w * k.w[0][s][q];
-      v += weight * row[s].momentum;
-      c += weight * row[s].force;
+      v += weight * row[s].velocity;
+      c += weight * row[s].change;
     }
   });
   velocity = v;

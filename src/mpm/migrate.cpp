@@ -125,8 +125,9 @@ void Mpm::migrate() {
           }
           lost.mass += m;
           lost.energy += m * (0.5 * square + set.field(Field::energy)[q]);
-          if (books_work(body) && !bodies_[body].solid.is_gas()) lost.energy -= m * set.field(Field::provisional)[q];
-          if (has_gradient_energy(body)) lost.energy += m * affine_energy(set, q, domain.h);
+          if (rules_[body].books_work && !bodies_[body].solid.is_gas())
+            lost.energy -= m * set.field(Field::provisional)[q];
+          if (rules_[body].has_gradient_energy) lost.energy += m * affine_energy(set, q, domain.h);
           ++lost.points;
         } else if (moved) {
           out.points.append(set, q);

@@ -68,20 +68,25 @@ struct Patch {
 /// Three components of a vector and one scalar: momentum or velocity with the mass.
 using NodeVelocity = Lanes4;
 
-/// What the points give a node: momentum [kg m/s] with the mass [kg], and force [N] with the kinetic energy [J]. After
-/// `integrate`: the new velocity with the mass, and the change of the velocity over the step.
-struct alignas(64) NodeState {
-  NodeVelocity momentum;
-  NodeVelocity force;
+/// What the points give a node.
+struct alignas(64) NodeSums {
+  NodeVelocity momentum;  ///< [kg m/s], with the mass [kg]
+  NodeVelocity force;     ///< [N], with the kinetic energy of the points of APIC [J]
+};
+
+/// What a node does in a step.
+struct alignas(64) NodeMotion {
+  NodeVelocity velocity;  ///< the new one [m/s], with the mass [kg]
+  NodeVelocity change;    ///< of the velocity over the step [m/s], with the kinetic energy of before and heat [J]
 };
 
 inline void add_to(NodeVelocity& sum, NodeVelocity const& part) { sum += part; }
 inline void add_to(NodeVelocity& sum, NodeVelocity const& sign, NodeVelocity const& part) { sum += sign * part; }
-inline void add_to(NodeState& sum, NodeState const& part) {
+inline void add_to(NodeSums& sum, NodeSums const& part) {
   sum.momentum += part.momentum;
   sum.force += part.force;
 }
-inline void add_to(NodeState& sum, NodeVelocity const& sign, NodeState const& part) {
+inline void add_to(NodeSums& sum, NodeVelocity const& sign, NodeSums const& part) {
   sum.momentum += sign * part.momentum;
   sum.force += sign * part.force;
 }

@@ -26,8 +26,8 @@ struct Kernels : ToGrid<S, D>,
                  Surfaces<S, D>,
                  Heat<S, D> {
   /// Moves the points of a set by their transfer; rigid ones go on as they are.
-  static Dissipation move(SetView const& v, Options const& options, double dt, ApicEnergy fate, NodeState const* nodes,
-                          NodeChanges const& changes) {
+  static Dissipation move(SetView const& v, Options const& options, double dt, BodyRules const& rules,
+                          FieldScratch const& nodes) {
     PointSet& set = *v.set;
     if (v.body->rigid_velocity) {
       auto const u = vector_at(set, Field::velocity_x, 0);
@@ -37,8 +37,8 @@ struct Kernels : ToGrid<S, D>,
       }
       return {};
     }
-    if (set.field(Field::affine_xx) != nullptr) return Apic<S, D>::move(v, dt, fate, nodes, changes);
-    return Flip<S, D>::move(v, options, dt, nodes, changes);
+    if (set.field(Field::affine_xx) != nullptr) return Apic<S, D>::move(v, dt, rules, nodes);
+    return Flip<S, D>::move(v, options, dt, nodes);
   }
 };
 

@@ -102,7 +102,7 @@ void Mpm::gather_gaps(int block, int field, Scratch& scratch) const {
   std::vector<WallFace> const& walls = w.walls[block];
   int const count = patch.count();
   int const all = count * static_cast<int>(walls.size());
-  double* gaps = scratch.gap[field].get(all);
+  double* gaps = scratch.of[field].gap.get(all);
   std::fill(gaps, gaps + all, far);
   for (std::size_t n = 0; n < walls.size(); ++n) {
     int const d = walls[n].direction;
@@ -135,26 +135,26 @@ void Mpm::gather_gaps(int block, int field, Scratch& scratch) const {
 /// Stops the new velocities of bodies' nodes where they would go through a wall, and books what they lose by it.
 void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
   Workspace& w = *work_;
-  std::fill(scratch.stops.begin(), scratch.stops.end(), 0);
+  for (FieldScratch& s : scratch.of) s.stops = false;
   std::vector<WallFace> const& walls = w.walls[block];
   if (walls.empty()) return;
   Patch const& patch = w.patches[block];
   int const count = patch.count();
   double const friction = options_.wall_friction;
   for (int f = 0; f < w.fields; ++f) {
-    if (w.one_sided[f] == 0 || scratch.present[f] == 0) continue;
+    if (w.one_sided[f] == 0 || !scratch.of[f].present) continue;
     gather_gaps(block, f, scratch);
     std::vector<char>& stopped = w.stopped[w.slot(block, f)];
     stopped.resize(static_cast<std::size_t>(count) * walls.size());
-    NodeVelocity* stop = scratch.stop[f].get(count);
+    NodeVelocity* stop = scratch.of[f].stop.get(count);
     std::fill(stop, stop + count, NodeVelocity{});
-    scratch.stops[f] = 1;
-    if (friction > 0.0 && scratch.rubs[f] == 0) {
-      NodeVelocity* rub = scratch.rub[f].get(count);
+    scratch.of[f].stops = true;
+    if (friction > 0.0 && !scratch.of[f].rubs) {
+      NodeVelocity* rub = scratch.of[f].rub.get(count);
       std::fill(rub, rub + count, NodeVelocity{});
-      scratch.rubs[f] = 1;
+      scratch.of[f].rubs = true;
     }
-    NodeState* nodes = scratch.state[f].data();
+    NodeMotion* nodes = scratch.of[f].motion.data();
     // Each block books for its own points.
     auto const own_mass = [&](int node) { return w.own_mass(block, f, node); };
     // Of its points that follow increments of the velocity: what gas loses is heat. Where points take over the nodes'
@@ -166,61 +166,62 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
       return w.affine[f] == 0 || taken_over ? own_mass(node) : following == nullptr ? 0.0 : following[node][3];
     };
     auto const push = [&](WallFace const& wall, int node, double change) {
-      NodeState& r = nodes[node];
+      NodeMotion& r = nodes[node];
       int const d = wall.direction;
-      double const m = r.momentum[3];
+      double const m = r.velocity[3];
       Vec3 given_here{0.0, 0.0, 0.0};
       given_here[d] = wall.inwards * change;
       if (friction > 0.0) {
         double square = 0.0;
-        for (int e = 0; e < 3; ++e) square += e == d ? 0.0 : r.momentum[e] * r.momentum[e];
+        for (int e = 0; e < 3; ++e) square += e == d ? 0.0 : r.velocity[e] * r.velocity[e];
         double const part = square > 0.0 ? std::min(1.0, friction * change / std::sqrt(square)) : 0.0;
         for (int e = 0; e < 3; ++e) {
           if (e == d) continue;
-          given_here[e] = -part * r.momentum[e];
-          scratch.rub[f].data()[node][e] += given_here[e];
+          given_here[e] = -part * r.velocity[e];
+          scratch.of[f].rub.data()[node][e] += given_here[e];
         }
       }
       for (int e = 0; e < 3; ++e) {
-        r.force[e] += given_here[e];
-        r.momentum[e] += given_here[e];
+        r.change[e] += given_here[e];
+        r.velocity[e] += given_here[e];
         given.impulse[e] += own_mass(node) * given_here[e];
       }
       // Heat of fluids that share the node: what is lost at the mean of the velocities before and after the step.
       if (taken_over) return;
-      for (int e = 0; e < 3; ++e) r.force[3] -= m * given_here[e] * (r.momentum[e] - 0.5 * r.force[e]);
+      for (int e = 0; e < 3; ++e) r.change[3] -= m * given_here[e] * (r.velocity[e] - 0.5 * r.change[e]);
     };
     // What is stopped has no velocity left, so that the forces of the step do no work on it: all of its change is loss,
     // as where constraints hold. While it closes a gap they do, and where the stress was updated before, with another
     // velocity.
     bool const before = options_.order == StressOrder::usf;
     auto const lost_by_node = [&](int node, int d) {
-      NodeState const& r = nodes[node];
-      return taken_over ? -own_mass(node) * stop[node][d] * (r.momentum[d] - 0.5 * r.force[d]) : 0.0;
+      NodeMotion const& r = nodes[node];
+      return taken_over ? -own_mass(node) * stop[node][d] * (r.velocity[d] - 0.5 * r.change[d]) : 0.0;
     };
     // What contact gave is in what is stopped, too. What friction did of it: the wall takes that away, and accounts for
     // the loss of points that follow increments. For those that take over the nodes' velocity friction does its work
-    // all the same, at the mean of before and after the step, see `Mpm::release`.
-    auto const at = [&](std::vector<char> const& known, std::vector<NodeArray<NodeVelocity>> const& changes, int node,
-                        int d) { return known[f] == 0 ? 0.0 : changes[f].data()[node][d]; };
+    // all the same, at the mean of before and after the step, see `Mpm::note_rubbing`.
+    FieldScratch const& s = scratch.of[f];
+    auto const met_at = [&](int node, int d) { return s.meets ? s.meet.data()[node][d] : 0.0; };
+    auto const rubbed_at = [&](int node, int d) { return s.rubs ? s.rub.data()[node][d] : 0.0; };
     auto const take = [&](int node, int d, double met, double rubbed) {
-      if (scratch.meets[f] != 0) scratch.meet[f].data()[node][d] -= met;
-      if (scratch.rubs[f] == 0) return;
-      NodeVelocity& rub = scratch.rub[f].data()[node];
+      if (scratch.of[f].meets) scratch.of[f].meet.data()[node][d] -= met;
+      if (!scratch.of[f].rubs) return;
+      NodeVelocity& rub = scratch.of[f].rub.data()[node];
       rub[d] -= rubbed;
-      rub[3] += rubbed * (nodes[node].momentum[d] - 0.5 * nodes[node].force[d]);
+      rub[3] += rubbed * (nodes[node].velocity[d] - 0.5 * nodes[node].change[d]);
     };
     auto const book = [&](WallFace const& wall, int node, double change, double slack, bool held) {
       int const d = wall.direction;
-      NodeState const& r = nodes[node];
-      stop[node][d] = r.force[d];
-      double const by_forces = wall.inwards * r.force[d] - change;
-      double const was = wall.inwards * (r.momentum[d] - r.force[d]);
+      NodeMotion const& r = nodes[node];
+      stop[node][d] = r.change[d];
+      double const by_forces = wall.inwards * r.change[d] - change;
+      double const was = wall.inwards * (r.velocity[d] - r.change[d]);
       double const strained = before && !held ? was : -slack;
       given.drive += following_mass(node) * by_forces * strained + lost_by_node(node, d);
-      double const middle = r.momentum[d] - 0.5 * r.force[d];
-      double const taken = at(scratch.rubs, scratch.rub, node, d);
-      take(node, d, at(scratch.meets, scratch.meet, node, d), taken);
+      double const middle = r.velocity[d] - 0.5 * r.change[d];
+      double const taken = rubbed_at(node, d);
+      take(node, d, met_at(node, d), taken);
       if (taken_over) {
         given.drive += own_mass(node) * taken * (middle - wall.inwards * strained);
       } else {
@@ -229,21 +230,21 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
     };
     auto const book_pair = [&](WallFace const& wall, int a, int b, double change, double slack, bool held) {
       int const d = wall.direction;
-      double const ma = nodes[a].momentum[3];
-      double const mb = nodes[b].momentum[3];
-      double const both = nodes[a].force[d] + nodes[b].force[d];
+      double const ma = nodes[a].velocity[3];
+      double const mb = nodes[b].velocity[3];
+      double const both = nodes[a].change[d] + nodes[b].change[d];
       stop[a][d] = both * mb / (ma + mb);
       stop[b][d] = both * ma / (ma + mb);
       double const by_forces = wall.inwards * both - change;
-      double const was = wall.inwards * (nodes[a].momentum[d] + nodes[b].momentum[d] - both);
+      double const was = wall.inwards * (nodes[a].velocity[d] + nodes[b].velocity[d] - both);
       double const strained = before && !held ? was : -2.0 * slack;
       double const mass = 0.5 * (following_mass(a) * mb + following_mass(b) * ma) / (ma + mb);
       given.drive += mass * by_forces * strained + lost_by_node(a, d) + lost_by_node(b, d);
-      double const met = at(scratch.meets, scratch.meet, a, d) + at(scratch.meets, scratch.meet, b, d);
-      double const sum = at(scratch.rubs, scratch.rub, a, d) + at(scratch.rubs, scratch.rub, b, d);
+      double const met = met_at(a, d) + met_at(b, d);
+      double const sum = rubbed_at(a, d) + rubbed_at(b, d);
       for (auto const& [node, part] : {std::pair{a, mb / (ma + mb)}, std::pair{b, ma / (ma + mb)}}) {
         take(node, d, part * met, part * sum);
-        double const middle = nodes[node].momentum[d] - 0.5 * nodes[node].force[d];
+        double const middle = nodes[node].velocity[d] - 0.5 * nodes[node].change[d];
         if (taken_over) given.drive += own_mass(node) * part * sum * middle;
       }
       if (taken_over) {
@@ -256,15 +257,15 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
       WallFace const& wall = walls[n];
       int const d = wall.direction;
       int const stride = wall.inwards * patch.stride(d);
-      double const* gaps = scratch.gap[f].data() + static_cast<int>(n) * count;
+      double const* gaps = scratch.of[f].gap.data() + static_cast<int>(n) * count;
       for_plane(patch, wall, [&](int node) {
         if (gaps[node] == far) return;
         double const slack = std::max(0.0, gaps[node]) / dt;
         char& bits = stopped[n * count + node];
         char const earlier = bits;
         bits = 0;
-        if (nodes[node].momentum[3] > w.mass_floor) {
-          double const missing = -slack - wall.inwards * nodes[node].momentum[d];
+        if (nodes[node].velocity[3] > w.mass_floor) {
+          double const missing = -slack - wall.inwards * nodes[node].velocity[d];
           if (missing > 0.0) {
             push(wall, node, missing);
             book(wall, node, missing, slack, (earlier & 1) != 0);
@@ -272,12 +273,12 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
           }
         }
         for (int k = 1; k <= patch.reach; ++k) {
-          NodeState const& a = nodes[node + k * stride];
-          NodeState const& b = nodes[node - k * stride];
-          double const ma = a.momentum[3];
-          double const mb = b.momentum[3];
+          NodeMotion const& a = nodes[node + k * stride];
+          NodeMotion const& b = nodes[node - k * stride];
+          double const ma = a.velocity[3];
+          double const mb = b.velocity[3];
           if (!(ma > w.mass_floor && mb > w.mass_floor)) continue;
-          double const missing = -2.0 * slack - wall.inwards * (a.momentum[d] + b.momentum[d]);
+          double const missing = -2.0 * slack - wall.inwards * (a.velocity[d] + b.velocity[d]);
           if (!(missing > 0.0)) continue;
           push(wall, node + k * stride, missing * mb / (ma + mb));
           push(wall, node - k * stride, missing * ma / (ma + mb));
@@ -301,17 +302,17 @@ void Mpm::stop_velocity_at_walls(int block, double dt, Scratch& scratch) const {
   int const count = patch.count();
   bool const first = options_.order == StressOrder::usf;
   for (int f = 0; f < w.fields; ++f) {
-    if (w.one_sided[f] == 0 || scratch.present[f] == 0) continue;
+    if (w.one_sided[f] == 0 || !scratch.of[f].present) continue;
     gather_gaps(block, f, scratch);
     std::vector<char>& stopped = w.stopped[w.slot(block, f)];
     if (first) stopped.assign(static_cast<std::size_t>(count) * walls.size(), 0);
-    NodeVelocity* nodes = scratch.velocity[f].data();
-    NodeState const* state = scratch.state[f].data();
+    NodeVelocity* nodes = scratch.of[f].velocity.data();
+    NodeSums const* state = scratch.of[f].sums.data();
     for (std::size_t n = 0; n < walls.size(); ++n) {
       WallFace const& wall = walls[n];
       int const d = wall.direction;
       int const stride = wall.inwards * patch.stride(d);
-      double const* gaps = scratch.gap[f].data() + static_cast<int>(n) * count;
+      double const* gaps = scratch.of[f].gap.data() + static_cast<int>(n) * count;
       auto const pushed = [&](int node) { return wall.inwards * dt * state[node].force[d] / nodes[node][3]; };
       for_plane(patch, wall, [&](int node) {
         if (gaps[node] == far) return;
@@ -345,11 +346,11 @@ void Mpm::weigh_images(int block, Scratch& scratch, bool of_state) const {
   Workspace const& w = *work_;
   Patch const& patch = w.patches[block];
   for (int f = 0; f < w.fields; ++f) {
-    scratch.wholes[f] = w.one_sided[f] != 0 && scratch.present[f] != 0 && !w.walls[block].empty() ? 1 : 0;
-    if (scratch.wholes[f] == 0) continue;
-    double* masses = scratch.whole[f].get(patch.count());
+    scratch.of[f].wholes = w.one_sided[f] != 0 && scratch.of[f].present && !w.walls[block].empty();
+    if (!scratch.of[f].wholes) continue;
+    double* masses = scratch.of[f].whole.get(patch.count());
     for (int node = 0; node < patch.count(); ++node) {
-      masses[node] = of_state ? scratch.state[f].data()[node].momentum[3] : scratch.velocity[f].data()[node][3];
+      masses[node] = of_state ? scratch.of[f].sums.data()[node].momentum[3] : scratch.of[f].velocity.data()[node][3];
     }
     for (WallFace const& wall : w.walls[block]) {
       int const stride = patch.stride(wall.direction);
@@ -371,26 +372,26 @@ void Mpm::mirror_fluids(int block, Scratch& scratch, bool of_state) const {
   Patch const& patch = w.patches[block];
   if (!w.slides || w.walls[block].empty()) return;
   for (int g = 0; g < w.fields; ++g) {
-    if (w.slips[g] == 0 || scratch.present[g] == 0) continue;
+    if (w.slips[g] == 0 || !scratch.of[g].present) continue;
     auto const bodies_at = [&](int node) {
       double mass = 0.0;
       for (int f = 0; f < w.fields; ++f) {
-        if (scratch.wholes[f] == 0 || !w.slips_along(g, f)) continue;
-        mass += of_state ? scratch.state[f].data()[node].momentum[3] : scratch.velocity[f].data()[node][3];
+        if (!scratch.of[f].wholes || !w.slips_along(g, f)) continue;
+        mass += of_state ? scratch.of[f].motion.data()[node].velocity[3] : scratch.of[f].velocity.data()[node][3];
       }
       return mass;
     };
     auto const velocity = [&](int node, int d) -> double {
-      return of_state ? scratch.state[g].data()[node].momentum[d] : scratch.velocity[g].data()[node][d];
+      return of_state ? scratch.of[g].motion.data()[node].velocity[d] : scratch.of[g].velocity.data()[node][d];
     };
     auto const set = [&](int node, int d, double v) {
       if (!of_state) {
-        scratch.velocity[g].data()[node][d] = v;
+        scratch.of[g].velocity.data()[node][d] = v;
         return;
       }
-      NodeState& r = scratch.state[g].data()[node];
-      r.force[d] += v - r.momentum[d];
-      r.momentum[d] = v;
+      NodeMotion& r = scratch.of[g].motion.data()[node];
+      r.change[d] += v - r.velocity[d];
+      r.velocity[d] = v;
     };
     for (WallFace const& wall : w.walls[block]) {
       int const stride = patch.stride(wall.direction);

@@ -7,19 +7,12 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "mpm/grid_fields.hpp"
 #include "mpm/kernels.hpp"
 #include "mpm/mpm.hpp"
 #include "mpm/patches.hpp"
 
 namespace brisance::mpm {
-
-/// A node whose velocity is prescribed.
-struct Hold {
-  int node = 0;
-  int field = -1;  ///< grid field; -1: all
-  std::array<bool, 3> held{true, true, true};
-  Vec3 velocity{0.0, 0.0, 0.0};
-};
 
 /// Part of a face of the domain that is a `wall`, within reach of a block's nodes. It is one-sided for bodies: their
 /// fields have no images behind it, and the nodes are stopped where they would go through it.
@@ -52,17 +45,6 @@ struct Hoops {
   double yy = 0.0;
   double zz = 0.0;
   [[nodiscard]] bool any() const { return yy + zz > 0.0; }
-};
-
-/// Law between two grid fields.
-struct Law {
-  enum class Kind {
-    glued,    ///< one velocity
-    contact,  ///< they part and slide
-    slips,    ///< one velocity across the surface of that which does not slip
-  };
-  Kind kind = Kind::glued;
-  double friction = 0.0;
 };
 
 /// One of two bodies at a node where their surfaces touch.
@@ -109,46 +91,58 @@ struct Push {
   bool shared = false;          ///< contact shares it among the bodies
 };
 
-/// What one thread needs while it works on one block: the summed nodes of each grid field.
+/// The nodes of one block and one grid field, in the scratch of a thread. What a flag stands for is there where it is
+/// set.
+struct FieldScratch {
+  bool present = false;           ///< some points around the block belong to the field
+  NodeArray<NodeSums> sums;       ///< of what the points of all blocks around wrote
+  NodeArray<NodeMotion> motion;   ///< what follows from it
+  NodeArray<NodeVelocity> taken;  ///< see `Mpm::find_taken`: velocity with kinetic energy per mass
+  NodeArray<NodeVelocity> velocity;
+  NodeArray<NodeVelocity> before;    ///< the same at the start of the step
+  NodeArray<NodeVelocity> gradient;  ///< part of the cells around a node that a field fills, and h times its gradient
+  NodeArray<NodeVelocity> area;      ///< see `Mpm::share_pressure`
+  NodeArray<double> gap;             ///< see `Workspace::gap`
+  NodeArray<double> extent;          ///< contact
+  /// Mass of the nodes with the images behind walls, where fluids slip along it.
+  bool wholes = false;
+  NodeArray<double> whole;
+  /// Velocity that bodies without APIC take over at shared nodes.
+  bool exchanges = false;
+  NodeArray<NodeVelocity> exchange;
+  /// Change of velocity by constraints, and by walls across them, each from the start of the step.
+  bool halts = false;
+  NodeArray<NodeVelocity> halt;
+  bool stops = false;
+  NodeArray<NodeVelocity> stop;
+  /// Change of velocity by contact across the surfaces, and by what the velocity that points keep differs from that
+  /// with which the nodes move, see contact.cpp.
+  bool meets = false;
+  NodeArray<NodeVelocity> meet;
+  NodeArray<NodeVelocity> keep;
+  /// Change of velocity by friction, of contacts and walls.
+  bool rubs = false;
+  NodeArray<NodeVelocity> rub;
+  /// See `Mpm::note_changes`.
+  NodeArray<NodeVelocity> middle;
+  NodeArray<NodeVelocity> forced;
+  NodeArray<NodeVelocity> changed;
+};
+
+/// What one thread needs while it works on one block.
 struct Scratch {
-  std::vector<NodeArray<NodeState>> state;
-  std::vector<NodeArray<NodeVelocity>> velocity;
-  std::vector<NodeArray<NodeVelocity>> before;  ///< the same at the start of the step
-  /// Part of the cells around a node that a field fills, and h times its gradient: contact.
-  std::vector<NodeArray<NodeVelocity>> gradient;
-  std::vector<NodeArray<NodeVelocity>> area;      ///< see `Mpm::share_pressure`
-  Given pressed;                                  ///< what rigid bodies gave to the fluids that press on them
-  std::vector<Push> pushes;                       ///< see `Mpm::settle_pushes`
-  std::vector<NodeArray<NodeVelocity>> exchange;  ///< velocity that bodies without APIC take over at shared nodes
-  std::vector<char> exchanges;
-  std::vector<NodeArray<NodeVelocity>> halt;  ///< change of velocity from the start of the step by constraints
-  std::vector<char> halts;
-  std::vector<NodeArray<NodeVelocity>> meet;  ///< change of velocity by contact, across the surfaces
-  std::vector<char> meets;
-  std::vector<NodeArray<NodeVelocity>> rub;  ///< and along them, by friction, that on walls as well
-  std::vector<char> rubs;                    ///< where `meets`, and where walls rub
-  /// By what the velocity that the points take over differs from that with which the nodes move, see contact.cpp.
-  std::vector<NodeArray<NodeVelocity>> keep;
-  std::vector<Vec3> trial;  ///< contact: velocities of all fields at a node
+  std::vector<FieldScratch> of;    ///< grid fields
+  Given pressed;                   ///< what rigid bodies gave to the fluids that press on them
+  std::vector<Push> pushes;        ///< see `Mpm::settle_pushes`
+  NodeArray<NodeVelocity> filled;  ///< what all points fill of the cells around the nodes
+  NodeArray<NodeVelocity> even;    ///< of a body, see `Mpm::gather_even`
+  NodeArray<NodeVelocity> even_again;
+  std::vector<Vec3> normals;  ///< contact, of one field
+  std::vector<Vec3> trial;    ///< contact: velocities of all fields at a node
   /// Contact: of the meetings at a node, see `Mpm::meet`.
   std::vector<double> stopping;
   std::vector<double> pushing;
   std::vector<double> matrix;
-  std::vector<NodeArray<NodeVelocity>> stop;  ///< change of velocity by walls, across them
-  std::vector<char> stops;
-  /// See `Mpm::note_changes`.
-  std::vector<NodeArray<NodeVelocity>> middle;
-  std::vector<NodeArray<NodeVelocity>> forced;
-  std::vector<NodeArray<NodeVelocity>> changed;
-  std::vector<NodeArray<double>> gap;    ///< see `Workspace::gap`
-  std::vector<NodeArray<double>> whole;  ///< mass of the nodes with the images behind walls, where fluids slip along it
-  std::vector<char> wholes;
-  std::vector<NodeArray<double>> extent;  ///< contact
-  NodeArray<NodeVelocity> filled;         ///< what all points fill of the cells around the nodes
-  NodeArray<NodeVelocity> even;           ///< of a body, see `Mpm::gather_even`
-  NodeArray<NodeVelocity> even_again;
-  std::vector<Vec3> normals;  ///< contact, of one field
-  std::vector<char> present;
   std::vector<double> strain;     ///< locking control: strain and spin of a whole set
   std::vector<double> cell_sums;  ///< locking control: volume and volume change per cell
   std::vector<int> order;
@@ -173,30 +167,13 @@ struct ActiveLoad {
   std::vector<Part> parts;  ///< empty: a pressure with times of its own
 };
 
-struct Mpm::Workspace {
+struct Mpm::Workspace : GridFields {
   std::vector<Patch> patches;
-  int fields = 1;
-  std::vector<int> field_of;                   ///< body -> grid field
-  std::vector<std::optional<Vec3>> rigid;      ///< velocity of rigid grid fields
-  std::vector<Law> laws;                       ///< field x field
-  std::vector<char> slips;                     ///< per field: of the bodies that slip
-  bool contact = false;                        ///< more than one field
-  bool slides = false;                         ///< some fields slip along others
-  bool touches = false;                        ///< some fields part and slide
-  bool pushes = false;                         ///< some bodies are rigid: somebody wants to know what they give
-  std::vector<char> parts;                     ///< per field: parts from some other
   std::vector<std::vector<Meeting>> meetings;  ///< per block, those at a node one after another
-  bool filters = false;                        ///< some body uses XPIC
-  bool maps_back = false;                      ///< some body is updated by MUSL
-  bool strains_early = false;                  ///< some body is updated by USL
-  bool conducts = false;                       ///< some body conducts heat in shocks
   std::vector<char> shocked;                   ///< per block: there is a shock in it
-  bool books_work = false;                     ///< some body does, see `Mpm::books_work`
-  bool keeps_energy = false;                   ///< some body's transfer loses no energy
-  bool counts_energy = false;                  ///< some body has APIC
   std::vector<std::vector<Hold>> holds;        ///< per block
   std::vector<std::vector<char>> has_hold;     ///< per block and node, where bodies part and slide
-  std::vector<NodeArray<NodeState>> state;     ///< block x field, as the points wrote them
+  std::vector<NodeArray<NodeSums>> state;      ///< block x field, as the points wrote them
   std::vector<NodeArray<NodeVelocity>> velocity;
   std::vector<NodeArray<NodeVelocity>> gradient;
   std::vector<NodeArray<NodeVelocity>> area;  ///< of bodies their area, of fluids that slip along them their pressure
@@ -209,21 +186,15 @@ struct Mpm::Workspace {
   std::vector<NodeArray<NodeVelocity>> even;
   std::vector<NodeArray<NodeVelocity>> even_again;
   std::vector<char> even_present;
-  int filling = -1;                        ///< that field; -1: none
-  std::vector<NodeArray<NodeState>> lent;  ///< per block: what its lent points alone wrote
-  std::vector<char> present;               ///< block x field: were written in this step
-  /// Fields that bodies with APIC share with others, and what those others alone gave the nodes: see `share_momentum`.
-  std::vector<char> shared;                       ///< per field
-  std::vector<char> affine;                       ///< per field: some body has APIC
-  std::vector<char> heats;                        ///< per field: what APIC loses is heat, see `Mpm::keeps_energy`
+  std::vector<NodeArray<NodeSums>> lent;  ///< per block: what its lent points alone wrote
+  std::vector<char> present;              ///< block x field: were written in this step
+  /// What bodies without APIC alone gave the nodes of fields that they share with others: see `share_momentum`.
   std::vector<NodeArray<NodeVelocity>> momentum;  ///< block x field
   std::vector<char> momentum_present;
   std::vector<Scratch> scratch;              ///< per thread
   std::vector<Outbox> outbox;                ///< block x body
   std::vector<std::array<int, 27>> around;   ///< blocks around each block
   std::vector<std::vector<WallFace>> walls;  ///< per block
-  std::vector<char> one_sided;               ///< per field: its bodies are free to leave walls
-  bool stops = false;                        ///< there are walls and such fields
   /// Distance of the surface of a field's points from each of the block's walls, at the nodes on it: block x field.
   std::vector<NodeArray<double>> gap;
   std::vector<char> gap_present;
@@ -246,19 +217,6 @@ struct Mpm::Workspace {
   [[nodiscard]] double own_mass(int block, int field, int node) const {
     int const at = slot(block, field);
     return present[at] != 0 ? state[at].data()[node].momentum[3] : 0.0;
-  }
-
-  /// Do all points of a field take over the nodes' velocity, and is what they lose by that counted, and no heat?
-  [[nodiscard]] bool taken_over(int field) const {
-    return affine[field] != 0 && shared[field] == 0 && heats[field] == 0;
-  }
-
-  [[nodiscard]] bool slips_along(int fluid, int body) const {
-    return laws[fluid * fields + body].kind == Law::Kind::slips && slips[fluid] != 0;
-  }
-  /// Constraints hold bodies; what slips along these need not be held.
-  [[nodiscard]] bool held(int field, Hold const& hold) const {
-    return hold.field < 0 ? slips[field] == 0 : hold.field == field;
   }
 
   /// Sums what the points of all blocks around wrote for the nodes of a block. False, and nothing done, where the field

@@ -5,12 +5,6 @@
 
 namespace brisance::mpm {
 
-/// What becomes of the kinetic energy that APIC loses.
-struct ApicEnergy {
-  bool heats = false;        ///< the points; else it is counted
-  bool of_gradient = false;  ///< is that of the velocity gradient part of a point's?
-};
-
 template <class S, int D>
 struct Apic {
   /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25): the nodes' new velocity and its gradient. The nodes
@@ -19,10 +13,12 @@ struct Apic {
   /// second moment of the B-splines. With other shape functions, whose moments depend on the place, the energy of the
   /// gradient is no part of a point's, and what it had given the nodes is taken off. Returns what is counted, and what
   /// friction takes.
-  static Dissipation move(SetView const& v, double dt, ApicEnergy fate, NodeState const* nodes,
-                          NodeChanges const& changes) {
+  static Dissipation move(SetView const& v, double dt, BodyRules const& rules, FieldScratch const& nodes) {
     PointSet& set = *v.set;
     double const h = v.h;
+    NodeVelocity const* taken = nodes.taken.data();
+    NodeVelocity const* rub = nodes.rubs ? nodes.rub.data() : nullptr;
+    NodeVelocity const* keep = nodes.meets ? nodes.keep.data() : nullptr;
     Dissipation dissipated;
     for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
       auto const u = vector_at(set, Field::velocity_x, begin);
@@ -35,10 +31,10 @@ struct Apic {
       bool const mixed = set.field(Field::cross_xy) != nullptr;
       for (int q = 0; q < n; ++q) {
         std::array<Lanes4, 7> sum;
-        value_and_gradient<S, D>(*v.patch, k, around.g, q, nodes, momentum_of, sum);
+        value_and_gradient<S, D>(*v.patch, k, around.g, q, taken, whole, sum);
         lost[q] = sum[0][3] - 0.5 * (sum[0][0] * sum[0][0] + sum[0][1] * sum[0][1] + sum[0][2] * sum[0][2]);
-        if (!fate.of_gradient) lost[q] -= gradient_energy(set, k, around, h, begin, q);
-        for (int j = 0; fate.of_gradient && j < D; ++j) {
+        if (!rules.has_gradient_energy) lost[q] -= gradient_energy(set, k, around, h, begin, q);
+        for (int j = 0; rules.has_gradient_energy && j < D; ++j) {
           for (int i = 0; i < 3; ++i) lost[q] -= 0.125 * sum[1 + j][i] * sum[1 + j][i];
         }
         for (int pair = 0; mixed && pair < (D == 3 ? 3 : 1); ++pair) {
@@ -54,10 +50,10 @@ struct Apic {
           }
         }
       }
-      // These take over what the nodes say, see `Mpm::release`.
-      for (int q = 0; changes.rub != nullptr && q < n; ++q) {
+      // These take over what the nodes say, see `Mpm::note_rubbing`.
+      for (int q = 0; rub != nullptr && q < n; ++q) {
         Lanes4 given;
-        velocity_at<S, D>(*v.patch, k, q, changes.rub, given);
+        velocity_at<S, D>(*v.patch, k, q, rub, given);
         dissipated.friction -= set.field(Field::mass)[begin + q] * given[3];
       }
       for (int d = 0; d < 3; ++d) {
@@ -66,8 +62,8 @@ struct Apic {
           way[d][q] = dt * fresh[d][q];
         }
       }
-      if (changes.keep != nullptr) take_kept<S, D>(v, k, n, dt, changes.keep, way);
-      if (fate.heats) {
+      if (keep != nullptr) take_kept(v, k, n, dt, keep, way);
+      if (rules.keeps_energy) {
         double* const energy = set.field(Field::energy) + begin;
         for (int q = 0; q < n; ++q) energy[q] += lost[q];
       } else {
@@ -75,6 +71,16 @@ struct Apic {
       }
     });
     return dissipated;
+  }
+
+  /// Takes off the way of points what only their velocity has, see contact.cpp.
+  static void take_kept(SetView const& v, Weights<S, D> const& k, int n, double dt, NodeVelocity const* keep,
+                        std::array<double*, 3> const& way) {
+    for (int q = 0; q < n; ++q) {
+      Lanes4 kept;
+      velocity_at<S, D>(*v.patch, k, q, keep, kept);
+      for (int d = 0; d < 3; ++d) way[d][q] -= dt * kept[d];
+    }
   }
 
   /// What a point gave the nodes by its velocity gradient, 1/2 sum w |C (x_I - x)|^2 [J/kg].

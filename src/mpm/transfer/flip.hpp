@@ -9,10 +9,15 @@ template <class S, int D>
 struct Flip {
   /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity. Returns the
   /// kinetic energy that they lose by constraints and walls (gains count negative), by the filters and by friction.
-  static Dissipation move(SetView const& v, Options const& options, double dt, NodeState const* nodes,
-                          NodeChanges const& changes) {
+  static Dissipation move(SetView const& v, Options const& options, double dt, FieldScratch const& nodes) {
     PointSet& set = *v.set;
     double const pic = v.body->transfer.value_or(options.transfer) == Transfer::flip ? options.pic_fraction : 0.0;
+    NodeMotion const* motion = nodes.motion.data();
+    NodeVelocity const* exchange = nodes.exchanges ? nodes.exchange.data() : nullptr;
+    NodeVelocity const* halt = nodes.halts ? nodes.halt.data() : nullptr;
+    NodeVelocity const* stop = nodes.stops ? nodes.stop.data() : nullptr;
+    NodeVelocity const* rub = nodes.rubs ? nodes.rub.data() : nullptr;
+    NodeVelocity const* keep = nodes.meets && pic > 0.0 ? nodes.keep.data() : nullptr;
     Dissipation dissipated;
     for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
       auto const u = vector_at(set, Field::velocity_x, begin);
@@ -22,14 +27,14 @@ struct Flip {
       for (int q = 0; q < n; ++q) {
         Lanes4 velocity;
         Lanes4 added;
-        state_at<S, D>(*v.patch, k, q, nodes, velocity, added);
+        state_at<S, D>(*v.patch, k, q, motion, velocity, added);
         for (int d = 0; d < 3; ++d) {
           fresh[d][q] = velocity[d];
           change[d][q] = added[d];
         }
         // What constraints, walls and friction take: each at the mean velocity, half of what they change together in
         // it. The forces do their work with the stress, and share it with friction alone.
-        std::array<NodeVelocity const*, 3> const causes{changes.halt, changes.stop, changes.rub};
+        std::array<NodeVelocity const*, 3> const causes{halt, stop, rub};
         std::array<Lanes4, 3> by{};
         Lanes4 all{};
         for (std::size_t c = 0; c < causes.size(); ++c) {
@@ -42,9 +47,9 @@ struct Flip {
           dissipated.held -= m * (by[0][d] + by[1][d]) * (u[d][q] + 0.5 * all[d]);
           dissipated.friction -= m * by[2][d] * (u[d][q] + 0.5 * change[d][q]);
         }
-        if (changes.exchange == nullptr) continue;
+        if (exchange == nullptr) continue;
         Lanes4 taken;
-        velocity_at<S, D>(*v.patch, k, q, changes.exchange, taken);
+        velocity_at<S, D>(*v.patch, k, q, exchange, taken);
         for (int d = 0; d < 3; ++d) change[d][q] += taken[d];
       }
       auto const filtered = vector_at(set, Field::filtered_x, begin);
@@ -57,21 +62,28 @@ struct Flip {
         }
       }
       for (int d = 0; d < 3; ++d) {
-        double* to = u[d];
         double* x = way[d];
+        double const* f = fresh[d];
+        BRISANCE_VECTOR_LOOP
+        for (int q = 0; q < n; ++q) x[q] = dt * f[q];
+      }
+      // PIC takes over the velocity that the points keep where bodies meet, not the one with which the nodes move.
+      for (int q = 0; keep != nullptr && q < n; ++q) {
+        Lanes4 kept;
+        velocity_at<S, D>(*v.patch, k, q, keep, kept);
+        for (int d = 0; d < 3; ++d) fresh[d][q] += kept[d];
+      }
+      for (int d = 0; d < 3; ++d) {
+        double* to = u[d];
         double const* f = fresh[d];
         double const* c = change[d];
         BRISANCE_VECTOR_LOOP
-        for (int q = 0; q < n; ++q) {
-          to[q] = (1.0 - pic) * (to[q] + c[q]) + pic * f[q];
-          x[q] = dt * f[q];
-        }
+        for (int q = 0; q < n; ++q) to[q] = (1.0 - pic) * (to[q] + c[q]) + pic * f[q];
         if (double const* noise = filtered[d]) {
           for (int q = 0; q < n; ++q) to[q] -= noise[q];
         }
         for (int q = 0; filters && q < n; ++q) dissipated.filtered -= 0.5 * mass[q] * to[q] * to[q];
       }
-      if (changes.keep != nullptr) take_kept<S, D>(v, k, n, dt, changes.keep, way);
     });
     return dissipated;
   }

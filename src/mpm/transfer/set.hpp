@@ -114,26 +114,16 @@ void for_chunks(SetView const& v, Work&& work) {
   }
 }
 
-/// Takes off the way of points what only their velocity has, see contact.cpp.
-template <class S, int D>
-void take_kept(SetView const& v, Weights<S, D> const& k, int n, double dt, NodeVelocity const* keep,
-               std::array<double*, 3> const& way) {
-  for (int q = 0; q < n; ++q) {
-    Lanes4 kept;
-    velocity_at<S, D>(*v.patch, k, q, keep, kept);
-    for (int d = 0; d < 3; ++d) way[d][q] -= dt * kept[d];
-  }
+/// Mean of pressure and bulk viscosity over each cell of a set.
+inline CellMeans mean_pressures(SetView const& v, Scratch& scratch) {
+  PointSet const& set = *v.set;
+  double const* mass = set.field(Field::mass);
+  double const* density = set.field(Field::density);
+  double const* pressure = set.field(Field::pressure);
+  double const* viscosity = set.field(Field::viscosity);
+  CellMeans means(v, scratch);
+  for (int q = 0; q < set.size(); ++q) means.add(q, mass[q] / density[q], pressure[q] + viscosity[q]);
+  return means;
 }
-
-/// What changes the nodes' velocity beside the forces, each null where there is none: what they take over from points
-/// of another transfer (see `Mpm::share_momentum`), and what constraints, the friction of contacts and walls, and walls
-/// across them do; by how much the velocity that points take over differs from that with which the nodes move.
-struct NodeChanges {
-  NodeVelocity const* exchange = nullptr;
-  NodeVelocity const* halt = nullptr;
-  NodeVelocity const* rub = nullptr;
-  NodeVelocity const* stop = nullptr;
-  NodeVelocity const* keep = nullptr;
-};
 
 }  // namespace brisance::mpm

@@ -25,7 +25,7 @@ struct ToGrid {
   /// kinetic energy too, that of their velocity gradient included.
   template <bool with_mass, bool with_forces>
   static void map_state(SetView const& v, Hoops const& hoops, OuterForces const& outer, CellMeans const* means,
-                        NodeState* nodes) {
+                        NodeSums* nodes) {
     PointSet& set = *v.set;
     double const inverse_h = 1.0 / v.h;
     bool const affine = with_mass && set.field(Field::affine_xx) != nullptr;

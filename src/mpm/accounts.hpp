@@ -1,0 +1,100 @@
+/// What the points of a calculation come to, and where mass, momentum and energy went.
+#pragma once
+
+#include <array>
+
+#include "core/archive.hpp"
+#include "core/vec.hpp"
+#include "grid/grid.hpp"
+
+namespace brisance::mpm {
+
+/// Sums over the points of one body.
+struct BodySums {
+  long points = 0;
+  double mass = 0.0;  ///< [kg]
+  /// Of it, of the ambient and of the second fluid: gas. Each is summed by itself: of products and a little air the
+  /// difference of two sums would lose three digits of the air.
+  std::array<double, 2> fluid_mass{0.0, 0.0};
+  Vec3 momentum{0.0, 0.0, 0.0};  ///< [kg m/s]
+  Vec3 centre{0.0, 0.0, 0.0};    ///< of mass [m]
+  double kinetic_energy = 0.0;   ///< [J]
+  double internal_energy = 0.0;  ///< [J]
+  /// Part of it that the next step puts the real work in the place of, of bodies that book the work of the nodes [J].
+  /// Without it the energies are those of one time: velocities stand half a step before positions and stress.
+  double provisional_energy = 0.0;
+  double plastic_work = 0.0;          ///< [J]
+  double largest_displacement = 0.0;  ///< [m]; of bodies that know their origin
+  double damaged_mass = 0.0;          ///< mass with damage 1 [kg]
+};
+
+/// What left through free faces of the domain.
+struct Losses {
+  double mass = 0.0;
+  Vec3 momentum{0.0, 0.0, 0.0};
+  double energy = 0.0;
+  long points = 0;
+};
+
+/// Kinetic energy that points lost, known where and why [J].
+struct Dissipation {
+  /// At nodes that constraints hold: what arrives there with another velocity takes theirs, a plastic impact.
+  double held = 0.0;
+  double filtered = 0.0;  ///< by the fraction of PIC, and by XPIC
+  double apic = 0.0;      ///< by APIC in bodies whose heat it is not: solids, and fluids without B-splines
+  double friction = 0.0;  ///< to the friction of contacts; it heats nothing
+
+  [[nodiscard]] double sum() const { return held + filtered + apic + friction; }
+  Dissipation& operator+=(Dissipation const& more) {
+    held += more.held;
+    filtered += more.filtered;
+    apic += more.apic;
+    friction += more.friction;
+    return *this;
+  }
+};
+
+/// What gave gas points their least energy back. A gas that has less than that of no pressure pushes nothing any more
+/// and never comes back: its energy is lifted to it, which adds energy, as the guards of the gas cells do.
+struct FloorCount {
+  double energy = 0.0;  ///< added [J]
+  long points = 0;      ///< lifted, each as often as it was
+
+  FloorCount& operator+=(FloorCount const& more) {
+    energy += more.energy;
+    points += more.points;
+    return *this;
+  }
+};
+
+/// What `Body::shock_conduction` did: what some points give others take.
+struct ConductionCount {
+  double moved = 0.0;  ///< heat that changed its point [J]
+  double made = 0.0;   ///< what was taken less what was given [J]: round-off
+
+  ConductionCount& operator+=(ConductionCount const& more) {
+    moved += more.moved;
+    made += more.made;
+    return *this;
+  }
+};
+
+/// What lent points gave to a node in a step, in the directions of the axes: what they lost of it themselves, forces
+/// included. Summed over all nodes it is what the other points gained. The part of the reference pressure is left out.
+struct NodeGift {
+  Index3 node{0, 0, 0};          ///< of the grid
+  Vec3 impulse{0.0, 0.0, 0.0};   ///< by their forces [kg m/s]
+  Vec3 work{0.0, 0.0, 0.0};      ///< of these [J]
+  Vec3 momentum{0.0, 0.0, 0.0};  ///< that the others took from theirs at the node's new velocity [kg m/s]
+  double energy = 0.0;           ///< kinetic, likewise [J]
+};
+
+/// Where a point is kept.
+struct Place {
+  int block = -1;
+  int index = -1;
+};
+
+void archive(Archive& a, BodySums& sums);
+
+}  // namespace brisance::mpm

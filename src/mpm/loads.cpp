@@ -1,0 +1,231 @@
+/// Pressures on surfaces, body forces, and their work; see `mpm.hpp`.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "mpm/mpm.hpp"
+#include "mpm/set_kernels.hpp"
+#include "mpm/workspace.hpp"
+
+namespace brisance::mpm {
+
+namespace {
+
+double amplitude(ActiveLoad const& load, double time) {
+  if (time < load.times.front() || time > load.times.back()) return 0.0;
+  for (std::size_t n = 1; n < load.times.size(); ++n) {
+    if (time > load.times[n]) continue;
+    double const s = (time - load.times[n - 1]) / (load.times[n] - load.times[n - 1]);
+    return (1.0 - s) * load.pressures[n - 1] + s * load.pressures[n];
+  }
+  return load.pressures.back();
+}
+
+}  // namespace
+
+void Mpm::load(SurfacePressure const& pressure) {
+  if (pressure.times.size() != pressure.pressures.size() || pressure.times.empty()) {
+    throw InputError("a surface pressure needs as many times as pressures, at least one");
+  }
+  if (!(pressure.thickness > 0.0))
+    throw InputError("a surface pressure needs the thickness of the layer that takes it");
+  std::vector<ActiveLoad>& loads = work_->loads;
+  loads.push_back({pressure.body, pressure.times, pressure.pressures, {}});
+  int const number = static_cast<int>(loads.size());
+  carry(pressure.body, Field::load_x, 4);  // load_number is the fourth
+  bool touched = false;
+  bool const curved = !pressure.surface.empty();
+  std::vector<std::vector<Vec3>> const forces = curved ? pushes(pressure) : std::vector<std::vector<Vec3>>{};
+  Vec3 flat{0.0, 0.0, 0.0};
+  for (int d = 0; d < 3; ++d) flat[d] = -pressure.normal[d] / pressure.thickness;
+  // Points that bear another pressure already bear both.
+  auto const together = [&](int before, Vec3 const& its_direction, Vec3 const& direction) {
+    auto parts = loads[static_cast<std::size_t>(before) - 1].parts;
+    if (parts.empty()) parts.push_back({before - 1, its_direction});
+    parts.push_back({number - 1, direction});
+    // On a curved surface hardly two points bear the same.
+    for (std::size_t n = 0; !curved && n < loads.size(); ++n) {
+      if (loads[n].parts == parts) return static_cast<int>(n) + 1;
+    }
+    loads.push_back({pressure.body, {}, {}, std::move(parts)});
+    return static_cast<int>(loads.size());
+  };
+  for (int b = 0; b < grid_.block_count(); ++b) {
+    PointSet& old = sets_[set_index(b, pressure.body)];
+    for (int q = 0; q < old.size(); ++q) {
+      Vec3 x{0.0, 0.0, 0.0};
+      for (int d = 0; d < 3; ++d) x[d] = old.field(Field::position_x + d)[q];
+      Vec3 direction = flat;
+      if (curved) {
+        double const volume = old.field(Field::mass)[q] / old.field(Field::density)[q];
+        direction = (1.0 / volume) * forces[b][q];
+        if (dot(direction, direction) == 0.0) continue;
+      } else if (!shape::contains(pressure.region, grid_.domain(), x)) {
+        continue;
+      }
+      touched = true;
+      int const before = static_cast<int>(old.field(Field::load_number)[q]);
+      Vec3 taken = direction;
+      if (before > 0) {
+        for (int d = 0; d < 3; ++d) taken[d] = old.field(Field::load_x + d)[q];
+      }
+      old.field(Field::load_number)[q] = before > 0 ? together(before, taken, direction) : number;
+      for (int d = 0; d < 3; ++d) old.field(Field::load_x + d)[q] = before > 0 ? 1.0 : taken[d];
+    }
+  }
+  if (touched) return;
+  throw InputError(fmt::format(
+      "surface pressure {} acts on nothing: no point of body \"{}\" lies in the loaded layer of its region; "
+      "move the region, or make it larger than the points are apart",
+      number, bodies_[pressure.body].name));
+}
+
+/// Each piece of the surface pushes on the points around a place half a layer below it, with weights that keep its
+/// resultant, and its line of action as far as positive weights can.
+std::vector<std::vector<Vec3>> Mpm::pushes(SurfacePressure const& pressure) const {
+  grid::Domain const& domain = grid_.domain();
+  int const dims = domain.dimensions();
+  struct Near {
+    long cell = 0;
+    int block = 0;
+    int point = 0;
+    Vec3 x{0.0, 0.0, 0.0};
+    double volume = 0.0;
+  };
+  auto const number_of = [&](Index3 const& cell) {
+    return cell[0] + static_cast<long>(domain.cells[0]) * (cell[1] + static_cast<long>(domain.cells[1]) * cell[2]);
+  };
+  std::vector<std::vector<Vec3>> forces(grid_.block_count());
+  std::vector<Near> all;
+  for (int b = 0; b < grid_.block_count(); ++b) {
+    PointSet const& set = points(b, pressure.body);
+    forces[b].assign(set.size(), Vec3{0.0, 0.0, 0.0});
+    for (int q = 0; q < set.size(); ++q) {
+      Near near{0, b, q, {0.0, 0.0, 0.0}, set.field(Field::mass)[q] / set.field(Field::density)[q]};
+      for (int d = 0; d < dims; ++d) near.x[d] = set.field(Field::position_x + d)[q];
+      near.cell = number_of(grid_.cell_at(near.x));
+      all.push_back(near);
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](Near const& p, Near const& q) { return p.cell < q.cell; });
+  std::vector<Near const*> around;
+  std::vector<double> weights;
+  for (shape::Facet const& facet : pressure.surface) {
+    Vec3 const target = facet.x - (0.5 * pressure.thickness / norm(facet.area)) * facet.area;
+    double sum = 0.0;
+    // Measured on spheres, discs and oblique cylinders: a tent of one and a half layers finds two points or more in
+    // each direction nearly everywhere.
+    for (double reach = 1.5 * pressure.thickness; sum == 0.0 && reach < 16.0 * pressure.thickness; reach *= 1.5) {
+      around.clear();
+      weights.clear();
+      Index3 low{0, 0, 0};
+      Index3 high{0, 0, 0};
+      for (int d = 0; d < dims; ++d) {
+        auto const cell = [&](double x) {
+          return static_cast<int>(std::clamp((x - domain.lower[d]) / domain.h, 0.0, domain.cells[d] - 1.0));
+        };
+        low[d] = cell(target[d] - reach);
+        high[d] = cell(target[d] + reach);
+      }
+      for (int k = low[2]; k <= high[2]; ++k) {
+        for (int j = low[1]; j <= high[1]; ++j) {
+          auto at = std::lower_bound(all.begin(), all.end(), number_of({low[0], j, k}),
+                                     [](Near const& p, long cell) { return p.cell < cell; });
+          for (long const end = number_of({high[0], j, k}); at != all.end() && at->cell <= end; ++at) {
+            double weight = at->volume;
+            for (int d = 0; d < dims; ++d) weight *= std::max(0.0, 1.0 - std::abs(at->x[d] - target[d]) / reach);
+            if (weight <= 0.0) continue;
+            around.push_back(&*at);
+            weights.push_back(weight);
+            sum += weight;
+          }
+        }
+      }
+    }
+    if (!(sum > 0.0)) {
+      throw InputError(fmt::format(
+          "surface pressure on body \"{}\": no material point lies within 16 layers of its surface at ({:.6g}, {:.6g}, "
+          "{:.6g}) m: the body is thinner there than points resolve; take smaller cells, or a region without that part",
+          bodies_[pressure.body].name, facet.x[0], facet.x[1], facet.x[2]));
+    }
+    std::size_t const count = around.size();
+    // Towards weights whose mean place is the target, direction by direction.
+    for (int d = 0; d < 2 * dims; ++d) {
+      double first = 0.0;
+      double second = 0.0;
+      double most = 0.0;
+      sum = 0.0;
+      for (std::size_t n = 0; n < count; ++n) {
+        double const away = around[n]->x[d % dims] - target[d % dims];
+        sum += weights[n];
+        first += weights[n] * away;
+        second += weights[n] * away * away;
+      }
+      double const slope = second > 0.0 ? -first / second : 0.0;
+      for (std::size_t n = 0; n < count; ++n)
+        most = std::max(most, -slope * (around[n]->x[d % dims] - target[d % dims]));
+      double const part = most > 0.75 ? 0.75 / most : 1.0;
+      for (std::size_t n = 0; n < count; ++n)
+        weights[n] *= 1.0 + part * slope * (around[n]->x[d % dims] - target[d % dims]);
+    }
+    sum = 0.0;
+    for (double const weight : weights) sum += weight;
+    for (std::size_t n = 0; n < count; ++n) {
+      Vec3& force = forces[around[n]->block][around[n]->point];
+      force = force - (weights[n] / sum) * facet.area;
+    }
+  }
+  return forces;
+}
+
+OuterForces Mpm::outer_forces() const {
+  OuterForces outer;
+  for (ActiveLoad const& load : work_->loads) {
+    Vec3 p{0.0, 0.0, 0.0};
+    for (ActiveLoad::Part const& part : load.parts)
+      p = p + amplitude(work_->loads[static_cast<std::size_t>(part.load)], time_) * part.direction;
+    if (load.parts.empty()) p.fill(amplitude(load, time_));
+    outer.pressures.push_back(p);
+  }
+  outer.body_force = options_.body_force;
+  outer.acceleration = options_.acceleration;
+  outer.time = time_;
+  return outer;
+}
+
+double Mpm::work_on(int block, int body, OuterForces const& outer) const {
+  PointSet const& set = points(block, body);
+  if (bodies_[body].rigid_velocity) return 0.0;
+  Vec3 const& g = options_.body_force;
+  double const* load_number = set.field(Field::load_number);
+  double const* mass = set.field(Field::mass);
+  double work = 0.0;
+  if (dot(g, g) > 0.0) {
+    for (int d = 0; d < 3; ++d) {
+      double const* move = set.field(Field::move_x + d);
+      for (int q = 0; q < set.size(); ++q) work += mass[q] * g[d] * move[q];
+    }
+  }
+  if (outer.acceleration) {
+    for (int q = 0; q < set.size(); ++q) {
+      Vec3 const a = outer.acceleration(
+          {set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]},
+          outer.time);
+      for (int d = 0; d < 3; ++d) work += mass[q] * a[d] * set.field(Field::move_x + d)[q];
+    }
+  }
+  if (load_number != nullptr) {
+    for (int q = 0; q < set.size(); ++q) {
+      if (load_number[q] <= 0.0) continue;
+      double const volume = mass[q] / set.field(Field::density)[q];
+      Vec3 const& p = outer.pressures[static_cast<std::size_t>(load_number[q]) - 1];
+      for (int d = 0; d < 3; ++d)
+        work += volume * p[d] * set.field(Field::load_x + d)[q] * set.field(Field::move_x + d)[q];
+    }
+  }
+  return work;
+}
+
+}  // namespace brisance::mpm
