@@ -46,7 +46,7 @@ def captured_length(part, cells):
 
 
 def law(strength, wall):
-    """That of `captured_length` in src/output/blast_wave.cpp."""
+    """That of `captured_length` in src/observe/blast_wave.cpp."""
     return 0.55 * strength ** -0.23 + (1.15 * strength ** 2 / (1 + strength ** 2) if wall else 0.0)
 
 

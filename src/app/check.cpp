@@ -18,7 +18,7 @@
 #include "output/placed.hpp"
 #include "output/run_log.hpp"
 #include "output/writer.hpp"
-#include "run/place_region.hpp"
+#include "setup/place_region.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::app {
@@ -208,10 +208,10 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
                                    setup.start.profile, word_of(profile.domain.geometry), quantity(profile.time, "s"),
                                    quantity(reach, "m"), reach / setup.domain.h));
   } else if (setup.start.profile.empty()) {
-    run::StartPlan const plan = run::plan_start(setup, number);
-    run::Case const one = run::start_case(setup, number, plan);
+    setup::StartPlan const plan = setup::plan_start(setup, number);
+    run::Case const one = setup::start_case(setup, number, plan);
     grid::Grid const grid(one.domain);
-    auto const ball = run::realised_charge(one.charges.front(), grid, what);
+    auto const ball = setup::realised_charge(one.charges.front(), grid, what);
     realised = share * ball.realised_mass;
     report.cells_per_radius = plan.charge_radius / plan.cell;
     reach = plan.radius;
@@ -241,7 +241,7 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
 /// Regions and obstacles as they will be placed.
 void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Plan& p) {
   double const h = setup.domain.h;
-  if (run::RegionPlacing regions(setup); regions.measure(most_cut_cells)) {
+  if (setup::RegionPlacing regions(setup); regions.measure(most_cut_cells)) {
     regions.give_way(taken);
     p.regions = regions.reports();
   }
@@ -256,16 +256,16 @@ void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Pl
                       n + 1, across, quantity(h * across, "m", 2)));
     }
   }
-  if (auto obstacles = run::SolidCells(setup.domain, setup.obstacles).reports(most_cut_cells)) {
+  if (auto obstacles = setup::SolidCells(setup.domain, setup.obstacles).reports(most_cut_cells)) {
     p.obstacles = std::move(*obstacles);
-    for (run::ObstacleReport const& o : p.obstacles) {
+    for (setup::ObstacleReport const& o : p.obstacles) {
       if (std::abs(o.excess) <= coarse_obstacle * o.asked_volume) continue;
       p.warnings.push_back(fmt::format(
           "obstacle \"{}\" is {:.0f} % {} on these cells than it is: smaller cells, or faces between cells, would "
           "give it its size",
           o.name, 100.0 * std::abs(o.excess) / o.asked_volume, o.excess > 0.0 ? "larger" : "smaller"));
     }
-    run::SolidCells const solid(setup.domain, setup.obstacles);
+    setup::SolidCells const solid(setup.domain, setup.obstacles);
     p.panels = run::Panels(setup.domain, setup.obstacles, solid).reports();
   }
 }
@@ -277,7 +277,7 @@ void plan_gas(run::Case const& setup, Plan& p) {
   p.steps = estimated_steps(setup);
   std::optional<grid::Grid> grid;
   if (is_small_list(setup.domain, parts)) grid.emplace(setup.domain, setup.numerics.block_cells);
-  run::SolidCells const solid(setup.domain, setup.obstacles);
+  setup::SolidCells const solid(setup.domain, setup.obstacles);
   detonation::TakenCells taken;
   int number = 0;
   for (run::Charge const& charge : setup.charges) {
@@ -288,7 +288,7 @@ void plan_gas(run::Case const& setup, Plan& p) {
       continue;
     }
     if (double const around = boxed_cells(charge.shape, setup.domain); grid && around <= most_cells_tried) {
-      p.charges.push_back(run::realised_charge(charge, *grid, what, &solid, &taken));
+      p.charges.push_back(setup::realised_charge(charge, *grid, what, &solid, &taken));
     } else {
       p.charges.push_back(untried_charge(charge, setup.domain, what));
       p.warnings.push_back(
@@ -433,7 +433,7 @@ void plan_points(run::Case const& setup, Plan& p) {
 /// Gas and points together. Each takes steps of its own within common ones, see `run::stable_step`.
 void plan_region(run::Case const& setup, Plan& p) {
   grid::Domain const& domain = setup.domain;
-  bridge::Region const region = run::region_of(setup);
+  bridge::Region const region = setup::region_of(setup);
   RegionPlan r;
   r.cells = static_cast<double>(region.cells().size());
   for (int d = 0; d < domain.dimensions(); ++d) {
@@ -637,7 +637,7 @@ constexpr std::size_t most_listed = 20;
 
 double density_of(run::Body const& body) { return body.density.value_or(body.solid.density); }
 
-std::string region_line(std::size_t number, run::RegionReport const& r) {
+std::string region_line(std::size_t number, setup::RegionReport const& r) {
   return fmt::format(
       "{:<12} {}: {}, volume asked {:.6g} m3, placed {:.6g}; mass asked {:.6g} kg, placed {:.6g}; energy asked {}, "
       "placed {}\n",
@@ -645,7 +645,7 @@ std::string region_line(std::size_t number, run::RegionReport const& r) {
       quantity(r.energy, "J", 6));
 }
 
-std::string obstacle_line(run::ObstacleReport const& o) {
+std::string obstacle_line(setup::ObstacleReport const& o) {
   return fmt::format("{:<12} {}: volume asked {:.6g} m3, placed {:.6g} in {} cells\n", "", o.name, o.asked_volume,
                      o.volume, o.cells);
 }

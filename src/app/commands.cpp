@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "app/check.hpp"
-#include "app/driver.hpp"
 #include "app/gauge_text.hpp"
 #include "app/materials_text.hpp"
 #include "app/print.hpp"
@@ -24,6 +23,7 @@
 #include "deck/schema.hpp"
 #include "empirical/kingery_bulmash.hpp"
 #include "empirical/standard_atmosphere.hpp"
+#include "observe/zones.hpp"
 #include "output/checkpoint.hpp"
 #include "output/file.hpp"
 #include "output/json.hpp"
@@ -33,7 +33,7 @@
 #include "output/run_log.hpp"
 #include "output/writer.hpp"
 #include "run/world.hpp"
-#include "run/zones.hpp"
+#include "session/driver.hpp"
 
 namespace brisance::app {
 
@@ -92,7 +92,7 @@ void load_profile(run::Case& setup) {
   detonation::Profile const profile = output::read_profile(start.profile);
   try {
     for (std::size_t n = 0; n < setup.charges.size(); ++n)
-      start.profiles.push_back(run::fitted_profile(setup, n, profile));
+      start.profiles.push_back(setup::fitted_profile(setup, n, profile));
   } catch (InputError const& problem) {
     throw InputError(fmt::format("{}: {}", start.place, problem.what()));
   }
@@ -101,7 +101,7 @@ void load_profile(run::Case& setup) {
 /// The 1D calculations before a run. False where the user stopped them.
 bool calculate_start(run::Case& setup, Progress& progress, bool show) {
   if (!setup.start.profiles.empty()) return true;
-  setup.start.profiles = run::calculate_start(setup, [&](run::StartProgress const& at) {
+  setup.start.profiles = setup::calculate_start(setup, [&](setup::StartProgress const& at) {
     if (show) progress.step(at);
     return !StopSignals::requested();
   });
@@ -210,7 +210,7 @@ void print_points(run::World const& world) {
 
 /// What is broken of the bodies of concrete, and how it looks from their faces.
 void print_broken_zones(run::World const& world) {
-  for (auto const& zones : run::broken_zones(world)) {
+  for (auto const& zones : observe::broken_zones(world)) {
     print(stdout, "\n{}: crushed {}, cracked {}, more than half damaged {}\n", world.bodies[zones.body].name,
           quantity(zones.crushed.mass, "kg"), quantity(zones.cracked.mass, "kg"), quantity(zones.damaged.mass, "kg"));
     for (auto const& face : zones.faces) {
@@ -421,7 +421,7 @@ ExitCode run_deck(RunArguments const& arguments) {
     if (show) progress.step(w);
   };
   Archive* const resumed = checkpoint != nullptr ? &checkpoint->archive() : nullptr;
-  Ending const ending = drive(world, writer, StopSignals::requested(), after_step, resumed, start);
+  session::Ending const ending = session::drive(world, writer, StopSignals::requested(), after_step, resumed, start);
   if (show) progress.end();
 
   if (ending.code != ExitCode::done && ending.code != ExitCode::stopped_by_user) {

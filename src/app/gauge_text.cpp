@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/text.hpp"
-#include "output/blast_wave.hpp"
+#include "observe/blast_wave.hpp"
 #include "output/gauges.hpp"
 
 namespace brisance::app {
@@ -103,7 +103,7 @@ std::vector<GaugePlan> plan_gauges(run::Case const& setup) {
   std::vector<GaugePlan> plans;
   plans.reserve(setup.gauges.size());
   for (run::Gauge const& gauge : setup.gauges)
-    plans.push_back({gauge.name, output::expected_peak(setup, gauge.position)});
+    plans.push_back({gauge.name, observe::expected_peak(setup, gauge.position)});
   return plans;
 }
 
@@ -157,7 +157,7 @@ std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges
   if (worst == nullptr) return std::nullopt;
   auto const& peak = *worst->peak;
   double const wanted = size * peak.cells_per_half_width /
-                        output::cells_for_clipping(tolerable_clipping, {peak.strength, peak.reflected});
+                        observe::cells_for_clipping(tolerable_clipping, {peak.strength, peak.reflected});
   return fmt::format(
       "the cells will clip the peak at {} gauge{} by more than {}, at \"{}\" by about {}: a cell of {} would clip that "
       "one by {}; impulses and arrivals need fewer cells, and the summary tells the peak at the front",

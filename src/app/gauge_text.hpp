@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "output/expected_peak.hpp"
+#include "observe/expected_peak.hpp"
 #include "run/world.hpp"
 
 namespace brisance::app {
@@ -14,7 +14,7 @@ namespace brisance::app {
 /// What `check` expects at a gauge of the gas.
 struct GaugePlan {
   std::string name;
-  std::optional<output::ExpectedPeak> peak;  ///< nothing where the curves do not tell
+  std::optional<observe::ExpectedPeak> peak;  ///< nothing where the curves do not tell
 };
 
 [[nodiscard]] std::vector<GaugePlan> plan_gauges(run::Case const& setup);

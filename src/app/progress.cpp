@@ -38,7 +38,7 @@ std::string Progress::remaining(double done, double before, double seconds) {
   return fmt::format("about {} left", wall_time(done > before ? (1.0 - done) * seconds / (done - before) : 0.0));
 }
 
-void Progress::step(run::StartProgress const& start) {
+void Progress::step(setup::StartProgress const& start) {
   ++steps_;
   if (steps_ == 1) done_ = start.done;  // of this charge
   auto const now = Clock::now();

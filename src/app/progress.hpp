@@ -16,7 +16,7 @@ class Progress {
   Progress(std::FILE* out, bool terminal) : out_(out), terminal_(terminal) {}
 
   /// To be called after every step of a 1D calculation that comes before the run.
-  void step(run::StartProgress const& start);
+  void step(setup::StartProgress const& start);
   /// To be called before the first step of a run that does not begin at its start.
   void start(run::World const& world);
   /// To be called after every step.

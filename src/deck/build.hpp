@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
+#include "case/case.hpp"
 #include "deck/deck.hpp"
 #include "deck/library.hpp"
 #include "deck/reader.hpp"
-#include "run/case.hpp"
-#include "run/solid_cells.hpp"
+#include "setup/solid_cells.hpp"
 
 namespace brisance::deck {
 
@@ -204,9 +204,9 @@ class Builder {
   /// An obstacle makes cells solid, and no gas flows through it.
   void check_obstacles();
   /// An obstacle that gives way has gas on both its sides, and an edge where it needs one.
-  void check_panels(run::SolidCells const& solid);
+  void check_panels(setup::SolidCells const& solid);
   /// Warns of gaps beside boxes that are narrower than a cell and would be closed.
-  void closed_gaps(run::SolidCells const& solid);
+  void closed_gaps(setup::SolidCells const& solid);
   /// A charge beside obstacles finds room between solid cells.
   void fits_between_obstacles(Section const& section, shape::Shape const& body);
   /// Own materials that nothing is made of.
@@ -216,7 +216,7 @@ class Builder {
   /// A region has cells of its own.
   void check_regions();
   /// Is a gauge between solid cells only?
-  [[nodiscard]] bool walled_in(run::SolidCells const& solid, Vec3 const& p) const;
+  [[nodiscard]] bool walled_in(setup::SolidCells const& solid, Vec3 const& p) const;
   [[nodiscard]] bool is_rigid(std::size_t body) const;
   /// A constraint holds nodes, bodies are there, and no other says something else.
   void check_constraints();

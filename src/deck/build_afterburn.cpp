@@ -6,7 +6,7 @@
 
 #include "deck/build.hpp"
 #include "deck/build_models.hpp"
-#include "run/start.hpp"
+#include "setup/start.hpp"
 
 namespace brisance::deck {
 
@@ -83,7 +83,7 @@ void Builder::afterburn() {
       auto const bounds = shape::bounds(charge.shape);
       double radius = 0.0;
       for (int d = 0; d < dims(); ++d) radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
-      double const cell = remapped ? run::start_cell(asked, radius) : out_.domain.h;
+      double const cell = remapped ? setup::start_cell(asked, radius) : out_.domain.h;
       burnt = std::max(burnt, burnt_at(charge, out_.domain, cell));
     }
     if (domain_known_ && model->begin < burnt) {

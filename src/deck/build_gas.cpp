@@ -520,7 +520,7 @@ void Builder::check_gauges(Section const& section, std::string_view key, std::si
                            std::set<std::string>& names) {
   bool place_reported = false;
   bool name_reported = false;
-  run::SolidCells const solid(out_.domain, domain_known_ ? out_.obstacles : std::vector<run::Obstacle>{});
+  setup::SolidCells const solid(out_.domain, domain_known_ ? out_.obstacles : std::vector<run::Obstacle>{});
   for (std::size_t i = first; i < out_.gauges.size(); ++i) {
     auto const& gauge = out_.gauges[i];
     if (!names.insert(gauge.name).second && !name_reported) {

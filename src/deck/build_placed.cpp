@@ -10,7 +10,7 @@
 #include "deck/build.hpp"
 #include "mpm/holds.hpp"
 #include "run/panels.hpp"
-#include "run/place_gas_regions.hpp"
+#include "setup/place_gas_regions.hpp"
 #include "shape/shares.hpp"
 
 namespace brisance::deck {
@@ -70,7 +70,7 @@ bool Builder::check_composition(Section const& section, std::string_view key, st
 void Builder::check_obstacles() {
   if (!domain_known_ || out_.obstacles.empty()) return;
   auto const& sections = *deck_.sections("obstacle");
-  run::SolidCells const solid(out_.domain, out_.obstacles);
+  setup::SolidCells const solid(out_.domain, out_.obstacles);
   double const h = out_.domain.h;
   bool sound = true;
   for (std::size_t n = 0; n < out_.obstacles.size(); ++n) {
@@ -116,7 +116,7 @@ void Builder::check_obstacles() {
                   point_text(leak->place, dims()), h, t < 2.0 * h ? std::min(t, 0.5 * h) : 0.5 * h));
 }
 
-void Builder::check_panels(run::SolidCells const& solid) {
+void Builder::check_panels(setup::SolidCells const& solid) {
   auto const& sections = *deck_.sections("obstacle");
   for (std::size_t n = 0; n < out_.obstacles.size(); ++n) {
     if (!out_.obstacles[n].release) continue;
@@ -129,7 +129,7 @@ void Builder::check_panels(run::SolidCells const& solid) {
   }
 }
 
-void Builder::closed_gaps(run::SolidCells const& solid) {
+void Builder::closed_gaps(setup::SolidCells const& solid) {
   grid::Domain const& domain = out_.domain;
   auto const& sections = *deck_.sections("obstacle");
   auto const look = [&](std::size_t n, int d, double from, double to, shape::Box const& across, int other) {
@@ -173,7 +173,7 @@ void Builder::closed_gaps(run::SolidCells const& solid) {
 
 void Builder::check_regions() {
   if (!domain_known_ || out_.regions.empty()) return;
-  run::RegionPlacing const placing(out_);
+  setup::RegionPlacing const placing(out_);
   for (std::size_t n = 0; n < out_.regions.size(); ++n) {
     auto const b = shape::bounds(out_.regions[n].shape);
     bool outside = false;
@@ -201,7 +201,7 @@ void Builder::fits_between_obstacles(Section const& section, shape::Shape const&
     return true;
   });
   if (!beside) return;
-  run::SolidCells const solid(out_.domain, out_.obstacles);
+  setup::SolidCells const solid(out_.domain, out_.obstacles);
   try {
     (void)detonation::fill_cells(body, grid::Grid(out_.domain), shape::volume(body, geometry()), "the charge",
                                  [&](Index3 const& cell) { return solid(cell); });
@@ -227,7 +227,7 @@ void Builder::unused_materials() {
   }
 }
 
-bool Builder::walled_in(run::SolidCells const& solid, Vec3 const& p) const {
+bool Builder::walled_in(setup::SolidCells const& solid, Vec3 const& p) const {
   // The cells that a gauge at p reads.
   grid::Domain const& domain = out_.domain;
   Index3 low{0, 0, 0};

@@ -7,7 +7,7 @@
 
 #include "core/error.hpp"
 #include "deck/build.hpp"
-#include "run/place_region.hpp"
+#include "setup/place_region.hpp"
 
 namespace brisance::deck {
 
@@ -42,13 +42,13 @@ void Builder::mpm_region() {
   contacts_of_fluids(region);
   if (!sound || (has_bodies() && (!bodies_known || body_shapes_.empty()))) return;
   try {
-    check_mpm_region(run::region_of(out_));
+    check_mpm_region(setup::region_of(out_));
   } catch (InputError const& problem) {
     std::string const hint =
         automatic ? fmt::format(
                         "; this is the box around the bodies with {} cells on each side: write [mpm_region] "
                         "with a box or another margin",
-                        run::margin_of(region))
+                        setup::margin_of(region))
                   : "";
     bool const given = section != nullptr;
     std::string_view const key = given && section->given("boxes") ? "boxes" : "box";
@@ -253,7 +253,7 @@ void Builder::check_mpm_region(bridge::Region const& region) {
                       point_text(*place, dims())));
   }
   auto const* obstacles = deck_.sections("obstacle");
-  run::SolidCells const solid(out_.domain, out_.obstacles);
+  setup::SolidCells const solid(out_.domain, out_.obstacles);
   for (auto const& [index, shape] : obstacle_shapes_) {
     std::optional<Vec3> place;
     shape::for_each_share({shape}, out_.domain, shape::cells_around(shape, out_.domain),

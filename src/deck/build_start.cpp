@@ -5,7 +5,7 @@
 
 #include "core/error.hpp"
 #include "deck/build.hpp"
-#include "run/start.hpp"
+#include "setup/start.hpp"
 
 namespace brisance::deck {
 
@@ -84,7 +84,7 @@ void Builder::start() {
   bool const sound = domain_known_ && boundaries_known_ && end_known_ && !report_.failed();
   if (!sound || !s.profile.empty()) return;
   try {
-    for (std::size_t n = 0; n < std::max<std::size_t>(1, out_.charges.size()); ++n) (void)run::plan_start(out_, n);
+    for (std::size_t n = 0; n < std::max<std::size_t>(1, out_.charges.size()); ++n) (void)setup::plan_start(out_, n);
   } catch (InputError const& problem) {
     error(*blamed, key, problem.what());
   }

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "run/case.hpp"
+#include "case/case.hpp"
 
 namespace brisance::deck {
 

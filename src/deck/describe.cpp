@@ -10,9 +10,8 @@
 #include "deck/parameters.hpp"
 #include "deck/schema.hpp"
 #include "material/afterburn.hpp"
-#include "run/gas_fields.hpp"
-#include "run/point_fields.hpp"
-#include "run/world.hpp"
+#include "observe/gas_fields.hpp"
+#include "observe/point_fields.hpp"
 
 namespace brisance::deck {
 
@@ -154,11 +153,11 @@ std::string describe_models() {
   out += "\nFailure models and their parameters\n";
   out += lines_of_models<material::Failure>();
   out += "\nFields for output\n";
-  for (auto const& field : run::known_fields()) {
+  for (auto const& field : observe::known_fields()) {
     out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);
   }
   out += "\nFields of material points for output\n";
-  for (auto const& field : run::known_point_fields()) {
+  for (auto const& field : observe::known_point_fields()) {
     out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);
   }
   return out;

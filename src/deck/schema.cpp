@@ -7,9 +7,8 @@
 
 #include "core/units.hpp"
 #include "deck/schema_keys.hpp"
-#include "run/gas_fields.hpp"
-#include "run/point_fields.hpp"
-#include "run/world.hpp"
+#include "observe/gas_fields.hpp"
+#include "observe/point_fields.hpp"
 
 namespace brisance::deck {
 
@@ -19,14 +18,14 @@ Table const& output_table() {
   static Table const table = [] {
     run::Output const o;
     std::vector<std::string> names;
-    for (auto const& field : run::known_fields()) names.push_back(field.name);
+    for (auto const& field : observe::known_fields()) names.push_back(field.name);
     Key fields = typed(Type::words, "fields").like("[\"pressure\", \"velocity\"]").means("Fields to write");
     fields.choices = names;
     fields.note(fmt::format("`{}`", fmt::join(o.fields, "`, `")));
     Key point_fields = typed(Type::words, "point_fields")
                            .like("[\"velocity\", \"stress\"]")
                            .means("Fields of the material points to write, beside position, body and material");
-    for (auto const& field : run::known_point_fields()) point_fields.choices.push_back(field.name);
+    for (auto const& field : observe::known_point_fields()) point_fields.choices.push_back(field.name);
     point_fields.note(fmt::format("`{}`", fmt::join(o.point_fields, "`, `")));
     return Table{
         "What is written, and when.",

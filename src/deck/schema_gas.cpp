@@ -1,9 +1,9 @@
 /// Tables of the domain and of the gas: ambient, charges, gauges, obstacles, regions, numerics.
 #include <fmt/format.h>
 
+#include "case/case.hpp"
 #include "deck/schema_keys.hpp"
 #include "empirical/standard_atmosphere.hpp"
-#include "run/case.hpp"
 
 namespace brisance::deck {
 

@@ -1,6 +1,6 @@
 /// Tables of the material points: bodies, what holds and loads them, the method, the MPM region.
+#include "case/case.hpp"
 #include "deck/schema_keys.hpp"
-#include "run/case.hpp"
 
 namespace brisance::deck {
 

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "case/case.hpp"
 #include "core/archive.hpp"
-#include "run/case.hpp"
 
 namespace brisance::output {
 

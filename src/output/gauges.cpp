@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "observe/positive_phase.hpp"
 #include "output/file.hpp"
 #include "output/json.hpp"
-#include "run/positive_phase.hpp"
 #include "shape/shape.hpp"
 
 namespace brisance::output {
@@ -41,7 +41,7 @@ nlohmann::json blast_json(empirical::Blast const& blast) {
           {"positive_impulse", json_or_null(blast.incident_impulse)}};
 }
 
-nlohmann::json negative_json(std::optional<NegativePhase> const& phase) {
+nlohmann::json negative_json(std::optional<observe::NegativePhase> const& phase) {
   if (!phase) return {};
   return {{"peak", json_or_null(phase->peak)},
           {"time", json_or_null(phase->time)},
@@ -192,7 +192,7 @@ std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::Gau
   std::vector<double> time;
   std::vector<double> overpressure;
   auto const& air = setup.ambient;
-  Surroundings around{air.fluid.eos, air.state.density, air.state.pressure, setup.domain.h, {}};
+  observe::Surroundings around{air.fluid.eos, air.state.density, air.state.pressure, setup.domain.h, {}};
   for (auto const& history : gauges) {
     time.clear();
     overpressure.clear();
@@ -203,7 +203,7 @@ std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::Gau
       around.velocity.push_back(record.velocity);
     }
     GaugeSummary summary{
-        history.gauge.name, history.gauge.position, analyse_blast(time, overpressure, &around), {}, {}, {}};
+        history.gauge.name, history.gauge.position, observe::analyse_blast(time, overpressure, &around), {}, {}, {}};
     if (auto const* charge = nearest_charge(setup, history.gauge.position)) {
       double const distance = norm(history.gauge.position - shape::centre(charge->shape));
       summary.distance = distance;
@@ -249,10 +249,11 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
                        cell(ratio_impulse));
     auto const of_negative = [&](auto value) { return w.negative ? cell((*w.negative).*value) : ""; };
     csv += fmt::format(",{:.8g},{:.8g},{:.8g},{},{},{},{},{},{},{},{},{}\n", w.largest_impulse, w.largest_impulse_time,
-                       w.final_overpressure, of_negative(&NegativePhase::peak), of_negative(&NegativePhase::time),
-                       of_negative(&NegativePhase::impulse), of_negative(&NegativePhase::duration),
-                       cell(w.peak_front_overpressure), cell(w.half_width), cell(w.cells_per_half_width),
-                       cell(w.expected_clipping), w.half_width ? w.reflected ? "yes" : "no" : "");
+                       w.final_overpressure, of_negative(&observe::NegativePhase::peak),
+                       of_negative(&observe::NegativePhase::time), of_negative(&observe::NegativePhase::impulse),
+                       of_negative(&observe::NegativePhase::duration), cell(w.peak_front_overpressure),
+                       cell(w.half_width), cell(w.cells_per_half_width), cell(w.expected_clipping),
+                       w.half_width ? w.reflected ? "yes" : "no" : "");
     gauges.push_back({{"name", s.name},
                       {"file", g < files.size() ? files[g] : ""},
                       {"position", s.position},
@@ -287,7 +288,7 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
   nlohmann::json summary{{"units", "SI: m, s, Pa, Pa s, m/kg^(1/3)"},
                          {"burst", burst_name(setup.burst)},
                          {"ambient_pressure", setup.ambient.state.pressure},
-                         {"arrival_threshold", run::arrival_threshold * setup.ambient.state.pressure},
+                         {"arrival_threshold", observe::arrival_threshold * setup.ambient.state.pressure},
                          {"gauges", std::move(gauges)}};
   if (empirical_applies(setup) && setup.charges.front().explosive.tnt_equivalent_pressure)
     summary["kingery_bulmash_curve"] = empirical_curve(setup);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "empirical/kingery_bulmash.hpp"
-#include "output/blast_wave.hpp"
+#include "observe/blast_wave.hpp"
 #include "run/world.hpp"
 
 namespace brisance::output {
@@ -23,7 +23,7 @@ namespace brisance::output {
 struct GaugeSummary {
   std::string name;
   Vec3 position{0.0, 0.0, 0.0};
-  BlastWave wave;
+  observe::BlastWave wave;
   std::optional<double> distance;         ///< to the centre of the nearest charge [m]
   std::optional<double> scaled_distance;  ///< distance / cube root of its mass of TNT, if known [m/kg^(1/3)]
   empirical::Blast empirical;

@@ -284,7 +284,7 @@ void write_start_profiles(run::World const& world, fs::path const& folder) {
 }
 
 void write_end_profile(run::World const& world, fs::path const& folder) {
-  write_listed(folder, "profiles/end.h5", run::profile_of(world));
+  write_listed(folder, "profiles/end.h5", setup::profile_of(world));
 }
 
 }  // namespace brisance::output

@@ -275,7 +275,7 @@ json mpm_region(run::World const& world, double wall_seconds) {
 
 }  // namespace
 
-std::string start_in_words(run::Case const& setup, run::StartReport const& report) {
+std::string start_in_words(run::Case const& setup, setup::StartReport const& report) {
   if (!setup.start.profile.empty()) return fmt::format("profile \"{}\"", report.from);
   return fmt::format("{} by {}, {:.4g} cells per charge radius", report.from,
                      report.method == run::StartMethod::gas ? "the gas scheme" : "material points",
@@ -284,7 +284,7 @@ std::string start_in_words(run::Case const& setup, run::StartReport const& repor
 
 json starts(run::World const& world) {
   json out = json::array();
-  for (run::StartReport const& s : world.starts) {
+  for (setup::StartReport const& s : world.starts) {
     auto const& r = s.remap;
     out.push_back({{"start", start_in_words(world.setup, s)},
                    {"cell_size", json_or_null(s.cell)},

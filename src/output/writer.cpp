@@ -8,14 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "observe/gas_fields.hpp"
+#include "observe/point_fields.hpp"
 #include "output/file.hpp"
 #include "output/folder.hpp"
 #include "output/json.hpp"
 #include "output/placed.hpp"
 #include "output/profile_file.hpp"
 #include "output/run_log.hpp"
-#include "run/gas_fields.hpp"
-#include "run/point_fields.hpp"
 
 namespace brisance::output {
 
@@ -33,8 +33,8 @@ double expected_bytes(run::World const& world, WriterOptions const& options) {
   bool const single = setup.output.single_precision;
   double dump = FieldSeries::bytes_per_dump(setup.domain, fields, single);
   if (world.points != nullptr) {
-    dump +=
-        PointSeries::bytes_per_dump(static_cast<double>(run::dumped_points(world)), dumped_point_fields(setup), single);
+    dump += PointSeries::bytes_per_dump(static_cast<double>(observe::dumped_points(world)), dumped_point_fields(setup),
+                                        single);
   }
   return dump * static_cast<double>(dump_times(setup.output, setup.end.time).size()) *
              (options.compression > 0 ? expected_compression : 1.0) +
@@ -76,8 +76,8 @@ fs::path prepared(fs::path const& folder, run::World const& world, WriterOptions
   return real;
 }
 
-FieldSpec spec_of(std::string const& name, std::vector<run::FieldInfo> const& known) {
-  auto const found = std::ranges::find(known, name, &run::FieldInfo::name);
+FieldSpec spec_of(std::string const& name, std::vector<observe::FieldInfo> const& known) {
+  auto const found = std::ranges::find(known, name, &observe::FieldInfo::name);
   if (found == known.end()) throw InputError("unknown field \"" + name + "\"");
   return {found->name, found->unit, found->components, found->meaning};
 }
@@ -102,19 +102,19 @@ std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
 
   std::vector<FieldSpec> specs;
   specs.reserve(names.size());
-  for (auto const& name : names) specs.push_back(spec_of(name, run::known_fields()));
+  for (auto const& name : names) specs.push_back(spec_of(name, observe::known_fields()));
   return specs;
 }
 
 std::vector<FieldSpec> dumped_point_fields(run::Case const& setup) {
   std::vector<FieldSpec> specs;
   if (!setup.points.any() && !(setup.mpm_region && setup.output.gas_points)) return specs;
-  auto const& standing = run::standing_point_fields();
+  auto const& standing = observe::standing_point_fields();
   specs.reserve(standing.size() + setup.output.point_fields.size());
   for (auto const& field : standing) specs.push_back(spec_of(field.name, standing));
   for (auto const& name : setup.output.point_fields) {
     bool const already = std::ranges::find(specs, name, &FieldSpec::name) != specs.end();
-    if (!already) specs.push_back(spec_of(name, run::known_point_fields()));
+    if (!already) specs.push_back(spec_of(name, observe::known_point_fields()));
   }
   return specs;
 }
@@ -153,19 +153,19 @@ Writer::Writer(run::World const& world, fs::path const& folder, WriterOptions co
 
 void Writer::dump_fields(run::World const& world) {
   if (!point_fields_.empty()) {
-    points_.dump(world.clock.time, world.clock.step, world.setup.domain.geometry, run::dumped_points(world),
-                 point_fields_,
-                 [&world](std::string const& field, std::vector<double>& out) { run::point_field(world, field, out); });
+    points_.dump(
+        world.clock.time, world.clock.step, world.setup.domain.geometry, observe::dumped_points(world), point_fields_,
+        [&world](std::string const& field, std::vector<double>& out) { observe::point_field(world, field, out); });
   }
   if (world.gas != nullptr) {
     if (world.bridge != nullptr) {
-      if (view_ == nullptr) view_ = std::make_unique<run::GasView>(world, world.bridge->region().cells());
+      if (view_ == nullptr) view_ = std::make_unique<observe::GasView>(world, world.bridge->region().cells());
       view_->update();
       view_->update_solids();
     }
     series_.dump(world.clock.time, world.clock.step, world.grid, fields_,
                  [this, &world](int block, std::string const& field, std::vector<double>& out) {
-                   run::block_field(world, block, field, out, view_.get());
+                   observe::block_field(world, block, field, out, view_.get());
                  });
   }
   write_log(world, "running", "", 0);

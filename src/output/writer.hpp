@@ -21,12 +21,12 @@
 #include <vector>
 
 #include "core/archive.hpp"
+#include "observe/gas_view.hpp"
 #include "output/fields.hpp"
 #include "output/folder.hpp"
 #include "output/gauges.hpp"
 #include "output/point_gauges.hpp"
 #include "output/points.hpp"
-#include "run/gas_view.hpp"
 #include "run/world.hpp"
 
 namespace brisance::output {
@@ -69,7 +69,7 @@ class Writer {
   std::filesystem::path folder_;
   std::vector<FieldSpec> fields_;
   std::vector<FieldSpec> point_fields_;
-  std::unique_ptr<run::GasView> view_;  ///< of all cells, made with the first dump
+  std::unique_ptr<observe::GasView> view_;  ///< of all cells, made with the first dump
   FieldSeries series_;
   PointSeries points_;
   GaugeFiles gauges_;

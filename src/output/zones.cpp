@@ -7,11 +7,11 @@
 namespace brisance::output {
 
 nlohmann::json broken_zones_json(run::World const& world) {
-  auto const part = [](run::BrokenPart const& p) {
+  auto const part = [](observe::BrokenPart const& p) {
     return nlohmann::json{{"mass", json_or_null(p.mass)}, {"volume", json_or_null(p.volume)}};
   };
   nlohmann::json out = nlohmann::json::array();
-  for (auto const& zones : run::broken_zones(world)) {
+  for (auto const& zones : observe::broken_zones(world)) {
     nlohmann::json faces = nlohmann::json::array();
     for (auto const& face : zones.faces) {
       faces.push_back({{"face", grid::face_names[static_cast<int>(face.face)]},

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "run/zones.hpp"
+#include "observe/zones.hpp"
 
 namespace brisance::output {
 

@@ -30,8 +30,8 @@ double area_of(grid::Domain const& domain, Column const& c, int direction, bool 
 }
 
 /// The columns of a panel's cells in a direction that lead from gas to gas.
-std::vector<Column> columns_in(grid::Domain const& domain, SolidCells const& solid, std::set<Index3> const& cells,
-                               int direction) {
+std::vector<Column> columns_in(grid::Domain const& domain, setup::SolidCells const& solid,
+                               std::set<Index3> const& cells, int direction) {
   std::map<Index3, std::vector<int>> lines;
   for (Index3 const& cell : cells) {
     Index3 line = cell;
@@ -183,8 +183,8 @@ int rings_due(PanelReport const& panel) {
 
 }  // namespace
 
-PanelPlace place_panel(grid::Domain const& domain, std::vector<Obstacle> const& obstacles, SolidCells const& solid,
-                       std::size_t number) {
+PanelPlace place_panel(grid::Domain const& domain, std::vector<Obstacle> const& obstacles,
+                       setup::SolidCells const& solid, std::size_t number) {
   auto const list = solid.cells_of(number);
   std::set<Index3> const cells(list.begin(), list.end());
   if (cells.empty()) {
@@ -250,7 +250,7 @@ double PanelReport::open_area() const {
   return sum;
 }
 
-Panels::Panels(grid::Domain const& domain, std::vector<Obstacle> const& obstacles, SolidCells const& solid) {
+Panels::Panels(grid::Domain const& domain, std::vector<Obstacle> const& obstacles, setup::SolidCells const& solid) {
   for (std::size_t n = 0; n < obstacles.size(); ++n) {
     if (!obstacles[n].release) continue;
     PanelReport panel;

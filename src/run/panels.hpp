@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "case/case.hpp"
 #include "gas/gas.hpp"
 #include "grid/grid.hpp"
-#include "run/case.hpp"
-#include "run/solid_cells.hpp"
+#include "setup/solid_cells.hpp"
 
 namespace brisance {
 class Archive;
@@ -40,7 +40,7 @@ struct PanelPlace {
 
 /// Throws InputError where an obstacle cannot be a panel.
 [[nodiscard]] PanelPlace place_panel(grid::Domain const& domain, std::vector<Obstacle> const& obstacles,
-                                     SolidCells const& solid, std::size_t number);
+                                     setup::SolidCells const& solid, std::size_t number);
 
 /// What became of one panel.
 struct PanelReport {
@@ -60,7 +60,7 @@ struct PanelReport {
 
 class Panels {
  public:
-  Panels(grid::Domain const& domain, std::vector<Obstacle> const& obstacles, SolidCells const& solid);
+  Panels(grid::Domain const& domain, std::vector<Obstacle> const& obstacles, setup::SolidCells const& solid);
 
   [[nodiscard]] std::vector<PanelReport> const& reports() const { return panels_; }
   /// The step after which something opened last; 0: nothing has.

@@ -8,9 +8,9 @@
 
 #include "core/error.hpp"
 #include "core/timer.hpp"
-#include "run/gas_view.hpp"
-#include "run/place_bodies.hpp"
-#include "run/place_region.hpp"
+#include "observe/gas_view.hpp"
+#include "setup/place_bodies.hpp"
+#include "setup/place_region.hpp"
 
 namespace brisance::run {
 
@@ -119,7 +119,7 @@ std::vector<gas::WaveSource> wave_sources(Case const& c) {
   return sources;
 }
 
-detonation::TakenCells place_charges(World& w, SolidCells const& solid);
+detonation::TakenCells place_charges(World& w, setup::SolidCells const& solid);
 
 void place_gas(World& w) {
   Case const& setup = w.setup;
@@ -131,9 +131,9 @@ void place_gas(World& w) {
   gas.set_wave_sources(wave_sources(setup));
   grid::Grid const& grid = w.grid;
   gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
-  RegionPlacing regions(setup);
+  setup::RegionPlacing regions(setup);
   regions.fill(gas);
-  SolidCells const solid(setup.domain, setup.obstacles);
+  setup::SolidCells const solid(setup.domain, setup.obstacles);
   if (!setup.start.remap) regions.give_way(place_charges(w, solid));
   w.regions = regions.reports();
   if (solid.any()) {
@@ -149,10 +149,10 @@ void place_gas(World& w) {
   FluidState const& quiet = setup.ambient.state;
   for (GaugeHistory& history : w.gauges)
     history.records.push_back({0.0, quiet.pressure, quiet.density, quiet.velocity});
-  place_start(w);
+  setup::place_start(w);
 }
 
-detonation::TakenCells place_charges(World& w, SolidCells const& solid) {
+detonation::TakenCells place_charges(World& w, setup::SolidCells const& solid) {
   Case const& setup = w.setup;
   gas::Gas& gas = *w.gas;
   grid::Grid const& grid = w.grid;
@@ -203,10 +203,10 @@ detonation::TakenCells place_charges(World& w, SolidCells const& solid) {
 
 World::World(Case c) : setup(std::move(c)), grid(setup.domain, setup.numerics.block_cells) {
   if (setup.points.any() && !setup.mpm_region) {
-    place_bodies(*this, setup.domain);
+    setup::place_bodies(*this, setup.domain);
   } else {
     place_gas(*this);
-    if (setup.mpm_region) place_region(*this);
+    if (setup.mpm_region) setup::place_region(*this);
     gas->start(clock.time);
     if (points != nullptr) points->set_time(clock.time);
     if (bridge != nullptr && bridge->awake()) awake_since = clock.time;

@@ -7,17 +7,20 @@
 #include <string>
 #include <vector>
 
+#include "case/case.hpp"
 #include "gas/gas.hpp"
 #include "grid/grid.hpp"
-#include "run/case.hpp"
 #include "run/panels.hpp"
-#include "run/place_gas_regions.hpp"
-#include "run/solid_cells.hpp"
-#include "run/start.hpp"
+#include "setup/place_gas_regions.hpp"
+#include "setup/solid_cells.hpp"
+#include "setup/start.hpp"
 
 namespace brisance {
 class Archive;
+namespace observe {
+class GasView;
 }
+}  // namespace brisance
 
 namespace brisance::run {
 
@@ -207,21 +210,6 @@ void archive(Archive& a, BodyRecord& record);
 /// Wall-clock seconds per phase of the step and of the output.
 using Timings = std::map<std::string, double>;
 
-/// A field that can be written: `block_field` or `point_field` fills it.
-struct FieldInfo {
-  std::string name;  ///< as named in decks, e.g. "pressure"
-  std::string unit;  ///< "Pa"
-  int components;    ///< 1, 3, or 6: symmetric tensors, xx yy zz xy yz zx
-  std::string meaning;
-};
-
-class GasView;
-
-/// What a charge would become on a grid, beside the solid cells of obstacles; the cells that it takes are added to
-/// `taken`. Throws InputError where it does not fit.
-[[nodiscard]] ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
-                                           SolidCells const* solid = nullptr, detonation::TakenCells* taken = nullptr);
-
 /// The fluids of the gas of a case.
 [[nodiscard]] gas::Fluids fluids_of(Case const& setup);
 /// The ambient fluid in a state.
@@ -244,9 +232,9 @@ class World {
   Clock clock;
   Audit audit;
   std::vector<ChargeReport> charges;
-  std::vector<RegionReport> regions;      ///< what became of each region of the gas
-  std::vector<ObstacleReport> obstacles;  ///< and of each obstacle
-  std::vector<StartReport> starts;        ///< of each charge, where the case starts by a remap
+  std::vector<setup::RegionReport> regions;      ///< what became of each region of the gas
+  std::vector<setup::ObstacleReport> obstacles;  ///< and of each obstacle
+  std::vector<setup::StartReport> starts;        ///< of each charge, where the case starts by a remap
   std::vector<BodyReport> bodies;
   std::vector<GaugeHistory> gauges;
   std::vector<PointGaugeHistory> point_gauges;
@@ -299,8 +287,8 @@ class World {
   [[nodiscard]] bool audit_is_due() const;
   [[nodiscard]] std::string in_words(AuditFinding const& finding) const;
   void sample_points();
-  std::unique_ptr<GasView> gauge_view_;  ///< made with the first sample
-  double gas_rest_energy_ = 0.0;         ///< of gas cells and gas points in the ambient state [J]
+  std::unique_ptr<observe::GasView> gauge_view_;  ///< made with the first sample
+  double gas_rest_energy_ = 0.0;                  ///< of gas cells and gas points in the ambient state [J]
 };
 
 /// Largest stable time step of the present state [s].

@@ -6,14 +6,16 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "../session/small_case.hpp"
 #include "app/check.hpp"
 #include "app/gauge_text.hpp"
 #include "core/error.hpp"
 #include "grid/grid.hpp"
-#include "small_case.hpp"
 
 namespace brisance::app {
 namespace {
+
+using namespace session;
 
 TEST(Plan, KnowsTheChargeAsTheWorldWillBuildIt) {
   auto const setup = small_case("[end]\ntime = \"0.2 ms\"\n");

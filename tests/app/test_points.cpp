@@ -5,14 +5,16 @@
 #include <nlohmann/json.hpp>
 
 #include "../run/points_case.hpp"
+#include "../session/small_case.hpp"
 #include "app/check.hpp"
-#include "app/driver.hpp"
 #include "app/progress.hpp"
 #include "core/error.hpp"
-#include "small_case.hpp"
+#include "session/driver.hpp"
 
 namespace brisance::app {
 namespace {
+
+using namespace session;
 
 TEST(PointPlan, KnowsTheBodiesAsTheWorldWillFillThem) {
   auto setup = run::two_blocks();

@@ -7,7 +7,7 @@
 #include "bridge/harness.hpp"
 #include "core/archive.hpp"
 #include "core/parallel.hpp"
-#include "run/place_region.hpp"
+#include "setup/place_region.hpp"
 
 namespace brisance::test {
 namespace {
@@ -227,11 +227,11 @@ TEST(Products, AreTheSameOnAnyNumberOfThreadsAndAfterARestart) {
 TEST(AutomaticBox, TakesTheDomainWhereSoilIsThrownOut) {
   auto c = charge_and_soil(-0.08);
   c.domain.cells[1] = 120;  // far above what the box around the bodies takes
-  EXPECT_EQ(run::region_of(c).cells().size(), 32U * 120U);
+  EXPECT_EQ(setup::region_of(c).cells().size(), 32U * 120U);
   c.domain.boundary[3] = Boundary::inflow;
-  EXPECT_EQ(run::region_of(c).cells().size(), 32U * 116U);
+  EXPECT_EQ(setup::region_of(c).cells().size(), 32U * 116U);
   c.points.bodies.erase(c.points.bodies.begin());
-  EXPECT_EQ(run::region_of(c).cells().size(), 32U * (24U + 15U));  // nobody throws
+  EXPECT_EQ(setup::region_of(c).cells().size(), 32U * (24U + 15U));  // nobody throws
 }
 
 /// Gas at `pressure` around a ball of soil that has come loose: its points count a thousandth of its density.

@@ -11,11 +11,11 @@
 #include "../run/points_case.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "observe/point_fields.hpp"
 #include "output/file.hpp"
 #include "output/report.hpp"
 #include "output/run_log.hpp"
 #include "output/writer.hpp"
-#include "run/point_fields.hpp"
 #include "scratch.hpp"
 
 namespace brisance::output::test {
@@ -75,7 +75,7 @@ TEST(Points, DumpHoldsWhatThePointsCarry) {
     std::vector<double> values;
     for (std::string const name :
          {"position", "body", "material", "velocity", "stress", "mises", "identity", "plastic_strain"}) {
-      run::point_field(world, name, values);
+      observe::point_field(world, name, values);
       auto const read = read_points(file, name);
       ASSERT_EQ(read.size(), values.size()) << name;
       bool const rounded = single && name != "body" && name != "material" && name != "identity";
@@ -120,7 +120,7 @@ TEST(Points, OpenInParaViewWithoutAsking) {
   std::vector<double> values;
   for (auto const& [name, components] : std::map<std::string, int>{
            {"velocity", 3}, {"stress", 6}, {"mises", 1}, {"identity", 1}, {"body", 1}, {"material", 1}}) {
-    run::point_field(world, name, values);
+    observe::point_field(world, name, values);
     auto const& array = last["arrays"][name];
     ASSERT_EQ(array["components"], components) << name;
     for (int c = 0; c < components; ++c) {

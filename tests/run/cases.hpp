@@ -9,6 +9,9 @@
 
 namespace brisance::run {
 
+using namespace setup;
+using namespace observe;
+
 /// Air at rest in a domain whose low corner is the origin; every face has the same boundary.
 inline Case air_case(grid::Geometry geometry, Index3 const& cells, double h, grid::Boundary boundary) {
   Case c;

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "cases.hpp"
-#include "run/gas_fields.hpp"
+#include "observe/gas_fields.hpp"
 
 namespace brisance::run {
 namespace {

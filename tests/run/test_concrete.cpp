@@ -6,11 +6,13 @@
 #include <cstring>
 
 #include "core/parallel.hpp"
-#include "run/point_fields.hpp"
-#include "run/zones.hpp"
+#include "observe/point_fields.hpp"
+#include "observe/zones.hpp"
 
 namespace brisance::run {
 namespace {
+
+using namespace observe;
 
 using mpm::Field;
 

@@ -6,7 +6,7 @@
 
 #include "cases.hpp"
 #include "core/parallel.hpp"
-#include "run/gas_fields.hpp"
+#include "observe/gas_fields.hpp"
 
 namespace brisance::run {
 namespace {

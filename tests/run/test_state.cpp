@@ -10,8 +10,8 @@
 #include "cases.hpp"
 #include "core/archive.hpp"
 #include "core/parallel.hpp"
+#include "observe/gas_fields.hpp"
 #include "points_case.hpp"
-#include "run/gas_fields.hpp"
 
 namespace brisance::run {
 namespace {

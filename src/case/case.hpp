@@ -1,0 +1,263 @@
+/// A case: everything that defines one calculation, as plain data in SI units. The deck reader builds it, `World` runs
+/// it.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "bridge/bridge.hpp"
+#include "core/vec.hpp"
+#include "detonation/charge.hpp"
+#include "detonation/profile.hpp"
+#include "grid/geometry.hpp"
+#include "material/afterburn.hpp"
+#include "material/explosive.hpp"
+#include "material/solid.hpp"
+#include "mpm/mpm.hpp"
+#include "shape/shape.hpp"
+
+namespace brisance::cases {
+
+/// State of a fluid at rest or in uniform motion.
+struct FluidState {
+  double density = 1.225;      ///< [kg/m3]
+  double pressure = 101325.0;  ///< [Pa]
+  Vec3 velocity{0.0, 0.0, 0.0};
+};
+
+struct Ambient {
+  material::Fluid fluid;
+  FluidState state;
+};
+
+/// A region filled with another state, and optionally with the second fluid, at the start. Later regions overwrite
+/// earlier ones.
+struct Region {
+  shape::Shape shape;
+  FluidState state;
+  bool second_fluid = false;  ///< filled with `Case::second_fluid` instead of the ambient fluid
+  /// Set when the region is filled with an explosive's products or another named fluid.
+  std::string fluid_name;
+};
+
+enum class Detonation { programmed, instantaneous };
+constexpr auto words(Detonation) {
+  return std::array{Word{Detonation::programmed, "programmed"}, Word{Detonation::instantaneous, "instantaneous"}};
+}
+
+using detonation::InitiationPoint;
+
+/// A charge. `mass` is that of the whole body; where symmetry planes pass through its centre only a part lies in the
+/// domain.
+struct Charge {
+  material::Explosive explosive;
+  shape::Shape shape;
+  double mass = 0.0;  ///< [kg]
+  Detonation detonation = Detonation::programmed;
+  std::vector<InitiationPoint> initiation;  ///< at least one for programmed burn
+};
+
+/// One gauge point. Lines and planes of the deck arrive here as their points.
+struct Gauge {
+  std::string name;
+  Vec3 position{0.0, 0.0, 0.0};
+};
+
+/// When and how an obstacle gives way.
+struct Release {
+  double pressure = 0.0;    ///< difference between the means of its two sides, of either sign, at which it does [Pa]
+  double areal_mass = 0.0;  ///< the heavier, the longer it takes to open [kg/m2]; 0: at once
+};
+
+struct Obstacle {
+  std::string name;
+  shape::Shape shape;
+  std::optional<Release> release{};  ///< of a panel
+};
+
+/// A body of material points. A case with bodies and without an MPM region is calculated by the material point method
+/// alone.
+struct Body {
+  std::string name;
+  material::Solid solid;
+  shape::Shape shape;
+  Vec3 velocity{0.0, 0.0, 0.0};  ///< at the start [m/s]
+  int points_per_direction = 2;  ///< per cell
+  bool rigid = false;            ///< keeps its velocity, whatever it meets
+  /// State at the start where it is not the solid's own: gases.
+  std::optional<double> density;            ///< [kg/m3]
+  std::optional<double> specific_energy;    ///< [J/kg]
+  std::vector<InitiationPoint> initiation;  ///< of explosives; empty: burnt from the start
+};
+
+/// A gauge of the material points: it rides on the point that is nearest to `point` at the start, or, without one,
+/// watches the body as a whole.
+struct PointGauge {
+  std::string name;
+  int body = 0;
+  std::optional<Vec3> point;
+};
+
+/// The structure half of a case.
+struct Points {
+  mpm::Options options;
+  std::vector<Body> bodies;
+  std::vector<mpm::Constraint> constraints;
+  std::vector<mpm::Contact> contacts;
+  std::vector<mpm::SurfacePressure> pressures;
+  std::vector<mpm::Bar> bars;
+  std::vector<PointGauge> gauges;
+
+  [[nodiscard]] bool any() const { return !bodies.empty(); }
+};
+
+/// The part of a calculation with gas that material points calculate: the bodies and the gas around them.
+struct MpmRegion {
+  /// Boxes [m] whose faces lie on the grid; none: the smallest box around the bodies with the margin.
+  std::vector<shape::Box> boxes;
+  int margin =
+      0;          ///< cells between the bodies and the faces of that box; 0: as few as the bridge allows, and some more
+  int width = 5;  ///< of the bridge, w [cells]
+  bridge::Transport transport = bridge::Transport::ledger;
+  /// Of the gas, per cell; 0: 4 in 1D, 3 in 2D, 2 in 3D. Rows of points that the flow stretches to a spacing between
+  /// half a cell and a cell disturb the pressure most: the more points at the start, the farther the gas may expand
+  /// first.
+  int points_per_direction = 0;
+  /// Overpressure next to the region that wakes it [Pa]; absent: a thousandth of the ambient pressure.
+  std::optional<double> activation;
+  bool subcycling = true;                          ///< gas and points take steps of their own within a common one
+  mpm::Transfer transfer = mpm::Transfer::apic;    ///< of the gas
+  mpm::StressOrder order = mpm::StressOrder::usl;  ///< of the gas; usl or musl
+  double courant = 0.5;                            ///< of the gas points; `points.options.courant` is that of bodies
+  int population_interval = 4;                     ///< steps of the points between splits and merges; 0: none
+  double linear_viscosity = 0.75;                  ///< of the gas: as much as damps the overshoot of strong shocks
+  double viscosity_onset = 0.1;                    ///< of the linear term: sound waves pass undamped, see `mpm::Body`
+  double quadratic_viscosity = 1.5;
+  double shock_conduction = 1.0;  ///< of the gas, see `mpm::Body`
+  bool slip = true;               ///< gas and other fluids slip along solids, see `mpm::Body`
+  /// Taken off the pressure in the forces [Pa]; absent: the lowest pressure of the gas, the ambient one at most.
+  std::optional<double> reference_pressure;
+
+  [[nodiscard]] int gas_points(int dimensions) const {
+    return points_per_direction > 0 ? points_per_direction : 5 - dimensions;
+  }
+};
+
+/// How a charge is calculated until the shock comes near anything.
+enum class StartMethod { gas, points };
+constexpr auto words(StartMethod) {
+  return std::array{Word{StartMethod::gas, "gas"}, Word{StartMethod::points, "points"}};
+}
+
+/// The start of a calculation by a remap: each charge bursts in a calculation of its own with fewer directions.
+struct Start {
+  bool remap = false;  ///< else the charges are on the grid from time 0
+  StartMethod method = StartMethod::gas;
+  double cell = 0.0;             ///< of the 1D calculation [m]; 0: a part of the charge's radius, see setup/start.hpp
+  std::optional<double> time;    ///< of the remap [s]
+  std::optional<double> radius;  ///< of the shock at the remap [m]; without both: where it is about to meet something
+  std::string profile;           ///< file that stands in for the calculation
+  /// What messages about it begin with: place in the deck and key.
+  std::string place;
+  /// One for each charge. Filled from the file or by `calculate_start`; while empty, `World` calculates them.
+  std::vector<std::shared_ptr<detonation::Profile const>> profiles;
+  bool from_checkpoint = false;  ///< the state is about to be read: nothing is remapped
+};
+
+using gas::Scheme;
+
+struct Numerics {
+  Scheme scheme = Scheme::muscl_hancock;
+  double courant = 0.8;
+  int block_cells = 0;           ///< cells per block and direction; 0: chosen by dimension
+  bool sleep = true;             ///< quiescent blocks are skipped
+  double limiter_beta = 1.5;     ///< generalised monotonised-central limiter, 1 (minmod) to 2
+  bool carbuncle_cure = true;    ///< blend to HLL along detected shocks
+  double density_floor = 1e-6;   ///< guard [kg/m3]
+  double pressure_floor = 1e-3;  ///< guard [Pa]
+  double viscosity = 0.0;        ///< lax-wendroff: constant eta; 0: eta of [Cui14] Eq. (5) with |u| + c
+};
+
+struct Output {
+  double field_interval = 0.0;      ///< [s]; 0: none but the last
+  std::vector<double> field_times;  ///< extra times [s]
+  double gauge_interval = 0.0;      ///< [s]; 0: every step
+  bool peak_fields = true;          ///< peak overpressure and impulse per cell
+  bool single_precision = true;     ///< fields in float
+  std::vector<std::string> fields{"pressure", "density", "velocity", "products"};
+  /// Fields of the material points beside position, body and material.
+  std::vector<std::string> point_fields{"velocity", "displacement", "pressure", "mises", "plastic_strain", "damage"};
+  bool gas_points = false;  ///< dump the gas points of an MPM region too
+  bool profile = false;     ///< write the state at the end as a profile for other decks
+};
+
+/// What comes first ends the calculation.
+struct End {
+  double time = 0.0;            ///< [s]
+  long steps = 0;               ///< 0: no limit
+  bool gauges = false;          ///< when all gauges of the gas are past their positive phase
+  double kinetic_energy = 0.0;  ///< when it stays below this part of its largest value; 0: not by it
+  double wall_clock = 0.0;      ///< of the program, after which it stops with a checkpoint [s]; 0: no limit
+};
+
+/// When the whole state is written, from which a run can go on. Whatever is chosen here does not change the results.
+struct Checkpoint {
+  double interval = 0.0;      ///< simulated time between two [s]; 0: not by it
+  long steps = 0;             ///< steps between two; 0: not by them
+  double wall_clock = 600.0;  ///< wall-clock time between two [s]; 0: not by it
+  int keep = 2;               ///< the newest ones stay on the disk
+  bool at_end = true;
+  bool on_signal = true;  ///< when the user stops the run
+};
+
+/// How far the energy of material points may drift, alone and together with gas: parts of `EnergyBalance::scale`; 0: as
+/// far as it will. Nothing here changes the results.
+struct AuditLimits {
+  double warn = 0.005;  ///< beyond it the run is told to be NOT BALANCED
+  double fail = 0.05;   ///< beyond it the run stops; 0: nothing that the audit finds stops it
+};
+
+/// How the Kingery-Bulmash values beside the gauges are to be taken.
+enum class Burst { none, spherical, hemispherical };
+
+struct Case {
+  std::string title;
+  std::string deck_path;  ///< as given
+  std::string deck_text;  ///< as read
+  grid::Domain domain;
+  std::array<FluidState, 6> inflow;  ///< used on faces whose boundary is inflow
+  Ambient ambient;
+  /// The second fluid: products of the charges' explosive, or the fluid of a region. Absent: single-fluid run.
+  std::optional<material::Fluid> second_fluid;
+  std::optional<material::Afterburn> afterburn;  ///< of the second fluid
+  std::vector<Region> regions;
+  std::vector<Charge> charges;
+  std::vector<Gauge> gauges;
+  std::vector<Obstacle> obstacles;
+  Points points;
+  std::optional<MpmRegion> mpm_region;  ///< set where gas and bodies meet
+  Start start;
+  Numerics numerics;
+  Output output;
+  End end;
+  Checkpoint checkpoint;
+  AuditLimits audit;
+  Burst burst = Burst::none;
+};
+
+}  // namespace brisance::cases
+
+// The layers that work on a case name its parts as their own: `run::Body`.
+namespace brisance::setup {
+using namespace cases;
+}
+namespace brisance::run {
+using namespace cases;
+}
+namespace brisance::observe {
+using namespace cases;
+}

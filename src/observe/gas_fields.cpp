@@ -1,0 +1,153 @@
+#include "observe/gas_fields.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <variant>
+
+#include "core/error.hpp"
+#include "observe/gas_view.hpp"
+
+namespace brisance::observe {
+
+namespace {
+
+/// A cell of a block.
+struct CellOf {
+  run::World const& world;
+  GasView const* view;
+  int block;
+  int offset;    ///< in the block
+  Index3 local;  ///< within it
+  Index3 cell;   ///< in the domain
+};
+
+/// Of the gas in a cell, by cells or points.
+using OfGas = double (*)(GasInCell const& gas, run::World const& world);
+using VectorOfGas = Vec3 (*)(GasInCell const& gas, run::World const& world);
+/// Of the cell itself.
+using OfCell = double (*)(CellOf const& c);
+
+struct GasField {
+  FieldInfo info;
+  std::variant<OfGas, VectorOfGas, OfCell> value;
+  double (*without_gas)(run::World const& world) =
+      nullptr;  ///< where points hold the cell and there is no gas; null: 0
+};
+
+/// 0: gas cells, 1: bridge, 2: points.
+double part_of_region(CellOf const& c) {
+  if (c.world.bridge == nullptr) return 0.0;
+  bridge::Region const& region = c.world.bridge->region();
+  int const layer = region.layer(c.cell);
+  return layer == 0 ? 0.0 : layer <= region.width() ? 1.0 : 2.0;
+}
+
+/// Nothing keeps the peaks of points; those of ghost cells belong to a part of the wave only.
+double peak(CellOf const& c, double const* values) {
+  return values == nullptr || part_of_region(c) == 2.0 ? 0.0 : values[c.offset];
+}
+
+double ambient_pressure(run::World const& w) { return w.setup.ambient.state.pressure; }
+
+std::vector<GasField> const& gas_fields() {
+  static std::vector<GasField> const fields{
+      {{"pressure", "Pa", 1, "absolute pressure"},
+       OfGas{[](GasInCell const& g, run::World const&) { return g.state.pressure; }},
+       ambient_pressure},
+      {{"overpressure", "Pa", 1, "pressure above ambient"},
+       OfGas{[](GasInCell const& g, run::World const& w) { return g.state.pressure - ambient_pressure(w); }}},
+      {{"density", "kg/m3", 1, "density of the mixture"},
+       OfGas{[](GasInCell const& g, run::World const&) { return g.state.density; }}},
+      {{"velocity", "m/s", 3, "velocity"},
+       VectorOfGas{[](GasInCell const& g, run::World const&) { return g.state.velocity; }}},
+      {{"energy", "J/m3", 1, "total energy per volume"},
+       OfGas{[](GasInCell const& g, run::World const&) { return g.energy; }}},
+      {{"sound_speed", "m/s", 1, "frozen sound speed of the mixture"},
+       OfGas{[](GasInCell const& g, run::World const&) { return g.state.sound_speed; }}},
+      {{"mach", "1", 1, "Mach number"},
+       OfGas{[](GasInCell const& g, run::World const&) { return norm(g.state.velocity) / g.state.sound_speed; }}},
+      {{"products", "1", 1, "mass fraction of the second fluid (detonation products)"},
+       OfGas{[](GasInCell const& g, run::World const&) { return g.state.mass_fraction; }}},
+      {{"volume_fraction", "1", 1, "volume fraction of the second fluid"},
+       OfGas{[](GasInCell const& g, run::World const&) { return g.state.volume_fraction; }}},
+      {{"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
+       OfCell{[](CellOf const& c) { return c.world.gas->burn_fraction(c.block, c.local[0], c.local[1], c.local[2]); }}},
+      {{"afterburn", "1", 1, "progress of the products' afterburn, 0 to 1"},
+       OfCell{[](CellOf const& c) { return c.world.gas->afterburn_progress(c.block, c.offset); }}},
+      {{"peak_overpressure", "Pa", 1, "largest overpressure so far"},
+       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peak_overpressure(c.block)); }}},
+      {{"impulse", "Pa s", 1, "largest running overpressure impulse so far"},
+       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peak_impulse(c.block)); }}},
+      {{"obstacle", "1", 1, "1 in rigid obstacles"}, OfCell{[](CellOf const& c) {
+         return c.world.gas->is_obstacle(c.block, c.local[0], c.local[1], c.local[2]) ? 1.0 : 0.0;
+       }}},
+      {{"region", "1", 1, "0: gas cells, 1: bridge of the MPM region, 2: points"}, OfCell{part_of_region}},
+      {{"solid", "1", 1, "part of the cell that bodies of the MPM region fill"},
+       OfCell{[](CellOf const& c) { return c.view == nullptr ? 0.0 : c.view->solid_at(c.cell); }}},
+  };
+  return fields;
+}
+
+/// The gas of a cell; obstacles show what their cells hold.
+std::optional<GasInCell> gas_in(CellOf const& c) {
+  if (c.view != nullptr && c.view->in_points(c.cell)) return c.view->at(c.cell);
+  gas::Gas const& gas = *c.world.gas;
+  return GasInCell{gas.primitive(c.block, c.local[0], c.local[1], c.local[2]),
+                   gas.fields().at(c.block, gas::energy)[c.offset]};
+}
+
+/// Calls use(cell of) for every cell of a block.
+template <class Use>
+void for_each_cell(run::World const& w, int b, GasView const* view, Use&& use) {
+  grid::Block const& block = w.grid.blocks()[b];
+  for (int k = 0; k < block.n[2]; ++k) {
+    for (int j = 0; j < block.n[1]; ++j) {
+      for (int i = 0; i < block.n[0]; ++i) {
+        use(CellOf{w,
+                   view,
+                   b,
+                   block.offset(i, j, k),
+                   {i, j, k},
+                   {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k}});
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<FieldInfo> const& known_fields() {
+  static std::vector<FieldInfo> const infos = [] {
+    std::vector<FieldInfo> all;
+    all.reserve(gas_fields().size());
+    for (GasField const& field : gas_fields()) all.push_back(field.info);
+    return all;
+  }();
+  return infos;
+}
+
+void block_field(run::World const& w, int b, std::string const& name, std::vector<double>& out, GasView const* view) {
+  auto const& fields = gas_fields();
+  auto const found = std::find_if(fields.begin(), fields.end(), [&](GasField const& f) { return f.info.name == name; });
+  if (found == fields.end()) throw InputError(fmt::format("there is no field \"{}\"", name));
+  GasField const& field = *found;
+  out.assign(static_cast<std::size_t>(w.grid.blocks()[b].cell_count()) * field.info.components, 0.0);
+  if (OfCell const* of_cell = std::get_if<OfCell>(&field.value)) {
+    for_each_cell(w, b, view, [&](CellOf const& c) { out[c.offset] = (*of_cell)(c); });
+    return;
+  }
+  for_each_cell(w, b, view, [&](CellOf const& c) {
+    auto const gas = gas_in(c);
+    if (!gas) {
+      if (field.without_gas != nullptr) out[c.offset] = field.without_gas(w);
+    } else if (OfGas const* scalar = std::get_if<OfGas>(&field.value)) {
+      out[c.offset] = (*scalar)(*gas, w);
+    } else {
+      Vec3 const v = std::get<VectorOfGas>(field.value)(*gas, w);
+      std::copy(v.begin(), v.end(), out.begin() + 3L * c.offset);
+    }
+  });
+}
+
+}  // namespace brisance::observe

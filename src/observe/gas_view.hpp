@@ -1,0 +1,43 @@
+/// The gas as gauges and dumps see it, wherever it is: in cells, or, deeper in an MPM region than its bridge, in
+/// points.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "run/world.hpp"
+
+namespace brisance::observe {
+
+/// The gas in a cell.
+struct GasInCell {
+  gas::Primitive state;
+  double energy = 0.0;  ///< total, per volume [J/m3]
+};
+
+class GasView {
+ public:
+  /// Of the cells that will be asked for, those that points hold are prepared. Keeps a reference to the world.
+  GasView(run::World const& world, std::vector<Index3> const& cells);
+  /// Averages of the points as they are now.
+  void update();
+  /// What solids fill now.
+  void update_solids();
+  /// Does the cell lie deeper in the MPM region than its bridge?
+  [[nodiscard]] bool in_points(Index3 const& cell) const;
+  /// The gas in a cell; nothing in obstacles, and where solids leave the gas less than a tenth of the cell.
+  [[nodiscard]] std::optional<GasInCell> at(Index3 const& cell) const;
+  /// Part of a cell that solids fill, 0 to 1. Each point counts where its box lies, which has the size that it had at
+  /// the start.
+  [[nodiscard]] double solid_at(Index3 const& cell) const;
+
+ private:
+  run::World const* world_;
+  std::vector<Index3> cells_;  ///< in points, in the order of `averages_`
+  std::vector<int> number_;    ///< of the cells of the points' grid in `cells_`; -1: none
+  std::unique_ptr<bridge::Averages> averages_;
+  std::vector<double> solids_;  ///< parts of the cells of the points' grid
+};
+
+}  // namespace brisance::observe

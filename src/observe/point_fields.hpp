@@ -1,0 +1,32 @@
+/// What is written of the material points.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "observe/field_info.hpp"
+#include "run/world.hpp"
+
+namespace brisance::observe {
+
+/// The fields of the points that a deck may ask for, components 1, 3 or 6.
+[[nodiscard]] std::vector<FieldInfo> const& known_point_fields();
+
+/// What every dump holds beside the asked fields: position, body (its number in the deck, from 0) and material (number
+/// of the first body of the same material).
+[[nodiscard]] std::vector<FieldInfo> const& standing_point_fields();
+
+/// Number of bodies whose points are dumped: all, or all but the gas, which is the last.
+[[nodiscard]] int dumped_bodies(run::World const& world);
+/// Number of their points.
+[[nodiscard]] long dumped_points(run::World const& world);
+
+/// Values of a field of either list at all points that are dumped, components interleaved: block by block, within a
+/// block body by body. A field that a body does not carry is 0 there. `out` is resized. Throws InputError for an
+/// unknown name.
+void point_field(run::World const& world, std::string const& name, std::vector<double>& out);
+
+/// Equivalent stress (von Mises) of one point [Pa]; 0 without a deviator.
+[[nodiscard]] double mises_of(mpm::PointSet const& set, int point);
+
+}  // namespace brisance::observe

@@ -1,0 +1,97 @@
+#include "setup/place_bodies.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.hpp"
+#include "detonation/charge.hpp"
+#include "shape/placement.hpp"
+
+namespace brisance::setup {
+
+bool becomes_gas(Case const& c, Body const& body) {
+  if (!c.mpm_region || !body.solid.burns()) return false;
+  if (!c.charges.empty()) return c.charges.front().explosive.name == body.solid.name;
+  return c.second_fluid && c.second_fluid->name == body.solid.name;
+}
+
+void calculate_as_gas(MpmRegion const& settings, mpm::Body& body) {
+  body.transfer = settings.transfer;
+  body.order = settings.order;
+  body.linear_viscosity = settings.linear_viscosity;
+  body.viscosity_onset = settings.viscosity_onset;
+  body.quadratic_viscosity = settings.quadratic_viscosity;
+  body.courant = settings.courant;
+  body.slips = settings.slip;
+}
+
+void hand_over_products(run::World& w) {
+  for (std::size_t n = 0; n < w.setup.points.bodies.size(); ++n) {
+    if (becomes_gas(w.setup, w.setup.points.bodies[n]))
+      w.points->hand_over_burnt(static_cast<int>(n), w.bridge->gas_body());
+  }
+}
+
+void place_bodies(run::World& w, grid::Domain const& domain, std::vector<mpm::Body> others) {
+  Points const& p = w.setup.points;
+  std::vector<mpm::Body> bodies;
+  for (Body const& b : p.bodies) {
+    mpm::Body body;
+    body.name = b.name;
+    body.solid = b.solid;
+    if (b.initiation.empty()) body.solid.detonation_speed = 0.0;
+    body.points_per_direction = b.points_per_direction;
+    if (b.rigid) body.rigid_velocity = b.velocity;
+    body.slips = w.setup.mpm_region && w.setup.mpm_region->slip && !b.rigid && !b.solid.has_deviator();
+    body.books_work = w.setup.mpm_region || !p.contacts.empty() || p.options.transfer == mpm::Transfer::apic;
+    if (becomes_gas(w.setup, b)) calculate_as_gas(*w.setup.mpm_region, body);
+    bodies.push_back(std::move(body));
+  }
+  bodies.insert(bodies.end(), others.begin(), others.end());
+  mpm::Options options = p.options;
+  for (int d = 0; d < w.setup.domain.dimensions(); ++d) {
+    for (int side = 0; side < 2; ++side) {
+      auto const boundary = w.setup.domain.boundary[2 * d + side];
+      if (!grid::is_open(boundary) && boundary != grid::Boundary::inflow) continue;
+      options.ends[2 * d + side] = side == 0 ? w.setup.domain.lower[d] : w.setup.domain.upper(d);
+    }
+  }
+  w.points = std::make_unique<mpm::Mpm>(domain, bodies, options, p.constraints, p.contacts);
+  for (std::size_t n = 0; n < p.bodies.size(); ++n) {
+    Body const& b = p.bodies[n];
+    int const number = static_cast<int>(n);
+    shape::Placement placement = shape::place_particles(b.shape, w.setup.domain, b.points_per_direction);
+    if (placement.positions.empty()) {
+      throw InputError(fmt::format(
+          "body \"{}\" holds no material point: it lies outside the domain or is much smaller than a cell", b.name));
+    }
+    mpm::Filling filling;
+    filling.positions = std::move(placement.positions);
+    filling.volumes = std::move(placement.volumes);
+    filling.velocity = b.velocity;
+    filling.density = b.density;
+    filling.specific_energy = b.specific_energy;
+    w.points->fill(number, filling);
+    if (!b.initiation.empty()) {
+      double const speed = b.solid.detonation_speed;
+      w.points->set_lighting(number, [&](Vec3 const& x) { return detonation::lighting_time(x, b.initiation, speed); });
+    }
+    mpm::BodySums const sums = w.points->sums(number);
+    w.bodies.push_back(
+        {b.name, b.solid.name, sums.points, sums.mass, placement.volume * b.density.value_or(b.solid.density)});
+  }
+  for (mpm::Bar const& bar : p.bars) {
+    ++w.bodies[bar.body].bars;
+    w.bodies[bar.body].bar_volume += w.points->reinforce(bar).volume;
+  }
+  for (mpm::SurfacePressure const& pressure : p.pressures) w.points->load(pressure);
+  for (PointGauge const& gauge : p.gauges) {
+    run::PointGaugeHistory history;
+    history.gauge = gauge;
+    if (gauge.point) history.identity = w.points->nearest(gauge.body, *gauge.point);
+    w.point_gauges.push_back(std::move(history));
+  }
+}
+
+}  // namespace brisance::setup

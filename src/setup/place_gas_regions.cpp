@@ -1,0 +1,185 @@
+#include "setup/place_gas_regions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "run/world.hpp"
+#include "setup/solid_cells.hpp"
+#include "shape/placement.hpp"
+
+namespace brisance::setup {
+
+namespace {
+
+using shape::CellRange;
+using shape::Share;
+
+gas::MixtureState state_of(Case const& setup, Region const& region) {
+  gas::MixtureState state = run::ambient_mixture(region.state);
+  if (region.second_fluid) {
+    state.volume_fraction = 1.0;
+    state.second_density = region.state.density;
+    state.ambient_density = setup.ambient.state.density;
+  }
+  return state;
+}
+
+material::Fluid const& fluid_of(Case const& setup, Region const& region) {
+  return region.second_fluid && setup.second_fluid ? *setup.second_fluid : setup.ambient.fluid;
+}
+
+}  // namespace
+
+RegionPlacing::RegionPlacing(Case const& setup) : setup_(&setup) {
+  for (Region const& region : setup.regions) {
+    regions_.push_back(region.shape);
+    asked_.push_back(shape::volume_inside(region.shape, setup.domain));
+  }
+  all_ = regions_;
+  for (Obstacle const& obstacle : setup.obstacles) all_.push_back(obstacle.shape);
+  scales_.assign(regions_.size(), 1.0);
+  placed_.assign(regions_.size(), 0.0);
+}
+
+void RegionPlacing::scale(std::vector<Share>& shares) const {
+  bool const full = sum_of(shares) > 1.0 - 1e-9;
+  double room = 1.0;
+  for (std::size_t n = shares.size(); n-- > 0;) {
+    Share& s = shares[n];
+    if (s.part < 1.0) s.part = std::min(room, s.part * scales_[static_cast<std::size_t>(s.shape)]);
+    if (n == 0 && full) s.part = room;  // the lowest has the rest of a cell that regions fill
+    room -= s.part;
+  }
+}
+
+void RegionPlacing::for_each(CellRange const& range, Visit const& visit) const {
+  int const first_obstacle = static_cast<int>(regions_.size());
+  shape::for_each_share(all_, setup_->domain, range, [&](CellRange const& r, std::vector<Share> const& shares) {
+    double obstacles = 0.0;
+    for (Share const& s : shares) obstacles += s.shape >= first_obstacle ? s.part : 0.0;
+    if (SolidCells::solid(obstacles)) return true;
+    // What an obstacle takes of a cell that stays gas is gas of the regions.
+    std::vector<Share> parts = obstacles > 0.0 ? shape::shares_of_cell(regions_, setup_->domain, r.lower) : shares;
+    if (parts.empty()) return true;
+    scale(parts);
+    return visit(r, parts);
+  });
+}
+
+bool RegionPlacing::measure(long most) {
+  grid::Domain const& domain = setup_->domain;
+  long cut = 0;
+  for (std::size_t n = 0; n < regions_.size(); ++n) {
+    if (std::holds_alternative<shape::Box>(regions_[n])) continue;
+    double full = 0.0;
+    double part = 0.0;
+    shape::for_each_share({regions_[n]}, domain, shape::cells_around(regions_[n], domain),
+                          [&](CellRange const& r, std::vector<Share> const& shares) {
+                            double const f = shares.front().part;
+                            (f < 1.0 ? part : full) += f * shape::volume_of(r, domain);
+                            return ++cut <= most;
+                          });
+    if (cut > most) return false;
+    double const missing = asked_[n] - full - part;
+    if (part > 0.0 && std::abs(missing) > 1e-13 * asked_[n] && asked_[n] > full) scales_[n] = (asked_[n] - full) / part;
+  }
+  placed_.assign(regions_.size(), 0.0);
+  for_each(shape::all_cells(domain), [&](CellRange const& r, std::vector<Share> const& shares) {
+    for (Share const& s : shares) placed_[static_cast<std::size_t>(s.shape)] += s.part * shape::volume_of(r, domain);
+    return ++cut <= most;
+  });
+  return cut <= most;
+}
+
+void RegionPlacing::fill(gas::Gas& gas) {
+  if (regions_.empty()) return;
+  measure(std::numeric_limits<long>::max());
+  std::vector<gas::Components> states;
+  for (Region const& region : setup_->regions) states.push_back(gas.conserved(state_of(*setup_, region)));
+  grid::Grid const& grid = gas.grid();
+  parallel_for(grid.block_count(), [&](int b, int) {
+    grid::Block const& block = grid.blocks()[b];
+    CellRange own{block.origin, block.origin};
+    for (int d = 0; d < 3; ++d) own.upper[d] += block.n[d];
+    for_each(own, [&](CellRange const& r, std::vector<Share> const& shares) {
+      double rest = 1.0;
+      for (Share const& s : shares) rest -= s.part;
+      for (int k = r.lower[2]; k < r.upper[2]; ++k) {
+        for (int j = r.lower[1]; j < r.upper[1]; ++j) {
+          for (int i = r.lower[0]; i < r.upper[0]; ++i) {
+            Index3 const at{i - block.origin[0], j - block.origin[1], k - block.origin[2]};
+            int const offset = block.offset(at[0], at[1], at[2]);
+            for (int c = 0; c < gas.components(); ++c) {
+              double& u = gas.fields().at(b, c)[offset];
+              if (shares.size() == 1 && shares.front().part >= 1.0) {
+                u = states[static_cast<std::size_t>(shares.front().shape)][c];
+                continue;
+              }
+              double mixed = std::max(rest, 0.0) * u;
+              for (Share const& s : shares) mixed += s.part * states[static_cast<std::size_t>(s.shape)][c];
+              u = mixed;
+            }
+            if (!r.single() || gas.primitive(b, at[0], at[1], at[2]).sound_speed > 0.0) continue;
+            Vec3 const x = grid.domain().centre({i, j, k});
+            throw InputError(fmt::format(
+                "the states that regions and the ambient have in the cell at ({:.6g}, {:.6g}, {:.6g}) m cannot be "
+                "mixed: their mean is outside the equation of state; let the faces of the region lie between cells",
+                x[0], x[1], x[2]));
+          }
+        }
+      }
+      return true;
+    });
+  });
+}
+
+void RegionPlacing::give_way(detonation::TakenCells const& taken) {
+  if (regions_.empty()) return;
+  for (auto const& [cell, part] : taken) {
+    CellRange const one{cell, {cell[0] + 1, cell[1] + 1, cell[2] + 1}};
+    for_each(one, [&, part = part](CellRange const& r, std::vector<Share> const& shares) {
+      for (Share const& s : shares)
+        placed_[static_cast<std::size_t>(s.shape)] -= part * s.part * shape::volume_of(r, setup_->domain);
+      return true;
+    });
+  }
+}
+
+std::vector<RegionReport> RegionPlacing::reports() const {
+  std::vector<RegionReport> all;
+  for (std::size_t n = 0; n < regions_.size(); ++n) {
+    Region const& region = setup_->regions[n];
+    FluidState const& s = region.state;
+    material::Fluid const& fluid = fluid_of(*setup_, region);
+    double const energy =
+        s.density * (material::internal_energy(fluid.eos, s.density, s.pressure) + 0.5 * dot(s.velocity, s.velocity));
+    RegionReport report;
+    report.fluid = fluid.name;
+    report.asked_volume = asked_[n];
+    report.volume = placed_[n];
+    report.asked_mass = s.density * asked_[n];
+    report.mass = s.density * placed_[n];
+    report.asked_energy = energy * asked_[n];
+    report.energy = energy * placed_[n];
+    all.push_back(report);
+  }
+  return all;
+}
+
+bool RegionPlacing::vanishes(std::size_t region) const {
+  if (!(asked_[region] > 0.0)) return true;
+  bool found = false;
+  for_each(shape::cells_around(regions_[region], setup_->domain), [&](CellRange const&, std::vector<Share> const& s) {
+    found = std::any_of(s.begin(), s.end(), [&](Share const& share) {
+      return share.shape == static_cast<int>(region) && share.part > 0.0;
+    });
+    return !found;
+  });
+  return !found;
+}
+
+}  // namespace brisance::setup

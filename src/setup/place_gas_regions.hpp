@@ -1,0 +1,59 @@
+/// Regions of the gas on the grid: each fills its own volume, cut cells in part, and what its state holds there.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "case/case.hpp"
+#include "detonation/charge.hpp"
+#include "shape/shares.hpp"
+
+namespace brisance::setup {
+
+/// What became of one region on the grid. Its own volume in the domain is asked for; what later regions, obstacles and
+/// charges take of it is not placed.
+struct RegionReport {
+  std::string fluid;
+  double asked_volume = 0.0;  ///< [m3]
+  double volume = 0.0;        ///< placed [m3]
+  double asked_mass = 0.0;    ///< [kg]
+  double mass = 0.0;          ///< placed [kg]
+  double asked_energy = 0.0;  ///< internal and kinetic [J]
+  double energy = 0.0;        ///< placed [J]
+};
+
+/// The regions of a case on its grid.
+class RegionPlacing {
+ public:
+  explicit RegionPlacing(Case const& setup);
+
+  /// Fills the gas, which holds the ambient state. A cell that a region fills in part gets that part of its mass of
+  /// each fluid, momentum and energy. Throws InputError where the states that meet in a cell have no common one.
+  void fill(gas::Gas& gas);
+  /// Measures without a gas what `fill` would do. False, and nothing measured, where surfaces cut more cells than
+  /// `most`.
+  bool measure(long most);
+  /// Takes off what charges have taken.
+  void give_way(detonation::TakenCells const& taken);
+  /// After `fill` or `measure`.
+  [[nodiscard]] std::vector<RegionReport> reports() const;
+  /// Does the region get nothing, because later ones or obstacles take its place or it is outside the domain?
+  [[nodiscard]] bool vanishes(std::size_t region) const;
+
+ private:
+  using Visit = std::function<bool(shape::CellRange const&, std::vector<shape::Share> const&)>;
+  /// Calls visit for the cells of a range that are not solid and their shares of the regions; it returns false to end.
+  void for_each(shape::CellRange const& range, Visit const& visit) const;
+  /// Makes the sum of a region's cells its volume.
+  void scale(std::vector<shape::Share>& shares) const;
+
+  Case const* setup_;
+  std::vector<shape::Shape> regions_;
+  std::vector<shape::Shape> all_;  ///< regions, then obstacles
+  std::vector<double> asked_;      ///< volume of each in the domain [m3]
+  std::vector<double> scales_;     ///< of the cells that a region fills in part
+  std::vector<double> placed_;     ///< [m3]
+};
+
+}  // namespace brisance::setup

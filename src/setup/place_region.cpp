@@ -1,0 +1,266 @@
+#include "setup/place_region.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "setup/place_bodies.hpp"
+#include "shape/placement.hpp"
+
+namespace brisance::setup {
+
+namespace {
+
+using mpm::Field;
+
+/// Cells beside the bodies in a box that the program chooses: the bridge, two layers that solids keep clear of, and
+/// room for the bodies to move.
+constexpr int usual_room = 8;
+constexpr double most_cells = 5e7;  // of a region, and of the box around it: 8 points in each fill 100 GB
+
+/// Layers of cells outside the region that give the nodes there all they need: B-splines of points near the face reach
+/// nodes one cell outside, and these reach as far again.
+int lent_layers(mpm::ShapeFunction shape) { return shape == mpm::ShapeFunction::linear ? 1 : 3; }
+
+bridge::CellBox cells_of(grid::Domain const& domain, shape::Box const& box) {
+  bridge::CellBox cells;
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    std::array<int, 2> bounds{};
+    for (int side = 0; side < 2; ++side) {
+      double const x = side == 0 ? box.lower[d] : box.upper[d];
+      double const at = (x - domain.lower[d]) / domain.h;
+      double const nearest = std::round(at);
+      if (std::abs(at - nearest) > 1e-6 * std::max(1.0, std::abs(nearest))) {
+        throw InputError(fmt::format(
+            "the faces of the MPM region must lie between cells: {} = {:.6g} m lies in one; the nearest are {:.6g} and "
+            "{:.6g} m",
+            "xyz"[d], x, domain.lower[d] + std::floor(at) * domain.h, domain.lower[d] + std::ceil(at) * domain.h));
+      }
+      bounds[side] = static_cast<int>(nearest);
+    }
+    cells.lower[d] = bounds[0];
+    cells.upper[d] = bounds[1];
+  }
+  return cells;
+}
+
+/// What an explosive throws out of soil flies anywhere.
+bool throws_out(Case const& setup) {
+  auto const& bodies = setup.points.bodies;
+  return std::any_of(bodies.begin(), bodies.end(), [](Body const& b) { return b.solid.burns(); }) &&
+         std::any_of(bodies.begin(), bodies.end(), [](Body const& b) {
+           return std::holds_alternative<material::DruckerPrager>(b.solid.strength) && !b.rigid;
+         });
+}
+
+/// As much of it as a region may take.
+bridge::CellBox whole_domain(grid::Domain const& domain) {
+  bridge::CellBox cells;
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    auto const kept = [&](int side) {
+      return domain.boundary[2 * d + side] == grid::Boundary::inflow ? bridge::least_gap : 0;
+    };
+    cells.lower[d] = kept(0);
+    cells.upper[d] = domain.cells[d] - kept(1);
+  }
+  return cells;
+}
+
+bridge::CellBox box_around_bodies(Case const& setup) {
+  grid::Domain const& domain = setup.domain;
+  if (throws_out(setup)) return whole_domain(domain);
+  int const margin = margin_of(*setup.mpm_region);
+  bridge::CellBox cells;
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    double low = domain.upper(d);
+    double high = domain.lower[d];
+    for (Body const& body : setup.points.bodies) {
+      shape::Box const box = shape::bounds(body.shape);
+      low = std::min(low, box.lower[d]);
+      high = std::max(high, box.upper[d]);
+    }
+    double const slack = 1e-6;  // a body that ends on a face does not reach into the next cell
+    int first = static_cast<int>(std::floor((low - domain.lower[d]) / domain.h + slack)) - margin;
+    int last = static_cast<int>(std::ceil((high - domain.lower[d]) / domain.h - slack)) + margin;
+    // A strip of gas beside the boundary would be too narrow to be worth it.
+    if (first < margin / 2 + 4) first = 0;
+    if (last > domain.cells[d] - (margin / 2 + 4)) last = domain.cells[d];
+    cells.lower[d] = std::max(first, 0);
+    cells.upper[d] = std::min(last, domain.cells[d]);
+  }
+  return cells;
+}
+
+std::vector<bridge::CellBox> boxes_of(Case const& setup) {
+  std::vector<bridge::CellBox> cells;
+  for (shape::Box const& box : setup.mpm_region->boxes) cells.push_back(cells_of(setup.domain, box));
+  if (cells.empty()) cells.push_back(box_around_bodies(setup));
+  return cells;
+}
+
+/// The part of space that the gas points fill.
+shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& boxes) {
+  grid::Domain const& domain = setup.domain;
+  std::vector<shape::Shape> parts;
+  for (bridge::CellBox const& cells : boxes) {
+    shape::Box box;
+    for (int d = 0; d < 3; ++d) {
+      bool const resolved = d < domain.dimensions();
+      box.lower[d] = resolved ? domain.lower[d] + cells.lower[d] * domain.h : -1e30;
+      box.upper[d] = resolved ? domain.lower[d] + cells.upper[d] * domain.h : 1e30;
+    }
+    parts.emplace_back(box);
+  }
+  shape::Shape whole = parts.size() == 1 ? parts.front() : shape::combine(shape::Operation::united, parts);
+  if (setup.points.bodies.empty()) return whole;
+  std::vector<shape::Shape> left{whole};
+  for (Body const& body : setup.points.bodies) left.push_back(body.shape);
+  return shape::combine(shape::Operation::difference, left);
+}
+
+/// Gas points in the state of the cells that they lie in.
+void fill_gas(run::World& w, int body, std::vector<bridge::CellBox> const& boxes) {
+  grid::Domain const& domain = w.setup.domain;
+  int const parts = w.setup.mpm_region->gas_points(domain.dimensions());
+  shape::Placement const placement = shape::place_particles(gas_space(w.setup, boxes), domain, parts);
+  mpm::PointSet set(w.points->fields(body));
+  double const half = 0.5 * domain.h / parts;
+  for (std::size_t n = 0; n < placement.positions.size(); ++n) {
+    Vec3 const& x = placement.positions[n];
+    Index3 const cell = w.grid.cell_at(x);
+    int const b = w.grid.block_of(cell);
+    Index3 const& o = w.grid.blocks()[b].origin;
+    gas::Primitive const s = w.gas->primitive(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
+    int const at = w.grid.blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
+    double const total = w.gas->fields().at(b, gas::energy)[at];
+    int const q = set.append();
+    for (int d = 0; d < 3; ++d) {
+      set.field(Field::position_x + d)[q] = x[d];
+      set.field(Field::velocity_x + d)[q] = s.velocity[d];
+      if (double* h = set.field(Field::half_x + d)) h[q] = half;
+    }
+    set.field(Field::mass)[q] = s.density * placement.volumes[n];
+    set.field(Field::density)[q] = s.density;
+    set.field(Field::pressure)[q] = s.pressure;
+    set.field(Field::energy)[q] = total / s.density - 0.5 * dot(s.velocity, s.velocity);
+    if (double* Y = set.field(Field::mass_fraction)) Y[q] = s.mass_fraction;
+    if (double* alpha = set.field(Field::volume_fraction)) alpha[q] = s.volume_fraction;
+  }
+  w.points->add(body, set);
+  w.points->update_signals();
+}
+
+/// Does anything in the region move by itself?
+bool moves(Case const& setup) {
+  auto const is_moving = [](Vec3 const& v) { return dot(v, v) > 0.0; };
+  Points const& p = setup.points;
+  bool const bodies = std::any_of(p.bodies.begin(), p.bodies.end(), [&](Body const& b) {
+    return is_moving(b.velocity) || b.density || b.specific_energy || b.solid.burns();
+  });
+  bool const held = std::any_of(p.constraints.begin(), p.constraints.end(),
+                                [&](mpm::Constraint const& c) { return is_moving(c.velocity); });
+  return bodies || held || !p.pressures.empty() || is_moving(p.options.body_force) ||
+         is_moving(setup.ambient.state.velocity);
+}
+
+void check_neighbours(run::World const& w) {
+  bridge::Region const& region = w.bridge->region();
+  auto const check = [&](Index3 const& cell) {
+    int const b = w.grid.block_of(cell);
+    Index3 const& o = w.grid.blocks()[b].origin;
+    Index3 const i{cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]};
+    if (w.gas->is_obstacle(b, i[0], i[1], i[2])) {
+      throw InputError(
+          "an obstacle lies in the MPM region or within 3 cells of it: make it a body, or move one of them");
+    }
+    if (w.gas->burning() && w.gas->burn_fraction(b, i[0], i[1], i[2]) < 1.0) {
+      throw InputError(
+          "a charge lies in the MPM region or within 3 cells of it: make the region smaller, or the charge a body");
+    }
+  };
+  for (Index3 const& cell : region.cells()) check(cell);
+  for (Index3 const& cell : region.lent()) check(region.clamped(cell));
+}
+
+}  // namespace
+
+int margin_of(MpmRegion const& region) { return region.margin > 0 ? region.margin : region.width + 2 + usual_room; }
+
+bridge::Region region_of(Case const& setup) {
+  std::vector<bridge::CellBox> const boxes = boxes_of(setup);
+  double cells = 0.0;
+  for (bridge::CellBox const& box : boxes) {
+    double count = 1.0;
+    for (int d = 0; d < setup.domain.dimensions(); ++d) count *= std::max(0, box.upper[d] - box.lower[d]);
+    cells += count;
+  }
+  if (cells > most_cells) {
+    throw InputError(
+        fmt::format("the MPM region has {:.4g} cells; allowed: at most {:.3g}: make it smaller, or the "
+                    "cells larger",
+                    cells, most_cells));
+  }
+  double around = 1.0;  // cells of the smallest box that holds all: they are kept too, a few bytes each
+  for (int d = 0; d < setup.domain.dimensions(); ++d) {
+    auto const low = std::ranges::min_element(boxes, {}, [d](bridge::CellBox const& b) { return b.lower[d]; });
+    auto const high = std::ranges::max_element(boxes, {}, [d](bridge::CellBox const& b) { return b.upper[d]; });
+    around *= std::max(0, high->upper[d] - low->lower[d]);
+  }
+  if (around > most_cells) {
+    throw InputError(fmt::format(
+        "the boxes of the MPM region lie so far apart that the box around them has {:.4g} cells; allowed: at "
+        "most {:.3g}: put them closer together, or calculate them apart",
+        around, most_cells));
+  }
+  return {setup.domain, boxes, setup.mpm_region->width, lent_layers(setup.points.options.shape)};
+}
+
+void place_region(run::World& w) {
+  MpmRegion const& settings = *w.setup.mpm_region;
+  bridge::Region region = region_of(w.setup);
+  FluidState const& ambient = w.setup.ambient.state;
+
+  mpm::Body gas;
+  gas.name = "gas";
+  gas.solid = material::gas_of(w.gas->fluids(), ambient.density, ambient.pressure);
+  gas.points_per_direction = settings.gas_points(w.setup.domain.dimensions());
+  calculate_as_gas(settings, gas);
+  gas.shock_conduction = settings.shock_conduction;
+  gas.books_work = true;
+  gas.fills_space = settings.transport == bridge::Transport::ledger;
+  place_bodies(w, region.points_domain(), {gas});
+  int const gas_body = static_cast<int>(w.points->bodies().size()) - 1;
+  fill_gas(w, gas_body, boxes_of(w.setup));
+  mpm::BodySums const sums = w.points->sums(gas_body);
+  w.bodies.push_back({gas.name, gas.solid.name, sums.points, sums.mass, sums.mass});
+
+  bridge::Options options;
+  options.width = settings.width;
+  options.transport = settings.transport;
+  options.points_per_direction = settings.gas_points(w.setup.domain.dimensions());
+  options.reference_pressure = settings.reference_pressure;
+  options.activation = settings.activation.value_or(1e-3 * ambient.pressure);
+  gas::MixtureState quiet;
+  quiet.pressure = ambient.pressure;
+  quiet.velocity = ambient.velocity;
+  quiet.ambient_density = ambient.density;
+  // A region whose gas differs from the ambient one anywhere does not sleep either.
+  bool still = !moves(w.setup);
+  for (Index3 const& cell : region.cells()) {
+    if (!still) break;
+    int const b = w.grid.block_of(cell);
+    Index3 const& o = w.grid.blocks()[b].origin;
+    gas::Primitive const s = w.gas->primitive(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
+    still = std::abs(s.pressure - ambient.pressure) <= options.activation && norm(s.velocity) == 0.0;
+  }
+  options.awake = !still;
+  w.bridge = std::make_unique<bridge::Bridge>(*w.gas, *w.points, gas_body, std::move(region), options, quiet);
+  check_neighbours(w);
+  hand_over_products(w);
+  std::string const intruder = w.bridge->intruder();
+  if (!intruder.empty()) throw InputError(intruder);
+}
+
+}  // namespace brisance::setup

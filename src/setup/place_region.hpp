@@ -1,0 +1,19 @@
+/// The MPM region of a case with gas: which cells it takes, its bodies and its gas.
+#pragma once
+
+#include "run/world.hpp"
+
+namespace brisance::setup {
+
+/// Cells between the bodies and the faces of a box that the program chooses.
+[[nodiscard]] int margin_of(MpmRegion const& region);
+
+/// The cells of the region: the boxes of the case, or the smallest box around the bodies with a margin. Throws
+/// InputError where faces of a box do not lie on the grid or the region does not fit the domain.
+[[nodiscard]] bridge::Region region_of(Case const& setup);
+
+/// Builds `world.points` with the bodies and the gas of the region, and `world.bridge`. The gas cells have been filled:
+/// the gas points take their state. Throws InputError where bodies, charges or obstacles do not fit the region.
+void place_region(run::World& world);
+
+}  // namespace brisance::setup

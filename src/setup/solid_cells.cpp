@@ -1,0 +1,333 @@
+#include "setup/solid_cells.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "core/parallel.hpp"
+#include "shape/placement.hpp"
+
+namespace brisance::setup {
+
+namespace {
+
+using shape::CellRange;
+using shape::Share;
+
+/// A convex obstacle that is this thick [cells] cannot stand between two gas cells that touch: at its edges it does not
+/// reach through them.
+constexpr double thick = 2.0;
+
+/// Parts of a cell per direction in which is looked for a way around a wall.
+int parts_of(int dimensions) { return dimensions == 3 ? 6 : 8; }
+
+CellRange common(CellRange const& a, CellRange const& b) {
+  CellRange both;
+  for (int d = 0; d < 3; ++d) {
+    both.lower[d] = std::max(a.lower[d], b.lower[d]);
+    both.upper[d] = std::min(a.upper[d], b.upper[d]);
+  }
+  return both;
+}
+
+bool empty(CellRange const& r) {
+  return r.lower[0] >= r.upper[0] || r.lower[1] >= r.upper[1] || r.lower[2] >= r.upper[2];
+}
+
+/// Parts of one or two cells that are free of obstacles, x fastest.
+struct Parts {
+  Index3 n{1, 1, 1};
+  std::vector<std::uint8_t> free;
+
+  [[nodiscard]] int index(Index3 const& i) const { return i[0] + n[0] * (i[1] + n[1] * i[2]); }
+};
+
+/// Numbers the connected free parts: 0 where blocked, else from 1 on.
+std::vector<int> connected(Parts const& parts) {
+  std::vector<int> number(parts.free.size(), 0);
+  std::vector<int> open;
+  int count = 0;
+  for (std::size_t start = 0; start < number.size(); ++start) {
+    if (parts.free[start] == 0 || number[start] != 0) continue;
+    number[start] = ++count;
+    open.push_back(static_cast<int>(start));
+    while (!open.empty()) {
+      int const at = open.back();
+      open.pop_back();
+      Index3 const i{at % parts.n[0], at / parts.n[0] % parts.n[1], at / (parts.n[0] * parts.n[1])};
+      for (int face = 0; face < 6; ++face) {
+        Index3 j = i;
+        j[face / 2] += face % 2 == 0 ? -1 : 1;
+        if (j[face / 2] < 0 || j[face / 2] >= parts.n[face / 2]) continue;
+        int const next = parts.index(j);
+        if (parts.free[next] == 0 || number[next] != 0) continue;
+        number[next] = count;
+        open.push_back(next);
+      }
+    }
+  }
+  return number;
+}
+
+/// A part of the largest free piece; -1 where nothing is free.
+int in_largest(Parts const& parts) {
+  std::vector<int> const number = connected(parts);
+  std::vector<int> size(number.size() + 1, 0);
+  for (int const n : number) ++size[n];
+  size[0] = 0;
+  int const largest = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
+  if (size[largest] == 0) return -1;
+  return static_cast<int>(std::find(number.begin(), number.end(), largest) - number.begin());
+}
+
+/// Is the gas of the low cell cut off from that of the high cell, within the two?
+bool parted(Parts const& low, Parts const& high, int direction) {
+  int const a = in_largest(low);
+  int const b = in_largest(high);
+  if (a < 0 || b < 0) return true;
+  Parts both;
+  both.n = low.n;
+  both.n[direction] *= 2;
+  both.free.resize(2 * low.free.size());
+  auto const place = [&](int at, int side) {
+    Index3 i{at % low.n[0], at / low.n[0] % low.n[1], at / (low.n[0] * low.n[1])};
+    i[direction] += side * low.n[direction];
+    return both.index(i);
+  };
+  for (int at = 0; at < static_cast<int>(low.free.size()); ++at) {
+    both.free[place(at, 0)] = low.free[at];
+    both.free[place(at, 1)] = high.free[at];
+  }
+  std::vector<int> const number = connected(both);
+  return number[place(a, 0)] != number[place(b, 1)];
+}
+
+int largest_of(std::vector<Share> const& shares) {
+  return std::max_element(shares.begin(), shares.end(), [](Share const& a, Share const& b) { return a.part < b.part; })
+      ->shape;
+}
+
+}  // namespace
+
+SolidCells::SolidCells(grid::Domain const& domain, std::vector<Obstacle> const& obstacles)
+    : domain_(domain), obstacles_(obstacles) {
+  for (Obstacle const& o : obstacles) shapes_.push_back(o.shape);
+}
+
+bool SolidCells::operator()(Index3 const& cell) const {
+  return any() && solid(sum_of(shape::shares_of_cell(shapes_, domain_, cell)));
+}
+
+std::vector<std::uint8_t> SolidCells::all() const {
+  std::vector<std::uint8_t> flags(static_cast<std::size_t>(domain_.cell_count()), 0);
+  if (!any()) return flags;
+  // Slabs across the last direction, which follow each other in memory.
+  int const last = domain_.dimensions() - 1;
+  constexpr int thickness = 8;
+  parallel_for((domain_.cells[last] + thickness - 1) / thickness, [&](int n, int) {
+    CellRange slab = shape::all_cells(domain_);
+    slab.lower[last] = n * thickness;
+    slab.upper[last] = std::min(domain_.cells[last], (n + 1) * thickness);
+    shape::for_each_share(shapes_, domain_, slab, [&](CellRange const& r, std::vector<Share> const& shares) {
+      if (!solid(sum_of(shares))) return true;
+      for (int k = r.lower[2]; k < r.upper[2]; ++k) {
+        for (int j = r.lower[1]; j < r.upper[1]; ++j) {
+          std::size_t const row = static_cast<std::size_t>(domain_.cells[0]) *
+                                  (j + static_cast<std::size_t>(domain_.cells[1]) * static_cast<std::size_t>(k));
+          std::fill(flags.begin() + static_cast<std::ptrdiff_t>(row) + r.lower[0],
+                    flags.begin() + static_cast<std::ptrdiff_t>(row) + r.upper[0], 1);
+        }
+      }
+      return true;
+    });
+  });
+  return flags;
+}
+
+std::optional<std::vector<ObstacleReport>> SolidCells::reports(long most) const {
+  std::vector<ObstacleReport> all(shapes_.size());
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    all[n].name = obstacles_[n].name;
+    all[n].asked_volume = shape::volume_inside(shapes_[n], domain_);
+  }
+  long cut = 0;
+  shape::for_each_share(shapes_, domain_, shape::all_cells(domain_),
+                        [&](CellRange const& r, std::vector<Share> const& shares) {
+                          double const sum = sum_of(shares);
+                          double const whole = shape::volume_of(r, domain_);
+                          if (sum < 1.0 && ++cut > most) return false;
+                          if (solid(sum)) {
+                            ObstacleReport& report = all[static_cast<std::size_t>(largest_of(shares))];
+                            long count = 1;
+                            for (int d = 0; d < 3; ++d) count *= r.upper[d] - r.lower[d];
+                            report.cells += count;
+                            report.volume += whole;
+                            report.excess += (1.0 - std::min(sum, 1.0)) * whole;
+                          } else {
+                            for (Share const& s : shares)
+                              all[static_cast<std::size_t>(s.shape)].excess -= s.part * whole;
+                          }
+                          return true;
+                        });
+  if (cut > most) return std::nullopt;
+  return all;
+}
+
+double SolidCells::thickness(std::size_t obstacle) const {
+  shape::Shape const& s = shapes_[obstacle];
+  int const dims = domain_.dimensions();
+  if (auto const* sphere = std::get_if<shape::Sphere>(&s)) return 2.0 * sphere->radius;
+  if (auto const* half = std::get_if<shape::Hemisphere>(&s)) return half->radius;
+  if (auto const* cylinder = std::get_if<shape::Cylinder>(&s)) {
+    bool const endless =
+        domain_.geometry != grid::Geometry::cartesian3d && domain_.geometry != grid::Geometry::axisymmetric2d;
+    return endless ? 2.0 * cylinder->radius : std::min(2.0 * cylinder->radius, cylinder->length);
+  }
+  shape::Box const box = shape::bounds(s);
+  double least = box.upper[0] - box.lower[0];
+  for (int d = 1; d < dims; ++d) least = std::min(least, box.upper[d] - box.lower[d]);
+  return least;
+}
+
+CellRange SolidCells::around(std::size_t obstacle, int layers) const {
+  CellRange r = shape::cells_around(shapes_[obstacle], domain_);
+  for (int d = 0; d < domain_.dimensions(); ++d) {
+    r.lower[d] = std::max(0, r.lower[d] - layers);
+    r.upper[d] = std::min(domain_.cells[d], r.upper[d] + layers);
+  }
+  return r;
+}
+
+std::vector<Index3> SolidCells::cells_of(std::size_t obstacle) const {
+  std::vector<Index3> cells;
+  shape::for_each_share(shapes_, domain_, around(obstacle, 0),
+                        [&](CellRange const& r, std::vector<Share> const& shares) {
+                          if (!solid(sum_of(shares)) || largest_of(shares) != static_cast<int>(obstacle)) return true;
+                          for (int k = r.lower[2]; k < r.upper[2]; ++k) {
+                            for (int j = r.lower[1]; j < r.upper[1]; ++j) {
+                              for (int i = r.lower[0]; i < r.upper[0]; ++i) cells.push_back({i, j, k});
+                            }
+                          }
+                          return true;
+                        });
+  return cells;
+}
+
+bool SolidCells::vanishes(std::size_t obstacle) const {
+  if (!(shape::volume_inside(shapes_[obstacle], domain_) > 0.0)) return true;
+  bool holds = false;
+  bool lost = false;
+  shape::for_each_share(shapes_, domain_, around(obstacle, 0), [&](CellRange const&, std::vector<Share> const& shares) {
+    bool const here = std::any_of(shares.begin(), shares.end(),
+                                  [&](Share const& s) { return s.shape == static_cast<int>(obstacle); });
+    bool const full = solid(sum_of(shares));
+    if (here && full && largest_of(shares) == static_cast<int>(obstacle)) holds = true;
+    if (here && !full) lost = true;
+    return !holds;
+  });
+  return !holds && lost;
+}
+
+bool SolidCells::may_leak(std::size_t obstacle) const {
+  // A box lies along the grid: one layer of its cells is solid all over, or none is.
+  return !std::holds_alternative<shape::Box>(shapes_[obstacle]) && thickness(obstacle) < thick * domain_.h;
+}
+
+std::optional<Leak> SolidCells::leak(long& most) const {
+  std::vector<CellRange> ranges;
+  std::vector<CellRange> near(shapes_.size());
+  for (std::size_t n = 0; n < shapes_.size(); ++n) near[n] = around(n, 1);
+  for (std::size_t n = 0; n < shapes_.size() && most > 0; ++n) {
+    ranges.clear();
+    if (may_leak(n)) {
+      ranges.push_back(around(n, 0));
+    } else {
+      for (std::size_t other = 0; other < n; ++other) {
+        CellRange const both = common(near[n], near[other]);
+        if (!empty(both) && !may_leak(other)) ranges.push_back(both);
+      }
+    }
+    for (CellRange const& range : ranges) {
+      if (auto const found = leak_in(range, most)) return found;
+      if (most <= 0) break;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Leak> SolidCells::leak_in(CellRange const& range, long& most) const {
+  int const dims = domain_.dimensions();
+  int const p = parts_of(dims);
+  grid::Domain fine = domain_;
+  fine.h = domain_.h / p;
+  for (int d = 0; d < dims; ++d) fine.cells[d] = domain_.cells[d] * p;
+  std::map<Index3, Parts> known;
+  auto const parts_at = [&](Index3 const& cell) -> Parts const& {
+    auto const [place, added] = known.try_emplace(cell);
+    Parts& parts = place->second;
+    if (!added) return parts;
+    for (int d = 0; d < dims; ++d) parts.n[d] = p;
+    parts.free.assign(static_cast<std::size_t>(parts.n[0]) * parts.n[1] * parts.n[2], 1);
+    CellRange inside;
+    for (int d = 0; d < 3; ++d) {
+      inside.lower[d] = d < dims ? cell[d] * p : 0;
+      inside.upper[d] = inside.lower[d] + parts.n[d];
+    }
+    for (int at = 0; at < static_cast<int>(parts.free.size()); ++at) {
+      Index3 const i{inside.lower[0] + at % p, inside.lower[1] + at / p % parts.n[1],
+                     inside.lower[2] + at / (p * parts.n[1])};
+      parts.free[at] = shape::shares_of_cell(shapes_, fine, i, 2).empty() ? 1 : 0;
+    }
+    return parts;
+  };
+  // Where nothing lies between the middles of two cells, gas may pass. That is soon seen, and true of most.
+  auto const free_between = [&](Index3 const& low, int direction) {
+    Index3 i{0, 0, 0};
+    for (int d = 0; d < dims; ++d) i[d] = low[d] * p + p / 2;
+    for (int n = 0; n < p; ++n, ++i[direction]) {
+      if (!shape::shares_of_cell(shapes_, fine, i, 2).empty()) return false;
+    }
+    return true;
+  };
+  std::vector<CellRange> near(shapes_.size());
+  for (std::size_t n = 0; n < shapes_.size(); ++n) near[n] = around(n, 1);
+
+  std::optional<Leak> leak;
+  auto const look = [&](CellRange const& r, std::vector<Share> const& shares) {
+    if (--most <= 0) return false;
+    if (solid(sum_of(shares))) return true;
+    Index3 const cell = r.lower;
+    // One thick convex obstacle alone has no gaps, nor has a box.
+    int obstacles = 0;
+    bool thin = false;
+    for (std::size_t n = 0; n < shapes_.size(); ++n) {
+      bool inside = true;
+      for (int d = 0; d < dims; ++d) inside = inside && cell[d] >= near[n].lower[d] && cell[d] < near[n].upper[d];
+      if (!inside) continue;
+      ++obstacles;
+      thin = thin || may_leak(n);
+    }
+    if (obstacles < 2 && !thin) return true;
+    for (int face = 0; face < 2 * dims; ++face) {
+      int const d = face / 2;
+      Index3 other = cell;
+      other[d] += face % 2 == 0 ? -1 : 1;
+      if (other[d] < 0 || other[d] >= domain_.cells[d] || (*this)(other)) continue;
+      Index3 const& low = face % 2 == 0 ? other : cell;
+      Index3 const& high = face % 2 == 0 ? cell : other;
+      if (free_between(low, d)) continue;
+      Parts const& a = parts_at(low);
+      Parts const& b = parts_at(high);
+      if (!parted(a, b, d)) continue;
+      Vec3 place = domain_.centre(low);
+      place[d] += 0.5 * domain_.h;
+      leak = Leak{static_cast<std::size_t>(largest_of(shares)), place};
+      return false;
+    }
+    return true;
+  };
+  shape::for_each_share(shapes_, domain_, range, look);
+  return leak;
+}
+
+}  // namespace brisance::setup
