@@ -18,7 +18,11 @@
 #include "output/placed.hpp"
 #include "output/run_log.hpp"
 #include "output/writer.hpp"
+#include "setup/place_gas.hpp"
+#include "setup/place_gas_regions.hpp"
+#include "setup/place_panels.hpp"
 #include "setup/place_region.hpp"
+#include "setup/start.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::app {
@@ -258,7 +262,7 @@ void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Pl
   }
   if (auto obstacles = setup::SolidCells(setup.domain, setup.obstacles).reports(most_cut_cells)) {
     p.obstacles = std::move(*obstacles);
-    for (setup::ObstacleReport const& o : p.obstacles) {
+    for (run::ObstacleReport const& o : p.obstacles) {
       if (std::abs(o.excess) <= coarse_obstacle * o.asked_volume) continue;
       p.warnings.push_back(fmt::format(
           "obstacle \"{}\" is {:.0f} % {} on these cells than it is: smaller cells, or faces between cells, would "
@@ -266,7 +270,7 @@ void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Pl
           o.name, 100.0 * std::abs(o.excess) / o.asked_volume, o.excess > 0.0 ? "larger" : "smaller"));
     }
     setup::SolidCells const solid(setup.domain, setup.obstacles);
-    p.panels = run::Panels(setup.domain, setup.obstacles, solid).reports();
+    p.panels = setup::place_panels(setup.domain, setup.obstacles, solid);
   }
 }
 
@@ -325,7 +329,7 @@ void add_point_memory(run::Points const& points, Plan& p, int dimensions) {
   if (p.region) nodes += p.region->cells;
   p.memory.push_back({"material points", p.points * bytes_per_point});
   p.memory.push_back({"nodes around the material points", nodes * margins * bytes_per_node});
-  p.memory.push_back({"records of the gauges on bodies", records * sizeof(run::PointRecord)});
+  p.memory.push_back({"records of the gauges on bodies", records * sizeof(observe::PointRecord)});
 }
 
 double fastest_signal(run::Body const& body) {
@@ -637,7 +641,7 @@ constexpr std::size_t most_listed = 20;
 
 double density_of(run::Body const& body) { return body.density.value_or(body.solid.density); }
 
-std::string region_line(std::size_t number, setup::RegionReport const& r) {
+std::string region_line(std::size_t number, run::RegionReport const& r) {
   return fmt::format(
       "{:<12} {}: {}, volume asked {:.6g} m3, placed {:.6g}; mass asked {:.6g} kg, placed {:.6g}; energy asked {}, "
       "placed {}\n",
@@ -645,7 +649,7 @@ std::string region_line(std::size_t number, setup::RegionReport const& r) {
       quantity(r.energy, "J", 6));
 }
 
-std::string obstacle_line(setup::ObstacleReport const& o) {
+std::string obstacle_line(run::ObstacleReport const& o) {
   return fmt::format("{:<12} {}: volume asked {:.6g} m3, placed {:.6g} in {} cells\n", "", o.name, o.asked_volume,
                      o.volume, o.cells);
 }

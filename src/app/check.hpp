@@ -9,7 +9,8 @@
 
 #include "app/gauge_text.hpp"
 #include "case/case.hpp"
-#include "run/world.hpp"
+#include "run/panels.hpp"
+#include "run/reports.hpp"
 
 namespace brisance::app {
 
@@ -40,8 +41,8 @@ struct Plan {
   std::vector<run::ChargeReport> charges;
   std::vector<std::string> starts;  ///< how each charge starts, where it is remapped
   /// What regions and obstacles become; empty where that would take long to count.
-  std::vector<setup::RegionReport> regions;
-  std::vector<setup::ObstacleReport> obstacles;
+  std::vector<run::RegionReport> regions;
+  std::vector<run::ObstacleReport> obstacles;
   std::vector<run::PanelReport> panels;
   std::vector<run::BodyReport> bodies;
   double points = 0.0;  ///< material points; 0: a calculation of the gas alone

@@ -23,6 +23,8 @@
 #include "deck/schema.hpp"
 #include "empirical/kingery_bulmash.hpp"
 #include "empirical/standard_atmosphere.hpp"
+#include "observe/blast_summary.hpp"
+#include "observe/point_summary.hpp"
 #include "observe/zones.hpp"
 #include "output/checkpoint.hpp"
 #include "output/file.hpp"
@@ -34,6 +36,9 @@
 #include "output/writer.hpp"
 #include "run/world.hpp"
 #include "session/driver.hpp"
+#include "setup/build.hpp"
+#include "setup/profile_fit.hpp"
+#include "setup/start.hpp"
 
 namespace brisance::app {
 
@@ -171,9 +176,9 @@ std::string vector_text(Vec3 const& v, char const* unit, int dimensions) {
   return dimensions == 1 ? text : "(" + text + ")";
 }
 
-void print_points(run::World const& world) {
-  auto const gauges = output::summarise_points(world);
-  auto const bodies = output::summarise_bodies(world);
+void print_points(run::World const& world, observe::Gauges const& histories) {
+  auto const gauges = observe::summarise_points(world, histories);
+  auto const bodies = observe::summarise_bodies(world, histories);
   int const dims = world.setup.domain.dimensions();
   if (!gauges.empty()) {
     std::size_t width = 5;
@@ -326,9 +331,10 @@ std::unique_ptr<output::CheckpointReader> checkpoint_of(fs::path const& folder, 
   return std::move(found.reader);
 }
 
-void read_world(run::World& world, output::CheckpointReader& checkpoint) {
+void read_world(run::World& world, observe::Gauges& gauges, output::CheckpointReader& checkpoint) {
   try {
     world.archive(checkpoint.archive());
+    gauges.archive(checkpoint.archive(), world);
   } catch (IoError const& problem) {
     throw IoError(fmt::format(
         "--resume: the checkpoint \"{}\" does not fit this case: {}; the program or a file that the deck names has "
@@ -403,12 +409,16 @@ ExitCode run_deck(RunArguments const& arguments) {
     return ExitCode::stopped_by_user;
   }
   double const start_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - burst).count();
-  run::World world(std::move(setup));
+  run::World world = setup::build(std::move(setup));
+  observe::Gauges gauges(world);
   if (world.setup.start.remap && checkpoint == nullptr) world.timings["start"] += start_seconds;
-  if (checkpoint != nullptr) read_world(world, *checkpoint);
+  if (checkpoint != nullptr) read_world(world, gauges, *checkpoint);
   // One more than stay: the newest is complete before the oldest goes.
-  double const kept = (world.setup.checkpoint.keep + 1) * output::state_bytes([&](Archive& a) { world.archive(a); });
-  output::Writer writer(world, folder,
+  double const kept = (world.setup.checkpoint.keep + 1) * output::state_bytes([&](Archive& a) {
+                        world.archive(a);
+                        gauges.archive(a, world);
+                      });
+  output::Writer writer(world, gauges, folder,
                         {.earlier = checkpoint != nullptr ? output::Earlier::keep
                                     : arguments.force     ? output::Earlier::replace
                                                           : output::Earlier::refuse,
@@ -421,7 +431,8 @@ ExitCode run_deck(RunArguments const& arguments) {
     if (show) progress.step(w);
   };
   Archive* const resumed = checkpoint != nullptr ? &checkpoint->archive() : nullptr;
-  session::Ending const ending = session::drive(world, writer, StopSignals::requested(), after_step, resumed, start);
+  session::Ending const ending =
+      session::drive(world, gauges, writer, StopSignals::requested(), after_step, resumed, start);
   if (show) progress.end();
 
   if (ending.code != ExitCode::done && ending.code != ExitCode::stopped_by_user) {
@@ -432,17 +443,17 @@ ExitCode run_deck(RunArguments const& arguments) {
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(stdout, "{}: {} steps in {}\n", ending.reason, world.clock.step, wall_time(seconds));
   if (world.bridge != nullptr) {
-    print(stdout, "{}", gauge_tables(world));
-    print_points(world);
+    print(stdout, "{}", gauge_tables(world.setup, gauges.gas));
+    print_points(world, gauges);
     print_broken_zones(world);
     print_panels(world);
     print_region_audit(world);
   } else if (world.points != nullptr) {
-    print_points(world);
+    print_points(world, gauges);
     print_broken_zones(world);
     print_point_audit(world);
   } else {
-    print(stdout, "{}", gauge_tables(world));
+    print(stdout, "{}", gauge_tables(world.setup, gauges.gas));
     print_panels(world);
     print_audit(world);
   }
@@ -490,29 +501,26 @@ ExitCode kb(KbArguments const& arguments) {
   }
   auto const* air = deck::library().fluid("air");
 
-  // The same question as a gauge of a case asks, so that both give the same answer.
-  run::Case setup;
-  setup.ambient.fluid = *air;
-  setup.ambient.state.density = air->density;
-  setup.ambient.state.pressure = air->pressure;
+  run::Ambient ambient;
+  ambient.fluid = *air;
+  ambient.state.density = air->density;
+  ambient.state.pressure = air->pressure;
   if (!arguments.altitude.empty()) {
     units::Quantity const altitude = units::parse(arguments.altitude, "m");
     if (!altitude.value) throw InputError(fmt::format("--altitude: {}", altitude.problem));
     auto const state = empirical::standard_atmosphere(*altitude.value);
-    setup.ambient.state.pressure = state.pressure;
-    setup.ambient.state.density = state.density;
+    ambient.state.pressure = state.pressure;
+    ambient.state.density = state.density;
   }
-  run::Charge charge;
-  charge.explosive = *explosive;
-  charge.mass = si_quantity("--charge", arguments.charge, "kg");
-  charge.detonation = run::Detonation::instantaneous;
-  setup.charges.push_back(charge);
-  setup.burst = arguments.burst == "spherical" ? run::Burst::spherical : run::Burst::hemispherical;
+  double const mass = si_quantity("--charge", arguments.charge, "kg");
   double const distance = si_quantity("--distance", arguments.distance, "m");
-  auto const blast = output::empirical_blast(setup, distance);
-  auto const tnt_mass = [&charge](std::optional<double> equivalent) -> std::optional<double> {
+  // As a gauge of a case asks, so that both give the same answer.
+  auto const blast = observe::empirical_blast(
+      *explosive, mass, ambient, arguments.burst == "spherical" ? run::Burst::spherical : run::Burst::hemispherical,
+      distance);
+  auto const tnt_mass = [mass](std::optional<double> equivalent) -> std::optional<double> {
     if (!equivalent) return std::nullopt;
-    return charge.mass * *equivalent;
+    return mass * *equivalent;
   };
   auto const by_pressure = tnt_mass(explosive->tnt_equivalent_pressure);
   auto const by_impulse = tnt_mass(explosive->tnt_equivalent_impulse);
@@ -534,31 +542,31 @@ ExitCode kb(KbArguments const& arguments) {
                                             {"scaled_distances", {range.lowest, range.highest}}};
     }
     nlohmann::json const answer{{"explosive", explosive->name},
-                                {"mass", charge.mass},
+                                {"mass", mass},
                                 {"tnt_mass_for_pressure", output::json_or_null(by_pressure)},
                                 {"tnt_mass_for_impulse", output::json_or_null(by_impulse)},
                                 {"distance", distance},
                                 {"burst", arguments.burst},
                                 {"scaled_distance", output::json_or_null(scaled_distance)},
-                                {"ambient_pressure", setup.ambient.state.pressure},
-                                {"ambient_density", setup.ambient.state.density},
+                                {"ambient_pressure", ambient.state.pressure},
+                                {"ambient_density", ambient.state.density},
                                 {"incident_impulse_of_other_fit", output::json_or_null(other)},
                                 {"quantities", quantities}};
     print(stdout, "{}\n", answer.dump(2));
     return ExitCode::done;
   }
 
-  print(stdout, "{:g} kg of {}, {} burst, {:g} m{}\n", charge.mass, explosive->name, arguments.burst, distance,
+  print(stdout, "{:g} kg of {}, {} burst, {:g} m{}\n", mass, explosive->name, arguments.burst, distance,
         scaled_distance ? fmt::format(": Z = {:.4g} m/kg^(1/3)", *scaled_distance) : "");
   if (explosive->name != "TNT") {
-    auto const mass_text = [](std::optional<double> mass) { return mass ? fmt::format("{:g} kg", *mass) : "unknown"; };
+    auto const mass_text = [](std::optional<double> m) { return m ? fmt::format("{:g} kg", *m) : "unknown"; };
     print(stdout, "TNT equivalent: {} for pressures, {} for impulses and times\n", mass_text(by_pressure),
           mass_text(by_impulse));
   }
   if (!arguments.altitude.empty()) {
     print(stdout, "air at {} and {:.4g} kg/m3; Z is scaled to the sea level, where it would be {:.4g} by mass alone\n",
-          quantity(setup.ambient.state.pressure, "Pa", 5), setup.ambient.state.density,
-          distance / std::cbrt(by_pressure.value_or(charge.mass)));
+          quantity(ambient.state.pressure, "Pa", 5), ambient.state.density,
+          distance / std::cbrt(by_pressure.value_or(mass)));
   }
   print(stdout, "\n");
   for (auto const& field : empirical::blast_fields) {

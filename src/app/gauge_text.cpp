@@ -7,8 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/text.hpp"
-#include "observe/blast_wave.hpp"
-#include "output/gauges.hpp"
+#include "observe/blast_summary.hpp"
 
 namespace brisance::app {
 
@@ -30,14 +29,14 @@ std::string percent(double part) { return fmt::format("{:.0f} %", 100.0 * part);
 
 std::string cell_count(double cells) { return fmt::format("{:.{}f}", cells, cells < 9.95 ? 1 : 0); }
 
-std::size_t name_width(std::vector<output::GaugeSummary> const& gauges) {
+std::size_t name_width(std::vector<observe::GaugeSummary> const& gauges) {
   std::size_t width = 5;
   for (auto const& g : gauges) width = std::max(width, g.name.size());
   return width;
 }
 
 /// Peak, arrival and impulse, beside Kingery-Bulmash.
-void blast_table(std::vector<output::GaugeSummary> const& gauges, bool compared, std::string& out) {
+void blast_table(std::vector<observe::GaugeSummary> const& gauges, bool compared, std::string& out) {
   auto const width = name_width(gauges);
   out += fmt::format("\n{:<{}}  {:>10} {:>14} {:>8} {:>11} {:>13}", "gauge", width, "distance", "peak overpr.",
                      "clipped", "arrival", "impulse");
@@ -65,7 +64,7 @@ void blast_table(std::vector<output::GaugeSummary> const& gauges, bool compared,
 }
 
 /// The whole record: rooms, negative phases, and the peak without what the cells clip.
-void record_table(std::vector<output::GaugeSummary> const& gauges, std::string& out) {
+void record_table(std::vector<observe::GaugeSummary> const& gauges, std::string& out) {
   auto const width = name_width(gauges);
   out += fmt::format("\n{:<{}}  {:>14} {:>14} {:>11} {:>14} {:>14} {:>14} {:>11}\n", "gauge", width, "peak at front",
                      "most impulse", "at", "mean at end", "negative peak", "impulse", "duration");
@@ -83,8 +82,8 @@ void record_table(std::vector<output::GaugeSummary> const& gauges, std::string& 
   }
 }
 
-void clipping_note(std::vector<output::GaugeSummary> const& gauges, std::string& out) {
-  output::GaugeSummary const* worst = nullptr;
+void clipping_note(std::vector<observe::GaugeSummary> const& gauges, std::string& out) {
+  observe::GaugeSummary const* worst = nullptr;
   for (auto const& g : gauges) {
     if (g.wave.expected_clipping && (worst == nullptr || *g.wave.expected_clipping > *worst->wave.expected_clipping))
       worst = &g;
@@ -165,11 +164,11 @@ std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges
       quantity(wanted, "m", 3), percent(tolerable_clipping));
 }
 
-std::string gauge_tables(run::World const& world) {
-  auto const gauges = output::summarise(world.setup, world.gauges);
+std::string gauge_tables(run::Case const& setup, std::vector<observe::GaugeHistory> const& histories) {
+  auto const gauges = observe::summarise(setup, histories);
   std::string out;
   if (gauges.empty()) return out;
-  blast_table(gauges, world.setup.burst != run::Burst::none, out);
+  blast_table(gauges, setup.burst != run::Burst::none, out);
   record_table(gauges, out);
   clipping_note(gauges, out);
   return out;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "observe/expected_peak.hpp"
-#include "run/world.hpp"
+#include "observe/gauges.hpp"
 
 namespace brisance::app {
 
@@ -27,6 +27,6 @@ struct GaugePlan {
 [[nodiscard]] std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges, double cell);
 
 /// The tables at the end of a run; empty without gauges.
-[[nodiscard]] std::string gauge_tables(run::World const& world);
+[[nodiscard]] std::string gauge_tables(run::Case const& setup, std::vector<observe::GaugeHistory> const& histories);
 
 }  // namespace brisance::app

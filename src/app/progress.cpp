@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include "app/print.hpp"
-#include "app/text.hpp"
+#include "core/text.hpp"
+#include "run/world.hpp"
 
 namespace brisance::app {
 

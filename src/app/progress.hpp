@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "run/world.hpp"
+#include "setup/start.hpp"
 
 namespace brisance::app {
 

@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "core/text.hpp"
-#include "run/world.hpp"
+#include "run/audit.hpp"
+#include "run/panels.hpp"
 
 namespace brisance::app {
 

@@ -9,8 +9,8 @@
 #include "core/error.hpp"
 #include "deck/build.hpp"
 #include "mpm/holds.hpp"
-#include "run/panels.hpp"
 #include "setup/place_gas_regions.hpp"
+#include "setup/place_panels.hpp"
 #include "shape/shares.hpp"
 
 namespace brisance::deck {
@@ -122,7 +122,7 @@ void Builder::check_panels(setup::SolidCells const& solid) {
     if (!out_.obstacles[n].release) continue;
     Section const& section = sections[obstacle_shapes_[n].first];
     try {
-      (void)run::place_panel(out_.domain, out_.obstacles, solid, n);
+      (void)setup::place_panel(out_.domain, out_.obstacles, solid, n);
     } catch (InputError const& problem) {
       error(section, "fails_at", problem.what());
     }

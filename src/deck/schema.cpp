@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "case/case.hpp"
 #include "core/units.hpp"
 #include "deck/schema_keys.hpp"
 #include "observe/gas_fields.hpp"

@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "observe/gas_view.hpp"
+#include "run/world.hpp"
 
 namespace brisance::observe {
 

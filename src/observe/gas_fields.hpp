@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "observe/field_info.hpp"
-#include "run/world.hpp"
+
+namespace brisance::run {
+class World;
+}
 
 namespace brisance::observe {
 

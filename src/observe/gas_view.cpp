@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "run/world.hpp"
+
 namespace brisance::observe {
 
 namespace {

@@ -6,7 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "run/world.hpp"
+#include "bridge/averages.hpp"
+#include "gas/gas.hpp"
+
+namespace brisance::run {
+class World;
+}
 
 namespace brisance::observe {
 

@@ -1,15 +1,18 @@
 /// Gauges: linear interpolation between cell centres, so that a gauge between two cells sees the shock between their
 /// times. Gauges of the material points ride on the point itself.
+#include "observe/gauges.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "core/archive.hpp"
 #include "core/timer.hpp"
 #include "observe/gas_view.hpp"
 #include "observe/point_fields.hpp"
 #include "run/world.hpp"
 
-namespace brisance::run {
+namespace brisance::observe {
 
 namespace {
 
@@ -45,10 +48,6 @@ Stencil stencil_at(grid::Domain const& domain, Vec3 const& x) {
   return s;
 }
 
-}  // namespace
-
-namespace {
-
 Vec3 vector_at(mpm::PointSet const& set, mpm::Field first, int point) {
   Vec3 v{0.0, 0.0, 0.0};
   for (int d = 0; d < 3; ++d) v[d] = set.field(first + d)[point];
@@ -66,7 +65,7 @@ PointRecord record_of(mpm::PointSet const& set, int q, double time) {
   r.position = vector_at(set, mpm::Field::position_x, q);
   r.velocity = vector_at(set, mpm::Field::velocity_x, q);
   r.pressure = value_at(set, mpm::Field::pressure, q);
-  r.mises = observe::mises_of(set, q);
+  r.mises = mises_of(set, q);
   r.density = value_at(set, mpm::Field::density, q);
   r.plastic_strain = value_at(set, mpm::Field::plastic_strain, q);
   r.temperature = value_at(set, mpm::Field::temperature, q);
@@ -78,65 +77,51 @@ constexpr double body_records = 1000.0;  // of a run, about
 
 }  // namespace
 
-void World::sample_points() {
-  int const count = static_cast<int>(bodies.size());
-  double const interval = setup.end.time / body_records;
-  body_histories.resize(bodies.size());
-  double const last = body_histories[0].empty() ? -1.0 : body_histories[0].back().time;
-  bool const due = last < 0.0 || (clock.time > last && (finished() || clock.time >= last + interval * (1.0 - 1e-9)));
-  // The sums of a body are taken once, whoever asks for them.
-  std::vector<std::optional<mpm::BodySums>> sums(bodies.size());
-  auto const sums_of = [&](int body) -> mpm::BodySums const& {
-    if (!sums[body]) sums[body] = points->sums(body);
-    return *sums[body];
-  };
-  for (int body = 0; due && body < count; ++body) body_histories[body].push_back({clock.time, sums_of(body)});
-  for (PointGaugeHistory& history : point_gauges) {
-    int const body = history.gauge.body;
-    if (!history.gauge.point) {
-      history.bodies.push_back({clock.time, sums_of(body)});
-      continue;
+Gauges::Gauges(run::World const& world) {
+  Case const& setup = world.setup;
+  if (world.gas != nullptr) {
+    for (Gauge const& gauge : setup.gauges) gas.push_back({gauge, {}});
+    FluidState const& quiet = setup.ambient.state;
+    for (GaugeHistory& history : gas) {
+      if (!setup.start.remap || setup.start.from_checkpoint) break;
+      history.records.push_back({0.0, quiet.pressure, quiet.density, quiet.velocity});
     }
-    if (history.lost) continue;
-    history.place = points->find(body, history.identity, history.place);
-    if (history.place.block < 0) {
-      history.lost = true;
-      continue;
-    }
-    PointRecord record = record_of(points->points(history.place.block, body), history.place.index, clock.time);
-    // Also of points that do not carry their origin: the gauge has seen it.
-    if (!history.points.empty()) record.displacement = record.position - history.points.front().position;
-    history.points.push_back(record);
+  }
+  if (world.points == nullptr) return;
+  for (PointGauge const& gauge : setup.points.gauges) {
+    PointGaugeHistory history;
+    history.gauge = gauge;
+    if (gauge.point) history.identity = world.points->nearest(gauge.body, *gauge.point);
+    points.push_back(std::move(history));
   }
 }
 
-void World::record_bodies() {
-  if (points == nullptr || body_histories.empty() || body_histories[0].back().time >= clock.time) return;
-  for (std::size_t body = 0; body < body_histories.size(); ++body)
-    body_histories[body].push_back({clock.time, points->sums(static_cast<int>(body))});
+Gauges::~Gauges() = default;
+
+void Gauges::sample(run::World& world) {
+  if (gas.empty() && world.points == nullptr) return;
+  PhaseTimer const timer(world.timings["gauges"]);
+  if (world.points != nullptr) sample_points(world);
+  if (!gas.empty()) sample_gas(world);
 }
 
-void World::sample_gauges() {
-  if (gauges.empty() && points == nullptr) return;
-  PhaseTimer const timer(timings["gauges"]);
-  if (points != nullptr) sample_points();
-  if (gauges.empty()) return;
-  if (gauge_view_ == nullptr) {
+void Gauges::sample_gas(run::World const& world) {
+  if (view_ == nullptr) {
     std::vector<Index3> cells;
-    for (GaugeHistory const& history : gauges) {
-      Stencil const s = stencil_at(setup.domain, history.gauge.position);
+    for (GaugeHistory const& history : gas) {
+      Stencil const s = stencil_at(world.setup.domain, history.gauge.position);
       cells.insert(cells.end(), s.cells.begin(), s.cells.end());
     }
-    gauge_view_ = std::make_unique<observe::GasView>(*this, cells);
+    view_ = std::make_unique<GasView>(world, cells);
   }
-  gauge_view_->update();
-  for (GaugeHistory& history : gauges) {
-    Stencil const s = stencil_at(setup.domain, history.gauge.position);
+  view_->update();
+  for (GaugeHistory& history : gas) {
+    Stencil const s = stencil_at(world.setup.domain, history.gauge.position);
     GaugeRecord record;
-    record.time = clock.time;
+    record.time = world.clock.time;
     double sum = 0.0;
     for (std::size_t n = 0; n < s.cells.size(); ++n) {
-      auto const seen = gauge_view_->at(s.cells[n]);
+      auto const seen = view_->at(s.cells[n]);
       if (!seen) continue;
       double const weight = s.weights[n];
       sum += weight;
@@ -149,10 +134,79 @@ void World::sample_gauges() {
       record.density /= sum;
       record.velocity = (1.0 / sum) * record.velocity;
     } else {
-      record.pressure = setup.ambient.state.pressure;  // a body has come over the gauge
+      record.pressure = world.setup.ambient.state.pressure;  // a body has come over the gauge
     }
     history.records.push_back(record);
   }
 }
 
-}  // namespace brisance::run
+void Gauges::sample_points(run::World const& world) {
+  int const count = static_cast<int>(world.bodies.size());
+  double const interval = world.setup.end.time / body_records;
+  double const now = world.clock.time;
+  bodies.resize(world.bodies.size());
+  double const last = bodies[0].empty() ? -1.0 : bodies[0].back().time;
+  bool const due = last < 0.0 || (now > last && (world.finished() || now >= last + interval * (1.0 - 1e-9)));
+  // The sums of a body are taken once, whoever asks for them.
+  std::vector<std::optional<mpm::BodySums>> sums(bodies.size());
+  auto const sums_of = [&](int body) -> mpm::BodySums const& {
+    if (!sums[body]) sums[body] = world.points->sums(body);
+    return *sums[body];
+  };
+  for (int body = 0; due && body < count; ++body) bodies[body].push_back({now, sums_of(body)});
+  for (PointGaugeHistory& history : points) {
+    int const body = history.gauge.body;
+    if (!history.gauge.point) {
+      history.bodies.push_back({now, sums_of(body)});
+      continue;
+    }
+    if (history.lost) continue;
+    history.place = world.points->find(body, history.identity, history.place);
+    if (history.place.block < 0) {
+      history.lost = true;
+      continue;
+    }
+    PointRecord record = record_of(world.points->points(history.place.block, body), history.place.index, now);
+    // Also of points that do not carry their origin: the gauge has seen it.
+    if (!history.points.empty()) record.displacement = record.position - history.points.front().position;
+    history.points.push_back(record);
+  }
+}
+
+void Gauges::record_bodies(run::World const& world) {
+  if (bodies.empty() || bodies[0].back().time >= world.clock.time) return;
+  for (std::size_t body = 0; body < bodies.size(); ++body)
+    bodies[body].push_back({world.clock.time, world.points->sums(static_cast<int>(body))});
+}
+
+void archive(Archive& a, GaugeRecord& r) { a(r.time, r.pressure, r.density, r.velocity); }
+
+void archive(Archive& a, PointRecord& r) {
+  a(r.time, r.position, r.displacement, r.velocity, r.pressure, r.mises, r.density, r.plastic_strain, r.temperature,
+    r.damage);
+}
+
+void archive(Archive& a, BodyRecord& r) { a(r.time, r.sums); }
+
+void Gauges::archive(Archive& a, run::World const& world) {
+  a.section("gauges");
+  a.same(gas.size(), "the number of gauges");
+  for (GaugeHistory& history : gas) {
+    a.same(history.gauge.name, "the name of a gauge");
+    a.same(history.gauge.position, "the position of gauge \"" + history.gauge.name + "\"");
+    a(history.records);
+  }
+  a.same(points.size(), "the number of gauges of points and bodies");
+  for (PointGaugeHistory& history : points) {
+    a.same(history.gauge.name, "the name of a gauge");
+    a.same(history.identity, "the point of gauge \"" + history.gauge.name + "\"");
+    a(history.place.block, history.place.index, history.lost, history.points, history.bodies);
+    a.require(history.place.block < world.points->grid().block_count() &&
+                  (history.place.block < 0 || history.place.index >= 0),
+              "the place of gauge \"" + history.gauge.name + "\"");
+  }
+  a(bodies);
+  a.require(bodies.empty() || bodies.size() == world.bodies.size(), "the number of bodies with a record");
+}
+
+}  // namespace brisance::observe

@@ -1,12 +1,13 @@
-/// The motion that a calculation still holds.
+#include "observe/kinetic_energy.hpp"
+
 #include "core/parallel.hpp"
 #include "run/world.hpp"
 
-namespace brisance::run {
+namespace brisance::observe {
 
 namespace {
 
-double gas_energy(World const& w) {
+double gas_energy(run::World const& w) {
   // One sum per block, then over blocks in order: the same bits for any number of threads.
   std::vector<double> parts(static_cast<std::size_t>(w.grid.block_count()), 0.0);
   bool const two = w.gas->fluids().two;
@@ -38,11 +39,12 @@ double gas_energy(World const& w) {
 
 }  // namespace
 
-double World::kinetic_energy() const {
-  double sum = gas == nullptr ? 0.0 : gas_energy(*this);
+double kinetic_energy(run::World const& world) {
+  double sum = world.gas == nullptr ? 0.0 : gas_energy(world);
+  auto const& points = world.points;
   for (int body = 0; points != nullptr && body < static_cast<int>(points->bodies().size()); ++body)
     sum += points->sums(body).kinetic_energy;
   return sum;
 }
 
-}  // namespace brisance::run
+}  // namespace brisance::observe

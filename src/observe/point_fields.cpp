@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "mpm/burn.hpp"
+#include "run/world.hpp"
 
 namespace brisance::observe {
 

@@ -4,8 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "mpm/mpm.hpp"
 #include "observe/field_info.hpp"
-#include "run/world.hpp"
+
+namespace brisance::run {
+class World;
+}
 
 namespace brisance::observe {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "run/world.hpp"
+#include "observe/gauges.hpp"
 
 namespace brisance::observe {
 
@@ -19,7 +19,7 @@ class PositivePhase {
   explicit PositivePhase(double ambient_pressure) : ambient_(ambient_pressure) {}
 
   /// Reads the records that came since the last call.
-  void update(std::vector<run::GaugeRecord> const& records) {
+  void update(std::vector<GaugeRecord> const& records) {
     for (; read_ < records.size(); ++read_) {
       double const overpressure = records[read_].pressure - ambient_;
       over_ = over_ || (arrived_ && overpressure <= 0.0);
@@ -37,7 +37,7 @@ class PositivePhase {
 };
 
 /// The same of a whole history: has the wave arrived, and has the overpressure been back at zero since?
-[[nodiscard]] inline bool past_positive_phase(run::GaugeHistory const& history, double ambient_pressure) {
+[[nodiscard]] inline bool past_positive_phase(GaugeHistory const& history, double ambient_pressure) {
   PositivePhase phase(ambient_pressure);
   phase.update(history.records);
   return phase.over();

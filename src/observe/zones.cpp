@@ -7,6 +7,8 @@
 #include <map>
 #include <numbers>
 
+#include "run/world.hpp"
+
 namespace brisance::observe {
 
 namespace {

@@ -5,7 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "run/world.hpp"
+#include "grid/geometry.hpp"
+
+namespace brisance::run {
+class World;
+}
 
 namespace brisance::observe {
 

@@ -11,22 +11,12 @@
 #include "observe/positive_phase.hpp"
 #include "output/file.hpp"
 #include "output/json.hpp"
-#include "shape/shape.hpp"
 
 namespace brisance::output {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-/// The charge whose centre is nearest to x, or null.
-run::Charge const* nearest_charge(run::Case const& setup, Vec3 const& x) {
-  run::Charge const* nearest = nullptr;
-  for (auto const& charge : setup.charges)
-    if (nearest == nullptr || norm(x - shape::centre(charge.shape)) < norm(x - shape::centre(nearest->shape)))
-      nearest = &charge;
-  return nearest;
-}
 
 std::optional<double> ratio(std::optional<double> value, std::optional<double> reference) {
   if (!value || !reference || *reference == 0.0) return std::nullopt;
@@ -63,7 +53,7 @@ nlohmann::json empirical_curve(run::Case const& setup) {
   nlohmann::json rows = nlohmann::json::array();
   for (int i = 0; i < points; ++i) {
     double const z = nearest * std::pow(farthest / nearest, double(i) / (points - 1));
-    auto const blast = empirical_blast(setup, z * unit);
+    auto const blast = observe::empirical_blast(setup, z * unit);
     if (!blast.incident_overpressure) continue;
     nlohmann::json row = blast_json(blast);
     row["scaled_distance"] = z;
@@ -82,38 +72,7 @@ std::string burst_name(run::Burst burst) {
   return "";
 }
 
-/// The fits describe one charge in the open or on open ground, in air.
-bool empirical_applies(run::Case const& setup) {
-  return setup.burst != run::Burst::none && setup.charges.size() == 1 &&
-         std::holds_alternative<material::IdealGas>(setup.ambient.fluid.eos);
-}
-
 }  // namespace
-
-empirical::Blast empirical_blast(run::Case const& setup, double distance) {
-  if (!empirical_applies(setup)) return {};
-  auto const& charge = setup.charges.front();
-  auto const& air = setup.ambient;
-  empirical::Atmosphere const atmosphere{air.state.pressure,
-                                         material::sound_speed(air.fluid.eos, air.state.density, air.state.pressure)};
-  auto const burst =
-      setup.burst == run::Burst::spherical ? empirical::Burst::spherical : empirical::Burst::hemispherical;
-  auto const of_equivalent = [&](std::optional<double> tnt) {
-    return tnt ? empirical::kingery_bulmash(charge.mass * *tnt, distance, burst, atmosphere) : empirical::Blast{};
-  };
-  auto const by_pressure = of_equivalent(charge.explosive.tnt_equivalent_pressure);
-  auto blast = of_equivalent(charge.explosive.tnt_equivalent_impulse);
-  blast.scaled_distance = by_pressure.scaled_distance;
-  blast.incident_overpressure = by_pressure.incident_overpressure;
-  blast.reflected_overpressure = by_pressure.reflected_overpressure;
-  blast.dynamic_pressure = by_pressure.dynamic_pressure;
-  blast.shock_speed = by_pressure.shock_speed;
-  if (blast.arrival && charge.detonation == run::Detonation::programmed && !charge.initiation.empty()) {
-    auto const first = std::ranges::min_element(charge.initiation, {}, &run::InitiationPoint::delay);
-    *blast.arrival += first->delay;
-  }
-  return blast;
-}
 
 std::string sanitised(std::string const& name) {
   std::string out;
@@ -149,7 +108,8 @@ std::vector<std::string> gauge_file_names(std::vector<std::string> const& gauges
   return names;
 }
 
-GaugeFiles::GaugeFiles(fs::path const& folder, std::vector<run::GaugeHistory> const& gauges, double ambient_pressure)
+GaugeFiles::GaugeFiles(fs::path const& folder, std::vector<observe::GaugeHistory> const& gauges,
+                       double ambient_pressure)
     : ambient_pressure_(ambient_pressure) {
   std::vector<std::string> wanted;
   wanted.reserve(gauges.size());
@@ -164,7 +124,7 @@ GaugeFiles::GaugeFiles(fs::path const& folder, std::vector<run::GaugeHistory> co
   }
 }
 
-void GaugeFiles::append(std::vector<run::GaugeHistory> const& gauges) {
+void GaugeFiles::append(std::vector<observe::GaugeHistory> const& gauges) {
   for (std::size_t g = 0; g < streams_.size(); ++g) {
     auto& stream = streams_[g];
     auto const& records = gauges[g].records;
@@ -187,37 +147,7 @@ void GaugeFiles::append(std::vector<run::GaugeHistory> const& gauges) {
   }
 }
 
-std::vector<GaugeSummary> summarise(run::Case const& setup, std::vector<run::GaugeHistory> const& gauges) {
-  std::vector<GaugeSummary> summaries;
-  std::vector<double> time;
-  std::vector<double> overpressure;
-  auto const& air = setup.ambient;
-  observe::Surroundings around{air.fluid.eos, air.state.density, air.state.pressure, setup.domain.h, {}};
-  for (auto const& history : gauges) {
-    time.clear();
-    overpressure.clear();
-    around.velocity.clear();
-    for (auto const& record : history.records) {
-      time.push_back(record.time);
-      overpressure.push_back(record.pressure - setup.ambient.state.pressure);
-      around.velocity.push_back(record.velocity);
-    }
-    GaugeSummary summary{
-        history.gauge.name, history.gauge.position, observe::analyse_blast(time, overpressure, &around), {}, {}, {}};
-    if (auto const* charge = nearest_charge(setup, history.gauge.position)) {
-      double const distance = norm(history.gauge.position - shape::centre(charge->shape));
-      summary.distance = distance;
-      if (auto const tnt = charge->explosive.tnt_equivalent_pressure) {
-        summary.scaled_distance = distance / std::cbrt(charge->mass * *tnt);
-      }
-      if (distance > 0.0) summary.empirical = empirical_blast(setup, distance);
-    }
-    summaries.push_back(std::move(summary));
-  }
-  return summaries;
-}
-
-void write_summary(fs::path const& folder, run::Case const& setup, std::vector<GaugeSummary> const& summaries,
+void write_summary(fs::path const& folder, run::Case const& setup, std::vector<observe::GaugeSummary> const& summaries,
                    std::vector<std::string> const& files, nlohmann::json const& more) {
   std::string csv =
       "gauge,x [m],y [m],z [m],distance [m],scaled_distance [m/kg^(1/3)],peak_overpressure [Pa],time_of_peak [s],"
@@ -290,13 +220,13 @@ void write_summary(fs::path const& folder, run::Case const& setup, std::vector<G
                          {"ambient_pressure", setup.ambient.state.pressure},
                          {"arrival_threshold", observe::arrival_threshold * setup.ambient.state.pressure},
                          {"gauges", std::move(gauges)}};
-  if (empirical_applies(setup) && setup.charges.front().explosive.tnt_equivalent_pressure)
+  if (observe::empirical_applies(setup) && setup.charges.front().explosive.tnt_equivalent_pressure)
     summary["kingery_bulmash_curve"] = empirical_curve(setup);
   if (more.is_object()) summary.update(more);
   replace_file(folder / "summary.json", summary.dump(2) + "\n");
 }
 
-void write_summary(fs::path const& folder, run::Case const& setup, std::vector<GaugeSummary> const& summaries,
+void write_summary(fs::path const& folder, run::Case const& setup, std::vector<observe::GaugeSummary> const& summaries,
                    std::vector<std::string> const& files) {
   write_summary(folder, setup, summaries, files, {});
 }

@@ -8,9 +8,9 @@ namespace brisance::output {
 
 using nlohmann::json;
 
-json regions_json(std::vector<setup::RegionReport> const& regions) {
+json regions_json(std::vector<run::RegionReport> const& regions) {
   json out = json::array();
-  for (setup::RegionReport const& r : regions) {
+  for (run::RegionReport const& r : regions) {
     out.push_back({{"fluid", r.fluid},
                    {"asked_volume", json_or_null(r.asked_volume)},
                    {"volume", json_or_null(r.volume)},
@@ -22,9 +22,9 @@ json regions_json(std::vector<setup::RegionReport> const& regions) {
   return out;
 }
 
-json obstacles_json(std::vector<setup::ObstacleReport> const& obstacles) {
+json obstacles_json(std::vector<run::ObstacleReport> const& obstacles) {
   json out = json::array();
-  for (setup::ObstacleReport const& o : obstacles) {
+  for (run::ObstacleReport const& o : obstacles) {
     out.push_back({{"name", o.name},
                    {"asked_volume", json_or_null(o.asked_volume)},
                    {"volume", json_or_null(o.volume)},

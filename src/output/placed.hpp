@@ -5,13 +5,12 @@
 #include <vector>
 
 #include "run/panels.hpp"
-#include "setup/place_gas_regions.hpp"
-#include "setup/solid_cells.hpp"
+#include "run/reports.hpp"
 
 namespace brisance::output {
 
-[[nodiscard]] nlohmann::json regions_json(std::vector<setup::RegionReport> const& regions);
-[[nodiscard]] nlohmann::json obstacles_json(std::vector<setup::ObstacleReport> const& obstacles);
+[[nodiscard]] nlohmann::json regions_json(std::vector<run::RegionReport> const& regions);
+[[nodiscard]] nlohmann::json obstacles_json(std::vector<run::ObstacleReport> const& obstacles);
 /// What became of the panels of a run.
 [[nodiscard]] nlohmann::json panels_json(std::vector<run::PanelReport> const& panels);
 

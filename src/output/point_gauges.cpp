@@ -10,6 +10,7 @@
 #include "output/gauges.hpp"
 #include "output/json.hpp"
 #include "output/zones.hpp"
+#include "run/world.hpp"
 
 namespace brisance::output {
 
@@ -26,23 +27,21 @@ char const* body_header =
     "centre_z [m],velocity_x [m/s],velocity_y [m/s],velocity_z [m/s],kinetic_energy [J],internal_energy [J],"
     "plastic_work [J],largest_displacement [m],damaged_mass [kg]\n";
 
-Vec3 mean_velocity(mpm::BodySums const& s) { return s.mass > 0.0 ? (1.0 / s.mass) * s.momentum : Vec3{0.0, 0.0, 0.0}; }
-
 std::string row(std::initializer_list<double> values) {
   std::string text;
   for (double const v : values) fmt::format_to(std::back_inserter(text), "{}{:.10g}", text.empty() ? "" : ",", v);
   return text + "\n";
 }
 
-std::string row_of(run::PointRecord const& r) {
+std::string row_of(observe::PointRecord const& r) {
   auto const& [x, u, v] = std::tie(r.position, r.displacement, r.velocity);
   return row({r.time, x[0], x[1], x[2], u[0], u[1], u[2], v[0], v[1], v[2], r.pressure, r.mises, r.density,
               r.plastic_strain, r.temperature, r.damage});
 }
 
-std::string row_of(run::BodyRecord const& r) {
+std::string row_of(observe::BodyRecord const& r) {
   auto const& s = r.sums;
-  Vec3 const v = mean_velocity(s);
+  Vec3 const v = observe::mean_velocity(s);
   return row({r.time, s.mass, s.momentum[0], s.momentum[1], s.momentum[2], s.centre[0], s.centre[1], s.centre[2], v[0],
               v[1], v[2], s.kinetic_energy, s.internal_energy, s.plastic_work, s.largest_displacement, s.damaged_mass});
 }
@@ -54,11 +53,7 @@ std::string column_name(std::string name) {
   return name;
 }
 
-void raise(Peak& peak, double value, double time) {
-  if (value > peak.value) peak = {value, time};
-}
-
-nlohmann::json to_json(Peak const& peak) {
+nlohmann::json to_json(observe::Peak const& peak) {
   return {{"value", json_or_null(peak.value)}, {"time", json_or_null(peak.time)}};
 }
 
@@ -67,7 +62,7 @@ nlohmann::json to_json(mpm::BodySums const& s) {
           {"mass", json_or_null(s.mass)},
           {"momentum", s.momentum},
           {"centre", s.centre},
-          {"velocity", mean_velocity(s)},
+          {"velocity", observe::mean_velocity(s)},
           {"kinetic_energy", json_or_null(s.kinetic_energy)},
           {"internal_energy", json_or_null(s.internal_energy)},
           {"plastic_work", json_or_null(s.plastic_work)},
@@ -75,7 +70,7 @@ nlohmann::json to_json(mpm::BodySums const& s) {
           {"damaged_mass", json_or_null(s.damaged_mass)}};
 }
 
-nlohmann::json to_json(PointSummary const& s) {
+nlohmann::json to_json(observe::PointSummary const& s) {
   return {{"name", s.name},
           {"body", s.body},
           {"position", s.position},
@@ -90,7 +85,7 @@ nlohmann::json to_json(PointSummary const& s) {
           {"left_the_domain", s.lost}};
 }
 
-nlohmann::json to_json(BodySummary const& s) {
+nlohmann::json to_json(observe::BodySummary const& s) {
   return {{"name", s.name},
           {"body", s.body},
           {"material", s.material},
@@ -100,7 +95,7 @@ nlohmann::json to_json(BodySummary const& s) {
           {"peak_velocity", to_json(s.velocity)}};
 }
 
-std::string csv_row(PointSummary const& s) {
+std::string csv_row(observe::PointSummary const& s) {
   auto const& x = s.position;
   auto const& u = s.final_displacement;
   return fmt::format(
@@ -111,7 +106,7 @@ std::string csv_row(PointSummary const& s) {
       s.mises.value, s.plastic_strain);
 }
 
-std::string csv_row(BodySummary const& s) {
+std::string csv_row(observe::BodySummary const& s) {
   auto const& x = s.start.centre;
   Vec3 const u = s.end.centre - x;
   return fmt::format(
@@ -122,84 +117,20 @@ std::string csv_row(BodySummary const& s) {
       s.end.internal_energy, s.end.plastic_work, s.end.damaged_mass);
 }
 
-BodySummary summary_of(run::World const& world, int body, std::string const& name,
-                       std::vector<run::BodyRecord> const& records) {
-  BodySummary s;
-  s.name = name;
-  s.body = world.bodies[body].name;
-  s.material = world.bodies[body].material;
-  s.end = world.points->sums(body);
-  s.start = records.empty() ? s.end : records.front().sums;
-  for (run::BodyRecord const& r : records) {
-    raise(s.displacement, r.sums.largest_displacement, r.time);
-    raise(s.velocity, norm(mean_velocity(r.sums)), r.time);
-  }
-  raise(s.displacement, s.end.largest_displacement, world.clock.time);
-  raise(s.velocity, norm(mean_velocity(s.end)), world.clock.time);
-  return s;
-}
-
 }  // namespace
 
-PointSummary summarise_point(run::World const& world, run::PointGaugeHistory const& history) {
-  PointSummary s;
-  s.name = history.gauge.name;
-  s.body = world.bodies[history.gauge.body].name;
-  s.lost = history.lost;
-  if (history.points.empty()) return s;
-  s.position = history.points.front().position;
-  std::array<Peak, 3> components;
-  for (run::PointRecord const& r : history.points) {
-    raise(s.displacement, norm(r.displacement), r.time);
-    for (int d = 0; d < 3; ++d)
-      if (std::abs(r.displacement[d]) > std::abs(components[d].value)) components[d] = {r.displacement[d], r.time};
-    raise(s.velocity, norm(r.velocity), r.time);
-    raise(s.mises, r.mises, r.time);
-    s.plastic_strain = std::max(s.plastic_strain, r.plastic_strain);
-    s.damage = std::max(s.damage, r.damage);
-  }
-  for (int d = 1; d < 3; ++d)
-    if (std::abs(components[d].value) > std::abs(components[s.component].value)) s.component = d;
-  s.component_displacement = components[s.component];
-  s.final_displacement = history.points.back().displacement;
-  return s;
-}
-
-std::vector<PointSummary> summarise_points(run::World const& world) {
-  std::vector<PointSummary> out;
-  for (auto const& history : world.point_gauges)
-    if (history.gauge.point) out.push_back(summarise_point(world, history));
-  return out;
-}
-
-std::vector<BodySummary> summarise_bodies(run::World const& world) {
-  std::vector<BodySummary> out;
-  std::vector<bool> watched(world.bodies.size(), false);
-  for (auto const& history : world.point_gauges) {
-    if (history.gauge.point) continue;
-    out.push_back(summary_of(world, history.gauge.body, history.gauge.name, history.bodies));
-    watched[history.gauge.body] = true;
-  }
-  static std::vector<run::BodyRecord> const none;
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    if (watched[b]) continue;
-    out.push_back(
-        summary_of(world, static_cast<int>(b), "", world.body_histories.empty() ? none : world.body_histories[b]));
-  }
-  return out;
-}
-
-PointGaugeFiles::PointGaugeFiles(fs::path const& folder, run::World const& world) : folder_(folder) {
+PointGaugeFiles::PointGaugeFiles(fs::path const& folder, run::World const& world, observe::Gauges const& histories)
+    : folder_(folder) {
   if (world.points == nullptr) return;
   // After those of the gas, whose files they shall not share.
   std::vector<std::string> gauges;
-  for (auto const& history : world.gauges) gauges.push_back(history.gauge.name);
-  for (auto const& history : world.point_gauges) gauges.push_back(history.gauge.name);
+  for (auto const& history : histories.gas) gauges.push_back(history.gauge.name);
+  for (auto const& history : histories.points) gauges.push_back(history.gauge.name);
   names_ = gauge_files(folder, gauges);
-  names_.erase(names_.begin(), names_.begin() + static_cast<std::ptrdiff_t>(world.gauges.size()));
+  names_.erase(names_.begin(), names_.begin() + static_cast<std::ptrdiff_t>(histories.gas.size()));
   written_.assign(names_.size(), 0);
   for (std::size_t g = 0; g < names_.size(); ++g)
-    write_file(folder / names_[g], world.point_gauges[g].gauge.point ? point_header : body_header);
+    write_file(folder / names_[g], histories.points[g].gauge.point ? point_header : body_header);
   std::string header = "time [s]";
   for (auto const& body : world.bodies) {
     std::string const name = column_name(body.name);
@@ -208,9 +139,9 @@ PointGaugeFiles::PointGaugeFiles(fs::path const& folder, run::World const& world
   write_file(folder / "energies.csv", header + "\n");
 }
 
-void PointGaugeFiles::append(run::World const& world) {
+void PointGaugeFiles::append(observe::Gauges const& histories) {
   for (std::size_t g = 0; g < names_.size(); ++g) {
-    auto const& history = world.point_gauges[g];
+    auto const& history = histories.points[g];
     std::string text;
     std::size_t const count = history.gauge.point ? history.points.size() : history.bodies.size();
     for (std::size_t i = written_[g]; i < count; ++i)
@@ -218,11 +149,11 @@ void PointGaugeFiles::append(run::World const& world) {
     written_[g] = count;
     if (!text.empty()) append_to_file(folder_ / names_[g], text);
   }
-  if (world.body_histories.empty()) return;
+  if (histories.bodies.empty()) return;
   std::string text;
-  for (std::size_t const count = world.body_histories[0].size(); energies_ < count; ++energies_) {
-    fmt::format_to(std::back_inserter(text), "{:.10g}", world.body_histories[0][energies_].time);
-    for (auto const& history : world.body_histories) {
+  for (std::size_t const count = histories.bodies[0].size(); energies_ < count; ++energies_) {
+    fmt::format_to(std::back_inserter(text), "{:.10g}", histories.bodies[0][energies_].time);
+    for (auto const& history : histories.bodies) {
       auto const& s = history[energies_].sums;
       fmt::format_to(std::back_inserter(text), ",{:.10g},{:.10g},{:.10g}", s.kinetic_energy, s.internal_energy,
                      s.plastic_work);
@@ -232,9 +163,10 @@ void PointGaugeFiles::append(run::World const& world) {
   if (!text.empty()) append_to_file(folder_ / "energies.csv", text);
 }
 
-nlohmann::json write_point_table(fs::path const& path, run::World const& world, std::vector<std::string> const& files) {
-  auto const points = summarise_points(world);
-  auto const bodies = summarise_bodies(world);
+nlohmann::json write_point_table(fs::path const& path, run::World const& world, observe::Gauges const& gauges,
+                                 std::vector<std::string> const& files) {
+  auto const points = observe::summarise_points(world, gauges);
+  auto const bodies = observe::summarise_bodies(world, gauges);
   std::string csv =
       "gauge,watches,body,x [m],y [m],z [m],peak_displacement [m],time_of_peak [s],component,"
       "peak_component_displacement [m],final_displacement_x [m],final_displacement_y [m],final_displacement_z [m],"
@@ -252,7 +184,7 @@ nlohmann::json write_point_table(fs::path const& path, run::World const& world, 
   std::size_t point = 0;
   std::size_t body = 0;
   for (std::size_t g = 0; g < files.size(); ++g) {
-    bool const rides = world.point_gauges[g].gauge.point.has_value();
+    bool const rides = gauges.points[g].gauge.point.has_value();
     (rides ? point_gauges[point++] : body_list[body++])["file"] = files[g];
   }
   nlohmann::json out{{"point_gauges", std::move(point_gauges)}, {"bodies", std::move(body_list)}};
@@ -260,9 +192,10 @@ nlohmann::json write_point_table(fs::path const& path, run::World const& world, 
   return out;
 }
 
-void write_point_summary(fs::path const& folder, run::World const& world, std::vector<std::string> const& files) {
+void write_point_summary(fs::path const& folder, run::World const& world, observe::Gauges const& gauges,
+                         std::vector<std::string> const& files) {
   nlohmann::json summary{{"units", "SI: m, s, kg, m/s, J, Pa"}, {"gauges", nlohmann::json::array()}, {"burst", "none"}};
-  summary.update(write_point_table(folder / "summary.csv", world, files));
+  summary.update(write_point_table(folder / "summary.csv", world, gauges, files));
   replace_file(folder / "summary.json", summary.dump(2) + "\n");
 }
 

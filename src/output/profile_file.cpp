@@ -11,6 +11,8 @@
 #include "output/dump_file.hpp"
 #include "output/file.hpp"
 #include "output/manifest.hpp"
+#include "run/world.hpp"
+#include "setup/profile_fit.hpp"
 
 namespace brisance::output {
 

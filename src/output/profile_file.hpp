@@ -8,7 +8,10 @@
 #include <filesystem>
 
 #include "detonation/profile.hpp"
-#include "run/world.hpp"
+
+namespace brisance::run {
+class World;
+}
 
 namespace brisance::output {
 

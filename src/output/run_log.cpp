@@ -14,6 +14,7 @@
 #include "output/json.hpp"
 #include "output/placed.hpp"
 #include "output/zones.hpp"
+#include "run/world.hpp"
 #include "shape/shape.hpp"
 
 namespace brisance::output {
@@ -219,7 +220,7 @@ json points(run::World const& world, double wall_seconds) {
           {"constraints", world.setup.points.constraints.size()},
           {"contacts", world.setup.points.contacts.size()},
           {"surface_pressures", world.setup.points.pressures.size()},
-          {"gauges", world.point_gauges.size()},
+          {"gauges", world.setup.points.gauges.size()},
           {"bodies", std::move(bodies)},
           {"point_updates_per_second", wall_seconds > 0.0 ? updates / wall_seconds : 0.0},
           {"audit",
@@ -275,7 +276,7 @@ json mpm_region(run::World const& world, double wall_seconds) {
 
 }  // namespace
 
-std::string start_in_words(run::Case const& setup, setup::StartReport const& report) {
+std::string start_in_words(run::Case const& setup, run::StartReport const& report) {
   if (!setup.start.profile.empty()) return fmt::format("profile \"{}\"", report.from);
   return fmt::format("{} by {}, {:.4g} cells per charge radius", report.from,
                      report.method == run::StartMethod::gas ? "the gas scheme" : "material points",
@@ -284,7 +285,7 @@ std::string start_in_words(run::Case const& setup, setup::StartReport const& rep
 
 json starts(run::World const& world) {
   json out = json::array();
-  for (setup::StartReport const& s : world.starts) {
+  for (run::StartReport const& s : world.starts) {
     auto const& r = s.remap;
     out.push_back({{"start", start_in_words(world.setup, s)},
                    {"cell_size", json_or_null(s.cell)},
@@ -350,7 +351,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"obstacles", world.setup.obstacles.size()},
            {"placed_regions", regions_json(world.regions)},
            {"placed_obstacles", obstacles_json(world.obstacles)},
-           {"gauges", world.gauges.size()},
+           {"gauges", gas ? world.setup.gauges.size() : 0},
            {"dumps", status.dumps},
            {"resumed_at_steps", status.resumed_at},
            {"wall_seconds", status.wall_seconds},

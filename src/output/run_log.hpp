@@ -5,7 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "run/world.hpp"
+#include "run/reports.hpp"
+
+namespace brisance::run {
+class World;
+}
 
 namespace brisance::output {
 
@@ -26,7 +30,7 @@ struct RunStatus {
 [[nodiscard]] nlohmann::json machine();
 
 /// How a charge was calculated before its remap, in words.
-[[nodiscard]] std::string start_in_words(run::Case const& setup, setup::StartReport const& report);
+[[nodiscard]] std::string start_in_words(run::Case const& setup, run::StartReport const& report);
 
 /// The remaps with which a run started: what the bursts held before and after.
 [[nodiscard]] nlohmann::json starts(run::World const& world);

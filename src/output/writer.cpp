@@ -16,6 +16,7 @@
 #include "output/placed.hpp"
 #include "output/profile_file.hpp"
 #include "output/run_log.hpp"
+#include "run/world.hpp"
 
 namespace brisance::output {
 
@@ -42,7 +43,7 @@ double expected_bytes(run::World const& world, WriterOptions const& options) {
 }
 
 /// The files of a run. Dumps and checkpoints are listed when they come.
-Written files_of(run::World const& world) {
+Written files_of(run::World const& world, observe::Gauges const& histories) {
   run::Case const& setup = world.setup;
   Written files{{"run.json", "deck.toml", "summary.csv", "summary.json"}, {"checkpoints/stopped.brz"}};
   auto const series = [&](char const* kind) {
@@ -56,8 +57,8 @@ Written files_of(run::World const& world) {
   if (world.points != nullptr) files.first.emplace_back("energies.csv");
   if (world.points != nullptr && world.gas != nullptr) files.first.emplace_back("bodies.csv");
   std::vector<std::string> gauges;
-  for (auto const& history : world.gauges) gauges.push_back(history.gauge.name);
-  for (auto const& history : world.point_gauges) gauges.push_back(history.gauge.name);
+  for (auto const& history : histories.gas) gauges.push_back(history.gauge.name);
+  for (auto const& history : histories.points) gauges.push_back(history.gauge.name);
   for (auto& name : gauge_file_names(gauges)) files.first.push_back(std::move(name));
   if (setup.start.remap) {
     for (std::size_t n = 1; n <= setup.charges.size(); ++n)
@@ -68,11 +69,12 @@ Written files_of(run::World const& world) {
 }
 
 /// Prepares the folder before the members that write into it are built.
-fs::path prepared(fs::path const& folder, run::World const& world, WriterOptions const& options) {
+fs::path prepared(fs::path const& folder, run::World const& world, observe::Gauges const& gauges,
+                  WriterOptions const& options) {
   // Before it is looked at whether it is a link: one that leads nowhere cannot be created.
   create_folder(folder);
   fs::path real = real_folder(folder);
-  prepare_folder(real, options.earlier, expected_bytes(world, options), files_of(world));
+  prepare_folder(real, options.earlier, expected_bytes(world, options), files_of(world, gauges));
   return real;
 }
 
@@ -137,14 +139,16 @@ std::vector<double> dump_times(run::Output const& output, double end_time) {
   return times;
 }
 
-Writer::Writer(run::World const& world, fs::path const& folder, WriterOptions const& options)
-    : folder_(prepared(folder, world, options)),
+Writer::Writer(run::World const& world, observe::Gauges const& gauges, fs::path const& folder,
+               WriterOptions const& options)
+    : histories_(&gauges),
+      folder_(prepared(folder, world, gauges, options)),
       fields_(dumped_fields(world.setup)),
       point_fields_(dumped_point_fields(world.setup)),
       series_(folder_, {world.setup.output.single_precision, options.compression}),
       points_(folder_, {world.setup.output.single_precision, options.compression}),
-      gauges_(folder_, world.gauges, world.setup.ambient.state.pressure),
-      point_gauges_(folder_, world),
+      gauges_(folder_, gauges.gas, world.setup.ambient.state.pressure),
+      point_gauges_(folder_, world, gauges),
       begin_(std::chrono::steady_clock::now()),
       started_at_(fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))) {
   replace_file(folder_ / "deck.toml", world.setup.deck_text);
@@ -171,9 +175,11 @@ void Writer::dump_fields(run::World const& world) {
   write_log(world, "running", "", 0);
 }
 
-void Writer::append_gauges(run::World const& world) {
-  gauges_.append(world.gauges);
-  point_gauges_.append(world);
+Writer::~Writer() = default;
+
+void Writer::append_gauges() {
+  gauges_.append(histories_->gas);
+  point_gauges_.append(*histories_);
 }
 
 void Writer::archive(Archive& a, run::World const& world) {
@@ -187,7 +193,7 @@ void Writer::archive(Archive& a, run::World const& world) {
   begin_ = std::chrono::steady_clock::now() - std::chrono::duration_cast<Duration>(std::chrono::duration<double>(wall));
   resumed_at_.push_back(world.clock.step);
   drop_summary(folder_);
-  append_gauges(world);  // their files are new
+  append_gauges();  // their files are new
   write_log(world, "running", "", 0);
 }
 
@@ -196,17 +202,17 @@ double Writer::wall_seconds() const {
 }
 
 void Writer::finish(run::World const& world, std::string const& end_reason, int exit_code) {
-  append_gauges(world);
+  append_gauges();
   if (world.gas == nullptr) {
-    write_point_summary(folder_, world, point_gauges_.names());
+    write_point_summary(folder_, world, *histories_, point_gauges_.names());
   } else {
     nlohmann::json more = world.points == nullptr
                               ? nlohmann::json::object()
-                              : write_point_table(folder_ / "bodies.csv", world, point_gauges_.names());
+                              : write_point_table(folder_ / "bodies.csv", world, *histories_, point_gauges_.names());
     if (world.setup.afterburn) more["afterburn_energy"] = json_or_null(world.audit.afterburn_energy);
     if (world.panels != nullptr) more["panels"] = panels_json(world.panels->reports());
     if (!world.starts.empty()) more["starts"] = starts(world);
-    write_summary(folder_, world.setup, summarise(world.setup, world.gauges), gauges_.names(), more);
+    write_summary(folder_, world.setup, observe::summarise(world.setup, histories_->gas), gauges_.names(), more);
   }
   if (exit_code == 0 && world.setup.output.profile) write_end_profile(world, folder_);
   close(world, end_reason, exit_code);

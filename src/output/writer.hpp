@@ -22,12 +22,12 @@
 
 #include "core/archive.hpp"
 #include "observe/gas_view.hpp"
+#include "observe/gauges.hpp"
 #include "output/fields.hpp"
 #include "output/folder.hpp"
 #include "output/gauges.hpp"
 #include "output/point_gauges.hpp"
 #include "output/points.hpp"
-#include "run/world.hpp"
 
 namespace brisance::output {
 
@@ -39,14 +39,16 @@ struct WriterOptions {
 
 class Writer {
  public:
-  /// Prepares the folder and writes the deck and the first run log. Throws IoError.
-  Writer(run::World const& world, std::filesystem::path const& folder, WriterOptions const& options = {});
+  /// Prepares the folder and writes the deck and the first run log. Keeps a reference to the gauges. Throws IoError.
+  Writer(run::World const& world, observe::Gauges const& gauges, std::filesystem::path const& folder,
+         WriterOptions const& options = {});
+  ~Writer();
 
   /// Writes one dump of the gas fields, of the material points or of both, and brings the run log up to date.
   void dump_fields(run::World const& world);
 
   /// Appends what the gauges recorded since the last call.
-  void append_gauges(run::World const& world);
+  void append_gauges();
 
   /// Writes the rest of the gauges, the summary, the end profile of a run that is done, and at last the run log that
   /// says so. `end_reason` is one line for people.
@@ -66,6 +68,7 @@ class Writer {
   [[nodiscard]] double wall_seconds() const;
   void write_log(run::World const& world, std::string const& status, std::string const& end_reason, int exit_code);
 
+  observe::Gauges const* histories_;
   std::filesystem::path folder_;
   std::vector<FieldSpec> fields_;
   std::vector<FieldSpec> point_fields_;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "output/json.hpp"
+#include "run/world.hpp"
 
 namespace brisance::output {
 

@@ -6,8 +6,8 @@
 
 #include "core/error.hpp"
 #include "core/timer.hpp"
+#include "run/products.hpp"
 #include "run/world.hpp"
-#include "setup/place_bodies.hpp"
 
 namespace brisance::run {
 
@@ -99,7 +99,7 @@ void advance_coupled(World& w, double dt) {
         ++w.clock.point_steps;
         PhaseTimer const timer(w.timings["bridge"]);
         bridge.exchange(part / dt, part);  // (14)
-        setup::hand_over_products(w);
+        hand_over_products(w.setup, *w.points, bridge.gas_body());
         int const interval = w.setup.mpm_region->population_interval;
         if (interval > 0 && w.clock.point_steps % interval == 0) w.points->control_population(bridge.gas_body());
       });

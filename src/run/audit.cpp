@@ -8,8 +8,8 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/timer.hpp"
+#include "run/products.hpp"
 #include "run/world.hpp"
-#include "setup/place_bodies.hpp"
 
 namespace brisance::run {
 
@@ -116,7 +116,7 @@ Totals World::point_totals() const {
     if (body != gas_body) total.rest_energy += sums.mass * rest_energy(setup, setup.points.bodies[body]);
     if (gas_body >= 0 && body != gas_body) {
       // Its products will be the second fluid of the gas.
-      if (setup::becomes_gas(setup, setup.points.bodies[body])) total.mass[1] += sums.mass;
+      if (becomes_gas(setup, setup.points.bodies[body])) total.mass[1] += sums.mass;
       continue;
     }
     for (int f = 0; f < 2; ++f) total.mass[f] += sums.fluid_mass[f];

@@ -14,7 +14,6 @@
 #include "case/case.hpp"
 #include "gas/gas.hpp"
 #include "grid/grid.hpp"
-#include "setup/solid_cells.hpp"
 
 namespace brisance {
 class Archive;
@@ -38,9 +37,22 @@ struct PanelPlace {
   double perimeter = 0.0;       ///< of them; edges on planes of symmetry, where the panel goes on, do not count [m]
 };
 
-/// Throws InputError where an obstacle cannot be a panel.
-[[nodiscard]] PanelPlace place_panel(grid::Domain const& domain, std::vector<Obstacle> const& obstacles,
-                                     setup::SolidCells const& solid, std::size_t number);
+/// The cell so many cells on.
+[[nodiscard]] inline Index3 moved(Index3 cell, int direction, int by) {
+  cell[direction] += by;
+  return cell;
+}
+
+/// The cells beside a column.
+[[nodiscard]] inline Index3 below(PanelPlace::Column const& c, int direction) { return moved(c.first, direction, -1); }
+[[nodiscard]] inline Index3 above(PanelPlace::Column const& c, int direction) {
+  return moved(c.first, direction, c.count);
+}
+
+/// Area of a side of a column [m2].
+[[nodiscard]] inline double area_of(grid::Domain const& domain, PanelPlace::Column const& c, int direction, bool high) {
+  return domain.face_area(direction, c.first[0] + (direction == 0 && high ? c.count : 0));
+}
 
 /// What became of one panel.
 struct PanelReport {
@@ -60,7 +72,8 @@ struct PanelReport {
 
 class Panels {
  public:
-  Panels(grid::Domain const& domain, std::vector<Obstacle> const& obstacles, setup::SolidCells const& solid);
+  /// Panels that nothing has happened to, see `setup::place_panels`.
+  explicit Panels(std::vector<PanelReport> panels) : panels_(std::move(panels)) {}
 
   [[nodiscard]] std::vector<PanelReport> const& reports() const { return panels_; }
   /// The step after which something opened last; 0: nothing has.

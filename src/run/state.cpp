@@ -1,5 +1,5 @@
-/// The world in a checkpoint. The world that reads it has been built from the same case: the grid, the realised masses
-/// and the gauges' places are those already, and only what time has changed is taken over.
+/// The world in a checkpoint. The world that reads it has been built from the same case: the grid and the realised
+/// masses are those already, and only what time has changed is taken over.
 #include <cmath>
 #include <optional>
 
@@ -14,14 +14,11 @@ void archive(Archive& a, ChargeReport& r) {
   a(r.explosive, r.asked_mass, r.realised_mass, r.realised_energy, r.cells_per_radius);
 }
 
-void archive(Archive& a, GaugeRecord& r) { a(r.time, r.pressure, r.density, r.velocity); }
-
-void archive(Archive& a, PointRecord& r) {
-  a(r.time, r.position, r.displacement, r.velocity, r.pressure, r.mises, r.density, r.plastic_strain, r.temperature,
-    r.damage);
+void archive(Archive& a, StartReport& r) {
+  a(r.method, r.from, r.cell, r.charge_radius, r.by);
+  a.require(r.method == StartMethod::gas || r.method == StartMethod::points, "the method of the start");
+  detonation::archive(a, r.remap);
 }
-
-void archive(Archive& a, BodyRecord& r) { a(r.time, r.sums); }
 
 void World::archive(Archive& a) {
   a.section("world");
@@ -54,24 +51,6 @@ void World::archive(Archive& a) {
   a.same(bridge != nullptr, "whether gas and points meet");
   if (bridge != nullptr) bridge->archive(a);
 
-  a.section("gauges");
-  a.same(gauges.size(), "the number of gauges");
-  for (GaugeHistory& history : gauges) {
-    a.same(history.gauge.name, "the name of a gauge");
-    a.same(history.gauge.position, "the position of gauge \"" + history.gauge.name + "\"");
-    a(history.records);
-  }
-  a.same(point_gauges.size(), "the number of gauges of points and bodies");
-  for (PointGaugeHistory& history : point_gauges) {
-    a.same(history.gauge.name, "the name of a gauge");
-    a.same(history.identity, "the point of gauge \"" + history.gauge.name + "\"");
-    a(history.place.block, history.place.index, history.lost, history.points, history.bodies);
-    a.require(
-        history.place.block < points->grid().block_count() && (history.place.block < 0 || history.place.index >= 0),
-        "the place of gauge \"" + history.gauge.name + "\"");
-  }
-  a(body_histories);
-  a.require(body_histories.empty() || body_histories.size() == bodies.size(), "the number of bodies with a record");
   if (a.reading()) update_audit();
 }
 

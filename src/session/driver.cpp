@@ -10,6 +10,7 @@
 #include "core/text.hpp"
 #include "core/timer.hpp"
 #include "output/checkpoint.hpp"
+#include "run/world.hpp"
 #include "session/ends.hpp"
 
 namespace brisance::session {
@@ -31,8 +32,9 @@ std::string place_in_run(run::World const& world) {
 /// The loop's bookkeeping of what has been written when.
 class Recorder {
  public:
-  Recorder(run::World& world, output::Writer& writer)
+  Recorder(run::World& world, observe::Gauges& gauges, output::Writer& writer)
       : world_(&world),
+        gauges_(&gauges),
         writer_(&writer),
         dump_times_(output::dump_times(world.setup.output, world.setup.end.time)),
         checkpoints_(writer.folder(), world.setup.checkpoint.keep) {
@@ -87,13 +89,13 @@ class Recorder {
   /// Whatever of the present state has not been recorded yet.
   void record_last(bool state_is_sound) {
     if (state_is_sound && sampled_step_ != world_->clock.step) sample();
-    if (state_is_sound) world_->record_bodies();
+    if (state_is_sound && world_->points != nullptr) gauges_->record_bodies(*world_);
     if (dumped_step_ != world_->clock.step || !state_is_sound) dump();
   }
 
  private:
   void sample() {
-    world_->sample_gauges();
+    gauges_->sample(*world_);
     sampled_step_ = world_->clock.step;
     sampled_time_ = world_->clock.time;
     plan_sample();
@@ -111,6 +113,7 @@ class Recorder {
   [[nodiscard]] output::ArchiveState state() {
     return [this](Archive& archive) {
       world_->archive(archive);
+      gauges_->archive(archive, *world_);
       rest_of_state(archive);
     };
   }
@@ -148,12 +151,13 @@ class Recorder {
   void append() {
     PhaseTimer const timer(world_->timings["output"]);
     auto const begin = std::chrono::steady_clock::now();
-    writer_->append_gauges(*world_);
+    writer_->append_gauges();
     auto const end = std::chrono::steady_clock::now();
     next_append_ = end + std::max<std::chrono::steady_clock::duration>(append_interval, append_share * (end - begin));
   }
 
   run::World* world_;
+  observe::Gauges* gauges_;
   output::Writer* writer_;
   std::vector<double> dump_times_;
   std::size_t next_dump_ = 0;
@@ -177,7 +181,7 @@ std::optional<Ending> Recorder::ending() {
   if (world.finished())
     return Ending{ExitCode::done,
                   fmt::format("reached the step limit end.steps = {} {}", world.setup.end.steps, place_in_run(world))};
-  if (auto const reason = conditions_.met(world))
+  if (auto const reason = conditions_.met(world, *gauges_))
     return Ending{ExitCode::done, fmt::format("ended {}: {}", place_in_run(world), *reason)};
   return std::nullopt;
 }
@@ -192,10 +196,10 @@ Ending stopped(run::World const& world, bool by_user) {
 
 }  // namespace
 
-Ending drive(run::World& world, output::Writer& writer, std::atomic<bool> const& stop,
+Ending drive(run::World& world, observe::Gauges& gauges, output::Writer& writer, std::atomic<bool> const& stop,
              std::function<void(run::World const&)> const& after_step, Archive* resumed,
              std::chrono::steady_clock::time_point begin) {
-  Recorder recorder(world, writer);
+  Recorder recorder(world, gauges, writer);
   if (resumed != nullptr) recorder.resume(*resumed);
   std::optional<Ending> ending;
   bool sound = true;

@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "core/archive.hpp"
-#include "output/gauges.hpp"
+#include "observe/blast_summary.hpp"
+#include "observe/kinetic_energy.hpp"
+#include "run/world.hpp"
 
 namespace brisance::session {
 
@@ -26,7 +28,7 @@ constexpr double noise_of_energy = 1e-12;
 /// Overpressure below which a gauge has seen noise and no wave, of the ambient pressure.
 constexpr double noise = 1e-4;
 
-bool is_past_positive_phase(output::GaugeSummary const& gauge, double ambient_pressure) {
+bool is_past_positive_phase(observe::GaugeSummary const& gauge, double ambient_pressure) {
   auto const& wave = gauge.wave;
   return wave.arrival_time && wave.positive_duration && wave.peak_overpressure > noise * ambient_pressure;
 }
@@ -47,7 +49,7 @@ bool EndConditions::is_at_rest(run::World const& world) {
   double const now = world.clock.time;
   if (times_.empty() || times_.back() < now) {
     times_.push_back(now);
-    motion_.push_back(world.kinetic_energy());
+    motion_.push_back(observe::kinetic_energy(world));
   }
   double const largest = *std::ranges::max_element(motion_);
   // Before anything moves there is round-off.
@@ -60,7 +62,7 @@ bool EndConditions::is_at_rest(run::World const& world) {
   return false;
 }
 
-std::optional<std::string> EndConditions::met(run::World const& world) {
+std::optional<std::string> EndConditions::met(run::World const& world, observe::Gauges const& gauges) {
   auto const& end = world.setup.end;
   if (!end.gauges && end.kinetic_energy <= 0.0) return std::nullopt;
   while (next_look_ < world.clock.step) next_look_ += std::max(fewest_steps, next_look_ / share_of_steps);
@@ -72,9 +74,9 @@ std::optional<std::string> EndConditions::met(run::World const& world) {
                        end.kinetic_energy);
   }
   if (end.gauges) {
-    auto const gauges = output::summarise(world.setup, world.gauges);
+    auto const summaries = observe::summarise(world.setup, gauges.gas);
     double const ambient = world.setup.ambient.state.pressure;
-    if (std::ranges::all_of(gauges, [ambient](auto const& g) { return is_past_positive_phase(g, ambient); }))
+    if (std::ranges::all_of(summaries, [ambient](auto const& g) { return is_past_positive_phase(g, ambient); }))
       return "all gauges are past their positive phase (end.gauges)";
   }
   return std::nullopt;

@@ -5,11 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "run/world.hpp"
-
-namespace brisance {
-class Archive;
-}
+#include "observe/gauges.hpp"
 
 namespace brisance::session {
 
@@ -19,7 +15,7 @@ namespace brisance::session {
 class EndConditions {
  public:
   /// What has come to pass, for people; nothing where the calculation goes on.
-  [[nodiscard]] std::optional<std::string> met(run::World const& world);
+  [[nodiscard]] std::optional<std::string> met(run::World const& world, observe::Gauges const& gauges);
   void archive(Archive& a);
 
  private:

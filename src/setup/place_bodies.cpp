@@ -6,15 +6,11 @@
 
 #include "core/error.hpp"
 #include "detonation/charge.hpp"
+#include "run/products.hpp"
+#include "run/world.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::setup {
-
-bool becomes_gas(Case const& c, Body const& body) {
-  if (!c.mpm_region || !body.solid.burns()) return false;
-  if (!c.charges.empty()) return c.charges.front().explosive.name == body.solid.name;
-  return c.second_fluid && c.second_fluid->name == body.solid.name;
-}
 
 void calculate_as_gas(MpmRegion const& settings, mpm::Body& body) {
   body.transfer = settings.transfer;
@@ -24,13 +20,6 @@ void calculate_as_gas(MpmRegion const& settings, mpm::Body& body) {
   body.quadratic_viscosity = settings.quadratic_viscosity;
   body.courant = settings.courant;
   body.slips = settings.slip;
-}
-
-void hand_over_products(run::World& w) {
-  for (std::size_t n = 0; n < w.setup.points.bodies.size(); ++n) {
-    if (becomes_gas(w.setup, w.setup.points.bodies[n]))
-      w.points->hand_over_burnt(static_cast<int>(n), w.bridge->gas_body());
-  }
 }
 
 void place_bodies(run::World& w, grid::Domain const& domain, std::vector<mpm::Body> others) {
@@ -45,7 +34,7 @@ void place_bodies(run::World& w, grid::Domain const& domain, std::vector<mpm::Bo
     if (b.rigid) body.rigid_velocity = b.velocity;
     body.slips = w.setup.mpm_region && w.setup.mpm_region->slip && !b.rigid && !b.solid.has_deviator();
     body.books_work = w.setup.mpm_region || !p.contacts.empty() || p.options.transfer == mpm::Transfer::apic;
-    if (becomes_gas(w.setup, b)) calculate_as_gas(*w.setup.mpm_region, body);
+    if (run::becomes_gas(w.setup, b)) calculate_as_gas(*w.setup.mpm_region, body);
     bodies.push_back(std::move(body));
   }
   bodies.insert(bodies.end(), others.begin(), others.end());
@@ -86,12 +75,6 @@ void place_bodies(run::World& w, grid::Domain const& domain, std::vector<mpm::Bo
     w.bodies[bar.body].bar_volume += w.points->reinforce(bar).volume;
   }
   for (mpm::SurfacePressure const& pressure : p.pressures) w.points->load(pressure);
-  for (PointGauge const& gauge : p.gauges) {
-    run::PointGaugeHistory history;
-    history.gauge = gauge;
-    if (gauge.point) history.identity = w.points->nearest(gauge.body, *gauge.point);
-    w.point_gauges.push_back(std::move(history));
-  }
 }
 
 }  // namespace brisance::setup

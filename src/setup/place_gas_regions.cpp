@@ -7,7 +7,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "run/world.hpp"
+#include "setup/fluids.hpp"
 #include "setup/solid_cells.hpp"
 #include "shape/placement.hpp"
 
@@ -19,7 +19,7 @@ using shape::CellRange;
 using shape::Share;
 
 gas::MixtureState state_of(Case const& setup, Region const& region) {
-  gas::MixtureState state = run::ambient_mixture(region.state);
+  gas::MixtureState state = ambient_mixture(region.state);
   if (region.second_fluid) {
     state.volume_fraction = 1.0;
     state.second_density = region.state.density;
@@ -149,15 +149,15 @@ void RegionPlacing::give_way(detonation::TakenCells const& taken) {
   }
 }
 
-std::vector<RegionReport> RegionPlacing::reports() const {
-  std::vector<RegionReport> all;
+std::vector<run::RegionReport> RegionPlacing::reports() const {
+  std::vector<run::RegionReport> all;
   for (std::size_t n = 0; n < regions_.size(); ++n) {
     Region const& region = setup_->regions[n];
     FluidState const& s = region.state;
     material::Fluid const& fluid = fluid_of(*setup_, region);
     double const energy =
         s.density * (material::internal_energy(fluid.eos, s.density, s.pressure) + 0.5 * dot(s.velocity, s.velocity));
-    RegionReport report;
+    run::RegionReport report;
     report.fluid = fluid.name;
     report.asked_volume = asked_[n];
     report.volume = placed_[n];

@@ -7,21 +7,10 @@
 
 #include "case/case.hpp"
 #include "detonation/charge.hpp"
+#include "run/reports.hpp"
 #include "shape/shares.hpp"
 
 namespace brisance::setup {
-
-/// What became of one region on the grid. Its own volume in the domain is asked for; what later regions, obstacles and
-/// charges take of it is not placed.
-struct RegionReport {
-  std::string fluid;
-  double asked_volume = 0.0;  ///< [m3]
-  double volume = 0.0;        ///< placed [m3]
-  double asked_mass = 0.0;    ///< [kg]
-  double mass = 0.0;          ///< placed [kg]
-  double asked_energy = 0.0;  ///< internal and kinetic [J]
-  double energy = 0.0;        ///< placed [J]
-};
 
 /// The regions of a case on its grid.
 class RegionPlacing {
@@ -37,7 +26,7 @@ class RegionPlacing {
   /// Takes off what charges have taken.
   void give_way(detonation::TakenCells const& taken);
   /// After `fill` or `measure`.
-  [[nodiscard]] std::vector<RegionReport> reports() const;
+  [[nodiscard]] std::vector<run::RegionReport> reports() const;
   /// Does the region get nothing, because later ones or obstacles take its place or it is outside the domain?
   [[nodiscard]] bool vanishes(std::size_t region) const;
 

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "run/products.hpp"
+#include "run/world.hpp"
 #include "setup/place_bodies.hpp"
 #include "shape/placement.hpp"
 
@@ -258,7 +260,7 @@ void place_region(run::World& w) {
   options.awake = !still;
   w.bridge = std::make_unique<bridge::Bridge>(*w.gas, *w.points, gas_body, std::move(region), options, quiet);
   check_neighbours(w);
-  hand_over_products(w);
+  run::hand_over_products(w.setup, *w.points, gas_body);
   std::string const intruder = w.bridge->intruder();
   if (!intruder.empty()) throw InputError(intruder);
 }

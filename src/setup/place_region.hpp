@@ -1,7 +1,12 @@
 /// The MPM region of a case with gas: which cells it takes, its bodies and its gas.
 #pragma once
 
-#include "run/world.hpp"
+#include "bridge/region.hpp"
+#include "case/case.hpp"
+
+namespace brisance::run {
+class World;
+}
 
 namespace brisance::setup {
 

@@ -144,8 +144,8 @@ std::vector<std::uint8_t> SolidCells::all() const {
   return flags;
 }
 
-std::optional<std::vector<ObstacleReport>> SolidCells::reports(long most) const {
-  std::vector<ObstacleReport> all(shapes_.size());
+std::optional<std::vector<run::ObstacleReport>> SolidCells::reports(long most) const {
+  std::vector<run::ObstacleReport> all(shapes_.size());
   for (std::size_t n = 0; n < all.size(); ++n) {
     all[n].name = obstacles_[n].name;
     all[n].asked_volume = shape::volume_inside(shapes_[n], domain_);
@@ -157,7 +157,7 @@ std::optional<std::vector<ObstacleReport>> SolidCells::reports(long most) const 
                           double const whole = shape::volume_of(r, domain_);
                           if (sum < 1.0 && ++cut > most) return false;
                           if (solid(sum)) {
-                            ObstacleReport& report = all[static_cast<std::size_t>(largest_of(shares))];
+                            run::ObstacleReport& report = all[static_cast<std::size_t>(largest_of(shares))];
                             long count = 1;
                             for (int d = 0; d < 3; ++d) count *= r.upper[d] - r.lower[d];
                             report.cells += count;

@@ -8,19 +8,10 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "run/reports.hpp"
 #include "shape/shares.hpp"
 
 namespace brisance::setup {
-
-/// What became of one obstacle on the grid.
-struct ObstacleReport {
-  std::string name;
-  double asked_volume = 0.0;  ///< of the part in the domain [m3]
-  double volume = 0.0;        ///< of the solid cells that it has the largest part of [m3]
-  long cells = 0;             ///< their number
-  /// What its cells hold beyond the obstacles, less what of it lies in cells that are not solid [m3].
-  double excess = 0.0;
-};
 
 /// A place where gas would flow through an obstacle.
 struct Leak {
@@ -42,7 +33,7 @@ class SolidCells {
   [[nodiscard]] std::vector<std::uint8_t> all() const;
 
   /// What becomes of each obstacle; nothing where surfaces cut more cells than `most`.
-  [[nodiscard]] std::optional<std::vector<ObstacleReport>> reports(long most) const;
+  [[nodiscard]] std::optional<std::vector<run::ObstacleReport>> reports(long most) const;
   /// Does the obstacle make no cell solid, and not all its cells be solid by others?
   [[nodiscard]] bool vanishes(std::size_t obstacle) const;
   /// A face between two gas cells through which gas would flow although obstacles lie between what the two cells stand

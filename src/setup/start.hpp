@@ -8,13 +8,11 @@
 #include <vector>
 
 #include "case/case.hpp"
-#include "detonation/remap.hpp"
-#include "setup/solid_cells.hpp"
+#include "detonation/profile.hpp"
 
 namespace brisance::run {
 class World;
-struct ChargeReport;
-}  // namespace brisance::run
+}
 
 namespace brisance::setup {
 
@@ -44,24 +42,6 @@ struct StartPlan {
   Reach reach;          ///< gauges count only where neither time nor radius are given
 };
 
-/// What a remap did to one charge.
-struct StartReport {
-  StartMethod method = StartMethod::gas;
-  std::string from;            ///< the geometry, or the file, of the profile
-  double cell = 0.0;           ///< of the profile [m]
-  double charge_radius = 0.0;  ///< [m]
-  std::string by;              ///< what the shock was about to meet
-  detonation::RemapReport remap;
-};
-
-void archive(Archive& a, StartReport& report);
-
-/// What a charge would become on a grid, beside the solid cells of obstacles; the cells that it takes are added to
-/// `taken`. Throws InputError where it does not fit.
-[[nodiscard]] run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
-                                                SolidCells const* solid = nullptr,
-                                                detonation::TakenCells* taken = nullptr);
-
 /// Throws InputError where the charge cannot start by a 1D calculation, or has no room for one.
 [[nodiscard]] StartPlan plan_start(Case const& setup, std::size_t charge);
 
@@ -85,17 +65,6 @@ using StartObserver = std::function<bool(StartProgress const&)>;
 /// observer gave up. Throws InputError where that time comes too early or too late.
 [[nodiscard]] std::vector<std::shared_ptr<detonation::Profile const>> calculate_start(
     Case const& setup, StartObserver const& observer = {});
-
-/// The profile of a file for a charge of the case, scaled to its mass. Throws InputError where the two do not match.
-[[nodiscard]] std::shared_ptr<detonation::Profile const> fitted_profile(Case const& setup, std::size_t charge,
-                                                                        detonation::Profile const& profile);
-
-/// The present state of a calculation with one charge, in 1D or axisymmetric 2D, as a profile. Throws InputError where
-/// it cannot be one.
-[[nodiscard]] detonation::Profile profile_of(run::World const& world);
-
-/// Tells a profile whose burst it is: that of the case's only charge. Throws InputError where it cannot be one.
-void describe_charge(Case const& setup, gas::Fluids const& fluids, detonation::Profile& profile);
 
 /// Puts the bursts into the gas of a world and sets its clock. Throws InputError.
 void place_start(run::World& world);

@@ -7,7 +7,8 @@
 
 #include "core/error.hpp"
 #include "detonation/charge.hpp"
-#include "run/world.hpp"
+#include "setup/fluids.hpp"
+#include "setup/profile_fit.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::setup {
@@ -178,8 +179,8 @@ detonation::Profile PointsBurst::profile() const {
   if (time() < burnt) throw InputError("the explosive still burns at the time of the remap: choose a later one");
 
   int const cells = domain.cells[0];
-  gas::Fluids const fluids = run::fluids_of(one_);
-  gas::MixtureState const ambient = run::ambient_mixture(one_.ambient.state);
+  gas::Fluids const fluids = fluids_of(one_);
+  gas::MixtureState const ambient = ambient_mixture(one_.ambient.state);
   constexpr int components = gas::two_fluid_components;
   std::vector<std::array<double, components>> sums(static_cast<std::size_t>(cells));
   std::vector<double> volume(static_cast<std::size_t>(cells), 0.0);

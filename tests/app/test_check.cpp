@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "../observe/watched.hpp"
 #include "../session/small_case.hpp"
 #include "app/check.hpp"
 #include "app/gauge_text.hpp"
@@ -20,7 +21,7 @@ using namespace session;
 TEST(Plan, KnowsTheChargeAsTheWorldWillBuildIt) {
   auto const setup = small_case("[end]\ntime = \"0.2 ms\"\n");
   Plan const p = plan(setup);
-  run::World const world{run::Case(setup)};
+  observe::Watched const world{run::Case(setup)};
   ASSERT_EQ(p.charges.size(), 1U);
   EXPECT_EQ(p.blocks, world.grid.block_count());
   EXPECT_EQ(p.charges[0].asked_mass, world.charges[0].asked_mass);
@@ -62,7 +63,7 @@ TEST(Plan, MemoryGrowsWithCellsTimesValues) {
 TEST(Plan, EstimatesTheStepsWithinAFactorOfTwo) {
   auto const setup = small_case("[end]\ntime = \"0.4 ms\"\n");
   double const estimate = plan(setup).steps;
-  run::World world{run::Case(setup)};
+  observe::Watched world{run::Case(setup)};
   while (!world.finished()) run::advance(world, setup.end.time);
   auto const steps = static_cast<double>(world.clock.step);
   EXPECT_GT(estimate, 0.5 * steps);
@@ -101,7 +102,7 @@ TEST(Plan, TellsWhatIsAskedAndWhatIsPlaced) {
   EXPECT_NE(text.find("slab: volume asked 0.13 m3, placed 0.15 in 60 cells"), std::string::npos) << text;
   EXPECT_NE(text.find("1: air, volume asked 0.282743 m3, placed 0.281516"), std::string::npos) << text;
   // The world does what the plan says.
-  run::World const world{run::Case(setup)};
+  observe::Watched const world{run::Case(setup)};
   EXPECT_NEAR(world.regions[0].volume, p.regions[0].volume, 1e-14);
   EXPECT_EQ(world.obstacles[0].cells, p.obstacles[0].cells);
   // What is too coarse is said.
@@ -252,16 +253,16 @@ TEST(Gauges, CheckSaysWhatTheCellsWillClipOfTheirPeaks) {
 TEST(Gauges, TablesShowTheWholeRecordAndDashesWhereNothingArrived) {
   auto setup = small_case("[end]\ntime = \"0.9 ms\"\n");
   setup.gauges.push_back({"far", {0.99, 0.0, 0.0}});
-  run::World world{std::move(setup)};
+  observe::Watched world{std::move(setup)};
   world.sample_gauges();
-  std::string const before = gauge_tables(world);
+  std::string const before = gauge_tables(world.setup, world.gauges.gas);
   EXPECT_NE(before.find("\ng "), std::string::npos) << before;
   EXPECT_EQ(before.find("Pa"), std::string::npos) << before;  // dashes only
   while (!world.finished()) {
     run::advance(world, world.setup.end.time);
     world.sample_gauges();
   }
-  std::string const after = gauge_tables(world);
+  std::string const after = gauge_tables(world.setup, world.gauges.gas);
   for (char const* words : {"clipped", "peak at front", "most impulse", "mean at end", "negative peak", "\nfar "})
     EXPECT_NE(after.find(words), std::string::npos) << words << after;
   EXPECT_NE(after.find("Pa s"), std::string::npos);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "../observe/watched.hpp"
 #include "../run/points_case.hpp"
 #include "../session/small_case.hpp"
 #include "app/check.hpp"
@@ -21,7 +22,7 @@ TEST(PointPlan, KnowsTheBodiesAsTheWorldWillFillThem) {
   setup.points.bodies[0].shape = shape::Cylinder{{0.012, 0.012, 0.0}, 0.0093, 1.0, {0.0, 0.0, 1.0}};
   setup.points.bodies[2].density = 2.0;
   Plan const p = plan(setup);
-  run::World const world{run::Case(setup)};
+  observe::Watched const world{run::Case(setup)};
   ASSERT_EQ(p.bodies.size(), 3U);
   EXPECT_EQ(p.points, static_cast<double>(world.points->point_count()));
   for (int b = 0; b < 3; ++b) {
@@ -34,7 +35,7 @@ TEST(PointPlan, KnowsTheBodiesAsTheWorldWillFillThem) {
 
 TEST(PointPlan, StepsAreAsLongAsTheFirst) {
   auto setup = run::two_blocks();
-  run::World world{run::Case(setup)};
+  observe::Watched world{run::Case(setup)};
   double const first = world.points->stable_step();
   // The steps of the gentle start come on top.
   EXPECT_NEAR(plan(setup).steps, setup.end.time / first + 5.0, 1e-6 * setup.end.time / first);
@@ -42,7 +43,7 @@ TEST(PointPlan, StepsAreAsLongAsTheFirst) {
   EXPECT_EQ(plan(setup).steps, 12.0);
   // Explosives: the detonation is faster than the sound.
   auto const charge = run::charge_slab();
-  run::World const slab{run::Case(charge)};
+  observe::Watched const slab{run::Case(charge)};
   EXPECT_NEAR(plan(charge).steps / (charge.end.time / slab.points->stable_step() + 5.0), 1.0, 1e-6);
 }
 
@@ -55,7 +56,7 @@ TEST(PointPlan, MemoryIsThatOfThePoints) {
   EXPECT_EQ(p.points, 16.0 * 3600);
   EXPECT_NEAR(p.memory_bytes - before, 15 * 3600 * 300.0, 1.0);
   // What the points really take is not more.
-  run::World const world{run::Case(setup)};
+  observe::Watched const world{run::Case(setup)};
   double taken = 0.0;
   for (int block = 0; block < world.points->grid().block_count(); ++block)
     for (int body = 0; body < 3; ++body) taken += static_cast<double>(world.points->points(block, body).bytes());
@@ -120,19 +121,19 @@ TEST(PointDriver, RunsToItsEnd) {
   auto setup = run::two_blocks();
   setup.end.time = 1e-6;
   setup.output.field_interval = 0.5e-6;
-  run::World world(std::move(setup));
+  observe::Watched world(std::move(setup));
   Scratch scratch;
-  output::Writer writer(world, scratch.path());
+  output::Writer writer(world, world.gauges, scratch.path());
   std::atomic<bool> const stop{false};
   std::FILE* const shown = std::tmpfile();
   Progress progress(shown, true);
-  auto const ending = drive(world, writer, stop, [&](run::World const& w) { progress.step(w); });
+  auto const ending = drive(world, world.gauges, writer, stop, [&](run::World const& w) { progress.step(w); });
   std::fclose(shown);
   EXPECT_EQ(ending.code, ExitCode::done) << ending.reason;
   EXPECT_EQ(writer.dump_count(), 3);
   EXPECT_TRUE(std::filesystem::exists(scratch.path() / "points/points_000002.h5"));
-  EXPECT_EQ(world.body_histories[0].back().time, 1e-6);
-  EXPECT_EQ(world.point_gauges[0].points.back().time, 1e-6);
+  EXPECT_EQ(world.gauges.bodies[0].back().time, 1e-6);
+  EXPECT_EQ(world.gauges.points[0].points.back().time, 1e-6);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "run/world.hpp"
+#include "setup/build.hpp"
 
 namespace brisance::test {
 

@@ -125,7 +125,7 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
       one.mpm_region->boxes.clear();
       set_region(one, {0, 0, 0}, {n, rows, 1});
     }
-    auto w = std::make_unique<run::World>(one);
+    auto w = std::make_unique<run::World>(setup::build(one));
     w->clock.step = 10;  // no gentle start: the points' first step is as long as all others
     for_each_cell(*w, [&](int block, int offset, Index3 const& cell) {
       Packet::Value const s = packet.at((cell[0] + 0.5) * h, (cell[1] + 0.5) * h, 0.0);

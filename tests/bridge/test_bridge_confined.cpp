@@ -59,10 +59,10 @@ TEST_P(Confined, TubeKeepsItsEnergy) {
     auto c = tube(1e5 * bar);
     auto gas_alone = c;
     gas_alone.mpm_region.reset();
-    run::World alone(gas_alone);
+    run::World alone = setup::build(gas_alone);
     run_to(alone, 0.04);
     set_region(c, {GetParam().lower, 0, 0}, {GetParam().upper, 1, 1});
-    run::World w(c);
+    run::World w = setup::build(c);
     run::Totals const before = w.totals();
     double fullest = 0.0;
     run_to(w, 0.04, [&](run::World& now) { fullest = std::max(fullest, fullest_account(now)); });
@@ -105,7 +105,7 @@ TEST(Confined, MomentumIsKeptToRoundOff) {
         Boxes{{{{14, 0, 0}, {40, 50, 1}}}}}) {
     auto c = room(grid::Boundary::periodic);
     for (auto const& box : boxes) set_region(c, box[0], box[1]);
-    run::World w(c);
+    run::World w = setup::build(c);
     double largest = 0.0;
     Vec3 before = w.totals().momentum;
     run_to(w, 0.002, [&](run::World& now) { largest = std::max(largest, norm(now.totals().momentum - before)); });
@@ -122,10 +122,10 @@ TEST(Confined, RoomKeepsItsEnergy) {
   auto c = room(grid::Boundary::wall);
   auto gas_alone = c;
   gas_alone.mpm_region.reset();
-  run::World alone(gas_alone);
+  run::World alone = setup::build(gas_alone);
   run_to(alone, 0.01);
   set_region(c, {20, 16, 0}, {38, 36, 1});
-  run::World w(c);
+  run::World w = setup::build(c);
   run::Totals const before = w.totals();
   run_to(w, 0.01);
   Balance const b = balance_of(w, before);

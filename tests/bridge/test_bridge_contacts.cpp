@@ -43,7 +43,7 @@ Worst carry(Moving const& m) {
   c.regions = {filled};
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
-  run::World w(c);
+  run::World w = setup::build(c);
   run::Totals const before = w.totals();
   Worst worst;
   // 40 cells on: the contact has left the bridge behind.
@@ -128,7 +128,7 @@ TEST(Contact, CrossesTheBridgeBehindAShock) {
     c.numerics.pressure_floor = 1.0;
     // Until the contact is 25 cells beyond the face.
     double const end = (static_cast<double>(face + 25) / n - x0) / speed;
-    run::World w(c);
+    run::World w = setup::build(c);
     run::Totals const before = w.totals();
     run_to(w, end);
     double const contact = ((x0 + speed * end) * n);  // [cells]

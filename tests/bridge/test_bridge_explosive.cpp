@@ -105,7 +105,7 @@ double fastest_gas(run::World const& w) {
 
 // As two bodies in shared cells the air beside the products was thrown: 8e4 m/s at 60 us, 2.7e6 m/s at 70 us.
 TEST(ChargeOnSoil, ThrowsNoAir) {
-  run::World w(charge_and_soil(0.0308));
+  run::World w = setup::build(charge_and_soil(0.0308));
   Drift drift(w);
   double fastest = 0.0;
   run_to(w, 80e-6, [&](run::World& now) {
@@ -120,7 +120,7 @@ TEST(ChargeOnSoil, ThrowsNoAir) {
 
 // Without the work of the nodes in the energy of the soil it drifts by -2.5 %.
 TEST(ChargeInSoil, KeepsTheEnergy) {
-  run::World w(charge_and_soil(-0.08));
+  run::World w = setup::build(charge_and_soil(-0.08));
   Drift drift(w);
   run_to(w, 100e-6, [&](run::World& now) { drift.see(now); });
   std::printf("drift %.2e, in the end %.2e, products %.1e\n", drift.worst, drift.last, drift.mass);
@@ -133,7 +133,7 @@ TEST(SlabBesideSoil, KeepsTheEnergy) {
   auto c = air_and_tnt(Geometry::planar1d, {160, 1, 1}, 5e-3);
   add_tnt(c, shape::Box{{0.3, -1.0, -1.0}, {0.34, 1.0, 1.0}}, {0.32, 0.0, 0.0});
   add_soil(c, shape::Box{{0.0, -1.0, -1.0}, {0.3, 1.0, 1.0}});
-  run::World w(c);
+  run::World w = setup::build(c);
   Drift drift(w);
   run_to(w, 150e-6, [&](run::World& now) { drift.see(now); });
   std::printf("drift %.2e, in the end %.2e, products %.1e\n", drift.worst, drift.last, drift.mass);
@@ -148,7 +148,7 @@ TEST(Products, LeaveTheRegionAsGas) {
   set_region(c, {60, 0, 0}, {140, 1, 1});
   c.mpm_region->subcycling = false;
   add_tnt(c, shape::Box{{0.45, -1.0, -1.0}, {0.55, 1.0, 1.0}}, {0.45, 0.0, 0.0});
-  run::World w(c);
+  run::World w = setup::build(c);
   double const mass = w.points->sums(0).mass;
   Drift drift(w);
   bool burning = false;
@@ -196,7 +196,7 @@ TEST(Products, AreTheSameOnAnyNumberOfThreadsAndAfterARestart) {
   c.mpm_region->subcycling = false;
   auto const runs = [&](int threads, int steps) {
     set_threads(threads);
-    auto w = std::make_unique<run::World>(c);
+    auto w = std::make_unique<run::World>(setup::build(c));
     for (int step = 0; step < steps; ++step) run::advance(*w, 1.0);
     set_threads(1);
     return w;
@@ -348,7 +348,7 @@ TEST(OpenFace, CountsWhatLeavesToTheWorkAtTheNodes) {
   c.domain.boundary[0] = c.domain.boundary[2] = Boundary::symmetry;
   set_region(c, {0, 0, 0}, {24, 24, 1});
   add_tnt(c, shape::Cylinder{{0.0, 0.0, 0.0}, 0.0308, 1.0, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0});
-  run::World w(c);
+  run::World w = setup::build(c);
   double const charge = w.points->sums(0).internal_energy;
   double const before = w.totals().energy;
   run_to(w, 200e-6);
@@ -368,7 +368,7 @@ TEST(OpenFace, LetsNoGasIntoSoil) {
   add_soil(c, shape::Box{{0.0, 0.0, -1.0}, {0.2, 0.1, 1.0}});
   c.mpm_region->population_interval = 0;
   c.points.bodies[0].velocity = {1e-6, 0.0, 0.0};  // the region is awake
-  run::World w(c);
+  run::World w = setup::build(c);
   mpm::PointSet puff(w.points->fields(w.gas_body()));
   for (int n = 0; n < 4; ++n) {
     int const q = puff.append();
@@ -407,7 +407,7 @@ TEST(OpenFace, TracesOfGasInSoilLeaveWithNoEnergy) {
   puff.shape = shape::Cylinder{{0.0, 0.3, 0.0}, 0.06, 1.0, {0.0, 0.0, 1.0}};
   puff.state = {1000.0, 4e9, {0.0, 0.0, 0.0}};
   c.regions.push_back(puff);
-  run::World w(c);
+  run::World w = setup::build(c);
   double worst = 0.0;
   while (w.clock.time < 0.32e-3) {
     run::advance(w, 0.32e-3);

@@ -131,7 +131,7 @@ TEST(Region, RefusesWhatDoesNotFit) {
 
 std::string refusal(run::Case const& c) {
   try {
-    run::World const w(c);
+    run::World const w = setup::build(c);
   } catch (InputError const& e) {
     return e.what();
   }

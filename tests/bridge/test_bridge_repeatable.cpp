@@ -37,7 +37,7 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
   body.shape =
       shape::Box{{low, low, dims == 3 ? low : -1.0}, {low + 4 * h, low + 4 * h, dims == 3 ? low + 4 * h : 1.0}};
   c.points.bodies = {body};
-  run::World w(c);
+  run::World w = setup::build(c);
   long const at_start = w.points->sums(w.gas_body()).points;
   for (int step = 0; step < 24; ++step) run::advance(w, 10.0);
   EXPECT_GT(w.bridge->traffic().born, 0);

@@ -22,7 +22,7 @@ run::Case blast_case() {
 
 TEST(Activation, SleepsUntilTheShockArrives) {
   auto c = blast_case();
-  run::World w(c);
+  run::World w = setup::build(c);
   EXPECT_FALSE(w.bridge->awake());
   double woken = 0.0;
   run_to(w, 0.25, [&](run::World& now) {
@@ -38,7 +38,7 @@ TEST(Activation, SleepsUntilTheShockArrives) {
   EXPECT_LT(woken, 0.235 / 1.4);
 
   c.mpm_region->activation = -1.0;  // awake from the start
-  run::World early(c);
+  run::World early = setup::build(c);
   run_to(early, 0.25);
   EXPECT_GT(early.clock.point_steps, w.clock.point_steps);
   // The threshold only cuts the foot of the smeared shock: the front moves by a small part of a cell, 0.2 % in the
@@ -60,7 +60,7 @@ TEST(Activation, SleepsUntilTheShockArrives) {
   EXPECT_LT(worst, 2e-3);
 
   c.mpm_region->activation = 0.0;  // any disturbance at all
-  run::World zero(c);
+  run::World zero = setup::build(c);
   run_to(zero, 0.25);
   auto const zero_p = pressure_line(zero);
   worst = mean_difference(late_p, zero_p);
@@ -110,9 +110,9 @@ TEST(SubCycling, WithSteelThePointsTakeMoreSteps) {
   body.solid = material::elastic_solid(7850.0, 210e9, 0.3);
   body.shape = shape::Box{{0.7, -1.0, -1.0}, {0.8, 1.0, 1.0}};
   c.points.bodies = {body};
-  run::World with(c);
+  run::World with = setup::build(c);
   c.mpm_region->subcycling = false;
-  run::World without(c);
+  run::World without = setup::build(c);
   EXPECT_LT(difference(with, without, 6e-4, "steel"), 0.02);
   EXPECT_GT(with.clock.point_steps, 3 * with.clock.gas_steps);
   EXPECT_EQ(without.clock.point_steps, without.clock.gas_steps);
@@ -129,9 +129,9 @@ TEST(SubCycling, WithHotGasOutsideTheGasTakesMoreSteps) {
   hot.shape = shape::Box{{-1.0, -1.0, -1.0}, {0.2, 1.0, 1.0}};
   hot.state = {0.014, 4.0, {0.0, 0.0, 0.0}};
   c.regions = {hot};
-  run::World with(c);
+  run::World with = setup::build(c);
   c.mpm_region->subcycling = false;
-  run::World without(c);
+  run::World without = setup::build(c);
   EXPECT_LT(difference(with, without, 0.35, "hot gas"), 0.02);
   EXPECT_GT(with.clock.gas_steps, with.clock.point_steps);
   EXPECT_LT(static_cast<double>(with.clock.point_steps),
@@ -147,7 +147,7 @@ TEST(Intruder, StopsTheCalculation) {
   body.shape = shape::Box{{0.3, -1.0, -1.0}, {0.4, 1.0, 1.0}};
   body.velocity = {-0.5, 0.0, 0.0};
   c.points.bodies = {body};
-  run::World w(c);
+  run::World w = setup::build(c);
   std::string message;
   try {
     run_to(w, 0.5);
@@ -189,7 +189,7 @@ TEST(Shapes, TwoBoxesAnLAndMirrors) {
     }
     hot.state = {5.0, 20.0, {0.0, 0.0, 0.0}};
     c.regions = {hot};
-    run::World w(c);
+    run::World w = setup::build(c);
     run::Totals const before = w.totals();
     run_to(w, 0.3);
     Balance const b = balance_of(w, before);
@@ -229,7 +229,7 @@ TEST(LongRun, KeepsTheNumberOfPoints) {
   wave.shape = shape::Box{{0.1, -1.0, -1.0}, {0.25, 1.0, 1.0}};
   wave.state = {2.8, 1.8, {0.6, 0.0, 0.0}};
   c.regions = {wave};
-  run::World w(c);
+  run::World w = setup::build(c);
   run::Totals const before = w.totals();
   long const start = w.points->sums(w.gas_body()).points;
   long least = start;

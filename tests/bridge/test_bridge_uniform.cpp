@@ -48,7 +48,7 @@ double largest_account(run::World const& w) {
 }
 
 Deviation run_uniform(run::Case const& c, double end, char const* what) {
-  run::World w(c);
+  run::World w = setup::build(c);
   run::Totals const before = w.totals();
   long const steps = run_to(w, end);
   Deviation const d = deviation_of(w, c.ambient.state);

@@ -68,7 +68,7 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
   body.solid = material::elastic_solid(7850.0, 210e9, 0.3);
   body.shape = shape::Box{{wall * c.domain.h, -1.0, -1.0}, {(n - 20) * c.domain.h, 1.0, 1.0}};
   c.points.bodies = {body};
-  run::World w(c);
+  run::World w = setup::build(c);
   run::Totals const before = w.totals();
   double const arrival = 60.0 * c.domain.h / s.speed;
   double const end = arrival + courant_end * 20.0 * c.domain.h / s.back;  // the shock is 20 cells before the wall
@@ -175,7 +175,7 @@ struct Burst {
       set_region(c, {0, 0, 0}, {cells, points, 1});
     }
     light(c, 0.0);
-    run::World w(c);
+    run::World w = setup::build(c);
     Burst burst;
     if (by_points) {
       burst.run(w, 0, 0.0);
@@ -204,7 +204,7 @@ struct Burst {
       c.points.constraints = {hold};
     }
     light(c, face);
-    run::World w(c);
+    run::World w = setup::build(c);
     Burst burst;
     burst.run(w, 1, face);
     burst.impulse = w.points->constraint_impulse()[1];

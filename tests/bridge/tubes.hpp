@@ -72,7 +72,7 @@ inline constexpr int near_bridge = 12;
 inline constexpr int smeared = 6;
 
 inline TubeResult run_tube(Tube const& t, run::Case const& c) {
-  run::World w(c);
+  run::World w = setup::build(c);
   int const n = c.domain.cells[0];
   material::Eos const left_eos = c.second_fluid ? c.second_fluid->eos : c.ambient.fluid.eos;
   exact::Riemann const exact(left_eos, t.left, c.ambient.fluid.eos, t.right);
@@ -91,7 +91,7 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
   w.update_audit();
   run::Case c_alone = c;
   c_alone.mpm_region.reset();
-  run::World alone(c_alone);
+  run::World alone = setup::build(c_alone);
   run_to(alone, t.end);
 
   TubeResult r;

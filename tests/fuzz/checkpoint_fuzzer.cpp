@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "../observe/watched.hpp"
 #include "core/archive.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -101,7 +102,7 @@ run::Case const& case_of(std::size_t number) {
 
 /// The state of a case after some steps, as a checkpoint holds it behind its header.
 std::string state_of(std::size_t number, int steps) {
-  run::World world(case_of(number));
+  observe::Watched world(case_of(number));
   for (int n = 0; n < steps; ++n) {
     world.sample_gauges();
     run::advance(world, world.setup.end.time);
@@ -142,7 +143,7 @@ std::string with_header(std::string_view data) {
 void read(std::size_t number, std::filesystem::path const& path) {
   output::CheckpointReader reader(path);
   require(reader.archive().reading());
-  run::World world(case_of(number));
+  observe::Watched world(case_of(number));
   world.archive(reader.archive());
   // What a resumed run does first.
   world.sample_gauges();

@@ -11,6 +11,7 @@
 #include "observe/expected_peak.hpp"
 #include "observe/positive_phase.hpp"
 #include "output/gauges.hpp"
+#include "watched.hpp"
 
 namespace brisance::observe::test {
 namespace {
@@ -315,9 +316,9 @@ GaugeSummary blast(double z, int n, bool wall, double end, std::optional<Expecte
   c.domain.boundary[0] = Boundary::symmetry;
   if (wall) c.domain.boundary[1] = Boundary::wall;
   if (expected != nullptr) *expected = expected_peak(c, c.gauges.front().position);
-  run::World world(std::move(c));
+  Watched world(std::move(c));
   run::advance_to(world, end);
-  return summarise(world.setup, world.gauges).front();
+  return summarise(world.setup, world.gauges.gas).front();
 }
 
 /// Overpressure on a wall behind the reflection of a shock, gamma = 1.4.
@@ -374,9 +375,9 @@ bool overshoots_at_walls() {
   c.regions.push_back(
       {shape::Box{{-1.0, -1.0, -1.0}, {0.5, 1.0, 1.0}}, {shock.density, behind, {shock.jump, 0.0, 0.0}}, false, ""});
   c.gauges.push_back({"g", {1.0, 0.0, 0.0}});
-  run::World world(std::move(c));
+  Watched world(std::move(c));
   run::advance_to(world, 1e-3);
-  return summarise(world.setup, world.gauges).front().wave.peak_overpressure > 1.03 * reflected(behind - 101325.0);
+  return summarise(world.setup, world.gauges.gas).front().wave.peak_overpressure > 1.03 * reflected(behind - 101325.0);
 }
 
 TEST(ClippedBlast, OnAWallToo) {
@@ -416,17 +417,17 @@ TEST(ClippedBlast, OnWallAndObstacleOfTwoDimensionsAsOnFineCellsOfOne) {
   };
   auto one = hot(Geometry::spherical1d, {2000, 1, 1}, 2.5e-4, {0.0, 0.0, 0.0});
   one.gauges = {{"free", {0.3, 0.0, 0.0}}, {"roof", {0.34, 0.0, 0.0}}};
-  run::World fine(std::move(one));
+  Watched fine(std::move(one));
   run::advance_to(fine, 0.35e-3);
-  auto const reference = summarise(fine.setup, fine.gauges);
+  auto const reference = summarise(fine.setup, fine.gauges.gas);
 
   auto two = hot(Geometry::axisymmetric2d, {160, 360, 1}, 2.5e-3, {0.0, 0.5, 0.0});
   two.domain.boundary[2] = Boundary::wall;
   two.obstacles.push_back({"roof", shape::Box{{0.0, 0.84, 0.0}, {0.2, 0.9, 0.0}}});
   two.gauges = {{"free", {0.3, 0.5, 0.0}}, {"roof", {0.0, 0.84, 0.0}}, {"under the roof", {0.0, 0.83, 0.0}}};
-  run::World coarse(std::move(two));
+  Watched coarse(std::move(two));
   run::advance_to(coarse, 0.35e-3);
-  auto const got = summarise(coarse.setup, coarse.gauges);
+  auto const got = summarise(coarse.setup, coarse.gauges.gas);
 
   auto const compare = [](BlastWave const& w, double right) {
     ASSERT_TRUE(w.peak_front_overpressure && w.expected_clipping);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../run/cases.hpp"
+#include "watched.hpp"
 
 namespace brisance::observe {
 namespace {
@@ -12,7 +13,7 @@ double linear_pressure(Vec3 const& x) { return 1e5 + 3e4 * x[0] - 2e4 * x[1] + 7
 double linear_density(Vec3 const& x) { return 1.2 + 0.3 * x[0] + 0.1 * x[1] - 0.2 * x[2]; }
 Vec3 linear_velocity(Vec3 const& x) { return {10.0 + x[0], 5.0 - 2.0 * x[1], 1.0 + 3.0 * x[0] * 0.5 + x[2]}; }
 
-void fill_linearly(World& world) {
+void fill_linearly(Watched& world) {
   for (int b = 0; b < world.grid.block_count(); ++b) {
     grid::Block const& block = world.grid.blocks()[b];
     for (int k = 0; k < block.n[2]; ++k) {
@@ -48,11 +49,11 @@ TEST(Gauges, ReproduceALinearFieldAcrossBlocks) {
       if (dims > 1) x[1] = std::max(x[1], 0.025);
       c.gauges.push_back({"g", x});
     }
-    World world(c);
+    Watched world(c);
     ASSERT_GT(world.grid.block_count(), 2);
     fill_linearly(world);
     world.sample_gauges();
-    for (GaugeHistory const& gauge : world.gauges) {
+    for (GaugeHistory const& gauge : world.gauges.gas) {
       ASSERT_EQ(gauge.records.size(), 1U);
       Vec3 const& x = gauge.gauge.position;
       EXPECT_NEAR(gauge.records[0].pressure / linear_pressure(x), 1.0, 1e-13);
@@ -65,21 +66,21 @@ TEST(Gauges, ReproduceALinearFieldAcrossBlocks) {
 TEST(Gauges, BeyondTheLastCentreTakeTheNearestCell) {
   Case c = air_case(grid::Geometry::planar1d, {40, 1, 1}, 0.05, grid::Boundary::outflow);
   c.gauges = {{"low", {0.0, 0.0, 0.0}}, {"high", {2.0, 0.0, 0.0}}};
-  World world(c);
+  Watched world(c);
   fill_linearly(world);
   world.sample_gauges();
-  EXPECT_NEAR(world.gauges[0].records[0].pressure, linear_pressure({0.025, 0.0, 0.0}), 1e-7);
-  EXPECT_NEAR(world.gauges[1].records[0].pressure, linear_pressure({1.975, 0.0, 0.0}), 1e-7);
+  EXPECT_NEAR(world.gauges.gas[0].records[0].pressure, linear_pressure({0.025, 0.0, 0.0}), 1e-7);
+  EXPECT_NEAR(world.gauges.gas[1].records[0].pressure, linear_pressure({1.975, 0.0, 0.0}), 1e-7);
 }
 
 TEST(Gauges, LeaveTheInsideOfAnObstacleOut) {
   Case c = air_case(grid::Geometry::planar2d, {20, 20, 1}, 0.05, grid::Boundary::outflow);
   c.obstacles = {{"block", shape::Box{{0.5, 0.0, 0.0}, {1.0, 1.0, 1.0}}}};
   c.gauges = {{"face", {0.5, 0.525, 0.0}}};  // between the last open cell and the first solid one
-  World world(c);
+  Watched world(c);
   fill_linearly(world);
   world.sample_gauges();
-  EXPECT_NEAR(world.gauges[0].records[0].pressure, linear_pressure({0.475, 0.525, 0.0}), 1e-7);
+  EXPECT_NEAR(world.gauges.gas[0].records[0].pressure, linear_pressure({0.475, 0.525, 0.0}), 1e-7);
 }
 
 }  // namespace

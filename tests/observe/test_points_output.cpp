@@ -8,20 +8,21 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "observe/point_fields.hpp"
+#include "watched.hpp"
 
 namespace brisance::observe {
 namespace {
 
 using namespace run;
 
-std::vector<double> field(World const& w, std::string const& name) {
+std::vector<double> field(Watched const& w, std::string const& name) {
   std::vector<double> out;
   point_field(w, name, out);
   return out;
 }
 
 TEST(PointFields, EveryKnownFieldHasItsComponentsForEveryPoint) {
-  World const w(two_blocks());
+  Watched const w(two_blocks());
   auto const count = static_cast<std::size_t>(w.points->point_count());
   for (auto const* list : {&known_point_fields(), &standing_point_fields()}) {
     for (FieldInfo const& info : *list) EXPECT_EQ(field(w, info.name).size(), count * info.components) << info.name;
@@ -31,13 +32,13 @@ TEST(PointFields, EveryKnownFieldHasItsComponentsForEveryPoint) {
 }
 
 TEST(PointFields, AreInTheSameOrder) {
-  World w(two_blocks());
+  Watched w(two_blocks());
   while (w.clock.step < 30) advance(w, 1.0);
   auto const position = field(w, "position");
   auto const body = field(w, "body");
   auto const identity = field(w, "identity");
   auto const displacement = field(w, "displacement");
-  World const start(two_blocks());
+  Watched const start(two_blocks());
   auto const start_position = field(start, "position");
   auto const start_body = field(start, "body");
   auto const start_identity = field(start, "identity");
@@ -59,7 +60,7 @@ TEST(PointFields, AreInTheSameOrder) {
 }
 
 TEST(PointFields, StressIsDeviatorLessPressureAndMisesItsInvariant) {
-  World w(two_blocks());
+  Watched w(two_blocks());
   while (w.clock.step < 30) advance(w, 1.0);
   auto const stress = field(w, "stress");
   auto const pressure = field(w, "pressure");
@@ -78,7 +79,7 @@ TEST(PointFields, StressIsDeviatorLessPressureAndMisesItsInvariant) {
 }
 
 TEST(PointFields, WhatABodyDoesNotCarryIsZero) {
-  World const w(two_blocks());
+  Watched const w(two_blocks());
   auto const body = field(w, "body");
   auto const material = field(w, "material");
   auto const temperature = field(w, "temperature");
@@ -95,7 +96,7 @@ TEST(PointFields, WhatABodyDoesNotCarryIsZero) {
 
 TEST(PointFields, BurnFractionFollowsTheDetonation) {
   Case c = charge_slab();
-  World w(std::move(c));
+  Watched w(std::move(c));
   for (double const unburnt : field(w, "burn_fraction")) EXPECT_EQ(unburnt, 0.0);
   double const D = w.setup.points.bodies[0].solid.detonation_speed;
   double const half = 0.5 * 0.02 / D;
@@ -115,13 +116,13 @@ TEST(PointFields, BurnFractionFollowsTheDetonation) {
 }
 
 TEST(PointGauges, RideOnTheirPoint) {
-  World w(two_blocks());
+  Watched w(two_blocks());
   w.sample_gauges();
   while (w.clock.step < 40) {
     advance(w, 1.0);
     w.sample_gauges();
   }
-  PointGaugeHistory const& gauge = w.point_gauges[0];
+  PointGaugeHistory const& gauge = w.gauges.points[0];
   ASSERT_EQ(gauge.points.size(), 41U);
   EXPECT_NEAR(gauge.points[0].position[0], 0.0195, 0.26e-3);  // half a point's distance, on the left block
   EXPECT_EQ(norm(gauge.points[0].displacement), 0.0);
@@ -145,7 +146,7 @@ TEST(PointGauges, RideOnTheirPoint) {
   EXPECT_GT(last.displacement[0], 1e-5);
   EXPECT_EQ(last.time, w.clock.time);
 
-  auto const& watched = w.point_gauges[1].bodies;
+  auto const& watched = w.gauges.points[1].bodies;
   ASSERT_EQ(watched.size(), 41U);
   EXPECT_EQ(watched.back().sums.kinetic_energy, w.points->sums(1).kinetic_energy);
   EXPECT_GT(watched.back().sums.kinetic_energy, watched.front().sums.kinetic_energy);
@@ -157,14 +158,14 @@ TEST(PointGauges, KeepTheirLastRecordWhenThePointLeaves) {
   c.points.bodies.resize(1);
   c.points.gauges.resize(1);
   c.domain.boundary[0] = grid::Boundary::outflow;
-  World w(std::move(c));
+  Watched w(std::move(c));
   w.sample_gauges();
   while (w.points->losses().points < 1600) {  // all 40 x 40
     advance(w, 1.0);
     w.sample_gauges();
     ASSERT_LT(w.clock.time, 2e-4) << "the block does not leave";
   }
-  auto const& gauge = w.point_gauges[0];
+  auto const& gauge = w.gauges.points[0];
   EXPECT_TRUE(gauge.lost);
   ASSERT_GT(gauge.points.size(), 10U);
   EXPECT_LT(gauge.points.back().time, w.clock.time);
@@ -179,15 +180,15 @@ TEST(PointGauges, KeepTheirLastRecordWhenThePointLeaves) {
 }
 
 TEST(BodyHistories, AreSampledAboutAThousandTimesAndAtBothEnds) {
-  World w(charge_slab());
+  Watched w(charge_slab());
   w.setup.end.time = 1e-6;
   w.sample_gauges();
   while (!w.finished()) {
     advance(w, w.clock.time + 2e-10);  // five thousand steps
     w.sample_gauges();
   }
-  ASSERT_EQ(w.body_histories.size(), 1U);
-  for (auto const& history : w.body_histories) {
+  ASSERT_EQ(w.gauges.bodies.size(), 1U);
+  for (auto const& history : w.gauges.bodies) {
     EXPECT_GT(history.size(), 950U);
     EXPECT_LT(history.size(), 1005U);
     EXPECT_EQ(history.front().time, 0.0);
@@ -197,7 +198,7 @@ TEST(BodyHistories, AreSampledAboutAThousandTimesAndAtBothEnds) {
 
 /// What outer forces do in 100 steps.
 EnergyBalance after_steps(Case const& c) {
-  World w{Case(c)};
+  Watched w{Case(c)};
   while (w.clock.step < 100) advance(w, 1.0);
   w.update_audit();
   return w.energy_balance();
@@ -219,7 +220,7 @@ TEST(EnergyBalance, CountsTheWorkOfOuterForces) {
 }
 
 TEST(EnergyBalance, DriftOfAnElasticImpactIsSmall) {
-  World w(two_blocks());
+  Watched w(two_blocks());
   w.sample_gauges();
   while (w.clock.step < 100) {
     advance(w, 1.0);
@@ -237,7 +238,7 @@ TEST(PointFields, HaveTheSameBitsForAnyNumberOfThreads) {
   std::vector<std::vector<double>> reference;
   for (int const count : {1, 2, 4}) {
     set_threads(count);
-    World w(two_blocks());
+    Watched w(two_blocks());
     w.sample_gauges();
     while (w.clock.step < 40) {
       advance(w, 1.0);
@@ -247,11 +248,11 @@ TEST(PointFields, HaveTheSameBitsForAnyNumberOfThreads) {
     for (FieldInfo const& info : known_point_fields()) all.push_back(field(w, info.name));
     for (FieldInfo const& info : standing_point_fields()) all.push_back(field(w, info.name));
     all.emplace_back();
-    for (PointRecord const& r : w.point_gauges[0].points) {
+    for (PointRecord const& r : w.gauges.points[0].points) {
       all.back().insert(all.back().end(), {r.time, r.position[0], r.velocity[0], r.velocity[1], r.pressure, r.mises});
     }
     all.emplace_back();
-    for (auto const& history : w.body_histories) {
+    for (auto const& history : w.gauges.bodies) {
       for (BodyRecord const& r : history) {
         all.back().insert(all.back().end(), {r.time, r.sums.kinetic_energy, r.sums.internal_energy, r.sums.centre[0]});
       }

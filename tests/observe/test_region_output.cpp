@@ -7,6 +7,7 @@
 #include "observe/gas_view.hpp"
 #include "observe/point_fields.hpp"
 #include "setup/place_region.hpp"
+#include "watched.hpp"
 
 namespace brisance::observe {
 namespace {
@@ -42,7 +43,7 @@ Case tube(bool body) {
 
 void gauge_at(Case& c, double x) { c.gauges.push_back({"g", {x, 0.0, 0.0}}); }
 
-std::vector<double> line(World const& w, std::string const& name) {
+std::vector<double> line(Watched const& w, std::string const& name) {
   GasView view(w, w.bridge == nullptr ? std::vector<Index3>{} : w.bridge->region().cells());
   view.update();
   view.update_solids();
@@ -58,10 +59,10 @@ std::vector<double> line(World const& w, std::string const& name) {
 TEST(RegionOutput, GaugesAndFieldsSeeTheSameGasOnBothSidesOfTheBridge) {
   Case c = tube(false);
   for (double const x : {0.905, 1.035, 1.505}) gauge_at(c, x);  // gas, bridge, points: centres of cells
-  World coupled(c);
+  Watched coupled(c);
   c.mpm_region.reset();
-  World gas(std::move(c));
-  for (World* w : {&coupled, &gas}) {
+  Watched gas(std::move(c));
+  for (Watched* w : {&coupled, &gas}) {
     w->sample_gauges();
     while (!w->finished()) {
       advance(*w, w->setup.end.time);
@@ -69,9 +70,9 @@ TEST(RegionOutput, GaugesAndFieldsSeeTheSameGasOnBothSidesOfTheBridge) {
     }
   }
   for (std::size_t g = 0; g < 3; ++g) {
-    auto const& record = coupled.gauges[g].records.back();
-    auto const& reference = gas.gauges[g].records.back();
-    EXPECT_EQ(coupled.gauges[g].records.front().pressure, 101325.0) << g;  // the points hold the ambient state
+    auto const& record = coupled.gauges.gas[g].records.back();
+    auto const& reference = gas.gauges.gas[g].records.back();
+    EXPECT_EQ(coupled.gauges.gas[g].records.front().pressure, 101325.0) << g;  // the points hold the ambient state
     // Behind a shock of 0.4 atm; points and cells each smear it over some cells.
     EXPECT_GT(reference.pressure, 1.35 * 101325.0);
     EXPECT_NEAR(record.pressure, reference.pressure, 0.01 * reference.pressure) << g;
@@ -87,9 +88,9 @@ TEST(RegionOutput, GaugesAndFieldsSeeTheSameGasOnBothSidesOfTheBridge) {
   EXPECT_EQ(region[104], 1.0);
   EXPECT_EQ(region[105], 2.0);
   EXPECT_EQ(region[199], 2.0);
-  EXPECT_EQ(pressure[150], coupled.gauges[2].records.back().pressure);
-  EXPECT_EQ(pressure[90], coupled.gauges[0].records.back().pressure);
-  auto const& r = coupled.gauges[2].records.back();
+  EXPECT_EQ(pressure[150], coupled.gauges.gas[2].records.back().pressure);
+  EXPECT_EQ(pressure[90], coupled.gauges.gas[0].records.back().pressure);
+  auto const& r = coupled.gauges.gas[2].records.back();
   EXPECT_NEAR(energy[150], r.pressure / 0.4 + 0.5 * r.density * r.velocity[0] * r.velocity[0], 1e-6 * energy[150]);
   EXPECT_EQ(velocity[450], r.velocity[0]);
 }
@@ -97,10 +98,10 @@ TEST(RegionOutput, GaugesAndFieldsSeeTheSameGasOnBothSidesOfTheBridge) {
 TEST(RegionOutput, CellsInsideSolidsHoldNoGas) {
   Case c = tube(true);
   gauge_at(c, 1.7);
-  World w(c);
+  Watched w(c);
   w.sample_gauges();
-  EXPECT_EQ(w.gauges[0].records[0].pressure, 101325.0);
-  EXPECT_EQ(w.gauges[0].records[0].density, 0.0);
+  EXPECT_EQ(w.gauges.gas[0].records[0].pressure, 101325.0);
+  EXPECT_EQ(w.gauges.gas[0].records[0].density, 0.0);
   auto const density = line(w, "density");
   auto const pressure = line(w, "pressure");
   auto const solid = line(w, "solid");
@@ -115,9 +116,9 @@ TEST(RegionOutput, CellsInsideSolidsHoldNoGas) {
 
 TEST(RegionOutput, GasPointsAreDumpedWhenAskedFor) {
   Case c = tube(true);
-  World without(c);
+  Watched without(c);
   c.output.gas_points = true;
-  World with(std::move(c));
+  Watched with(std::move(c));
   EXPECT_EQ(dumped_points(without), without.points->sums(0).points);
   EXPECT_EQ(dumped_points(with), with.points->point_count());
   EXPECT_GT(dumped_points(with), dumped_points(without));

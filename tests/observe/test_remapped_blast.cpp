@@ -8,6 +8,7 @@
 
 #include "../run/cases.hpp"
 #include "output/gauges.hpp"
+#include "watched.hpp"
 
 namespace brisance::observe::test {
 namespace {
@@ -45,10 +46,10 @@ run::Case remapped(Geometry geometry, double h, std::vector<Vec3> const& directi
 }
 
 std::vector<BlastWave> waves_of(run::Case const& setup) {
-  run::World world(setup);
+  Watched world(setup);
   run::advance_to(world, end);
   std::vector<BlastWave> waves;
-  for (auto const& summary : summarise(world.setup, world.gauges)) waves.push_back(summary.wave);
+  for (auto const& summary : summarise(world.setup, world.gauges.gas)) waves.push_back(summary.wave);
   return waves;
 }
 

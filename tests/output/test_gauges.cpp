@@ -14,6 +14,8 @@
 namespace brisance::output::test {
 namespace {
 
+using namespace observe;
+
 /// The Friedlander wave p = P (1 - s/T) exp(-b s/T), s = t - t_a, for s >= 0.
 struct Friedlander {
   double arrival = 2e-3;
@@ -189,7 +191,7 @@ TEST(Gauges, NamesBecomeSafeFileNames) {
   EXPECT_EQ(sanitised("P-1.5_m"), "P-1.5_m");
 }
 
-run::GaugeHistory history(std::string const& name, Vec3 const& position) { return {{name, position}, {}}; }
+GaugeHistory history(std::string const& name, Vec3 const& position) { return {{name, position}, {}}; }
 
 TEST(Gauges, CsvGrowsDuringTheRunAndHoldsDerivedQuantities) {
   ScratchFolder folder;
@@ -230,7 +232,7 @@ class OpenFileLimit {
 
 TEST(Gauges, MoreThanTheSystemLetsOpenAtATime) {
   ScratchFolder folder;
-  std::vector<run::GaugeHistory> gauges;
+  std::vector<GaugeHistory> gauges;
   for (int i = 0; i < 2000; ++i) gauges.push_back(history(std::to_string(i), {}));
   OpenFileLimit const limit(64);
   GaugeFiles files(folder.path(), gauges, 1e5);

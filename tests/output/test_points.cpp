@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "../observe/watched.hpp"
 #include "../run/points_case.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -36,14 +37,14 @@ std::vector<double> read_points(fs::path const& file, std::string const& name) {
 }
 
 /// Runs `steps` steps of a case into a folder, with a dump at the start and one at the end.
-void write_run(run::World& world, fs::path const& folder, int steps) {
-  Writer writer(world, folder);
+void write_run(observe::Watched& world, fs::path const& folder, int steps) {
+  Writer writer(world, world.gauges, folder);
   world.sample_gauges();
   writer.dump_fields(world);
   while (world.clock.step < steps) {
     run::advance(world, 1.0);
     world.sample_gauges();
-    if (world.clock.step % 7 == 0) writer.append_gauges(world);
+    if (world.clock.step % 7 == 0) writer.append_gauges();
   }
   world.update_audit();
   writer.dump_fields(world);
@@ -68,7 +69,7 @@ TEST(Points, DumpHoldsWhatThePointsCarry) {
   for (bool const single : {false, true}) {
     auto setup = run::two_blocks();
     setup.output.single_precision = single;
-    run::World world(std::move(setup));
+    observe::Watched world(std::move(setup));
     ScratchFolder folder;
     write_run(world, folder.path(), 25);
     fs::path const file = folder.path() / "points/points_000001.h5";
@@ -88,7 +89,7 @@ TEST(Points, DumpHoldsWhatThePointsCarry) {
 }
 
 TEST(Points, IndexListsEveryDump) {
-  run::World world(run::two_blocks());
+  observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 10);
   auto const index = read_file(folder.path() / "points.xmf2");
@@ -104,7 +105,7 @@ TEST(Points, IndexListsEveryDump) {
 TEST(Points, OpenInParaViewWithoutAsking) {
   std::string const pvpython = BRISANCE_PVPYTHON;
   if (pvpython.empty()) GTEST_SKIP() << "pvpython was not found when the tests were configured: ParaView is not tested";
-  run::World world(run::two_blocks());
+  observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 25);
   auto const out = output_of("cd / && " + pvpython + " " TEST_SCRIPT_DIR "/open_points_in_paraview.py " +
@@ -131,7 +132,7 @@ TEST(Points, OpenInParaViewWithoutAsking) {
 }
 
 TEST(Points, GaugesHaveTheirColumns) {
-  run::World world(run::two_blocks());
+  observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 25);
   auto const tip = lines(read_file(folder.path() / "gauges/tip.csv"));
@@ -142,7 +143,7 @@ TEST(Points, GaugesHaveTheirColumns) {
             "temperature [K],damage [1]");
   auto const row = numbers(tip.back());
   ASSERT_EQ(row.size(), 16U);
-  auto const& r = world.point_gauges[0].points.back();
+  auto const& r = world.gauges.points[0].points.back();
   auto const near = [](double read, double value) { EXPECT_NEAR(read, value, 1e-9 * std::abs(value)); };  // 10 digits
   near(row[0], r.time);
   near(row[1], r.position[0]);
@@ -156,7 +157,7 @@ TEST(Points, GaugesHaveTheirColumns) {
   ASSERT_EQ(target.size(), 27U);
   auto const sums = numbers(target.back());
   ASSERT_EQ(sums.size(), 16U);
-  auto const& s = world.point_gauges[1].bodies.back().sums;
+  auto const& s = world.gauges.points[1].bodies.back().sums;
   near(sums[1], s.mass);
   near(sums[2], s.momentum[0]);
   near(sums[8], s.momentum[0] / s.mass);
@@ -166,17 +167,17 @@ TEST(Points, GaugesHaveTheirColumns) {
   auto const energies = lines(read_file(folder.path() / "energies.csv"));
   // A comma or a quote in a body's name would end the column.
   EXPECT_NE(energies[0].find("right_ _the_ other: kinetic_energy [J]"), std::string::npos) << energies[0];
-  EXPECT_EQ(energies.size(), world.body_histories[0].size() + 1);
+  EXPECT_EQ(energies.size(), world.gauges.bodies[0].size() + 1);
   auto const first = numbers(energies[1]);
   ASSERT_EQ(first.size(), 10U);
   near(first[1], 0.5 * 8930.0 * 0.02 * 0.02 * 100.0 * 100.0);
 }
 
 TEST(Points, SummaryReadsTheHistories) {
-  run::World world(run::two_blocks());
-  auto& gauge = world.point_gauges[0];
+  observe::Watched world(run::two_blocks());
+  auto& gauge = world.gauges.points[0];
   ScratchFolder folder;
-  Writer writer(world, folder.path());
+  Writer writer(world, world.gauges, folder.path());
   world.sample_gauges();
   auto const record = [&](double time, Vec3 const& u, double mises) {
     run::PointRecord r = gauge.points.front();
@@ -220,7 +221,7 @@ TEST(Points, SummaryReadsTheHistories) {
 }
 
 TEST(Points, LogTellsBodiesOptionsAndAudit) {
-  run::World world(run::two_blocks());
+  observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 25);
   auto const log = nlohmann::json::parse(read_file(folder.path() / "run.json"));
@@ -254,15 +255,15 @@ TEST(Points, LogTellsBodiesOptionsAndAudit) {
 }
 
 TEST(Points, EarlierResultsAreRefusedAndReplaced) {
-  run::World world(run::two_blocks());
+  observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 3);
   for (char const* name : {"run.json", "deck.toml", "summary.csv", "summary.json"}) fs::remove(folder.path() / name);
-  EXPECT_THROW(Writer(world, folder.path()), IoError) << "points are results too";
+  EXPECT_THROW(Writer(world, world.gauges, folder.path()), IoError) << "points are results too";
   fs::remove(folder.path() / "points.xmf2");
   fs::remove(folder.path() / "energies.csv");
   fs::remove_all(folder.path() / "gauges");
-  EXPECT_THROW(Writer(world, folder.path()), IoError);
+  EXPECT_THROW(Writer(world, world.gauges, folder.path()), IoError);
   Writer const writer(world, folder.path(), {.earlier = Earlier::replace});
   EXPECT_TRUE(fs::is_empty(folder.path() / "points"));
 }
@@ -272,9 +273,9 @@ TEST(Points, EmptyDomainIsWritten) {
   setup.points.bodies.resize(1);
   setup.points.gauges.resize(1);
   setup.points.bodies[0].velocity = {-2000.0, 0.0, 0.0};
-  run::World world(std::move(setup));
+  observe::Watched world(std::move(setup));
   ScratchFolder folder;
-  Writer writer(world, folder.path());
+  Writer writer(world, world.gauges, folder.path());
   writer.dump_fields(world);
   while (world.points->point_count() > 0) {
     run::advance(world, 1.0);
@@ -339,7 +340,7 @@ TEST(Points, SameBytesForAnyNumberOfThreads) {
   std::map<std::string, std::string> reference;
   for (int const count : {1, 2, 4}) {
     set_threads(count);
-    run::World world(run::two_blocks());
+    observe::Watched world(run::two_blocks());
     ScratchFolder folder;
     write_run(world, folder.path(), 40);
     std::map<std::string, std::string> written;
@@ -360,7 +361,7 @@ TEST(Points, SameBytesForAnyNumberOfThreads) {
 TEST(Points, ReportIsWritten) {
   if (std::system(BRISANCE_PYTHON_EXECUTABLE " -c 'import h5py, matplotlib' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3-h5py or python3-matplotlib is not installed";
-  run::World world(run::two_blocks());
+  observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 25);
   auto const html = read_file(write_report(folder.path()));

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "../observe/watched.hpp"
 #include "core/error.hpp"
 #include "output/file.hpp"
 #include "output/report.hpp"
@@ -27,19 +28,19 @@ run::Case air_box() {
 }
 
 TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
-  run::World world(air_box());
+  observe::Watched world(air_box());
   ScratchFolder scratch;
   fs::path const folder = scratch.path() / "out";
-  Writer writer(world, folder);
+  Writer writer(world, world.gauges, folder);
   EXPECT_EQ(read_file(folder / "deck.toml"), world.setup.deck_text);
   EXPECT_EQ(nlohmann::json::parse(read_file(folder / "run.json"))["status"], "running");
 
   writer.dump_fields(world);
-  world.gauges[0].records.push_back({0.0, 101325.0, 1.225, {0.0, 0.0, 0.0}});
-  writer.append_gauges(world);
+  world.gauges.gas[0].records.push_back({0.0, 101325.0, 1.225, {0.0, 0.0, 0.0}});
+  writer.append_gauges();
   world.timings["sweeps"] = 0.5;
   world.audit.fallback_faces = 7;
-  world.gauges[0].records.push_back({1e-3, 101325.0, 1.225, {0.0, 0.0, 0.0}});
+  world.gauges.gas[0].records.push_back({1e-3, 101325.0, 1.225, {0.0, 0.0, 0.0}});
   writer.finish(world, "end time reached", 0);
 
   auto const log = nlohmann::json::parse(read_file(folder / "run.json"));
@@ -64,14 +65,14 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   auto const gauge = read_file(folder / "gauges/g.csv");
   EXPECT_EQ(std::ranges::count(gauge, '\n'), 3) << gauge;
 
-  EXPECT_THROW(Writer(world, folder), IoError);
-  EXPECT_NO_THROW(Writer(world, folder, {.earlier = Earlier::replace}));
+  EXPECT_THROW(Writer(world, world.gauges, folder), IoError);
+  EXPECT_NO_THROW(Writer(world, world.gauges, folder, {.earlier = Earlier::replace}));
 }
 
 TEST(Writer, LogTellsWhatDoesNotBalance) {
-  run::World world(air_box());
+  observe::Watched world(air_box());
   ScratchFolder scratch;
-  Writer writer(world, scratch.path());
+  Writer writer(world, world.gauges, scratch.path());
   world.audit.guard_energy = 1e3;
   writer.finish(world, "end time reached", 0);
   auto const audit = nlohmann::json::parse(read_file(scratch.path() / "run.json"))["audit"];
@@ -82,9 +83,9 @@ TEST(Writer, LogTellsWhatDoesNotBalance) {
 }
 
 TEST(Writer, StoppedRunSaysSo) {
-  run::World world(air_box());
+  observe::Watched world(air_box());
   ScratchFolder scratch;
-  Writer writer(world, scratch.path());
+  Writer writer(world, world.gauges, scratch.path());
   writer.finish(world, "stopped by the user at 0.5 ms", 3);
   auto const log = nlohmann::json::parse(read_file(scratch.path() / "run.json"));
   EXPECT_EQ(log["status"], "stopped");
@@ -158,9 +159,9 @@ TEST(Report, MissingInterpreterIsAnErrorThatSaysWhatToDo) {
 TEST(Report, IsWrittenForAFinishedRun) {
   if (std::system(BRISANCE_PYTHON_EXECUTABLE " -c 'import h5py, matplotlib' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3-h5py or python3-matplotlib is not installed";
-  run::World world(air_box());
+  observe::Watched world(air_box());
   ScratchFolder scratch;
-  Writer writer(world, scratch.path());
+  Writer writer(world, world.gauges, scratch.path());
   writer.dump_fields(world);
   writer.finish(world, "end time reached", 0);
   auto const html = read_file(write_report(scratch.path()));

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "../observe/watched.hpp"
 #include "core/error.hpp"
 #include "deck/library.hpp"
-#include "run/world.hpp"
 
 namespace brisance::run {
 
@@ -36,6 +36,12 @@ inline Charge tnt_charge(shape::Shape const& shape, grid::Geometry geometry) {
 }
 
 inline void advance_to(World& world, double time) {
+  world.setup.end.time = time;
+  while (!world.finished()) advance(world, time);
+}
+
+/// The same, with the gauges sampled on the way.
+inline void advance_to(observe::Watched& world, double time) {
   world.setup.end.time = time;
   world.sample_gauges();
   while (!world.finished()) {

@@ -1,10 +1,12 @@
 /// Small cases of material points.
 #pragma once
 
+#include "../observe/watched.hpp"
 #include "material/solid.hpp"
-#include "run/world.hpp"
 
 namespace brisance::run {
+
+using namespace observe;
 
 /// Planar: an elastic-plastic block at 100 m/s that is about to meet an elastic one of the same name, and a gas
 /// beside them. A gauge rides on the left block, another watches the right one.

@@ -19,7 +19,7 @@ TEST(AfterburnOfABlast, IsBookedWhileGasLeaves) {
   for (material::AfterburnRate const& rate :
        {material::AfterburnRate{material::MillerAfterburn{6500.0, 100e9, 0.5, 1.0 / 6.0, 1e5}},
         material::AfterburnRate{material::ConstantRateAfterburn{50e-6, 2e-3}}}) {
-    World world(blast(rate));
+    World world = setup::build(blast(rate));
     advance_to(world, 3e-3);
     world.update_audit();
     Audit const& a = world.audit;
@@ -35,7 +35,7 @@ TEST(AfterburnOfABlast, LeavesNoDenseProductsInTheAir) {
   // At the outer edge of the products their mass and their volume fade out together. When the two were not kept
   // together, products of a thousandth of the mass stood there at up to 5e5 kg/m3, and the run ended in no numbers at
   // 3.95 ms. The charge had 1630 kg/m3; the products in the middle have 0.1 kg/m3 by then.
-  World world(blast(material::MillerAfterburn{6500.0, 100e9, 0.5, 1.0 / 6.0, 1e5}));
+  World world = setup::build(blast(material::MillerAfterburn{6500.0, 100e9, 0.5, 1.0 / 6.0, 1e5}));
   double densest = 0.0;
   for (double const time : {1e-3, 2e-3, 3e-3, 3.5e-3, 4e-3}) {
     advance_to(world, time);
@@ -52,7 +52,7 @@ TEST(AfterburnOfABlast, LeavesNoDenseProductsInTheAir) {
 }
 
 TEST(AfterburnOfABlast, StartsBehindTheDetonation) {
-  World world(blast(material::MillerAfterburn{1e9, 100e9, 0.5, 1.0 / 6.0, 1e5}));
+  World world = setup::build(blast(material::MillerAfterburn{1e9, 100e9, 0.5, 1.0 / 6.0, 1e5}));
   // Half way through the charge: 26 mm at 6930 m/s.
   advance_to(world, 3.8e-6);
   std::vector<double> progress;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "../observe/watched.hpp"
 #include "cases.hpp"
 #include "core/parallel.hpp"
 #include "points_case.hpp"
@@ -15,7 +16,7 @@ namespace {
 
 using Kind = AuditFinding::Kind;
 
-AuditFinding finding(World const& world, Kind kind) {
+AuditFinding finding(observe::Watched const& world, Kind kind) {
   for (AuditFinding const& f : world.audit_findings()) {
     if (f.kind == kind) return f;
   }
@@ -24,7 +25,7 @@ AuditFinding finding(World const& world, Kind kind) {
 }
 
 /// The one reason why a world does not balance; empty: it does.
-std::string reason(World const& world) {
+std::string reason(observe::Watched const& world) {
   Verdict const verdict = world.verdict();
   EXPECT_EQ(verdict.balanced, verdict.reasons.empty());
   EXPECT_LE(verdict.reasons.size(), 1U);
@@ -57,7 +58,7 @@ TEST(Verdict, GuardsAreAnErrorOfTheChargesEnergy) {
       centre[d] = 0.0;
     }
     c.charges = {tnt_charge(shape::Sphere{centre, 0.05}, c.domain.geometry)};
-    World w(c);
+    observe::Watched w(c);
     w.update_audit();
     EXPECT_EQ(reason(w), "");
     double const energy = w.charges[0].realised_energy / std::pow(2.0, planes);
@@ -84,7 +85,7 @@ TEST(Verdict, WithoutChargesGuardsCompareWithTheEnergyAboveTheAmbientState) {
   Case c = air_case(grid::Geometry::planar1d, {200, 1, 1}, 0.01, grid::Boundary::wall);
   FluidState const ambient = c.ambient.state;
   c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}}, {3.0, 5.0 * ambient.pressure, {}}, false, ""}};
-  World w(c);
+  observe::Watched w(c);
   w.update_audit();
   double const above = 4.0 * ambient.pressure / 0.4 * 0.5;
   EXPECT_NEAR(finding(w, Kind::guard_energy).scale / above, 1.0, 1e-3) << "0.4 is that of the library's air";
@@ -93,10 +94,10 @@ TEST(Verdict, WithoutChargesGuardsCompareWithTheEnergyAboveTheAmbientState) {
   EXPECT_NE(reason(w).find("of the energy at work"), std::string::npos) << reason(w);
   // A region below the ambient state works as well as one above.
   c.regions[0].state.pressure = 0.5 * ambient.pressure;
-  EXPECT_NEAR(finding(World(c), Kind::guard_energy).scale / (0.5 * ambient.pressure / 0.4 * 0.5), 1.0, 1e-3);
+  EXPECT_NEAR(finding(observe::Watched(c), Kind::guard_energy).scale / (0.5 * ambient.pressure / 0.4 * 0.5), 1.0, 1e-3);
   // Nothing is at work in air at rest: round-off is none, all else is.
   c.regions.clear();
-  World still(c);
+  observe::Watched still(c);
   still.update_audit();
   EXPECT_EQ(reason(still), "");
   still.audit.guard_energy = 1e-10 * still.audit.initial.energy;
@@ -114,7 +115,7 @@ TEST(Verdict, ExplosiveMayNotBeHitBeforeItIsLit) {
     for (double const x : {0.05, 0.11 + gap}) c.charges.push_back(tnt_charge(shape::Box{{x}, {x + 0.06}}, geometry));
     c.charges.back().initiation.front().delay = delay;
     if (at_the_side) c.charges.back().initiation.front().position[0] = 0.11 + gap;
-    World w(c);
+    observe::Watched w(c);
     while (w.clock.time < until) {
       advance(w, until);
       w.follow_audit();
@@ -139,7 +140,7 @@ TEST(Verdict, ExplosiveMayNotBeHitBeforeItIsLit) {
 TEST(Verdict, MassThatGuardsAddCountsToo) {
   Case c = air_case(grid::Geometry::spherical1d, {100, 1, 1}, 0.01, grid::Boundary::outflow);
   c.charges = {tnt_charge(shape::Sphere{{}, 0.05}, c.domain.geometry)};
-  World w(c);
+  observe::Watched w(c);
   w.update_audit();
   w.audit.guard_mass = 2e-4 * w.audit.initial.mass[1];
   w.audit.current.mass[0] = w.audit.initial.mass[0] + w.audit.guard_mass;
@@ -149,7 +150,7 @@ TEST(Verdict, MassThatGuardsAddCountsToo) {
 TEST(Verdict, FluidsMustBalanceToRoundOff) {
   Case c = air_case(grid::Geometry::spherical1d, {100, 1, 1}, 0.01, grid::Boundary::outflow);
   c.charges = {tnt_charge(shape::Sphere{{}, 0.05}, c.domain.geometry)};
-  World w(c);
+  observe::Watched w(c);
   w.update_audit();
   Totals const right = w.audit.current;
   w.audit.current.mass[0] *= 1.0 + 1e-12;
@@ -167,7 +168,7 @@ TEST(Verdict, FluidsMustBalanceToRoundOff) {
 }
 
 TEST(Verdict, APoolAtRestBalancesAndOneThatGainsEnergyDoesNot) {
-  World w(pool());
+  observe::Watched w(pool());
   w.update_audit();
   ASSERT_GT(w.audit.initial.energy, 1e8) << "the internal energy of water is large";
   EXPECT_EQ(reason(w), "");
@@ -181,7 +182,7 @@ TEST(Verdict, APoolAtRestBalancesAndOneThatGainsEnergyDoesNot) {
 }
 
 TEST(Verdict, TheDriftComparesWithTheLargestEnergyAtWorkSoFar) {
-  World w(pool());
+  observe::Watched w(pool());
   w.update_audit();
   // It moved with 10 kJ and has come to rest but for an error of 0.4 %, then of 0.6 %.
   w.audit.memory.scale = 1e4;
@@ -200,7 +201,7 @@ TEST(Verdict, TheDriftComparesWithTheLargestEnergyAtWorkSoFar) {
 }
 
 TEST(Verdict, TheDeckSaysHowFarTheEnergyMayDrift) {
-  World w(pool());
+  observe::Watched w(pool());
   w.update_audit();
   w.audit.memory.scale = 1e4;
   w.audit.memory.drift = 700.0;
@@ -218,13 +219,13 @@ TEST(Verdict, TheDeckSaysHowFarTheEnergyMayDrift) {
 
 // What burns is at work from the start, an explosive's energy as that of a gas in empty space; that of a solid is not.
 TEST(Verdict, KnowsWhatIsAtWork) {
-  World const slab(charge_slab());
+  observe::Watched const slab(charge_slab());
   EXPECT_NEAR(slab.energy_balance().scale / (4.29e6 * 1630.0 * 0.02), 1.0, 1e-9);
-  World const blocks(two_blocks());
+  observe::Watched const blocks(two_blocks());
   double const kinetic = 0.5 * 8930.0 * 4e-4 * 1e4;
   double const gas = 1e5 / 0.4 * 1e-4;
   EXPECT_NEAR(blocks.energy_balance().scale, kinetic + gas, 1e-6 * kinetic);
-  World const w(pool());
+  observe::Watched const w(pool());
   EXPECT_LT(w.energy_balance().scale, 1e-12 * w.energy_balance().all);
 }
 
@@ -238,17 +239,17 @@ TEST(Verdict, KnowsWhatIsAtWorkInARegion) {
   c.points.bodies = {plate};
   c.mpm_region.emplace();
   c.mpm_region->boxes = {shape::Box{{0.1, 0.1, 0.0}, {0.38, 0.38, 0.0}}};
-  World const still(c);
+  observe::Watched const still(c);
   EXPECT_LT(still.energy_balance().scale, 1e-12 * still.energy_balance().all);
   EXPECT_FALSE(still.for_comparison());
   c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.05, 0.48, 0.0}}, {2.0, 3e5, {}}, false, ""}};
   double const above = (3e5 - c.ambient.state.pressure) / 0.4 * 0.05 * 0.48;
-  EXPECT_NEAR(World(c).energy_balance().scale / above, 1.0, 1e-3);
+  EXPECT_NEAR(observe::Watched(c).energy_balance().scale / above, 1.0, 1e-3);
   c.mpm_region->transport = bridge::Transport::paper;
-  EXPECT_TRUE(World(c).for_comparison());
+  EXPECT_TRUE(observe::Watched(c).for_comparison());
   c.mpm_region->transport = bridge::Transport::ledger;
   c.numerics.scheme = Scheme::lax_wendroff;
-  EXPECT_TRUE(World(c).for_comparison());
+  EXPECT_TRUE(observe::Watched(c).for_comparison());
 }
 
 // The ledger holds half a point of each lane; gas that gathers there belongs to neither side.
@@ -258,7 +259,7 @@ TEST(Verdict, GasInTheLedgerIsAnError) {
   c.mpm_region->boxes = {shape::Box{{0.4, 0.0, 0.0}, {0.6, 0.0, 0.0}}};
   c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.25, 0.0, 0.0}}, {2.0, 1.5e5, {}}, false, ""}};
   c.end.time = 2e-3;
-  World w(c);
+  observe::Watched w(c);
   while (!w.finished()) {
     advance(w, c.end.time);
     w.follow_audit();
@@ -299,7 +300,7 @@ TEST(FollowAudit, FirstMomentsOfALoadAreNoDrift) {
   set_threads(1);
   for (Case const& c : {fall, push}) {
     for (double const end_time : {c.end.time, 1e3}) {  // looks by the time are rare, or none
-      World w(c);
+      observe::Watched w(c);
       w.setup.end.time = end_time;
       while (w.clock.time < c.end.time) {
         advance(w, c.end.time);
@@ -315,7 +316,7 @@ TEST(FollowAudit, FirstMomentsOfALoadAreNoDrift) {
 TEST(FollowAudit, StopsWhereTheEnergyRunsAway) {
   set_threads(1);
   Case c = two_blocks();
-  World w(c);
+  observe::Watched w(c);
   auto const heat = [&](double part) {
     mpm::PointSet& set = w.points->points(w.points->grid().block_of(w.points->grid().cell_at({0.03, 0.012, 0.0})), 1);
     ASSERT_GT(set.size(), 0);
@@ -355,7 +356,7 @@ TEST(FollowAudit, RemembersTheSameWhateverIsWritten) {
   std::vector<double> first;
   for (int const count : {1, 2}) {
     set_threads(count);
-    World w(c);
+    observe::Watched w(c);
     while (w.clock.step < 66) {
       advance(w, c.end.time);
       w.follow_audit();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "../observe/watched.hpp"
 #include "cases.hpp"
 
 namespace brisance::run {
@@ -31,9 +32,9 @@ Case burst(std::string const& explosive, grid::Geometry geometry, int cells_per_
   return c;
 }
 
-std::vector<double> peaks(World const& world) {
+std::vector<double> peaks(observe::Watched const& world) {
   std::vector<double> all;
-  for (GaugeHistory const& gauge : world.gauges) {
+  for (GaugeHistory const& gauge : world.gauges.gas) {
     double most = 0.0;
     for (GaugeRecord const& record : gauge.records) most = std::max(most, record.pressure);
     all.push_back(most - world.setup.ambient.state.pressure);
@@ -46,7 +47,7 @@ TEST(Bursts, TheAirWaitsForTheDetonation) {
   for (auto const geometry : {grid::Geometry::planar2d, grid::Geometry::axisymmetric2d}) {
     for (int const cells : {4, 7, 12}) {
       double const pressure = 101325.0;
-      World world(burst("LX-10", geometry, cells, 1.225, pressure, 0.8));
+      observe::Watched world(burst("LX-10", geometry, cells, 1.225, pressure, 0.8));
       double const h = world.setup.domain.h;
       double const speed = world.setup.charges[0].explosive.detonation_speed;
       // The front is about to reach the last full cells on the axis.
@@ -75,7 +76,7 @@ TEST(Bursts, NeedNoGuardAndDoNotHangOnTheStep) {
         for (int const cells : {6, 9}) {
           std::array<std::vector<double>, 2> found;
           for (int const s : {0, 1}) {
-            World world(burst(explosive, geometry, cells, air.density, air.pressure, s == 0 ? 0.8 : 0.2));
+            observe::Watched world(burst(explosive, geometry, cells, air.density, air.pressure, s == 0 ? 0.8 : 0.2));
             advance_to(world, 30e-6);
             world.update_audit();
             EXPECT_EQ(world.audit.guarded_cells, 0) << explosive << " " << cells;
@@ -108,13 +109,13 @@ Case fine(char const* explosive, std::optional<material::Afterburn> const& after
 }
 
 TEST(Afterburn, WithoutEnergyChangesNoBit) {
-  World plain(fine("TNT", {}));
-  World constant(fine("TNT", material::Afterburn{0.0, material::ConstantRateAfterburn{50e-6, 20e-3}}));
-  World miller(fine("TNT", material::Afterburn{0.0, material::MillerAfterburn{}}));
-  for (World* world : {&plain, &constant, &miller}) advance_to(*world, 90e-6);
-  for (World const* world : {&constant, &miller}) {
+  observe::Watched plain(fine("TNT", {}));
+  observe::Watched constant(fine("TNT", material::Afterburn{0.0, material::ConstantRateAfterburn{50e-6, 20e-3}}));
+  observe::Watched miller(fine("TNT", material::Afterburn{0.0, material::MillerAfterburn{}}));
+  for (observe::Watched* world : {&plain, &constant, &miller}) advance_to(*world, 90e-6);
+  for (observe::Watched const* world : {&constant, &miller}) {
     EXPECT_EQ(world->clock.step, plain.clock.step);
-    auto const& a = plain.gauges[0].records;
+    auto const& a = plain.gauges.gas[0].records;
     auto const& b = world->gauges[0].records;
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t n = 0; n < a.size(); ++n) {
@@ -126,10 +127,10 @@ TEST(Afterburn, WithoutEnergyChangesNoBit) {
 
 TEST(Afterburn, KeepsItsStepOnFineCells) {
   // Miller's law with its default constants.
-  World plain(fine("C-4", {}));
-  World burning(fine("C-4", material::Afterburn{10e6, material::MillerAfterburn{}}));
+  observe::Watched plain(fine("C-4", {}));
+  observe::Watched burning(fine("C-4", material::Afterburn{10e6, material::MillerAfterburn{}}));
   double least = 1.0;
-  auto const follow = [](World& world, double& shortest) {
+  auto const follow = [](observe::Watched& world, double& shortest) {
     world.setup.end.time = 120e-6;
     shortest = 1.0;
     while (!world.finished()) {

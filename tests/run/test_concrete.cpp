@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "../observe/watched.hpp"
 #include "core/parallel.hpp"
 #include "observe/point_fields.hpp"
 #include "observe/zones.hpp"
@@ -52,14 +53,14 @@ Case bar() {
   return c;
 }
 
-std::vector<double> field(World const& w, char const* name) {
+std::vector<double> field(observe::Watched const& w, char const* name) {
   std::vector<double> out;
   point_field(w, name, out);
   return out;
 }
 
 TEST(ConcreteBar, BreaksWhereTheReflectedPulseSaysAndStaysBroken) {
-  World w(bar());
+  observe::Watched w(bar());
   w.sample_gauges();
   double first = 0.0;
   double last_total = 0.0;
@@ -122,7 +123,7 @@ TEST(ConcreteBar, SameBitsForAnyNumberOfThreads) {
     right.shape = shape::Box{{0.125, 0.0, 0.0}, {0.25, 0.0, 0.0}};
     right.velocity = {5.0, 0.0, 0.0};
     c.points.bodies.push_back(right);
-    World w(c);
+    observe::Watched w(c);
     while (w.clock.step < 60) advance(w, 1.0);
     auto const D = field(w, "damage");
     EXPECT_GT(*std::max_element(D.begin(), D.end()), 0.5);
@@ -137,8 +138,8 @@ TEST(ConcreteBar, SameBitsForAnyNumberOfThreads) {
 }
 
 /// A quarter of a block of 0.4 x 0.4 x 0.1 m in cells of 10 mm, two mirror planes through its axis.
-World& block_world() {
-  static World w([] {
+observe::Watched& block_world() {
+  static observe::Watched w([] {
     Case c;
     c.domain.geometry = grid::Geometry::cartesian3d;
     c.domain.h = 0.01;
@@ -162,7 +163,7 @@ TEST(BrokenZones, AreMeasuredFromTheFaces) {
   // Painted on: a crushed cylinder of 100 mm diameter and 40 mm depth below the upper face, a cracked layer 20 to 30 mm
   // above the lower one that reaches no face. Points have a spacing of 5 mm: the area of a circle of 10 of them in
   // radius is counted to 3 %, layers exactly.
-  World& w = block_world();
+  observe::Watched& w = block_world();
   double volume = 0.0;
   for (int b = 0; b < w.points->grid().block_count(); ++b) {
     mpm::PointSet& set = w.points->points(b, 0);

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "../observe/watched.hpp"
 #include "cases.hpp"
 #include "core/parallel.hpp"
 #include "observe/gas_fields.hpp"
@@ -44,7 +45,7 @@ struct Outcome {
 
 Outcome run_case(Case const& c, int thread_count) {
   set_threads(thread_count);
-  World world(c);
+  observe::Watched world(c);
   Outcome out;
   out.cells = world.setup.domain.cell_count();
   out.fewest_active = out.cells;
@@ -67,7 +68,7 @@ Outcome run_case(Case const& c, int thread_count) {
       out.fields.insert(out.fields.end(), peak.begin(), peak.end());
     }
   }
-  for (GaugeHistory const& gauge : world.gauges) {
+  for (GaugeHistory const& gauge : world.gauges.gas) {
     for (GaugeRecord const& r : gauge.records) {
       out.gauges.insert(out.gauges.end(), {r.time, r.pressure, r.density, r.velocity[0], r.velocity[1], r.velocity[2]});
     }

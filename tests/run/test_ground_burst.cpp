@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "../observe/watched.hpp"
 #include "cases.hpp"
 
 namespace brisance::run {
@@ -40,8 +41,8 @@ Case on_the_ground(grid::Geometry geometry, grid::Boundary ground, bool programm
 TEST(GroundBurst, AWallAndASymmetryPlaneGiveTheSameBlast) {
   for (auto const geometry : {grid::Geometry::axisymmetric2d, grid::Geometry::cartesian3d}) {
     for (bool const programmed : {true, false}) {
-      World wall(on_the_ground(geometry, grid::Boundary::wall, programmed));
-      World mirror(on_the_ground(geometry, grid::Boundary::symmetry, programmed));
+      observe::Watched wall(on_the_ground(geometry, grid::Boundary::wall, programmed));
+      observe::Watched mirror(on_the_ground(geometry, grid::Boundary::symmetry, programmed));
       // The hemisphere is half of the sphere; what lies in the domain is the same.
       EXPECT_NEAR(mirror.charges[0].realised_mass / wall.charges[0].realised_mass, 2.0, 1e-12);
       EXPECT_NEAR(wall.charges[0].realised_mass / wall.charges[0].asked_mass, 1.0, 1e-12);
@@ -49,13 +50,13 @@ TEST(GroundBurst, AWallAndASymmetryPlaneGiveTheSameBlast) {
       double const images = geometry == grid::Geometry::cartesian3d ? 4.0 : 1.0;  // of the wall's: two more planes
       EXPECT_NEAR(wall.totals().mass[1] * images / wall.charges[0].realised_mass, 1.0, 1e-12);
       EXPECT_NEAR(mirror.totals().mass[1] / wall.totals().mass[1], 1.0, 1e-12);
-      for (World* world : {&wall, &mirror}) advance_to(*world, 0.25e-3);
+      for (observe::Watched* world : {&wall, &mirror}) advance_to(*world, 0.25e-3);
       ASSERT_EQ(wall.clock.step, mirror.clock.step);
       double peak = 0.0;
-      for (std::size_t g = 0; g < wall.gauges.size(); ++g) {
-        for (std::size_t n = 0; n < wall.gauges[g].records.size(); ++n) {
-          GaugeRecord const& a = wall.gauges[g].records[n];
-          GaugeRecord const& b = mirror.gauges[g].records[n];
+      for (std::size_t g = 0; g < wall.gauges.gas.size(); ++g) {
+        for (std::size_t n = 0; n < wall.gauges.gas[g].records.size(); ++n) {
+          GaugeRecord const& a = wall.gauges.gas[g].records[n];
+          GaugeRecord const& b = mirror.gauges.gas[g].records[n];
           // The masses of cut cells come from the two shapes and agree to round-off, and so does all that follows.
           ASSERT_NEAR(a.pressure / b.pressure, 1.0, 1e-9);
           ASSERT_NEAR(a.density / b.density, 1.0, 1e-9);
@@ -90,12 +91,12 @@ TEST(GroundBurst, IsTheSphericalBurstOfTwiceTheMass) {
     free.domain.boundary[0] = grid::Boundary::symmetry;
     free.charges = {tnt_charge(shape::Sphere{{0.0, 0.0, 0.0}, radius}, free.domain.geometry)};
     free.gauges = {{"radius", {0.7, 0.0, 0.0}}};
-    World ground(on_ground);
-    World sphere(free);
+    observe::Watched ground(on_ground);
+    observe::Watched sphere(free);
     EXPECT_NEAR(sphere.charges[0].realised_mass / ground.charges[0].realised_mass, 2.0, 1e-12);
     advance_to(ground, 1e-3);
     advance_to(sphere, 1e-3);
-    double const radial = impulse(sphere.gauges[0]);
+    double const radial = impulse(sphere.gauges.gas[0]);
     return std::array{impulse(ground.gauges[0]) / radial, impulse(ground.gauges[1]) / radial};
   };
   // 16 cells per radius; with 4, 8, 12, 16 and 24 the impulses differ by up to 5, 6, 4, 2 and 1 %: the jets that a grid
@@ -114,9 +115,9 @@ std::vector<GaugeRecord> ideal_burst(double pressure, double density, double end
   for (auto& state : c.inflow) state = c.ambient.state;
   c.regions = {{shape::Sphere{{0.0, 0.0, 0.0}, 0.3}, {20.0 * density, 5e6 * pressure, {0.0, 0.0, 0.0}}, false, ""}};
   c.gauges = {{"g", {1.0, 0.0, 0.0}}};
-  World world(c);
+  observe::Watched world(c);
   advance_to(world, end);
-  return world.gauges[0].records;
+  return world.gauges.gas[0].records;
 }
 
 TEST(Sachs, BurstsOfAnIdealGasAreSimilar) {

@@ -122,7 +122,7 @@ Outflow empty(double pressure, int cells_per_half, int periods, double (*contrac
   c.regions = {air_at(box(0.0, 1.0), pressure)};
   c.obstacles = {wall(box(0.0, 1.0, 1.0)), wall(box(1.0, 1.0 + h, 0.1)), panel(box(1.0, 1.0 + h, 0.0, 0.1), 0.3 * bar)};
   c.output.peak_fields = false;
-  World w(c);
+  World w = setup::build(c);
   double const period = 2.0 / std::sqrt(gamma * 101325.0 / 1.225);
   auto const room = [&] {
     // Mean pressure and density of the room.
@@ -180,7 +180,7 @@ TEST(Panels, ATubeThatOpensIsAShockTube) {
   Case c = air_case(Geometry::planar1d, {400, 1, 1}, 0.0025, Boundary::wall);
   c.regions = {air_at(box(0.0, 0.5), 4.0 * bar)};
   c.obstacles = {panel(box(0.5, 0.505), 2.0 * bar)};
-  World w(c);
+  World w = setup::build(c);
   advance_to(w, 0.6e-3);
   EXPECT_LT(audit_error(w), 1e-12);
   // Air of 4 and 1.01325 bar at 288.15 K: the pressure between the waves by the shock-tube equation.
@@ -207,7 +207,7 @@ TEST(Panels, GivesWayAtItsPressureAndNotBefore) {
   Case c = air_case(Geometry::planar2d, {200, 10, 1}, 0.01, Boundary::wall);
   c.regions = {air_at(box(0.0, 1.4), 2.0 * bar), air_at(box(1.4, 2.0), 0.5 * bar)};
   c.obstacles = {wall(box(0.4, 0.42)), panel(box(0.4, 0.42, 0.02, 0.06), 0.3 * bar)};
-  World w(c);
+  World w = setup::build(c);
   ASSERT_NEAR(only_panel(w).place.area, 0.04, 1e-12);
   double before = 0.0;
   while (!only_panel(w).released && w.clock.time < 0.05) {
@@ -239,7 +239,7 @@ TEST(Panels, HoldsBelowItsPressure) {
   Case c = air_case(Geometry::planar1d, {100, 1, 1}, 0.01, Boundary::wall);
   c.regions = {air_at(box(0.0, 0.4), 1.5 * bar)};
   c.obstacles = {panel(box(0.5, 0.52), 1.0 * bar)};
-  World w(c);
+  World w = setup::build(c);
   advance_to(w, 0.01);
   EXPECT_FALSE(only_panel(w).released);
   EXPECT_GT(only_panel(w).largest, 0.3 * bar);
@@ -288,7 +288,7 @@ TEST(Panels, OpensInEveryGeometryAndBooksWhatItsCellsHold) {
                    air_at(slab(0.2, 0.4, 0.0), low_end ? 0.5 * bar : 3.0 * bar)};
       c.obstacles = {wall(slab(0.2, 0.22, 0.0)), panel(slab(0.2, 0.22, 0.08), 2.0 * bar)};
       if (dims == 1) c.obstacles.erase(c.obstacles.begin());
-      World w(c);
+      World w = setup::build(c);
       PanelReport const& p = only_panel(w);
       EXPECT_EQ(p.place.direction, s.direction);
       EXPECT_NEAR(p.place.area, s.area, 1e-12);
@@ -325,7 +325,7 @@ TEST(Panels, AHeavyPanelOpensFromItsEdgeAsItMoves) {
   c.domain.boundary[2] = Boundary::symmetry;
   c.regions = {air_at(box(0.0, 0.5), 2.0 * bar)};
   c.obstacles = {wall(box(0.5, 0.51)), panel(box(0.5, 0.51, 0.0, 0.2), 0.5 * bar, m)};
-  World w(c);
+  World w = setup::build(c);
   PanelReport const& p = only_panel(w);
   EXPECT_NEAR(p.place.perimeter, 1.0, 1e-12) << "per metre; the edge at the plane of symmetry is none";
   ASSERT_EQ(p.place.rings.size(), 20U);
@@ -456,7 +456,7 @@ TEST(Panels, GiveTheSameBitsForAnyNumberOfThreadsAndWithSleepOnAndOff) {
     set_threads(run == 3 ? 2 : 1 << run);
     Case c = room_with_charge();
     c.numerics.sleep = run != 3;
-    World w(c);
+    World w = setup::build(c);
     while (!w.panels->reports()[1].opened && w.clock.step < 900) {
       advance(w, 1.0);
       if (run == 0) fewest = std::min(fewest, w.active_cells());

@@ -86,7 +86,7 @@ double gas_beyond(World const& w, double x) {
 constexpr char const* brittle = "failure = {model = \"johnson_cook\", D1 = 0.08, D2 = 0, D3 = 0, D4 = 0, D5 = 0}";
 
 TEST(Rupture, GasPassesWhereAPlateTearsAndNotBefore) {
-  World w(case_of(plate(brittle)));
+  World w = setup::build(case_of(plate(brittle)));
   double const x = 0.26;
   double const first = gas_beyond(w, x);
   // The plate bulges and pushes on the air that stands between it and x, at most all of it.
@@ -109,7 +109,7 @@ TEST(Rupture, GasPassesWhereAPlateTearsAndNotBefore) {
 }
 
 TEST(Rupture, NoGasPassesAPlateThatIsWhole) {
-  World w(case_of(plate("")));
+  World w = setup::build(case_of(plate("")));
   w.setup.end.time = 0.6e-3;
   double const first = gas_beyond(w, 0.26);
   while (!w.finished()) advance(w, w.setup.end.time);
@@ -158,7 +158,7 @@ double passes(World& w, double from, double to) {
 
 // Measured: 4.7 % more; the edges of bodies are a little rounder than those of cells.
 TEST(Rupture, AGapBetweenBodiesLetsThroughAsMuchAsOneBetweenObstacles) {
-  World cells(case_of(slit("[[obstacle]]")));
+  World cells = setup::build(case_of(slit("[[obstacle]]")));
   World points(
       case_of(slit("[mpm_region]\nbox = {lower = [0.16, 0], upper = [0.25, 0.05]}\n[[body]]\nname = "
                    "\"jaw\"\nmaterial = \"RHA\"\nrigid = true")));
@@ -199,8 +199,8 @@ time = "0.3 ms"
         "{}]\nupper = [0.21, {}]\n",
         name, low, high);
   };
-  World one(wall(part("wall", 0.0, 0.05)));
-  World two(wall(part("low", 0.0, 0.025) + part("high", 0.025, 0.05)));
+  World one = setup::build(wall(part("wall", 0.0, 0.05)));
+  World two = setup::build(wall(part("low", 0.0, 0.025) + part("high", 0.025, 0.05)));
   for (World* w : {&one, &two}) {
     advance_to(*w, 0.3e-3);
     w->update_audit();

@@ -1,6 +1,7 @@
 // A flyer tears a scab off a target of copper.
 #include <gtest/gtest.h>
 
+#include "../observe/watched.hpp"
 #include "cases.hpp"
 #include "deck/deck.hpp"
 
@@ -22,13 +23,13 @@ std::vector<double> scab_velocities(std::string const& spall) {
           "[[gauge]]\nname = \"face\"\nbody = \"target\"\npoint = 11.95e-3\n[end]\ntime = 8e-6\n",
       "spall.toml");
   for (auto const& error : deck.errors) ADD_FAILURE() << deck::format(error);
-  World world(Case(deck.case_.value()));
+  observe::Watched world(Case(deck.case_.value()));
   advance_to(world, 8e-6);
   std::vector<double> means;
   for (double const from : {2.2e-6, 4e-6, 6e-6}) {
     double sum = 0.0;
     long count = 0;
-    for (PointRecord const& record : world.point_gauges[0].points) {
+    for (PointRecord const& record : world.gauges.points[0].points) {
       if (record.time < from || record.time > from + 1.8e-6) continue;
       sum += record.velocity[0];
       ++count;

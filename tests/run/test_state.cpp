@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "../observe/watched.hpp"
 #include "cases.hpp"
 #include "core/archive.hpp"
 #include "core/parallel.hpp"
@@ -16,14 +17,14 @@
 namespace brisance::run {
 namespace {
 
-std::string written(World& world) {
+std::string written(observe::Watched& world) {
   std::string bytes;
   Archive a([&](void const* from, std::size_t count) { bytes.append(static_cast<char const*>(from), count); });
   world.archive(a);
   return bytes;
 }
 
-void read(World& world, std::string const& bytes) {
+void read(observe::Watched& world, std::string const& bytes) {
   Archive a(
       [&, at = std::size_t{0}](void* to, std::size_t count) mutable {
         std::memcpy(to, bytes.data() + at, count);
@@ -39,7 +40,7 @@ void append(std::vector<double>& to, double const* from, int count) {
 }
 
 /// Everything that a result can be made of.
-std::vector<double> bits_of(World& world) {
+std::vector<double> bits_of(observe::Watched& world) {
   world.update_audit();
   Totals const& out = world.audit.outflow;
   std::vector<double> bits{world.clock.time,
@@ -68,7 +69,7 @@ std::vector<double> bits_of(World& world) {
     block_field(world, b, "pressure", pressure);
     append(bits, pressure.data(), cells);
   }
-  for (GaugeHistory const& history : world.gauges) {
+  for (GaugeHistory const& history : world.gauges.gas) {
     for (GaugeRecord const& r : history.records) {
       bits.insert(bits.end(), {r.time, r.pressure, r.density, r.velocity[0], r.velocity[1], r.velocity[2]});
     }
@@ -112,8 +113,8 @@ std::vector<double> bits_of(World& world) {
                                s.internal_energy, s.plastic_work, s.largest_displacement, s.damaged_mass});
     }
   };
-  for (auto const& history : world.body_histories) add_sums(history);
-  for (PointGaugeHistory const& history : world.point_gauges) {
+  for (auto const& history : world.gauges.bodies) add_sums(history);
+  for (PointGaugeHistory const& history : world.gauges.points) {
     add_sums(history.bodies);
     bits.push_back(history.lost ? 1.0 : 0.0);
     for (PointRecord const& r : history.points) {
@@ -128,7 +129,7 @@ bool same_bits(std::vector<double> const& a, std::vector<double> const& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 
-void step(World& world) {
+void step(observe::Watched& world) {
   advance(world, world.setup.end.time);
   world.follow_audit();
   world.sample_gauges();
@@ -138,7 +139,7 @@ void step(World& world) {
 /// through. What the new world held before must not matter: it is read after a few steps of its own.
 void expect_the_same_after_any_stop(Case const& setup, int steps, int every = 1) {
   set_threads(1);  // many small cases: threads would wait for each other
-  World whole(setup);
+  observe::Watched whole(setup);
   whole.sample_gauges();
   std::vector<std::string> checkpoints{written(whole)};
   std::vector<std::vector<double>> bits{bits_of(whole)};
@@ -148,7 +149,7 @@ void expect_the_same_after_any_stop(Case const& setup, int steps, int every = 1)
     bits.push_back(bits_of(whole));
   }
   for (std::size_t n = 0; n < checkpoints.size(); n += every) {
-    World resumed(setup);
+    observe::Watched resumed(setup);
     if (n % 4 == 1) {
       for (int s = 0; s < 3; ++s) step(resumed);
     }
@@ -176,7 +177,7 @@ Case burst(Scheme scheme) {
 
 TEST(State, GasGoesOnAfterAnyStep) {
   for (Scheme const scheme : {Scheme::muscl_hancock, Scheme::lax_wendroff}) {
-    World const world(burst(scheme));
+    observe::Watched const world(burst(scheme));
     EXPECT_LT(world.active_cells(), world.setup.domain.cell_count()) << "some blocks must sleep at the start";
     expect_the_same_after_any_stop(burst(scheme), 60);
   }
@@ -188,7 +189,7 @@ TEST(State, PanelsGoOnAfterAnyStep) {
   c.obstacles = {{"plate", shape::Box{{0.0, 0.4, 0.0}, {9.0, 0.42, 0.0}}},
                  {"hatch", shape::Box{{0.0, 0.4, 0.0}, {0.2, 0.42, 0.0}}, Release{3e5, 2.0}},
                  {"ring", shape::Box{{0.3, 0.4, 0.0}, {0.36, 0.42, 0.0}}, Release{2e5, 0.0}}};
-  World world(c);
+  observe::Watched world(c);
   for (int n = 0; n < 140; ++n) step(world);
   auto const& panels = world.panels->reports();
   EXPECT_GT(panels[0].open_rings, 2);
@@ -203,7 +204,7 @@ TEST(State, AfterburnGoesOnAfterAnyStep) {
        {material::AfterburnRate{material::MillerAfterburn{2e5, 100e9, 0.5, 1.0 / 6.0, 1e5}},
         material::AfterburnRate{material::ConstantRateAfterburn{8e-6, 1e-3}}}) {
     c.afterburn = material::Afterburn{1e7, rate};
-    World world(c);
+    observe::Watched world(c);
     for (int n = 0; n < 60; ++n) step(world);
     world.update_audit();
     EXPECT_GT(world.audit.afterburn_energy, 0.0);
@@ -277,7 +278,7 @@ TEST(State, ReinforcedConcreteGoesOnAfterAnyStep) {
   push.times = {0.0, 1e-4};
   push.pressures = {3e7, 3e7};
   c.points.pressures = {push};
-  World world(c);
+  observe::Watched world(c);
   for (int n = 0; n < 40; ++n) step(world);
   EXPECT_GT(world.points->sums(0).internal_energy, 0.0);
   expect_the_same_after_any_stop(c, 40, 8);
@@ -294,14 +295,14 @@ TEST(State, PointsGoOnAfterAnyStep) {
 }
 
 TEST(State, TheCaseOfThePointsHoldsWhatItClaims) {
-  World world(everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl));
+  observe::Watched world(everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl));
   world.sample_gauges();
   for (int n = 0; n < 60; ++n) step(world);
   EXPECT_GT(world.points->losses().points, 0);
   EXPECT_NE(world.points->outer_work(), 0.0);
   EXPECT_NE(norm(world.points->constraint_impulse()), 0.0);
   EXPECT_NE(world.points->dissipation().held, 0.0);
-  EXPECT_GT(world.point_gauges[0].points.back().plastic_strain, 0.0);
+  EXPECT_GT(world.gauges.points[0].points.back().plastic_strain, 0.0);
 }
 
 TEST(State, PointsOfABurningChargeGoOnAfterAnyStep) { expect_the_same_after_any_stop(charge_slab(), 60); }
@@ -334,7 +335,7 @@ TEST(State, GasAndPointsGoOnAfterAnyStep) {
     auto const transfer = with_plate ? mpm::Transfer::apic : mpm::Transfer::flip;
     auto const order = with_plate ? mpm::StressOrder::usl : mpm::StressOrder::musl;
     Case const c = coupled(with_plate, transfer, order);
-    World world(c);
+    observe::Watched world(c);
     EXPECT_FALSE(world.bridge->awake());
     for (int n = 0; n < 60; ++n) step(world);
     EXPECT_TRUE(world.bridge->awake());
@@ -345,12 +346,12 @@ TEST(State, GasAndPointsGoOnAfterAnyStep) {
 
 TEST(State, TheNumberOfThreadsMayChange) {
   set_threads(1);
-  World whole(burst(Scheme::muscl_hancock));
+  observe::Watched whole(burst(Scheme::muscl_hancock));
   for (int n = 0; n < 20; ++n) step(whole);
   std::string const checkpoint = written(whole);
   for (int n = 0; n < 20; ++n) step(whole);
   set_threads(4);
-  World resumed(burst(Scheme::muscl_hancock));
+  observe::Watched resumed(burst(Scheme::muscl_hancock));
   read(resumed, checkpoint);
   for (int n = 0; n < 20; ++n) step(resumed);
   EXPECT_TRUE(same_bits(bits_of(resumed), bits_of(whole)));
@@ -358,7 +359,7 @@ TEST(State, TheNumberOfThreadsMayChange) {
 }
 
 std::string refusal(Case const& setup, std::string const& checkpoint) {
-  World world(setup);
+  observe::Watched world(setup);
   try {
     read(world, checkpoint);
   } catch (IoError const& error) {
@@ -369,7 +370,7 @@ std::string refusal(Case const& setup, std::string const& checkpoint) {
 
 TEST(State, OfAnotherCaseIsRefused) {
   Case const gas = burst(Scheme::muscl_hancock);
-  World world(gas);
+  observe::Watched world(gas);
   std::string const checkpoint = written(world);
   EXPECT_EQ(refusal(gas, checkpoint), "");
   Case other = gas;
@@ -389,7 +390,7 @@ TEST(State, OfAnotherCaseIsRefused) {
   EXPECT_NE(refusal(other, checkpoint).find("the position of gauge \"far\""), std::string::npos);
   EXPECT_NE(refusal(two_blocks(), checkpoint).find("whether there is gas"), std::string::npos);
 
-  World blocks(two_blocks());
+  observe::Watched blocks(two_blocks());
   std::string const of_points = written(blocks);
   Case apic = two_blocks();
   apic.points.options.transfer = mpm::Transfer::apic;
@@ -416,7 +417,7 @@ TEST(State, WhatMakesNoSenseIsRefused) {
     EXPECT_NE(why.find(words), std::string::npos) << "\"" << why << "\" does not say " << words;
   };
   Case const gas = burst(Scheme::muscl_hancock);
-  World burning(gas);
+  observe::Watched burning(gas);
   for (int n = 0; n < 5; ++n) step(burning);
   std::string const of_gas = written(burning);
   ASSERT_EQ(refusal(gas, of_gas), "");
@@ -435,7 +436,7 @@ TEST(State, WhatMakesNoSenseIsRefused) {
 
   using mpm::Field;
   Case const solid = everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl);
-  World moving(solid);
+  observe::Watched moving(solid);
   for (int n = 0; n < 5; ++n) step(moving);
   std::string const of_points = written(moving);
   ASSERT_EQ(refusal(solid, of_points), "");
@@ -463,10 +464,10 @@ TEST(State, NoNumberOfACheckpointIsTrusted) {
   Case const solid = everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl);
   for (Case const& c :
        {burst(Scheme::muscl_hancock), solid, coupled(true, mpm::Transfer::apic, mpm::StressOrder::usl)}) {
-    World whole(c);
+    observe::Watched whole(c);
     for (int n = 0; n < 3; ++n) step(whole);
     std::string const good = written(whole);
-    World other(c);
+    observe::Watched other(c);
     std::mt19937 random(11);
     int refused = 0;
     for (int trial = 0; trial < 300; ++trial) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "../observe/watched.hpp"
 #include "cases.hpp"
 #include "core/parallel.hpp"
 #include "material/chapman_jouguet.hpp"
@@ -55,16 +56,16 @@ double arrival(GaugeHistory const& gauge) {
 }
 
 TEST_F(TntSlab, RunsAtTheDetonationSpeedWithItsChapmanJouguetPressure) {
-  World world(slab(2000, {{{0.0, 0.0, 0.0}, 0.0}}));
+  observe::Watched world(slab(2000, {{{0.0, 0.0, 0.0}, 0.0}}));
   material::Explosive const& tnt = world.setup.charges[0].explosive;
   double const cj = material::chapman_jouguet(tnt.products, tnt.energy).pressure;
   EXPECT_NEAR(cj, 20.98e9, 0.01e9);
   // The front is still inside the slab at the end and nothing has left.
   advance_to(world, 0.95 * thickness / tnt.detonation_speed);
 
-  GaugeHistory const& first = world.gauges[1];
-  for (std::size_t n = 1; n < world.gauges.size(); ++n) {
-    GaugeHistory const& gauge = world.gauges[n];
+  GaugeHistory const& first = world.gauges.gas[1];
+  for (std::size_t n = 1; n < world.gauges.gas.size(); ++n) {
+    GaugeHistory const& gauge = world.gauges.gas[n];
     double const exact = gauge.gauge.position[0] / tnt.detonation_speed;
     EXPECT_NEAR(arrival(gauge) / exact, 1.0, 0.005) << gauge.gauge.name;
     EXPECT_NEAR(peak(gauge) / cj, 1.0, 0.05) << gauge.gauge.name;
@@ -85,11 +86,11 @@ TEST_F(TntSlab, RunsAtTheDetonationSpeedWithItsChapmanJouguetPressure) {
 TEST_F(TntSlab, PeakApproachesTheChapmanJouguetPressureWithTheCellSize) {
   double last = 1.0;
   for (int cells : {100, 400, 1600}) {
-    World world(slab(cells, {{{0.0, 0.0, 0.0}, 0.0}}));
+    observe::Watched world(slab(cells, {{{0.0, 0.0, 0.0}, 0.0}}));
     material::Explosive const& tnt = world.setup.charges[0].explosive;
     advance_to(world, 0.95 * thickness / tnt.detonation_speed);
     double const deviation =
-        std::abs(peak(world.gauges[4]) / material::chapman_jouguet(tnt.products, tnt.energy).pressure - 1.0);
+        std::abs(peak(world.gauges.gas[4]) / material::chapman_jouguet(tnt.products, tnt.energy).pressure - 1.0);
     EXPECT_LT(deviation, last) << cells;
     last = deviation;
   }
@@ -98,7 +99,7 @@ TEST_F(TntSlab, PeakApproachesTheChapmanJouguetPressureWithTheCellSize) {
 TEST_F(TntSlab, TwoInitiationPointsWithADelayLightWhatIsNearestInTime) {
   // The second point fires 5 us later: the waves meet where x / D = delay + (L - x) / D, x = 0.1 m + 2.5 us D.
   double const delay = 5e-6;
-  World world(slab(400, {{{0.0, 0.0, 0.0}, 0.0}, {{thickness, 0.0, 0.0}, delay}}));
+  observe::Watched world(slab(400, {{{0.0, 0.0, 0.0}, 0.0}, {{thickness, 0.0, 0.0}, delay}}));
   double const D = world.setup.charges[0].explosive.detonation_speed;
   double const meeting = 0.5 * (thickness + delay * D);
   double const h = world.setup.domain.h;

@@ -8,9 +8,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "../observe/watched.hpp"
 #include "../run/points_case.hpp"
 #include "core/parallel.hpp"
 #include "gas/components.hpp"
+#include "observe/kinetic_energy.hpp"
 #include "output/checkpoint.hpp"
 #include "output/gauges.hpp"
 #include "session/driver.hpp"
@@ -28,10 +30,10 @@ nlohmann::json log_of(Scratch const& scratch) {
 
 TEST(Drive, WritesEveryDumpAtItsTimeAndReachesTheEnd) {
   Scratch const scratch;
-  run::World world(small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n"));
-  output::Writer writer(world, scratch.path());
+  observe::Watched world(small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
   long steps = 0;
-  auto const ending = drive(world, writer, go_on, [&](run::World const& w) {
+  auto const ending = drive(world, world.gauges, writer, go_on, [&](run::World const& w) {
     ++steps;
     EXPECT_EQ(w.clock.step, steps);
   });
@@ -40,16 +42,16 @@ TEST(Drive, WritesEveryDumpAtItsTimeAndReachesTheEnd) {
   EXPECT_EQ(world.clock.time, 2e-4);
   EXPECT_EQ(writer.dump_count(), 5);
   // One record per step and the initial one.
-  EXPECT_EQ(world.gauges[0].records.size(), static_cast<std::size_t>(steps) + 1);
+  EXPECT_EQ(world.gauges.gas[0].records.size(), static_cast<std::size_t>(steps) + 1);
   EXPECT_EQ(log_of(scratch)["status"], "done");
 }
 
 TEST(Drive, GaugeIntervalThinsTheRecordsButKeepsTheLast) {
   Scratch const scratch;
-  run::World world(small_case("[output]\ngauge_interval = \"20 us\"\n[end]\ntime = \"0.19 ms\"\n"));
-  output::Writer writer(world, scratch.path());
-  EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
-  auto const& records = world.gauges[0].records;
+  observe::Watched world(small_case("[output]\ngauge_interval = \"20 us\"\n[end]\ntime = \"0.19 ms\"\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
+  EXPECT_EQ(drive(world, world.gauges, writer, go_on, ignore).code, ExitCode::done);
+  auto const& records = world.gauges.gas[0].records;
   ASSERT_EQ(records.size(), 11U);  // 0, 20, ..., 180 us and the end
   EXPECT_EQ(records.back().time, 1.9e-4);
   for (std::size_t n = 0; n + 1 < records.size(); ++n) {
@@ -60,9 +62,9 @@ TEST(Drive, GaugeIntervalThinsTheRecordsButKeepsTheLast) {
 
 TEST(Drive, StopsAtTheStepLimit) {
   Scratch const scratch;
-  run::World world(small_case("[end]\ntime = \"0.2 ms\"\nsteps = 7\n"));
-  output::Writer writer(world, scratch.path());
-  auto const ending = drive(world, writer, go_on, ignore);
+  observe::Watched world(small_case("[end]\ntime = \"0.2 ms\"\nsteps = 7\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
+  auto const ending = drive(world, world.gauges, writer, go_on, ignore);
   EXPECT_EQ(ending.code, ExitCode::done);
   EXPECT_EQ(world.clock.step, 7);
   EXPECT_NE(ending.reason.find("step limit end.steps = 7"), std::string::npos) << ending.reason;
@@ -70,28 +72,28 @@ TEST(Drive, StopsAtTheStepLimit) {
 
 TEST(Drive, StopsWhenAskedAndWritesWhatThereIs) {
   Scratch const scratch;
-  run::World world(small_case("[end]\ntime = \"0.2 ms\"\n"));
-  output::Writer writer(world, scratch.path());
+  observe::Watched world(small_case("[end]\ntime = \"0.2 ms\"\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
   std::atomic<bool> stop{false};
-  auto const ending = drive(world, writer, stop, [&](run::World const& w) { stop = w.clock.step == 5; });
+  auto const ending = drive(world, world.gauges, writer, stop, [&](run::World const& w) { stop = w.clock.step == 5; });
   EXPECT_EQ(ending.code, ExitCode::stopped_by_user);
   EXPECT_NE(ending.reason.find("step 5"), std::string::npos) << ending.reason;
   EXPECT_EQ(writer.dump_count(), 2);
-  EXPECT_EQ(world.gauges[0].records.size(), 6U);
+  EXPECT_EQ(world.gauges.gas[0].records.size(), 6U);
   EXPECT_EQ(log_of(scratch)["status"], "stopped");
   EXPECT_EQ(log_of(scratch)["exit_code"], 3);
 }
 
 TEST(Drive, ANumericalFailureLeavesTheResultsUntilThen) {
   Scratch const scratch;
-  run::World world(small_case("[end]\ntime = \"0.2 ms\"\n"));
-  output::Writer writer(world, scratch.path());
-  auto const ending = drive(world, writer, go_on, [&](run::World const& w) {
+  observe::Watched world(small_case("[end]\ntime = \"0.2 ms\"\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
+  auto const ending = drive(world, world.gauges, writer, go_on, [&](run::World const& w) {
     if (w.clock.step == 4) world.gas->fields().at(0, gas::energy)[3] = std::numeric_limits<double>::quiet_NaN();
   });
   EXPECT_EQ(ending.code, ExitCode::numerical_failure);
   EXPECT_NE(ending.reason.find("step 4"), std::string::npos) << ending.reason;
-  EXPECT_EQ(world.gauges[0].records.size(), 5U);
+  EXPECT_EQ(world.gauges.gas[0].records.size(), 5U);
   EXPECT_EQ(writer.dump_count(), 2);
   EXPECT_EQ(log_of(scratch)["exit_code"], 4);
 }
@@ -110,9 +112,9 @@ std::vector<long> checkpoints_of(Scratch const& scratch) {
 
 std::vector<long> checkpoints_after(std::string const& table, std::atomic<bool>& stop, long stop_at = -1) {
   Scratch const scratch;
-  run::World world(small_case("[end]\ntime = \"1 s\"\nsteps = 50\n[checkpoint]\nkeep = 1000\n" + table));
-  output::Writer writer(world, scratch.path());
-  (void)drive(world, writer, stop, [&](run::World const& w) {
+  observe::Watched world(small_case("[end]\ntime = \"1 s\"\nsteps = 50\n[checkpoint]\nkeep = 1000\n" + table));
+  output::Writer writer(world, world.gauges, scratch.path());
+  (void)drive(world, world.gauges, writer, stop, [&](run::World const& w) {
     if (w.clock.step == stop_at) stop = true;
   });
   return checkpoints_of(scratch);
@@ -133,9 +135,9 @@ TEST(Drive, WritesCheckpointsWhenTheDeckAsksForThem) {
 
 TEST(Drive, WritesCheckpointsByTheSimulatedTime) {
   Scratch const scratch;
-  run::World world(small_case("[end]\ntime = \"0.2 ms\"\n[checkpoint]\nkeep = 100\ninterval = \"30 us\"\n"));
-  output::Writer writer(world, scratch.path());
-  (void)drive(world, writer, go_on, ignore);
+  observe::Watched world(small_case("[end]\ntime = \"0.2 ms\"\n[checkpoint]\nkeep = 100\ninterval = \"30 us\"\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
+  (void)drive(world, world.gauges, writer, go_on, ignore);
   EXPECT_EQ(checkpoints_of(scratch).size(), 7U) << "six multiples and the end";
 }
 
@@ -143,11 +145,11 @@ TEST(Drive, CheckpointsDoNotChangeTheResults) {
   std::vector<double> times[2];
   for (int with = 0; with < 2; ++with) {
     Scratch const scratch;
-    run::World world(small_case(std::string("[end]\ntime = \"0.1 ms\"\n[checkpoint]\n") +
-                                (with != 0 ? "interval = \"1 us\"\n" : "wall_clock = 0\nat_end = false\n")));
-    output::Writer writer(world, scratch.path());
-    (void)drive(world, writer, go_on, ignore);
-    for (auto const& record : world.gauges[0].records) times[with].push_back(record.time);
+    observe::Watched world(small_case(std::string("[end]\ntime = \"0.1 ms\"\n[checkpoint]\n") +
+                                      (with != 0 ? "interval = \"1 us\"\n" : "wall_clock = 0\nat_end = false\n")));
+    output::Writer writer(world, world.gauges, scratch.path());
+    (void)drive(world, world.gauges, writer, go_on, ignore);
+    for (auto const& record : world.gauges.gas[0].records) times[with].push_back(record.time);
   }
   EXPECT_EQ(times[0], times[1]);
 }
@@ -155,16 +157,16 @@ TEST(Drive, CheckpointsDoNotChangeTheResults) {
 // The state of a step that failed is no state to go on from.
 TEST(Drive, ANumericalFailureLeavesTheCheckpointsAndAFileOfItsOwn) {
   Scratch const scratch;
-  run::World world(small_case("[end]\ntime = \"0.2 ms\"\n[checkpoint]\nsteps = 3\n"));
-  output::Writer writer(world, scratch.path());
-  auto const ending = drive(world, writer, go_on, [&](run::World const& w) {
+  observe::Watched world(small_case("[end]\ntime = \"0.2 ms\"\n[checkpoint]\nsteps = 3\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
+  auto const ending = drive(world, world.gauges, writer, go_on, [&](run::World const& w) {
     if (w.clock.step == 7) world.gas->fields().at(0, gas::energy)[3] = std::numeric_limits<double>::quiet_NaN();
   });
   EXPECT_EQ(ending.code, ExitCode::numerical_failure);
   EXPECT_EQ(checkpoints_of(scratch), (std::vector<long>{3, 6}));
   output::CheckpointReader stopped(scratch.path() / "checkpoints/stopped.brz");
   EXPECT_EQ(stopped.info().step, 7);
-  run::World failed(small_case("[end]\ntime = \"0.2 ms\"\n"));
+  observe::Watched failed(small_case("[end]\ntime = \"0.2 ms\"\n"));
   EXPECT_NO_THROW(failed.archive(stopped.archive()));
   EXPECT_TRUE(std::isnan(failed.gas->fields().at(0, gas::energy)[3]));
 }
@@ -180,10 +182,11 @@ run::Case guarded(double floor, std::string const& more) {
 
 TEST(Drive, GuardsThatAddTooMuchStopTheRunAtThatStep) {
   Scratch const scratch;
-  run::World world(guarded(1.2e5, ""));
-  output::Writer writer(world, scratch.path());
+  observe::Watched world(guarded(1.2e5, ""));
+  output::Writer writer(world, world.gauges, scratch.path());
   double within = 0.0;
-  auto const ending = drive(world, writer, go_on, [&](run::World const& w) { within = w.audit.guard_energy; });
+  auto const ending =
+      drive(world, world.gauges, writer, go_on, [&](run::World const& w) { within = w.audit.guard_energy; });
   EXPECT_EQ(ending.code, ExitCode::numerical_failure);
   EXPECT_NE(ending.reason.find("guards added"), std::string::npos) << ending.reason;
   double const charge = world.charges[0].realised_energy;
@@ -203,9 +206,9 @@ TEST(Drive, GuardsThatAddLessAreTold) {
   Scratch const scratch;
   run::Case setup = guarded(1.019e5, "");
   setup.end.steps = 5;  // before the gas expands below the floor
-  run::World world(std::move(setup));
-  output::Writer writer(world, scratch.path());
-  EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
+  observe::Watched world(std::move(setup));
+  output::Writer writer(world, world.gauges, scratch.path());
+  EXPECT_EQ(drive(world, world.gauges, writer, go_on, ignore).code, ExitCode::done);
   double const part = world.audit.guard_energy / world.charges[0].realised_energy;
   EXPECT_GT(part, 1e-4);
   EXPECT_LT(part, 1e-2);
@@ -217,9 +220,9 @@ TEST(Drive, GuardsThatAddLessAreTold) {
 TEST(Drive, WhatIsThereForComparisonAndWhatTheDeckLetsGoRunsOn) {
   for (char const* more : {"[numerics]\nscheme = \"lax-wendroff\"\n", "[audit]\nfail = 0\n"}) {
     Scratch const scratch;
-    run::World world(guarded(1.2e5, more));
-    output::Writer writer(world, scratch.path());
-    EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done) << more;
+    observe::Watched world(guarded(1.2e5, more));
+    output::Writer writer(world, world.gauges, scratch.path());
+    EXPECT_EQ(drive(world, world.gauges, writer, go_on, ignore).code, ExitCode::done) << more;
     EXPECT_GT(world.audit.guard_energy, 0.01 * world.charges[0].realised_energy) << more;
     EXPECT_FALSE(world.verdict().balanced) << more;
   }
@@ -227,9 +230,9 @@ TEST(Drive, WhatIsThereForComparisonAndWhatTheDeckLetsGoRunsOn) {
 
 TEST(Drive, AnOutputFailureEndsTheRunAtOnce) {
   Scratch const scratch;
-  run::World world(small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n"));
-  output::Writer writer(world, scratch.path());
-  auto const ending = drive(world, writer, go_on, [&](run::World const& w) {
+  observe::Watched world(small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
+  auto const ending = drive(world, world.gauges, writer, go_on, [&](run::World const& w) {
     if (w.clock.step > 1) return;
     std::filesystem::remove_all(scratch.path() / "fields");
     std::ofstream(scratch.path() / "fields") << "a file where a folder is needed\n";
@@ -247,9 +250,9 @@ TEST(Drive, EndsWhenAllBodiesHaveLeft) {
   setup.points.bodies[0].velocity = {-3000.0, 0.0, 0.0};
   setup.points.gauges = {{"tip", 0, Vec3{0.0195, 0.012, 0.0}}, {"body", 0, {}}};
   setup.end.time = 1.0;
-  run::World world(std::move(setup));
-  output::Writer writer(world, scratch.path());
-  auto const ending = drive(world, writer, go_on, ignore);
+  observe::Watched world(std::move(setup));
+  output::Writer writer(world, world.gauges, scratch.path());
+  auto const ending = drive(world, world.gauges, writer, go_on, ignore);
   EXPECT_EQ(ending.code, ExitCode::done);
   EXPECT_TRUE(ending.reason.starts_with("all bodies have left the domain at t = ")) << ending.reason;
   // Its last points start 22 mm from the face.
@@ -259,12 +262,12 @@ TEST(Drive, EndsWhenAllBodiesHaveLeft) {
   EXPECT_TRUE(summary["point_gauges"][0]["left_the_domain"]);
   EXPECT_EQ(summary["bodies"][0]["end"]["mass"], 0.0);
   // The checkpoint at the end is one from which nothing more comes.
-  run::World again(run::Case(world.setup));
+  observe::Watched again(run::Case(world.setup));
   output::CheckpointReader checkpoint(scratch.path() / "checkpoints" /
                                       fmt::format("checkpoint_{:08d}.brz", world.clock.step));
   again.archive(checkpoint.archive());
-  output::Writer resumed(again, scratch.path(), {.earlier = output::Earlier::keep});
-  EXPECT_EQ(drive(again, resumed, go_on, ignore, &checkpoint.archive()).reason, ending.reason);
+  output::Writer resumed(again, again.gauges, scratch.path(), {.earlier = output::Earlier::keep});
+  EXPECT_EQ(drive(again, again.gauges, resumed, go_on, ignore, &checkpoint.archive()).reason, ending.reason);
   EXPECT_EQ(again.clock.step, world.clock.step);
 }
 
@@ -281,9 +284,9 @@ TEST(Drive, GoesOnToTheEndWithRigidBodiesAlone) {
     setup.points.gauges.clear();
     setup.end.time = 50e-6;
     setup.audit.fail = 0.0;  // the impact at 3 km/s on four cells loses 5 % of the energy
-    run::World world(std::move(setup));
-    output::Writer writer(world, scratch.path());
-    auto const ending = drive(world, writer, go_on, ignore);
+    observe::Watched world(std::move(setup));
+    output::Writer writer(world, world.gauges, scratch.path());
+    auto const ending = drive(world, world.gauges, writer, go_on, ignore);
     EXPECT_EQ(ending.code, ExitCode::done);
     EXPECT_EQ(ending.reason, "reached the end time 50 us");
     EXPECT_EQ(world.clock.time, 50e-6);
@@ -296,11 +299,11 @@ TEST(Drive, EndsWhenTheGaugesArePastTheirPositivePhase) {
     Scratch const scratch;
     auto setup = small_case("[[gauge]]\nname = \"far\"\npoint = 0.9\n[end]\ntime = \"10 ms\"\n" + end);
     setup.gauges[1].position[0] = far;
-    run::World world(std::move(setup));
-    output::Writer writer(world, scratch.path());
-    auto const ending = drive(world, writer, go_on, ignore);
+    observe::Watched world(std::move(setup));
+    output::Writer writer(world, world.gauges, scratch.path());
+    auto const ending = drive(world, world.gauges, writer, go_on, ignore);
     EXPECT_EQ(ending.code, ExitCode::done);
-    return std::tuple(ending.reason, world.clock.step, output::summarise(world.setup, world.gauges));
+    return std::tuple(ending.reason, world.clock.step, observe::summarise(world.setup, world.gauges.gas));
   };
   auto const [reason, step, gauges] = run_with("gauges = \"positive_phase\"\n", 0.9);
   EXPECT_NE(reason.find("all gauges are past their positive phase (end.gauges)"), std::string::npos) << reason;
@@ -326,9 +329,9 @@ TEST(Drive, EndsWhenTheGaugesArePastTheirPositivePhase) {
 TEST(Drive, GaugesThatNothingReachedAreWaitedFor) {
   Scratch const scratch;
   auto setup = small_case("[end]\ntime = \"0.05 ms\"\ngauges = \"positive_phase\"\n");
-  run::World world(std::move(setup));
-  output::Writer writer(world, scratch.path());
-  EXPECT_EQ(drive(world, writer, go_on, ignore).reason, "reached the end time 50 us");
+  observe::Watched world(std::move(setup));
+  output::Writer writer(world, world.gauges, scratch.path());
+  EXPECT_EQ(drive(world, world.gauges, writer, go_on, ignore).reason, "reached the end time 50 us");
 }
 
 // A second charge is lit when the wave of the first is over: neither condition ends the run before.
@@ -343,18 +346,18 @@ TEST(Drive, ChargesThatAreLitLaterAreWaitedFor) {
             condition,
         "two.toml");
     for (auto const& error : result.errors) ADD_FAILURE() << deck::format(error);
-    run::World world{run::Case(result.case_.value())};
-    output::Writer writer(world, scratch.path());
-    EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
+    observe::Watched world{run::Case(result.case_.value())};
+    output::Writer writer(world, world.gauges, scratch.path());
+    EXPECT_EQ(drive(world, world.gauges, writer, go_on, ignore).code, ExitCode::done);
     EXPECT_GT(world.clock.time, 0.8e-3);
   }
 }
 
 TEST(Drive, EndsWhenTheMotionHasCeased) {
   Scratch const scratch;
-  run::World world(small_case("[end]\ntime = \"0.1 s\"\nkinetic_energy = 0.05\n"));
-  output::Writer writer(world, scratch.path());
-  auto const ending = drive(world, writer, go_on, ignore);
+  observe::Watched world(small_case("[end]\ntime = \"0.1 s\"\nkinetic_energy = 0.05\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
+  auto const ending = drive(world, world.gauges, writer, go_on, ignore);
   EXPECT_EQ(ending.code, ExitCode::done);
   EXPECT_NE(ending.reason.find("below 0.05 of its largest value (end.kinetic_energy)"), std::string::npos)
       << ending.reason;
@@ -380,10 +383,10 @@ TEST(Drive, TurningPointsOfAVibrationAreNoEnd) {
   setup.end.time = 3.0 * period;
   setup.end.kinetic_energy = 0.05;
   Scratch const scratch;
-  run::World world(run::Case{setup});
-  output::Writer writer(world, scratch.path());
-  EXPECT_EQ(drive(world, writer, go_on, ignore).reason, "reached the end time 120 us");
-  auto const& records = world.body_histories[0];
+  observe::Watched world(run::Case{setup});
+  output::Writer writer(world, world.gauges, scratch.path());
+  EXPECT_EQ(drive(world, world.gauges, writer, go_on, ignore).reason, "reached the end time 120 us");
+  auto const& records = world.gauges.bodies[0];
   double least = 1e300;
   for (auto const& r : records) least = std::min(least, r.sums.kinetic_energy);
   EXPECT_LT(least, 0.05 * records[0].sums.kinetic_energy) << "it never came to rest: the test shows nothing";
@@ -397,12 +400,12 @@ TEST(Drive, ConditionalEndsOutliveAStop) {
     long steps = 0;
     for (long const stop_at : {-1L, 57L, 311L}) {
       Scratch const scratch;
-      run::World world{run::Case(setup)};
+      observe::Watched world{run::Case(setup)};
       std::atomic<bool> stop{false};
       Ending ending;
       {
-        output::Writer writer(world, scratch.path());
-        ending = drive(world, writer, stop, [&](run::World const& w) { stop = w.clock.step == stop_at; });
+        output::Writer writer(world, world.gauges, scratch.path());
+        ending = drive(world, world.gauges, writer, stop, [&](run::World const& w) { stop = w.clock.step == stop_at; });
       }
       if (stop_at < 0) {
         EXPECT_EQ(ending.code, ExitCode::done);
@@ -412,11 +415,11 @@ TEST(Drive, ConditionalEndsOutliveAStop) {
         continue;
       }
       ASSERT_EQ(ending.code, ExitCode::stopped_by_user);
-      run::World again{run::Case(setup)};
+      observe::Watched again{run::Case(setup)};
       auto found = output::newest_checkpoint(scratch.path());
       again.archive(found.reader->archive());
-      output::Writer writer(again, scratch.path(), {.earlier = output::Earlier::keep});
-      EXPECT_EQ(drive(again, writer, go_on, ignore, &found.reader->archive()).reason, reason);
+      output::Writer writer(again, again.gauges, scratch.path(), {.earlier = output::Earlier::keep});
+      EXPECT_EQ(drive(again, again.gauges, writer, go_on, ignore, &found.reader->archive()).reason, reason);
       EXPECT_EQ(again.clock.step, steps);
     }
   }
@@ -428,9 +431,10 @@ TEST(Drive, ConditionalEndsDoNotDependOnThreads) {
   for (int const count : {1, 4}) {
     set_threads(count);
     Scratch const scratch;
-    run::World world(small_case("[numerics]\nblock_cells = 16\n[end]\ntime = \"20 ms\"\nkinetic_energy = 0.3\n"));
-    output::Writer writer(world, scratch.path());
-    reasons.push_back(drive(world, writer, go_on, ignore).reason + fmt::format(" {:a}", world.kinetic_energy()));
+    observe::Watched world(small_case("[numerics]\nblock_cells = 16\n[end]\ntime = \"20 ms\"\nkinetic_energy = 0.3\n"));
+    output::Writer writer(world, world.gauges, scratch.path());
+    reasons.push_back(drive(world, world.gauges, writer, go_on, ignore).reason +
+                      fmt::format(" {:a}", observe::kinetic_energy(world)));
   }
   set_threads(before);
   EXPECT_EQ(reasons[0], reasons[1]);
@@ -439,9 +443,9 @@ TEST(Drive, ConditionalEndsDoNotDependOnThreads) {
 TEST(Drive, StopsByTheClockWithACheckpoint) {
   auto const deck = "[end]\ntime = \"1 s\"\nwall_clock = \"20 ms\"\n[checkpoint]\non_signal = false\nat_end = false\n";
   Scratch const scratch;
-  run::World world(small_case(deck));
-  output::Writer writer(world, scratch.path());
-  auto const ending = drive(world, writer, go_on, ignore);
+  observe::Watched world(small_case(deck));
+  output::Writer writer(world, world.gauges, scratch.path());
+  auto const ending = drive(world, world.gauges, writer, go_on, ignore);
   EXPECT_EQ(ending.code, ExitCode::stopped_by_user);
   EXPECT_NE(ending.reason.find("stopped by the clock, end.wall_clock = 20 ms, at t = "), std::string::npos)
       << ending.reason;
@@ -450,20 +454,20 @@ TEST(Drive, StopsByTheClockWithACheckpoint) {
   EXPECT_EQ(log_of(scratch)["exit_code"], 3);
   // Also one whose time was over before it began makes a step.
   Scratch const second;
-  run::World late(small_case(deck));
-  output::Writer late_writer(late, scratch.path() / "late");
+  observe::Watched late(small_case(deck));
+  output::Writer late_writer(late, late.gauges, scratch.path() / "late");
   auto const long_ago = std::chrono::steady_clock::now() - std::chrono::hours(1);
-  EXPECT_EQ(drive(late, late_writer, go_on, ignore, nullptr, long_ago).code, ExitCode::stopped_by_user);
+  EXPECT_EQ(drive(late, late.gauges, late_writer, go_on, ignore, nullptr, long_ago).code, ExitCode::stopped_by_user);
   EXPECT_EQ(late.clock.step, 1);
 }
 
 // A run is done when all of it is written: one whose profile cannot be is not.
 TEST(Drive, IsNotDoneBeforeItsProfileIsWritten) {
   Scratch const scratch;
-  run::World world(small_case("[output]\nprofile = true\n[end]\ntime = \"0.02 ms\"\n"));
-  output::Writer writer(world, scratch.path());
+  observe::Watched world(small_case("[output]\nprofile = true\n[end]\ntime = \"0.02 ms\"\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
   std::ofstream(scratch.path() / "profiles") << "in the way";
-  auto const ending = drive(world, writer, go_on, ignore);
+  auto const ending = drive(world, world.gauges, writer, go_on, ignore);
   EXPECT_EQ(ending.code, ExitCode::io_failure);
   EXPECT_NE(ending.reason.find("profiles"), std::string::npos) << ending.reason;
   EXPECT_EQ(log_of(scratch)["status"], "stopped");
@@ -472,9 +476,9 @@ TEST(Drive, IsNotDoneBeforeItsProfileIsWritten) {
 
 TEST(Drive, IsNotDoneWithAStateThatIsNoProfile) {
   Scratch const scratch;
-  run::World world(small_case("[output]\nprofile = true\n[end]\ntime = \"2 us\"\n"));
-  output::Writer writer(world, scratch.path());
-  auto const ending = drive(world, writer, go_on, ignore);
+  observe::Watched world(small_case("[output]\nprofile = true\n[end]\ntime = \"2 us\"\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
+  auto const ending = drive(world, world.gauges, writer, go_on, ignore);
   EXPECT_EQ(ending.code, ExitCode::bad_input);
   EXPECT_NE(ending.reason.find("still burns"), std::string::npos) << ending.reason;
   EXPECT_EQ(log_of(scratch)["status"], "stopped");
@@ -483,9 +487,9 @@ TEST(Drive, IsNotDoneWithAStateThatIsNoProfile) {
 
 TEST(Drive, WritesItsProfileBeforeItSaysDone) {
   Scratch const scratch;
-  run::World world(small_case("[output]\nprofile = true\n[end]\ntime = \"0.02 ms\"\n"));
-  output::Writer writer(world, scratch.path());
-  EXPECT_EQ(drive(world, writer, go_on, ignore).code, ExitCode::done);
+  observe::Watched world(small_case("[output]\nprofile = true\n[end]\ntime = \"0.02 ms\"\n"));
+  output::Writer writer(world, world.gauges, scratch.path());
+  EXPECT_EQ(drive(world, world.gauges, writer, go_on, ignore).code, ExitCode::done);
   EXPECT_EQ(log_of(scratch)["status"], "done");
   EXPECT_TRUE(std::filesystem::exists(scratch.path() / "profiles/end.h5"));
 }

@@ -20,7 +20,7 @@ using shape::Sphere;
 /// Builds the world and compares the asked mass with the report and with the sum over the grid.
 void expect_exact_mass(Case const& c, double images, std::string const& what) {
   SCOPED_TRACE(what);
-  World const world(c);
+  World const world = setup::build(c);
   ASSERT_EQ(world.charges.size(), 1U);
   double const asked = c.charges[0].mass;
   EXPECT_GT(asked, 0.0);
@@ -109,7 +109,7 @@ TEST(ChargeBurst, ChargesThatAreLitTogetherButForRoundingTakeNoStepOfThatLength)
   for (double const x : {0.15, 0.25}) {
     c.charges.push_back(tnt_charge(Box{{x, 0.0, 0.0}, {x + 0.05, 0.05, 1.0}}, c.domain.geometry));
   }
-  World world(c);
+  World world = setup::build(c);
   EXPECT_NO_THROW(advance_to(world, 2e-6));
   EXPECT_LT(world.clock.step, 100);
 }
@@ -120,7 +120,7 @@ TEST(ChargePlacement, OffCentreCutsAndOverhangsAreRefused) {
     c.domain.boundary[0] = low;
     c.charges = {tnt_charge(Sphere{middle, radius}, c.domain.geometry)};
     try {
-      World const world(c);
+      World const world = setup::build(c);
     } catch (InputError const& error) {
       return std::string(error.what());
     }

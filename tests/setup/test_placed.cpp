@@ -7,6 +7,7 @@
 
 #include "../run/cases.hpp"
 #include "core/parallel.hpp"
+#include "setup/fluids.hpp"
 #include "setup/solid_cells.hpp"
 #include "shape/placement.hpp"
 
@@ -44,7 +45,7 @@ struct Quiet {
 
 Quiet quiet(Case c) {
   c.regions.clear();
-  World const world(c);
+  World const world = setup::build(c);
   double volume = 0.0;
   for (int i = 0; i < c.domain.cells[0]; ++i) volume += c.domain.cell_volume(i) * c.domain.cells[1] * c.domain.cells[2];
   Totals const t = world.totals();
@@ -107,7 +108,7 @@ TEST(PlacedRegions, HoldTheirVolumeTimesTheirState) {
     Vec3 const wind = radial ? Vec3{0.0, 0.0, 0.0} : Vec3{120.0, 0.0, 0.0};
     Quiet const before = quiet(c);
     c.regions = {region_of(p.shape, 5.0, 3e6, wind)};
-    World const world(c);
+    World const world = setup::build(c);
     double const mass = before.mass + p.volume * (5.0 - c.ambient.state.density);
     double const energy = before.energy + p.volume * (energy_of(c.regions[0].state) - energy_of(c.ambient.state));
     // The oblique cylinder has no closed form on the grid: its volume is integrated to 1e-5.
@@ -128,7 +129,7 @@ TEST(PlacedRegions, FilledCellsAreThoseOfTheStateToTheBit) {
   Case c = air_case(Geometry::planar2d, {20, 10, 1}, 0.1, Boundary::wall);
   c.regions = {region_of(Box{{-1.0, -1.0, -0.5}, {0.7, 3.0, 0.5}}, 0.3, 7e5, {11.0, -3.0, 0.0}),
                region_of(Box{{0.3, 0.2, -0.5}, {1.2, 0.9, 0.5}}, 2.7, 1.1e5)};
-  World const world(c);
+  World const world = setup::build(c);
   for (int j = 0; j < 10; ++j) {
     for (int i = 0; i < 20; ++i) {
       bool const second = i >= 3 && i < 12 && j >= 2 && j < 9;
@@ -151,7 +152,7 @@ TEST(PlacedRegions, LaterOnesOverwriteEarlierOnesByVolume) {
   Vec3 const middle{0.1712, 0.2009, 0.0};
   c.regions = {region_of(Cylinder{middle, R, 1.0, along_z}, 2.0, 1e6),
                region_of(Cylinder{middle, r, 1.0, along_z}, 4.0, 5e6)};
-  World const world(c);
+  World const world = setup::build(c);
   double const air = c.ambient.state.density;
   double const mass = before.mass + pi * (R * R - r * r) * (2.0 - air) + pi * r * r * (4.0 - air);
   EXPECT_NEAR(world.totals().mass[0], mass, 1e-11 * pi * R * R);
@@ -162,7 +163,7 @@ TEST(PlacedRegions, LaterOnesOverwriteEarlierOnesByVolume) {
   Case halves = air_case(Geometry::planar1d, {10, 1, 1}, 0.1, Boundary::wall);
   halves.regions = {region_of(Box{{0.0, -0.5, -0.5}, {0.525, 0.5, 0.5}}, 1.0, 1e5),
                     region_of(Box{{0.525, -0.5, -0.5}, {1.0, 0.5, 0.5}}, 3.0, 1e5)};
-  World const two(halves);
+  World const two = setup::build(halves);
   EXPECT_NEAR(two.totals().mass[0], 0.525 + 3.0 * 0.475, 1e-14);
   EXPECT_NEAR(two.gas->primitive(0, 5, 0, 0).density, 0.25 + 0.75 * 3.0, 1e-14);
   EXPECT_NEAR(two.gas->primitive(0, 5, 0, 0).pressure, 1e5, 1e-9);
@@ -175,7 +176,7 @@ TEST(PlacedRegions, OfTheSecondFluidHoldItsMass) {
   Region region = region_of(Sphere{{0.1143, 0.1117, 0.1038}, R}, c.second_fluid->density, 101325.0);
   region.second_fluid = true;
   c.regions = {region};
-  World const world(c);
+  World const world = setup::build(c);
   double const volume = 4.0 / 3.0 * pi * R * R * R;
   EXPECT_NEAR(world.totals().mass[1] / (volume * c.second_fluid->density), 1.0, 1e-11);
   double const all = h * h * h * static_cast<double>(c.domain.cell_count());
@@ -189,7 +190,7 @@ TEST(PlacedRegions, GiveWayToChargesAndObstacles) {
   c.regions = {region_of(Box{{-1.0, -1.0, -0.5}, {2.0, 2.0, 0.5}}, 3.0, 4e5)};
   Cylinder const disc{{0.51, 0.47, 0.0}, 0.16, 1.0, along_z};
   c.charges = {tnt_charge(disc, c.domain.geometry)};
-  World const world(c);
+  World const world = setup::build(c);
   double const area = pi * 0.16 * 0.16;
   EXPECT_NEAR(world.totals().mass[1] / (area * c.charges[0].explosive.density()), 1.0, 1e-12);
   EXPECT_NEAR(world.totals().mass[0] / ((1.0 - area) * 3.0), 1.0, 1e-12);
@@ -198,7 +199,7 @@ TEST(PlacedRegions, GiveWayToChargesAndObstacles) {
 
   c.charges.clear();
   c.obstacles = {{"block", Box{{0.5, 0.0, -0.5}, {1.0, 1.0, 0.5}}}};
-  World const blocked(c);
+  World const blocked = setup::build(c);
   EXPECT_NEAR(blocked.regions[0].volume, 0.5, 1e-12);
   EXPECT_NEAR(blocked.regions[0].asked_volume, 1.0, 1e-12);
 }
@@ -209,7 +210,7 @@ TEST(PlacedRegions, SedovOfThreeCellsPerRadiusRunsAtItsRadius) {
   c.domain.boundary[0] = c.domain.boundary[2] = Boundary::symmetry;
   c.ambient.state = {1000.0, 0.01, {0.0, 0.0, 0.0}};
   c.regions = {region_of(Cylinder{{0.0, 0.0, 0.0}, 0.006, 1.0, along_z}, 1000.0, 3536776.5131532303)};
-  World world(c);
+  World world = setup::build(c);
   set_threads(1);  // a small grid: it takes a quarter of a second
   advance_to(world, 0.05);
   set_threads(0);
@@ -239,7 +240,7 @@ TEST(PlacedObstacles, AreSolidFromHalfACellOn) {
   Case c = air_case(Geometry::planar1d, {20, 1, 1}, 0.1, Boundary::outflow);
   for (auto const& [upper, cells] : {std::pair{1.04, 5}, {1.049, 5}, {1.05, 6}, {1.06, 6}}) {
     c.obstacles = {{"wall", Box{{0.5, -0.5, -0.5}, {upper, 0.5, 0.5}}}};
-    World const world(c);
+    World const world = setup::build(c);
     ASSERT_EQ(world.obstacles.size(), 1U);
     EXPECT_EQ(world.obstacles[0].cells, cells) << upper;
     EXPECT_NEAR(world.obstacles[0].asked_volume, upper - 0.5, 1e-12);
@@ -257,7 +258,7 @@ TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
   Case c = air_case(Geometry::planar2d, {20, 20, 1}, 0.05, Boundary::outflow);
   c.charges = {tnt_charge(Cylinder{{0.41, 0.52, 0.0}, 0.11, 1.0, along_z}, c.domain.geometry)};
   c.obstacles = {{"wall", Box{{0.52, 0.0, -0.5}, {0.8, 1.0, 0.5}}}};  // 0.6 of the cell that the charge ends in
-  World const world(c);
+  World const world = setup::build(c);
   EXPECT_TRUE(world.gas->is_obstacle(0, 10, 10, 0));
   EXPECT_EQ(world.gas->primitive(0, 10, 10, 0).mass_fraction, 0.0);
   EXPECT_NEAR(world.totals().mass[1] / c.charges[0].mass, 1.0, 1e-12);

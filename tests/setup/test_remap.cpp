@@ -5,6 +5,7 @@
 
 #include "../run/cases.hpp"
 #include "core/parallel.hpp"
+#include "setup/fluids.hpp"
 
 namespace brisance::setup {
 namespace {
@@ -131,7 +132,7 @@ void expect_momentum(World const& world, Case const& c) {
 /// cells outside.
 void expect_conservation(Case const& c, std::string const& what) {
   SCOPED_TRACE(what);
-  World const world(c);
+  World const world = setup::build(c);
   ASSERT_EQ(world.starts.size(), c.charges.size());
   auto const& report = world.starts[0].remap;
   fmt::print(
@@ -238,7 +239,7 @@ detonation::Profile cylinder_burst(double ground, double burst, double mass_fact
   c.charges = {
       tnt_charge(Cylinder{{0.0, ground * scale, 0.0}, 0.8 * radius * scale, 2.4 * radius * scale, {0.0, 1.0, 0.0}},
                  Geometry::axisymmetric2d)};
-  World world(c);
+  World world = setup::build(c);
   while (world.gas->burning() || profile_of(world).reach() < burst * scale) advance(world, 1.0);
   return profile_of(world);
 }
@@ -353,7 +354,7 @@ TEST_F(Remap, TwoChargesBurstAtOneTime) {
   c.start.radius.reset();
   Charge second = tnt_charge(Sphere{{0.4513, 0.2, 0.2}, 0.8 * radius}, Geometry::cartesian3d);
   c.charges.push_back(second);
-  World const world(c);
+  World const world = setup::build(c);
   ASSERT_EQ(world.starts.size(), 2U);
   EXPECT_EQ(world.starts[0].remap.time, world.starts[1].remap.time);
   EXPECT_GT(world.starts[0].remap.radius, world.starts[1].remap.radius);
@@ -371,7 +372,7 @@ TEST_F(Remap, IsTheSameForAnyNumberOfThreads) {
   std::vector<double> first;
   for (int const count : {1, 2, 3}) {
     set_threads(count);
-    World world(c);
+    World world = setup::build(c);
     for (int step = 0; step < 3; ++step) advance(world, 1.0);
     std::vector<double> all{world.clock.time};
     for (int b = 0; b < world.grid.block_count(); ++b) {

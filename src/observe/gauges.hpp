@@ -1,0 +1,96 @@
+/// Gauges of the gas, of the material points and of bodies, and what they have recorded.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "case/case.hpp"
+#include "core/vec.hpp"
+#include "mpm/mpm.hpp"
+
+namespace brisance {
+class Archive;
+namespace run {
+class World;
+}
+}  // namespace brisance
+
+namespace brisance::observe {
+
+class GasView;
+
+/// What a gauge in the gas records.
+struct GaugeRecord {
+  double time = 0.0;
+  double pressure = 0.0;  ///< [Pa]
+  double density = 0.0;   ///< [kg/m3]
+  Vec3 velocity{0.0, 0.0, 0.0};
+};
+
+struct GaugeHistory {
+  Gauge gauge;
+  std::vector<GaugeRecord> records;
+};
+
+/// What a gauge that rides on a point records.
+struct PointRecord {
+  double time = 0.0;
+  Vec3 position{0.0, 0.0, 0.0};      ///< [m]
+  Vec3 displacement{0.0, 0.0, 0.0};  ///< since the start [m]
+  Vec3 velocity{0.0, 0.0, 0.0};      ///< [m/s]
+  double pressure = 0.0;             ///< mean stress, tension negative [Pa]
+  double mises = 0.0;                ///< equivalent stress [Pa]
+  double density = 0.0;              ///< [kg/m3]
+  double plastic_strain = 0.0;
+  double temperature = 0.0;  ///< [K]
+  double damage = 0.0;
+};
+
+/// What a gauge that watches a body records.
+struct BodyRecord {
+  double time = 0.0;
+  mpm::BodySums sums;
+};
+
+struct PointGaugeHistory {
+  PointGauge gauge;
+  long identity = -1;  ///< of the point that the gauge rides on; -1: it watches the body
+  mpm::Place place;    ///< where that point was last
+  bool lost = false;   ///< the point has left the domain: the record has ended
+  std::vector<PointRecord> points;
+  std::vector<BodyRecord> bodies;
+};
+
+void archive(Archive& a, GaugeRecord& record);
+void archive(Archive& a, PointRecord& record);
+void archive(Archive& a, BodyRecord& record);
+
+/// The histories of all gauges of a world.
+class Gauges {
+ public:
+  /// To be made of the world that `setup::build` has built, before its first step. Nothing is recorded yet; only where
+  /// the world begins with a remap, the gauges hold the ambient gas until then.
+  explicit Gauges(run::World const& world);
+  ~Gauges();
+
+  std::vector<GaugeHistory> gas;
+  std::vector<PointGaugeHistory> points;
+  /// Sums over each body, about a thousand times in a run: at the start, then whenever the gauges are sampled and the
+  /// next thousandth of the end time or the end itself is reached.
+  std::vector<std::vector<BodyRecord>> bodies;
+
+  /// Records every gauge at the present time of the world, among whose timings is how long that takes.
+  void sample(run::World& world);
+  /// Records the sums over each body at the present time, where that has not been done: for the end of a run.
+  void record_bodies(run::World const& world);
+  /// The histories in a checkpoint, after the world itself. Throws IoError where they are of other gauges.
+  void archive(Archive& a, run::World const& world);
+
+ private:
+  void sample_gas(run::World const& world);
+  void sample_points(run::World const& world);
+  std::unique_ptr<GasView> view_;  ///< made with the first sample
+};
+
+}  // namespace brisance::observe

@@ -1,0 +1,195 @@
+#include "setup/place_gas.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "detonation/charge.hpp"
+#include "run/world.hpp"
+#include "setup/fluids.hpp"
+#include "setup/place_gas_regions.hpp"
+#include "setup/place_panels.hpp"
+#include "setup/solid_cells.hpp"
+#include "setup/start.hpp"
+
+namespace brisance::setup {
+
+namespace {
+
+gas::Options options_of(Case const& c) {
+  gas::Options o;
+  o.scheme = c.numerics.scheme;
+  o.beta = c.numerics.limiter_beta;
+  o.carbuncle_cure = c.numerics.carbuncle_cure;
+  o.density_floor = c.numerics.density_floor;
+  o.pressure_floor = c.numerics.pressure_floor;
+  o.viscosity = c.numerics.viscosity;
+  o.sleep = c.numerics.sleep;
+  o.peak_fields = c.output.peak_fields;
+  o.afterburn = c.afterburn;
+  return o;
+}
+
+void place_obstacles(Case const& c, std::vector<std::uint8_t> const& flags, grid::Grid const& grid, gas::Gas& gas,
+                     gas::MixtureState const& ambient) {
+  grid::Domain const& domain = grid.domain();
+  auto const is_solid = [&](Index3 const& cell) {
+    return flags[static_cast<std::size_t>(cell[0]) +
+                 static_cast<std::size_t>(domain.cells[0]) *
+                     (static_cast<std::size_t>(cell[1]) +
+                      static_cast<std::size_t>(domain.cells[1]) * static_cast<std::size_t>(cell[2]))] != 0;
+  };
+  if (c.obstacles.empty()) return;
+  for (int b = 0; b < grid.block_count(); ++b) {
+    grid::Block const& block = grid.blocks()[b];
+    gas::PaddedBox const box(block, domain.dimensions());
+    std::vector<std::uint8_t> solid(static_cast<std::size_t>(box.count()), 0);
+    bool any = false;
+    for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
+      for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
+        for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
+          Index3 const cell{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k};
+          if (!is_solid(grid::image_cell(domain, cell))) continue;
+          solid[box.offset(i, j, k)] = 1;
+          any = true;
+          bool const own = i >= 0 && j >= 0 && k >= 0 && i < block.n[0] && j < block.n[1] && k < block.n[2];
+          if (own) gas.set(b, block.offset(i, j, k), ambient);
+        }
+      }
+    }
+    if (any) gas.set_obstacles(b, std::move(solid));
+  }
+}
+
+/// Where the waves come from that outflow boundaries are to let out.
+std::vector<gas::WaveSource> wave_sources(Case const& c) {
+  std::vector<gas::WaveSource> sources;
+  auto const add = [&](shape::Shape const& shape) {
+    gas::WaveSource source;
+    shape::Box const box = shape::bounds(shape);
+    source.position = shape::centre(shape);
+    for (int d = 0; d < c.domain.dimensions(); ++d) {
+      double const slack = 0.5 * c.domain.h;
+      source.spans[d] = box.lower[d] <= c.domain.lower[d] + slack && box.upper[d] >= c.domain.upper(d) - slack;
+      // Of a shape that reaches out of the domain only the part inside is there.
+      if (box.lower[d] < c.domain.lower[d] || box.upper[d] > c.domain.upper(d)) {
+        double const inside =
+            0.5 * (std::max(box.lower[d], c.domain.lower[d]) + std::min(box.upper[d], c.domain.upper(d)));
+        bool const cut_at_middle = std::abs(source.position[d] - c.domain.lower[d]) < slack ||
+                                   std::abs(source.position[d] - c.domain.upper(d)) < slack;
+        if (!cut_at_middle) source.position[d] = inside;
+      }
+    }
+    sources.push_back(source);
+  };
+  for (Charge const& charge : c.charges) add(charge.shape);
+  for (Body const& body : c.points.bodies) {
+    if (body.solid.burns()) add(body.shape);
+  }
+  if (sources.empty()) {
+    for (Region const& region : c.regions) add(region.shape);
+  }
+  // A wind is disturbed by what stands in it.
+  if (sources.empty() && norm(c.ambient.state.velocity) > 0.0) {
+    for (Obstacle const& obstacle : c.obstacles) add(obstacle.shape);
+    for (Body const& body : c.points.bodies) add(body.shape);
+  }
+  return sources;
+}
+
+detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
+  Case const& setup = w.setup;
+  gas::Gas& gas = *w.gas;
+  grid::Grid const& grid = w.grid;
+  std::vector<detonation::BurningCharge> burning;
+  detonation::TakenCells taken;
+  std::function<bool(Index3 const&)> is_solid;
+  if (solid.any()) is_solid = [&](Index3 const& cell) { return solid(cell); };
+  int number = 0;
+  for (Charge const& charge : setup.charges) {
+    ++number;
+    std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
+    double const density = charge.explosive.density();
+    detonation::FilledCells const filled =
+        detonation::fill_cells(charge.shape, grid, charge.mass / density, what, is_solid);
+    // What the cells really hold, not what they were meant to: read before and after.
+    auto const products = [&] {
+      double mass = 0.0;
+      for (Index3 const& cell : filled.cells) {
+        int const b = grid.block_of(cell);
+        Index3 const& o = grid.blocks()[b].origin;
+        int const at = grid.blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
+        mass += gas.fields().at(b, gas::second_density)[at] * setup.domain.cell_volume(cell[0]);
+      }
+      return mass;
+    };
+    double const before = products();
+    detonation::place_charge(gas, filled, charge.explosive, taken);
+    if (charge.detonation == Detonation::programmed) {
+      burning.push_back({charge.shape, charge.initiation});
+    } else {
+      detonation::expect_instantaneous_burst(gas, charge.shape, charge.explosive.detonation_speed);
+    }
+
+    run::ChargeReport report;
+    report.explosive = charge.explosive.name;
+    report.asked_mass = charge.mass;
+    report.realised_mass = (products() - before) * filled.images;
+    report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
+    report.cells_per_radius =
+        shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / setup.domain.h;
+    w.charges.push_back(report);
+  }
+  if (!burning.empty()) detonation::set_programmed_burn(gas, burning, setup.charges.front().explosive);
+  return taken;
+}
+
+}  // namespace
+
+void place_gas(run::World& w) {
+  Case const& setup = w.setup;
+  std::array<gas::MixtureState, 6> inflow;
+  for (int face = 0; face < 6; ++face) inflow[face] = ambient_mixture(setup.inflow[face]);
+  w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), ambient_mixture(setup.ambient.state),
+                                     inflow);
+  gas::Gas& gas = *w.gas;
+  gas.set_wave_sources(wave_sources(setup));
+  grid::Grid const& grid = w.grid;
+  gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
+  RegionPlacing regions(setup);
+  regions.fill(gas);
+  SolidCells const solid(setup.domain, setup.obstacles);
+  if (!setup.start.remap) regions.give_way(place_charges(w, solid));
+  w.regions = regions.reports();
+  if (solid.any()) {
+    place_obstacles(setup, solid.all(), grid, gas, ambient);
+    w.obstacles = *solid.reports(std::numeric_limits<long>::max());
+    auto panels = place_panels(setup.domain, setup.obstacles, solid);
+    if (!panels.empty()) w.panels = std::make_unique<run::Panels>(std::move(panels));
+  }
+  if (setup.start.remap && !setup.start.from_checkpoint) place_start(w);
+}
+
+run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
+                                  SolidCells const* solid, detonation::TakenCells* taken) {
+  double const density = charge.explosive.density();
+  std::function<bool(Index3 const&)> is_solid;
+  if (solid != nullptr && solid->any()) is_solid = [&](Index3 const& cell) { return (*solid)(cell); };
+  auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what, is_solid);
+  double volume = 0.0;
+  for (std::size_t n = 0; n < filled.cells.size(); ++n) {
+    volume += filled.fractions[n] * grid.domain().cell_volume(filled.cells[n][0]);
+    if (taken != nullptr) (*taken)[filled.cells[n]] += filled.fractions[n];
+  }
+  run::ChargeReport report;
+  report.explosive = charge.explosive.name;
+  report.asked_mass = charge.mass;
+  report.realised_mass = volume * filled.images * density;
+  report.realised_energy = volume * filled.images * charge.explosive.energy;
+  report.cells_per_radius = shape::equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.domain().h;
+  return report;
+}
+
+}  // namespace brisance::setup

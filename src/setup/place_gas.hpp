@@ -1,0 +1,26 @@
+/// The gas of a case in the cells of its grid.
+#pragma once
+
+#include <string>
+
+#include "detonation/charge.hpp"
+#include "run/reports.hpp"
+#include "setup/solid_cells.hpp"
+
+namespace brisance::run {
+class World;
+}
+
+namespace brisance::setup {
+
+/// What a charge would become on a grid, beside the solid cells of obstacles; the cells that it takes are added to
+/// `taken`. Throws InputError where it does not fit.
+[[nodiscard]] run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
+                                                SolidCells const* solid = nullptr,
+                                                detonation::TakenCells* taken = nullptr);
+
+/// Builds `world.gas`: ambient, regions, obstacles with their panels, and the charges or what a remap makes of them,
+/// and reports what became of each. Throws InputError where the case cannot be realised.
+void place_gas(run::World& world);
+
+}  // namespace brisance::setup
