@@ -6,18 +6,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/text.hpp"
+#include "core/text.hpp"
 #include "observe/blast_summary.hpp"
 
 namespace brisance::app {
 
 namespace {
 
-constexpr std::size_t most_rows = 30;        // gauges that a table at the end shows
-constexpr std::size_t most_lines = 8;        // gauges that `check` shows
-constexpr double marked_clipping = 0.05;     // of the peak: beyond it the table is followed by a note
-constexpr double alarming_clipping = 0.10;   // of the peak: beyond it `check` warns
-constexpr double tolerable_clipping = 0.05;  // for which the warning names the cell
+constexpr std::size_t most_rows = 30;     // gauges that a table at the end shows
+constexpr std::size_t most_lines = 8;     // gauges that `check` shows
+constexpr double marked_clipping = 0.05;  // of the peak: beyond it the table is followed by a note
 
 std::string cell(std::optional<double> value, char const* unit) { return value ? quantity(*value, unit) : "-"; }
 
@@ -98,17 +96,9 @@ void clipping_note(std::vector<observe::GaugeSummary> const& gauges, std::string
 
 }  // namespace
 
-std::vector<GaugePlan> plan_gauges(run::Case const& setup) {
-  std::vector<GaugePlan> plans;
-  plans.reserve(setup.gauges.size());
-  for (run::Gauge const& gauge : setup.gauges)
-    plans.push_back({gauge.name, observe::expected_peak(setup, gauge.position)});
-  return plans;
-}
-
-std::string gauge_plan_text(std::vector<GaugePlan> const& gauges) {
-  std::vector<GaugePlan const*> known;
-  for (GaugePlan const& g : gauges) {
+std::string gauge_plan_text(std::vector<session::GaugePlan> const& gauges) {
+  std::vector<session::GaugePlan const*> known;
+  for (session::GaugePlan const& g : gauges) {
     if (g.peak) known.push_back(&g);
   }
   std::size_t const count = known.size();
@@ -117,7 +107,7 @@ std::string gauge_plan_text(std::vector<GaugePlan> const& gauges) {
     known.resize(most_lines);
   }
   std::string out;
-  for (GaugePlan const* g : known) {
+  for (session::GaugePlan const* g : known) {
     out += fmt::format("{:<12} {}: {} cells in the half width of the {}peak; its record will be about {} low\n",
                        g == known.front() ? "peaks" : "", g->name, cell_count(g->peak->cells_per_half_width),
                        g->peak->reflected ? "reflected " : "", percent(g->peak->clipping));
@@ -126,9 +116,9 @@ std::string gauge_plan_text(std::vector<GaugePlan> const& gauges) {
   return out;
 }
 
-nlohmann::json gauge_plan_json(std::vector<GaugePlan> const& gauges) {
+nlohmann::json gauge_plan_json(std::vector<session::GaugePlan> const& gauges) {
   nlohmann::json rows = nlohmann::json::array();
-  for (GaugePlan const& g : gauges) {
+  for (session::GaugePlan const& g : gauges) {
     nlohmann::json row{{"name", g.name},
                        {"half_width", nullptr},
                        {"cells_per_half_width", nullptr},
@@ -143,25 +133,6 @@ nlohmann::json gauge_plan_json(std::vector<GaugePlan> const& gauges) {
     rows.push_back(std::move(row));
   }
   return rows;
-}
-
-std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges, double size) {
-  GaugePlan const* worst = nullptr;
-  std::size_t clipped = 0;
-  for (GaugePlan const& g : gauges) {
-    if (!g.peak || g.peak->clipping < alarming_clipping) continue;
-    ++clipped;
-    if (worst == nullptr || g.peak->clipping > worst->peak->clipping) worst = &g;
-  }
-  if (worst == nullptr) return std::nullopt;
-  auto const& peak = *worst->peak;
-  double const wanted = size * peak.cells_per_half_width /
-                        observe::cells_for_clipping(tolerable_clipping, {peak.strength, peak.reflected});
-  return fmt::format(
-      "the cells will clip the peak at {} gauge{} by more than {}, at \"{}\" by about {}: a cell of {} would clip that "
-      "one by {}; impulses and arrivals need fewer cells, and the summary tells the peak at the front",
-      clipped, clipped == 1 ? "" : "s", percent(alarming_clipping), worst->name, percent(peak.clipping),
-      quantity(wanted, "m", 3), percent(tolerable_clipping));
 }
 
 std::string gauge_tables(run::Case const& setup, std::vector<observe::GaugeHistory> const& histories) {

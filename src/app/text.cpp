@@ -2,16 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace brisance::app {
-
-std::string listed(std::vector<std::string> const& messages) {
-  std::string out;
-  for (std::size_t n = 0; n < std::min(messages.size(), most_messages); ++n) out += messages[n] + "\n";
-  if (messages.size() > most_messages) out += fmt::format("and {} more\n", messages.size() - most_messages);
-  return out;
-}
 
 std::string panel_in_words(run::PanelReport const& p, grid::Domain const& domain) {
   char const* const unit =

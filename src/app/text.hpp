@@ -2,19 +2,12 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "core/text.hpp"
 #include "run/audit.hpp"
 #include "run/panels.hpp"
 
 namespace brisance::app {
-
-/// Messages of which people read no more than these.
-inline constexpr std::size_t most_messages = 50;
-
-/// The first messages, each on a line of its own, and how many more there are.
-[[nodiscard]] std::string listed(std::vector<std::string> const& messages);
 
 /// What became of a panel.
 [[nodiscard]] std::string panel_in_words(run::PanelReport const& panel, grid::Domain const& domain);

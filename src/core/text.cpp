@@ -50,4 +50,11 @@ std::string large_count(double count) {
   return fmt::format("{:.4g} billion", count / 1e9);
 }
 
+std::string listed(std::vector<std::string> const& messages) {
+  std::string out;
+  for (std::size_t n = 0; n < std::min(messages.size(), most_messages); ++n) out += messages[n] + "\n";
+  if (messages.size() > most_messages) out += fmt::format("and {} more\n", messages.size() - most_messages);
+  return out;
+}
+
 }  // namespace brisance

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace brisance {
 
@@ -21,5 +22,11 @@ namespace brisance {
 
 /// A large count: "1.23 million".
 [[nodiscard]] std::string large_count(double count);
+
+/// Messages of which people read no more than these.
+inline constexpr std::size_t most_messages = 50;
+
+/// The first messages, each on a line of its own, and how many more there are.
+[[nodiscard]] std::string listed(std::vector<std::string> const& messages);
 
 }  // namespace brisance

@@ -8,8 +8,8 @@
 
 #include "../observe/watched.hpp"
 #include "../session/small_case.hpp"
-#include "app/check.hpp"
 #include "app/gauge_text.hpp"
+#include "app/plan_text.hpp"
 #include "core/error.hpp"
 #include "grid/grid.hpp"
 

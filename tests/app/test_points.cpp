@@ -7,7 +7,7 @@
 #include "../observe/watched.hpp"
 #include "../run/points_case.hpp"
 #include "../session/small_case.hpp"
-#include "app/check.hpp"
+#include "app/plan_text.hpp"
 #include "app/progress.hpp"
 #include "core/error.hpp"
 #include "session/driver.hpp"

@@ -8,7 +8,7 @@ namespace brisance::observe {
 
 class Watched : public run::World {
  public:
-  explicit Watched(Case setup) : World(setup::build(std::move(setup))), gauges(*this) {}
+  explicit Watched(Case c) : World(setup::build(std::move(c))), gauges(*this) {}
 
   void sample_gauges() { gauges.sample(*this); }
   void record_bodies() { gauges.record_bodies(*this); }

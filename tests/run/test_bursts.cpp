@@ -116,7 +116,7 @@ TEST(Afterburn, WithoutEnergyChangesNoBit) {
   for (observe::Watched const* world : {&constant, &miller}) {
     EXPECT_EQ(world->clock.step, plain.clock.step);
     auto const& a = plain.gauges.gas[0].records;
-    auto const& b = world->gauges[0].records;
+    auto const& b = world->gauges.gas[0].records;
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t n = 0; n < a.size(); ++n) {
       ASSERT_EQ(a[n].time, b[n].time);

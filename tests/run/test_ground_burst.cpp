@@ -97,7 +97,7 @@ TEST(GroundBurst, IsTheSphericalBurstOfTwiceTheMass) {
     advance_to(ground, 1e-3);
     advance_to(sphere, 1e-3);
     double const radial = impulse(sphere.gauges.gas[0]);
-    return std::array{impulse(ground.gauges[0]) / radial, impulse(ground.gauges[1]) / radial};
+    return std::array{impulse(ground.gauges.gas[0]) / radial, impulse(ground.gauges.gas[1]) / radial};
   };
   // 16 cells per radius; with 4, 8, 12, 16 and 24 the impulses differ by up to 5, 6, 4, 2 and 1 %: the jets that a grid
   // of squares makes of a sphere of products.

@@ -8,6 +8,7 @@
 
 #include "cases.hpp"
 #include "core/parallel.hpp"
+#include "setup/place_panels.hpp"
 
 namespace brisance::run {
 namespace {

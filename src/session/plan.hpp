@@ -2,17 +2,16 @@
 #pragma once
 
 #include <array>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/gauge_text.hpp"
 #include "case/case.hpp"
+#include "observe/expected_peak.hpp"
 #include "run/panels.hpp"
 #include "run/reports.hpp"
 
-namespace brisance::app {
+namespace brisance::session {
 
 /// The MPM region as it will be.
 struct RegionPlan {
@@ -29,6 +28,12 @@ struct RegionPlan {
 struct MemoryPart {
   std::string what;
   double bytes = 0.0;
+};
+
+/// What `check` expects at a gauge of the gas.
+struct GaugePlan {
+  std::string name;
+  std::optional<observe::ExpectedPeak> peak;  ///< nothing where the curves do not tell
 };
 
 struct Plan {
@@ -61,10 +66,12 @@ struct Plan {
 /// InputError where the case cannot be realised.
 [[nodiscard]] Plan plan(run::Case const& setup);
 
+[[nodiscard]] std::vector<GaugePlan> plan_gauges(run::Case const& setup);
+
+/// A warning where a peak will be clipped by much, with the cell that would do.
+[[nodiscard]] std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges, double cell);
+
 /// Throws InputError when the case needs more memory than the machine has.
 void refuse_unless_it_fits(Plan const& plan);
 
-[[nodiscard]] std::string plan_text(run::Case const& setup, Plan const& plan);
-[[nodiscard]] nlohmann::json plan_json(run::Case const& setup, Plan const& plan);
-
-}  // namespace brisance::app
+}  // namespace brisance::session

@@ -1,0 +1,348 @@
+#include "app/plan_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/gauge_text.hpp"
+#include "core/parallel.hpp"
+#include "core/text.hpp"
+#include "output/json.hpp"
+#include "output/placed.hpp"
+#include "output/run_log.hpp"
+#include "output/writer.hpp"
+#include "session/estimates.hpp"
+
+namespace brisance::app {
+
+namespace {
+
+double relative_error(run::ChargeReport const& c) { return (c.realised_mass - c.asked_mass) / c.asked_mass; }
+
+double relative_error(run::BodyReport const& b) { return (b.mass - b.geometric_mass) / b.geometric_mass; }
+
+/// Name, role and source of every material of a case.
+struct MaterialLine {
+  std::string name;
+  std::string role;
+  std::string source;
+};
+
+std::vector<MaterialLine> materials_of(run::Case const& setup) {
+  std::vector<MaterialLine> lines;
+  if (!setup.points.any() || setup.mpm_region)
+    lines.push_back({setup.ambient.fluid.name, "ambient fluid", setup.ambient.fluid.source});
+  for (run::Body const& body : setup.points.bodies) {
+    bool const known =
+        std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == body.solid.name; });
+    if (!known) lines.push_back({body.solid.name, "body", body.solid.source});
+  }
+  if (setup.second_fluid && setup.charges.empty())
+    lines.push_back({setup.second_fluid->name, "second fluid", setup.second_fluid->source});
+  for (run::Charge const& charge : setup.charges) {
+    bool const known =
+        std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == charge.explosive.name; });
+    if (!known) lines.push_back({charge.explosive.name, "explosive", charge.explosive.source});
+  }
+  return lines;
+}
+
+std::string end_text(run::End const& end) {
+  std::string text = quantity(end.time, "s");
+  if (end.steps > 0) text += fmt::format(", or {} steps", end.steps);
+  if (end.gauges) text += ", or when all gauges are past their positive phase";
+  if (end.kinetic_energy > 0.0)
+    text += fmt::format(", or when the kinetic energy stays below {:g} of its largest value", end.kinetic_energy);
+  if (end.wall_clock > 0.0) text += fmt::format("; stops after {} on the clock", clock_time(end.wall_clock));
+  return text;
+}
+
+/// The parts that count, the largest first.
+std::string memory_text(session::Plan const& p) {
+  constexpr double counts = 0.02;
+  std::string text;
+  double rest = p.memory_bytes;
+  for (session::MemoryPart const& part : p.memory) {
+    if (part.bytes < counts * p.memory_bytes) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : "; ", part.what, bytes(part.bytes));
+    rest -= part.bytes;
+  }
+  return rest > 0.5e-3 * p.memory_bytes ? text + fmt::format("; the rest {}", bytes(rest)) : text;
+}
+
+std::string afterburn_text(material::Afterburn const& a) {
+  std::string const rate =
+      a.carried() ? [m = std::get<material::MillerAfterburn>(a.rate)] {
+        return fmt::format("d(lambda)/dt = {:g}/s (1 - lambda)^{:g} (p/{})^{:g} above {}", m.rate, m.m,
+                           quantity(m.reference_pressure, "Pa"), m.n, quantity(m.minimum_pressure, "Pa"));
+      }()
+                  : [c = std::get<material::ConstantRateAfterburn>(a.rate)] {
+                      return fmt::format("at a constant rate from {} to {}", quantity(c.begin, "s"),
+                                         quantity(c.end, "s"));
+                    }();
+  return fmt::format("{}/kg of products, {}", quantity(a.energy, "J"), rate);
+}
+
+std::string region_text(run::Case const& setup, session::RegionPlan const& r) {
+  std::string box;
+  for (int d = 0; d < setup.domain.dimensions(); ++d)
+    box += fmt::format("{}{:g} to {:g}", d == 0 ? "" : " x ", r.lower[d], r.upper[d]);
+  std::string faces;
+  for (std::size_t f = 0; f < r.bridge_faces.size(); ++f) {
+    if (r.bridge_faces[f] > 0) faces += fmt::format("{}{}", faces.empty() ? "" : ", ", grid::face_names[f]);
+  }
+  std::string const kind = setup.mpm_region->boxes.empty()      ? "the box around the bodies"
+                           : setup.mpm_region->boxes.size() > 1 ? "several boxes"
+                                                                : "as given";
+  return fmt::format("{:<12} {} m, {} cells ({})\n", "MPM region", box, large_count(r.cells), kind) +
+         fmt::format("{:<12} {}\n", "bridge",
+                     faces.empty()
+                         ? "none: the region fills the domain"
+                         : fmt::format("{} cells wide, on the sides {} of the region", setup.mpm_region->width, faces));
+}
+
+constexpr std::size_t most_listed = 20;
+
+double density_of(run::Body const& body) { return body.density.value_or(body.solid.density); }
+
+std::string region_line(std::size_t number, run::RegionReport const& r) {
+  return fmt::format(
+      "{:<12} {}: {}, volume asked {:.6g} m3, placed {:.6g}; mass asked {:.6g} kg, placed {:.6g}; energy asked {}, "
+      "placed {}\n",
+      "", number + 1, r.fluid, r.asked_volume, r.volume, r.asked_mass, r.mass, quantity(r.asked_energy, "J", 6),
+      quantity(r.energy, "J", 6));
+}
+
+std::string obstacle_line(run::ObstacleReport const& o) {
+  return fmt::format("{:<12} {}: volume asked {:.6g} m3, placed {:.6g} in {} cells\n", "", o.name, o.asked_volume,
+                     o.volume, o.cells);
+}
+
+std::string panel_line(run::PanelReport const& p) {
+  std::string const mass = p.release.areal_mass > 0.0
+                               ? fmt::format("{:.4g} kg/m2, open after a travel of {}", p.release.areal_mass,
+                                             quantity(p.place.area / p.place.perimeter, "m", 3))
+                               : "without mass";
+  return fmt::format("{:<12} {}: a panel that gives way along {} at {}, area {:.6g} m2, {}\n", "", p.name,
+                     "xyz"[p.place.direction], quantity(p.release.pressure, "Pa"), p.place.area, mass);
+}
+
+}  // namespace
+
+std::string plan_text(run::Case const& setup, session::Plan const& p) {
+  grid::Domain const& d = setup.domain;
+  int const dims = d.dimensions();
+  std::string out;
+  auto const line = [&out](char const* label, std::string const& text) {
+    out += fmt::format("{:<12} {}\n", label, text);
+  };
+
+  if (!setup.title.empty()) line("title", setup.title);
+  std::string box;
+  std::string cells;
+  for (int k = 0; k < dims; ++k) {
+    box += fmt::format("{}{:g} to {:g}", k == 0 ? "" : " x ", d.lower[k], d.upper(k));
+    cells += fmt::format("{}{}", k == 0 ? "" : " x ", d.cells[k]);
+  }
+  line("domain", fmt::format("{}, {} m", word_of(d.geometry), box));
+  bool const points = p.points > 0.0;
+  bool const gas = !points || p.region;
+  line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.h, "m"),
+                            !gas ? "" : fmt::format(", in {} blocks", p.blocks)));
+  std::string boundaries;
+  for (int f = 0; f < 2 * dims; ++f)
+    boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", grid::face_names[f], word_of(d.boundary[f]));
+  line("boundaries", boundaries);
+  if (p.region) out += region_text(setup, *p.region);
+  if (points) {
+    auto const& o = setup.points.options;
+    line("points",
+         fmt::format("{} in {} bod{}{}", large_count(p.points), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
+                     p.region ? fmt::format(" and {} of the gas", large_count(p.region->gas_points)) : ""));
+    line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", word_of(o.shape), word_of(o.order),
+                               word_of(o.transfer), o.courant));
+  }
+  if (gas) {
+    line(points ? "" : "scheme",
+         fmt::format("{}, Courant number {:g}, {}", word_of(setup.numerics.scheme), setup.numerics.courant,
+                     session::two_fluids(setup) ? "two fluids" : "one fluid"));
+  }
+  line("end", end_text(setup.end));
+  if (p.region) {
+    line("steps",
+         fmt::format("about {}, in them {} of the gas and {} of the points (estimates; fewer while the region "
+                     "and blocks of the gas sleep)",
+                     large_count(p.steps), large_count(p.region->gas_steps), large_count(p.region->point_steps)));
+  } else if (points) {
+    line("steps", fmt::format("about {} (as long as at the start; {} point updates)", large_count(p.steps),
+                              large_count(p.steps * p.points)));
+  } else {
+    line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
+                              large_count(p.steps), large_count(p.steps * p.cells)));
+  }
+  line("memory",
+       fmt::format("about {} of {}: {}", bytes(p.memory_bytes), bytes(p.machine_memory_bytes), memory_text(p)));
+  line("time", fmt::format("up to about {} on {} thread{} (estimate, from the rates of docs/benchmarks.md; less while "
+                           "the gas is quiet)",
+                           wall_time(p.seconds), threads(), threads() == 1 ? "" : "s"));
+  line("disk", fmt::format("up to about {} (estimate): {} dumps of {} before compression, gauges {}, {} checkpoints of "
+                           "{} at a time",
+                           bytes(p.disk_bytes), p.dumps, bytes(p.dump_bytes), bytes(p.gauge_bytes),
+                           setup.checkpoint.keep + 1, bytes(p.checkpoint_bytes)));
+
+  out += "\n";
+  if (gas) {
+    line("ambient", fmt::format("{}, {}, {:.4g} kg/m3", setup.ambient.fluid.name,
+                                quantity(setup.ambient.state.pressure, "Pa", 6), setup.ambient.state.density));
+  }
+  for (std::size_t n = 0; n < p.bodies.size(); ++n) {
+    auto const& b = p.bodies[n];
+    auto const& body = setup.points.bodies[n];
+    auto const& v = body.velocity;
+    line("body", fmt::format("{}: {}, {} points, {} per cell and direction{}{}", b.name, b.material,
+                             large_count(static_cast<double>(b.points)), body.points_per_direction,
+                             norm(v) > 0.0 ? fmt::format(", ({:g}, {:g}, {:g}) m/s", v[0], v[1], v[2]) : "",
+                             body.rigid ? ", rigid" : ""));
+    if (std::isfinite(b.mass))
+      line("", fmt::format("mass of the points {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}; volume {:.6g} "
+                           "and {:.6g} m3",
+                           b.mass, b.geometric_mass, relative_error(b), b.mass / density_of(body),
+                           b.geometric_mass / density_of(body)));
+  }
+  for (std::size_t n = 0; n < p.charges.size(); ++n) {
+    auto const& c = p.charges[n];
+    auto const& charge = setup.charges[n];
+    auto const x = shape::centre(charge.shape);
+    line(p.charges.size() == 1 ? "charge" : fmt::format("charge {}", n + 1).c_str(),
+         fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
+                     charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
+    line("", std::isfinite(c.realised_mass)
+                 ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
+                               c.realised_mass, relative_error(c))
+                 : fmt::format("mass asked {:.8g} kg, realised: not tried out", c.asked_mass));
+    double const density = charge.explosive.density();
+    line("", fmt::format("volume asked {:.6g} m3, realised {}; energy asked {}, realised {}; {:.3g} cells per radius",
+                         c.asked_mass / density,
+                         std::isfinite(c.realised_mass) ? fmt::format("{:.6g} m3", c.realised_mass / density)
+                                                        : std::string("not tried out"),
+                         quantity(c.asked_mass * charge.explosive.specific_energy(), "J", 6),
+                         quantity(c.realised_energy, "J", 6), c.cells_per_radius));
+    if (n < p.starts.size()) line("start", p.starts[n]);
+  }
+  if (setup.afterburn) line("afterburn", afterburn_text(*setup.afterburn));
+  if (!setup.regions.empty()) line("regions", fmt::format("{}", setup.regions.size()));
+  for (std::size_t n = 0; n < p.regions.size(); ++n) out += region_line(n, p.regions[n]);
+  if (!setup.obstacles.empty()) line("obstacles", fmt::format("{}", setup.obstacles.size()));
+  for (std::size_t n = 0; n < p.obstacles.size() && n < most_listed; ++n) out += obstacle_line(p.obstacles[n]);
+  if (p.obstacles.size() > most_listed) line("", fmt::format("and {} more", p.obstacles.size() - most_listed));
+  for (std::size_t n = 0; n < p.panels.size() && n < most_listed; ++n) out += panel_line(p.panels[n]);
+  if (p.panels.size() > most_listed) line("", fmt::format("and {} more panels", p.panels.size() - most_listed));
+  for (MaterialLine const& m : materials_of(setup))
+    line("material", fmt::format("{} ({}): {}", m.name, m.role, m.source));
+
+  out += "\n";
+  std::size_t const gauges = setup.points.gauges.size() + setup.gauges.size();
+  line("gauges", gauges == 0 ? "none" : fmt::format("{}, about {}", gauges, bytes(p.gauge_bytes)));
+  out += gauge_plan_text(p.gauges);
+  std::string fields;
+  for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
+  auto const point_fields = output::dumped_point_fields(setup);
+  if (p.region && !point_fields.empty()) fields += "; of points:";
+  for (std::size_t n = 0; n < point_fields.size(); ++n)
+    fields += (fields.empty() ? "" : n == 0 ? " " : ", ") + point_fields[n].name;
+  line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
+  line("checkpoints", fmt::format("{} of about {} stay", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
+  std::vector<std::string> warnings;
+  for (auto const& w : p.warnings) warnings.push_back(fmt::format("\nwarning: {}", w));
+  return out + listed(warnings);
+}
+
+nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
+  using nlohmann::json;
+  json charges = json::array();
+  for (std::size_t n = 0; n < p.charges.size(); ++n) {
+    auto const& c = p.charges[n];
+    auto const& explosive = setup.charges[n].explosive;
+    charges.push_back({{"explosive", c.explosive},
+                       {"asked_mass", c.asked_mass},
+                       {"realised_mass", output::json_or_null(c.realised_mass)},
+                       {"relative_error", output::json_or_null(relative_error(c))},
+                       {"asked_volume", c.asked_mass / explosive.density()},
+                       {"realised_volume", output::json_or_null(c.realised_mass / explosive.density())},
+                       {"asked_energy", c.asked_mass * explosive.specific_energy()},
+                       {"realised_energy", c.realised_energy},
+                       {"cells_per_radius", c.cells_per_radius}});
+  }
+  json bodies = json::array();
+  for (std::size_t n = 0; n < p.bodies.size(); ++n) {
+    auto const& b = p.bodies[n];
+    double const density = density_of(setup.points.bodies[n]);
+    bodies.push_back({{"name", b.name},
+                      {"material", b.material},
+                      {"points", b.points},
+                      {"mass", output::json_or_null(b.mass)},
+                      {"geometric_mass", output::json_or_null(b.geometric_mass)},
+                      {"volume", output::json_or_null(b.mass / density)},
+                      {"geometric_volume", output::json_or_null(b.geometric_mass / density)},
+                      {"relative_error", output::json_or_null(relative_error(b))}});
+  }
+  json memory = json::array();
+  for (session::MemoryPart const& part : p.memory) memory.push_back({{"what", part.what}, {"bytes", part.bytes}});
+  json materials = json::array();
+  for (MaterialLine const& m : materials_of(setup))
+    materials.push_back({{"name", m.name}, {"role", m.role}, {"source", m.source}});
+  json boundaries = json::object();
+  for (int f = 0; f < 2 * setup.domain.dimensions(); ++f)
+    boundaries[grid::face_names[f]] = word_of(setup.domain.boundary[f]);
+  json fields = json::array();
+  for (auto const& f : output::dumped_fields(setup)) fields.push_back(f.name);
+  for (auto const& f : output::dumped_point_fields(setup)) fields.push_back(f.name);
+  json region;
+  if (p.region) {
+    region = {{"lower", p.region->lower},
+              {"upper", p.region->upper},
+              {"cells", p.region->cells},
+              {"width", setup.mpm_region->width},
+              {"bridge_faces", p.region->bridge_faces},
+              {"gas_points", p.region->gas_points},
+              {"gas_steps", std::round(p.region->gas_steps)},
+              {"point_steps", std::round(p.region->point_steps)}};
+  }
+  return {{"title", setup.title},
+          {"geometry", word_of(setup.domain.geometry)},
+          {"cells", setup.domain.cells},
+          {"cell_count", setup.domain.cell_count()},
+          {"cell_size", setup.domain.h},
+          {"blocks", p.blocks},
+          {"boundaries", boundaries},
+          {"memory_bytes", p.memory_bytes},
+          {"memory", memory},
+          {"estimated_seconds", p.seconds},
+          {"threads", threads()},
+          {"disk_bytes", p.disk_bytes},
+          {"machine_memory_bytes", p.machine_memory_bytes},
+          {"end_time", setup.end.time},
+          {"estimated_steps", std::round(p.steps)},
+          {"charges", charges},
+          {"starts", p.starts},
+          {"points", p.points},
+          {"bodies", bodies},
+          {"materials", materials},
+          {"mpm_region", region},
+          {"gauges", setup.points.gauges.size() + setup.gauges.size()},
+          {"gauge_bytes", p.gauge_bytes},
+          {"gauge_peaks", gauge_plan_json(p.gauges)},
+          {"obstacles", setup.obstacles.size()},
+          {"placed_regions", output::regions_json(p.regions)},
+          {"placed_obstacles", output::obstacles_json(p.obstacles)},
+          {"panels", output::panels_json(p.panels)},
+          {"fields", fields},
+          {"dumps", p.dumps},
+          {"dump_bytes", p.dump_bytes},
+          {"checkpoint_bytes", p.checkpoint_bytes},
+          {"warnings", p.warnings}};
+}
+
+}  // namespace brisance::app

@@ -1,0 +1,249 @@
+#include "app/run_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/gauge_text.hpp"
+#include "app/print.hpp"
+#include "app/text.hpp"
+#include "core/parallel.hpp"
+#include "observe/point_summary.hpp"
+#include "observe/zones.hpp"
+#include "output/run_log.hpp"
+
+namespace brisance::app {
+
+namespace {
+
+constexpr std::size_t most_rows = 30;  // gauges that the terminal's table shows
+
+void print_guards(run::Audit const& a) {
+  if (a.guarded_cells == 0) return;
+  print(stdout, "guards: {} cell updates lifted to the floors; they added {:.3g} kg and {:.3g} J\n", a.guarded_cells,
+        a.guard_mass, a.guard_energy);
+}
+
+void print_panels(run::World const& world) {
+  if (world.panels == nullptr) return;
+  print(stdout, "\n");
+  std::size_t shown = 0;
+  auto const& panels = world.panels->reports();
+  for (run::PanelReport const& p : panels) {
+    if (++shown > most_rows) break;
+    print(stdout, "panel {}: {}\n", p.name, panel_in_words(p, world.setup.domain));
+  }
+  if (panels.size() > most_rows) print(stdout, "... and {} more panels in summary.json\n", panels.size() - most_rows);
+  auto const& a = world.audit;
+  double const mass = a.panel_mass[0] + a.panel_mass[1];
+  if (mass == 0.0 && a.panel_energy == 0.0) return;
+  print(stdout, "panels: {:+.3g} kg and {} came with the cells that opened, which had counted as gas of the ambient\n",
+        mass, quantity(a.panel_energy, "J", 3));
+}
+
+void print_audit(run::World const& world) {
+  auto const error = world.audit.relative_error();
+  bool const two = world.gas->fluids().two;
+  std::string const products = two ? fmt::format(", second fluid {:.1e}", error[1]) : "";
+  print(stdout, "\naudit: {} (relative error of the mass: {} {:.1e}{}; of the energy {:.1e})\n{}",
+        verdict_word(world.verdict()), world.setup.ambient.fluid.name, error[0], products, error[2],
+        verdict_reasons(world.verdict(), world.for_comparison()));
+  auto const& a = world.audit;
+  print_guards(a);
+  if (world.setup.afterburn) {
+    print(stdout, "afterburn: the products released {}, of {} in all\n", quantity(a.afterburn_energy, "J"),
+          quantity(world.setup.afterburn->energy * a.initial.mass[1], "J"));
+  }
+  if (a.fallback_faces > 0)
+    print(stdout, "fluxes: {} blended with first-order ones, so that density and pressure stay positive\n",
+          a.fallback_faces);
+}
+
+std::string vector_text(Vec3 const& v, char const* unit, int dimensions) {
+  std::string text;
+  for (int d = 0; d < dimensions; ++d) text += (d == 0 ? "" : ", ") + quantity(v[d], unit);
+  return dimensions == 1 ? text : "(" + text + ")";
+}
+
+void print_points(run::World const& world, observe::Gauges const& histories) {
+  auto const gauges = observe::summarise_points(world, histories);
+  auto const bodies = observe::summarise_bodies(world, histories);
+  int const dims = world.setup.domain.dimensions();
+  if (!gauges.empty()) {
+    std::size_t width = 5;
+    for (auto const& g : gauges) width = std::max(width, g.name.size());
+    print(stdout, "\n{:<{}}  {:>14} {:>11} {:>15} {:>13} {:>12} {:>10}   {}\n", "gauge", width, "peak displ.", "at",
+          "component", "peak speed", "peak Mises", "pl. strain", "displacement at the end");
+    for (std::size_t n = 0; n < std::min(gauges.size(), most_rows); ++n) {
+      auto const& g = gauges[n];
+      print(stdout, "{:<{}}  {:>14} {:>11} {:>15} {:>13} {:>12} {:>10.3g}   {}{}\n", g.name, width,
+            quantity(g.displacement.value, "m"), quantity(g.displacement.time, "s"),
+            fmt::format("{} {}", "xyz"[g.component], quantity(g.component_displacement.value, "m")),
+            quantity(g.velocity.value, "m/s"), quantity(g.mises.value, "Pa"), g.plastic_strain,
+            vector_text(g.final_displacement, "m", dims), g.lost ? " (left the domain)" : "");
+    }
+    if (gauges.size() > most_rows) print(stdout, "... and {} more in summary.csv\n", gauges.size() - most_rows);
+  }
+  std::size_t width = 4;
+  for (auto const& b : bodies) width = std::max(width, b.body.size());
+  print(stdout, "\n{:<{}}  {:>12} {:>12} {:>12} {:>12} {:>12}   {}\n", "body", width, "mass", "deflection", "kinetic",
+        "internal", "plastic", "mean velocity");
+  std::vector<std::string> shown;
+  for (auto const& b : bodies) {
+    // A body that several gauges watch has one row.
+    if (std::find(shown.begin(), shown.end(), b.body) != shown.end()) continue;
+    shown.push_back(b.body);
+    if (shown.size() > most_rows) continue;
+    Vec3 const v = b.end.mass > 0.0 ? (1.0 / b.end.mass) * b.end.momentum : Vec3{0.0, 0.0, 0.0};
+    print(stdout, "{:<{}}  {:>12} {:>12} {:>12} {:>12} {:>12}   {}\n", b.body, width, quantity(b.end.mass, "kg"),
+          quantity(b.displacement.value, "m"), quantity(b.end.kinetic_energy, "J"),
+          quantity(b.end.internal_energy, "J"), quantity(b.end.plastic_work, "J"), vector_text(v, "m/s", dims));
+  }
+  if (shown.size() > most_rows) print(stdout, "... and {} more in summary.csv\n", shown.size() - most_rows);
+}
+
+/// What is broken of the bodies of concrete, and how it looks from their faces.
+void print_broken_zones(run::World const& world) {
+  for (auto const& zones : observe::broken_zones(world)) {
+    print(stdout, "\n{}: crushed {}, cracked {}, more than half damaged {}\n", world.bodies[zones.body].name,
+          quantity(zones.crushed.mass, "kg"), quantity(zones.cracked.mass, "kg"), quantity(zones.damaged.mass, "kg"));
+    for (auto const& face : zones.faces) {
+      if (face.crushed_depth == 0.0 && face.cracked_depth == 0.0 && !face.spall_depth) continue;
+      print(stdout, "  face {:<7} crushed: diameter {}, depth {}; cracked: diameter {}, depth {}{}\n",
+            grid::face_names[static_cast<int>(face.face)], quantity(face.crushed_diameter, "m"),
+            quantity(face.crushed_depth, "m"), quantity(face.cracked_diameter, "m"), quantity(face.cracked_depth, "m"),
+            face.spall_depth ? fmt::format("; spall at {}", quantity(*face.spall_depth, "m")) : "");
+    }
+  }
+}
+
+/// Kinetic energy that the points lost, where it is known.
+void print_dissipation(run::EnergyBalance const& energy) {
+  auto const& [held, filtered, apic, friction] = energy.dissipated;
+  if (held == 0.0 && filtered == 0.0 && apic == 0.0 && friction == 0.0) return;
+  print(stdout,
+        "kinetic energy lost and counted: {} at held nodes, {} by PIC and XPIC, {} by APIC, {} by the friction of "
+        "contacts; {:.2g} % of the energy at work\n",
+        quantity(held, "J"), quantity(filtered, "J"), quantity(apic, "J"), quantity(friction, "J"),
+        energy.scale > 0.0 ? 100.0 * energy.dissipated.sum() / energy.scale : 0.0);
+}
+
+/// Energy that gas points were given because they had less than none.
+void print_lifted(mpm::Mpm const& points) {
+  if (points.floored().points == 0) return;
+  print(stdout, "guards: {} updates of gas points lifted to no pressure; they added {:.3g} J\n",
+        points.floored().points, points.floored().energy);
+}
+
+void print_point_audit(run::World const& world) {
+  auto const& a = world.audit;
+  auto const energy = world.energy_balance();
+  print(stdout, "\naudit: {} (relative error of the mass {:.1e}; energy {} to {}{}, drift {:+.3g} % of {} at work)\n{}",
+        verdict_word(world.verdict()), a.relative_error()[0], quantity(energy.initial, "J"),
+        quantity(energy.current + energy.lost, "J"),
+        energy.work != 0.0 ? fmt::format(" by the work {} of outer forces", quantity(energy.work, "J")) : "",
+        100.0 * energy.drift(), quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
+  print_dissipation(energy);
+  print_lifted(*world.points);
+  auto const& lost = world.points->losses();
+  if (lost.points > 0) {
+    print(stdout, "{} points left the domain with {:.4g} kg and {}\n", lost.points, lost.mass,
+          quantity(lost.energy, "J"));
+  }
+}
+
+void print_region_audit(run::World const& world) {
+  auto const error = world.audit.relative_error();
+  bool const two = world.gas->fluids().two;
+  bridge::Account const ledger = world.bridge->ledger();
+  auto const energy = world.energy_balance();
+  print(stdout,
+        "\naudit: {} (relative error of the mass: {} {:.1e}{}; energy {} to {}, drift {:+.3g} % of {} at work)\n{}",
+        verdict_word(world.verdict()), world.setup.ambient.fluid.name, error[0],
+        two ? fmt::format(", second fluid {:.1e}", error[1]) : "", quantity(energy.initial, "J"),
+        quantity(energy.current + energy.lost, "J"), 100.0 * energy.drift(), quantity(energy.scale, "J"),
+        verdict_reasons(world.verdict(), world.for_comparison()));
+  print_dissipation(energy);
+  print_lifted(*world.points);
+  print_guards(world.audit);
+  if (!world.awake_since) {
+    print(stdout, "MPM region: no wave came near, its points slept\n");
+    return;
+  }
+  double total = 0.0;
+  for (auto const& [phase, seconds] : world.timings) total += seconds;
+  auto const bridge = world.timings.find("bridge");
+  print(stdout,
+        "MPM region: awake since {}; {} steps of the gas and {} of the points; {} points of gas came in, {} left, {} "
+        "under way in the ledger (at most {}); the bridge took {:.0f} % of the time\n",
+        quantity(*world.awake_since, "s"), world.clock.gas_steps, world.clock.point_steps, world.bridge->traffic().born,
+        world.bridge->traffic().left, quantity(ledger.total(), "kg", 3), quantity(world.audit.memory.content, "kg", 3),
+        total > 0.0 && bridge != world.timings.end() ? 100.0 * bridge->second / total : 0.0);
+}
+
+}  // namespace
+
+void print_head(session::Session const& session, std::string const& title) {
+  session::Plan const& expected = session.plan();
+  auto const* const checkpoint = session.checkpoint();
+  if (!title.empty()) print(stdout, "{}\n", title);
+  std::string const points = fmt::format("{} material points", large_count(expected.points));
+  std::string const cells = fmt::format("{} cells", large_count(expected.cells));
+  std::string const what = expected.region ? cells + " and " + points : expected.points > 0.0 ? points : cells;
+  print(stdout, "{}, about {} steps, {} thread{}; results go to {}\n", what, large_count(expected.steps), threads(),
+        threads() == 1 ? "" : "s", session.folder().string());
+  for (auto const& body : expected.bodies) {
+    print(stdout, "{}: {}, {} points, {:.8g} kg, the shape has {:.8g} kg\n", body.name, body.material, body.points,
+          body.mass, body.geometric_mass);
+  }
+  for (auto const& charge : expected.charges) {
+    bool const tried = std::isfinite(charge.realised_mass);
+    print(stdout, "{}: asked {:.8g} kg, {}{}\n", charge.explosive, charge.asked_mass,
+          tried ? fmt::format("realised {:.8g} kg and ", charge.realised_mass) : "",
+          quantity(charge.realised_energy, "J"));
+  }
+  std::vector<std::string> warnings;
+  for (auto const& warning : expected.warnings) warnings.push_back("warning: " + warning);
+  print(stderr, "{}", listed(warnings));
+  if (checkpoint != nullptr) {
+    print(stdout, "going on from {}: t = {}, step {}\n", checkpoint->path().string(),
+          quantity(checkpoint->info().time, "s"), checkpoint->info().step);
+  }
+  std::fflush(stdout);
+}
+
+void print_starts(run::World const& world) {
+  for (std::size_t n = 0; n < world.starts.size(); ++n) {
+    auto const& report = world.starts[n];
+    auto const& r = report.remap;
+    print(stdout, "{}: {}, remapped at {}; the burst has a radius of {}, {:.1f} cells{}\n",
+          world.starts.size() == 1 ? "start" : fmt::format("start {}", n + 1),
+          output::start_in_words(world.setup, report), quantity(r.time, "s"), quantity(r.radius, "m"),
+          r.cells_per_radius, report.by.empty() ? "" : ", near " + report.by);
+    print(stdout,
+          "remap: {} {:.8g} kg, products {:.8g} kg and {} became {:.8g} kg, {:.8g} kg and {}; relative error {:.1e}\n",
+          world.setup.ambient.fluid.name, r.before.mass[0], r.before.mass[1], quantity(r.before.energy, "J", 6),
+          r.after.mass[0], r.after.mass[1], quantity(r.after.energy, "J", 6), r.error());
+  }
+}
+
+void print_results(run::World const& world, observe::Gauges const& gauges) {
+  if (world.bridge != nullptr) {
+    print(stdout, "{}", gauge_tables(world.setup, gauges.gas));
+    print_points(world, gauges);
+    print_broken_zones(world);
+    print_panels(world);
+    print_region_audit(world);
+  } else if (world.points != nullptr) {
+    print_points(world, gauges);
+    print_broken_zones(world);
+    print_point_audit(world);
+  } else {
+    print(stdout, "{}", gauge_tables(world.setup, gauges.gas));
+    print_panels(world);
+    print_audit(world);
+  }
+}
+
+}  // namespace brisance::app

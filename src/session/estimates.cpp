@@ -1,0 +1,188 @@
+#include "session/estimates.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "core/parallel.hpp"
+#include "gas/components.hpp"
+#include "grid/partition.hpp"
+#include "observe/gauges.hpp"
+
+namespace brisance::session {
+
+namespace {
+
+constexpr double program_bytes = 50e6;          // code, libraries, work arrays of the threads
+constexpr double largest_dump_cache = 268.5e6;  // chunk cache of the field writer
+constexpr double bytes_per_node = 160.0;        // mass, momentum, force and velocity of a node on one grid field
+
+// Rates of docs/benchmarks.md: cells of a 3D step, or points, per second on one thread.
+constexpr double one_fluid_rate = 14e6;
+constexpr double two_fluid_rate = 12e6;    // products in a part of the domain
+constexpr double afterburn_share = 0.84;   // of the rate, where the afterburn's progress is carried
+constexpr double linear_point_rate = 8e6;  // of linear shape functions
+constexpr double point_rate = 5e6;
+constexpr double thread_share = 0.95;  // of a thread's rate, where it is not alone
+
+double cells_of(grid::Domain const& domain) { return static_cast<double>(domain.cell_count()); }
+
+/// Cells in the ghost layers of all blocks. Blocks have at most two sizes in each direction.
+double ghost_cells(grid::Domain const& domain, Index3 const& parts) {
+  std::array<std::array<double, 2>, 3> size{};
+  std::array<std::array<double, 2>, 3> count{};
+  for (int d = 0; d < 3; ++d) {
+    double const n = domain.cells[d];
+    size[d] = {std::floor(n / parts[d]), std::floor(n / parts[d]) + 1.0};
+    count[d][1] = n - parts[d] * size[d][0];
+    count[d][0] = parts[d] - count[d][1];
+  }
+  double sum = 0.0;
+  for (int kind = 0; kind < 8; ++kind) {
+    double blocks = 1.0;
+    double cells = 1.0;
+    for (int d = 0; d < 3; ++d) {
+      blocks *= count[d][kind >> d & 1];
+      cells *= size[d][kind >> d & 1];
+    }
+    double face = 0.0;
+    for (int d = 0; d < domain.dimensions(); ++d) face = std::max(face, cells / size[d][kind >> d & 1]);
+    sum += blocks * 2.0 * grid::ghost_layers * face;
+  }
+  return sum;
+}
+
+double signal(material::Eos const& eos, run::FluidState const& state) {
+  double speed = 0.0;
+  for (double const u : state.velocity) speed = std::max(speed, std::abs(u));
+  return speed + material::sound_speed(eos, state.density, state.pressure);
+}
+
+double fastest_signal(run::Body const& body) {
+  material::Solid const& solid = body.solid;
+  double const density = body.density.value_or(solid.density);
+  double pressure = material::start_pressure(solid);
+  if (body.density || body.specific_energy)
+    pressure = material::pressure(solid.eos, density, body.specific_energy.value_or(solid.specific_energy));
+  double const sound = body.rigid ? 0.0 : material::sound_speed(solid, density, pressure);
+  double const burn = body.initiation.empty() ? 0.0 : solid.detonation_speed;
+  return std::max(sound, burn) + norm(body.velocity);
+}
+
+}  // namespace
+
+double machine_memory() {
+  double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  double limit = 0.0;
+  // In a container the limit is what counts; the file holds "max" where there is none.
+  if (std::ifstream("/sys/fs/cgroup/memory.max") >> limit && limit > 0.0) memory = std::min(memory, limit);
+  return memory;
+}
+
+bool two_fluids(run::Case const& setup) { return !setup.charges.empty() || setup.second_fluid.has_value(); }
+
+int gas_components(run::Case const& setup) {
+  if (!two_fluids(setup)) return gas::single_fluid_components;
+  return setup.afterburn && setup.afterburn->carried() ? gas::afterburn_components : gas::two_fluid_components;
+}
+
+void add_gas_memory(run::Case const& setup, Index3 const& parts, Plan& p) {
+  double const components = gas_components(setup);
+  double const cells = cells_of(setup.domain);
+  p.memory.push_back(
+      {fmt::format("state of the gas, {:g} values per cell", components), components * cells * double_bytes});
+  p.memory.push_back({"ghost layers of the blocks", components * ghost_cells(setup.domain, parts) * double_bytes});
+  if (setup.output.peak_fields)
+    p.memory.push_back({"peak fields (output.peak_fields)", peak_components * cells * double_bytes});
+  p.memory.push_back({"a field on its way to the disk", std::min(largest_dump_cache, cells * 3.0 * double_bytes)});
+}
+
+void sum_memory(Plan& p) {
+  p.memory.push_back({"the program itself", program_bytes});
+  p.memory_bytes = 0.0;
+  for (MemoryPart const& part : p.memory) p.memory_bytes += part.bytes;
+  std::ranges::stable_sort(p.memory, std::ranges::greater{}, &MemoryPart::bytes);
+}
+
+/// Estimate of the number of steps: the time step follows the fastest signal. Behind a detonation it starts at the
+/// detonation speed D and falls with the fireball's expansion, s = D / (1 + t / (3 t0))^0.35 with t0 = charge radius /
+/// D; where the radius is resolved, the hot core on the axis holds it near 0.35 D. Both numbers were read off
+/// calculations of TNT in air, and are good to about a factor of two.
+double estimated_steps(run::Case const& setup) {
+  double quiet = signal(setup.ambient.fluid.eos, setup.ambient.state);
+  for (run::Region const& region : setup.regions) {
+    bool const second = region.second_fluid && setup.second_fluid;
+    quiet = std::max(quiet, signal(second ? setup.second_fluid->eos : setup.ambient.fluid.eos, region.state));
+  }
+  for (int face = 0; face < 6; ++face) {
+    if (setup.domain.boundary[face] == grid::Boundary::inflow)
+      quiet = std::max(quiet, signal(setup.ambient.fluid.eos, setup.inflow[face]));
+  }
+  double const end = setup.end.time;
+  double path = quiet * end;  // what the fastest signal travels [m]
+  for (run::Charge const& charge : setup.charges) {
+    double const D = charge.explosive.detonation_speed;
+    double const t0 = shape::equivalent_radius(charge.mass / charge.explosive.density(), setup.domain.geometry) / D;
+    double const core = grid::radial_exponent(setup.domain.geometry) > 0 ? 0.35 * D : 0.0;
+    constexpr int intervals = 400;
+    double sum = 0.0;
+    double before = 0.0;
+    for (int n = 1; n <= intervals; ++n) {
+      double const t = end * std::pow(static_cast<double>(n) / intervals, 4);
+      double const s = D / std::pow(1.0 + 0.5 * (t + before) / (3.0 * t0), 0.35);
+      sum += std::max({quiet, core, s}) * (t - before);
+      before = t;
+    }
+    path = std::max(path, sum);
+  }
+  double const steps = path / (setup.numerics.courant * setup.domain.h) + 5.0;  // 5 for the gentle start
+  return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
+}
+
+void add_point_memory(run::Points const& points, Plan& p, int dimensions) {
+  double nodes = 0.0;
+  for (std::size_t b = 0; b < p.bodies.size(); ++b)
+    nodes += static_cast<double>(p.bodies[b].points) / std::pow(points.bodies[b].points_per_direction, dimensions);
+  constexpr double margins = 2.0;  // blocks of 8 cells with two layers around: (12/8)^3 and less
+  double const records = std::min(p.steps, p.gauge_bytes / bytes_per_point_record);
+  if (p.region) nodes += p.region->cells;
+  p.memory.push_back({"material points", p.points * bytes_per_point});
+  p.memory.push_back({"nodes around the material points", nodes * margins * bytes_per_node});
+  p.memory.push_back({"records of the gauges on bodies", records * sizeof(observe::PointRecord)});
+}
+
+double estimated_point_step(run::Case const& setup) {
+  double fastest = 0.0;
+  for (run::Body const& body : setup.points.bodies) fastest = std::max(fastest, fastest_signal(body));
+  return setup.points.options.courant * setup.domain.h / fastest;
+}
+
+double estimated_point_steps(run::Case const& setup) {
+  double const steps = setup.end.time / estimated_point_step(setup) + 5.0;  // 5 for the gentle start
+  return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
+}
+
+double estimated_seconds(run::Case const& setup, Plan const& p) {
+  double const parts = p.blocks > 0 ? p.blocks : std::max(1.0, p.cells / 512.0);  // points: blocks of 8^3 cells
+  double const workers = std::min<double>(threads(), parts);
+  double const rate = workers > 1.0 ? workers * thread_share : 1.0;
+  bool const gas = !setup.points.any() || setup.mpm_region;
+  double seconds = 0.0;
+  if (gas) {
+    double per_second = two_fluids(setup) ? two_fluid_rate : one_fluid_rate;
+    if (gas_components(setup) == gas::afterburn_components) per_second *= afterburn_share;
+    // A step has one sweep per direction, and the rates are those of three.
+    double const sweeps = setup.domain.dimensions() / 3.0;
+    seconds += p.cells * (p.region ? p.region->gas_steps : p.steps) * sweeps / per_second;
+  }
+  if (p.points > 0.0) {
+    bool const linear = setup.points.options.shape == mpm::ShapeFunction::linear;
+    seconds += p.points * (p.region ? p.region->point_steps : p.steps) / (linear ? linear_point_rate : point_rate);
+  }
+  return seconds / rate;
+}
+
+}  // namespace brisance::session

@@ -1,0 +1,406 @@
+#include "session/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.hpp"
+#include "core/text.hpp"
+#include "gas/components.hpp"
+#include "grid/partition.hpp"
+#include "observe/point_fields.hpp"
+#include "output/writer.hpp"
+#include "session/estimates.hpp"
+#include "setup/place_gas.hpp"
+#include "setup/place_gas_regions.hpp"
+#include "setup/place_panels.hpp"
+#include "setup/place_region.hpp"
+#include "setup/start.hpp"
+#include "shape/placement.hpp"
+
+namespace brisance::session {
+
+namespace {
+
+constexpr double bytes_per_record = 100.0;  // one line of a gauge file
+// Larger things are estimated: a look at a case of a thousand million cells must not take its memory or its time.
+constexpr double most_cells_tried = 5e6;  // in the box around a charge
+constexpr double most_points_tried = 5e6;
+constexpr double most_blocks_tried = 1e6;
+constexpr int longest_row_tried = 100'000'000;  // cells
+constexpr double coarse_body = 4.0;             // points across a body's shortest side below which it hardly bends
+constexpr double coarse_charge = 5.0;           // cells per charge radius below which the near field is poorly resolved
+constexpr double coarse_burst = 15.0;           // cells per radius of a remapped burst below which its shock is
+constexpr long most_cut_cells = 200'000;        // of regions and obstacles that `check` counts
+constexpr double coarse_obstacle = 0.2;         // part of its volume that an obstacle may win or lose without a warning
+constexpr double few_steps = 5.0;            // that a load must last for its impulse to be right within some per cent
+constexpr double alarming_clipping = 0.10;   // of the peak: beyond it there is a warning
+constexpr double tolerable_clipping = 0.05;  // for which the warning names the cell
+
+std::string percent(double part) { return fmt::format("{:.0f} %", 100.0 * part); }
+
+/// Cells around a shape, in the domain.
+double boxed_cells(shape::Shape const& shape, grid::Domain const& domain) {
+  auto const box = shape::bounds(shape);
+  double cells = 1.0;
+  for (int d = 0; d < domain.dimensions(); ++d)
+    cells *=
+        std::max(0.0, std::min(box.upper[d], domain.upper(d)) - std::max(box.lower[d], domain.lower[d])) / domain.h;
+  return cells;
+}
+
+/// May the grid's list of blocks be made for a look at it?
+bool is_small_list(grid::Domain const& domain, Index3 const& parts) {
+  double blocks = 1.0;
+  for (int d = 0; d < 3; ++d) blocks *= parts[d];
+  return blocks <= most_blocks_tried && *std::ranges::max_element(domain.cells) <= longest_row_tried;
+}
+
+/// A charge that fills too many cells to try it out.
+run::ChargeReport untried_charge(run::Charge const& charge, grid::Domain const& domain, std::string const& what) {
+  (void)detonation::symmetry_images(charge.shape, domain, what);  // refuses what it refuses later
+  double const volume = charge.mass / charge.explosive.density();
+  run::ChargeReport report;
+  report.explosive = charge.explosive.name;
+  report.asked_mass = charge.mass;
+  report.realised_mass = std::numeric_limits<double>::quiet_NaN();
+  report.realised_energy = volume * charge.explosive.energy;
+  report.cells_per_radius = shape::equivalent_radius(volume, domain.geometry) / domain.h;
+  return report;
+}
+
+/// A charge that bursts in one direction first.
+void plan_start(run::Case const& setup, std::size_t number, std::string const& what, Plan& p) {
+  run::Charge const& charge = setup.charges[number];
+  double const images = detonation::symmetry_images(charge.shape, setup.domain, what);
+  run::ChargeReport report;
+  report.explosive = charge.explosive.name;
+  report.asked_mass = charge.mass;
+  double reach = 0.0;
+  double realised = 0.0;  // in the domain
+  auto const planes = detonation::planes_through(setup.domain, shape::centre(charge.shape));
+  double share = 1.0;
+  for (int const plane : planes) share *= plane != 0 ? 0.5 : 1.0;
+  if (number < setup.start.profiles.size()) {
+    detonation::Profile const& profile = *setup.start.profiles[number];
+    bool const half = profile.mirrored && std::abs(profile.domain.lower[1]) < 1e-6 * profile.domain.h;
+    realised = share * (half ? 2.0 : 1.0) * profile.sum(gas::second_density);
+    report.cells_per_radius = profile.charge.radius / profile.domain.h;
+    reach = profile.reach();
+    p.starts.push_back(fmt::format("profile \"{}\" of {}, time {}, the burst has a radius of {}, {:.3g} cells",
+                                   setup.start.profile, word_of(profile.domain.geometry), quantity(profile.time, "s"),
+                                   quantity(reach, "m"), reach / setup.domain.h));
+  } else if (setup.start.profile.empty()) {
+    setup::StartPlan const plan = setup::plan_start(setup, number);
+    run::Case const one = setup::start_case(setup, number, plan);
+    grid::Grid const grid(one.domain);
+    auto const ball = setup::realised_charge(one.charges.front(), grid, what);
+    realised = share * ball.realised_mass;
+    report.cells_per_radius = plan.charge_radius / plan.cell;
+    reach = plan.radius;
+    std::string const until =
+        setup.start.time ? fmt::format("until {}", quantity(*setup.start.time, "s"))
+        : setup.start.radius
+            ? fmt::format("until the shock has come to {}", quantity(plan.radius, "m"))
+            : fmt::format("until the shock has come to {}, near {}", quantity(plan.radius, "m"), plan.reach.by);
+    p.starts.push_back(fmt::format("{} by {}, {} cells of {}, {}; then remapped, {:.3g} cells per radius",
+                                   word_of(plan.geometry),
+                                   setup.start.method == run::StartMethod::gas ? "the gas scheme" : "material points",
+                                   plan.cells, quantity(plan.cell, "m"), until, reach / setup.domain.h));
+  } else {
+    return;  // resumed: the file is not needed any more
+  }
+  report.realised_mass = realised * images;
+  report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
+  p.charges.push_back(report);
+  if (reach < coarse_burst * setup.domain.h) {
+    p.warnings.push_back(fmt::format(
+        "{} is remapped when its burst has only {:.2g} cells per radius: its shock will be coarse; a cell of {} would "
+        "give {:g}",
+        what, reach / setup.domain.h, quantity(reach / coarse_burst, "m", 2), coarse_burst));
+  }
+}
+
+/// Regions and obstacles as they will be placed.
+void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Plan& p) {
+  double const h = setup.domain.h;
+  if (setup::RegionPlacing regions(setup); regions.measure(most_cut_cells)) {
+    regions.give_way(taken);
+    p.regions = regions.reports();
+  }
+  for (std::size_t n = 0; n < setup.regions.size(); ++n) {
+    auto const box = shape::bounds(setup.regions[n].shape);
+    double across = std::numeric_limits<double>::infinity();
+    for (int d = 0; d < setup.domain.dimensions(); ++d) across = std::min(across, (box.upper[d] - box.lower[d]) / h);
+    if (across < 1.0) {
+      p.warnings.push_back(
+          fmt::format("region {} is only {:.2g} cells thick: it has its mass and energy, but they are spread over the "
+                      "cells that it touches; a cell of {} would give it one of its own",
+                      n + 1, across, quantity(h * across, "m", 2)));
+    }
+  }
+  if (auto obstacles = setup::SolidCells(setup.domain, setup.obstacles).reports(most_cut_cells)) {
+    p.obstacles = std::move(*obstacles);
+    for (run::ObstacleReport const& o : p.obstacles) {
+      if (std::abs(o.excess) <= coarse_obstacle * o.asked_volume) continue;
+      p.warnings.push_back(fmt::format(
+          "obstacle \"{}\" is {:.0f} % {} on these cells than it is: smaller cells, or faces between cells, would "
+          "give it its size",
+          o.name, 100.0 * std::abs(o.excess) / o.asked_volume, o.excess > 0.0 ? "larger" : "smaller"));
+    }
+    setup::SolidCells const solid(setup.domain, setup.obstacles);
+    p.panels = setup::place_panels(setup.domain, setup.obstacles, solid);
+  }
+}
+
+void plan_gas(run::Case const& setup, Plan& p) {
+  Index3 const parts = grid::parts_of(setup.domain, setup.numerics.block_cells);
+  p.blocks = parts[0] * parts[1] * parts[2];
+  add_gas_memory(setup, parts, p);
+  p.steps = estimated_steps(setup);
+  std::optional<grid::Grid> grid;
+  if (is_small_list(setup.domain, parts)) grid.emplace(setup.domain, setup.numerics.block_cells);
+  setup::SolidCells const solid(setup.domain, setup.obstacles);
+  detonation::TakenCells taken;
+  int number = 0;
+  for (run::Charge const& charge : setup.charges) {
+    ++number;
+    std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
+    if (setup.start.remap) {
+      plan_start(setup, number - 1, what, p);
+      continue;
+    }
+    if (double const around = boxed_cells(charge.shape, setup.domain); grid && around <= most_cells_tried) {
+      p.charges.push_back(setup::realised_charge(charge, *grid, what, &solid, &taken));
+    } else {
+      p.charges.push_back(untried_charge(charge, setup.domain, what));
+      p.warnings.push_back(
+          fmt::format("{} lies in a box of {} cells in a grid of {} blocks: it was not tried out "
+                      "what mass it has there",
+                      what, large_count(around), large_count(p.blocks)));
+    }
+    double const resolution = p.charges.back().cells_per_radius;
+    if (resolution < coarse_charge) {
+      p.warnings.push_back(fmt::format(
+          "{} has only {:.2g} cells per radius: the near field will be coarse; a cell of {} would give {:g}", what,
+          resolution, quantity(setup.domain.h * resolution / coarse_charge, "m", 2), coarse_charge));
+    }
+  }
+  plan_placed(setup, taken, p);
+  double const values = gas_components(setup) + (setup.output.peak_fields ? peak_components : 0.0);
+  p.checkpoint_bytes = static_cast<double>(setup.domain.cell_count()) * values * double_bytes;
+  p.dump_bytes =
+      output::FieldSeries::bytes_per_dump(setup.domain, output::dumped_fields(setup), setup.output.single_precision);
+  double const records =
+      setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
+  p.gauge_bytes = records * bytes_per_record * static_cast<double>(setup.gauges.size());
+  p.gauges = plan_gauges(setup);
+  if (auto const warning = clipping_warning(p.gauges, setup.domain.h)) p.warnings.push_back(*warning);
+}
+
+/// The bodies as they will be filled. One that would have more than `most_points` is not filled but estimated.
+run::BodyReport realised(run::Body const& body, grid::Domain const& domain, double most_points) {
+  run::BodyReport report;
+  report.name = body.name;
+  report.material = body.solid.name;
+  double const density = body.density.value_or(body.solid.density);
+  double const per_cell = std::pow(body.points_per_direction, domain.dimensions());
+  double const most = boxed_cells(body.shape, domain) * per_cell;
+  if (most > most_points) {
+    // The box around the part in the domain holds no more than the body, and the body no more than its volume.
+    double cell = domain.h;
+    for (int d = 1; d < domain.dimensions(); ++d) cell *= domain.h;
+    double const whole = grid::radial_exponent(domain.geometry) > 0
+                             ? most
+                             : shape::volume(body.shape, domain.geometry) / cell * per_cell;
+    report.points = static_cast<long>(std::min(most, whole));
+    report.mass = report.geometric_mass = std::numeric_limits<double>::quiet_NaN();
+    return report;
+  }
+  auto const placement = shape::place_particles(body.shape, domain, body.points_per_direction);
+  report.points = static_cast<long>(placement.positions.size());
+  for (double const volume : placement.volumes) report.mass += density * volume;
+  report.geometric_mass = density * placement.volume;
+  return report;
+}
+
+/// Points across the shortest side of a body.
+double points_across(run::Body const& body, grid::Domain const& domain) {
+  auto const box = shape::bounds(body.shape);
+  double across = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    bool const mirrored = domain.boundary[2 * d] == grid::Boundary::symmetry && box.lower[d] <= domain.lower[d];
+    double const size = box.upper[d] - box.lower[d];
+    // A body that reaches over a symmetry plane goes on behind it.
+    across = std::min(across, (mirrored ? 2.0 : 1.0) * size / domain.h * body.points_per_direction);
+  }
+  return across;
+}
+
+void plan_points(run::Case const& setup, Plan& p) {
+  auto const& points = setup.points;
+  p.steps = estimated_point_steps(setup);
+  for (run::Body const& body : points.bodies) {
+    // What no machine holds, or is a lot for a look, is not tried out.
+    p.bodies.push_back(realised(body, setup.domain, most_points_tried - p.points));
+    p.points += static_cast<double>(p.bodies.back().points);
+    if (p.bodies.back().points == 0) {
+      throw InputError(fmt::format("body \"{}\" holds no material point: it is much smaller than a cell", body.name));
+    }
+    if (double const across = points_across(body, setup.domain);
+        body.solid.has_deviator() && !body.rigid && across < coarse_body - 0.01) {
+      p.warnings.push_back(
+          fmt::format("body \"{}\" has only {:.2g} points across its shortest side: it will bend and yield poorly; a "
+                      "cell of {} would give {:g}",
+                      body.name, across, quantity(setup.domain.h * across / coarse_body, "m", 2), coarse_body));
+    }
+  }
+  double const step = estimated_point_step(setup);
+  for (std::size_t n = 0; n < points.pressures.size(); ++n) {
+    auto const& times = points.pressures[n].times;
+    if (times.size() < 2 || !std::isfinite(step) || times.back() - times.front() >= few_steps * step) continue;
+    p.warnings.push_back(
+        fmt::format("surface pressure {} acts for {}, and a step takes about {}: its impulse will not be right, or it "
+                    "passes between two steps; a smaller points.courant or cell makes the steps shorter",
+                    n + 1, quantity(times.back() - times.front(), "s", 3), quantity(step, "s", 2)));
+  }
+  double const records =
+      setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
+  p.gauge_bytes = records * bytes_per_point_record * static_cast<double>(points.gauges.size());
+  add_point_memory(points, p, setup.domain.dimensions());
+  p.checkpoint_bytes = p.points * bytes_per_point;
+  double const dumped = p.points - (p.region && !setup.output.gas_points ? p.region->gas_points : 0.0);
+  p.dump_bytes =
+      output::PointSeries::bytes_per_dump(dumped, output::dumped_point_fields(setup), setup.output.single_precision);
+}
+
+/// Gas and points together. Each takes steps of its own within common ones, see `run::stable_step`.
+void plan_region(run::Case const& setup, Plan& p) {
+  grid::Domain const& domain = setup.domain;
+  bridge::Region const region = setup::region_of(setup);
+  RegionPlan r;
+  r.cells = static_cast<double>(region.cells().size());
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    auto const [low, high] = std::minmax_element(region.cells().begin(), region.cells().end(),
+                                                 [d](Index3 const& a, Index3 const& b) { return a[d] < b[d]; });
+    r.lower[d] = domain.lower[d] + (*low)[d] * domain.h;
+    r.upper[d] = domain.lower[d] + ((*high)[d] + 1) * domain.h;
+  }
+  for (bridge::Face const& face : region.faces()) {
+    if (!face.open) ++r.bridge_faces[2 * face.direction + face.side];
+  }
+  Plan gas = p;
+  plan_gas(setup, gas);
+  p.memory = gas.memory;
+  p.region = r;
+  // The gas fills what the bodies leave, with points of its own density.
+  double cells = r.cells;
+  plan_points(setup, p);
+  p.memory = gas.memory;  // that of the points follows when those of the gas are known
+  for (std::size_t b = 0; b < p.bodies.size(); ++b) {
+    cells -= static_cast<double>(p.bodies[b].points) /
+             std::pow(setup.points.bodies[b].points_per_direction, domain.dimensions());
+  }
+  r.gas_points =
+      std::max(0.0, cells) * std::pow(setup.mpm_region->gas_points(domain.dimensions()), domain.dimensions());
+  r.gas_steps = gas.steps;
+  // Gas points see the signals of the gas, at the Courant number of the points.
+  double const gas_point_steps = gas.steps * setup.numerics.courant / setup.points.options.courant;
+  r.point_steps = std::max(setup.points.any() ? p.steps : 0.0, gas_point_steps);
+  p.region = r;
+  p.points += r.gas_points;
+  p.blocks = gas.blocks;
+  p.charges = gas.charges;
+  p.regions = gas.regions;
+  p.obstacles = gas.obstacles;
+  p.starts = gas.starts;
+  p.gauges = gas.gauges;
+  double const shorter = std::min(r.gas_steps, r.point_steps);
+  p.steps = setup.mpm_region->subcycling ? std::max({shorter, r.gas_steps / 4.0, r.point_steps / 64.0})
+                                         : std::max(r.gas_steps, r.point_steps);
+  add_point_memory(setup.points, p, domain.dimensions());
+  double const dumped = p.points - (setup.output.gas_points ? 0.0 : r.gas_points);
+  p.dump_bytes = gas.dump_bytes + output::PointSeries::bytes_per_dump(dumped, output::dumped_point_fields(setup),
+                                                                      setup.output.single_precision);
+  p.gauge_bytes += gas.gauge_bytes;
+  p.checkpoint_bytes = gas.checkpoint_bytes + p.points * bytes_per_point;
+  p.warnings.insert(p.warnings.end(), gas.warnings.begin(), gas.warnings.end());
+}
+
+}  // namespace
+
+std::vector<GaugePlan> plan_gauges(run::Case const& setup) {
+  std::vector<GaugePlan> plans;
+  plans.reserve(setup.gauges.size());
+  for (run::Gauge const& gauge : setup.gauges)
+    plans.push_back({gauge.name, observe::expected_peak(setup, gauge.position)});
+  return plans;
+}
+
+std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges, double size) {
+  GaugePlan const* worst = nullptr;
+  std::size_t clipped = 0;
+  for (GaugePlan const& g : gauges) {
+    if (!g.peak || g.peak->clipping < alarming_clipping) continue;
+    ++clipped;
+    if (worst == nullptr || g.peak->clipping > worst->peak->clipping) worst = &g;
+  }
+  if (worst == nullptr) return std::nullopt;
+  auto const& peak = *worst->peak;
+  double const wanted = size * peak.cells_per_half_width /
+                        observe::cells_for_clipping(tolerable_clipping, {peak.strength, peak.reflected});
+  return fmt::format(
+      "the cells will clip the peak at {} gauge{} by more than {}, at \"{}\" by about {}: a cell of {} would clip that "
+      "one by {}; impulses and arrivals need fewer cells, and the summary tells the peak at the front",
+      clipped, clipped == 1 ? "" : "s", percent(alarming_clipping), worst->name, percent(peak.clipping),
+      quantity(wanted, "m", 3), percent(tolerable_clipping));
+}
+
+Plan plan(run::Case const& setup) {
+  Plan p;
+  p.cells = static_cast<double>(setup.domain.cell_count());
+  p.machine_memory_bytes = machine_memory();
+  p.dumps = static_cast<long>(output::dump_times(setup.output, setup.end.time).size());
+  if (setup.mpm_region) {
+    plan_region(setup, p);
+  } else if (setup.points.any()) {
+    plan_points(setup, p);
+  } else {
+    plan_gas(setup, p);
+  }
+  sum_memory(p);
+  p.disk_bytes =
+      static_cast<double>(p.dumps) * p.dump_bytes + p.gauge_bytes + (setup.checkpoint.keep + 1) * p.checkpoint_bytes;
+  p.seconds = estimated_seconds(setup, p);
+  if (p.memory_bytes > p.machine_memory_bytes) {
+    p.warnings.push_back(
+        fmt::format("this machine has {} of memory: the case will be refused here", bytes(p.machine_memory_bytes)));
+  }
+  return p;
+}
+
+void refuse_unless_it_fits(Plan const& p) {
+  if (p.memory_bytes <= p.machine_memory_bytes) return;
+  std::string const most = p.memory.empty() ? ""
+                                            : fmt::format(" (most of it, {}, for: {})", bytes(p.memory.front().bytes),
+                                                          p.memory.front().what);
+  throw InputError(
+      p.region
+          ? fmt::format(
+                "the case needs about {} of memory for its {} cells and {} material points{}, and this machine "
+                "has {}: use larger cells (domain.cell), a smaller domain or MPM region, fewer points per cell, or "
+                "symmetry planes",
+                bytes(p.memory_bytes), large_count(p.cells), large_count(p.points), most, bytes(p.machine_memory_bytes))
+      : p.points > 0.0
+          ? fmt::format("the case needs about {} of memory for its {} material points{}, and this machine has {}: "
+                        "use "
+                        "larger cells (domain.cell), fewer points per cell, or symmetry planes",
+                        bytes(p.memory_bytes), large_count(p.points), most, bytes(p.machine_memory_bytes))
+          : fmt::format("the case needs about {} of memory for its {} cells{}, and this machine has {}: use larger "
+                        "cells (domain.cell), a smaller domain, or symmetry planes",
+                        bytes(p.memory_bytes), large_count(p.cells), most, bytes(p.machine_memory_bytes)));
+}
+
+}  // namespace brisance::session
