@@ -129,122 +129,147 @@ std::string panel_line(run::PanelReport const& p) {
                      "xyz"[p.place.direction], quantity(p.release.pressure, "Pa"), p.place.area, mass);
 }
 
-}  // namespace
+/// A line behind a label; without one, of the label above.
+std::string line(std::string const& label, std::string const& text) { return fmt::format("{:<12} {}\n", label, text); }
 
-std::string plan_text(run::Case const& setup, session::Plan const& p) {
+bool has_points(session::Plan const& p) { return p.points > 0.0; }
+bool has_gas(session::Plan const& p) { return !has_points(p) || p.region; }
+
+std::string domain_text(run::Case const& setup, session::Plan const& p) {
   grid::Domain const& d = setup.domain;
   int const dims = d.dimensions();
   std::string out;
-  auto const line = [&out](char const* label, std::string const& text) {
-    out += fmt::format("{:<12} {}\n", label, text);
-  };
-
-  if (!setup.title.empty()) line("title", setup.title);
   std::string box;
   std::string cells;
   for (int k = 0; k < dims; ++k) {
     box += fmt::format("{}{:g} to {:g}", k == 0 ? "" : " x ", d.lower[k], d.upper(k));
     cells += fmt::format("{}{}", k == 0 ? "" : " x ", d.cells[k]);
   }
-  line("domain", fmt::format("{}, {} m", word_of(d.geometry), box));
-  bool const points = p.points > 0.0;
-  bool const gas = !points || p.region;
-  line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.h, "m"),
-                            !gas ? "" : fmt::format(", in {} blocks", p.blocks)));
+  out += line("domain", fmt::format("{}, {} m", word_of(d.geometry), box));
+  out += line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.h, "m"),
+                                   !has_gas(p) ? "" : fmt::format(", in {} blocks", p.blocks)));
   std::string boundaries;
   for (int f = 0; f < 2 * dims; ++f)
     boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", grid::face_names[f], word_of(d.boundary[f]));
-  line("boundaries", boundaries);
+  out += line("boundaries", boundaries);
   if (p.region) out += region_text(setup, *p.region);
-  if (points) {
-    auto const& o = setup.points.options;
-    line("points",
-         fmt::format("{} in {} bod{}{}", large_count(p.points), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
-                     p.region ? fmt::format(" and {} of the gas", large_count(p.region->gas_points)) : ""));
-    line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", word_of(o.shape), word_of(o.order),
-                               word_of(o.transfer), o.courant));
-  }
-  if (gas) {
-    line(points ? "" : "scheme",
-         fmt::format("{}, Courant number {:g}, {}", word_of(setup.numerics.scheme), setup.numerics.courant,
-                     session::two_fluids(setup) ? "two fluids" : "one fluid"));
-  }
-  line("end", end_text(setup.end));
-  if (p.region) {
-    line("steps",
-         fmt::format("about {}, in them {} of the gas and {} of the points (estimates; fewer while the region "
-                     "and blocks of the gas sleep)",
-                     large_count(p.steps), large_count(p.region->gas_steps), large_count(p.region->point_steps)));
-  } else if (points) {
-    line("steps", fmt::format("about {} (as long as at the start; {} point updates)", large_count(p.steps),
-                              large_count(p.steps * p.points)));
-  } else {
-    line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
-                              large_count(p.steps), large_count(p.steps * p.cells)));
-  }
-  line("memory",
-       fmt::format("about {} of {}: {}", bytes(p.memory_bytes), bytes(p.machine_memory_bytes), memory_text(p)));
-  line("time", fmt::format("up to about {} on {} thread{} (estimate, from the rates of docs/benchmarks.md; less while "
-                           "the gas is quiet)",
-                           wall_time(p.seconds), threads(), threads() == 1 ? "" : "s"));
-  line("disk", fmt::format("up to about {} (estimate): {} dumps of {} before compression, gauges {}, {} checkpoints of "
-                           "{} at a time",
-                           bytes(p.disk_bytes), p.dumps, bytes(p.dump_bytes), bytes(p.gauge_bytes),
-                           setup.checkpoint.keep + 1, bytes(p.checkpoint_bytes)));
+  return out;
+}
 
-  out += "\n";
-  if (gas) {
-    line("ambient", fmt::format("{}, {}, {:.4g} kg/m3", setup.ambient.fluid.name,
-                                quantity(setup.ambient.state.pressure, "Pa", 6), setup.ambient.state.density));
+std::string scheme_text(run::Case const& setup, session::Plan const& p) {
+  std::string out;
+  if (has_points(p)) {
+    auto const& o = setup.points.options;
+    out +=
+        line("points",
+             fmt::format("{} in {} bod{}{}", large_count(p.points), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
+                         p.region ? fmt::format(" and {} of the gas", large_count(p.region->gas_points)) : ""));
+    out += line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", word_of(o.shape),
+                                      word_of(o.order), word_of(o.transfer), o.courant));
   }
+  if (has_gas(p)) {
+    out += line(has_points(p) ? "" : "scheme",
+                fmt::format("{}, Courant number {:g}, {}", word_of(setup.numerics.scheme), setup.numerics.courant,
+                            session::two_fluids(setup) ? "two fluids" : "one fluid"));
+  }
+  return out;
+}
+
+std::string steps_text(session::Plan const& p) {
+  if (p.region) {
+    return line(
+        "steps",
+        fmt::format("about {}, in them {} of the gas and {} of the points (estimates; fewer while the region "
+                    "and blocks of the gas sleep)",
+                    large_count(p.steps), large_count(p.region->gas_steps), large_count(p.region->point_steps)));
+  }
+  if (has_points(p)) {
+    return line("steps", fmt::format("about {} (as long as at the start; {} point updates)", large_count(p.steps),
+                                     large_count(p.steps * p.points)));
+  }
+  return line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
+                                   large_count(p.steps), large_count(p.steps * p.cells)));
+}
+
+std::string costs_text(run::Case const& setup, session::Plan const& p) {
+  std::string out;
+  out += line("memory",
+              fmt::format("about {} of {}: {}", bytes(p.memory_bytes), bytes(p.machine_memory_bytes), memory_text(p)));
+  out += line("time",
+              fmt::format("up to about {} on {} thread{} (estimate, from the rates of docs/benchmarks.md; less while "
+                          "the gas is quiet)",
+                          wall_time(p.seconds), threads(), threads() == 1 ? "" : "s"));
+  out += line("disk",
+              fmt::format("up to about {} (estimate): {} dumps of {} before compression, gauges {}, {} checkpoints of "
+                          "{} at a time",
+                          bytes(p.disk_bytes), p.dumps, bytes(p.dump_bytes), bytes(p.gauge_bytes),
+                          setup.checkpoint.keep + 1, bytes(p.checkpoint_bytes)));
+  return out;
+}
+
+std::string bodies_text(run::Case const& setup, session::Plan const& p) {
+  std::string out;
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     auto const& b = p.bodies[n];
     auto const& body = setup.points.bodies[n];
     auto const& v = body.velocity;
-    line("body", fmt::format("{}: {}, {} points, {} per cell and direction{}{}", b.name, b.material,
-                             large_count(static_cast<double>(b.points)), body.points_per_direction,
-                             norm(v) > 0.0 ? fmt::format(", ({:g}, {:g}, {:g}) m/s", v[0], v[1], v[2]) : "",
-                             body.rigid ? ", rigid" : ""));
+    out += line("body", fmt::format("{}: {}, {} points, {} per cell and direction{}{}", b.name, b.material,
+                                    large_count(static_cast<double>(b.points)), body.points_per_direction,
+                                    norm(v) > 0.0 ? fmt::format(", ({:g}, {:g}, {:g}) m/s", v[0], v[1], v[2]) : "",
+                                    body.rigid ? ", rigid" : ""));
     if (std::isfinite(b.mass))
-      line("", fmt::format("mass of the points {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}; volume {:.6g} "
-                           "and {:.6g} m3",
-                           b.mass, b.geometric_mass, relative_error(b), b.mass / density_of(body),
-                           b.geometric_mass / density_of(body)));
+      out += line(
+          "", fmt::format("mass of the points {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}; volume {:.6g} "
+                          "and {:.6g} m3",
+                          b.mass, b.geometric_mass, relative_error(b), b.mass / density_of(body),
+                          b.geometric_mass / density_of(body)));
   }
+  return out;
+}
+
+std::string charges_text(run::Case const& setup, session::Plan const& p) {
+  std::string out;
   for (std::size_t n = 0; n < p.charges.size(); ++n) {
     auto const& c = p.charges[n];
     auto const& charge = setup.charges[n];
     auto const x = shape::centre(charge.shape);
-    line(p.charges.size() == 1 ? "charge" : fmt::format("charge {}", n + 1).c_str(),
-         fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
-                     charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
-    line("", std::isfinite(c.realised_mass)
-                 ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
-                               c.realised_mass, relative_error(c))
-                 : fmt::format("mass asked {:.8g} kg, realised: not tried out", c.asked_mass));
+    out += line(p.charges.size() == 1 ? std::string("charge") : fmt::format("charge {}", n + 1),
+                fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
+                            charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
+    out += line("", std::isfinite(c.realised_mass)
+                        ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
+                                      c.realised_mass, relative_error(c))
+                        : fmt::format("mass asked {:.8g} kg, realised: not tried out", c.asked_mass));
     double const density = charge.explosive.density();
-    line("", fmt::format("volume asked {:.6g} m3, realised {}; energy asked {}, realised {}; {:.3g} cells per radius",
-                         c.asked_mass / density,
-                         std::isfinite(c.realised_mass) ? fmt::format("{:.6g} m3", c.realised_mass / density)
-                                                        : std::string("not tried out"),
-                         quantity(c.asked_mass * charge.explosive.specific_energy(), "J", 6),
-                         quantity(c.realised_energy, "J", 6), c.cells_per_radius));
-    if (n < p.starts.size()) line("start", p.starts[n]);
+    out += line(
+        "", fmt::format("volume asked {:.6g} m3, realised {}; energy asked {}, realised {}; {:.3g} cells per radius",
+                        c.asked_mass / density,
+                        std::isfinite(c.realised_mass) ? fmt::format("{:.6g} m3", c.realised_mass / density)
+                                                       : std::string("not tried out"),
+                        quantity(c.asked_mass * charge.explosive.specific_energy(), "J", 6),
+                        quantity(c.realised_energy, "J", 6), c.cells_per_radius));
+    if (n < p.starts.size()) out += line("start", p.starts[n]);
   }
-  if (setup.afterburn) line("afterburn", afterburn_text(*setup.afterburn));
-  if (!setup.regions.empty()) line("regions", fmt::format("{}", setup.regions.size()));
-  for (std::size_t n = 0; n < p.regions.size(); ++n) out += region_line(n, p.regions[n]);
-  if (!setup.obstacles.empty()) line("obstacles", fmt::format("{}", setup.obstacles.size()));
-  for (std::size_t n = 0; n < p.obstacles.size() && n < most_listed; ++n) out += obstacle_line(p.obstacles[n]);
-  if (p.obstacles.size() > most_listed) line("", fmt::format("and {} more", p.obstacles.size() - most_listed));
-  for (std::size_t n = 0; n < p.panels.size() && n < most_listed; ++n) out += panel_line(p.panels[n]);
-  if (p.panels.size() > most_listed) line("", fmt::format("and {} more panels", p.panels.size() - most_listed));
-  for (MaterialLine const& m : materials_of(setup))
-    line("material", fmt::format("{} ({}): {}", m.name, m.role, m.source));
+  return out;
+}
 
-  out += "\n";
+std::string placed_text(run::Case const& setup, session::Plan const& p) {
+  std::string out;
+  if (setup.afterburn) out += line("afterburn", afterburn_text(*setup.afterburn));
+  if (!setup.regions.empty()) out += line("regions", fmt::format("{}", setup.regions.size()));
+  for (std::size_t n = 0; n < p.regions.size(); ++n) out += region_line(n, p.regions[n]);
+  if (!setup.obstacles.empty()) out += line("obstacles", fmt::format("{}", setup.obstacles.size()));
+  for (std::size_t n = 0; n < p.obstacles.size() && n < most_listed; ++n) out += obstacle_line(p.obstacles[n]);
+  if (p.obstacles.size() > most_listed) out += line("", fmt::format("and {} more", p.obstacles.size() - most_listed));
+  for (std::size_t n = 0; n < p.panels.size() && n < most_listed; ++n) out += panel_line(p.panels[n]);
+  if (p.panels.size() > most_listed) out += line("", fmt::format("and {} more panels", p.panels.size() - most_listed));
+  return out;
+}
+
+std::string output_text(run::Case const& setup, session::Plan const& p) {
+  std::string out;
   std::size_t const gauges = setup.points.gauges.size() + setup.gauges.size();
-  line("gauges", gauges == 0 ? "none" : fmt::format("{}, about {}", gauges, bytes(p.gauge_bytes)));
+  out += line("gauges", gauges == 0 ? "none" : fmt::format("{}, about {}", gauges, bytes(p.gauge_bytes)));
   out += gauge_plan_text(p.gauges);
   std::string fields;
   for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
@@ -252,16 +277,13 @@ std::string plan_text(run::Case const& setup, session::Plan const& p) {
   if (p.region && !point_fields.empty()) fields += "; of points:";
   for (std::size_t n = 0; n < point_fields.size(); ++n)
     fields += (fields.empty() ? "" : n == 0 ? " " : ", ") + point_fields[n].name;
-  line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
-  line("checkpoints", fmt::format("{} of about {} stay", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
-  std::vector<std::string> warnings;
-  for (auto const& w : p.warnings) warnings.push_back(fmt::format("\nwarning: {}", w));
-  return out + listed(warnings);
+  out += line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
+  out += line("checkpoints", fmt::format("{} of about {} stay", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
+  return out;
 }
 
-nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
-  using nlohmann::json;
-  json charges = json::array();
+nlohmann::json charges_json(run::Case const& setup, session::Plan const& p) {
+  nlohmann::json charges = nlohmann::json::array();
   for (std::size_t n = 0; n < p.charges.size(); ++n) {
     auto const& c = p.charges[n];
     auto const& explosive = setup.charges[n].explosive;
@@ -275,7 +297,11 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
                        {"realised_energy", c.realised_energy},
                        {"cells_per_radius", c.cells_per_radius}});
   }
-  json bodies = json::array();
+  return charges;
+}
+
+nlohmann::json bodies_json(run::Case const& setup, session::Plan const& p) {
+  nlohmann::json bodies = nlohmann::json::array();
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     auto const& b = p.bodies[n];
     double const density = density_of(setup.points.bodies[n]);
@@ -288,6 +314,42 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
                       {"geometric_volume", output::json_or_null(b.geometric_mass / density)},
                       {"relative_error", output::json_or_null(relative_error(b))}});
   }
+  return bodies;
+}
+
+nlohmann::json region_json(run::Case const& setup, session::RegionPlan const& r) {
+  return {{"lower", r.lower},
+          {"upper", r.upper},
+          {"cells", r.cells},
+          {"width", setup.mpm_region->width},
+          {"bridge_faces", r.bridge_faces},
+          {"gas_points", r.gas_points},
+          {"gas_steps", std::round(r.gas_steps)},
+          {"point_steps", std::round(r.point_steps)}};
+}
+
+}  // namespace
+
+std::string plan_text(run::Case const& setup, session::Plan const& p) {
+  std::string out;
+  if (!setup.title.empty()) out += line("title", setup.title);
+  out += domain_text(setup, p) + scheme_text(setup, p) + line("end", end_text(setup.end)) + steps_text(p) +
+         costs_text(setup, p) + "\n";
+  if (has_gas(p)) {
+    out += line("ambient", fmt::format("{}, {}, {:.4g} kg/m3", setup.ambient.fluid.name,
+                                       quantity(setup.ambient.state.pressure, "Pa", 6), setup.ambient.state.density));
+  }
+  out += bodies_text(setup, p) + charges_text(setup, p) + placed_text(setup, p);
+  for (MaterialLine const& m : materials_of(setup))
+    out += line("material", fmt::format("{} ({}): {}", m.name, m.role, m.source));
+  out += "\n" + output_text(setup, p);
+  std::vector<std::string> warnings;
+  for (auto const& w : p.warnings) warnings.push_back(fmt::format("\nwarning: {}", w));
+  return out + listed(warnings);
+}
+
+nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
+  using nlohmann::json;
   json memory = json::array();
   for (session::MemoryPart const& part : p.memory) memory.push_back({{"what", part.what}, {"bytes", part.bytes}});
   json materials = json::array();
@@ -299,17 +361,6 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
   json fields = json::array();
   for (auto const& f : output::dumped_fields(setup)) fields.push_back(f.name);
   for (auto const& f : output::dumped_point_fields(setup)) fields.push_back(f.name);
-  json region;
-  if (p.region) {
-    region = {{"lower", p.region->lower},
-              {"upper", p.region->upper},
-              {"cells", p.region->cells},
-              {"width", setup.mpm_region->width},
-              {"bridge_faces", p.region->bridge_faces},
-              {"gas_points", p.region->gas_points},
-              {"gas_steps", std::round(p.region->gas_steps)},
-              {"point_steps", std::round(p.region->point_steps)}};
-  }
   return {{"title", setup.title},
           {"geometry", word_of(setup.domain.geometry)},
           {"cells", setup.domain.cells},
@@ -325,12 +376,12 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
           {"machine_memory_bytes", p.machine_memory_bytes},
           {"end_time", setup.end.time},
           {"estimated_steps", std::round(p.steps)},
-          {"charges", charges},
+          {"charges", charges_json(setup, p)},
           {"starts", p.starts},
           {"points", p.points},
-          {"bodies", bodies},
+          {"bodies", bodies_json(setup, p)},
           {"materials", materials},
-          {"mpm_region", region},
+          {"mpm_region", p.region ? region_json(setup, *p.region) : json()},
           {"gauges", setup.points.gauges.size() + setup.gauges.size()},
           {"gauge_bytes", p.gauge_bytes},
           {"gauge_peaks", gauge_plan_json(p.gauges)},

@@ -72,6 +72,91 @@ std::string burst_name(run::Burst burst) {
   return "";
 }
 
+char const* const summary_header =
+    "gauge,x [m],y [m],z [m],distance [m],scaled_distance [m/kg^(1/3)],peak_overpressure [Pa],time_of_peak [s],"
+    "front_overpressure [Pa],arrival_time [s],positive_duration [s],positive_impulse [Pa s],positive_phase_complete,"
+    "KB_peak_overpressure [Pa],KB_arrival_time [s],KB_positive_duration [s],KB_positive_impulse [Pa s],"
+    "ratio_peak_overpressure,ratio_front_overpressure,ratio_arrival_time,ratio_positive_duration,ratio_positive_"
+    "impulse,largest_impulse [Pa s],time_of_largest_impulse [s],final_overpressure [Pa],negative_peak [Pa],time_of_"
+    "negative_peak [s],negative_impulse [Pa s],negative_duration [s],peak_front_overpressure [Pa],half_width [s],"
+    "cells_per_half_width,expected_clipping,reflected\n";
+
+/// A gauge's results over the empirical ones.
+struct Ratios {
+  std::optional<double> peak;
+  std::optional<double> front;
+  std::optional<double> arrival;
+  std::optional<double> duration;
+  std::optional<double> impulse;
+};
+
+Ratios ratios_of(observe::GaugeSummary const& s) {
+  auto const& w = s.wave;
+  auto const& e = s.empirical;
+  Ratios r;
+  r.peak = ratio(w.arrival_time ? std::optional(w.peak_overpressure) : std::nullopt, e.incident_overpressure);
+  r.front = ratio(w.front_overpressure, e.incident_overpressure);
+  r.arrival = ratio(w.arrival_time, e.arrival);
+  r.duration = ratio(w.positive_duration, e.duration);
+  // An impulse that the record cuts off cannot be compared.
+  r.impulse = ratio(w.positive_duration ? std::optional(w.positive_impulse) : std::nullopt, e.incident_impulse);
+  return r;
+}
+
+std::string csv_row(observe::GaugeSummary const& s) {
+  auto const& w = s.wave;
+  auto const& e = s.empirical;
+  bool const complete = w.positive_duration.has_value();
+  Ratios const r = ratios_of(s);
+  std::string row = fmt::format(
+      "{},{:.8g},{:.8g},{:.8g},{},{},{:.8g},{:.8g},{},{},{},{:.8g},{},{},{},{},{},{},{},{},{},{}", csv_field(s.name),
+      s.position[0], s.position[1], s.position[2], cell(s.distance), cell(s.scaled_distance), w.peak_overpressure,
+      w.peak_time, cell(w.front_overpressure), cell(w.arrival_time), cell(w.positive_duration), w.positive_impulse,
+      complete ? "yes" : "no", cell(e.incident_overpressure), cell(e.arrival), cell(e.duration),
+      cell(e.incident_impulse), cell(r.peak), cell(r.front), cell(r.arrival), cell(r.duration), cell(r.impulse));
+  auto const of_negative = [&](auto value) { return w.negative ? cell((*w.negative).*value) : ""; };
+  row += fmt::format(",{:.8g},{:.8g},{:.8g},{},{},{},{},{},{},{},{},{}\n", w.largest_impulse, w.largest_impulse_time,
+                     w.final_overpressure, of_negative(&observe::NegativePhase::peak),
+                     of_negative(&observe::NegativePhase::time), of_negative(&observe::NegativePhase::impulse),
+                     of_negative(&observe::NegativePhase::duration), cell(w.peak_front_overpressure),
+                     cell(w.half_width), cell(w.cells_per_half_width), cell(w.expected_clipping),
+                     w.half_width ? w.reflected ? "yes" : "no" : "");
+  return row;
+}
+
+nlohmann::json to_json(observe::GaugeSummary const& s, std::string const& file) {
+  auto const& w = s.wave;
+  Ratios const r = ratios_of(s);
+  return {{"name", s.name},
+          {"file", file},
+          {"position", s.position},
+          {"distance", json_or_null(s.distance)},
+          {"scaled_distance", json_or_null(s.scaled_distance)},
+          {"peak_overpressure", json_or_null(w.peak_overpressure)},
+          {"time_of_peak", json_or_null(w.peak_time)},
+          {"front_overpressure", json_or_null(w.front_overpressure)},
+          {"arrival_time", json_or_null(w.arrival_time)},
+          {"positive_duration", json_or_null(w.positive_duration)},
+          {"positive_impulse", json_or_null(w.positive_impulse)},
+          {"positive_phase_complete", w.positive_duration.has_value()},
+          {"largest_impulse", json_or_null(w.largest_impulse)},
+          {"time_of_largest_impulse", json_or_null(w.largest_impulse_time)},
+          {"final_overpressure", json_or_null(w.final_overpressure)},
+          {"negative_phase", negative_json(w.negative)},
+          {"peak_front_overpressure", json_or_null(w.peak_front_overpressure)},
+          {"half_width", json_or_null(w.half_width)},
+          {"cells_per_half_width", json_or_null(w.cells_per_half_width)},
+          {"expected_clipping", json_or_null(w.expected_clipping)},
+          {"reflected", w.half_width ? nlohmann::json(w.reflected) : nlohmann::json()},
+          {"kingery_bulmash", blast_json(s.empirical)},
+          {"ratio",
+           {{"peak_overpressure", json_or_null(r.peak)},
+            {"front_overpressure", json_or_null(r.front)},
+            {"arrival_time", json_or_null(r.arrival)},
+            {"positive_duration", json_or_null(r.duration)},
+            {"positive_impulse", json_or_null(r.impulse)}}}};
+}
+
 }  // namespace
 
 std::string sanitised(std::string const& name) {
@@ -149,69 +234,11 @@ void GaugeFiles::append(std::vector<observe::GaugeHistory> const& gauges) {
 
 void write_summary(fs::path const& folder, run::Case const& setup, std::vector<observe::GaugeSummary> const& summaries,
                    std::vector<std::string> const& files, nlohmann::json const& more) {
-  std::string csv =
-      "gauge,x [m],y [m],z [m],distance [m],scaled_distance [m/kg^(1/3)],peak_overpressure [Pa],time_of_peak [s],"
-      "front_overpressure [Pa],arrival_time [s],positive_duration [s],positive_impulse [Pa s],positive_phase_complete,"
-      "KB_peak_overpressure [Pa],KB_arrival_time [s],KB_positive_duration [s],KB_positive_impulse [Pa s],"
-      "ratio_peak_overpressure,ratio_front_overpressure,ratio_arrival_time,ratio_positive_duration,ratio_positive_"
-      "impulse,largest_impulse [Pa s],time_of_largest_impulse [s],final_overpressure [Pa],negative_peak [Pa],time_of_"
-      "negative_peak [s],negative_impulse [Pa s],negative_duration [s],peak_front_overpressure [Pa],half_width [s],"
-      "cells_per_half_width,expected_clipping,reflected\n";
+  std::string csv = summary_header;
   nlohmann::json gauges = nlohmann::json::array();
   for (std::size_t g = 0; g < summaries.size(); ++g) {
-    auto const& s = summaries[g];
-    auto const& w = s.wave;
-    auto const& e = s.empirical;
-    bool const complete = w.positive_duration.has_value();
-    auto const ratio_peak =
-        ratio(w.arrival_time ? std::optional(w.peak_overpressure) : std::nullopt, e.incident_overpressure);
-    auto const ratio_front = ratio(w.front_overpressure, e.incident_overpressure);
-    auto const ratio_arrival = ratio(w.arrival_time, e.arrival);
-    auto const ratio_duration = ratio(w.positive_duration, e.duration);
-    // An impulse that the record cuts off cannot be compared.
-    auto const ratio_impulse = ratio(complete ? std::optional(w.positive_impulse) : std::nullopt, e.incident_impulse);
-    csv += fmt::format("{},{:.8g},{:.8g},{:.8g},{},{},{:.8g},{:.8g},{},{},{},{:.8g},{},{},{},{},{},{},{},{},{},{}",
-                       csv_field(s.name), s.position[0], s.position[1], s.position[2], cell(s.distance),
-                       cell(s.scaled_distance), w.peak_overpressure, w.peak_time, cell(w.front_overpressure),
-                       cell(w.arrival_time), cell(w.positive_duration), w.positive_impulse, complete ? "yes" : "no",
-                       cell(e.incident_overpressure), cell(e.arrival), cell(e.duration), cell(e.incident_impulse),
-                       cell(ratio_peak), cell(ratio_front), cell(ratio_arrival), cell(ratio_duration),
-                       cell(ratio_impulse));
-    auto const of_negative = [&](auto value) { return w.negative ? cell((*w.negative).*value) : ""; };
-    csv += fmt::format(",{:.8g},{:.8g},{:.8g},{},{},{},{},{},{},{},{},{}\n", w.largest_impulse, w.largest_impulse_time,
-                       w.final_overpressure, of_negative(&observe::NegativePhase::peak),
-                       of_negative(&observe::NegativePhase::time), of_negative(&observe::NegativePhase::impulse),
-                       of_negative(&observe::NegativePhase::duration), cell(w.peak_front_overpressure),
-                       cell(w.half_width), cell(w.cells_per_half_width), cell(w.expected_clipping),
-                       w.half_width ? w.reflected ? "yes" : "no" : "");
-    gauges.push_back({{"name", s.name},
-                      {"file", g < files.size() ? files[g] : ""},
-                      {"position", s.position},
-                      {"distance", json_or_null(s.distance)},
-                      {"scaled_distance", json_or_null(s.scaled_distance)},
-                      {"peak_overpressure", json_or_null(w.peak_overpressure)},
-                      {"time_of_peak", json_or_null(w.peak_time)},
-                      {"front_overpressure", json_or_null(w.front_overpressure)},
-                      {"arrival_time", json_or_null(w.arrival_time)},
-                      {"positive_duration", json_or_null(w.positive_duration)},
-                      {"positive_impulse", json_or_null(w.positive_impulse)},
-                      {"positive_phase_complete", complete},
-                      {"largest_impulse", json_or_null(w.largest_impulse)},
-                      {"time_of_largest_impulse", json_or_null(w.largest_impulse_time)},
-                      {"final_overpressure", json_or_null(w.final_overpressure)},
-                      {"negative_phase", negative_json(w.negative)},
-                      {"peak_front_overpressure", json_or_null(w.peak_front_overpressure)},
-                      {"half_width", json_or_null(w.half_width)},
-                      {"cells_per_half_width", json_or_null(w.cells_per_half_width)},
-                      {"expected_clipping", json_or_null(w.expected_clipping)},
-                      {"reflected", w.half_width ? nlohmann::json(w.reflected) : nlohmann::json()},
-                      {"kingery_bulmash", blast_json(e)},
-                      {"ratio",
-                       {{"peak_overpressure", json_or_null(ratio_peak)},
-                        {"front_overpressure", json_or_null(ratio_front)},
-                        {"arrival_time", json_or_null(ratio_arrival)},
-                        {"positive_duration", json_or_null(ratio_duration)},
-                        {"positive_impulse", json_or_null(ratio_impulse)}}}});
+    csv += csv_row(summaries[g]);
+    gauges.push_back(to_json(summaries[g], g < files.size() ? files[g] : ""));
   }
   replace_file(folder / "summary.csv", csv);
 

@@ -107,6 +107,25 @@ int largest_of(std::vector<Share> const& shares) {
       ->shape;
 }
 
+/// The parts of a cell of which obstacles leave the middle free; `fine` has p of them per cell and direction.
+Parts parts_of_cell(std::vector<shape::Shape> const& shapes, grid::Domain const& fine, Index3 const& cell, int p) {
+  int const dims = fine.dimensions();
+  Parts parts;
+  for (int d = 0; d < dims; ++d) parts.n[d] = p;
+  parts.free.assign(static_cast<std::size_t>(parts.n[0]) * parts.n[1] * parts.n[2], 1);
+  CellRange inside;
+  for (int d = 0; d < 3; ++d) {
+    inside.lower[d] = d < dims ? cell[d] * p : 0;
+    inside.upper[d] = inside.lower[d] + parts.n[d];
+  }
+  for (int at = 0; at < static_cast<int>(parts.free.size()); ++at) {
+    Index3 const i{inside.lower[0] + at % p, inside.lower[1] + at / p % parts.n[1],
+                   inside.lower[2] + at / (p * parts.n[1])};
+    parts.free[at] = shape::shares_of_cell(shapes, fine, i, 2).empty() ? 1 : 0;
+  }
+  return parts;
+}
+
 }  // namespace
 
 SolidCells::SolidCells(grid::Domain const& domain, std::vector<Obstacle> const& obstacles)
@@ -264,21 +283,8 @@ std::optional<Leak> SolidCells::leak_in(CellRange const& range, long& most) cons
   std::map<Index3, Parts> known;
   auto const parts_at = [&](Index3 const& cell) -> Parts const& {
     auto const [place, added] = known.try_emplace(cell);
-    Parts& parts = place->second;
-    if (!added) return parts;
-    for (int d = 0; d < dims; ++d) parts.n[d] = p;
-    parts.free.assign(static_cast<std::size_t>(parts.n[0]) * parts.n[1] * parts.n[2], 1);
-    CellRange inside;
-    for (int d = 0; d < 3; ++d) {
-      inside.lower[d] = d < dims ? cell[d] * p : 0;
-      inside.upper[d] = inside.lower[d] + parts.n[d];
-    }
-    for (int at = 0; at < static_cast<int>(parts.free.size()); ++at) {
-      Index3 const i{inside.lower[0] + at % p, inside.lower[1] + at / p % parts.n[1],
-                     inside.lower[2] + at / (p * parts.n[1])};
-      parts.free[at] = shape::shares_of_cell(shapes_, fine, i, 2).empty() ? 1 : 0;
-    }
-    return parts;
+    if (added) place->second = parts_of_cell(shapes_, fine, cell, p);
+    return place->second;
   };
   // Where nothing lies between the middles of two cells, gas may pass. That is soon seen, and true of most.
   auto const free_between = [&](Index3 const& low, int direction) {

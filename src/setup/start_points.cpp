@@ -88,6 +88,45 @@ std::vector<double> edges_of(std::vector<Shell> const& shells, grid::Domain cons
   return edges;
 }
 
+constexpr int components = gas::two_fluid_components;
+
+/// What the cells get of the shells.
+struct CellSums {
+  std::vector<std::array<double, components>> state;  ///< mass, momentum, energy; volume of the products
+  std::vector<double> volume;
+};
+
+CellSums spread(std::vector<Shell> const& shells, grid::Domain const& domain) {
+  int const cells = domain.cells[0];
+  CellSums sums;
+  sums.state.resize(static_cast<std::size_t>(cells));
+  sums.volume.assign(static_cast<std::size_t>(cells), 0.0);
+  std::vector<double> const edges = edges_of(shells, domain);
+  int first = 0;
+  for (std::size_t n = 0; n < shells.size(); ++n) {
+    Shell const& shell = shells[n];
+    double const low = edges[n];
+    double const high = edges[n + 1];
+    while (first + 1 < cells && shape::radial_integral(domain.geometry, domain.face_radius(first + 1)) <= low) ++first;
+    for (int i = first; i < cells; ++i) {
+      double const from = shape::radial_integral(domain.geometry, domain.face_radius(i));
+      double const to = shape::radial_integral(domain.geometry, domain.face_radius(i + 1));
+      if (from >= high && i > first) break;
+      // What reaches over the end of the domain stays in the last cell.
+      double const inside = (i == cells - 1 ? high : std::min(high, to)) - std::max(low, from);
+      double const part = high > low ? inside / (high - low) : 1.0;
+      if (part <= 0.0) continue;
+      auto& sum = sums.state[i];
+      sum[shell.body == products ? gas::second_density : gas::density] += part * shell.mass;
+      sum[gas::momentum_x] += part * shell.momentum;
+      sum[gas::energy] += part * shell.energy;
+      if (shell.body == products) sum[gas::volume_fraction] += part * (high - low);
+      sums.volume[i] += part * (high - low);
+    }
+  }
+  return sums;
+}
+
 }  // namespace
 
 PointsBurst::PointsBurst(Case const& one) : one_(one) {
@@ -181,33 +220,7 @@ detonation::Profile PointsBurst::profile() const {
   int const cells = domain.cells[0];
   gas::Fluids const fluids = fluids_of(one_);
   gas::MixtureState const ambient = ambient_mixture(one_.ambient.state);
-  constexpr int components = gas::two_fluid_components;
-  std::vector<std::array<double, components>> sums(static_cast<std::size_t>(cells));
-  std::vector<double> volume(static_cast<std::size_t>(cells), 0.0);
-  std::vector<Shell> const shells = shells_of(*points_);
-  std::vector<double> const edges = edges_of(shells, domain);
-  int first = 0;
-  for (std::size_t n = 0; n < shells.size(); ++n) {
-    Shell const& shell = shells[n];
-    double const low = edges[n];
-    double const high = edges[n + 1];
-    while (first + 1 < cells && shape::radial_integral(domain.geometry, domain.face_radius(first + 1)) <= low) ++first;
-    for (int i = first; i < cells; ++i) {
-      double const from = shape::radial_integral(domain.geometry, domain.face_radius(i));
-      double const to = shape::radial_integral(domain.geometry, domain.face_radius(i + 1));
-      if (from >= high && i > first) break;
-      // What reaches over the end of the domain stays in the last cell.
-      double const inside = (i == cells - 1 ? high : std::min(high, to)) - std::max(low, from);
-      double const part = high > low ? inside / (high - low) : 1.0;
-      if (part <= 0.0) continue;
-      auto& sum = sums[i];
-      sum[shell.body == products ? gas::second_density : gas::density] += part * shell.mass;
-      sum[gas::momentum_x] += part * shell.momentum;
-      sum[gas::energy] += part * shell.energy;
-      if (shell.body == products) sum[gas::volume_fraction] += part * (high - low);
-      volume[i] += part * (high - low);
-    }
-  }
+  auto [sums, volume] = spread(shells_of(*points_), domain);
 
   detonation::Profile p;
   p.time = time();

@@ -264,7 +264,7 @@ TEST(Points, EarlierResultsAreRefusedAndReplaced) {
   fs::remove(folder.path() / "energies.csv");
   fs::remove_all(folder.path() / "gauges");
   EXPECT_THROW(Writer(world, world.gauges, folder.path()), IoError);
-  Writer const writer(world, folder.path(), {.earlier = Earlier::replace});
+  Writer const writer(world, world.gauges, folder.path(), {.earlier = Earlier::replace});
   EXPECT_TRUE(fs::is_empty(folder.path() / "points"));
 }
 

@@ -6,6 +6,8 @@
 #include "../run/cases.hpp"
 #include "core/parallel.hpp"
 #include "setup/fluids.hpp"
+#include "setup/profile_fit.hpp"
+#include "setup/start.hpp"
 
 namespace brisance::setup {
 namespace {
