@@ -9,7 +9,7 @@
 #include "deck/deck.hpp"
 #include "deck/library.hpp"
 #include "files.hpp"
-#include "run/world.hpp"
+#include "setup/build.hpp"
 
 namespace brisance {
 namespace {
@@ -615,7 +615,7 @@ TEST(GoodDecks, SurfacePressurePushesWithItsForce) {
   // Layers of points are 0.05 m thick. On a face of points; 20, 40 and 60 % above one; and from below, on part of it.
   for (std::string const top : {"0.6", "0.61", "0.62", "0.63"}) {
     for (std::string const normal : {"+z", "-z"}) {
-      run::World world(
+      run::World world = setup::build(
           read("[end]\ntime = 2e-5\n[domain]\nsize = [1, 1, 1]\ncell = 0.1\n[[body]]\nmaterial = \"6061-T6\"\nshape = "
                "\"box\"\n"
                "lower = [0.3, 0.3, 0.3]\nupper = [0.6, 0.6, " +

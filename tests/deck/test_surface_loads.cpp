@@ -8,7 +8,7 @@
 
 #include "deck/deck.hpp"
 #include "mpm/mpm.hpp"
-#include "run/world.hpp"
+#include "setup/build.hpp"
 
 namespace brisance::test {
 namespace {
@@ -29,7 +29,7 @@ Vec3 cross(Vec3 const& a, Vec3 const& b) {
 run::World world_of(std::string const& text) {
   auto result = deck::read_text(text, "d");
   if (!result.case_) throw std::runtime_error(deck::format(result.errors.at(0)));
-  return run::World(std::move(*result.case_));
+  return setup::build(std::move(*result.case_));
 }
 
 Resultant resultant(run::World const& world) {
@@ -192,7 +192,7 @@ TEST(SurfaceLoads, OfObliqueBodiesFromFiles) {
                                    load);
     auto result = deck::read_file(path);
     if (!result.case_) throw std::runtime_error(deck::format(result.errors.at(0)));
-    return resultant(run::World(std::move(*result.case_)));
+    return resultant(setup::build(std::move(*result.case_)));
   };
   double const shadow = 0.4 * (0.5 * std::cos(turn) + 0.3 * std::sin(turn));
   Resultant const above = read("normal = \"+z\"");

@@ -159,9 +159,9 @@ double passes(World& w, double from, double to) {
 // Measured: 4.7 % more; the edges of bodies are a little rounder than those of cells.
 TEST(Rupture, AGapBetweenBodiesLetsThroughAsMuchAsOneBetweenObstacles) {
   World cells = setup::build(case_of(slit("[[obstacle]]")));
-  World points(
-      case_of(slit("[mpm_region]\nbox = {lower = [0.16, 0], upper = [0.25, 0.05]}\n[[body]]\nname = "
-                   "\"jaw\"\nmaterial = \"RHA\"\nrigid = true")));
+  World points =
+      setup::build(case_of(slit("[mpm_region]\nbox = {lower = [0.16, 0], upper = [0.25, 0.05]}\n[[body]]\nname = "
+                                "\"jaw\"\nmaterial = \"RHA\"\nrigid = true")));
   double const right = passes(cells, 1.05e-3, 2.1e-3);
   double const found = passes(points, 1.05e-3, 2.1e-3);
   EXPECT_NEAR(found, right, 0.05 * right);
