@@ -1,7 +1,6 @@
 /// The library of materials: the files of materials/, embedded in the program at build time.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,9 +8,6 @@
 #include "material/solid.hpp"
 
 namespace brisance::deck {
-
-class Report;
-class Section;
 
 template <class Material>
 struct Named {
@@ -39,13 +35,6 @@ struct Library {
 
 /// The embedded library, read once. A file of it that does not fit the schema throws InputError.
 [[nodiscard]] Library const& library();
-
-/// Material from a table that the schema has checked; nothing when one of its values was wrong.
-[[nodiscard]] std::optional<material::Explosive> build_explosive(Section const& section, std::string const& name);
-[[nodiscard]] std::optional<material::Fluid> build_fluid(Section const& section, std::string const& name);
-/// The same; what its values mean together is checked here, and reported.
-[[nodiscard]] std::optional<material::Solid> build_solid(Section const& section, std::string const& name,
-                                                         Report& report);
 
 /// For `brisance info`: all materials in one table each, and how to see more.
 [[nodiscard]] std::string describe_library();

@@ -1,4 +1,4 @@
-/// What the schema*.cpp files share: makers of keys, and the tables that each of them holds.
+/// Makers of keys, for the tables of tables/.
 #pragma once
 
 #include <limits>
@@ -66,51 +66,9 @@ inline Key face_normal(std::string name) { return word(std::move(name), {"+x", "
 
 [[nodiscard]] std::vector<Key> joined(std::vector<Key> first, std::vector<Key> const& second);
 
-// --- schema_shapes.cpp
-
-[[nodiscard]] std::vector<Key> shape_keys(std::vector<std::string> shapes);
-/// Those of a body or of a region of material points, with what is added to them, cut out of them and kept of them.
-[[nodiscard]] std::vector<Key> composed_shape_keys();
-
-// --- schema_gas.cpp
-
-/// Names of the domain's faces: x_low, x_high, ...
-[[nodiscard]] std::vector<std::string> const& faces();
-[[nodiscard]] Table const& domain_table();
-[[nodiscard]] Table const& boundaries_table();
-[[nodiscard]] Table const& inflow_table();
-[[nodiscard]] Table const& ambient_table();
-[[nodiscard]] Table const& initiation_table();
-[[nodiscard]] Table const& charge_table();
-[[nodiscard]] Table const& remap_table();
-[[nodiscard]] Table const& gauge_table();
-[[nodiscard]] Table const& obstacle_table();
-[[nodiscard]] Table const& region_table();
-[[nodiscard]] Table const& numerics_table();
-
-// --- schema_points.cpp
-
-[[nodiscard]] Table const& body_table();
-[[nodiscard]] Table const& points_table();
-[[nodiscard]] Table const& mpm_region_table();
-[[nodiscard]] Table const& constraint_table();
-[[nodiscard]] Table const& contact_table();
-[[nodiscard]] Table const& surface_pressure_table();
-[[nodiscard]] Table const& reinforcement_table();
-
-// --- schema_materials.cpp
-
-/// Keys of explosives, fluids and solids, in decks and material files.
-[[nodiscard]] std::vector<Key> explosive_keys();
-[[nodiscard]] std::vector<Key> fluid_keys();
-[[nodiscard]] std::vector<Key> solid_keys();
-[[nodiscard]] std::map<std::string, std::vector<Key>> explosive_variants();
-[[nodiscard]] std::map<std::string, std::vector<Key>> fluid_variants();
-/// Those of a material file beside them.
+/// The key of a deck's own materials beside those of their kind.
+[[nodiscard]] std::vector<Key> own_keys();
+/// Those of a material file.
 [[nodiscard]] std::vector<Key> file_keys(char const* kind);
-[[nodiscard]] Table const& explosives_table();
-[[nodiscard]] Table const& afterburn_table();
-[[nodiscard]] Table const& fluids_table();
-[[nodiscard]] Table const& solids_table();
 
 }  // namespace brisance::deck

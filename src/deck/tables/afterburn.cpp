@@ -1,0 +1,127 @@
+/// [afterburn]: whose it is, how much energy it has, and when it may begin.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/models.hpp"
+#include "deck/tables/tables.hpp"
+#include "run/start.hpp"
+
+namespace brisance::deck {
+
+Table const& afterburn_table() {
+  static Table const table{
+      "Energy that the detonation products release after the detonation, in proportion to their mass and wherever they "
+      "are: none of the models knows how much air has been mixed in. Absent: no afterburn. Gas cells only.",
+      {word("model", model_names<material::AfterburnRate>())
+           .required()
+           .like("\"constant_rate\"")
+           .means(
+               "`constant_rate`: at a constant rate from `begin` to `end`; `miller`: d(lambda)/dt = a (1 - lambda)^m "
+               "p^n [Miller95], lambda the part that has been released, carried along with the products"),
+       number("energy", "J/kg", 0.0, 1e9)
+           .note("that of the explosive, where it is known")
+           .like("\"10.2 MJ/kg\"")
+           .means("Energy Q in all, per mass of the products")},
+      "model",
+      keys_of_models<material::AfterburnRate>()};
+  return table;
+}
+
+namespace {
+
+/// A time [s] at which the charge has burnt in every cell [m]: its farthest corner is lit, and its cells have burnt
+/// through.
+double burnt_at(run::Charge const& charge, grid::Domain const& domain, double cell) {
+  if (charge.detonation == run::Detonation::instantaneous) return 0.0;
+  auto const bounds = shape::bounds(charge.shape);
+  Vec3 const middle = shape::centre(charge.shape);
+  double last = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 x = middle;
+    for (int d = 0; d < domain.dimensions(); ++d) x[d] = (corner >> d) % 2 == 0 ? bounds.lower[d] : bounds.upper[d];
+    last = std::max(last, detonation::lighting_time(x, charge.initiation, charge.explosive.detonation_speed));
+  }
+  // The centre of a cell that the charge fills in part may lie beyond the corner, by half its diagonal at most; a cell
+  // burns for 1.5 h/D.
+  return last + (1.5 + 0.5 * std::sqrt(3.0)) * cell / charge.explosive.detonation_speed;
+}
+
+}  // namespace
+
+void build_afterburn(Draft& draft) {
+  Section const* section = draft.deck.section("afterburn");
+  if (section == nullptr) return;
+  if (draft.has_bodies() || draft.deck.given("mpm_region")) {
+    draft.report.error(
+        section->place, section->path,
+        "material points have no afterburn, only gas cells: remove this table, or calculate without bodies "
+        "and without an MPM region");
+    return;
+  }
+  if (!draft.products_known || draft.deck.broken("charge")) return;
+  material::Explosive const* products = draft.out.charges.empty() ? nullptr : &draft.out.charges.front().explosive;
+  for (run::Region const& region : draft.out.regions) {
+    if (products == nullptr && region.second_fluid && draft.materials.fluid(region.fluid_name) == nullptr) {
+      products = draft.materials.explosive(region.fluid_name);
+    }
+  }
+  if (products == nullptr) {
+    if (draft.deck.given("charge") || draft.deck.given("region")) {
+      if (draft.report.failed()) return;  // what is wrong with them is reported
+    }
+    draft.report.error(section->place, section->path,
+                       "there are no detonation products that could burn on: add a [[charge]], or remove this table");
+    return;
+  }
+  auto const word = section->text("model");
+  if (!word || section->broken("energy")) return;
+  material::Afterburn afterburn;
+  if (!section->given("energy") && !products->afterburn_energy) {
+    draft.report.error(section->place, section->path_of("energy"),
+                       fmt::format("the afterburn energy of {} is not known: write for example energy = \"10 MJ/kg\"",
+                                   products->name));
+    return;
+  }
+  afterburn.energy = section->given("energy") ? *section->number("energy") : *products->afterburn_energy;
+  auto const rate = filled<material::AfterburnRate>(*word, *section);
+  if (!rate) return;
+  if (auto const* model = std::get_if<material::ConstantRateAfterburn>(&*rate)) {
+    if (!(model->end > model->begin)) {
+      draft.error(*section, "end",
+                  fmt::format("{} does not lie after begin = {}: exchange or correct them", section->shown("end"),
+                              section->shown("begin")));
+      return;
+    }
+    double burnt = 0.0;
+    // A charge that is remapped burns on the cells of the 1D calculation.
+    bool const remapped = draft.deck.text("start") == "remap";
+    Section const* remap = draft.deck.section("remap");
+    double const asked = remap != nullptr ? remap->number("cell").value_or(0.0) : 0.0;
+    for (run::Charge const& charge : draft.out.charges) {
+      auto const bounds = shape::bounds(charge.shape);
+      double radius = 0.0;
+      for (int d = 0; d < draft.dims(); ++d) radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
+      double const cell = remapped ? run::start_cell(asked, radius) : draft.out.domain.h;
+      burnt = std::max(burnt, burnt_at(charge, draft.out.domain, cell));
+    }
+    if (draft.domain_known && model->begin < burnt) {
+      draft.error(
+          *section, "begin",
+          fmt::format("{} lies before the end of the detonation, and unburnt explosive has no afterburn: write at "
+                      "least {:.3g} s",
+                      section->shown("begin"), 1.005 * burnt));
+      return;
+    }
+    if (draft.end_known && model->begin >= draft.out.end.time) {
+      draft.warn(*section, "begin", fmt::format("lies after the end of the calculation at {:g} s", draft.out.end.time));
+    }
+  }
+  afterburn.rate = *rate;
+  draft.out.afterburn = afterburn;
+}
+
+}  // namespace brisance::deck

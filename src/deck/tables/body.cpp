@@ -1,0 +1,335 @@
+/// [[body]]: bodies of material points.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/places.hpp"
+#include "deck/tables/tables.hpp"
+#include "shape/placement.hpp"
+
+namespace brisance::deck {
+
+Table const& body_table() {
+  static Table const table = [] {
+    Table t{
+        "A body of material points. In a deck with `[mpm_region]`, or with charges, regions, obstacles, inflow or "
+        "gauges in the gas, bodies stand in the gas of `[ambient]`. Otherwise they move in empty space; the domain's "
+        "faces `wall` push solids and do not pull them, `symmetry` holds them like a mirror, `outflow` lets them "
+        "leave, `periodic` joins "
+        "opposite faces.",
+        {typed(Type::name, "name").note("`body-1`, ...").like("\"plate\"").means("Name"),
+         typed(Type::text, "material")
+             .required()
+             .like("\"OFHC-copper\"")
+             .means(
+                 "Name of a solid, explosive or fluid of the library (searched in this order) or of `[solids.NAME]`, "
+                 "`[explosives.NAME]`, `[fluids.NAME]`")},
+        {},
+        {}};
+    t.keys = joined(t.keys, composed_shape_keys());
+    t.keys = joined(
+        t.keys, {typed(Type::integer, "points_per_cell", "1", 1, 8)
+                     .of(2L)
+                     .like("2")
+                     .means("Material points per cell and direction at the start: 2 makes 8 per cell in 3D"),
+                 velocity().note("at rest").means("Velocity at the start"),
+                 typed(Type::boolean, "rigid").of(false).like("true").means("It keeps its velocity, whatever it meets"),
+                 density().note("that of the fluid").means("Density at the start, of fluids only"),
+                 pressure().note("that of the fluid").means("Pressure at the start, of fluids only"),
+                 word<run::Detonation>("detonation")
+                     .of("programmed")
+                     .like("\"programmed\"")
+                     .means("Of explosives, as for charges"),
+                 nested(Type::tables, "initiation", initiation_table())
+                     .note("one point at the middle of the body, at time 0")
+                     .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
+                     .means("Points of initiation of a programmed detonation")});
+    return t;
+  }();
+  return table;
+}
+
+namespace {
+
+constexpr std::size_t most_bodies = 100;
+constexpr double lightest_metal = 1500.0;  ///< [kg/m3]; a fluid that is heavier was perhaps meant as a solid
+
+/// A body lies in the domain, is no smaller than a cell, and only a symmetry plane through its middle may cut it.
+bool body_fits(Draft const& draft, Section const& section, shape::Shape const& shape) {
+  auto const b = shape::bounds(shape);
+  std::string_view const key = place_key(section);
+  double const h = draft.out.domain.h;
+  for (int f = 0; f < 2 * draft.dims(); ++f) {
+    int const d = f / 2;
+    bool const low = f % 2 == 0;
+    double const plane = low ? draft.out.domain.lower[d] : draft.out.domain.upper(d);
+    double const beyond = low ? plane - b.lower[d] : b.upper[d] - plane;
+    if (beyond <= draft.tiny()) continue;
+    if (draft.radial() && f == 0 && plane == 0.0) continue;  // the radius ends there
+    double const middle = 0.5 * (b.lower[d] + b.upper[d]);
+    // Files hold the coordinates of meshes in single precision.
+    double const slack = std::holds_alternative<shape::Mesh>(shape) ? 1e-2 * h : draft.tiny();
+    Boundary const boundary = draft.out.domain.boundary[f];
+    if (boundary == Boundary::symmetry && std::abs(middle - plane) <= slack) continue;
+    std::string const where = fmt::format("the body reaches {:.4g} m over the face {} ({} = {:.6g} m)", beyond,
+                                          grid::face_names[f], directions[d], plane);
+    if (b.upper[d] <= draft.out.domain.lower[d] || b.lower[d] >= draft.out.domain.upper(d)) {
+      touches_domain(draft, section, shape);
+    } else if (boundary == Boundary::symmetry) {
+      draft.error(
+          section, key,
+          fmt::format(
+              "{}, which is a symmetry plane, but its middle at {} = {:.6g} m does not lie on it: put the middle "
+              "on the plane or the whole body inside",
+              where, directions[d], middle));
+    } else {
+      draft.error(
+          section, key,
+          fmt::format("{}, which is \"{}\": move the body inside or enlarge the domain; only a symmetry plane through "
+                      "its middle may cut a body",
+                      where, word_of(boundary)));
+    }
+    return false;
+  }
+  for (int d = 0; d < draft.dims(); ++d) {
+    double const extent =
+        std::min(b.upper[d], draft.out.domain.upper(d)) - std::max(b.lower[d], draft.out.domain.lower[d]);
+    if (extent >= h * (1.0 - 1e-6)) continue;
+    draft.error(
+        section, key,
+        fmt::format("the body is {:.4g} m thick in direction {}, less than a cell of {:.4g} m: make the cells smaller "
+                    "or the body thicker",
+                    extent, directions[d], h));
+    return false;
+  }
+  return true;
+}
+
+bool body_state(Draft const& draft, Section const& section, material::Fluid const& fluid, run::Body& body) {
+  auto const s = fluid_state(draft, section, fluid, {fluid.density, fluid.pressure, {0.0, 0.0, 0.0}}, "density");
+  if (!s) return false;
+  if (section.given("density")) body.density = s->density;
+  if (section.given("density") || section.given("pressure")) {
+    body.specific_energy = material::internal_energy(fluid.eos, s->density, s->pressure);
+  }
+  return true;
+}
+
+bool body_material(Draft& draft, Section const& section, shape::Shape const* shape, run::Body& body) {
+  auto const name = section.text("material");
+  if (!name) return false;
+  // Own materials of every kind come before those of the library.
+  auto const* solid = find_own(draft.materials.solids, *name);
+  auto const* explosive = find_own(draft.materials.explosives, *name);
+  auto const* fluid = find_own(draft.materials.fluids, *name);
+  if (solid == nullptr && explosive == nullptr && fluid == nullptr && !draft.materials.wrong.contains(*name)) {
+    solid = library().solid(*name);
+    explosive = library().explosive(*name);
+    fluid = library().fluid(*name);
+  }
+  if (solid != nullptr) {
+    body.solid = *solid;
+  } else if (explosive != nullptr) {
+    body.solid = material::of(*explosive);
+  } else if (fluid != nullptr) {
+    body.solid = material::of(*fluid);
+  } else {
+    auto names = draft.materials.solid_names();
+    for (auto const& more : {draft.materials.explosive_names(), draft.materials.fluid_names()})
+      names.insert(names.end(), more.begin(), more.end());
+    unknown_material(draft, section, "material", *name, "material", names);
+    return false;
+  }
+  bool const burns = solid == nullptr && explosive != nullptr;
+  char const* const kind = solid != nullptr ? "a solid" : burns ? "an explosive" : "a fluid";
+  bool sound = true;
+  for (auto const* key : {"detonation", "initiation"}) {
+    if (burns || !section.given(key)) continue;
+    draft.error(section, key, fmt::format("{} is {}, which does not detonate: remove the key", *name, kind));
+    sound = false;
+  }
+  for (auto const* key : {"density", "pressure"}) {
+    if ((!burns && solid == nullptr) || !section.given(key)) continue;
+    draft.error(
+        section, key,
+        fmt::format("{} is {}, which starts with its own density and pressure; only fluids can be given others: "
+                    "remove the key",
+                    *name, kind));
+    sound = false;
+  }
+  if (burns && section.given("rigid") && body.rigid) {
+    draft.error(section, "rigid",
+                fmt::format("{} is an explosive, and a rigid one could not expand: remove the key", *name));
+    sound = false;
+  }
+  if (!sound) return false;
+  if (burns) {
+    run::Detonation detonation = run::Detonation::programmed;
+    return shape != nullptr && build_initiation(draft, section, *shape, "body", detonation, body.initiation);
+  }
+  if (solid != nullptr) return true;
+  if (std::holds_alternative<material::MieGruneisen>(fluid->eos) && fluid->density > lightest_metal) {
+    draft.warn(section, "material",
+               fmt::format("\"{}\" is a fluid without strength; solids are {}", *name,
+                           fmt::join(draft.materials.solid_names(), ", ")));
+  }
+  return body_state(draft, section, *fluid, body);
+}
+
+void body(Draft& draft, Section const& section, std::size_t index) {
+  run::Body body;
+  body.name = draft.body_names[index];
+  auto const shape = build_composed_shape(draft, section);
+  if (shape) {
+    body.shape = *shape;
+    if (draft.domain_known && draft.boundaries_known && body_fits(draft, section, *shape))
+      draft.body_shapes[index] = shape;
+  }
+  bool sound = shape.has_value();
+  if (section.given("velocity")) {
+    auto const velocity = draft.point(section, "velocity");
+    sound = sound && velocity;
+    if (velocity) body.velocity = *velocity;
+  }
+  if (auto const points = section.integer("points_per_cell")) body.points_per_direction = static_cast<int>(*points);
+  body.rigid = section.boolean("rigid").value_or(false);
+  sound = body_material(draft, section, shape ? &*shape : nullptr, body) && sound;
+  if (sound) draft.out.points.bodies.push_back(std::move(body));
+}
+
+void overlaps(Draft const& draft) {
+  auto const& sections = *draft.deck.sections("body");
+  for (std::size_t i = 0; i < draft.body_shapes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!draft.body_shapes[i] || !draft.body_shapes[j]) continue;
+      auto const common = common_point(draft, *draft.body_shapes[i], *draft.body_shapes[j], true);
+      if (!common) continue;
+      draft.error(
+          sections[i], place_key(sections[i]),
+          fmt::format("{} overlaps {} around {} m, where two bodies cannot both be: move them apart or cut one out of "
+                      "the other",
+                      sections[i].path, sections[j].path, point_text(*common, draft.dims())));
+    }
+  }
+}
+
+}  // namespace
+
+void build_bodies(Draft& draft) {
+  auto const* all = draft.deck.sections("body");
+  if (all == nullptr) return;
+  if (all->empty()) {
+    draft.error(draft.deck, "body", "the list of bodies is empty: remove the key, or write [[body]]");
+    return;
+  }
+  if (all->size() > most_bodies) {
+    draft.error(draft.deck, "body", fmt::format("there are {} bodies; allowed: at most {}", all->size(), most_bodies));
+    return;
+  }
+  for (std::size_t i = 0; i < all->size(); ++i) {
+    Section const& section = (*all)[i];
+    std::string const name = section.text("name").value_or(fmt::format("body-{}", i + 1));
+    if (std::find(draft.body_names.begin(), draft.body_names.end(), name) != draft.body_names.end()) {
+      draft.report.error(section.place_of("name"), section.path_of("name"),
+                         fmt::format("\"{}\" is used by another body: choose another name", name));
+    }
+    if (draft.has_gas && name == "gas") {
+      draft.report.error(section.place_of("name"), section.path_of("name"),
+                         "\"gas\" is the name of the gas points of the MPM region: choose another name");
+    }
+    draft.body_names.push_back(name);
+    draft.body_shapes.emplace_back();
+  }
+  for (std::size_t i = 0; i < all->size(); ++i) body(draft, (*all)[i], i);
+  overlaps(draft);
+}
+
+std::optional<int> body_named(Draft const& draft, Section const& section, std::string_view key,
+                              std::string const& name) {
+  if (draft.body_names.empty()) return std::nullopt;  // the bodies could not be read, which is reported
+  auto const found = std::find(draft.body_names.begin(), draft.body_names.end(), name);
+  if (found != draft.body_names.end()) return static_cast<int>(found - draft.body_names.begin());
+  draft.error(section, key,
+              fmt::format("\"{}\" is not a body of this deck; {}", name, suggestion(name, draft.body_names, "bodies")));
+  return std::nullopt;
+}
+
+bool is_rigid(Draft const& draft, std::size_t body) {
+  return (*draft.deck.sections("body"))[body].boolean("rigid").value_or(false);
+}
+
+namespace {
+
+/// A body's material in its state at the start.
+material::Solid as_it_starts(run::Body const& body) {
+  material::Solid start = body.solid;
+  start.density = body.density.value_or(start.density);
+  start.specific_energy = body.specific_energy.value_or(start.specific_energy);
+  return start;
+}
+
+}  // namespace
+
+void warn_of_fluids_in_empty_space(Draft const& draft) {
+  // A closed box that bodies fill holds its fluids together.
+  bool closed = true;
+  for (int f = 0; f < 2 * draft.dims(); ++f) {
+    grid::Boundary const boundary = draft.out.domain.boundary[f];
+    closed = closed && (boundary == grid::Boundary::wall || boundary == grid::Boundary::symmetry ||
+                        boundary == grid::Boundary::periodic);
+  }
+  double empty = closed ? shape::volume_inside(shape::Everywhere{}, draft.out.domain) : 0.0;
+  double const whole = empty;
+  for (auto const& shape : draft.body_shapes) {
+    if (closed && shape) empty -= shape::volume_inside(*shape, draft.out.domain);
+  }
+  constexpr double round_off = 1e-6;
+  if (closed && empty <= round_off * whole) return;
+  auto const* const sections = draft.deck.sections("body");
+  if (sections == nullptr || sections->size() != draft.out.points.bodies.size()) return;  // there were errors
+  for (std::size_t n = 0; n < sections->size(); ++n) {
+    run::Body const& body = draft.out.points.bodies[n];
+    if (body.solid.has_deviator() || body.solid.burns() || !body.initiation.empty()) continue;
+    material::Solid const start = as_it_starts(body);
+    double const pressure = material::start_pressure(start);
+    double const c = material::sound_speed(start, start.density, pressure);
+    double const part = pressure / (start.density * c * c);
+    constexpr double little = 1e-7;
+    constexpr double much = 0.1;                                                       // a gas
+    if (body.rigid || !(part > little) || (*sections)[n].given("pressure")) continue;  // what is asked for is meant
+    if (part > much) {
+      draft.warn((*sections)[n], "material",
+                 fmt::format("\"{}\" starts at {:.6g} Pa in empty space and will blow apart: put a gas around it, with "
+                             "[ambient] and [mpm_region], or let it fill a box of walls",
+                             body.name, pressure));
+    } else {
+      draft.warn(
+          (*sections)[n], "material",
+          fmt::format("\"{}\" starts at {:.6g} Pa in empty space, so that waves of this pressure will run through it: "
+                      "write pressure = 0.001, or put a gas around it, with [ambient] and [mpm_region]",
+                      body.name, pressure));
+    }
+  }
+}
+
+bool points_move(Draft const& draft) {
+  run::Points const& p = draft.out.points;
+  auto const moves = [](Vec3 const& v) { return norm(v) > 0.0; };
+  bool moving = moves(p.options.body_force) || draft.deck.given("surface_pressure");
+  for (auto const& c : p.constraints) moving = moving || moves(c.velocity);
+  for (run::Body const& b : p.bodies) {
+    material::Solid const start = as_it_starts(b);
+    moving = moving || moves(b.velocity) || start.burns() || material::start_pressure(start) != 0.0;
+    if (start.burns() && p.options.order == mpm::StressOrder::usf) {
+      draft.report.warning(
+          draft.deck.place_of("points"), "points.stress_order",
+          fmt::format("\"usf\" is unstable where an explosive such as \"{}\" detonates; use \"musl\"", b.name));
+    }
+  }
+  return moving;
+}
+
+}  // namespace brisance::deck

@@ -1,0 +1,238 @@
+/// [[charge]]: explosive charges in the gas.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/places.hpp"
+#include "deck/tables/tables.hpp"
+
+namespace brisance::deck {
+
+Table const& charge_table() {
+  static Table const table = [] {
+    Table t{
+        "An explosive charge. Give its `mass` or its size, or both where they agree within 0.1 %. The mass is that of "
+        "the "
+        "whole body, also where symmetry planes pass through its centre; in planar2d and cylindrical1d it is per "
+        "metre, in "
+        "planar1d per square metre.",
+        {typed(Type::text, "explosive")
+             .of("TNT")
+             .like("\"TNT\"")
+             .means("An explosive of the library or of `[explosives.NAME]`; all charges of a deck have the same"),
+         number("mass", "kg", 1e-12, 1e12)
+             .or_unit("kg/m")
+             .or_unit("kg/m2")
+             .note("from the size")
+             .like("\"10 kg\"")
+             .means("Mass of the whole body")},
+        {},
+        {}};
+    t.keys = joined(t.keys, shape_keys({"sphere", "hemisphere", "cylinder", "box"}));
+    t.keys = joined(t.keys, {number("length_to_diameter", "1", 1e-3, 1e3)
+                                 .note("from `length`")
+                                 .like("1.0")
+                                 .means("Of a cylinder that is given by its mass; instead of `length` or `radius`"),
+                             word<run::Detonation>("detonation")
+                                 .of("programmed")
+                                 .like("\"programmed\"")
+                                 .means("`programmed`: a detonation front runs from the points of initiation at the "
+                                        "listed speed; `instantaneous`: "
+                                        "the products stand at the charge's density and energy at the start"),
+                             nested(Type::tables, "initiation", initiation_table())
+                                 .note("one point at `position`, at time 0")
+                                 .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
+                                 .means("Points of initiation of a programmed detonation")});
+    return t;
+  }();
+  return table;
+}
+
+namespace {
+
+constexpr std::size_t most_charges = 100;
+constexpr double mass_tolerance = 1e-3;  ///< within which a given mass and a given size agree
+
+/// "10 kg/m" belongs to planar2d and cylindrical1d, "10 kg/m2" to planar1d; a plain mass goes everywhere.
+bool mass_unit_fits(Draft const& draft, Section const& section) {
+  std::string const& unit = section.entries.find("mass")->second.unit;
+  if (unit.empty() || unit == "kg") return true;
+  std::string const own = draft.geometry() == Geometry::planar2d || draft.geometry() == Geometry::cylindrical1d ? "kg/m"
+                          : draft.geometry() == Geometry::planar1d ? "kg/m2"
+                                                                   : "kg";
+  if (unit == own) return true;
+  draft.error(section, "mass",
+              fmt::format("{} is given in {}, but a charge in {} has its mass in {}", section.shown("mass"), unit,
+                          word_of(draft.geometry()), own));
+  return false;
+}
+
+/// A charge lies in the domain; only a symmetry plane through its centre may cut it.
+bool inside_domain(Draft const& draft, Section const& section, shape::Shape const& body) {
+  auto const b = shape::bounds(body);
+  Vec3 const c = shape::centre(body);
+  std::string_view const key = place_key(section);
+  auto const* half = std::get_if<shape::Hemisphere>(&body);
+  for (int f = 0; f < 2 * draft.dims(); ++f) {
+    int const d = f / 2;
+    bool const low = f % 2 == 0;
+    double const plane = low ? draft.out.domain.lower[d] : draft.out.domain.upper(d);
+    double const beyond = low ? plane - b.lower[d] : b.upper[d] - plane;
+    if (beyond <= draft.tiny()) continue;
+    if (draft.radial() && f == 0 && plane == 0.0) continue;  // the radius ends there
+    Boundary const boundary = draft.out.domain.boundary[f];
+    bool const centred = std::abs(c[d] - plane) <= draft.tiny();
+    bool const outwards = half != nullptr && half->normal[d] * (low ? -1.0 : 1.0) > 0.0;
+    std::string const where = fmt::format("the charge reaches {:.4g} m over the face {} ({} = {:.6g} m)", beyond,
+                                          grid::face_names[f], directions[d], plane);
+    if (boundary == Boundary::symmetry) {
+      if (centred && !outwards) continue;
+      if (outwards) {
+        draft.error(section, section.given("normal") ? "normal" : key,
+                    fmt::format("{}, to which its flat side looks: turn its normal to \"{}{}\"", where, low ? '+' : '-',
+                                directions[d]));
+      } else {
+        draft.error(
+            section, key,
+            fmt::format(
+                "{}, which is a symmetry plane, but its centre at {} = {:.6g} m does not lie on it: put the centre "
+                "on the plane or the whole charge inside",
+                where, directions[d], c[d]));
+      }
+      return false;
+    }
+    bool const ball = std::holds_alternative<shape::Sphere>(body);
+    bool const third =
+        draft.geometry() == Geometry::cartesian3d || (draft.geometry() == Geometry::axisymmetric2d && d == 1);
+    if (boundary == Boundary::wall && ball && third) {
+      draft.error(
+          section, key,
+          fmt::format("{}, which is a rigid wall: for a charge on the wall write shape = \"hemisphere\", normal = "
+                      "\"{}{}\" and {} = {:.6g}, or move it inside",
+                      where, low ? '+' : '-', directions[d], directions[d], plane));
+    } else {
+      draft.error(
+          section, key,
+          fmt::format(
+              "{}, which is \"{}\": move the charge inside or enlarge the domain; only a symmetry plane through "
+              "its centre may cut a charge",
+              where, word_of(boundary)));
+    }
+    return false;
+  }
+  // Wholly outside, without crossing: a body beyond the far side was caught above, so nothing is left to check.
+  return true;
+}
+
+/// A charge beside obstacles finds room between solid cells.
+void fits_between_obstacles(Draft const& draft, Section const& section, shape::Shape const& body) {
+  if (draft.out.obstacles.empty() || draft.deck.text("start") == "remap") return;
+  auto const near = shape::bounds(body);
+  bool const beside = std::any_of(draft.out.obstacles.begin(), draft.out.obstacles.end(), [&](run::Obstacle const& o) {
+    auto const b = overlap(near, shape::bounds(o.shape));
+    for (int d = 0; d < draft.dims(); ++d) {
+      if (b.upper[d] - b.lower[d] < -draft.out.domain.h) return false;
+    }
+    return true;
+  });
+  if (!beside) return;
+  run::SolidCells const solid(draft.out.domain, draft.out.obstacles);
+  try {
+    (void)detonation::fill_cells(body, grid::Grid(draft.out.domain), shape::volume(body, draft.geometry()),
+                                 "the charge", [&](Index3 const& cell) { return solid(cell); });
+  } catch (InputError const& problem) {
+    draft.error(section, place_key(section), problem.what());
+  }
+}
+
+void charge(Draft& draft, Section const& section, std::string& first_explosive,
+            std::vector<std::pair<Section const*, shape::Shape>>& placed) {
+  run::Charge charge;
+  auto const name = section.text("explosive");
+  auto const* found = name ? draft.materials.explosive(*name) : nullptr;
+  if (name && found == nullptr)
+    unknown_material(draft, section, "explosive", *name, "explosive", draft.materials.explosive_names());
+  if (found == nullptr) {
+    draft.products_known = false;
+  } else if (first_explosive.empty()) {
+    first_explosive = found->name;
+    draft.out.second_fluid = products(*found);
+  } else if (first_explosive != found->name) {
+    draft.error(
+        section, "explosive",
+        fmt::format("\"{}\" differs from the first charge's \"{}\": the two-fluid model has one product fluid for "
+                    "all charges; use one "
+                    "explosive, or convert the mass by its TNT equivalent",
+                    found->name, first_explosive));
+    draft.products_known = false;
+  }
+
+  auto const mass = section.number("mass");
+  bool const by_mass = section.given("mass");
+  // Where the mass or the explosive is wrong the size is not known; any size shows the errors of the other keys.
+  bool const size_known = !by_mass || (mass && found != nullptr && mass_unit_fits(draft, section));
+  std::optional<double> volume_asked;
+  if (by_mass) volume_asked = size_known ? *mass / found->density() : 1.0;
+  auto const body = build_shape(draft, section, Use::charge, volume_asked);
+  if (!body || !size_known) return;
+  double const volume = shape::volume(*body, draft.geometry());
+  if (found != nullptr) {
+    charge.explosive = *found;
+    charge.mass = mass.value_or(volume * found->density());
+    if (mass && std::abs(volume * found->density() - *mass) > mass_tolerance * *mass) {
+      draft.error(
+          section, "mass",
+          fmt::format(
+              "{} disagrees with the size, which holds {:.6g} kg of {} ({:g} kg/m3): give only one of mass and size",
+              section.shown("mass"), volume * found->density(), found->name, found->density()));
+      return;
+    }
+  }
+  charge.shape = *body;
+  if (draft.domain_known && draft.boundaries_known && !inside_domain(draft, section, *body)) return;
+  placed.emplace_back(&section, *body);
+  if (!build_initiation(draft, section, *body, "charge", charge.detonation, charge.initiation)) return;
+  draft.charge_shapes.emplace_back(&section, charge.shape);
+  draft.out.charges.push_back(std::move(charge));
+}
+
+}  // namespace
+
+void build_charges(Draft& draft) {
+  auto const* all = draft.deck.sections("charge");
+  if (all == nullptr) return;
+  if (all->size() > most_charges) {
+    draft.error(draft.deck, "charge",
+                fmt::format("there are {} charges; allowed: at most {}", all->size(), most_charges));
+    return;
+  }
+  std::string first_explosive;
+  std::vector<std::pair<Section const*, shape::Shape>> placed;
+  for (auto const& section : *all) charge(draft, section, first_explosive, placed);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      auto const common = common_point(draft, placed[i].second, placed[j].second);
+      if (!common) continue;
+      draft.error(*placed[i].first, place_key(*placed[i].first),
+                  fmt::format("{} overlaps {} around {} m: move them apart or make them smaller", placed[i].first->path,
+                              placed[j].first->path, point_text(*common, draft.dims())));
+    }
+    auto const* bodies = draft.deck.sections("obstacle");
+    bool apart = draft.domain_known && draft.boundaries_known;
+    for (auto const& [index, obstacle] : draft.obstacle_shapes) {
+      auto const common = common_point(draft, placed[i].second, obstacle);
+      if (!common) continue;
+      apart = false;
+      draft.error(*placed[i].first, place_key(*placed[i].first),
+                  fmt::format("{} reaches into {} around {} m: move one of them", placed[i].first->path,
+                              (*bodies)[index].path, point_text(*common, draft.dims())));
+    }
+    if (apart) fits_between_obstacles(draft, *placed[i].first, placed[i].second);
+  }
+}
+
+}  // namespace brisance::deck

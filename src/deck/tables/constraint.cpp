@@ -1,0 +1,295 @@
+/// [[constraint]]: material points whose velocity is prescribed.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/places.hpp"
+#include "deck/tables/tables.hpp"
+#include "mpm/holds.hpp"
+
+namespace brisance::deck {
+
+Table const& constraint_table() {
+  static Table const table = [] {
+    Key held = typed(Type::words, "held")
+                   .note("all resolved directions")
+                   .like("[\"x\", \"y\"]")
+                   .means("fixed, velocity: components of the velocity that are prescribed");
+    held.choices = {"x", "y", "z"};
+    return Table{
+        "The velocity of material points in a part of space is prescribed, by way of the grid nodes there. Gas that "
+        "slips along bodies (`mpm_region.slip`) is not held, but stays at the surface of those that are; gas that "
+        "sticks to them is held with them.",
+        {word("kind", {"fixed", "roller", "velocity"})
+             .of("fixed")
+             .like("\"roller\"")
+             .means("`fixed`: at rest; `roller`: no motion along `normal`; `velocity`: moves with `velocity`"),
+         nested(Type::table, "region", points_region_table())
+             .note("everywhere, for the `body`")
+             .like("{shape = \"box\", lower = [0, 0, 0], upper = [0.1, 1, 1]}")
+             .means("Where; `region` or `body` is needed"),
+         word("normal", {"x", "y", "z"})
+             .note("needed by a roller")
+             .like("\"z\"")
+             .means("roller: the direction in which nothing moves"),
+         velocity().note("needed by kind `velocity`").means("velocity: that of the held components"), std::move(held),
+         typed(Type::text, "body").note("all bodies").like("\"plate\"").means("Name of the one body that is held")},
+        {},
+        {}};
+  }();
+  return table;
+}
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double most_nodes = 2e7;  ///< that are looked at to find one
+
+/// The box whose nodes a body gives mass to; -1: all bodies that are not rigid.
+shape::Box reach_of_bodies(Draft const& draft, int body) {
+  shape::Box reach{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (std::size_t n = 0; n < draft.body_shapes.size(); ++n) {
+    if (body >= 0 ? static_cast<int>(n) != body : is_rigid(draft, n)) continue;
+    auto const b = shape::bounds(*draft.body_shapes[n]);
+    for (int d = 0; d < 3; ++d) {
+      reach.lower[d] = std::min(reach.lower[d], b.lower[d] - draft.out.domain.h);
+      reach.upper[d] = std::max(reach.upper[d], b.upper[d] + draft.out.domain.h);
+    }
+  }
+  return reach;
+}
+
+/// A node of the grid within a box that all the regions hold.
+std::optional<Vec3> held_node(Draft const& draft, std::vector<shape::Shape const*> const& regions,
+                              shape::Box const& within) {
+  grid::Domain const& domain = draft.out.domain;
+  shape::Box box = within;
+  for (shape::Shape const* region : regions) box = overlap(box, shape::bounds(*region));
+  constexpr int beyond = 2;  // nodes behind an open face belong to bodies there
+  Index3 first{0, 0, 0};
+  Index3 last{0, 0, 0};
+  double count = 1.0;
+  for (int d = 0; d < draft.dims(); ++d) {
+    auto const at = [&](double x) {
+      return std::clamp((x - domain.lower[d]) / domain.h, -1.0 * beyond, domain.cells[d] + 1.0 * beyond);
+    };
+    first[d] = static_cast<int>(std::ceil(at(box.lower[d]) - 1e-5));
+    last[d] = static_cast<int>(std::floor(at(box.upper[d]) + 1e-5));
+    count *= std::max(0, last[d] - first[d] + 1);
+  }
+  if (count > most_nodes) return std::nullopt;
+  for (int k = first[2]; k <= last[2]; ++k) {
+    for (int j = first[1]; j <= last[1]; ++j) {
+      for (int i = first[0]; i <= last[0]; ++i) {
+        Index3 const node{i, j, k};
+        Vec3 x{0.0, 0.0, 0.0};
+        for (int d = 0; d < draft.dims(); ++d) x[d] = domain.lower[d] + node[d] * domain.h;
+        bool const held = std::all_of(regions.begin(), regions.end(),
+                                      [&](shape::Shape const* region) { return mpm::holds_node(*region, domain, x); });
+        if (held) return x;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+void check_contradictions(Draft const& draft, std::size_t number) {
+  mpm::Constraint const& c = draft.out.points.constraints[number];
+  Section const& section = *draft.constraint_sections[number];
+  shape::Box const reach = reach_of_bodies(draft, c.body);
+  std::string_view const key = section.given("velocity") ? "velocity" : section.given("kind") ? "kind" : "region";
+  for (std::size_t m = 0; m < number; ++m) {
+    mpm::Constraint const& other = draft.out.points.constraints[m];
+    if (c.body >= 0 && other.body >= 0 && c.body != other.body) continue;
+    for (int d = 0; d < draft.dims(); ++d) {
+      if (!c.held[static_cast<std::size_t>(d)] || !other.held[static_cast<std::size_t>(d)]) continue;
+      if (c.velocity[d] == other.velocity[d]) continue;
+      auto const node =
+          held_node(draft, {&c.region, &other.region}, overlap(reach, reach_of_bodies(draft, other.body)));
+      if (!node) continue;
+      draft.error(
+          section, key,
+          fmt::format("{} m/s in direction {} contradicts {}, which prescribes {} m/s for the same node at {} m: let "
+                      "their regions have no node in common, or hold the direction in one of them",
+                      c.velocity[d], directions[d], draft.constraint_sections[m]->path, other.velocity[d],
+                      point_text(*node, draft.dims())));
+      return;
+    }
+  }
+  for (int f = 0; f < 2 * draft.dims(); ++f) {
+    int const d = f / 2;
+    Boundary const boundary = draft.out.domain.boundary[f];
+    double const outwards = (f % 2 == 0 ? -1.0 : 1.0) * c.velocity[d];
+    if (!c.held[static_cast<std::size_t>(d)] || outwards == 0.0) continue;
+    // Behind a symmetry plane is the image, which moves the other way; a wall stops what moves into it.
+    if (boundary != Boundary::symmetry && (boundary != Boundary::wall || outwards < 0.0)) continue;
+    double const plane = f % 2 == 0 ? draft.out.domain.lower[d] : draft.out.domain.upper(d);
+    shape::Box at_plane = reach;
+    // Not the nodes that a body beside the plane only reaches.
+    if (reach.lower[d] + draft.out.domain.h > plane + draft.tiny() ||
+        reach.upper[d] - draft.out.domain.h < plane - draft.tiny())
+      continue;
+    at_plane.lower[d] = plane - draft.tiny();
+    at_plane.upper[d] = plane + draft.tiny();
+    auto const node = held_node(draft, {&c.region}, at_plane);
+    if (!node) continue;
+    draft.warn(
+        section, "velocity",
+        fmt::format("{:g} m/s in direction {} contradicts the face {}, a {} that holds the node at {} m in this "
+                    "direction: keep the region a cell away from it, or hold the other directions only",
+                    c.velocity[d], directions[d], grid::face_names[f],
+                    boundary == Boundary::symmetry ? "symmetry plane" : "rigid wall", point_text(*node, draft.dims())));
+    return;
+  }
+}
+
+/// A constraint holds nodes, bodies are there, and no other says something else.
+void check_constraints(Draft const& draft) {
+  bool const known = std::all_of(draft.body_shapes.begin(), draft.body_shapes.end(), [](auto const& s) { return s; });
+  if (!draft.domain_known || !draft.boundaries_known || !known) return;
+  shape::Box const everywhere = shape::bounds(shape::Everywhere{});
+  for (std::size_t n = 0; n < draft.out.points.constraints.size(); ++n) {
+    mpm::Constraint const& c = draft.out.points.constraints[n];
+    Section const& section = *draft.constraint_sections[n];
+    if (c.body >= 0 && is_rigid(draft, static_cast<std::size_t>(c.body))) {
+      draft.error(
+          section, "body",
+          fmt::format("\"{}\" is rigid and keeps its velocity, whatever holds it: remove the constraint, or write the "
+                      "velocity of the body",
+                      draft.body_names[static_cast<std::size_t>(c.body)]));
+      continue;
+    }
+    if (section.given("region")) {
+      auto const b = shape::bounds(c.region);
+      double nodes = 1.0;
+      bool outside = false;
+      for (int d = 0; d < draft.dims(); ++d) {
+        outside = outside || !(b.upper[d] > draft.out.domain.lower[d] && b.lower[d] < draft.out.domain.upper(d));
+        nodes *= std::max(1.0, std::min(b.upper[d] - b.lower[d], draft.out.domain.h * draft.out.domain.cells[d]) /
+                                   draft.out.domain.h);
+      }
+      if (outside) continue;  // reported
+      if (nodes < most_nodes / 4.0 && !held_node(draft, {&c.region}, everywhere)) {
+        Section const& region = *section.section("region");
+        draft.report.error(
+            region.place_of(place_key(region)), region.path,
+            fmt::format("it holds no node of the grid, which lie at whole numbers of cells of {:.6g} m from the low "
+                        "corner of the domain: make it thicker than a cell, or lay it over a plane of nodes",
+                        draft.out.domain.h));
+        continue;
+      }
+      shape::Box const reach = reach_of_bodies(draft, c.body);
+      if (nodes < most_nodes / 4.0 && !held_node(draft, {&c.region}, reach)) {
+        draft.warn(section, "region", "holds no node of a body at the start: nothing is held until a body comes there");
+      }
+    }
+    check_contradictions(draft, n);
+  }
+}
+
+void constraint(Draft& draft, Section const& section) {
+  auto const kind = section.text("kind");
+  if (!kind || section.doubtful()) return;
+  mpm::Constraint out;
+  out.region = shape::Everywhere{};
+  bool sound = true;
+  if (!section.given("region") && !section.given("body")) {
+    draft.report.error(
+        section.place, section.path,
+        "a constraint needs the region or the body that it holds; write for example region = {shape = \"box\", "
+        "lower = [0, 0, 0], upper = [0.1, 1, 1]}");
+    return;
+  }
+  if (section.given("region")) {
+    Section const* region = section.section("region");
+    auto const shape = region == nullptr ? std::nullopt : build_composed_shape(draft, *region);
+    sound = shape.has_value();
+    if (shape) {
+      touches_domain(draft, *region, *shape, "region");
+      out.region = *shape;
+    }
+  }
+  if (section.given("body")) {
+    auto const name = section.text("body");
+    auto const body = name ? body_named(draft, section, "body", *name) : std::nullopt;
+    sound = sound && body;
+    if (body) out.body = *body;
+  }
+  auto const only_for = [&](std::string_view key, std::string_view word) {
+    if (!section.given(key) || *kind == word) return;
+    draft.error(section, key,
+                fmt::format("{} belongs to kind = \"{}\", and this is \"{}\": remove it or change the kind",
+                            section.shown(key), word, *kind));
+    sound = false;
+  };
+  only_for("normal", "roller");
+  only_for("velocity", "velocity");
+  for (auto const& [key, word, example] : {std::tuple{"normal", "roller", "normal = \"x\""},
+                                           std::tuple{"velocity", "velocity", "velocity = [10, 0, 0]"}}) {
+    if (*kind != word || section.given(key)) continue;
+    draft.report.error(
+        section.place, section.path_of(key),
+        fmt::format("the key \"{}\" is missing, which kind = \"{}\" needs; write for example {}", key, word, example));
+    sound = false;
+  }
+  std::vector<std::string> held;
+  held.reserve(3);
+  for (int d = 0; d < draft.dims(); ++d) held.emplace_back(1, directions[d]);
+  std::string_view key = "held";
+  if (*kind == "roller") {
+    if (section.given("held")) {
+      draft.error(section, "held", "a roller holds along its normal only: remove the key, or write kind = \"fixed\"");
+      return;
+    }
+    key = "normal";
+    auto const normal = section.text("normal");
+    if (!normal) return;
+    held = {*normal};
+  } else if (section.given("held")) {
+    auto const* given = section.strings("held");
+    if (given == nullptr) return;
+    held = *given;
+  }
+  out.held = {false, false, false};
+  for (std::string const& letter : held) {
+    int const d = letter[0] - 'x';
+    if (d >= draft.dims()) {
+      draft.error(section, key,
+                  fmt::format("\"{}\" is not resolved in {}: remove it", letter, word_of(draft.geometry())));
+      return;
+    }
+    out.held[static_cast<std::size_t>(d)] = true;
+  }
+  if (held.empty()) {
+    draft.error(section, key, "the list is empty, and nothing would be held; write for example held = [\"x\"]");
+    return;
+  }
+  if (*kind == "velocity" && section.given("velocity")) {
+    auto const velocity = draft.point(section, "velocity");
+    if (!velocity) return;
+    out.velocity = *velocity;
+    for (int d = 0; d < draft.dims(); ++d) {
+      if (out.held[static_cast<std::size_t>(d)] || out.velocity[d] == 0.0) continue;
+      draft.error(section, "velocity",
+                  fmt::format("{} has a value in direction {}, which is not held: add \"{}\" to held or write 0",
+                              section.shown("velocity"), directions[d], directions[d]));
+      return;
+    }
+  }
+  if (!sound) return;
+  draft.out.points.constraints.push_back(std::move(out));
+  draft.constraint_sections.push_back(&section);
+}
+
+}  // namespace
+
+void build_constraints(Draft& draft) {
+  draft.each("constraint", [&](Section const& section) { constraint(draft, section); });
+  check_constraints(draft);
+}
+
+}  // namespace brisance::deck

@@ -1,0 +1,55 @@
+/// [[contact]]: bodies that touch, slide and part.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/tables/tables.hpp"
+
+namespace brisance::deck {
+
+Table const& contact_table() {
+  static Table const table{
+      "Two bodies that touch, slide and part. Bodies without a contact share the motion of the grid where they meet: "
+      "they stick together.",
+      {typed(Type::names, "bodies").required().like("[\"rod\", \"plate\"]").means("Names of the two bodies"),
+       number("friction", "1", 0.0, 10.0).of(0.0).like("0.2").means("Coulomb's coefficient of friction")},
+      {},
+      {}};
+  return table;
+}
+
+void build_contacts(Draft& draft) {
+  draft.each("contact", [&](Section const& section) {
+    auto const* names = section.strings("bodies");
+    auto const friction = section.number("friction");
+    if (names == nullptr || !friction) return;
+    if (names->size() != 2 || (*names)[0] == (*names)[1]) {
+      draft.error(section, "bodies",
+                  fmt::format("{} does not name two bodies; write for example bodies = [\"rod\", \"plate\"]",
+                              section.shown("bodies")));
+      return;
+    }
+    auto const first = body_named(draft, section, "bodies", (*names)[0]);
+    auto const second = body_named(draft, section, "bodies", (*names)[1]);
+    if (!first || !second) return;
+    if (is_rigid(draft, static_cast<std::size_t>(*first)) && is_rigid(draft, static_cast<std::size_t>(*second))) {
+      draft.error(
+          section, "bodies",
+          fmt::format("{} and {} are both rigid and keep their velocities, so that their contact does nothing: remove "
+                      "it, or let one of them deform",
+                      (*names)[0], (*names)[1]));
+      return;
+    }
+    for (mpm::Contact const& other : draft.out.points.contacts) {
+      if (std::minmax(other.first, other.second) != std::minmax(*first, *second)) continue;
+      draft.error(section, "bodies",
+                  fmt::format("{} and {} have a contact already: remove one of the two", (*names)[0], (*names)[1]));
+      return;
+    }
+    draft.out.points.contacts.push_back({*first, *second, *friction});
+  });
+}
+
+}  // namespace brisance::deck

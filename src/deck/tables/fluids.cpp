@@ -1,0 +1,68 @@
+/// [fluids.NAME]: fluids of the deck and of the library.
+#include <fmt/format.h>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/library.hpp"
+#include "deck/models.hpp"
+#include "deck/tables/tables.hpp"
+
+namespace brisance::deck {
+
+namespace {
+
+std::vector<Key> fluid_keys() {
+  return {word("eos", model_names<material::Eos>())
+              .of(material::IdealGas::name)
+              .like("\"ideal_gas\"")
+              .means("Equation of state"),
+          density().required().means("Default density, for gases at 288.15 K"),
+          pressure().of(101325.0).means("Default pressure")};
+}
+
+std::map<std::string, std::vector<Key>> fluid_variants() { return keys_of_models<material::Eos>(); }
+
+}  // namespace
+
+Table const& fluids_table() {
+  static Table const table{"A fluid of the deck's own, under the name NAME.", joined(fluid_keys(), own_keys()), "eos",
+                           fluid_variants()};
+  return table;
+}
+
+Table const& fluid_file_schema() {
+  static Table const table{"", joined(file_keys("fluid"), fluid_keys()), "eos", fluid_variants()};
+  return table;
+}
+
+std::optional<material::Fluid> build_fluid(Section const& section, std::string const& name) {
+  material::Fluid out;
+  out.name = name;
+  out.source = section.text("source").value_or("");
+  auto const word = section.text("eos");
+  auto const density = section.number("density");
+  auto const pressure = section.number("pressure");
+  if (!word || !density || !pressure) return std::nullopt;
+  auto const eos = filled<material::Eos>(*word, section);
+  if (!eos) return std::nullopt;
+  out.eos = *eos;
+  out.density = *density;
+  out.pressure = *pressure;
+  return out;
+}
+
+void build_fluids(Draft& draft) {
+  draft.each("fluids", [&](Section const& section) {
+    auto fluid = build_fluid(section, section.name);
+    if (!fluid) {
+      wrong_material(draft, section.name);
+      return;
+    }
+    if (library().fluid(section.name) != nullptr) {
+      draft.report.warning(section.place, section.path, "replaces the fluid of the same name in the library");
+    }
+    draft.materials.fluids.push_back(std::move(*fluid));
+  });
+}
+
+}  // namespace brisance::deck

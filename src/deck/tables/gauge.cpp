@@ -1,0 +1,297 @@
+/// [[gauge]]: what records in time, in the gas and on bodies.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/places.hpp"
+#include "deck/tables/tables.hpp"
+
+namespace brisance::deck {
+
+namespace {
+
+Table const& line_table() {
+  static Table const table{"Gauges at equal distances on a line.",
+                           {position("from").required().like("[1, 0, 0]").means("First gauge"),
+                            position("to").required().like("[5, 0, 0]").means("Last gauge"),
+                            typed(Type::integer, "count", "1", 2, 1e5).required().like("5").means("Number of gauges")},
+                           {},
+                           {}};
+  return table;
+}
+
+Table const& plane_table() {
+  static Table const table{
+      "Gauges on a parallelogram, from `origin` to `origin + edge1 + edge2`.",
+      {position("origin").required().like("[0, 0, 0]").means("Corner with the first gauge"),
+       position("edge1").required().like("[4, 0, 0]").means("First edge, as a vector"),
+       position("edge2").required().like("[0, 4, 0]").means("Second edge, as a vector"),
+       typed(Type::integers, "counts", "1", 2, 1e5).required().like("[5, 5]").means("Gauges along the two edges")},
+      {},
+      {}};
+  return table;
+}
+
+}  // namespace
+
+Table const& gauge_table() {
+  static Table const table{
+      "Gauges record in time. In the gas: pressure, density and velocity at a `point`, on a `line` or on a `plane`. "
+      "Of material points: `body` alone watches a body as a whole, `body` and `point` ride on the body's point that is "
+      "nearest at the start. At most 100000 in all.",
+      {typed(Type::name, "name")
+           .note("`g1`, `g2`, ...; lines and planes append `-1`, `-2`, ...")
+           .like("\"roof\"")
+           .means("Name"),
+       typed(Type::text, "body").like("\"plate\"").means("Name of a body that is watched"),
+       position("point").like("[2, 0, 1]").means("One gauge"),
+       nested(Type::table, "line", line_table())
+           .like("{from = [1, 0, 0], to = [5, 0, 0], count = 5}")
+           .means("Gauges on a line"),
+       nested(Type::table, "plane", plane_table())
+           .like("{origin = [0, 0, 0], edge1 = [4, 0, 0], edge2 = [0, 4, 0], counts = [5, 5]}")
+           .means("Gauges on a plane")},
+      {},
+      {}};
+  return table;
+}
+
+namespace {
+
+constexpr double most_gauges = 1e5;
+
+bool room_for_gauges(Draft const& draft, Section const& section, std::string_view key, double count) {
+  if (static_cast<double>(draft.out.gauges.size()) + count <= most_gauges) return true;
+  draft.error(
+      section, key,
+      fmt::format("{:.0f} gauges more make {:.0f} in all; allowed: at most {:.0f}; write field dumps for dense data",
+                  count, static_cast<double>(draft.out.gauges.size()) + count, most_gauges));
+  return false;
+}
+
+void line(Draft& draft, Section const& section, std::string const& name) {
+  Section const* given = section.section("line");
+  if (given == nullptr) return;
+  auto const from = draft.point(*given, "from");
+  auto const to = draft.point(*given, "to");
+  auto const count = given->integer("count");
+  if (!from || !to || !count) return;
+  if (norm(*to - *from) <= draft.tiny()) {
+    draft.error(*given, "to", "is the same point as `from`: a line has a length; write one gauge with a point");
+    return;
+  }
+  if (!room_for_gauges(draft, *given, "count", static_cast<double>(*count))) return;
+  for (long i = 0; i < *count; ++i) {
+    double const s = static_cast<double>(i) / static_cast<double>(*count - 1);
+    draft.out.gauges.push_back({fmt::format("{}-{}", name, i + 1), (1.0 - s) * *from + s * *to});
+  }
+}
+
+void plane(Draft& draft, Section const& section, std::string const& name) {
+  Section const* given = section.section("plane");
+  if (given == nullptr) return;
+  auto const origin = draft.point(*given, "origin");
+  auto const edge1 = draft.point(*given, "edge1");
+  auto const edge2 = draft.point(*given, "edge2");
+  auto const* counts = given->numbers("counts");
+  if (draft.dims() < 2) {
+    draft.error(section, "plane", fmt::format("{} resolves only x: use a line", word_of(draft.geometry())));
+    return;
+  }
+  if (counts != nullptr && counts->size() != 2) {
+    draft.error(*given, "counts",
+                fmt::format("{} has {} elements, expected two whole numbers; write for example counts = [5, 5]",
+                            given->shown("counts"), counts->size()));
+    return;
+  }
+  if (!origin || !edge1 || !edge2 || counts == nullptr) return;
+  double const along = dot(*edge1, *edge2);
+  if (dot(*edge1, *edge1) * dot(*edge2, *edge2) - along * along <= std::pow(draft.tiny(), 4)) {
+    draft.error(*given, "edge2", "it spans no plane with edge1: the edges are parallel, or one of them has no length");
+    return;
+  }
+  if (!room_for_gauges(draft, *given, "counts", (*counts)[0] * (*counts)[1])) return;
+  auto const n1 = static_cast<int>((*counts)[0]);
+  auto const n2 = static_cast<int>((*counts)[1]);
+  for (int j = 0; j < n2; ++j) {
+    for (int i = 0; i < n1; ++i) {
+      Vec3 const p = *origin + (i / (n1 - 1.0)) * *edge1 + (j / (n2 - 1.0)) * *edge2;
+      draft.out.gauges.push_back({fmt::format("{}-{}", name, j * n1 + i + 1), p});
+    }
+  }
+}
+
+/// Is a gauge between solid cells only?
+bool walled_in(Draft const& draft, run::SolidCells const& solid, Vec3 const& p) {
+  // The cells that a gauge at p reads.
+  grid::Domain const& domain = draft.out.domain;
+  Index3 low{0, 0, 0};
+  Vec3 part{0.0, 0.0, 0.0};
+  for (int d = 0; d < draft.dims(); ++d) {
+    double const position =
+        std::clamp((p[d] - domain.lower[d]) / domain.h - 0.5, 0.0, static_cast<double>(domain.cells[d] - 1));
+    low[d] = std::min(static_cast<int>(position), domain.cells[d] - 2);
+    part[d] = position - low[d];
+  }
+  for (int corner = 0; corner < 1 << draft.dims(); ++corner) {
+    Index3 cell = low;
+    bool counts = true;
+    for (int d = 0; d < draft.dims(); ++d) {
+      bool const up = (corner >> d & 1) != 0;
+      cell[d] += up ? 1 : 0;
+      counts = counts && (up ? part[d] : 1.0 - part[d]) > 0.0;
+    }
+    if (counts && !solid(cell)) return false;
+  }
+  return true;
+}
+
+/// Gauges from `first` on: unique names, in the domain, not in an obstacle. One error per table.
+void check_gauges(Draft const& draft, Section const& section, std::string_view key, std::size_t first,
+                  std::set<std::string>& names) {
+  bool place_reported = false;
+  bool name_reported = false;
+  run::SolidCells const solid(draft.out.domain,
+                              draft.domain_known ? draft.out.obstacles : std::vector<run::Obstacle>{});
+  for (std::size_t i = first; i < draft.out.gauges.size(); ++i) {
+    auto const& gauge = draft.out.gauges[i];
+    if (!names.insert(gauge.name).second && !name_reported) {
+      draft.report.error(section.place_of("name"), section.path_of("name"),
+                         fmt::format("\"{}\" is used by another gauge: choose another name", gauge.name));
+      name_reported = true;
+    }
+    if (!draft.domain_known || place_reported) continue;
+    for (int d = 0; d < draft.dims() && !place_reported; ++d) {
+      double const low = draft.out.domain.lower[d];
+      double const high = draft.out.domain.upper(d);
+      if (gauge.position[d] >= low - draft.tiny() && gauge.position[d] <= high + draft.tiny()) continue;
+      draft.error(section, key,
+                  fmt::format("gauge {} at {} m lies outside the domain: {} = {:.6g} m, allowed: {:.6g} to {:.6g} m",
+                              gauge.name, point_text(gauge.position, draft.dims()), directions[d], gauge.position[d],
+                              low, high));
+      place_reported = true;
+    }
+    for (std::size_t k = 0; k < draft.obstacle_shapes.size() && !place_reported; ++k) {
+      if (!well_inside(draft, draft.obstacle_shapes[k].second, gauge.position)) continue;
+      draft.error(section, key,
+                  fmt::format("gauge {} at {} m lies inside obstacle[{}]: move it into the gas", gauge.name,
+                              point_text(gauge.position, draft.dims()), draft.obstacle_shapes[k].first + 1));
+      place_reported = true;
+    }
+    if (!place_reported && solid.any() && walled_in(draft, solid, gauge.position)) {
+      draft.error(
+          section, key,
+          fmt::format("gauge {} at {} m has only solid cells of obstacles around it and would record nothing: move it "
+                      "half a cell ({:.4g} m) or more away from the obstacle",
+                      gauge.name, point_text(gauge.position, draft.dims()), 0.5 * draft.out.domain.h));
+      place_reported = true;
+    }
+    for (std::size_t k = 0; k < draft.body_shapes.size() && !place_reported; ++k) {
+      if (!draft.body_shapes[k] || !well_inside(draft, *draft.body_shapes[k], gauge.position)) continue;
+      draft.error(
+          section, key,
+          fmt::format("gauge {} at {} m lies inside {}: move it into the gas, or write body = \"{}\"", gauge.name,
+                      point_text(gauge.position, draft.dims()), draft.body_names[k], draft.body_names[k]));
+      place_reported = true;
+    }
+  }
+}
+
+/// Inside, or on the surface.
+bool near_body(Draft const& draft, shape::Shape const& body, Vec3 const& p) {
+  if (shape::contains(body, draft.out.domain, p)) return true;
+  // On the surface round-off decides.
+  for (int d = 0; d < draft.dims(); ++d) {
+    for (double const side : {-1e-3, 1e-3}) {
+      Vec3 q = p;
+      q[d] += side * draft.out.domain.h;
+      if (shape::contains(body, draft.out.domain, q)) return true;
+    }
+  }
+  return false;
+}
+
+void body_gauge(Draft& draft, Section const& section, std::string const& name, std::set<std::string>& names) {
+  if (!draft.has_bodies()) {
+    draft.error(section, "body", "there is no body in this deck: remove the key, or add a [[body]]");
+    return;
+  }
+  for (auto const* key : {"line", "plane"}) {
+    if (!section.given(key)) continue;
+    draft.error(section, key, "does not go with body: write one gauge with a point for each place");
+    return;
+  }
+  if (!room_for_gauges(draft, section, "body", 1.0)) return;
+  auto const body_name = section.text("body");
+  if (!body_name) return;
+  auto const body = body_named(draft, section, "body", *body_name);
+  if (!names.insert(name).second) {
+    draft.report.error(section.place_of("name"), section.path_of("name"),
+                       fmt::format("\"{}\" is used by another gauge: choose another name", name));
+  }
+  if (!body) return;
+  run::PointGauge gauge;
+  gauge.name = name;
+  gauge.body = *body;
+  if (section.given("point")) {
+    auto const p = draft.point(section, "point");
+    if (!p) return;
+    gauge.point = *p;
+    auto const& shape = draft.body_shapes[static_cast<std::size_t>(*body)];
+    if (shape && !near_body(draft, *shape, *p)) {
+      auto const b = shape::bounds(*shape);
+      draft.error(section, "point",
+                  fmt::format("{} lies outside {}, which reaches from {} to {} m: move the gauge into it",
+                              section.shown("point"), *body_name, point_text(b.lower, draft.dims()),
+                              point_text(b.upper, draft.dims())));
+      return;
+    }
+  }
+  draft.out.points.gauges.push_back(std::move(gauge));
+}
+
+}  // namespace
+
+void build_gauges(Draft& draft) {
+  auto const* all = draft.deck.sections("gauge");
+  if (all == nullptr) return;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < all->size(); ++i) {
+    Section const& section = (*all)[i];
+    if (section.doubtful()) continue;
+    if (section.given("body")) {
+      if (!section.broken("name"))
+        body_gauge(draft, section, section.text("name").value_or(fmt::format("g{}", i + 1)), names);
+      continue;
+    }
+    int const forms = static_cast<int>(section.given("point")) + static_cast<int>(section.given("line")) +
+                      static_cast<int>(section.given("plane"));
+    if (forms != 1) {
+      draft.report.error(section.place, section.path,
+                         fmt::format("a gauge has exactly one of point, line and plane, this one has {}; write for "
+                                     "example point = [2, 0, 1]",
+                                     forms == 0 ? "none" : std::to_string(forms)));
+      continue;
+    }
+    if (section.broken("name")) continue;
+    std::string const name = section.text("name").value_or(fmt::format("g{}", i + 1));
+    std::size_t const before = draft.out.gauges.size();
+    std::string_view key = "point";
+    if (section.given("point")) {
+      if (auto const p = draft.point(section, "point")) draft.out.gauges.push_back({name, *p});
+    } else if (section.given("line")) {
+      key = "line";
+      line(draft, section, name);
+    } else {
+      key = "plane";
+      plane(draft, section, name);
+    }
+    check_gauges(draft, section, key, before, names);
+  }
+}
+
+}  // namespace brisance::deck

@@ -1,0 +1,69 @@
+/// [inflow.FACE]: the states that enter the domain.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/tables/tables.hpp"
+
+namespace brisance::deck {
+
+Table const& inflow_table() {
+  static Table const table{
+      "State of the ambient fluid that enters through a face whose boundary is `inflow`.",
+      {density().note("that of the ambient").means("Density"), pressure().note("that of the ambient").means("Pressure"),
+       velocity().required().means("Velocity")},
+      {},
+      {}};
+  return table;
+}
+
+namespace {
+
+void refuse_inflow(Draft const& draft, Section const* boundaries) {
+  for (int f = 0; f < 2 * draft.dims(); ++f) {
+    if (draft.out.domain.boundary[f] != Boundary::inflow) continue;
+    draft.error(
+        *boundaries, boundaries->given(grid::face_names[f]) ? grid::face_names[f] : "all",
+        "\"inflow\" is not possible here: the bodies of this deck move in empty space; allowed: \"outflow\", \"wall\", "
+        "\"symmetry\" or \"periodic\"; with [mpm_region] there is gas");
+    return;
+  }
+}
+
+}  // namespace
+
+void build_inflow(Draft& draft, Section const* section) {
+  for (auto& state : draft.out.inflow) state = draft.out.ambient.state;
+  if (!draft.has_gas) {
+    refuse_inflow(draft, section);
+    return;
+  }
+  std::array<bool, 6> described{};
+  draft.each("inflow", [&](Section const& given) {
+    int const f = static_cast<int>(std::find(grid::face_names.begin(), grid::face_names.end(), given.name) -
+                                   grid::face_names.begin());
+    described[f] = true;
+    if (f / 2 >= draft.dims() || draft.out.domain.boundary[f] != Boundary::inflow) {
+      draft.report.error(
+          given.place, given.path,
+          fmt::format(
+              "the face {} is \"{}\", so that this table is without use: write {} = \"inflow\" in [boundaries] or "
+              "remove the table",
+              given.name, f / 2 >= draft.dims() ? "not resolved" : word_of(draft.out.domain.boundary[f]), given.name));
+      return;
+    }
+    if (auto const s = fluid_state(draft, given, draft.out.ambient.fluid, draft.out.ambient.state, "density"))
+      draft.out.inflow[f] = *s;
+  });
+  for (int f = 0; f < 2 * draft.dims(); ++f) {
+    if (draft.out.domain.boundary[f] != Boundary::inflow || described[f]) continue;
+    std::string_view const key = section->given(grid::face_names[f]) ? grid::face_names[f] : "all";
+    draft.error(
+        *section, key,
+        fmt::format("\"inflow\" needs the entering state: add [inflow.{}] with velocity = [...]", grid::face_names[f]));
+  }
+}
+
+}  // namespace brisance::deck

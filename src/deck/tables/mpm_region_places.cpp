@@ -1,0 +1,144 @@
+/// What does not go with the place of an MPM region: bodies, charges and obstacles.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "deck/draft.hpp"
+#include "deck/places.hpp"
+#include "deck/tables/tables.hpp"
+
+namespace brisance::deck {
+
+namespace {
+
+constexpr int samples = 4;  ///< per cell and direction, where shapes are looked for
+
+/// Where the shape meets cells that are wrong for it, in a box where that is enough; nothing: nowhere.
+template <class Wrong>
+std::optional<Vec3> wrong_place(Draft const& draft, shape::Shape const& shape, bool by_centres, Wrong&& wrong,
+                                std::optional<shape::Box> const& within = {}) {
+  grid::Domain const& domain = draft.out.domain;
+  auto bounds = shape::bounds(shape);
+  for (int d = 0; within && d < draft.dims(); ++d) {
+    bounds.lower[d] = std::max(bounds.lower[d], within->lower[d]);
+    bounds.upper[d] = std::min(bounds.upper[d], within->upper[d]);
+    if (bounds.upper[d] < bounds.lower[d]) return std::nullopt;
+  }
+  Index3 first{0, 0, 0};
+  Index3 last{0, 0, 0};
+  for (int d = 0; d < draft.dims(); ++d) {
+    auto const cell = [&](double x) {
+      return static_cast<int>(std::floor(std::clamp((x - domain.lower[d]) / domain.h, 0.0, domain.cells[d] - 0.5)));
+    };
+    first[d] = cell(bounds.lower[d] + draft.tiny());
+    last[d] = cell(bounds.upper[d] - draft.tiny());
+  }
+  int const parts = by_centres ? 1 : samples;
+  Index3 count{1, 1, 1};
+  for (int d = 0; d < draft.dims(); ++d) count[d] = parts;
+  for (int k = first[2]; k <= last[2]; ++k) {
+    for (int j = first[1]; j <= last[1]; ++j) {
+      for (int i = first[0]; i <= last[0]; ++i) {
+        Index3 const cell{i, j, k};
+        if (!wrong(cell)) continue;
+        for (int n = 0; n < count[0] * count[1] * count[2]; ++n) {
+          Index3 const part{n % count[0], n / count[0] % count[1], n / (count[0] * count[1])};
+          Vec3 x = domain.centre(cell);
+          for (int d = 0; d < draft.dims(); ++d) x[d] += ((part[d] + 0.5) / parts - 0.5) * domain.h;
+          if (shape::contains(shape, domain, x)) return x;
+        }
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+void check_body_place(Draft const& draft, bridge::Region const& region, std::size_t index) {
+  int const keep = region.width() + 2;
+  auto const place = wrong_place(draft, *draft.body_shapes[index], false,
+                                 [&](Index3 const& cell) { return region.layer(cell) <= keep; });
+  if (!place) return;
+  Section const& section = (*draft.deck.sections("body"))[index];
+  Index3 cell{0, 0, 0};
+  for (int d = 0; d < draft.dims(); ++d) {
+    cell[d] = static_cast<int>(std::floor((((*place)[d]) - draft.out.domain.lower[d]) / draft.out.domain.h));
+  }
+  int const layer = region.layer(cell);
+  draft.error(
+      section, place_key(section),
+      fmt::format("the body reaches at {} m {}: solids keep at least {} cells = {:.6g} m (width + 2) away from the "
+                  "faces of the region; make the region larger, or the bridge narrower (mpm_region.width)",
+                  point_text(*place, draft.dims()),
+                  layer == 0 ? std::string("out of the MPM region")
+                             : fmt::format("into cell {} from a face of the MPM region", layer),
+                  keep, keep * draft.out.domain.h));
+}
+
+}  // namespace
+
+void check_mpm_region(Draft const& draft, bridge::Region const& region) {
+  for (std::size_t i = 0; i < draft.body_shapes.size(); ++i) check_body_place(draft, region, i);
+  // The region and the cells beside it that act as points.
+  std::vector<Index3> near;
+  for (Index3 const& cell : region.lent()) near.push_back(region.clamped(cell));
+  std::sort(near.begin(), near.end());
+  // Elsewhere nothing is wrong, and a large charge is not looked through there.
+  shape::Box around;
+  around.lower = {1e300, 1e300, 1e300};
+  around.upper = {-1e300, -1e300, -1e300};
+  for (auto const* cells : {&region.cells(), &region.lent()}) {
+    for (Index3 const& cell : *cells) {
+      for (int d = 0; d < draft.dims(); ++d) {
+        double const low = draft.out.domain.lower[d] + cell[d] * draft.out.domain.h;
+        around.lower[d] = std::min(around.lower[d], low);
+        around.upper[d] = std::max(around.upper[d], low + draft.out.domain.h);
+      }
+    }
+  }
+  auto const taken = [&](Index3 const& cell) {
+    return region.inside(cell) || std::binary_search(near.begin(), near.end(), cell);
+  };
+  for (auto const& [section, shape] : draft.charge_shapes) {
+    auto place = wrong_place(draft, shape, false, taken, around);
+    // One between the places that are looked at is small, and its middle counts.
+    Vec3 const middle = shape::centre(shape);
+    Index3 cell{0, 0, 0};
+    for (int d = 0; d < draft.dims(); ++d) {
+      cell[d] = std::clamp(static_cast<int>(std::floor((middle[d] - draft.out.domain.lower[d]) / draft.out.domain.h)),
+                           0, draft.out.domain.cells[d] - 1);
+    }
+    if (!place && taken(cell)) place = middle;
+    if (!place) continue;
+    draft.error(
+        *section, place_key(*section),
+        fmt::format("the charge reaches at {} m into the MPM region or the 3 cells beside it: move it, make the "
+                    "region smaller, or write the charge as a [[body]] of its explosive",
+                    point_text(*place, draft.dims())));
+  }
+  auto const* obstacles = draft.deck.sections("obstacle");
+  run::SolidCells const solid(draft.out.domain, draft.out.obstacles);
+  for (auto const& [index, shape] : draft.obstacle_shapes) {
+    std::optional<Vec3> place;
+    shape::for_each_share({shape}, draft.out.domain, shape::cells_around(shape, draft.out.domain),
+                          [&](shape::CellRange const& r, std::vector<shape::Share> const&) {
+                            for (int k = r.lower[2]; k < r.upper[2] && !place; ++k) {
+                              for (int j = r.lower[1]; j < r.upper[1] && !place; ++j) {
+                                for (int i = r.lower[0]; i < r.upper[0] && !place; ++i) {
+                                  if (taken({i, j, k}) && solid({i, j, k})) place = draft.out.domain.centre({i, j, k});
+                                }
+                              }
+                            }
+                            return !place;
+                          });
+    if (!place) continue;
+    draft.error(
+        (*obstacles)[index], place_key((*obstacles)[index]),
+        fmt::format("the obstacle reaches at {} m into the MPM region or the 3 cells beside it: move it, make the "
+                    "region smaller, or write the obstacle as a [[body]] with rigid = true",
+                    point_text(*place, draft.dims())));
+  }
+}
+
+}  // namespace brisance::deck

@@ -1,0 +1,103 @@
+/// [[region]]: parts of the domain with another state or fluid at the start.
+#include <fmt/format.h>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/places.hpp"
+#include "deck/tables/tables.hpp"
+#include "run/place_gas_regions.hpp"
+
+namespace brisance::deck {
+
+Table const& region_table() {
+  static Table const table{
+      "A part of the domain with another state or fluid at the start. It fills its own volume: a cell that it cuts "
+      "gets "
+      "that part of its mass, momentum and energy. Later regions overwrite earlier ones, charges and obstacles all.",
+      joined(shape_keys({"sphere", "hemisphere", "cylinder", "box"}),
+             {typed(Type::text, "fluid")
+                  .note("that of the ambient")
+                  .like("\"helium\"")
+                  .means("Fluid. A deck has at most two: that of the ambient and one other, which is the explosive "
+                         "where there are "
+                         "charges"),
+              density().note("that of the ambient, or of the other fluid's table").means("Density"),
+              pressure().note("that of the ambient").means("Pressure"),
+              velocity().note("that of the ambient").means("Velocity")}),
+      {},
+      {}};
+  return table;
+}
+
+namespace {
+
+/// A region has cells of its own.
+void check_regions(Draft const& draft) {
+  if (!draft.domain_known || draft.out.regions.empty()) return;
+  run::RegionPlacing const placing(draft.out);
+  for (std::size_t n = 0; n < draft.out.regions.size(); ++n) {
+    auto const b = shape::bounds(draft.out.regions[n].shape);
+    bool outside = false;
+    for (int d = 0; d < draft.dims(); ++d) {
+      outside = outside || !(b.upper[d] > draft.out.domain.lower[d] && b.lower[d] < draft.out.domain.upper(d));
+    }
+    if (outside || !placing.vanishes(n)) continue;  // outside: reported
+    Section const& section = *draft.region_sections[n];
+    draft.error(
+        section, place_key(section),
+        fills(draft, draft.out.regions[n].shape)
+            ? "the region fills nothing: later regions or obstacles take all of its place; remove it, or write it "
+              "after the regions that cover it"
+            : "the region fills nothing of the domain: move it, or make it larger");
+  }
+}
+
+}  // namespace
+
+void build_regions(Draft& draft) {
+  draft.each("region", [&](Section const& section) {
+    run::Region region;
+    auto const body = build_shape(draft, section, Use::gas, std::nullopt);
+    if (body) {
+      region.shape = *body;
+      touches_domain(draft, section, *body);
+    }
+    if (section.broken("fluid")) return;
+    auto const name = section.text("fluid");
+    material::Fluid own = draft.out.ambient.fluid;
+    run::FluidState defaults = draft.out.ambient.state;
+    if (name) {
+      auto const* found = draft.materials.fluid(*name);
+      auto const* charged = found == nullptr ? draft.materials.explosive(*name) : nullptr;
+      if (found == nullptr && charged == nullptr) {
+        unknown_material(draft, section, "fluid", *name, "fluid", draft.materials.fluid_names());
+        return;
+      }
+      own = found != nullptr ? *found : products(*charged);
+      if (!draft.ambient_known || own.name != draft.out.ambient.fluid.name) {
+        if (draft.ambient_known && draft.products_known && draft.out.second_fluid &&
+            draft.out.second_fluid->name != own.name) {
+          draft.error(
+              section, "fluid",
+              fmt::format("\"{}\" would be a third fluid beside \"{}\" and \"{}\"; a calculation has at most two: use "
+                          "one of these",
+                          *name, draft.out.ambient.fluid.name, draft.out.second_fluid->name));
+          return;
+        }
+        if (draft.products_known) draft.out.second_fluid = own;
+        region.second_fluid = true;
+        region.fluid_name = own.name;
+        defaults.density = own.density;
+      }
+    }
+    if (!draft.ambient_known && !name) return;
+    auto const s = fluid_state(draft, section, own, defaults, "density");
+    if (!s || !body) return;
+    region.state = *s;
+    draft.out.regions.push_back(std::move(region));
+    draft.region_sections.push_back(&section);
+  });
+  check_regions(draft);
+}
+
+}  // namespace brisance::deck

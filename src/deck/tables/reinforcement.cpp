@@ -1,0 +1,144 @@
+/// [[reinforcement]]: bars of steel, smeared over the points of a body.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/tables/tables.hpp"
+
+namespace brisance::deck {
+
+Table const& reinforcement_table() {
+  static mpm::Bar const bar;
+  static Table const table{
+      "A steel bar in a body, or a row of them, thinner than the grid resolves: smeared over the points within a cell "
+      "of the "
+      "axis, which carry its stress along it beside their own. In cartesian3d. A bar of two cells and more in diameter "
+      "is a "
+      "`[[body]]` of its own, cut out of the other. Where bars cross, the points belong to the first. A bar with its "
+      "middle on a symmetry plane goes on behind it as its mirror image, as bodies do.",
+      {typed(Type::text, "body").note("the only body").like("\"slab\"").means("Name of the body"),
+       position("from").required().like("[0, 0.1, 0.03]").means("One end of the axis, in the body"),
+       position("to").required().like("[1, 0.1, 0.03]").means("The other"),
+       number("diameter", "m", smallest, far).required().like("\"12 mm\"").means("Diameter"),
+       typed(Type::integer, "copies", "1", 1, 10000).of(1L).like("10").means("Number of equal bars side by side"),
+       position("step").note("needed by several copies").like("[0, \"0.1 m\", 0]").means("From one to the next"),
+       number("E", "Pa", 1.0, 1e13).of(bar.E).like("\"200 GPa\"").means("Young's modulus"),
+       number("yield", "Pa", 0.0, 1e12).of(bar.yield).like("\"500 MPa\"").means("Yield stress"),
+       number("hardening", "Pa", 0.0, 1e13)
+           .of(bar.hardening)
+           .like("\"1 GPa\"")
+           .means("Plastic modulus, d sigma / d eps_p")},
+      {},
+      {}};
+  return table;
+}
+
+namespace {
+
+/// What is wrong with the place of a bar: as with bodies, only a symmetry plane through its middle may cut it.
+std::optional<std::string> misplaced(mpm::Bar const& bar, grid::Domain const& domain, double tiny) {
+  for (int f = 0; f < 2 * domain.dimensions(); ++f) {
+    int const d = f / 2;
+    double const plane = f % 2 == 0 ? domain.lower[d] : domain.upper(d);
+    auto const depth = [&](Vec3 const& x) { return f % 2 == 0 ? x[d] - plane : plane - x[d]; };
+    double const least = std::min(depth(bar.from), depth(bar.to));
+    double const middle = 0.5 * (depth(bar.from) + depth(bar.to));
+    bool const mirror = domain.boundary[f] == grid::Boundary::symmetry;
+    if (least < -tiny && !(mirror && std::abs(middle) <= tiny)) {
+      return fmt::format("the bar reaches {:.4g} m over the face {} ({} = {:.6g} m), {}", -least, grid::face_names[f],
+                         directions[d], plane,
+                         mirror ? fmt::format("which is a symmetry plane, but its middle at {} = {:.6g} m does not lie "
+                                              "on it: put the middle on the plane, or end the bar there",
+                                              directions[d], f % 2 == 0 ? plane + middle : plane - middle)
+                                : fmt::format("which is \"{}\": end it within the body", word_of(domain.boundary[f])));
+    }
+    // Along the plane and less than a radius from it the bar and its image are in each other's way.
+    bool const along = std::abs(depth(bar.from) - depth(bar.to)) <= 1e-3 * norm(bar.to - bar.from);
+    if (mirror && along && std::abs(middle) > tiny && least < 0.5 * bar.diameter - tiny) {
+      return fmt::format(
+          "the bar lies {:.4g} m from the symmetry plane {} ({} = {:.6g} m), less than its radius: it "
+          "would overlap its own mirror image; put its axis on the plane or farther away",
+          least, grid::face_names[f], directions[d], plane);
+    }
+  }
+  return std::nullopt;
+}
+
+void reinforcement(Draft& draft, Section const& section) {
+  if (section.doubtful()) return;
+  mpm::Bar bar;
+  if (section.given("body")) {
+    auto const name = section.text("body");
+    auto const body = name ? body_named(draft, section, "body", *name) : std::nullopt;
+    if (!body) return;
+    bar.body = *body;
+  } else if (draft.body_names.size() > 1) {
+    draft.report.error(
+        section.place, section.path_of("body"),
+        fmt::format("there are several bodies: name the one that holds the bar; write for example body = \"{}\"",
+                    draft.body_names.front()));
+    return;
+  }
+  if (draft.geometry() != grid::Geometry::cartesian3d) {
+    draft.report.error(
+        section.place, section.path,
+        fmt::format("bars are those of cartesian3d, and this is {}: remove them", word_of(draft.geometry())));
+    return;
+  }
+  auto const from = draft.point(section, "from");
+  auto const to = draft.point(section, "to");
+  auto const diameter = section.number("diameter");
+  auto const copies = section.integer("copies");
+  for (auto const& [key, member] : {std::pair{"E", &mpm::Bar::E}, std::pair{"yield", &mpm::Bar::yield},
+                                    std::pair{"hardening", &mpm::Bar::hardening}}) {
+    auto const value = section.number(key);
+    if (!value) return;
+    bar.*member = *value;
+  }
+  if (!from || !to || !diameter || !copies || draft.body_names.empty()) return;
+  if (norm(*to - *from) == 0.0) {
+    draft.error(section, "to", "is the same point as `from`: a bar has a length");
+    return;
+  }
+  if (*diameter >= 2.0 * draft.out.domain.h) {
+    draft.error(
+        section, "diameter",
+        fmt::format("{} is two cells of {:g} m or more: the grid resolves this bar, make it a [[body]] with shape = "
+                    "\"cylinder\" and cut it out of the other",
+                    section.shown("diameter"), draft.out.domain.h));
+    return;
+  }
+  Vec3 step{0.0, 0.0, 0.0};
+  if (section.given("step")) {
+    auto const given = draft.point(section, "step");
+    if (!given) return;
+    step = *given;
+  } else if (*copies > 1) {
+    draft.report.error(section.place, section.path_of("step"),
+                       "several copies need the way from one to the next; write for example step = [0, \"0.1 m\", 0]");
+    return;
+  }
+  bar.diameter = *diameter;
+  for (long n = 0; n < *copies; ++n) {
+    bar.from = *from + static_cast<double>(n) * step;
+    bar.to = *to + static_cast<double>(n) * step;
+    if (draft.domain_known && draft.boundaries_known) {
+      if (auto const problem = misplaced(bar, draft.out.domain, draft.tiny())) {
+        draft.error(section, "from", *copies > 1 ? fmt::format("copy {}: {}", n + 1, *problem) : *problem);
+        return;
+      }
+    }
+    draft.out.points.bars.push_back(bar);
+  }
+}
+
+}  // namespace
+
+void build_reinforcements(Draft& draft) {
+  draft.each("reinforcement", [&](Section const& section) { reinforcement(draft, section); });
+}
+
+}  // namespace brisance::deck

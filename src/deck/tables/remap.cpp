@@ -1,0 +1,135 @@
+/// `start` and [remap]: charges on the grid, or bursts in one direction that are remapped.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "core/error.hpp"
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/tables/tables.hpp"
+#include "run/start.hpp"
+
+namespace brisance::deck {
+
+Table const& remap_table() {
+  static Table const table{
+      "Settings of `start = \"remap\"`: each charge bursts in a calculation with one direction (spherical; in planar2d "
+      "cylindrical) until its shock is about to meet a boundary, an obstacle, the MPM region, another burst or a "
+      "gauge. "
+      "Its profile then goes onto the grid, with the mass of both fluids, the energy and the momentum that it has, and "
+      "the "
+      "calculation goes on from that time.",
+      {word<run::StartMethod>("method").of("gas").like("\"gas\"").means(
+           "`gas`: the gas scheme; `points`: material points, as in [Cui14]"),
+       number("cell", "m", smallest, 1e4)
+           .note("a 400th of the charge's radius")
+           .like("\"0.5 mm\"")
+           .means("Cell of the 1D calculation"),
+       number("time", "s", 1e-12, longest)
+           .note("when the shock is about to meet something")
+           .like("\"0.2 ms\"")
+           .means("Time of the remap; gauges then do not stop it"),
+       number("radius", "m", smallest, far)
+           .note("where the shock is about to meet something")
+           .like("\"0.8 m\"")
+           .means("Radius of the shock at the remap, instead of the time; gauges then do not stop it"),
+       typed(Type::text, "profile")
+           .note("calculated")
+           .like("\"../burst-results/profiles/start_1.h5\"")
+           .means(
+               "Profile of an earlier run, relative to the deck, that stands in for the calculation: of 1D, or of "
+               "axisymmetric2d for 3D. It is scaled to the mass of the charge; its explosive and its ambient gas must "
+               "be those of the deck")},
+      {},
+      {}};
+  return table;
+}
+
+void build_start(Draft& draft) {
+  bool const asked = draft.deck.text("start") == "remap";
+  Section const* section = draft.deck.section("remap");
+  if (draft.out.output.profile && draft.geometry_known) {
+    bool const possible = draft.geometry() == Geometry::spherical1d || draft.geometry() == Geometry::cylindrical1d ||
+                          draft.geometry() == Geometry::axisymmetric2d;
+    auto const* charges = draft.deck.sections("charge");
+    bool const one = charges != nullptr && charges->size() == 1;
+    if (!possible || !one || draft.has_bodies() || draft.deck.given("obstacle") || draft.deck.given("region") ||
+        draft.deck.given("mpm_region")) {
+      draft.error(
+          *draft.deck.section("output"), "profile",
+          fmt::format("a profile is the burst of one charge in spherical1d, cylindrical1d or axisymmetric2d without "
+                      "bodies, obstacles and regions; this deck {}: remove the key",
+                      !possible ? fmt::format("is of {}", word_of(draft.geometry()))
+                      : !one    ? fmt::format("has {} charges", charges == nullptr ? 0 : charges->size())
+                                : "has one of these"));
+    }
+  }
+  if (!asked) {
+    if (section != nullptr && !draft.deck.broken("start")) {
+      draft.report.warning(section->place, section->path,
+                           "has no effect without start = \"remap\" at the head of the deck");
+    }
+    return;
+  }
+  run::Start& s = draft.out.start;
+  s.remap = true;
+  std::string_view key = "start";
+  Section const* blamed = &draft.deck;
+  if (section != nullptr) {
+    choose(*section, "method", s.method);
+    s.cell = section->number("cell").value_or(0.0);
+    s.time = section->number("time");
+    s.radius = section->number("radius");
+    if (auto const file = section->text("profile")) {
+      s.profile = (std::filesystem::path(draft.report.file()).parent_path() / *file).string();
+      for (auto const* other : {"method", "cell", "time", "radius"}) {
+        if (!section->given(other)) continue;
+        draft.error(
+            *section, other,
+            fmt::format("{} belongs to the 1D calculation, in whose place the profile stands: remove one of the two",
+                        section->shown(other)));
+      }
+    }
+    if (s.method == run::StartMethod::points && draft.deck.given("afterburn")) {
+      draft.error(
+          *section, "method",
+          fmt::format("{} does not go with [afterburn], which is of gas cells: write \"gas\", or remove the afterburn",
+                      section->shown("method")));
+    }
+    if (section->given("time") && section->given("radius")) {
+      draft.error(*section, "radius",
+                  fmt::format("{} is given beside a time: remove one of the two", section->shown("radius")));
+    }
+    for (auto const* candidate : {"cell", "time", "radius", "profile"}) {
+      if (!section->given(candidate)) continue;
+      blamed = section;
+      key = candidate;
+    }
+  }
+  Place const place = blamed->place_of(key);
+  s.place = fmt::format("{}:{}:{}: error: {}", draft.report.file(), place.line, place.column, blamed->path_of(key));
+  if (!draft.has_gas && draft.geometry_known) {
+    draft.error(draft.deck, "start",
+                "\"remap\" needs a charge in gas, and this deck has bodies in empty space: remove it");
+    return;
+  }
+  if (s.time && draft.end_known && *s.time >= draft.out.end.time) {
+    draft.error(
+        *section, "time",
+        fmt::format(
+            "{} is not before the end of the calculation at {:g} s: choose an earlier time, or calculate longer",
+            section->shown("time"), draft.out.end.time));
+    return;
+  }
+  // What the parts of the deck mean together can be told only when all of them are sound.
+  bool const sound = draft.domain_known && draft.boundaries_known && draft.end_known && !draft.report.failed();
+  if (!sound || !s.profile.empty()) return;
+  try {
+    for (std::size_t n = 0; n < std::max<std::size_t>(1, draft.out.charges.size()); ++n)
+      (void)run::plan_start(draft.out, n);
+  } catch (InputError const& problem) {
+    draft.error(*blamed, key, problem.what());
+  }
+}
+
+}  // namespace brisance::deck

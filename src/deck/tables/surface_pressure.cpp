@@ -1,0 +1,329 @@
+/// [[surface_pressure]]: pressures on the surfaces of bodies.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "deck/draft.hpp"
+#include "deck/keys.hpp"
+#include "deck/places.hpp"
+#include "deck/tables/tables.hpp"
+#include "shape/shares.hpp"
+
+namespace brisance::deck {
+
+namespace {
+
+Table const& history_table() {
+  static Table const table{
+      "Pressure in time: linear between the times, none before the first and after the last.",
+      {typed(Type::numbers, "times", "s", 0.0, longest).required().like("[0, \"0.1 ms\"]").means("Times, rising"),
+       typed(Type::numbers, "pressures", "Pa", -1e13, 1e13)
+           .required()
+           .like("[\"2 MPa\", 0]")
+           .means("Pressures at these times")},
+      {},
+      {}};
+  return table;
+}
+
+}  // namespace
+
+Table const& surface_pressure_table() {
+  static Table const table{
+      "A pressure on the surface of a body, by its true normal and area: with `normal` on what is seen from that side, "
+      "so "
+      "that the force is the pressure times the body's shadow; without it on the whole surface, or on all of it in "
+      "`region`. The layer of material points below the surface takes it. Areas and normals are those of the start.",
+      {typed(Type::text, "body").note("the only body").like("\"plate\"").means("Name of the body"),
+       face_normal("normal")
+           .note("all sides")
+           .like("\"+z\"")
+           .means("Side that the pressure comes from: `+z` loads what is seen from above, and pushes a flat top down"),
+       nested(Type::table, "region", points_region_table())
+           .note("everywhere")
+           .like("{shape = \"cylinder\", radius = \"50 mm\", length = 1}")
+           .means("Part of the surface that is loaded"),
+       number("thickness", "m", smallest, far)
+           .note("one layer of points")
+           .like("\"1 mm\"")
+           .means("Depth of the layer that takes the pressure, rounded to whole layers of points"),
+       nested(Type::table, "history", history_table())
+           .note("from `pressure`")
+           .like("{times = [0, \"0.1 ms\"], pressures = [\"2 MPa\", 0]}")
+           .means("Pressure in time; instead of `pressure`"),
+       number("pressure", "Pa", -1e13, 1e13)
+           .note("from `history`")
+           .like("\"2 MPa\"")
+           .means("A constant pressure; instead of `history`"),
+       number("duration", "s", 1e-12, longest)
+           .note("to the end")
+           .like("\"0.1 ms\"")
+           .means("How long a constant pressure acts, from the start")},
+      {},
+      {}};
+  return table;
+}
+
+namespace {
+
+constexpr double endless = 1e5;  ///< longer than any calculation [s]
+
+/// Length of the pieces of a loaded surface in layers of points.
+constexpr double facets_per_layer = 1.0 / 3.0;
+
+/// Unit vector of "+x", "-x", ...
+Vec3 signed_normal(std::string const& word) {
+  Vec3 normal{0.0, 0.0, 0.0};
+  normal[word[1] - 'x'] = word[0] == '-' ? -1.0 : 1.0;
+  return normal;
+}
+
+bool pressure_history(Draft& draft, Section const& section, mpm::SurfacePressure& pressure) {
+  bool const constant = section.given("pressure");
+  if (constant == section.given("history")) {
+    draft.report.error(
+        section.place, section.path,
+        fmt::format("a surface pressure has either pressure or history, this one has {}; write for example "
+                    "pressure = \"2 MPa\" and duration = \"0.1 ms\"",
+                    constant ? "both" : "none"));
+    return false;
+  }
+  if (constant) {
+    auto const value = section.number("pressure");
+    if (!value || section.broken("duration")) return false;
+    pressure.times = {0.0, section.number("duration").value_or(endless)};
+    pressure.pressures = {*value, *value};
+    return true;
+  }
+  if (section.given("duration")) {
+    draft.error(section, "duration",
+                "belongs to a constant pressure; a history ends with its last time: remove the key");
+    return false;
+  }
+  Section const* history = section.section("history");
+  if (history == nullptr) return false;
+  auto const* times = history->numbers("times");
+  auto const* pressures = history->numbers("pressures");
+  if (times == nullptr || pressures == nullptr) return false;
+  if (times->size() != pressures->size() || times->size() < 2) {
+    draft.error(*history, "pressures",
+                fmt::format("there are {} times and {} pressures; expected as many of each, at least two",
+                            times->size(), pressures->size()));
+    return false;
+  }
+  for (std::size_t i = 1; i < times->size(); ++i) {
+    if ((*times)[i] > (*times)[i - 1]) continue;
+    draft.error(*history, "times",
+                fmt::format("{:g} s follows {:g} s: the times must rise", (*times)[i], (*times)[i - 1]));
+    return false;
+  }
+  pressure.times = *times;
+  pressure.pressures = *pressures;
+  std::size_t acts = 0;
+  while (acts < pressures->size() && (*pressures)[acts] == 0.0) ++acts;
+  if (acts == pressures->size()) {
+    draft.warn(*history, "pressures", "they are all 0: the load has no effect");
+  } else {
+    draft.onsets.push_back({&section, (*times)[acts > 0 ? acts - 1 : 0], "history", "never acts"});
+  }
+  return true;
+}
+
+/// Does a box look to one side with all of a flat face? What else it may be, the surface itself tells.
+bool is_flat_face(Draft const& draft, shape::Shape const& body, int direction, double face) {
+  auto const* box = std::get_if<shape::Box>(&body);
+  if (box == nullptr || (direction == 0 && grid::radial_exponent(draft.geometry()) > 0)) return false;
+  return std::abs(face - box->lower[direction]) < draft.tiny() || std::abs(face - box->upper[direction]) < draft.tiny();
+}
+
+bool curved_layer(Draft const& draft, Section const& section, double asked, double layer,
+                  mpm::SurfacePressure& pressure) {
+  pressure.thickness = std::max(1.0, std::round(asked / layer)) * layer;
+  if (!section.given("thickness") || asked < 8.0 * layer + draft.tiny()) return true;
+  draft.error(section, "thickness",
+              fmt::format("{} is more than eight layers of points, {:.4g} m each: make it smaller",
+                          section.shown("thickness"), layer));
+  return false;
+}
+
+/// Has the body points in the loaded layer of a surface pressure?
+bool has_points_in(Draft const& draft, shape::Shape const& body, shape::Shape const& layer, long points_per_cell) {
+  grid::Domain fine = draft.out.domain;
+  fine.h /= static_cast<double>(points_per_cell);
+  for (int d = 0; d < draft.dims(); ++d) fine.cells[d] *= static_cast<int>(points_per_cell);
+  shape::CellRange range = shape::cells_around(body, fine);
+  shape::CellRange const near = shape::cells_around(layer, fine);
+  for (int d = 0; d < 3; ++d) {
+    range.lower[d] = std::max(range.lower[d], near.lower[d]);
+    range.upper[d] = std::min(range.upper[d], near.upper[d]);
+  }
+  for (int k = range.lower[2]; k < range.upper[2]; ++k) {
+    for (int j = range.lower[1]; j < range.upper[1]; ++j) {
+      for (int i = range.lower[0]; i < range.upper[0]; ++i) {
+        if (!shape::contains(layer, fine, fine.centre({i, j, k}))) continue;
+        if (!shape::shares_of_cell({body}, fine, {i, j, k}, 8).empty()) return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// The layer below the loaded face in whole layers of points; false when the body has none there (reported).
+bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressure& pressure) {
+  shape::Shape region = shape::Everywhere{};
+  if (section.given("region")) {
+    Section const* given = section.section("region");
+    auto const shape = given == nullptr ? std::nullopt : build_composed_shape(draft, *given);
+    if (!shape) return false;
+    region = *shape;
+  }
+  if (section.broken("thickness")) return false;
+  if (is_rigid(draft, static_cast<std::size_t>(pressure.body))) {
+    draft.report.error(section.place_of("body"), section.path_of("body"),
+                       fmt::format("\"{}\" is rigid and keeps its velocity, whatever pushes: remove the pressure",
+                                   draft.body_names[static_cast<std::size_t>(pressure.body)]));
+    return false;
+  }
+  auto const& body = draft.body_shapes[static_cast<std::size_t>(pressure.body)];
+  if (!body || !draft.domain_known) return false;  // reported where the body is defined
+  Section const& owner = (*draft.deck.sections("body"))[static_cast<std::size_t>(pressure.body)];
+  auto const per_cell = owner.integer("points_per_cell");
+  if (!per_cell) return false;
+
+  auto const b = shape::bounds(*body);
+  shape::Box reach = b;
+  if (section.given("region")) {
+    auto const r = shape::bounds(region);
+    for (int d = 0; d < draft.dims(); ++d) {
+      reach.lower[d] = std::max(b.lower[d], r.lower[d]);
+      reach.upper[d] = std::min(b.upper[d], r.upper[d]);
+      if (reach.upper[d] - reach.lower[d] > draft.tiny()) continue;
+      draft.error(
+          section, "region",
+          fmt::format(
+              "it reaches from {:.6g} to {:.6g} m in direction {} and does not meet the body, which reaches from "
+              "{:.6g} to {:.6g} m: move it",
+              r.lower[d], r.upper[d], directions[d], b.lower[d], b.upper[d]));
+      return false;
+    }
+  }
+  double const layer = draft.out.domain.h / static_cast<double>(*per_cell);  // of points
+  double const asked = section.number("thickness").value_or(layer);
+  if (!section.given("normal")) {
+    pressure.surface = shape::surface(*body, region, draft.out.domain, facets_per_layer * layer);
+    if (pressure.surface.empty()) {
+      draft.report.error(section.place_of("region"), section.path_of("region"),
+                         "no part of the body's surface lies in it: move the region, or make it larger");
+      return false;
+    }
+    return curved_layer(draft, section, asked, layer, pressure);
+  }
+  int const d = pressure.normal[0] != 0.0 ? 0 : pressure.normal[1] != 0.0 ? 1 : 2;
+  bool const high = pressure.normal[d] > 0.0;
+  double const face = high ? reach.upper[d] : reach.lower[d];
+  double const depth = reach.upper[d] - reach.lower[d];
+  if (asked > depth + draft.tiny()) {
+    bool const given = section.given("thickness");
+    draft.error(
+        section,
+        given                     ? "thickness"
+        : section.given("region") ? "region"
+                                  : "normal",
+        given
+            ? fmt::format("{} is more than the body has below the loaded face, {:.6g} m: make it smaller",
+                          section.shown("thickness"), depth)
+            : fmt::format("a layer of points is {:.6g} m thick, more than there is of the body below the loaded face, "
+                          "{:.6g} m: make the region thicker",
+                          asked, depth));
+    return false;
+  }
+  if (!is_flat_face(draft, *body, d, face)) {
+    std::vector<shape::Facet> facets;
+    bool flat = true;
+    for (shape::Facet const& f : shape::surface(*body, region, draft.out.domain, facets_per_layer * layer)) {
+      double const along = dot(f.area, pressure.normal) / norm(f.area);
+      if (along < 1e-9 || !shape::is_clear(*body, draft.out.domain, f.x, pressure.normal, 0.05 * layer)) continue;
+      flat = flat && along > 1.0 - 1e-9 && std::abs(f.x[d] - face) < draft.tiny();
+      facets.push_back(f);
+    }
+    if (facets.empty()) {
+      draft.report.error(
+          section.place_of(section.given("region") ? "region" : "normal"),
+          section.path_of(section.given("region") ? "region" : "normal"),
+          fmt::format("no part of the body's surface{} is seen from the side of {}: {}",
+                      section.given("region") ? " that lies in it" : "", *section.text("normal"),
+                      section.given("region") ? "move the region, or make it larger"
+                                              : "give another normal, or none to load the whole surface"));
+      return false;
+    }
+    if (!flat || (d == 0 && grid::radial_exponent(draft.geometry()) > 0)) {
+      pressure.surface = std::move(facets);
+      return curved_layer(draft, section, asked, layer, pressure);
+    }
+  }
+  // The inner side of the layer lies where sub-cells end, so that their points hold just its volume. A sub-cell that
+  // the body fills by less than a half does not count as a layer.
+  double const inner = high ? face - asked : face + asked;
+  double const origin = draft.out.domain.lower[d];
+  double side = origin + std::round((inner - origin) / layer) * layer;
+  if (std::abs(face - side) < 0.5 * layer) side += high ? -layer : layer;
+  pressure.thickness = std::abs(face - side);
+  shape::Box slab;
+  for (int k = 0; k < 3; ++k) {
+    slab.lower[k] = k < draft.dims() ? draft.out.domain.lower[k] - draft.out.domain.h : -1.0;
+    slab.upper[k] = k < draft.dims() ? draft.out.domain.upper(k) + draft.out.domain.h : 1.0;
+  }
+  // Outwards it reaches over the centres of sub-cells that the face cuts.
+  slab.lower[d] = high ? side : face - layer;
+  slab.upper[d] = high ? face + layer : side;
+  pressure.region = section.given("region") ? shape::combine(shape::Operation::intersection, {region, slab}) : slab;
+  if (!has_points_in(draft, *body, pressure.region, *per_cell)) {
+    draft.report.error(
+        section.place_of("region"), section.path_of(section.given("region") ? "region" : "normal"),
+        fmt::format("no point of the body lies in the loaded layer, {:.4g} m below the face at {} = {:.6g} m: "
+                    "move the region, or make it larger than the points are apart, {:.4g} m",
+                    pressure.thickness, directions[d], face, layer));
+    return false;
+  }
+  return true;
+}
+
+void surface_pressure(Draft& draft, Section const& section) {
+  if (section.doubtful()) return;
+  mpm::SurfacePressure out;
+  bool sound = pressure_history(draft, section, out);
+  if (section.given("body")) {
+    auto const name = section.text("body");
+    auto const body = name ? body_named(draft, section, "body", *name) : std::nullopt;
+    if (!body) return;
+    out.body = *body;
+  } else if (draft.body_names.size() > 1) {
+    draft.report.error(
+        section.place, section.path_of("body"),
+        fmt::format("there are several bodies: name the one that is loaded; write for example body = \"{}\"",
+                    draft.body_names.front()));
+    return;
+  }
+  if (section.broken("normal") || draft.body_names.empty()) return;
+  if (section.given("normal")) {
+    std::string const normal = *section.text("normal");
+    out.normal = signed_normal(normal);
+    if (normal[1] - 'x' >= draft.dims()) {
+      draft.error(section, "normal",
+                  fmt::format("\"{}\" is not resolved in {}, which resolves {} direction{}", normal,
+                              word_of(draft.geometry()), draft.dims(), draft.dims() > 1 ? "s" : ""));
+      return;
+    }
+  }
+  sound = loaded_layer(draft, section, out) && sound;
+  if (sound) draft.out.points.pressures.push_back(std::move(out));
+}
+
+}  // namespace
+
+void build_surface_pressures(Draft& draft) {
+  draft.each("surface_pressure", [&](Section const& section) { surface_pressure(draft, section); });
+}
+
+}  // namespace brisance::deck

@@ -1,0 +1,137 @@
+/// The tables of a deck. Each NAME.cpp of this folder holds all of one table: its keys, and how a case is made of them.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "deck/draft.hpp"
+#include "deck/schema.hpp"
+
+namespace brisance::bridge {
+class Region;
+}
+
+namespace brisance::deck {
+
+/// The case of a deck, through the builders of all its tables.
+[[nodiscard]] Draft build_case(Section const& deck, Report& report);
+
+// --- domain, boundaries, inflow
+
+/// Names of the domain's faces: x_low, x_high, ...
+[[nodiscard]] std::vector<std::string> const& faces();
+[[nodiscard]] Table const& domain_table();
+void build_domain(Draft& draft);
+[[nodiscard]] Table const& boundaries_table();
+void build_boundaries(Draft& draft);
+[[nodiscard]] Table const& inflow_table();
+void build_inflow(Draft& draft, Section const* boundaries);
+
+// --- gas
+
+[[nodiscard]] Table const& ambient_table();
+void build_ambient(Draft& draft);
+/// Density, pressure and velocity of a table, with defaults.
+[[nodiscard]] std::optional<run::FluidState> fluid_state(Draft const& draft, Section const& section,
+                                                         material::Fluid const& of, run::FluidState defaults,
+                                                         std::string_view blamed);
+[[nodiscard]] Table const& charge_table();
+void build_charges(Draft& draft);
+[[nodiscard]] Table const& initiation_table();
+/// Kind of detonation and points of initiation of a charge or body (`what`); false after an error.
+bool build_initiation(Draft& draft, Section const& section, shape::Shape const& body, char const* what,
+                      run::Detonation& detonation, std::vector<run::InitiationPoint>& points);
+[[nodiscard]] Table const& afterburn_table();
+void build_afterburn(Draft& draft);
+[[nodiscard]] Table const& remap_table();
+void build_start(Draft& draft);
+[[nodiscard]] Table const& obstacle_table();
+void build_obstacles(Draft& draft);
+[[nodiscard]] Table const& region_table();
+void build_regions(Draft& draft);
+[[nodiscard]] Table const& numerics_table();
+void build_numerics(Draft& draft);
+
+// --- material points
+
+[[nodiscard]] Table const& body_table();
+void build_bodies(Draft& draft);
+/// Index of the body of that name; reports an unknown one.
+[[nodiscard]] std::optional<int> body_named(Draft const& draft, Section const& section, std::string_view key,
+                                            std::string const& name);
+[[nodiscard]] bool is_rigid(Draft const& draft, std::size_t body);
+/// Gas, or a liquid at the pressure of the air, that nothing holds together.
+void warn_of_fluids_in_empty_space(Draft const& draft);
+/// Do bodies, loads or constraints set something in motion?
+[[nodiscard]] bool points_move(Draft const& draft);
+[[nodiscard]] Table const& points_table();
+void build_points(Draft& draft);
+[[nodiscard]] Table const& mpm_region_table();
+void build_mpm_region(Draft& draft);
+/// Bodies, charges and obstacles that do not go with the region.
+void check_mpm_region(Draft const& draft, bridge::Region const& region);
+[[nodiscard]] Table const& constraint_table();
+void build_constraints(Draft& draft);
+[[nodiscard]] Table const& contact_table();
+void build_contacts(Draft& draft);
+[[nodiscard]] Table const& surface_pressure_table();
+void build_surface_pressures(Draft& draft);
+[[nodiscard]] Table const& reinforcement_table();
+void build_reinforcements(Draft& draft);
+
+// --- shapes
+
+[[nodiscard]] std::vector<Key> shape_keys(std::vector<std::string> shapes);
+/// Those of a body or of a region of material points, with what is added to them, cut out of them and kept of them.
+[[nodiscard]] std::vector<Key> composed_shape_keys();
+/// A part of space, by a composed shape.
+[[nodiscard]] Table const& points_region_table();
+
+/// What a shape is for: it decides which shapes are possible and how much of them must be given.
+enum class Use {
+  gas,     ///< obstacle or region of the gas
+  charge,  ///< may leave its size to its mass
+  points,  ///< body or region of material points
+};
+
+/// One shape of a table. A charge may leave its size to `volume_asked` [m3].
+[[nodiscard]] std::optional<shape::Shape> build_shape(Draft const& draft, Section const& section, Use use,
+                                                      std::optional<double> volume_asked);
+/// The shape of a body or of a region of material points: with `add`, `cut` and `common`.
+[[nodiscard]] std::optional<shape::Shape> build_composed_shape(Draft const& draft, Section const& section);
+
+// --- run and output
+
+[[nodiscard]] Table const& gauge_table();
+void build_gauges(Draft& draft);
+[[nodiscard]] Table const& end_table();
+void build_end(Draft& draft);
+[[nodiscard]] Table const& output_table();
+void build_output(Draft& draft);
+[[nodiscard]] Table const& checkpoint_table();
+void build_checkpoint(Draft& draft);
+[[nodiscard]] Table const& audit_table();
+void build_audit(Draft& draft);
+[[nodiscard]] Table const& compare_table();
+void build_compare(Draft& draft);
+
+// --- materials: of a deck, and of the library's files
+
+[[nodiscard]] Table const& explosives_table();
+void build_explosives(Draft& draft);
+[[nodiscard]] Table const& fluids_table();
+void build_fluids(Draft& draft);
+[[nodiscard]] Table const& solids_table();
+void build_solids(Draft& draft);
+
+/// Material from a table that the schema has checked; nothing when one of its values was wrong.
+[[nodiscard]] std::optional<material::Explosive> build_explosive(Section const& section, std::string const& name);
+[[nodiscard]] std::optional<material::Fluid> build_fluid(Section const& section, std::string const& name);
+/// The same; what its values mean together is checked here, and reported.
+[[nodiscard]] std::optional<material::Solid> build_solid(Section const& section, std::string const& name,
+                                                         Report& report);
+
+}  // namespace brisance::deck
