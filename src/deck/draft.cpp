@@ -16,6 +16,14 @@ std::string point_text(Vec3 const& p, int dimensions) {
   return out + "]";
 }
 
+Section const& Draft::table(std::string_view key) {
+  if (auto const* given = deck.section(key)) return *given;
+  Section& section = absent[std::string(key)];
+  section.table = deck.table->find(key)->table;
+  section.path = key;
+  return section;
+}
+
 std::optional<Vec3> Draft::point(Section const& section, std::string_view key) const {
   auto const* values = section.numbers(key);
   if (values == nullptr) return std::nullopt;

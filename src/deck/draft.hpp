@@ -2,6 +2,7 @@
 /// tables/ fill it, one for each table.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -88,6 +89,7 @@ struct Draft {
   std::vector<std::string> body_names;                   ///< of all bodies, also of those with errors
   std::vector<std::optional<shape::Shape>> body_shapes;  ///< in the same order; nothing after an error
   std::vector<Onset> onsets;
+  std::map<std::string, Section, std::less<>> absent;  ///< tables that the deck does not have, see `table`
 
   [[nodiscard]] Geometry geometry() const { return out.domain.geometry; }
   [[nodiscard]] int dims() const { return out.domain.dimensions(); }
@@ -102,6 +104,8 @@ struct Draft {
   void warn(Section const& section, std::string_view key, std::string const& message) const {
     report.warning(section.place_of(key), section.path_of(key), message);
   }
+  /// The table under the key; without one in the deck an empty one, which holds the defaults.
+  [[nodiscard]] Section const& table(std::string_view key);
   template <class F>
   void each(std::string_view key, F f) const {
     auto const* all = deck.sections(key);

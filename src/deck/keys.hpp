@@ -52,6 +52,12 @@ inline Key nested(Type type, std::string name, Table const& table) {
   key.table = &table;
   return key;
 }
+/// A table, or a word in its place.
+inline Key nested_or(Type type, std::string name, Table const& table, std::vector<std::string> choices) {
+  Key key = nested(type, std::move(name), table);
+  key.choices = std::move(choices);
+  return key;
+}
 inline Key position(std::string name) { return typed(Type::point, std::move(name), "m", -far, far); }
 inline Key density() { return number("density", "kg/m3", 1e-4, 1e5).like("1.225"); }
 inline Key pressure() { return number("pressure", "Pa", 1e-3, 1e13).like("\"101.325 kPa\""); }

@@ -90,15 +90,8 @@ std::optional<run::FluidState> fluid_state(Draft const& draft, Section const& se
 }
 
 void build_ambient(Draft& draft) {
-  static Section const nothing = [] {
-    Section s;
-    s.table = deck_schema().find("ambient")->table;
-    s.path = "ambient";
-    return s;
-  }();
   if (draft.deck.broken("ambient")) return;
-  Section const* given = draft.deck.section("ambient");
-  Section const& section = given == nullptr ? nothing : *given;
+  Section const& section = draft.table("ambient");
   auto const name = section.text("fluid");
   if (!name) return;
   auto const* found = draft.materials.fluid(*name);

@@ -3,32 +3,39 @@
 
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
 
+namespace {
+
+Settings<run::AuditLimits> const& settings() {
+  using A = run::AuditLimits;
+  static Settings<A> const all{
+      {&A::warn, number("warn", "1", 0.0, 1.0)
+                     .like("0.005")
+                     .means("Drift from which on the run is told to be NOT BALANCED; 0: the drift is not judged")},
+      {&A::fail,
+       number("fail", "1", 0.0, 1.0)
+           .like("0.05")
+           .means("Drift from which on the run stops with exit code 4; 0: it never stops, whatever drifts, guards add "
+                  "or the ledger holds")}};
+  return all;
+}
+
+}  // namespace
+
 Table const& audit_table() {
-  static Table const table = [] {
-    run::AuditLimits const limits;
-    return Table{
-        "What the run says and does where its energy is not conserved. The energy of material points drifts, alone and "
-        "together with gas; the drift counts as a part of the energy at work (the largest so far of kinetic energy, "
-        "work of loads and gravity, and energy above the ambient state). What the gas scheme's guards add has limits "
-        "of "
-        "its own: told from 1e-4, the run ends from 1e-2 of the charges' energy on. Nothing here changes the results.",
-        {number("warn", "1", 0.0, 1.0)
-             .of(limits.warn)
-             .like("0.005")
-             .means("Drift from which on the run is told to be NOT BALANCED; 0: the drift is not judged"),
-         number("fail", "1", 0.0, 1.0)
-             .of(limits.fail)
-             .like("0.05")
-             .means(
-                 "Drift from which on the run stops with exit code 4; 0: it never stops, whatever drifts, guards add "
-                 "or the ledger holds")},
-        {},
-        {}};
-  }();
+  static Table const table{
+      "What the run says and does where its energy is not conserved. The energy of material points drifts, alone and "
+      "together with gas; the drift counts as a part of the energy at work (the largest so far of kinetic energy, "
+      "work of loads and gravity, and energy above the ambient state). What the gas scheme's guards add has limits "
+      "of "
+      "its own: told from 1e-4, the run ends from 1e-2 of the charges' energy on. Nothing here changes the results.",
+      settings().keys(),
+      {},
+      {}};
   return table;
 }
 
@@ -36,9 +43,7 @@ void build_audit(Draft& draft) {
   Section const* section = draft.deck.section("audit");
   if (section == nullptr) return;
   auto& limits = draft.out.audit;
-  limits.warn = section->number("warn").value_or(limits.warn);
-  limits.fail = section->number("fail").value_or(limits.fail);
-  bool const read = !section->broken("warn") && !section->broken("fail");
+  bool const read = settings().read(*section, limits);
   if (read && limits.fail > 0.0 && limits.warn > limits.fail) {
     draft.error(
         *section, section->given("fail") ? "fail" : "warn",

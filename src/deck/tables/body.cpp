@@ -7,10 +7,37 @@
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::deck {
+
+namespace {
+
+Settings<run::Body> const& settings() {
+  using B = run::Body;
+  static Settings<B> const all{
+      {&B::points_per_direction,
+       typed(Type::integer, "points_per_cell", "1", 1, 8)
+           .like("2")
+           .means("Material points per cell and direction at the start: 2 makes 8 per cell in 3D")},
+      velocity().note("at rest").means("Velocity at the start"),
+      {&B::rigid, typed(Type::boolean, "rigid").like("true").means("It keeps its velocity, whatever it meets")},
+      density().note("that of the fluid").means("Density at the start, of fluids only"),
+      pressure().note("that of the fluid").means("Pressure at the start, of fluids only"),
+      word<run::Detonation>("detonation")
+          .of(word_of(run::Charge{}.detonation))
+          .like("\"programmed\"")
+          .means("Of explosives, as for charges"),
+      nested(Type::tables, "initiation", initiation_table())
+          .note("one point at the middle of the body, at time 0")
+          .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
+          .means("Points of initiation of a programmed detonation")};
+  return all;
+}
+
+}  // namespace
 
 Table const& body_table() {
   static Table const table = [] {
@@ -30,23 +57,7 @@ Table const& body_table() {
         {},
         {}};
     t.keys = joined(t.keys, composed_shape_keys());
-    t.keys = joined(
-        t.keys, {typed(Type::integer, "points_per_cell", "1", 1, 8)
-                     .of(2L)
-                     .like("2")
-                     .means("Material points per cell and direction at the start: 2 makes 8 per cell in 3D"),
-                 velocity().note("at rest").means("Velocity at the start"),
-                 typed(Type::boolean, "rigid").of(false).like("true").means("It keeps its velocity, whatever it meets"),
-                 density().note("that of the fluid").means("Density at the start, of fluids only"),
-                 pressure().note("that of the fluid").means("Pressure at the start, of fluids only"),
-                 word<run::Detonation>("detonation")
-                     .of("programmed")
-                     .like("\"programmed\"")
-                     .means("Of explosives, as for charges"),
-                 nested(Type::tables, "initiation", initiation_table())
-                     .note("one point at the middle of the body, at time 0")
-                     .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
-                     .means("Points of initiation of a programmed detonation")});
+    t.keys = joined(t.keys, settings().keys());
     return t;
   }();
   return table;
@@ -167,7 +178,7 @@ bool body_material(Draft& draft, Section const& section, shape::Shape const* sha
   }
   if (!sound) return false;
   if (burns) {
-    run::Detonation detonation = run::Detonation::programmed;
+    run::Detonation detonation = run::Charge{}.detonation;
     return shape != nullptr && build_initiation(draft, section, *shape, "body", detonation, body.initiation);
   }
   if (solid != nullptr) return true;
@@ -194,8 +205,7 @@ void body(Draft& draft, Section const& section, std::size_t index) {
     sound = sound && velocity;
     if (velocity) body.velocity = *velocity;
   }
-  if (auto const points = section.integer("points_per_cell")) body.points_per_direction = static_cast<int>(*points);
-  body.rigid = section.boolean("rigid").value_or(false);
+  settings().read(section, body);
   sound = body_material(draft, section, shape ? &*shape : nullptr, body) && sound;
   if (sound) draft.out.points.bodies.push_back(std::move(body));
 }

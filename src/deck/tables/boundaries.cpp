@@ -23,8 +23,10 @@ Table const& boundaries_table() {
         {},
         {},
         {}};
-    t.keys.push_back(
-        word<grid::Boundary>("all").of("outflow").like("\"outflow\"").means("All faces that are not named"));
+    t.keys.push_back(word<grid::Boundary>("all")
+                         .of(word_of(grid::Domain{}.boundary[0]))
+                         .like("\"outflow\"")
+                         .means("All faces that are not named"));
     for (auto const& face : faces()) {
       t.keys.push_back(
           word(face, all_words<grid::Boundary>())
@@ -39,9 +41,9 @@ Table const& boundaries_table() {
 
 void build_boundaries(Draft& draft) {
   Section const* section = draft.deck.section("boundaries");
-  auto const kind = [](std::string const& word) { return *value_of<Boundary>(word); };
   draft.boundaries_known = section == nullptr || !section->broken("all");
-  Boundary const all = section == nullptr ? Boundary::outflow : kind(section->text("all").value_or("outflow"));
+  Boundary all = grid::Domain{}.boundary[0];
+  if (section != nullptr) choose(*section, "all", all);
   bool const axis = draft.radial() && draft.out.domain.lower[0] == 0.0;
   for (int f = 0; f < 6; ++f) {
     std::string_view const face = grid::face_names[f];
@@ -62,7 +64,7 @@ void build_boundaries(Draft& draft) {
       draft.boundaries_known = false;
       continue;
     }
-    b = kind(*word);
+    b = *value_of<Boundary>(*word);
     if (f == 0 && axis && b != Boundary::symmetry) {
       draft.error(
           *section, face,

@@ -38,7 +38,7 @@ Table const& charge_table() {
                                  .like("1.0")
                                  .means("Of a cylinder that is given by its mass; instead of `length` or `radius`"),
                              word<run::Detonation>("detonation")
-                                 .of("programmed")
+                                 .of(word_of(run::Charge{}.detonation))
                                  .like("\"programmed\"")
                                  .means("`programmed`: a detonation front runs from the points of initiation at the "
                                         "listed speed; `instantaneous`: "

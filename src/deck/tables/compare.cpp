@@ -57,8 +57,8 @@ run::Burst automatic_burst(Draft const& draft) {
 }  // namespace
 
 void build_compare(Draft& draft) {
-  Section const* section = draft.deck.section("compare");
-  auto const word = section == nullptr ? std::optional<std::string>("auto") : section->text("burst");
+  Section const& section = draft.table("compare");
+  auto const word = section.text("burst");
   if (!word) return;
   if (*word == "spherical") draft.out.burst = run::Burst::spherical;
   if (*word == "hemispherical") draft.out.burst = run::Burst::hemispherical;
@@ -66,7 +66,7 @@ void build_compare(Draft& draft) {
   auto const* charges = draft.deck.sections("charge");
   bool const one = charges != nullptr && charges->size() == 1;
   if (*word != "auto" && *word != "none" && !one && !draft.deck.broken("charge")) {
-    draft.error(*section, "burst",
+    draft.error(section, "burst",
                 fmt::format("\"{}\" needs exactly one charge, there are {}: write \"none\"", *word,
                             charges == nullptr ? 0 : charges->size()));
   }

@@ -5,16 +5,28 @@
 
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
+
+namespace {
+
+Settings<mpm::Contact> const& settings() {
+  using C = mpm::Contact;
+  static Settings<C> const all{
+      typed(Type::names, "bodies").required().like("[\"rod\", \"plate\"]").means("Names of the two bodies"),
+      {&C::friction, number("friction", "1", 0.0, 10.0).like("0.2").means("Coulomb's coefficient of friction")}};
+  return all;
+}
+
+}  // namespace
 
 Table const& contact_table() {
   static Table const table{
       "Two bodies that touch, slide and part. Bodies without a contact share the motion of the grid where they meet: "
       "they stick together.",
-      {typed(Type::names, "bodies").required().like("[\"rod\", \"plate\"]").means("Names of the two bodies"),
-       number("friction", "1", 0.0, 10.0).of(0.0).like("0.2").means("Coulomb's coefficient of friction")},
+      settings().keys(),
       {},
       {}};
   return table;
@@ -23,8 +35,8 @@ Table const& contact_table() {
 void build_contacts(Draft& draft) {
   draft.each("contact", [&](Section const& section) {
     auto const* names = section.strings("bodies");
-    auto const friction = section.number("friction");
-    if (names == nullptr || !friction) return;
+    mpm::Contact contact;
+    if (!settings().read(section, contact) || names == nullptr) return;
     if (names->size() != 2 || (*names)[0] == (*names)[1]) {
       draft.error(section, "bodies",
                   fmt::format("{} does not name two bodies; write for example bodies = [\"rod\", \"plate\"]",
@@ -48,7 +60,9 @@ void build_contacts(Draft& draft) {
                   fmt::format("{} and {} have a contact already: remove one of the two", (*names)[0], (*names)[1]));
       return;
     }
-    draft.out.points.contacts.push_back({*first, *second, *friction});
+    contact.first = *first;
+    contact.second = *second;
+    draft.out.points.contacts.push_back(contact);
   });
 }
 

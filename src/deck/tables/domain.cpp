@@ -14,7 +14,7 @@ Table const& domain_table() {
   static Table const table{
       "The grid: a box of cubic cells.",
       {word<grid::Geometry>("geometry")
-           .of("cartesian3d")
+           .of(word_of(grid::Domain{}.geometry))
            .like("\"cartesian3d\"")
            .means("Resolved directions and symmetry. In axisymmetric2d x is the radius and y the axis; in "
                   "cylindrical1d and "

@@ -5,33 +5,49 @@
 
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
 
-Table const& end_table() {
-  static Table const table{
-      "When the calculation ends: at `time`, or before by what comes first of the others. The conditions are looked at "
-      "after every tenth step, from step 1000 on after about every hundredth of the steps done.",
-      {number("time", "s", 1e-12, longest).required().like("\"10 ms\"").means("Simulated time, at the latest"),
-       typed(Type::integer, "steps", "1", 1, 1e12).note("no limit").like("1000").means("Number of steps"),
+namespace {
+
+Settings<run::End> const& settings() {
+  using E = run::End;
+  static Settings<E> const all{
+      {&E::time,
+       number("time", "s", 1e-12, longest).required().like("\"10 ms\"").means("Simulated time, at the latest")},
+      {&E::steps, typed(Type::integer, "steps", "1", 1, 1e12).note("no limit").like("1000").means("Number of steps")},
+      {&E::gauges,
        word("gauges", {"positive_phase"})
            .note("not by gauges")
            .like("\"positive_phase\"")
            .means("`positive_phase`: end when a wave of more than 1e-4 of the ambient pressure has arrived at every "
                   "gauge of the gas and the pressure there has come back to the ambient one for the first time. "
-                  "Reflections that come later are not waited for"),
+                  "Reflections that come later are not waited for")},
+      {&E::kinetic_energy,
        number("kinetic_energy", "1", 1e-12, 0.5)
            .note("not by it")
            .like("0.01")
            .means("End when the kinetic energy of gas and bodies has been below this part of its largest value during "
-                  "the last third of the time so far. Up to 0.06 the turning points of a vibration are no end"),
+                  "the last third of the time so far. Up to 0.06 the turning points of a vibration are no end")},
+      {&E::wall_clock,
        number("wall_clock", "s", 1e-3, 1e8)
            .note("no limit")
            .like("\"2 h\"")
            .means("Time of the clock on the wall after which this program stops with a checkpoint and exit code 3, "
                   "whatever `[checkpoint]` says; `--resume` goes on, for as long again. It does not change the "
-                  "results")},
+                  "results")}};
+  return all;
+}
+
+}  // namespace
+
+Table const& end_table() {
+  static Table const table{
+      "When the calculation ends: at `time`, or before by what comes first of the others. The conditions are looked at "
+      "after every tenth step, from step 1000 on after about every hundredth of the steps done.",
+      settings().keys(),
       {},
       {}};
   return table;
@@ -57,10 +73,7 @@ void check_onsets(Draft const& draft) {
 void build_end(Draft& draft) {
   Section const* section = draft.deck.section("end");
   if (section == nullptr) return;
-  draft.out.end.steps = section->integer("steps").value_or(0);
-  draft.out.end.gauges = section->text("gauges").has_value();
-  draft.out.end.kinetic_energy = section->number("kinetic_energy").value_or(0.0);
-  draft.out.end.wall_clock = section->number("wall_clock").value_or(0.0);
+  settings().read(*section, draft.out.end);
   auto const* gauges = draft.deck.sections("gauge");
   bool const of_gas =
       draft.has_gas && gauges != nullptr &&
@@ -68,9 +81,7 @@ void build_end(Draft& draft) {
   if (draft.out.end.gauges && !of_gas && !draft.deck.broken("gauge")) {
     draft.error(*section, "gauges", "there is no gauge in the gas: add [[gauge]] with a point, or remove the key");
   }
-  auto const time = section->number("time");
-  if (!time) return;
-  draft.out.end.time = *time;
+  if (!section->number("time")) return;
   draft.end_known = true;
   check_onsets(draft);
 }

@@ -6,6 +6,7 @@
 #include "deck/keys.hpp"
 #include "deck/library.hpp"
 #include "deck/models.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 #include "material/chapman_jouguet.hpp"
 
@@ -13,43 +14,58 @@ namespace brisance::deck {
 
 namespace {
 
+Settings<material::Explosive> const& tnt_equivalents() {
+  using E = material::Explosive;
+  static Settings<E> const all{
+      {&E::tnt_equivalent_pressure,
+       number("pressure", "1", 0.01, 100.0).note("unknown").like("1.37").means("For peak overpressure")},
+      {&E::tnt_equivalent_impulse,
+       number("impulse", "1", 0.01, 100.0).note("unknown").like("1.19").means("For impulse and times")},
+      typed(Type::text, "source").of("").like("\"TM 5-855-1\"").means("Source of the two numbers")};
+  return all;
+}
+
 Table const& tnt_equivalent_table() {
   static Table const table{
-      "Mass of TNT with the same effect per mass of the explosive.",
-      {number("pressure", "1", 0.01, 100.0).note("unknown").like("1.37").means("For peak overpressure"),
-       number("impulse", "1", 0.01, 100.0).note("unknown").like("1.19").means("For impulse and times"),
-       typed(Type::text, "source").of("").like("\"TM 5-855-1\"").means("Source of the two numbers")},
-      {},
-      {}};
+      "Mass of TNT with the same effect per mass of the explosive.", tnt_equivalents().keys(), {}, {}};
   return table;
 }
 
-Table const& afterburn_energy_table() {
-  static Table const table{
-      "What the products can release after the detonation.",
-      {number("energy", "J/kg", 0.0, 1e9)
+Settings<material::Explosive> const& afterburn_energy() {
+  using E = material::Explosive;
+  static Settings<E> const all{
+      {&E::afterburn_energy,
+       number("energy", "J/kg", 0.0, 1e9)
            .required()
            .like("\"10.2 MJ/kg\"")
            .means("Energy Q of the products' complete combustion in air, per mass of the explosive, without the energy "
-                  "of the detonation"),
-       typed(Type::text, "source").of("").like("\"handbook, page 12\"").means("Source of the number")},
-      {},
-      {}};
+                  "of the detonation")},
+      typed(Type::text, "source").of("").like("\"handbook, page 12\"").means("Source of the number")};
+  return all;
+}
+
+Table const& afterburn_energy_table() {
+  static Table const table{"What the products can release after the detonation.", afterburn_energy().keys(), {}, {}};
   return table;
 }
 
-std::vector<Key> explosive_keys() {
-  return {
+Settings<material::Explosive> const& settings() {
+  using E = material::Explosive;
+  static Settings<E> const all{
       word("eos", {material::Jwl::name})
           .of(material::Jwl::name)
           .like("\"jwl\"")
           .means("Equation of state of the products"),
-      number("energy", "J/m3", 1e6, 1e12)
-          .required()
-          .like("\"6.993 GJ/m3\"")
-          .means("Energy E0 per unit volume of the unreacted explosive"),
-      number("detonation_speed", "m/s", 100.0, 2e4).required().like("6930").means("Chapman-Jouguet detonation speed D"),
-      number("cj_pressure", "Pa", 1e6, 1e12).required().like("\"21 GPa\"").means("Chapman-Jouguet pressure"),
+      {&E::energy, number("energy", "J/m3", 1e6, 1e12)
+                       .required()
+                       .like("\"6.993 GJ/m3\"")
+                       .means("Energy E0 per unit volume of the unreacted explosive")},
+      {&E::detonation_speed, number("detonation_speed", "m/s", 100.0, 2e4)
+                                 .required()
+                                 .like("6930")
+                                 .means("Chapman-Jouguet detonation speed D")},
+      {&E::cj_pressure,
+       number("cj_pressure", "Pa", 1e6, 1e12).required().like("\"21 GPa\"").means("Chapman-Jouguet pressure")},
       nested(Type::table, "tnt_equivalent", tnt_equivalent_table())
           .note("unknown")
           .like("{pressure = 1.37, impulse = 1.19}")
@@ -61,7 +77,11 @@ std::vector<Key> explosive_keys() {
           .like("{energy = \"10.2 MJ/kg\"}")
           .means(
               "What the products can release after the detonation; without effect unless the deck has `[afterburn]`")};
+  ;
+  return all;
 }
+
+std::vector<Key> explosive_keys() { return settings().keys(); }
 
 std::map<std::string, std::vector<Key>> explosive_variants() {
   return {{material::Jwl::name, parameter_keys<material::Jwl>()}};
@@ -84,26 +104,18 @@ std::optional<material::Explosive> build_explosive(Section const& section, std::
   material::Explosive out;
   out.name = name;
   out.source = section.text("source").value_or("");
-  auto const energy = section.number("energy");
-  auto const speed = section.number("detonation_speed");
-  auto const pressure = section.number("cj_pressure");
-  if (section.broken("eos") || !fill(out.products, section) || !energy || !speed || !pressure) return std::nullopt;
-  out.energy = *energy;
-  out.detonation_speed = *speed;
-  out.cj_pressure = *pressure;
+  bool const sound = settings().read(section, out);
+  if (!sound || section.broken("eos") || !fill(out.products, section)) return std::nullopt;
   if (section.broken("tnt_equivalent")) return std::nullopt;
   if (name == "TNT") out.tnt_equivalent_pressure = out.tnt_equivalent_impulse = 1.0;
   if (auto const* equivalent = section.section("tnt_equivalent")) {
-    if (equivalent->broken("pressure") || equivalent->broken("impulse")) return std::nullopt;
-    if (auto const by_pressure = equivalent->number("pressure")) out.tnt_equivalent_pressure = by_pressure;
-    if (auto const by_impulse = equivalent->number("impulse")) out.tnt_equivalent_impulse = by_impulse;
+    if (!tnt_equivalents().read(*equivalent, out)) return std::nullopt;
     auto const source = equivalent->text("source").value_or("");
     if (!source.empty()) out.source += fmt::format("; TNT equivalent: {}", source);
   }
   if (section.broken("afterburn")) return std::nullopt;
   if (auto const* afterburn = section.section("afterburn")) {
-    out.afterburn_energy = afterburn->number("energy");
-    if (!out.afterburn_energy) return std::nullopt;
+    if (!afterburn_energy().read(*afterburn, out)) return std::nullopt;
     auto const source = afterburn->text("source").value_or("");
     if (!source.empty()) out.source += fmt::format("; afterburn: {}", source);
   }

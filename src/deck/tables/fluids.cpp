@@ -5,19 +5,22 @@
 #include "deck/keys.hpp"
 #include "deck/library.hpp"
 #include "deck/models.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
 
 namespace {
 
-std::vector<Key> fluid_keys() {
-  return {word("eos", model_names<material::Eos>())
-              .of(material::IdealGas::name)
-              .like("\"ideal_gas\"")
-              .means("Equation of state"),
-          density().required().means("Default density, for gases at 288.15 K"),
-          pressure().of(101325.0).means("Default pressure")};
+Settings<material::Fluid> const& settings() {
+  using F = material::Fluid;
+  static Settings<F> const all{word("eos", model_names<material::Eos>())
+                                   .of(material::IdealGas::name)
+                                   .like("\"ideal_gas\"")
+                                   .means("Equation of state"),
+                               {&F::density, density().required().means("Default density, for gases at 288.15 K")},
+                               {&F::pressure, pressure().means("Default pressure")}};
+  return all;
 }
 
 std::map<std::string, std::vector<Key>> fluid_variants() { return keys_of_models<material::Eos>(); }
@@ -25,13 +28,13 @@ std::map<std::string, std::vector<Key>> fluid_variants() { return keys_of_models
 }  // namespace
 
 Table const& fluids_table() {
-  static Table const table{"A fluid of the deck's own, under the name NAME.", joined(fluid_keys(), own_keys()), "eos",
-                           fluid_variants()};
+  static Table const table{"A fluid of the deck's own, under the name NAME.", joined(settings().keys(), own_keys()),
+                           "eos", fluid_variants()};
   return table;
 }
 
 Table const& fluid_file_schema() {
-  static Table const table{"", joined(file_keys("fluid"), fluid_keys()), "eos", fluid_variants()};
+  static Table const table{"", joined(file_keys("fluid"), settings().keys()), "eos", fluid_variants()};
   return table;
 }
 
@@ -40,14 +43,10 @@ std::optional<material::Fluid> build_fluid(Section const& section, std::string c
   out.name = name;
   out.source = section.text("source").value_or("");
   auto const word = section.text("eos");
-  auto const density = section.number("density");
-  auto const pressure = section.number("pressure");
-  if (!word || !density || !pressure) return std::nullopt;
+  if (!settings().read(section, out) || !word) return std::nullopt;
   auto const eos = filled<material::Eos>(*word, section);
   if (!eos) return std::nullopt;
   out.eos = *eos;
-  out.density = *density;
-  out.pressure = *pressure;
   return out;
 }
 

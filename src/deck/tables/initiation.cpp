@@ -6,16 +6,25 @@
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
 
+namespace {
+
+Settings<run::InitiationPoint> const& settings() {
+  using P = run::InitiationPoint;
+  static Settings<P> const all{
+      position("position").note("the charge's `position`").like("[0, 0, 1.5]").means("Where"),
+      {&P::delay, number("delay", "s", 0.0, longest).like("\"2 us\"").means("When, after the start")}};
+  return all;
+}
+
+}  // namespace
+
 Table const& initiation_table() {
-  static Table const table{"A point of initiation.",
-                           {position("position").note("the charge's `position`").like("[0, 0, 1.5]").means("Where"),
-                            number("delay", "s", 0.0, longest).of(0.0).like("\"2 us\"").means("When, after the start")},
-                           {},
-                           {}};
+  static Table const table{"A point of initiation.", settings().keys(), {}, {}};
   return table;
 }
 
@@ -50,12 +59,10 @@ bool build_initiation(Draft& draft, Section const& section, shape::Shape const& 
   bool sound = true;
   for (auto const& given : *all) {
     run::InitiationPoint p{shape::centre(body), 0.0};
-    auto const delay = given.number("delay");
-    if (given.broken("position") || !delay) {
+    if (!settings().read(given, p) || given.broken("position")) {
       sound = false;
       continue;
     }
-    p.delay = *delay;
     if (given.given("position")) {
       auto const position = draft.point(given, "position");
       if (!position) {

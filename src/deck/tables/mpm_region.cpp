@@ -7,6 +7,7 @@
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 #include "run/place_region.hpp"
 
@@ -23,97 +24,99 @@ Table const& box_table() {
   return table;
 }
 
+/// Where the region lies.
+Settings<run::MpmRegion> const& extent() {
+  using R = run::MpmRegion;
+  static Settings<R> const all{
+      nested_or(Type::table, "box", box_table(), {"auto"})
+          .of("auto")
+          .like("{lower = [\"110 mm\", 0], upper = [\"160 mm\", \"500 mm\"]}")
+          .means("Where: a table with `lower` and `upper`, whose faces lie between cells, on a boundary of "
+                 "the domain or at least 4 cells from it; `auto`: the smallest box around the bodies with "
+                 "`margin`, and the whole domain where an explosive throws out soil"),
+      nested(Type::tables, "boxes", box_table())
+          .note("none")
+          .like("[{lower = [0, 0], upper = [1, 2]}, {lower = [1, 0], upper = [2, 1]}]")
+          .means("Several boxes, instead of `box`: the region is what they cover together"),
+      {&R::margin,
+       typed(Type::integer, "margin", "1", 1, 1e6)
+           .note("`width` + 10")
+           .like("20")
+           .means("Cells between the bodies and the faces of the box, with `box = \"auto\"`: room for the bodies to "
+                  "move. A box that ends near a boundary of the domain is drawn out to it")},
+      {&R::width,
+       typed(Type::integer, "width", "1", 1, 50).like("5").means("Width w of the bridge in cells, 5 in [Cui14]")}};
+  return all;
+}
+
+/// How it is calculated.
+Settings<run::MpmRegion> const& method() {
+  using R = run::MpmRegion;
+  static Settings<R> const all{
+      {&R::transport,
+       word<bridge::Transport>("transport")
+           .like("\"ledger\"")
+           .means("How mass crosses the faces of the region: `ledger` conserves it to round-off, `paper` is Eqs. "
+                  "(40)-(51) of [Cui14] as printed, which count twice what flows out of the region")},
+      {&R::points_per_direction, typed(Type::integer, "points_per_direction", "1", 1, 8)
+                                     .note("4 in 1D, 3 in 2D, 2 in 3D")
+                                     .like("2")
+                                     .means("Points of the gas per cell and direction at the start")},
+      {&R::activation, number("activation", "Pa", 0.0, 1e13)
+                           .note("a thousandth of the ambient pressure")
+                           .like("\"100 Pa\"")
+                           .means("Overpressure next to the region that wakes it")},
+      {&R::subcycling,
+       typed(Type::boolean, "subcycling")
+           .like("true")
+           .means("Gas and points take steps of their own within a common one; else both take the shorter one")},
+      {&R::transfer, word<mpm::Transfer>("transfer")
+                         .like("\"apic\"")
+                         .means("Of the gas points; `points.transfer` is that of the bodies")},
+      {&R::order, word("order", {"usl", "musl"})
+                      .like("\"usl\"")
+                      .means("Of the gas points; `points.stress_order` is that of the bodies")},
+      {&R::linear_viscosity, number("linear_viscosity", "1", 0.0, 10.0)
+                                 .like("0.06")
+                                 .means("Linear coefficient of the bulk viscosity of the gas points")},
+      {&R::quadratic_viscosity, number("quadratic_viscosity", "1", 0.0, 100.0)
+                                    .like("1.5")
+                                    .means("Quadratic coefficient of the bulk viscosity of the gas points")},
+      {&R::slip,
+       typed(Type::boolean, "slip")
+           .like("false")
+           .means("Gas slips along solids: it shares their velocity across their surfaces only. false: gas sticks to "
+                  "them, by the shared grid of [Cui14]; it then loads a plate some 20 % too much on 4 cells over its "
+                  "thickness")},
+      {&R::shock_conduction, number("shock_conduction", "1", 0.0, 10.0)
+                                 .like("0.2")
+                                 .means("Coefficient of the conduction of heat in shocks of the gas points")},
+      {&R::courant, number("courant", "1", 0.01, 1.0)
+                        .like("0.8")
+                        .means("Courant number of the gas points; `points.courant` is that of the bodies")},
+      {&R::population_interval, typed(Type::integer, "population_interval", "1", 0, 1e6)
+                                    .like("4")
+                                    .means("Steps between splits and merges of the gas points; 0: none")},
+      {&R::reference_pressure, number("reference_pressure", "Pa", 0.0, 1e13)
+                                   .note("the lowest pressure of the gas, the ambient one at most")
+                                   .like("\"101.325 kPa\"")
+                                   .means("Taken off the pressure in the forces on the points")}};
+  return all;
+}
+
 }  // namespace
 
 Table const& mpm_region_table() {
-  static Table const table = [] {
-    static run::MpmRegion const r;
-    Key box = nested(Type::table, "box", box_table());
-    box.choices = {"auto"};
-    return Table{
-        "The part of a calculation with gas that material points calculate: the bodies and the gas around them "
-        "([Cui14] Sec. 3). A deck with bodies and anything of the gas (charges, regions, obstacles, inflow, gauges in "
-        "the gas) has one, also without this table; with this table bodies stand in the gas of `[ambient]` whatever "
-        "else there is. Around the inside of the region lies the bridge, `width` cells thick, where gas cells and "
-        "points calculate both. Solids keep `width` + 2 cells away from the faces of the region, charges and obstacles "
-        "4 cells from its outside. The region calculates nothing until a wave comes near.",
-        {std::move(
-             box.of("auto")
-                 .like("{lower = [\"110 mm\", 0], upper = [\"160 mm\", \"500 mm\"]}")
-                 .means("Where: a table with `lower` and `upper`, whose faces lie between cells, on a boundary of "
-                        "the domain or at least 4 cells from it; `auto`: the smallest box around the bodies with "
-                        "`margin`, and the whole domain where an explosive throws out soil")),
-         nested(Type::tables, "boxes", box_table())
-             .note("none")
-             .like("[{lower = [0, 0], upper = [1, 2]}, {lower = [1, 0], upper = [2, 1]}]")
-             .means("Several boxes, instead of `box`: the region is what they cover together"),
-         typed(Type::integer, "margin", "1", 1, 1e6)
-             .note("`width` + 10")
-             .like("20")
-             .means("Cells between the bodies and the faces of the box, with `box = \"auto\"`: room for the bodies to "
-                    "move. A box that ends near a boundary of the domain is drawn out to it"),
-         typed(Type::integer, "width", "1", 1, 50)
-             .of(static_cast<long>(r.width))
-             .like("5")
-             .means("Width w of the bridge in cells, 5 in [Cui14]"),
-         word<bridge::Transport>("transport")
-             .of("ledger")
-             .like("\"ledger\"")
-             .means("How mass crosses the faces of the region: `ledger` conserves it to round-off, `paper` is Eqs. "
-                    "(40)-(51) of [Cui14] as printed, which count twice what flows out of the region"),
-         typed(Type::integer, "points_per_direction", "1", 1, 8)
-             .note("4 in 1D, 3 in 2D, 2 in 3D")
-             .like("2")
-             .means("Points of the gas per cell and direction at the start"),
-         number("activation", "Pa", 0.0, 1e13)
-             .note("a thousandth of the ambient pressure")
-             .like("\"100 Pa\"")
-             .means("Overpressure next to the region that wakes it"),
-         typed(Type::boolean, "subcycling")
-             .of(r.subcycling)
-             .like("true")
-             .means("Gas and points take steps of their own within a common one; else both take the shorter one"),
-         word<mpm::Transfer>("transfer")
-             .of("apic")
-             .like("\"apic\"")
-             .means("Of the gas points; `points.transfer` is that of the bodies"),
-         word("order", {"usl", "musl"})
-             .of("usl")
-             .like("\"usl\"")
-             .means("Of the gas points; `points.stress_order` is that of the bodies"),
-         number("linear_viscosity", "1", 0.0, 10.0)
-             .of(r.linear_viscosity)
-             .like("0.06")
-             .means("Linear coefficient of the bulk viscosity of the gas points"),
-         number("quadratic_viscosity", "1", 0.0, 100.0)
-             .of(r.quadratic_viscosity)
-             .like("1.5")
-             .means("Quadratic coefficient of the bulk viscosity of the gas points"),
-         typed(Type::boolean, "slip")
-             .of(r.slip)
-             .like("false")
-             .means("Gas slips along solids: it shares their velocity across their surfaces only. false: gas sticks to "
-                    "them, by the shared grid of [Cui14]; it then loads a plate some 20 % too much on 4 cells over its "
-                    "thickness"),
-         number("shock_conduction", "1", 0.0, 10.0)
-             .of(r.shock_conduction)
-             .like("0.2")
-             .means("Coefficient of the conduction of heat in shocks of the gas points"),
-         number("courant", "1", 0.01, 1.0)
-             .of(r.courant)
-             .like("0.8")
-             .means("Courant number of the gas points; `points.courant` is that of the bodies"),
-         typed(Type::integer, "population_interval", "1", 0, 1e6)
-             .of(static_cast<long>(r.population_interval))
-             .like("4")
-             .means("Steps between splits and merges of the gas points; 0: none"),
-         number("reference_pressure", "Pa", 0.0, 1e13)
-             .note("the lowest pressure of the gas, the ambient one at most")
-             .like("\"101.325 kPa\"")
-             .means("Taken off the pressure in the forces on the points")},
-        {},
-        {}};
-  }();
+  static Table const table{
+      "The part of a calculation with gas that material points calculate: the bodies and the gas around them "
+      "([Cui14] Sec. 3). A deck with bodies and anything of the gas (charges, regions, obstacles, inflow, gauges in "
+      "the gas) has one, also without this table; with this table bodies stand in the gas of `[ambient]` whatever "
+      "else there is. Around the inside of the region lies the bridge, `width` cells thick, where gas cells and "
+      "points calculate both. Solids keep `width` + 2 cells away from the faces of the region, charges and obstacles "
+      "4 cells from its outside. The region calculates nothing until a wave comes near.",
+      joined(extent().keys(), method().keys()),
+      {},
+      {}};
   return table;
 }
 
@@ -165,27 +168,6 @@ void contacts_of_fluids(Draft const& draft, run::MpmRegion const& region) {
                       fluid.name));
     }
   }
-}
-
-void region_options(Section const& section, run::MpmRegion& region) {
-  auto const set = [&](std::string_view key, int& value) {
-    if (auto const given = section.integer(key)) value = static_cast<int>(*given);
-  };
-  set("margin", region.margin);
-  set("width", region.width);
-  set("points_per_direction", region.points_per_direction);
-  set("population_interval", region.population_interval);
-  choose(section, "transport", region.transport);
-  region.activation = section.number("activation");
-  region.subcycling = section.boolean("subcycling").value_or(region.subcycling);
-  choose(section, "transfer", region.transfer);
-  choose(section, "order", region.order);
-  region.linear_viscosity = section.number("linear_viscosity").value_or(region.linear_viscosity);
-  region.quadratic_viscosity = section.number("quadratic_viscosity").value_or(region.quadratic_viscosity);
-  region.slip = section.boolean("slip").value_or(region.slip);
-  region.shock_conduction = section.number("shock_conduction").value_or(region.shock_conduction);
-  region.courant = section.number("courant").value_or(region.courant);
-  region.reference_pressure = section.number("reference_pressure");
 }
 
 /// The boxes of the table; false after an error.
@@ -248,7 +230,8 @@ void build_mpm_region(Draft& draft) {
   Section const* section = draft.deck.section("mpm_region");
   bool sound = draft.domain_known && draft.boundaries_known;
   if (section != nullptr) {
-    region_options(*section, region);
+    extent().read(*section, region);
+    method().read(*section, region);
     sound = region_boxes(draft, *section, region) && !section->doubtful() && sound;
     for (auto const* key : {"margin", "width"}) sound = sound && !section->broken(key);
   }

@@ -3,49 +3,52 @@
 
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
 
-Table const& numerics_table() {
-  static run::Numerics const n;
-  static Table const table{
-      "The numerical method.",
-      {word<gas::Scheme>("scheme")
-           .of("muscl-hancock")
+namespace {
+
+Settings<run::Numerics> const& settings() {
+  using N = run::Numerics;
+  static Settings<N> const all{
+      {&N::scheme,
+       word<gas::Scheme>("scheme")
            .like("\"muscl-hancock\"")
            .means("`muscl-hancock`: second-order Godunov scheme with the HLLC solver; `lax-wendroff`: the scheme of "
                   "[Cui14] with "
-                  "adaptive viscosity"),
-       number("courant", "1", 0.01, 1.0).of(n.courant).like("0.8").means("Courant number"),
-       typed(Type::integer, "block_cells", "1", 0, 4096)
-           .of(0L)
-           .like("16")
-           .means("Cells per block and direction; 0: chosen by the program"),
-       typed(Type::boolean, "sleep")
-           .of(n.sleep)
-           .like("true")
-           .means("Skip blocks in which nothing happens; the result is the same"),
-       number("limiter_beta", "1", 1.0, 2.0)
-           .of(n.limiter_beta)
-           .like("1.5")
-           .means("Generalised monotonised-central limiter: 1 is minmod, 2 the steepest"),
-       typed(Type::boolean, "carbuncle_cure").of(n.carbuncle_cure).like("true").means("Blend to HLL along shocks"),
-       number("density_floor", "kg/m3", 1e-12, 1.0).of(n.density_floor).like("1e-6").means("Guard: smallest density"),
-       number("pressure_floor", "Pa", 1e-9, 1e4).of(n.pressure_floor).like("1e-3").means("Guard: smallest pressure"),
-       number("viscosity", "1", 0.0, 1.0)
-           .of(n.viscosity)
-           .like("0.5")
-           .means("lax-wendroff: constant eta of the artificial viscosity; 0: eta of [Cui14] Eq. (5)"),
-       number("ideal_products", "1", 4.0, 1e6)
-           .note("where double precision no longer tells the difference")
-           .like("10")
-           .means(
-               "Relative volume V from which detonation products are an ideal gas with gamma = 1 + omega; the "
-               "exponentials of the JWL fade out from half of it on. Saves little; docs/validation/remap.md shows the "
-               "error")},
-      {},
-      {}};
+                  "adaptive viscosity")},
+      {&N::courant, number("courant", "1", 0.01, 1.0).like("0.8").means("Courant number")},
+      {&N::block_cells, typed(Type::integer, "block_cells", "1", 0, 4096)
+                            .like("16")
+                            .means("Cells per block and direction; 0: chosen by the program")},
+      {&N::sleep, typed(Type::boolean, "sleep")
+                      .like("true")
+                      .means("Skip blocks in which nothing happens; the result is the same")},
+      {&N::limiter_beta, number("limiter_beta", "1", 1.0, 2.0)
+                             .like("1.5")
+                             .means("Generalised monotonised-central limiter: 1 is minmod, 2 the steepest")},
+      {&N::carbuncle_cure, typed(Type::boolean, "carbuncle_cure").like("true").means("Blend to HLL along shocks")},
+      {&N::density_floor, number("density_floor", "kg/m3", 1e-12, 1.0).like("1e-6").means("Guard: smallest density")},
+      {&N::pressure_floor, number("pressure_floor", "Pa", 1e-9, 1e4).like("1e-3").means("Guard: smallest pressure")},
+      {&N::viscosity, number("viscosity", "1", 0.0, 1.0)
+                          .like("0.5")
+                          .means("lax-wendroff: constant eta of the artificial viscosity; 0: eta of [Cui14] Eq. (5)")},
+      number("ideal_products", "1", 4.0, 1e6)
+          .note("where double precision no longer tells the difference")
+          .like("10")
+          .means(
+              "Relative volume V from which detonation products are an ideal gas with gamma = 1 + omega; the "
+              "exponentials of the JWL fade out from half of it on. Saves little; docs/validation/remap.md shows the "
+              "error")};
+  return all;
+}
+
+}  // namespace
+
+Table const& numerics_table() {
+  static Table const table{"The numerical method.", settings().keys(), {}, {}};
   return table;
 }
 
@@ -74,15 +77,7 @@ void build_numerics(Draft& draft) {
   Section const* section = draft.deck.section("numerics");
   if (section == nullptr) return;
   auto& n = draft.out.numerics;
-  choose(*section, "scheme", n.scheme);
-  n.courant = section->number("courant").value_or(n.courant);
-  n.block_cells = static_cast<int>(section->integer("block_cells").value_or(n.block_cells));
-  n.sleep = section->boolean("sleep").value_or(n.sleep);
-  n.limiter_beta = section->number("limiter_beta").value_or(n.limiter_beta);
-  n.carbuncle_cure = section->boolean("carbuncle_cure").value_or(n.carbuncle_cure);
-  n.density_floor = section->number("density_floor").value_or(n.density_floor);
-  n.pressure_floor = section->number("pressure_floor").value_or(n.pressure_floor);
-  n.viscosity = section->number("viscosity").value_or(n.viscosity);
+  settings().read(*section, n);
   if (auto const volume = section->number("ideal_products")) cut_over(draft, *volume);
   if (n.block_cells != 0 && n.block_cells < 4) {
     draft.error(*section, "block_cells",

@@ -7,10 +7,35 @@
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 #include "run/panels.hpp"
 
 namespace brisance::deck {
+
+namespace {
+
+Settings<run::Release> const& settings() {
+  using R = run::Release;
+  static Settings<R> const all{
+      {&R::pressure,
+       number("fails_at", "Pa", 1e-3, 1e13)
+           .note("never")
+           .like("\"10 kPa\"")
+           .means("The obstacle gives way, as a whole, when the difference between the mean pressures on its "
+                  "two sides reaches this, in either sense. Its sides face along the direction in which there "
+                  "is gas on both and it is thinnest")},
+      {&R::areal_mass,
+       number("areal_mass", "kg/m2", 1e-6, 1e6)
+           .note("none: all of it opens at once")
+           .like("\"10 kg/m2\"")
+           .means("Mass of the panel per area. From `fails_at` on it moves as a whole, mass times acceleration "
+                  "equal to the difference of the pressures, and gas passes through its perimeter times the "
+                  "way that it has gone, until that is its area")}};
+  return all;
+}
+
+}  // namespace
 
 Table const& obstacle_table() {
   static Table const table{
@@ -20,18 +45,7 @@ Table const& obstacle_table() {
       "written after a wall leaves a hole in the wall.",
       joined(joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
                     shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
-             {number("fails_at", "Pa", 1e-3, 1e13)
-                  .note("never")
-                  .like("\"10 kPa\"")
-                  .means("The obstacle gives way, as a whole, when the difference between the mean pressures on its "
-                         "two sides reaches this, in either sense. Its sides face along the direction in which there "
-                         "is gas on both and it is thinnest"),
-              number("areal_mass", "kg/m2", 1e-6, 1e6)
-                  .note("none: all of it opens at once")
-                  .like("\"10 kg/m2\"")
-                  .means("Mass of the panel per area. From `fails_at` on it moves as a whole, mass times acceleration "
-                         "equal to the difference of the pressures, and gas passes through its perimeter times the "
-                         "way that it has gone, until that is its area")}),
+             settings().keys()),
       {},
       {}};
   return table;
@@ -168,10 +182,10 @@ void build_obstacles(Draft& draft) {
     touches_domain(draft, section, *body);
     draft.obstacle_shapes.emplace_back(i, *body);
     draft.out.obstacles.push_back({section.text("name").value_or(fmt::format("obstacle-{}", i + 1)), *body});
-    auto const fails_at = section.number("fails_at");
-    auto const areal_mass = section.number("areal_mass");
-    if (fails_at) draft.out.obstacles.back().release = run::Release{*fails_at, areal_mass.value_or(0.0)};
-    if (areal_mass && !section.given("fails_at")) {
+    run::Release release;
+    settings().read(section, release);
+    if (section.number("fails_at")) draft.out.obstacles.back().release = release;
+    if (section.number("areal_mass") && !section.given("fails_at")) {
       draft.error(
           section, "areal_mass",
           "it is the mass of a panel that gives way, and this obstacle does not: give it fails_at, the difference of "

@@ -5,65 +5,62 @@
 
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
 
-Table const& points_table() {
-  static mpm::Options const o;
-  static Table const table{
-      "The material point method.",
-      {word<mpm::ShapeFunction>("shape_function")
-           .of("bspline")
+namespace {
+
+Settings<mpm::Options> const& settings() {
+  using O = mpm::Options;
+  static Settings<O> const all{
+      {&O::shape,
+       word<mpm::ShapeFunction>("shape_function")
            .like("\"gimp\"")
            .means("`linear`: tents; `gimp`: points of constant size (uGIMP); `cpgimp`: points that stretch with the "
-                  "material; `bspline`: quadratic"),
+                  "material; `bspline`: quadratic")},
+      {&O::order,
        word<mpm::StressOrder>("stress_order")
-           .of("musl")
            .like("\"usf\"")
            .means("When the stress is updated: before the momentum (`usf`), after it (`usl`), or after it with the "
-                  "velocity of the points mapped back to the nodes (`musl`)"),
-       word<mpm::Transfer>("transfer")
-           .of("flip")
-           .like("\"apic\"")
-           .means("How the velocity of the points follows that of the nodes"),
-       number("pic_fraction", "1", 0.0, 1.0).of(o.pic_fraction).like("0.01").means("flip: fraction of PIC"),
-       typed(Type::integer, "xpic_order", "1", 1, 10)
-           .of(static_cast<long>(o.xpic_order))
-           .like("2")
-           .means("xpic: its order; 1 is PIC"),
+                  "velocity of the points mapped back to the nodes (`musl`)")},
+      {&O::transfer, word<mpm::Transfer>("transfer")
+                         .like("\"apic\"")
+                         .means("How the velocity of the points follows that of the nodes")},
+      {&O::pic_fraction, number("pic_fraction", "1", 0.0, 1.0).like("0.01").means("flip: fraction of PIC")},
+      {&O::xpic_order, typed(Type::integer, "xpic_order", "1", 1, 10).like("2").means("xpic: its order; 1 is PIC")},
+      {&O::crack_band,
        word("regularisation", {"crack_band", "none"})
-           .of("crack_band")
            .like("\"none\"")
            .means("Softening by tensile damage: `crack_band` scales it with the cell to the fracture energy of the "
-                  "material, where it has one; `none` leaves it to the rate law"),
-       typed(Type::boolean, "locking_control")
-           .of(o.locking_control)
-           .like("true")
-           .means("Average the volumetric strain over the points of a body in a cell"),
-       number("linear_viscosity", "1", 0.0, 10.0)
-           .of(o.linear_viscosity)
-           .like("0.06")
-           .means("Linear coefficient of the bulk viscosity"),
-       number("quadratic_viscosity", "1", 0.0, 100.0)
-           .of(o.quadratic_viscosity)
-           .like("1.5")
-           .means("Quadratic coefficient of the bulk viscosity"),
-       number("courant", "1", 0.01, 1.0).of(o.courant).like("0.4").means("Courant number"),
-       typed(Type::point, "body_force", "m/s2", -1e9, 1e9)
-           .note("none")
-           .like("[0, 0, -9.81]")
-           .means("Acceleration of everything, gravity for example"),
+                  "material, where it has one; `none` leaves it to the rate law")},
+      {&O::locking_control, typed(Type::boolean, "locking_control")
+                                .like("true")
+                                .means("Average the volumetric strain over the points of a body in a cell")},
+      {&O::linear_viscosity,
+       number("linear_viscosity", "1", 0.0, 10.0).like("0.06").means("Linear coefficient of the bulk viscosity")},
+      {&O::quadratic_viscosity,
+       number("quadratic_viscosity", "1", 0.0, 100.0).like("1.5").means("Quadratic coefficient of the bulk viscosity")},
+      {&O::courant, number("courant", "1", 0.01, 1.0).like("0.4").means("Courant number")},
+      typed(Type::point, "body_force", "m/s2", -1e9, 1e9)
+          .note("none")
+          .like("[0, 0, -9.81]")
+          .means("Acceleration of everything, gravity for example"),
+      {&O::wall_friction,
        number("wall_friction", "1", 0.0, 10.0)
-           .of(o.wall_friction)
            .like("0.2")
-           .means("Coulomb's coefficient of friction between bodies and the faces of the domain that are a `wall`"),
-       typed(Type::integer, "block_cells", "1", 0, 4096)
-           .of(static_cast<long>(o.block_cells))
-           .like("8")
-           .means("Cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D")},
-      {},
-      {}};
+           .means("Coulomb's coefficient of friction between bodies and the faces of the domain that are a `wall`")},
+      {&O::block_cells, typed(Type::integer, "block_cells", "1", 0, 4096)
+                            .like("8")
+                            .means("Cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D")}};
+  return all;
+}
+
+}  // namespace
+
+Table const& points_table() {
+  static Table const table{"The material point method.", settings().keys(), {}, {}};
   return table;
 }
 
@@ -71,18 +68,7 @@ void build_points(Draft& draft) {
   Section const* section = draft.deck.section("points");
   if (section == nullptr) return;
   auto& o = draft.out.points.options;
-  choose(*section, "shape_function", o.shape);
-  choose(*section, "stress_order", o.order);
-  choose(*section, "transfer", o.transfer);
-  o.pic_fraction = section->number("pic_fraction").value_or(o.pic_fraction);
-  o.xpic_order = static_cast<int>(section->integer("xpic_order").value_or(o.xpic_order));
-  o.crack_band = section->text("regularisation").value_or("crack_band") == "crack_band";
-  o.locking_control = section->boolean("locking_control").value_or(o.locking_control);
-  o.linear_viscosity = section->number("linear_viscosity").value_or(o.linear_viscosity);
-  o.quadratic_viscosity = section->number("quadratic_viscosity").value_or(o.quadratic_viscosity);
-  o.courant = section->number("courant").value_or(o.courant);
-  o.block_cells = static_cast<int>(section->integer("block_cells").value_or(o.block_cells));
-  o.wall_friction = section->number("wall_friction").value_or(o.wall_friction);
+  settings().read(*section, o);
   if (draft.geometry_known && section->given("body_force")) {
     o.body_force = draft.point(*section, "body_force").value_or(o.body_force);
     if (draft.radial() && o.body_force[0] != 0.0) {

@@ -6,12 +6,32 @@
 
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
 
+namespace {
+
+Settings<mpm::Bar> const& settings() {
+  using B = mpm::Bar;
+  static Settings<B> const all{
+      typed(Type::text, "body").note("the only body").like("\"slab\"").means("Name of the body"),
+      position("from").required().like("[0, 0.1, 0.03]").means("One end of the axis, in the body"),
+      position("to").required().like("[1, 0.1, 0.03]").means("The other"),
+      {&B::diameter, number("diameter", "m", smallest, far).required().like("\"12 mm\"").means("Diameter")},
+      typed(Type::integer, "copies", "1", 1, 10000).of(1L).like("10").means("Number of equal bars side by side"),
+      position("step").note("needed by several copies").like("[0, \"0.1 m\", 0]").means("From one to the next"),
+      {&B::E, number("E", "Pa", 1.0, 1e13).like("\"200 GPa\"").means("Young's modulus")},
+      {&B::yield, number("yield", "Pa", 0.0, 1e12).like("\"500 MPa\"").means("Yield stress")},
+      {&B::hardening,
+       number("hardening", "Pa", 0.0, 1e13).like("\"1 GPa\"").means("Plastic modulus, d sigma / d eps_p")}};
+  return all;
+}
+
+}  // namespace
+
 Table const& reinforcement_table() {
-  static mpm::Bar const bar;
   static Table const table{
       "A steel bar in a body, or a row of them, thinner than the grid resolves: smeared over the points within a cell "
       "of the "
@@ -19,18 +39,7 @@ Table const& reinforcement_table() {
       "is a "
       "`[[body]]` of its own, cut out of the other. Where bars cross, the points belong to the first. A bar with its "
       "middle on a symmetry plane goes on behind it as its mirror image, as bodies do.",
-      {typed(Type::text, "body").note("the only body").like("\"slab\"").means("Name of the body"),
-       position("from").required().like("[0, 0.1, 0.03]").means("One end of the axis, in the body"),
-       position("to").required().like("[1, 0.1, 0.03]").means("The other"),
-       number("diameter", "m", smallest, far).required().like("\"12 mm\"").means("Diameter"),
-       typed(Type::integer, "copies", "1", 1, 10000).of(1L).like("10").means("Number of equal bars side by side"),
-       position("step").note("needed by several copies").like("[0, \"0.1 m\", 0]").means("From one to the next"),
-       number("E", "Pa", 1.0, 1e13).of(bar.E).like("\"200 GPa\"").means("Young's modulus"),
-       number("yield", "Pa", 0.0, 1e12).of(bar.yield).like("\"500 MPa\"").means("Yield stress"),
-       number("hardening", "Pa", 0.0, 1e13)
-           .of(bar.hardening)
-           .like("\"1 GPa\"")
-           .means("Plastic modulus, d sigma / d eps_p")},
+      settings().keys(),
       {},
       {}};
   return table;
@@ -90,20 +99,14 @@ void reinforcement(Draft& draft, Section const& section) {
   }
   auto const from = draft.point(section, "from");
   auto const to = draft.point(section, "to");
-  auto const diameter = section.number("diameter");
   auto const copies = section.integer("copies");
-  for (auto const& [key, member] : {std::pair{"E", &mpm::Bar::E}, std::pair{"yield", &mpm::Bar::yield},
-                                    std::pair{"hardening", &mpm::Bar::hardening}}) {
-    auto const value = section.number(key);
-    if (!value) return;
-    bar.*member = *value;
-  }
-  if (!from || !to || !diameter || !copies || draft.body_names.empty()) return;
+  if (!settings().read(section, bar)) return;
+  if (!from || !to || !copies || draft.body_names.empty()) return;
   if (norm(*to - *from) == 0.0) {
     draft.error(section, "to", "is the same point as `from`: a bar has a length");
     return;
   }
-  if (*diameter >= 2.0 * draft.out.domain.h) {
+  if (bar.diameter >= 2.0 * draft.out.domain.h) {
     draft.error(
         section, "diameter",
         fmt::format("{} is two cells of {:g} m or more: the grid resolves this bar, make it a [[body]] with shape = "
@@ -121,7 +124,6 @@ void reinforcement(Draft& draft, Section const& section) {
                        "several copies need the way from one to the next; write for example step = [0, \"0.1 m\", 0]");
     return;
   }
-  bar.diameter = *diameter;
   for (long n = 0; n < *copies; ++n) {
     bar.from = *from + static_cast<double>(n) * step;
     bar.to = *to + static_cast<double>(n) * step;

@@ -6,10 +6,42 @@
 #include "core/error.hpp"
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 #include "run/start.hpp"
 
 namespace brisance::deck {
+
+namespace {
+
+Settings<run::Start> const& settings() {
+  using S = run::Start;
+  static Settings<S> const all{
+      {&S::method, word<run::StartMethod>("method").like("\"gas\"").means(
+                       "`gas`: the gas scheme; `points`: material points, as in [Cui14]")},
+      {&S::cell, number("cell", "m", smallest, 1e4)
+                     .note("a 400th of the charge's radius")
+                     .like("\"0.5 mm\"")
+                     .means("Cell of the 1D calculation")},
+      {&S::time, number("time", "s", 1e-12, longest)
+                     .note("when the shock is about to meet something")
+                     .like("\"0.2 ms\"")
+                     .means("Time of the remap; gauges then do not stop it")},
+      {&S::radius, number("radius", "m", smallest, far)
+                       .note("where the shock is about to meet something")
+                       .like("\"0.8 m\"")
+                       .means("Radius of the shock at the remap, instead of the time; gauges then do not stop it")},
+      typed(Type::text, "profile")
+          .note("calculated")
+          .like("\"../burst-results/profiles/start_1.h5\"")
+          .means(
+              "Profile of an earlier run, relative to the deck, that stands in for the calculation: of 1D, or of "
+              "axisymmetric2d for 3D. It is scaled to the mass of the charge; its explosive and its ambient gas must "
+              "be those of the deck")};
+  return all;
+}
+
+}  // namespace
 
 Table const& remap_table() {
   static Table const table{
@@ -19,27 +51,7 @@ Table const& remap_table() {
       "Its profile then goes onto the grid, with the mass of both fluids, the energy and the momentum that it has, and "
       "the "
       "calculation goes on from that time.",
-      {word<run::StartMethod>("method").of("gas").like("\"gas\"").means(
-           "`gas`: the gas scheme; `points`: material points, as in [Cui14]"),
-       number("cell", "m", smallest, 1e4)
-           .note("a 400th of the charge's radius")
-           .like("\"0.5 mm\"")
-           .means("Cell of the 1D calculation"),
-       number("time", "s", 1e-12, longest)
-           .note("when the shock is about to meet something")
-           .like("\"0.2 ms\"")
-           .means("Time of the remap; gauges then do not stop it"),
-       number("radius", "m", smallest, far)
-           .note("where the shock is about to meet something")
-           .like("\"0.8 m\"")
-           .means("Radius of the shock at the remap, instead of the time; gauges then do not stop it"),
-       typed(Type::text, "profile")
-           .note("calculated")
-           .like("\"../burst-results/profiles/start_1.h5\"")
-           .means(
-               "Profile of an earlier run, relative to the deck, that stands in for the calculation: of 1D, or of "
-               "axisymmetric2d for 3D. It is scaled to the mass of the charge; its explosive and its ambient gas must "
-               "be those of the deck")},
+      settings().keys(),
       {},
       {}};
   return table;
@@ -76,10 +88,7 @@ void build_start(Draft& draft) {
   std::string_view key = "start";
   Section const* blamed = &draft.deck;
   if (section != nullptr) {
-    choose(*section, "method", s.method);
-    s.cell = section->number("cell").value_or(0.0);
-    s.time = section->number("time");
-    s.radius = section->number("radius");
+    settings().read(*section, s);
     if (auto const file = section->text("profile")) {
       s.profile = (std::filesystem::path(draft.report.file()).parent_path() / *file).string();
       for (auto const* other : {"method", "cell", "time", "radius"}) {

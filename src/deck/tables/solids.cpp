@@ -8,6 +8,7 @@
 #include "deck/keys.hpp"
 #include "deck/library.hpp"
 #include "deck/models.hpp"
+#include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
@@ -62,47 +63,48 @@ Table const& failure_table() {
   return table;
 }
 
-std::vector<Key> solid_keys() {
-  static material::Solid const s;
-  return {density().required().like("2700").means("Density at the start"),
-          number("E", "Pa", 1.0, 1e13)
-              .note("from `G` and `K`")
-              .like("\"70 GPa\"")
-              .means("Young's modulus; together with `nu` it gives `K` of the linear equation of state and `G` of the "
-                     "strength"),
-          number("nu", "1", -0.9, 0.4999).note("from `G` and `K`").like("0.33").means("Poisson's ratio"),
-          number("specific_heat", "J/kg/K", 0.0, 1e6)
-              .of(s.specific_heat)
-              .like("896")
-              .means("Specific heat; 0: plastic work does not heat"),
-          number("temperature", "K", 0.0, 1e5).of(s.temperature).like("293").means("Temperature at the start"),
-          number("taylor_quinney", "1", 0.0, 1.0)
-              .of(s.taylor_quinney)
-              .like("0.9")
-              .means("Part of the plastic work that heats"),
-          number("minimum_pressure", "Pa", -1e13, 0.0)
-              .note("none")
-              .like("\"-2 GPa\"")
-              .means("Tension cut-off: the pressure never falls below it"),
-          word<material::Spall>("spall")
-              .of("limit")
-              .like("\"pressure\"")
-              .means("What happens to a metal at the tension cut-off. `limit`: it goes on pulling with this pressure; "
-                     "`pressure`: it fails there and opens, with damage 1; `principal_stress`: it fails where the "
-                     "largest principal stress reaches `-minimum_pressure`"),
-          nested(Type::table, "eos", solid_eos_table())
-              .note("`linear` from `E` and `nu`")
-              .like("{model = \"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}")
-              .means("Equation of state"),
-          nested(Type::table, "strength", strength_table())
-              .note("`elastic` where `E` and `nu` are given, else none")
-              .like("{model = \"von_mises\", yield = \"200 MPa\"}")
-              .means("Strength"),
-          nested(Type::table, "failure", failure_table())
-              .note("none")
-              .like("{model = \"johnson_cook\", D1 = 0.54, D2 = 4.89, D3 = -3.03, D4 = 0.014, D5 = 1.12}")
-              .means("Failure")};
+Settings<material::Solid> const& settings() {
+  using S = material::Solid;
+  static Settings<S> const all{
+      density().required().like("2700").means("Density at the start"),
+      number("E", "Pa", 1.0, 1e13)
+          .note("from `G` and `K`")
+          .like("\"70 GPa\"")
+          .means("Young's modulus; together with `nu` it gives `K` of the linear equation of state and `G` of the "
+                 "strength"),
+      number("nu", "1", -0.9, 0.4999).note("from `G` and `K`").like("0.33").means("Poisson's ratio"),
+      {&S::specific_heat,
+       number("specific_heat", "J/kg/K", 0.0, 1e6).like("896").means("Specific heat; 0: plastic work does not heat")},
+      {&S::temperature, number("temperature", "K", 0.0, 1e5).like("293").means("Temperature at the start")},
+      {&S::taylor_quinney,
+       number("taylor_quinney", "1", 0.0, 1.0).like("0.9").means("Part of the plastic work that heats")},
+      {&S::minimum_pressure, number("minimum_pressure", "Pa", -1e13, 0.0)
+                                 .note("none")
+                                 .like("\"-2 GPa\"")
+                                 .means("Tension cut-off: the pressure never falls below it")},
+      word<material::Spall>("spall")
+          .of(word_of(S{}.spall))
+          .like("\"pressure\"")
+          .means("What happens to a metal at the tension cut-off. `limit`: it goes on pulling with this pressure; "
+                 "`pressure`: it fails there and opens, with damage 1; `principal_stress`: it fails where the "
+                 "largest principal stress reaches `-minimum_pressure`"),
+      nested(Type::table, "eos", solid_eos_table())
+          .note("`linear` from `E` and `nu`")
+          .like("{model = \"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}")
+          .means("Equation of state"),
+      nested(Type::table, "strength", strength_table())
+          .note("`elastic` where `E` and `nu` are given, else none")
+          .like("{model = \"von_mises\", yield = \"200 MPa\"}")
+          .means("Strength"),
+      nested(Type::table, "failure", failure_table())
+          .note("none")
+          .like("{model = \"johnson_cook\", D1 = 0.54, D2 = 4.89, D3 = -3.03, D4 = 0.014, D5 = 1.12}")
+          .means("Failure")};
+  ;
+  return all;
 }
+
+std::vector<Key> solid_keys() { return settings().keys(); }
 
 }  // namespace
 
@@ -275,12 +277,7 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
   out.density = *density;
   std::map<std::string_view, double> derived{{"rho0", *density}};
   if (!moduli(section, report, derived)) return std::nullopt;
-  for (auto const& [key, member] :
-       {std::pair{"specific_heat", &Solid::specific_heat}, std::pair{"temperature", &Solid::temperature},
-        std::pair{"taylor_quinney", &Solid::taylor_quinney}, std::pair{"minimum_pressure", &Solid::minimum_pressure}}) {
-    if (section.broken(key)) return std::nullopt;
-    out.*member = section.number(key).value_or(out.*member);
-  }
+  if (!settings().read(section, out)) return std::nullopt;
   for (auto const* key : {"eos", "strength", "failure"}) {
     if (section.broken(key)) return std::nullopt;
   }
@@ -325,8 +322,8 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
       return std::nullopt;
     }
   }
-  if (auto const spall = section.text("spall"); spall && *spall != "limit") {
-    out.spall = *value_of<Spall>(*spall);
+  choose(section, "spall", out.spall);
+  if (out.spall != Spall::limit) {
     if (!out.plastic() || std::holds_alternative<Hjc>(out.strength) ||
         std::holds_alternative<DruckerPrager>(out.strength)) {
       report.error(section.place_of("spall"), section.path_of("spall"),
