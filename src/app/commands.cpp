@@ -123,6 +123,8 @@ ExitCode check_deck(CheckArguments const& arguments) {
 ExitCode info(InfoArguments const& arguments) {
   if (arguments.deck_reference) {
     print(stdout, "{}", deck::reference_manual());
+  } else if (arguments.json_schema) {
+    print(stdout, "{}", deck::json_schema());
   } else if (!arguments.name.empty()) {
     print(stdout, "{}", deck::describe_material(arguments.name));
   } else {

@@ -27,6 +27,7 @@ struct CheckArguments {
 struct InfoArguments {
   std::string name;  ///< of a material; empty: overview
   bool deck_reference = false;
+  bool json_schema = false;
 };
 [[nodiscard]] ExitCode info(InfoArguments const& arguments);
 

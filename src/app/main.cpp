@@ -96,6 +96,7 @@ int main(int argc, char** argv) {
   auto* info = app.add_subcommand("info", "List materials and models, or all about one material");
   info->add_option("NAME", info_arguments.name, "an explosive or a fluid");
   info->add_flag("--deck-reference", info_arguments.deck_reference, "print the reference manual of decks in Markdown");
+  info->add_flag("--json-schema", info_arguments.json_schema, "print the JSON Schema of decks for editors");
   info->footer("Example: brisance info TNT");
   info->callback([&] { code = guarded([&] { return brisance::app::info(info_arguments); }); });
 

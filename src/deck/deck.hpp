@@ -63,4 +63,7 @@ struct Result {
 /// Reference manual of the deck in Markdown, made from the schema (docs/deck.md).
 [[nodiscard]] std::string reference_manual();
 
+/// JSON Schema of decks for editors, made from the schema (draft 2020-12).
+[[nodiscard]] std::string json_schema();
+
 }  // namespace brisance::deck

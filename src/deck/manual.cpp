@@ -48,16 +48,6 @@ std::string allowed_text(Key const& key) {
   }
 }
 
-std::string default_text(Key const& key) {
-  if (key.needed) return "**required**";
-  if (!key.fallback_note.empty()) return key.fallback_note;
-  if (auto const* v = std::get_if<double>(&key.fallback)) return fmt::format("{:g}", *v);
-  if (auto const* v = std::get_if<long>(&key.fallback)) return fmt::format("{}", *v);
-  if (auto const* v = std::get_if<bool>(&key.fallback)) return *v ? "`true`" : "`false`";
-  if (auto const* v = std::get_if<std::string>(&key.fallback)) return v->empty() ? "empty" : fmt::format("`{}`", *v);
-  return "none";
-}
-
 std::string rows(std::vector<Key> const& keys) {
   std::string out = "| key | type | allowed | default | meaning | example |\n|---|---|---|---|---|---|\n";
   for (auto const& key : keys) {

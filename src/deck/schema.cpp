@@ -87,6 +87,16 @@ std::string range_text(Key const& key) {
   return "any";
 }
 
+std::string default_text(Key const& key) {
+  if (key.needed) return "**required**";
+  if (!key.fallback_note.empty()) return key.fallback_note;
+  if (auto const* v = std::get_if<double>(&key.fallback)) return fmt::format("{:g}", *v);
+  if (auto const* v = std::get_if<long>(&key.fallback)) return fmt::format("{}", *v);
+  if (auto const* v = std::get_if<bool>(&key.fallback)) return *v ? "`true`" : "`false`";
+  if (auto const* v = std::get_if<std::string>(&key.fallback)) return v->empty() ? "empty" : fmt::format("`{}`", *v);
+  return "none";
+}
+
 std::string expectation(Key const& key) {
   std::string quantity = key.unit == "1" ? "a number" : fmt::format("{} in {}", units::dimension(key.unit), key.unit);
   switch (key.type) {
@@ -107,6 +117,14 @@ std::string expectation(Key const& key) {
     case Type::named: return "a table of named tables";
   }
   return {};
+}
+
+std::string facts(Key const& key) {
+  bool const has_range = key.type == Type::number || key.type == Type::integer || key.type == Type::point ||
+                         key.type == Type::numbers || key.type == Type::integers;
+  std::string const range = has_range ? fmt::format(", {}", range_text(key)) : "";
+  std::string const rest = key.needed ? "required" : fmt::format("default: {}", default_text(key));
+  return fmt::format("Expected: {}{}; {}.", expectation(key), range, rest);
 }
 
 }  // namespace brisance::deck

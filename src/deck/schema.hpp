@@ -117,6 +117,12 @@ struct Table {
 /// The allowed range with its unit: "1e-06 to 10000 m", "at least 0", "any".
 [[nodiscard]] std::string range_text(Key const& key);
 
+/// The default of a key as Markdown: the value, what holds without it, or that it is required.
+[[nodiscard]] std::string default_text(Key const& key);
+
+/// What a key expects, its range and its default, in one sentence.
+[[nodiscard]] std::string facts(Key const& key);
+
 /// What a key expects, in words: "a length in m".
 [[nodiscard]] std::string expectation(Key const& key);
 
