@@ -18,7 +18,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// A string that begins with a number, with the sign on keyboards or that of typesetters; the rest is its unit.
-constexpr char const* quantity_pattern = R"(^\s*(\+|-|−)?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s+([^\s,].*)?|[^\s,0-9.].*)?$)";
+constexpr char const* quantity_pattern =
+    R"(^\s*(\+|-|−)?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s+([^\s,].*)?|[^\s,0-9.].*)?$)";
 constexpr char const* name_pattern = "^[A-Za-z0-9._+-]{1,64}$";
 constexpr int longest_name = 64;  ///< of a table
 

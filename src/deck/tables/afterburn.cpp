@@ -50,6 +50,40 @@ double burnt_at(run::Charge const& charge, grid::Domain const& domain, double ce
   return last + (1.5 + 0.5 * std::sqrt(3.0)) * cell / charge.explosive.detonation_speed;
 }
 
+/// Does a release at a constant rate begin after the detonation? False after an error.
+bool begins_burnt(Draft const& draft, Section const& section, material::ConstantRateAfterburn const& model) {
+  if (!(model.end > model.begin)) {
+    draft.error(section, "end",
+                fmt::format("{} does not lie after begin = {}: exchange or correct them", section.shown("end"),
+                            section.shown("begin")));
+    return false;
+  }
+  double burnt = 0.0;
+  // A charge that is remapped burns on the cells of the 1D calculation.
+  bool const remapped = draft.deck.text("start") == "remap";
+  Section const* remap = draft.deck.section("remap");
+  double const asked = remap != nullptr ? remap->number("cell").value_or(0.0) : 0.0;
+  for (run::Charge const& charge : draft.out.charges) {
+    auto const bounds = shape::bounds(charge.shape);
+    double radius = 0.0;
+    for (int d = 0; d < draft.dims(); ++d) radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
+    double const cell = remapped ? run::start_cell(asked, radius) : draft.out.domain.h;
+    burnt = std::max(burnt, burnt_at(charge, draft.out.domain, cell));
+  }
+  if (draft.domain_known && model.begin < burnt) {
+    draft.error(
+        section, "begin",
+        fmt::format("{} lies before the end of the detonation, and unburnt explosive has no afterburn: write at "
+                    "least {:.3g} s",
+                    section.shown("begin"), 1.005 * burnt));
+    return false;
+  }
+  if (draft.end_known && model.begin >= draft.out.end.time) {
+    draft.warn(section, "begin", fmt::format("lies after the end of the calculation at {:g} s", draft.out.end.time));
+  }
+  return true;
+}
+
 }  // namespace
 
 void build_afterburn(Draft& draft) {
@@ -89,37 +123,8 @@ void build_afterburn(Draft& draft) {
   afterburn.energy = section->given("energy") ? *section->number("energy") : *products->afterburn_energy;
   auto const rate = filled<material::AfterburnRate>(*word, *section);
   if (!rate) return;
-  if (auto const* model = std::get_if<material::ConstantRateAfterburn>(&*rate)) {
-    if (!(model->end > model->begin)) {
-      draft.error(*section, "end",
-                  fmt::format("{} does not lie after begin = {}: exchange or correct them", section->shown("end"),
-                              section->shown("begin")));
-      return;
-    }
-    double burnt = 0.0;
-    // A charge that is remapped burns on the cells of the 1D calculation.
-    bool const remapped = draft.deck.text("start") == "remap";
-    Section const* remap = draft.deck.section("remap");
-    double const asked = remap != nullptr ? remap->number("cell").value_or(0.0) : 0.0;
-    for (run::Charge const& charge : draft.out.charges) {
-      auto const bounds = shape::bounds(charge.shape);
-      double radius = 0.0;
-      for (int d = 0; d < draft.dims(); ++d) radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
-      double const cell = remapped ? run::start_cell(asked, radius) : draft.out.domain.h;
-      burnt = std::max(burnt, burnt_at(charge, draft.out.domain, cell));
-    }
-    if (draft.domain_known && model->begin < burnt) {
-      draft.error(
-          *section, "begin",
-          fmt::format("{} lies before the end of the detonation, and unburnt explosive has no afterburn: write at "
-                      "least {:.3g} s",
-                      section->shown("begin"), 1.005 * burnt));
-      return;
-    }
-    if (draft.end_known && model->begin >= draft.out.end.time) {
-      draft.warn(*section, "begin", fmt::format("lies after the end of the calculation at {:g} s", draft.out.end.time));
-    }
-  }
+  auto const* constant = std::get_if<material::ConstantRateAfterburn>(&*rate);
+  if (constant != nullptr && !begins_burnt(draft, *section, *constant)) return;
   afterburn.rate = *rate;
   draft.out.afterburn = afterburn;
 }

@@ -191,19 +191,9 @@ void check_constraints(Draft const& draft) {
   }
 }
 
-void constraint(Draft& draft, Section const& section) {
-  auto const kind = section.text("kind");
-  if (!kind || section.doubtful()) return;
-  mpm::Constraint out;
-  out.region = shape::Everywhere{};
+/// The region and the body that a constraint holds; false after an error.
+bool what_is_held(Draft const& draft, Section const& section, mpm::Constraint& out) {
   bool sound = true;
-  if (!section.given("region") && !section.given("body")) {
-    draft.report.error(
-        section.place, section.path,
-        "a constraint needs the region or the body that it holds; write for example region = {shape = \"box\", "
-        "lower = [0, 0, 0], upper = [0.1, 1, 1]}");
-    return;
-  }
   if (section.given("region")) {
     Section const* region = section.section("region");
     auto const shape = region == nullptr ? std::nullopt : build_composed_shape(draft, *region);
@@ -219,39 +209,50 @@ void constraint(Draft& draft, Section const& section) {
     sound = sound && body;
     if (body) out.body = *body;
   }
+  return sound;
+}
+
+/// Has the constraint the keys of its kind, and no others?
+bool has_keys_of(Draft const& draft, Section const& section, std::string const& kind) {
+  bool sound = true;
   auto const only_for = [&](std::string_view key, std::string_view word) {
-    if (!section.given(key) || *kind == word) return;
+    if (!section.given(key) || kind == word) return;
     draft.error(section, key,
                 fmt::format("{} belongs to kind = \"{}\", and this is \"{}\": remove it or change the kind",
-                            section.shown(key), word, *kind));
+                            section.shown(key), word, kind));
     sound = false;
   };
   only_for("normal", "roller");
   only_for("velocity", "velocity");
   for (auto const& [key, word, example] : {std::tuple{"normal", "roller", "normal = \"x\""},
                                            std::tuple{"velocity", "velocity", "velocity = [10, 0, 0]"}}) {
-    if (*kind != word || section.given(key)) continue;
+    if (kind != word || section.given(key)) continue;
     draft.report.error(
         section.place, section.path_of(key),
         fmt::format("the key \"{}\" is missing, which kind = \"{}\" needs; write for example {}", key, word, example));
     sound = false;
   }
+  return sound;
+}
+
+/// The directions in which a constraint holds; false after an error.
+bool held_directions(Draft const& draft, Section const& section, std::string const& kind, mpm::Constraint& out) {
   std::vector<std::string> held;
   held.reserve(3);
   for (int d = 0; d < draft.dims(); ++d) held.emplace_back(1, directions[d]);
   std::string_view key = "held";
-  if (*kind == "roller") {
+  if (kind == "roller") {
     if (section.given("held")) {
       draft.error(section, "held", "a roller holds along its normal only: remove the key, or write kind = \"fixed\"");
-      return;
+      return false;
     }
     key = "normal";
     auto const normal = section.text("normal");
-    if (!normal) return;
+    if (!normal) return false;
     held = {*normal};
   } else if (section.given("held")) {
     auto const* given = section.strings("held");
-    if (given == nullptr) return;
+    if (given == nullptr) return false;
     held = *given;
   }
   out.held = {false, false, false};
@@ -260,26 +261,48 @@ void constraint(Draft& draft, Section const& section) {
     if (d >= draft.dims()) {
       draft.error(section, key,
                   fmt::format("\"{}\" is not resolved in {}: remove it", letter, word_of(draft.geometry())));
-      return;
+      return false;
     }
     out.held[static_cast<std::size_t>(d)] = true;
   }
   if (held.empty()) {
     draft.error(section, key, "the list is empty, and nothing would be held; write for example held = [\"x\"]");
+    return false;
+  }
+  return true;
+}
+
+/// The velocity that a constraint prescribes; false after an error.
+bool prescribed_velocity(Draft const& draft, Section const& section, mpm::Constraint& out) {
+  auto const velocity = draft.point(section, "velocity");
+  if (!velocity) return false;
+  out.velocity = *velocity;
+  for (int d = 0; d < draft.dims(); ++d) {
+    if (out.held[static_cast<std::size_t>(d)] || out.velocity[d] == 0.0) continue;
+    draft.error(section, "velocity",
+                fmt::format("{} has a value in direction {}, which is not held: add \"{}\" to held or write 0",
+                            section.shown("velocity"), directions[d], directions[d]));
+    return false;
+  }
+  return true;
+}
+
+void constraint(Draft& draft, Section const& section) {
+  auto const kind = section.text("kind");
+  if (!kind || section.doubtful()) return;
+  mpm::Constraint out;
+  out.region = shape::Everywhere{};
+  if (!section.given("region") && !section.given("body")) {
+    draft.report.error(
+        section.place, section.path,
+        "a constraint needs the region or the body that it holds; write for example region = {shape = \"box\", "
+        "lower = [0, 0, 0], upper = [0.1, 1, 1]}");
     return;
   }
-  if (*kind == "velocity" && section.given("velocity")) {
-    auto const velocity = draft.point(section, "velocity");
-    if (!velocity) return;
-    out.velocity = *velocity;
-    for (int d = 0; d < draft.dims(); ++d) {
-      if (out.held[static_cast<std::size_t>(d)] || out.velocity[d] == 0.0) continue;
-      draft.error(section, "velocity",
-                  fmt::format("{} has a value in direction {}, which is not held: add \"{}\" to held or write 0",
-                              section.shown("velocity"), directions[d], directions[d]));
-      return;
-    }
-  }
+  bool sound = what_is_held(draft, section, out);
+  sound = has_keys_of(draft, section, *kind) && sound;
+  if (!held_directions(draft, section, *kind, out)) return;
+  if (*kind == "velocity" && section.given("velocity") && !prescribed_velocity(draft, section, out)) return;
   if (!sound) return;
   draft.out.points.constraints.push_back(std::move(out));
   draft.constraint_sections.push_back(&section);

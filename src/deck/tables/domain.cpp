@@ -37,6 +37,43 @@ constexpr double most_cells = 2147483648.0;  ///< 2^31
 constexpr double fewest_cells = 4.0;         ///< per direction: the stencil of the schemes
 constexpr double cell_tolerance = 1e-6;      ///< relative, of an extent to a whole number of cells
 
+/// The number of cells along a direction; none where the extent is not a whole number of them, which is reported. The
+/// whole of the domain tells whether there are too many.
+std::optional<double> whole_cells(Draft const& draft, Section const& section, std::string_view key, int d,
+                                  double extent) {
+  double const h = draft.out.domain.h;
+  if (extent <= 0.0) {
+    draft.error(section, key,
+                fmt::format("{} leaves no extent in direction {} ({:g} m): it must be positive", section.shown(key),
+                            directions[d], extent));
+    return std::nullopt;
+  }
+  double const cells = extent / h;
+  double const whole = std::max(1.0, std::round(cells));
+  if (whole > most_cells) return whole;
+  if (std::abs(cells - whole) > cell_tolerance * cells) {
+    double const below = std::floor(cells);
+    std::string const nearest_extents =
+        below >= 1.0 ? fmt::format("{:.9g} or {:.9g} m", below * h, (below + 1.0) * h) : fmt::format("{:.9g} m", h);
+    draft.error(section, key,
+                fmt::format("{} is not a whole number of cells: {:.9g} m in direction {} are {:.6g} cells of {:.9g} m; "
+                            "make the extent "
+                            "{}, or change the cell",
+                            section.shown(key), extent, directions[d], cells, h, nearest_extents));
+    return std::nullopt;
+  }
+  if (whole < fewest_cells) {
+    draft.error(
+        section, key,
+        fmt::format(
+            "{} gives {:g} cell{} in direction {}; allowed: at least {:g}: make the extent {:.9g} m or more, or "
+            "the cell smaller",
+            section.shown(key), whole, whole > 1.0 ? "s" : "", directions[d], fewest_cells, fewest_cells * h));
+    return std::nullopt;
+  }
+  return whole;
+}
+
 }  // namespace
 
 void build_domain(Draft& draft) {
@@ -81,42 +118,11 @@ void build_domain(Draft& draft) {
                               section->shown("size"), directions[d], extent));
       return;
     }
-    if (extent <= 0.0) {
-      draft.error(*section, key,
-                  fmt::format("{} leaves no extent in direction {} ({:g} m): it must be positive", section->shown(key),
-                              directions[d], extent));
-      sound = false;
-      continue;
-    }
-    double const cells = extent / *h;
-    double const whole = std::max(1.0, std::round(cells));
-    count *= whole;
-    if (whole > most_cells) continue;
-    if (std::abs(cells - whole) > cell_tolerance * cells) {
-      double const below = std::floor(cells);
-      std::string const nearest_extents = below >= 1.0
-                                              ? fmt::format("{:.9g} or {:.9g} m", below * *h, (below + 1.0) * *h)
-                                              : fmt::format("{:.9g} m", *h);
-      draft.error(
-          *section, key,
-          fmt::format("{} is not a whole number of cells: {:.9g} m in direction {} are {:.6g} cells of {:.9g} m; "
-                      "make the extent "
-                      "{}, or change the cell",
-                      section->shown(key), extent, directions[d], cells, *h, nearest_extents));
-      sound = false;
-      continue;
-    }
-    if (whole < fewest_cells) {
-      draft.error(
-          *section, key,
-          fmt::format(
-              "{} gives {:g} cell{} in direction {}; allowed: at least {:g}: make the extent {:.9g} m or more, or "
-              "the cell smaller",
-              section->shown(key), whole, whole > 1.0 ? "s" : "", directions[d], fewest_cells, fewest_cells * *h));
-      sound = false;
-      continue;
-    }
-    draft.out.domain.cells[d] = static_cast<int>(whole);
+    auto const whole = whole_cells(draft, *section, key, d, extent);
+    sound = sound && whole;
+    if (!whole) continue;
+    count *= *whole;
+    if (*whole <= most_cells) draft.out.domain.cells[d] = static_cast<int>(*whole);
   }
   if (!sound) return;
   double const coarser = *h * std::pow(count / most_cells, 1.0 / draft.dims());

@@ -57,25 +57,58 @@ Table const& remap_table() {
   return table;
 }
 
+namespace {
+
+/// A profile is the burst of one charge and nothing else.
+void check_profile(Draft const& draft) {
+  if (!draft.out.output.profile || !draft.geometry_known) return;
+  bool const possible = draft.geometry() == Geometry::spherical1d || draft.geometry() == Geometry::cylindrical1d ||
+                        draft.geometry() == Geometry::axisymmetric2d;
+  auto const* charges = draft.deck.sections("charge");
+  bool const one = charges != nullptr && charges->size() == 1;
+  if (!possible || !one || draft.has_bodies() || draft.deck.given("obstacle") || draft.deck.given("region") ||
+      draft.deck.given("mpm_region")) {
+    draft.error(
+        *draft.deck.section("output"), "profile",
+        fmt::format("a profile is the burst of one charge in spherical1d, cylindrical1d or axisymmetric2d without "
+                    "bodies, obstacles and regions; this deck {}: remove the key",
+                    !possible ? fmt::format("is of {}", word_of(draft.geometry()))
+                    : !one    ? fmt::format("has {} charges", charges == nullptr ? 0 : charges->size())
+                              : "has one of these"));
+  }
+}
+
+/// What [remap] sets.
+void remap_options(Draft const& draft, Section const& section, run::Start& s) {
+  settings().read(section, s);
+  if (auto const file = section.text("profile")) {
+    s.profile = (std::filesystem::path(draft.report.file()).parent_path() / *file).string();
+    for (auto const* other : {"method", "cell", "time", "radius"}) {
+      if (!section.given(other)) continue;
+      draft.error(
+          section, other,
+          fmt::format("{} belongs to the 1D calculation, in whose place the profile stands: remove one of the two",
+                      section.shown(other)));
+    }
+  }
+  if (s.method == run::StartMethod::points && draft.deck.given("afterburn")) {
+    draft.error(
+        section, "method",
+        fmt::format("{} does not go with [afterburn], which is of gas cells: write \"gas\", or remove the afterburn",
+                    section.shown("method")));
+  }
+  if (section.given("time") && section.given("radius")) {
+    draft.error(section, "radius",
+                fmt::format("{} is given beside a time: remove one of the two", section.shown("radius")));
+  }
+}
+
+}  // namespace
+
 void build_start(Draft& draft) {
   bool const asked = draft.deck.text("start") == "remap";
   Section const* section = draft.deck.section("remap");
-  if (draft.out.output.profile && draft.geometry_known) {
-    bool const possible = draft.geometry() == Geometry::spherical1d || draft.geometry() == Geometry::cylindrical1d ||
-                          draft.geometry() == Geometry::axisymmetric2d;
-    auto const* charges = draft.deck.sections("charge");
-    bool const one = charges != nullptr && charges->size() == 1;
-    if (!possible || !one || draft.has_bodies() || draft.deck.given("obstacle") || draft.deck.given("region") ||
-        draft.deck.given("mpm_region")) {
-      draft.error(
-          *draft.deck.section("output"), "profile",
-          fmt::format("a profile is the burst of one charge in spherical1d, cylindrical1d or axisymmetric2d without "
-                      "bodies, obstacles and regions; this deck {}: remove the key",
-                      !possible ? fmt::format("is of {}", word_of(draft.geometry()))
-                      : !one    ? fmt::format("has {} charges", charges == nullptr ? 0 : charges->size())
-                                : "has one of these"));
-    }
-  }
+  check_profile(draft);
   if (!asked) {
     if (section != nullptr && !draft.deck.broken("start")) {
       draft.report.warning(section->place, section->path,
@@ -88,27 +121,7 @@ void build_start(Draft& draft) {
   std::string_view key = "start";
   Section const* blamed = &draft.deck;
   if (section != nullptr) {
-    settings().read(*section, s);
-    if (auto const file = section->text("profile")) {
-      s.profile = (std::filesystem::path(draft.report.file()).parent_path() / *file).string();
-      for (auto const* other : {"method", "cell", "time", "radius"}) {
-        if (!section->given(other)) continue;
-        draft.error(
-            *section, other,
-            fmt::format("{} belongs to the 1D calculation, in whose place the profile stands: remove one of the two",
-                        section->shown(other)));
-      }
-    }
-    if (s.method == run::StartMethod::points && draft.deck.given("afterburn")) {
-      draft.error(
-          *section, "method",
-          fmt::format("{} does not go with [afterburn], which is of gas cells: write \"gas\", or remove the afterburn",
-                      section->shown("method")));
-    }
-    if (section->given("time") && section->given("radius")) {
-      draft.error(*section, "radius",
-                  fmt::format("{} is given beside a time: remove one of the two", section->shown("radius")));
-    }
+    remap_options(draft, *section, s);
     for (auto const* candidate : {"cell", "time", "radius", "profile"}) {
       if (!section->given(candidate)) continue;
       blamed = section;

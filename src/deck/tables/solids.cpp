@@ -265,6 +265,75 @@ bool soil_fits(material::Solid const& solid, Section const& section, Report& rep
   return true;
 }
 
+/// The models of a solid, with what its own keys tell of them; false after an error.
+bool models(Section const& section, std::map<std::string_view, double> const& derived, material::Solid& out,
+            Report& report) {
+  using namespace material;
+  bool const elastic = derived.contains("K");
+  if (auto const* table = section.section("eos")) {
+    auto const eos = model_of<PointEos>(*table, derived);
+    if (!eos) {
+      missing_modulus(*table, "K", "bulk modulus", derived, report);
+      return false;
+    }
+    out.eos = *eos;
+  } else if (elastic) {
+    out.eos = Linear{out.density, derived.at("K")};
+  } else {
+    report.error(
+        section.place, section.path_of("eos"),
+        "the solid has no equation of state; write E = \"70 GPa\" and nu = 0.33, or for example eos = {model = "
+        "\"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}");
+    return false;
+  }
+  if (auto const* table = section.section("strength")) {
+    auto const strength = model_of<Strength>(*table, derived);
+    if (!strength) {
+      missing_modulus(*table, "G", "shear modulus", derived, report);
+      return false;
+    }
+    out.strength = *strength;
+  } else if (elastic) {
+    out.strength = Elastic{derived.at("G")};
+  }
+  if (auto const* table = section.section("failure")) {
+    auto const failure = model_of<Failure>(*table, derived);
+    if (!failure) return false;
+    out.failure = *failure;
+    bool const metal =
+        std::holds_alternative<VonMises>(out.strength) || std::holds_alternative<JohnsonCook>(out.strength);
+    if (std::holds_alternative<JohnsonCookFailure>(out.failure) && !metal) {
+      report.error(table->place, table->path,
+                   "this damage grows with the plastic strain of a metal: give the solid the strength von_mises or "
+                   "johnson_cook");
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Has the solid what it needs to tear at its tension cut-off?
+bool spall_fits(material::Solid const& solid, Section const& section, Report& report) {
+  using namespace material;
+  if (solid.spall == Spall::limit) return true;
+  if (!solid.plastic() || std::holds_alternative<Hjc>(solid.strength) ||
+      std::holds_alternative<DruckerPrager>(solid.strength)) {
+    report.error(section.place_of("spall"), section.path_of("spall"),
+                 fmt::format("{} is for metals, with the strength von_mises or johnson_cook; concrete tears by "
+                             "failure = {{model = \"tensile_damage\"}}, soil by its own limit of tension",
+                             section.shown("spall")));
+    return false;
+  }
+  if (!(solid.minimum_pressure > -unbounded && solid.minimum_pressure < 0.0)) {
+    report.error(section.place_of("spall"), section.path_of("spall"),
+                 fmt::format("{} needs the tension at which the solid tears: write for example minimum_pressure = "
+                             "\"-2 GPa\"",
+                             section.shown("spall")));
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<material::Solid> build_solid(Section const& section, std::string const& name, Report& report) {
@@ -282,64 +351,9 @@ std::optional<material::Solid> build_solid(Section const& section, std::string c
     if (section.broken(key)) return std::nullopt;
   }
 
-  bool const elastic = derived.contains("K");
-  if (auto const* table = section.section("eos")) {
-    auto const eos = model_of<PointEos>(*table, derived);
-    if (!eos) {
-      missing_modulus(*table, "K", "bulk modulus", derived, report);
-      return std::nullopt;
-    }
-    out.eos = *eos;
-  } else if (elastic) {
-    out.eos = Linear{*density, derived["K"]};
-  } else {
-    report.error(
-        section.place, section.path_of("eos"),
-        "the solid has no equation of state; write E = \"70 GPa\" and nu = 0.33, or for example eos = {model = "
-        "\"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}");
-    return std::nullopt;
-  }
-  if (auto const* table = section.section("strength")) {
-    auto const strength = model_of<Strength>(*table, derived);
-    if (!strength) {
-      missing_modulus(*table, "G", "shear modulus", derived, report);
-      return std::nullopt;
-    }
-    out.strength = *strength;
-  } else if (elastic) {
-    out.strength = Elastic{derived["G"]};
-  }
-  if (auto const* table = section.section("failure")) {
-    auto const failure = model_of<Failure>(*table, derived);
-    if (!failure) return std::nullopt;
-    out.failure = *failure;
-    bool const metal =
-        std::holds_alternative<VonMises>(out.strength) || std::holds_alternative<JohnsonCook>(out.strength);
-    if (std::holds_alternative<JohnsonCookFailure>(out.failure) && !metal) {
-      report.error(table->place, table->path,
-                   "this damage grows with the plastic strain of a metal: give the solid the strength von_mises or "
-                   "johnson_cook");
-      return std::nullopt;
-    }
-  }
+  if (!models(section, derived, out, report)) return std::nullopt;
   choose(section, "spall", out.spall);
-  if (out.spall != Spall::limit) {
-    if (!out.plastic() || std::holds_alternative<Hjc>(out.strength) ||
-        std::holds_alternative<DruckerPrager>(out.strength)) {
-      report.error(section.place_of("spall"), section.path_of("spall"),
-                   fmt::format("{} is for metals, with the strength von_mises or johnson_cook; concrete tears by "
-                               "failure = {{model = \"tensile_damage\"}}, soil by its own limit of tension",
-                               section.shown("spall")));
-      return std::nullopt;
-    }
-    if (!(out.minimum_pressure > -unbounded && out.minimum_pressure < 0.0)) {
-      report.error(section.place_of("spall"), section.path_of("spall"),
-                   fmt::format("{} needs the tension at which the solid tears: write for example minimum_pressure = "
-                               "\"-2 GPa\"",
-                               section.shown("spall")));
-      return std::nullopt;
-    }
-  }
+  if (!spall_fits(out, section, report)) return std::nullopt;
   if (auto const* jc = std::get_if<JohnsonCook>(&out.strength); jc != nullptr && !(jc->T_melt > jc->T_room)) {
     Section const& table = *section.section("strength");
     report.error(

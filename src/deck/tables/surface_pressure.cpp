@@ -169,124 +169,161 @@ bool has_points_in(Draft const& draft, shape::Shape const& body, shape::Shape co
   return false;
 }
 
-/// The layer below the loaded face in whole layers of points; false when the body has none there (reported).
-bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressure& pressure) {
+/// The part of a body that a pressure loads.
+struct Loaded {
+  shape::Shape const& body;
+  shape::Shape region;  ///< of space
+  shape::Box reach;     ///< of the body in the region
+  long per_cell;        ///< points of the body, per direction
+  double layer;         ///< thickness of a layer of points [m]
+  double asked;         ///< thickness of what takes the pressure [m]
+  int direction = 0;    ///< that the pressure comes from, where it has one
+  bool high = true;     ///< from its high side
+  double face = 0.0;    ///< where the body ends there [m]
+};
+
+/// Does the region meet the body? Narrows `reach` to what they share.
+bool meets(Draft const& draft, Section const& section, shape::Shape const& region, shape::Box& reach) {
+  auto const b = reach;
+  auto const r = shape::bounds(region);
+  for (int d = 0; d < draft.dims(); ++d) {
+    reach.lower[d] = std::max(b.lower[d], r.lower[d]);
+    reach.upper[d] = std::min(b.upper[d], r.upper[d]);
+    if (reach.upper[d] - reach.lower[d] > draft.tiny()) continue;
+    draft.error(section, "region",
+                fmt::format("it reaches from {:.6g} to {:.6g} m in direction {} and does not meet the body, which "
+                            "reaches from {:.6g} to {:.6g} m: move it",
+                            r.lower[d], r.upper[d], directions[d], b.lower[d], b.upper[d]));
+    return false;
+  }
+  return true;
+}
+
+/// What is loaded; none after an error, or where the body has one.
+std::optional<Loaded> loaded_part(Draft const& draft, Section const& section, std::size_t number) {
   shape::Shape region = shape::Everywhere{};
   if (section.given("region")) {
     Section const* given = section.section("region");
     auto const shape = given == nullptr ? std::nullopt : build_composed_shape(draft, *given);
-    if (!shape) return false;
+    if (!shape) return std::nullopt;
     region = *shape;
   }
-  if (section.broken("thickness")) return false;
-  if (is_rigid(draft, static_cast<std::size_t>(pressure.body))) {
+  if (section.broken("thickness")) return std::nullopt;
+  if (is_rigid(draft, number)) {
     draft.report.error(section.place_of("body"), section.path_of("body"),
                        fmt::format("\"{}\" is rigid and keeps its velocity, whatever pushes: remove the pressure",
-                                   draft.body_names[static_cast<std::size_t>(pressure.body)]));
-    return false;
+                                   draft.body_names[number]));
+    return std::nullopt;
   }
-  auto const& body = draft.body_shapes[static_cast<std::size_t>(pressure.body)];
-  if (!body || !draft.domain_known) return false;  // reported where the body is defined
-  Section const& owner = (*draft.deck.sections("body"))[static_cast<std::size_t>(pressure.body)];
-  auto const per_cell = owner.integer("points_per_cell");
-  if (!per_cell) return false;
-
+  auto const& body = draft.body_shapes[number];
+  if (!body || !draft.domain_known) return std::nullopt;  // reported where the body is defined
+  auto const per_cell = (*draft.deck.sections("body"))[number].integer("points_per_cell");
+  if (!per_cell) return std::nullopt;
   auto const b = shape::bounds(*body);
-  shape::Box reach = b;
-  if (section.given("region")) {
-    auto const r = shape::bounds(region);
-    for (int d = 0; d < draft.dims(); ++d) {
-      reach.lower[d] = std::max(b.lower[d], r.lower[d]);
-      reach.upper[d] = std::min(b.upper[d], r.upper[d]);
-      if (reach.upper[d] - reach.lower[d] > draft.tiny()) continue;
-      draft.error(
-          section, "region",
-          fmt::format(
-              "it reaches from {:.6g} to {:.6g} m in direction {} and does not meet the body, which reaches from "
-              "{:.6g} to {:.6g} m: move it",
-              r.lower[d], r.upper[d], directions[d], b.lower[d], b.upper[d]));
-      return false;
-    }
-  }
-  double const layer = draft.out.domain.h / static_cast<double>(*per_cell);  // of points
-  double const asked = section.number("thickness").value_or(layer);
-  if (!section.given("normal")) {
-    pressure.surface = shape::surface(*body, region, draft.out.domain, facets_per_layer * layer);
-    if (pressure.surface.empty()) {
-      draft.report.error(section.place_of("region"), section.path_of("region"),
-                         "no part of the body's surface lies in it: move the region, or make it larger");
-      return false;
-    }
-    return curved_layer(draft, section, asked, layer, pressure);
-  }
-  int const d = pressure.normal[0] != 0.0 ? 0 : pressure.normal[1] != 0.0 ? 1 : 2;
-  bool const high = pressure.normal[d] > 0.0;
-  double const face = high ? reach.upper[d] : reach.lower[d];
-  double const depth = reach.upper[d] - reach.lower[d];
-  if (asked > depth + draft.tiny()) {
-    bool const given = section.given("thickness");
-    draft.error(
-        section,
-        given                     ? "thickness"
-        : section.given("region") ? "region"
-                                  : "normal",
-        given
-            ? fmt::format("{} is more than the body has below the loaded face, {:.6g} m: make it smaller",
+  shape::Box reach{b.lower, b.upper};
+  if (section.given("region") && !meets(draft, section, region, reach)) return std::nullopt;
+  double const layer = draft.out.domain.h / static_cast<double>(*per_cell);
+  return Loaded{*body, std::move(region), reach, *per_cell, layer, section.number("thickness").value_or(layer)};
+}
+
+/// Is there so much of the body below the loaded face?
+bool deep_enough(Draft const& draft, Section const& section, Loaded const& part) {
+  double const depth = part.reach.upper[part.direction] - part.reach.lower[part.direction];
+  if (part.asked <= depth + draft.tiny()) return true;
+  bool const given = section.given("thickness");
+  draft.error(
+      section,
+      given                     ? "thickness"
+      : section.given("region") ? "region"
+                                : "normal",
+      given ? fmt::format("{} is more than the body has below the loaded face, {:.6g} m: make it smaller",
                           section.shown("thickness"), depth)
             : fmt::format("a layer of points is {:.6g} m thick, more than there is of the body below the loaded face, "
                           "{:.6g} m: make the region thicker",
-                          asked, depth));
-    return false;
+                          part.asked, depth));
+  return false;
+}
+
+/// The pieces of the surface that are seen from the side of the pressure; `flat` tells whether they are all in the
+/// face.
+std::vector<shape::Facet> seen_surface(Draft const& draft, Loaded const& part, Vec3 const& normal, bool& flat) {
+  std::vector<shape::Facet> facets;
+  flat = true;
+  for (shape::Facet const& f :
+       shape::surface(part.body, part.region, draft.out.domain, facets_per_layer * part.layer)) {
+    double const along = dot(f.area, normal) / norm(f.area);
+    if (along < 1e-9 || !shape::is_clear(part.body, draft.out.domain, f.x, normal, 0.05 * part.layer)) continue;
+    flat = flat && along > 1.0 - 1e-9 && std::abs(f.x[part.direction] - part.face) < draft.tiny();
+    facets.push_back(f);
   }
-  if (!is_flat_face(draft, *body, d, face)) {
-    std::vector<shape::Facet> facets;
-    bool flat = true;
-    for (shape::Facet const& f : shape::surface(*body, region, draft.out.domain, facets_per_layer * layer)) {
-      double const along = dot(f.area, pressure.normal) / norm(f.area);
-      if (along < 1e-9 || !shape::is_clear(*body, draft.out.domain, f.x, pressure.normal, 0.05 * layer)) continue;
-      flat = flat && along > 1.0 - 1e-9 && std::abs(f.x[d] - face) < draft.tiny();
-      facets.push_back(f);
-    }
-    if (facets.empty()) {
-      draft.report.error(
-          section.place_of(section.given("region") ? "region" : "normal"),
-          section.path_of(section.given("region") ? "region" : "normal"),
-          fmt::format("no part of the body's surface{} is seen from the side of {}: {}",
-                      section.given("region") ? " that lies in it" : "", *section.text("normal"),
-                      section.given("region") ? "move the region, or make it larger"
-                                              : "give another normal, or none to load the whole surface"));
-      return false;
-    }
-    if (!flat || (d == 0 && grid::radial_exponent(draft.geometry()) > 0)) {
-      pressure.surface = std::move(facets);
-      return curved_layer(draft, section, asked, layer, pressure);
-    }
-  }
+  return facets;
+}
+
+/// The layer below a flat face.
+bool flat_layer(Draft const& draft, Section const& section, Loaded const& part, mpm::SurfacePressure& pressure) {
   // The inner side of the layer lies where sub-cells end, so that their points hold just its volume. A sub-cell that
   // the body fills by less than a half does not count as a layer.
-  double const inner = high ? face - asked : face + asked;
+  int const d = part.direction;
+  double const inner = part.high ? part.face - part.asked : part.face + part.asked;
   double const origin = draft.out.domain.lower[d];
-  double side = origin + std::round((inner - origin) / layer) * layer;
-  if (std::abs(face - side) < 0.5 * layer) side += high ? -layer : layer;
-  pressure.thickness = std::abs(face - side);
+  double side = origin + std::round((inner - origin) / part.layer) * part.layer;
+  if (std::abs(part.face - side) < 0.5 * part.layer) side += part.high ? -part.layer : part.layer;
+  pressure.thickness = std::abs(part.face - side);
   shape::Box slab;
   for (int k = 0; k < 3; ++k) {
     slab.lower[k] = k < draft.dims() ? draft.out.domain.lower[k] - draft.out.domain.h : -1.0;
     slab.upper[k] = k < draft.dims() ? draft.out.domain.upper(k) + draft.out.domain.h : 1.0;
   }
   // Outwards it reaches over the centres of sub-cells that the face cuts.
-  slab.lower[d] = high ? side : face - layer;
-  slab.upper[d] = high ? face + layer : side;
-  pressure.region = section.given("region") ? shape::combine(shape::Operation::intersection, {region, slab}) : slab;
-  if (!has_points_in(draft, *body, pressure.region, *per_cell)) {
-    draft.report.error(
-        section.place_of("region"), section.path_of(section.given("region") ? "region" : "normal"),
-        fmt::format("no point of the body lies in the loaded layer, {:.4g} m below the face at {} = {:.6g} m: "
-                    "move the region, or make it larger than the points are apart, {:.4g} m",
-                    pressure.thickness, directions[d], face, layer));
-    return false;
+  slab.lower[d] = part.high ? side : part.face - part.layer;
+  slab.upper[d] = part.high ? part.face + part.layer : side;
+  pressure.region =
+      section.given("region") ? shape::combine(shape::Operation::intersection, {part.region, slab}) : slab;
+  if (has_points_in(draft, part.body, pressure.region, part.per_cell)) return true;
+  draft.report.error(
+      section.place_of("region"), section.path_of(section.given("region") ? "region" : "normal"),
+      fmt::format("no point of the body lies in the loaded layer, {:.4g} m below the face at {} = {:.6g} m: "
+                  "move the region, or make it larger than the points are apart, {:.4g} m",
+                  pressure.thickness, directions[d], part.face, part.layer));
+  return false;
+}
+
+/// The layer below the loaded face in whole layers of points; false when the body has none there (reported).
+bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressure& pressure) {
+  auto part = loaded_part(draft, section, static_cast<std::size_t>(pressure.body));
+  if (!part) return false;
+  if (!section.given("normal")) {
+    pressure.surface = shape::surface(part->body, part->region, draft.out.domain, facets_per_layer * part->layer);
+    if (pressure.surface.empty()) {
+      draft.report.error(section.place_of("region"), section.path_of("region"),
+                         "no part of the body's surface lies in it: move the region, or make it larger");
+      return false;
+    }
+    return curved_layer(draft, section, part->asked, part->layer, pressure);
   }
-  return true;
+  part->direction = pressure.normal[0] != 0.0 ? 0 : pressure.normal[1] != 0.0 ? 1 : 2;
+  part->high = pressure.normal[part->direction] > 0.0;
+  part->face = part->high ? part->reach.upper[part->direction] : part->reach.lower[part->direction];
+  if (!deep_enough(draft, section, *part)) return false;
+  if (!is_flat_face(draft, part->body, part->direction, part->face)) {
+    bool flat = true;
+    auto facets = seen_surface(draft, *part, pressure.normal, flat);
+    if (facets.empty()) {
+      std::string_view const key = section.given("region") ? "region" : "normal";
+      draft.report.error(
+          section.place_of(key), section.path_of(key),
+          fmt::format("no part of the body's surface{} is seen from the side of {}: {}",
+                      section.given("region") ? " that lies in it" : "", *section.text("normal"),
+                      section.given("region") ? "move the region, or make it larger"
+                                              : "give another normal, or none to load the whole surface"));
+      return false;
+    }
+    if (!flat || (part->direction == 0 && draft.radial())) {
+      pressure.surface = std::move(facets);
+      return curved_layer(draft, section, part->asked, part->layer, pressure);
+    }
+  }
+  return flat_layer(draft, section, *part, pressure);
 }
 
 void surface_pressure(Draft& draft, Section const& section) {
