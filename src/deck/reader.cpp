@@ -5,72 +5,15 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <sstream>
-#include <tuple>
 
-#include "core/parameter.hpp"
-#include "core/units.hpp"
+#include "deck/values.hpp"
 
 namespace brisance::deck {
 
 namespace {
 
-constexpr std::size_t longest_list = 10000;      ///< elements
-constexpr double coldest = 150.0;                ///< temperature [K] below which degrees Celsius are suspected
-constexpr double right_angle_in_radians = 1.58;  ///< largest number alone that may be an angle in radians
-constexpr int most_key_parts = 32;               ///< parts of one dotted key
-
-Place place_in(toml::source_region const& source, Place fallback) {
-  if (source.begin.line == 0) return fallback;
-  return {static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
-}
-
-/// At most `limit` bytes, control characters replaced, never cut inside a UTF-8 character.
-std::string shortened(std::string_view text, std::size_t limit = 60) {
-  std::string out(text.substr(0, limit));
-  if (text.size() > limit) {
-    while (!out.empty() && (static_cast<unsigned char>(out.back()) & 0xC0U) == 0x80U) out.pop_back();
-    if (!out.empty() && static_cast<unsigned char>(out.back()) >= 0xC0U) out.pop_back();
-    out += "...";
-  }
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20U || c == 0x7f) c = '?';
-  }
-  return out;
-}
-
-std::string show(toml::node const& node) {
-  if (auto const* s = node.as_string()) return fmt::format("\"{}\"", shortened(s->get()));
-  if (auto const* i = node.as_integer()) return fmt::format("{}", i->get());
-  if (auto const* f = node.as_floating_point()) return fmt::format("{}", f->get());
-  if (auto const* b = node.as_boolean()) return b->get() ? "true" : "false";
-  if (auto const* a = node.as_array()) {
-    std::string out = "[";
-    for (std::size_t i = 0; i < a->size(); ++i) {
-      if (i > 0) out += ", ";
-      if (out.size() > 60) return out + "...]";
-      out += (*a)[i].is_array() ? "[...]" : show((*a)[i]);
-    }
-    return out + "]";
-  }
-  if (node.is_table()) return "{...}";
-  std::ostringstream date;
-  node.visit([&](auto const& n) {
-    if constexpr (toml::is_chronological<decltype(n)>) date << n.get();
-  });
-  return date.str();
-}
-
-std::string kind_of(toml::node const& node) {
-  if (node.is_string()) return "is a string";
-  if (node.is_integer()) return "is a whole number";
-  if (node.is_floating_point()) return "is a number";
-  if (node.is_boolean()) return "is a boolean";
-  if (node.is_array()) return "is a list";
-  if (node.is_table()) return "is a table";
-  return "is a date or time";
-}
+constexpr std::size_t longest_list = 10000;  ///< elements
+constexpr int most_key_parts = 32;           ///< parts of one dotted key
 
 /// toml++ builds one nested table per part of a dotted key and frees them recursively. Nothing in a deck has more than
 /// a few parts.
@@ -101,10 +44,17 @@ std::optional<Place> overlong_key(std::string_view text) {
   return std::nullopt;
 }
 
+std::string lowered(std::string text) {
+  // Not the first letter of an abbreviation.
+  if (text.size() > 1 && std::islower(static_cast<unsigned char>(text[1])) != 0)
+    text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
 /// Reads the tables of one text.
-class Walker {
+class Walker : Values {
  public:
-  explicit Walker(Report& report) : report_(report) {}
+  explicit Walker(Report& report) : Values(report), report_(report) {}
 
   Section section(toml::table const& source, Table const& table, std::string path, Place place) {
     Section out;
@@ -190,125 +140,10 @@ class Walker {
                                 joined(out.path, key.name), key.sample));
       return;
     }
-    std::string const range = ranged(key) ? fmt::format(" ({})", range_text(key)) : "";
+    std::string const range = has_range(key) ? fmt::format(" ({})", range_text(key)) : "";
     report_.error(out.place, joined(out.path, key.name),
                   fmt::format("the key \"{}\" is missing: {}; expected {}{}; write for example {}", key.name,
                               lowered(key.explanation), expectation(key), range, example(key)));
-  }
-
-  static std::string lowered(std::string text) {
-    // Not the first letter of an abbreviation.
-    if (text.size() > 1 && std::islower(static_cast<unsigned char>(text[1])) != 0)
-      text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
-    return text;
-  }
-
-  static bool ranged(Key const& key) {
-    return key.type == Type::number || key.type == Type::integer || key.type == Type::point ||
-           key.type == Type::numbers || key.type == Type::integers;
-  }
-
-  static std::string example(Key const& key) { return fmt::format("{} = {}", key.name, key.sample); }
-
-  void wrong_type(Key const& key, toml::node const& node, std::string const& path, Place place) {
-    std::string const range = ranged(key) ? fmt::format(", {}", range_text(key)) : "";
-    report_.error(place, path,
-                  fmt::format("{} {}, expected {}{}; write for example {}", show(node), kind_of(node), expectation(key),
-                              range, example(key)));
-  }
-
-  /// One quantity: an element of a list or a value of its own. Reports what is wrong with it.
-  std::optional<double> quantity(Key const& key, toml::node const& node, std::string const& path, Place place,
-                                 std::string* unit = nullptr) {
-    double value = 0.0;
-    if (auto const* s = node.as_string()) {
-      units::Quantity const read = units::parse(s->get(), key.unit);
-      if (read.value) {
-        value = *read.value;
-        if (unit != nullptr) *unit = key.unit;
-      } else {
-        bool converted = false;
-        for (auto const& other : key.also_unit) {
-          units::Quantity const again = units::parse(s->get(), other);
-          if (!again.value) continue;
-          value = *again.value;
-          if (unit != nullptr) *unit = other;
-          converted = true;
-        }
-        if (!converted) {
-          report_.error(
-              place, path,
-              fmt::format("{}; allowed: {}; write for example {}", read.problem, range_text(key), example(key)));
-          return std::nullopt;
-        }
-      }
-    } else if (auto const* f = node.as_floating_point()) {
-      value = f->get();
-    } else if (auto const* i = node.as_integer()) {
-      value = static_cast<double>(i->get());
-    } else {
-      wrong_type(key, node, path, place);
-      return std::nullopt;
-    }
-    if (!std::isfinite(value)) {
-      report_.error(place, path,
-                    fmt::format("{} is not a finite number; allowed: {}; write for example {}", show(node),
-                                range_text(key), example(key)));
-      return std::nullopt;
-    }
-    if (value < key.minimum || value > key.maximum) {
-      report_.error(place, path,
-                    fmt::format("{} is out of range; allowed: {}{}; write for example {}", show(node), range_text(key),
-                                key.unit == "K" && value < key.minimum ? in_kelvin(node) : "", example(key)));
-      return std::nullopt;
-    }
-    if (key.unit == "K" && value < coldest) {
-      report_.warning(place, path,
-                      fmt::format("{} is {:.6g} K or {:.6g} degrees Celsius, colder than any air{}", show(node), value,
-                                  value - 273.15, in_kelvin(node)));
-    }
-    if (key.unit == "deg" && node.is_number() && value > 0.0 && value < right_angle_in_radians) {
-      report_.warning(place, path,
-                      fmt::format("{} is {:g} degrees: a number alone is in degrees, did you mean \"{} rad\"?",
-                                  show(node), value, show(node)));
-    }
-    return value;
-  }
-
-  /// For a temperature that looks like degrees Celsius.
-  static std::string in_kelvin(toml::node const& node) {
-    return node.is_number() ? fmt::format("; a number alone is in kelvin, did you mean \"{} degC\"?", show(node)) : "";
-  }
-
-  std::optional<long> whole(Key const& key, toml::node const& node, std::string const& path, Place place) {
-    auto const* i = node.as_integer();
-    if (i == nullptr) {
-      wrong_type(key, node, path, place);
-      return std::nullopt;
-    }
-    auto const value = static_cast<double>(i->get());
-    if (value < key.minimum || value > key.maximum) {
-      report_.error(place, path,
-                    fmt::format("{} is out of range; allowed: {}; write for example {}", show(node), range_text(key),
-                                example(key)));
-      return std::nullopt;
-    }
-    return static_cast<long>(i->get());
-  }
-
-  std::optional<std::string> one_of(Key const& key, toml::node const& node, std::string const& path, Place place) {
-    auto const* s = node.as_string();
-    if (s == nullptr) {
-      wrong_type(key, node, path, place);
-      return std::nullopt;
-    }
-    if (std::find(key.choices.begin(), key.choices.end(), s->get()) != key.choices.end()) return s->get();
-    std::string const near = nearest(s->get(), key.choices);
-    report_.error(
-        place, path,
-        fmt::format("{} is not known; {}allowed: {}", show(node),
-                    near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), quoted_list(key.choices)));
-    return std::nullopt;
   }
 
   /// The list's elements, or nothing when it is no list or too long (reported).
@@ -547,84 +382,6 @@ class Walker {
 };
 
 }  // namespace
-
-// --- Section
-// -------------------------------------------------------------------------------------------------------------------
-
-bool Section::broken(std::string_view key) const {
-  auto const found = entries.find(key);
-  return found != entries.end() && !found->second.valid;
-}
-
-Place Section::place_of(std::string_view key) const {
-  auto const found = entries.find(key);
-  return found == entries.end() ? place : found->second.place;
-}
-
-std::string Section::shown(std::string_view key) const {
-  auto const found = entries.find(key);
-  return found == entries.end() ? "" : found->second.shown;
-}
-
-std::string Section::path_of(std::string_view key) const {
-  return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
-}
-
-template <class T>
-T const* Section::value(std::string_view key) const {
-  auto const found = entries.find(key);
-  return found == entries.end() || !found->second.valid ? nullptr : std::get_if<T>(&found->second.value);
-}
-
-template <class T>
-std::optional<T> Section::value_or_default(std::string_view key) const {
-  auto const found = entries.find(key);
-  if (found != entries.end()) {
-    T const* const v = value<T>(key);
-    return v == nullptr ? std::nullopt : std::optional<T>(*v);
-  }
-  Key const* const declared = table->find(key);
-  T const* const v = declared == nullptr ? nullptr : std::get_if<T>(&declared->fallback);
-  return v == nullptr ? std::nullopt : std::optional<T>(*v);
-}
-
-std::optional<double> Section::number(std::string_view key) const { return value_or_default<double>(key); }
-std::optional<long> Section::integer(std::string_view key) const { return value_or_default<long>(key); }
-std::optional<bool> Section::boolean(std::string_view key) const { return value_or_default<bool>(key); }
-std::optional<std::string> Section::text(std::string_view key) const { return value_or_default<std::string>(key); }
-std::vector<double> const* Section::numbers(std::string_view key) const { return value<std::vector<double>>(key); }
-std::vector<std::string> const* Section::strings(std::string_view key) const {
-  return value<std::vector<std::string>>(key);
-}
-std::vector<Section> const* Section::sections(std::string_view key) const { return value<std::vector<Section>>(key); }
-Section const* Section::section(std::string_view key) const {
-  auto const* all = sections(key);
-  return all == nullptr || all->empty() ? nullptr : all->data();
-}
-
-// --- Report
-// --------------------------------------------------------------------------------------------------------------------
-
-std::string format(Diagnostic const& d) {
-  return d.key.empty() ? fmt::format("{}:{}:{}: error: {}", d.file, d.line, d.column, d.message)
-                       : fmt::format("{}:{}:{}: error: {}: {}", d.file, d.line, d.column, d.key, d.message);
-}
-
-void Report::error(Place place, std::string key, std::string message) {
-  errors_.push_back({file_, place.line, place.column, std::move(key), std::move(message)});
-}
-
-void Report::warning(Place place, std::string const& key, std::string const& message) {
-  warnings_.push_back(fmt::format("{}:{}:{}: warning: {}: {}", file_, place.line, place.column, key, message));
-}
-
-std::vector<Diagnostic> Report::errors() const {
-  auto sorted = errors_;
-  std::stable_sort(sorted.begin(), sorted.end(), [](Diagnostic const& a, Diagnostic const& b) {
-    return std::tie(a.line, a.column) < std::tie(b.line, b.column);
-  });
-  return sorted;
-}
 
 std::string size_problem(std::string const& bytes) {
   return fmt::format("the deck has {} bytes; allowed: at most {}", bytes, largest_deck);

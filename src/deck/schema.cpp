@@ -77,6 +77,11 @@ std::string suggestion(std::string_view word_, std::vector<std::string> const& n
   return fmt::format("{}: {}", label, fmt::join(names, ", "));
 }
 
+bool has_range(Key const& key) {
+  return key.type == Type::number || key.type == Type::integer || key.type == Type::point ||
+         key.type == Type::numbers || key.type == Type::integers;
+}
+
 std::string range_text(Key const& key) {
   bool const low = key.minimum > -unbounded;
   bool const high = key.maximum < unbounded;
@@ -120,9 +125,7 @@ std::string expectation(Key const& key) {
 }
 
 std::string facts(Key const& key) {
-  bool const has_range = key.type == Type::number || key.type == Type::integer || key.type == Type::point ||
-                         key.type == Type::numbers || key.type == Type::integers;
-  std::string const range = has_range ? fmt::format(", {}", range_text(key)) : "";
+  std::string const range = has_range(key) ? fmt::format(", {}", range_text(key)) : "";
   std::string const rest = key.needed ? "required" : fmt::format("default: {}", default_text(key));
   return fmt::format("Expected: {}{}; {}.", expectation(key), range, rest);
 }

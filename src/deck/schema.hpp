@@ -114,6 +114,9 @@ struct Table {
 /// `"a", "b" or "c"`
 [[nodiscard]] std::string quoted_list(std::vector<std::string> const& names);
 
+/// Has its value a range?
+[[nodiscard]] bool has_range(Key const& key);
+
 /// The allowed range with its unit: "1e-06 to 10000 m", "at least 0", "any".
 [[nodiscard]] std::string range_text(Key const& key);
 

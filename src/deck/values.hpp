@@ -1,0 +1,50 @@
+/// Single values of TOML texts: their types, units and ranges against the schema.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "deck/reader.hpp"
+
+namespace brisance::deck {
+
+[[nodiscard]] Place place_in(toml::source_region const& source, Place fallback);
+
+/// At most `limit` bytes, control characters replaced, never cut inside a UTF-8 character.
+[[nodiscard]] std::string shortened(std::string_view text, std::size_t limit = 60);
+
+/// A value as text for messages.
+[[nodiscard]] std::string show(toml::node const& node);
+
+/// "is a string"
+[[nodiscard]] std::string kind_of(toml::node const& node);
+
+/// The example of a key: "cell = 0.05".
+[[nodiscard]] std::string example(Key const& key);
+
+/// Reads values and reports what is wrong with them.
+class Values {
+ public:
+  explicit Values(Report& report) : report_(report) {}
+
+  void wrong_type(Key const& key, toml::node const& node, std::string const& path, Place place);
+  /// One quantity: an element of a list or a value of its own.
+  std::optional<double> quantity(Key const& key, toml::node const& node, std::string const& path, Place place,
+                                 std::string* unit = nullptr);
+  std::optional<long> whole(Key const& key, toml::node const& node, std::string const& path, Place place);
+  /// One of the key's choices.
+  std::optional<std::string> one_of(Key const& key, toml::node const& node, std::string const& path, Place place);
+
+ private:
+  /// A string with a number and a unit: the key's or one of the further ones.
+  std::optional<double> with_unit(Key const& key, std::string const& text, std::string const& path, Place place,
+                                  std::string* unit);
+  bool in_range(Key const& key, toml::node const& node, double value, std::string const& path, Place place);
+
+  Report& report_;
+};
+
+}  // namespace brisance::deck
