@@ -1,5 +1,5 @@
 /// From TOML text to values: types, units, ranges and unknown keys are checked here against the schema. What the values
-/// mean together is checked in `build.cpp`.
+/// mean together is checked by the builders of tables/.
 #pragma once
 
 #include <map>
