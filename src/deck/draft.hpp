@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "case/case.hpp"
 #include "deck/library.hpp"
 #include "deck/reader.hpp"
-#include "run/case.hpp"
-#include "run/solid_cells.hpp"
+#include "setup/solid_cells.hpp"
 
 namespace brisance::deck {
 

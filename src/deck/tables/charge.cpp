@@ -140,7 +140,7 @@ void fits_between_obstacles(Draft const& draft, Section const& section, shape::S
     return true;
   });
   if (!beside) return;
-  run::SolidCells const solid(draft.out.domain, draft.out.obstacles);
+  setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
   try {
     (void)detonation::fill_cells(body, grid::Grid(draft.out.domain), shape::volume(body, draft.geometry()),
                                  "the charge", [&](Index3 const& cell) { return solid(cell); });

@@ -126,7 +126,7 @@ void plane(Draft& draft, Section const& section, std::string const& name) {
 }
 
 /// Is a gauge between solid cells only?
-bool walled_in(Draft const& draft, run::SolidCells const& solid, Vec3 const& p) {
+bool walled_in(Draft const& draft, setup::SolidCells const& solid, Vec3 const& p) {
   // The cells that a gauge at p reads.
   grid::Domain const& domain = draft.out.domain;
   Index3 low{0, 0, 0};
@@ -155,8 +155,8 @@ void check_gauges(Draft const& draft, Section const& section, std::string_view k
                   std::set<std::string>& names) {
   bool place_reported = false;
   bool name_reported = false;
-  run::SolidCells const solid(draft.out.domain,
-                              draft.domain_known ? draft.out.obstacles : std::vector<run::Obstacle>{});
+  setup::SolidCells const solid(draft.out.domain,
+                                draft.domain_known ? draft.out.obstacles : std::vector<run::Obstacle>{});
   for (std::size_t i = first; i < draft.out.gauges.size(); ++i) {
     auto const& gauge = draft.out.gauges[i];
     if (!names.insert(gauge.name).second && !name_reported) {

@@ -9,7 +9,7 @@
 #include "deck/places.hpp"
 #include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
-#include "run/place_region.hpp"
+#include "setup/place_region.hpp"
 
 namespace brisance::deck {
 
@@ -252,13 +252,13 @@ void build_mpm_region(Draft& draft) {
   contacts_of_fluids(draft, region);
   if (!sound || (draft.has_bodies() && (!bodies_known || draft.body_shapes.empty()))) return;
   try {
-    check_mpm_region(draft, run::region_of(draft.out));
+    check_mpm_region(draft, setup::region_of(draft.out));
   } catch (InputError const& problem) {
     std::string const hint =
         automatic ? fmt::format(
                         "; this is the box around the bodies with {} cells on each side: write [mpm_region] "
                         "with a box or another margin",
-                        run::margin_of(region))
+                        setup::margin_of(region))
                   : "";
     bool const given = section != nullptr;
     std::string_view const key = given && section->given("boxes") ? "boxes" : "box";

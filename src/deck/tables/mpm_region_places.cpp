@@ -118,7 +118,7 @@ void check_mpm_region(Draft const& draft, bridge::Region const& region) {
                     point_text(*place, draft.dims())));
   }
   auto const* obstacles = draft.deck.sections("obstacle");
-  run::SolidCells const solid(draft.out.domain, draft.out.obstacles);
+  setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
   for (auto const& [index, shape] : draft.obstacle_shapes) {
     std::optional<Vec3> place;
     shape::for_each_share({shape}, draft.out.domain, shape::cells_around(shape, draft.out.domain),

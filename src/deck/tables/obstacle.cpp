@@ -9,7 +9,7 @@
 #include "deck/places.hpp"
 #include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
-#include "run/panels.hpp"
+#include "setup/place_panels.hpp"
 
 namespace brisance::deck {
 
@@ -57,13 +57,13 @@ constexpr std::size_t most_obstacles = 1000;
 constexpr long most_looks = 1'000'000;  ///< at cells, to find a gap in a wall
 
 /// An obstacle that gives way has gas on both its sides, and an edge where it needs one.
-void check_panels(Draft const& draft, run::SolidCells const& solid) {
+void check_panels(Draft const& draft, setup::SolidCells const& solid) {
   auto const& sections = *draft.deck.sections("obstacle");
   for (std::size_t n = 0; n < draft.out.obstacles.size(); ++n) {
     if (!draft.out.obstacles[n].release) continue;
     Section const& section = sections[draft.obstacle_shapes[n].first];
     try {
-      (void)run::place_panel(draft.out.domain, draft.out.obstacles, solid, n);
+      (void)setup::place_panel(draft.out.domain, draft.out.obstacles, solid, n);
     } catch (InputError const& problem) {
       draft.error(section, "fails_at", problem.what());
     }
@@ -71,7 +71,7 @@ void check_panels(Draft const& draft, run::SolidCells const& solid) {
 }
 
 /// Warns of gaps beside boxes that are narrower than a cell and would be closed.
-void closed_gaps(Draft const& draft, run::SolidCells const& solid) {
+void closed_gaps(Draft const& draft, setup::SolidCells const& solid) {
   grid::Domain const& domain = draft.out.domain;
   auto const& sections = *draft.deck.sections("obstacle");
   auto const look = [&](std::size_t n, int d, double from, double to, shape::Box const& across, int other) {
@@ -117,7 +117,7 @@ void closed_gaps(Draft const& draft, run::SolidCells const& solid) {
 void check_obstacles(Draft const& draft) {
   if (!draft.domain_known || draft.out.obstacles.empty()) return;
   auto const& sections = *draft.deck.sections("obstacle");
-  run::SolidCells const solid(draft.out.domain, draft.out.obstacles);
+  setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
   double const h = draft.out.domain.h;
   bool sound = true;
   for (std::size_t n = 0; n < draft.out.obstacles.size(); ++n) {

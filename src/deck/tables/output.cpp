@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
+#include "case/case.hpp"
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
-#include "run/gas_fields.hpp"
-#include "run/point_fields.hpp"
-#include "run/world.hpp"
+#include "observe/gas_fields.hpp"
+#include "observe/point_fields.hpp"
 
 namespace brisance::deck {
 
@@ -42,9 +42,10 @@ Settings<run::Output> const& settings() {
       {&O::single_precision, word("precision", {"single", "double"})
                                  .like("\"single\"")
                                  .means("Precision of the fields in the files; the calculation is always in double")},
-      {&O::fields,
-       words("fields", run::known_fields(), O{}.fields).like("[\"pressure\", \"velocity\"]").means("Fields to write")},
-      {&O::point_fields, words("point_fields", run::known_point_fields(), O{}.point_fields)
+      {&O::fields, words("fields", observe::known_fields(), O{}.fields)
+                       .like("[\"pressure\", \"velocity\"]")
+                       .means("Fields to write")},
+      {&O::point_fields, words("point_fields", observe::known_point_fields(), O{}.point_fields)
                              .like("[\"velocity\", \"stress\"]")
                              .means("Fields of the material points to write, beside position, body and material")},
       {&O::gas_points,

@@ -5,7 +5,7 @@
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
 #include "deck/tables/tables.hpp"
-#include "run/place_gas_regions.hpp"
+#include "setup/place_gas_regions.hpp"
 
 namespace brisance::deck {
 
@@ -34,7 +34,7 @@ namespace {
 /// A region has cells of its own.
 void check_regions(Draft const& draft) {
   if (!draft.domain_known || draft.out.regions.empty()) return;
-  run::RegionPlacing const placing(draft.out);
+  setup::RegionPlacing const placing(draft.out);
   for (std::size_t n = 0; n < draft.out.regions.size(); ++n) {
     auto const b = shape::bounds(draft.out.regions[n].shape);
     bool outside = false;

@@ -8,7 +8,7 @@
 #include "deck/keys.hpp"
 #include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
-#include "run/start.hpp"
+#include "setup/start.hpp"
 
 namespace brisance::deck {
 
@@ -148,7 +148,7 @@ void build_start(Draft& draft) {
   if (!sound || !s.profile.empty()) return;
   try {
     for (std::size_t n = 0; n < std::max<std::size_t>(1, draft.out.charges.size()); ++n)
-      (void)run::plan_start(draft.out, n);
+      (void)setup::plan_start(draft.out, n);
   } catch (InputError const& problem) {
     draft.error(*blamed, key, problem.what());
   }
