@@ -30,20 +30,20 @@ FieldList fields_of(Body const& body, Options const& options, int dimensions) {
   material::Solid const& solid = body.solid;
   Transfer const transfer = body.transfer.value_or(options.transfer);
   FieldList fields;
-  for (Field const vector : {Field::position_x, Field::velocity_x, Field::move_x}) fields.add(vector, 3);
+  for (Field const vector : {Field::position_x, Field::velocity_x, Field::move_x}) fields.add(vector);
   for (Field const scalar : {Field::mass, Field::density, Field::identity}) fields.add(scalar);
-  if (options.shape == ShapeFunction::cpgimp) fields.add(Field::half_x, 3);
-  if (transfer == Transfer::apic) fields.add(Field::affine_xx, 9);
+  if (options.shape == ShapeFunction::cpgimp) fields.add(Field::half_x);
+  if (transfer == Transfer::apic) fields.add(Field::affine_xx);
   if (transfer == Transfer::apic && options.shape == ShapeFunction::bspline && !solid.has_deviator()) {
     if (dimensions > 1) fields.add(Field::cross_xy, dimensions == 2 ? 3 : 9);
     fields.add(Field::provisional);
   }
   if (body.books_work) fields.add(Field::provisional);
-  if (transfer == Transfer::xpic) fields.add(Field::filtered_x, 3);
+  if (transfer == Transfer::xpic) fields.add(Field::filtered_x);
   for (Field const scalar : {Field::pressure, Field::viscosity, Field::energy}) fields.add(scalar);
   if (solid.has_deviator()) {
-    fields.add(Field::deviator_xx, 6);
-    fields.add(Field::origin_x, 3);
+    fields.add(Field::deviator_xx);
+    fields.add(Field::origin_x);
   }
   if (solid.plastic()) {
     fields.add(Field::plastic_strain);

@@ -98,10 +98,78 @@ inline constexpr int field_count = static_cast<int>(Field::count);
 using brisance::operator+;  // that of vectors, which the next one would hide
 [[nodiscard]] constexpr Field operator+(Field f, int d) { return static_cast<Field>(static_cast<int>(f) + d); }
 
+/// What becomes of a field where two points become one.
+enum class Merge {
+  by_mass,    ///< the mean of both
+  by_volume,  ///< likewise
+  largest,
+  own,  ///< the sum, or what follows from others: whoever merges knows
+};
+
+/// A scalar, vector or tensor among the fields: its components follow each other.
+struct Quantity {
+  Field first;
+  int components;
+  Merge merge;
+};
+
+/// All of them, in the order of `Field`. A new field has a row here and nowhere else.
+inline constexpr std::array quantities{
+    Quantity{Field::position_x, 3, Merge::by_mass},
+    Quantity{Field::velocity_x, 3, Merge::by_mass},
+    Quantity{Field::mass, 1, Merge::own},
+    Quantity{Field::density, 1, Merge::own},
+    Quantity{Field::pressure, 1, Merge::by_volume},
+    Quantity{Field::viscosity, 1, Merge::by_volume},
+    Quantity{Field::energy, 1, Merge::by_mass},
+    Quantity{Field::provisional, 1, Merge::by_mass},
+    Quantity{Field::identity, 1, Merge::own},
+    Quantity{Field::move_x, 3, Merge::by_mass},
+    Quantity{Field::deviator_xx, 6, Merge::by_mass},
+    Quantity{Field::plastic_strain, 1, Merge::by_mass},
+    Quantity{Field::plastic_work, 1, Merge::by_mass},
+    Quantity{Field::temperature, 1, Merge::by_mass},
+    Quantity{Field::damage, 1, Merge::by_mass},
+    Quantity{Field::crushing, 1, Merge::by_mass},
+    Quantity{Field::cracking, 1, Merge::by_mass},
+    Quantity{Field::compression, 1, Merge::by_mass},
+    Quantity{Field::mass_fraction, 1, Merge::by_mass},
+    Quantity{Field::volume_fraction, 1, Merge::by_volume},
+    Quantity{Field::lighting_time, 1, Merge::largest},
+    Quantity{Field::half_x, 3, Merge::own},
+    Quantity{Field::affine_xx, 9, Merge::by_mass},
+    Quantity{Field::cross_xy, 9, Merge::by_mass},
+    Quantity{Field::filtered_x, 3, Merge::by_mass},
+    Quantity{Field::load_x, 3, Merge::by_mass},
+    Quantity{Field::load_number, 1, Merge::by_mass},
+    Quantity{Field::bar_number, 1, Merge::by_mass},
+    Quantity{Field::bar_part, 1, Merge::by_mass},
+    Quantity{Field::bar_x, 3, Merge::by_mass},
+    Quantity{Field::bar_stress, 1, Merge::by_mass},
+    Quantity{Field::bar_plastic_strain, 1, Merge::by_mass},
+    Quantity{Field::next_x, 3, Merge::by_mass},
+    Quantity{Field::origin_x, 3, Merge::by_mass},
+};
+
+/// Do the rows follow each other without a gap up to the last field?
+[[nodiscard]] constexpr bool complete() {
+  Field next{};
+  for (Quantity const& q : quantities) {
+    if (q.first != next) return false;
+    next = next + q.components;
+  }
+  return next == Field::count;
+}
+static_assert(complete(), "every field belongs to a row of `quantities`, in the order of `Field`");
+
 /// Which fields the points of a body carry.
 class FieldList {
  public:
-  void add(Field first, int components = 1) {
+  /// Adds a quantity with all its components, or the first few of them.
+  void add(Field first, int components = 0) {
+    for (Quantity const& q : quantities) {
+      if (q.first == first && components == 0) components = q.components;
+    }
     for (int c = 0; c < components; ++c) {
       if (slots_[static_cast<int>(first) + c] < 0) slots_[static_cast<int>(first) + c] = size_++;
     }

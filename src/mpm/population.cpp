@@ -313,22 +313,16 @@ double merge(Gas& gas, int keep, int drop) {
   for (int i = 0; i < 3; ++i) square += (gas.v[i][keep] - gas.v[i][drop]) * (gas.v[i][keep] - gas.v[i][drop]);
   double const heat = 0.5 * gas.mass[keep] * of_mass * square;
   merge_halves(gas, keep, drop, of_volume);
-  for (int n = 0; n < field_count; ++n) {
-    auto const f = static_cast<Field>(n);
-    double* values = set.field(f);
-    if (values == nullptr) continue;
-    switch (f) {
-      case Field::mass:
-      case Field::density:
-      case Field::identity:
-      case Field::half_x:
-      case Field::half_y:
-      case Field::half_z: break;
-      case Field::pressure:
-      case Field::viscosity:
-      case Field::volume_fraction: values[keep] += of_volume * (values[drop] - values[keep]); break;
-      case Field::lighting_time: values[keep] = std::max(values[keep], values[drop]); break;
-      default: values[keep] += of_mass * (values[drop] - values[keep]);
+  for (Quantity const& quantity : quantities) {
+    for (int c = 0; c < quantity.components; ++c) {
+      double* values = set.field(quantity.first + c);
+      if (values == nullptr) continue;
+      switch (quantity.merge) {
+        case Merge::own: break;
+        case Merge::by_volume: values[keep] += of_volume * (values[drop] - values[keep]); break;
+        case Merge::largest: values[keep] = std::max(values[keep], values[drop]); break;
+        case Merge::by_mass: values[keep] += of_mass * (values[drop] - values[keep]); break;
+      }
     }
   }
   gas.energy[keep] += heat / mass;
