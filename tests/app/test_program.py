@@ -257,6 +257,12 @@ class Info(Case):
     def test_deck_reference_is_the_documented_one(self):
         self.assertEqual(self.brisance("info", "--deck-reference").stdout, (SOURCE / "docs/deck.md").read_text())
 
+    def test_json_schema_is_printed(self):
+        schema = json.loads(self.brisance("info", "--json-schema").stdout)
+        self.assertEqual(schema["$schema"], "https://json-schema.org/draft/2020-12/schema")
+        self.assertEqual(schema["required"], ["domain", "end"])
+        self.assertIn("charge", schema["properties"])
+
 
 class Check(Case):
     def test_every_example_deck_is_valid(self):
