@@ -64,16 +64,8 @@ void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int 
   if (burning == miller)
     options.afterburn = material::Afterburn{1e3, material::MillerAfterburn{1e-3, 1e5, 0.5, 0.1667, 0.0}};
   gas::Gas gas(grid, fluids, options, {});
-  for (int b = 0; b < grid.block_count(); ++b) {
-    grid::Block const& block = grid.blocks()[b];
-    for (int k = 0; k < block.n[2]; ++k) {
-      for (int j = 0; j < block.n[1]; ++j) {
-        for (int i = 0; i < block.n[0]; ++i) {
-          Vec3 const x = domain.centre({block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-          gas.set(b, block.offset(i, j, k), content_at(content, x));
-        }
-      }
-    }
+  for (grid::Block const& block : grid.blocks()) {
+    for_each_cell(block, [&](grid::Cell const& cell) { gas.set(cell, content_at(content, block.centre(cell))); });
   }
   gas.start();
   long step = 0;

@@ -146,7 +146,7 @@ std::string domain_text(run::Case const& setup, session::Plan const& p) {
     cells += fmt::format("{}{}", k == 0 ? "" : " x ", d.cells[k]);
   }
   out += line("domain", fmt::format("{}, {} m", word_of(d.geometry), box));
-  out += line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.h, "m"),
+  out += line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.smallest_cell(), "m"),
                                    !has_gas(p) ? "" : fmt::format(", in {} blocks", p.blocks)));
   std::string boundaries;
   for (int f = 0; f < 2 * dims; ++f)
@@ -365,7 +365,7 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
           {"geometry", word_of(setup.domain.geometry)},
           {"cells", setup.domain.cells},
           {"cell_count", setup.domain.cell_count()},
-          {"cell_size", setup.domain.h},
+          {"cell_size", setup.domain.smallest_cell()},
           {"blocks", p.blocks},
           {"boundaries", boundaries},
           {"memory_bytes", p.memory_bytes},

@@ -22,8 +22,8 @@ struct Image {
 std::vector<Image> images(grid::Domain const& points, int d, int i) {
   std::vector<Image> result{{i, false}};
   int const n = points.cells[d];
-  if (i == 0 && grid::is_mirror(points.boundary[2 * d])) result.push_back({-1, true});
-  if (i == n - 1 && grid::is_mirror(points.boundary[2 * d + 1])) result.push_back({n, true});
+  if (i == 0 && points.is_mirror(2 * d)) result.push_back({-1, true});
+  if (i == n - 1 && points.is_mirror(2 * d + 1)) result.push_back({n, true});
   if (points.boundary[2 * d] == grid::Boundary::periodic) {
     if (i == 0) result.push_back({n, false});
     if (i == n - 1) result.push_back({-1, false});
@@ -38,16 +38,14 @@ Averages::Averages(grid::Domain const& domain, mpm::Mpm const& points, Index3 co
     : domain_(points.grid().domain()), dims_(domain.dimensions()), sums_(cells.size()) {
   grid::Grid const& grid = points.grid();
   std::map<int, int> slot_of;
-  Index3 pad{0, 0, 0};
-  for (int d = 0; d < dims_; ++d) pad[d] = 1;
   // Blocks whose padded box holds the cell or an image of it: those of the cells around.
   auto const part_of = [&](int block) -> int {
     auto const [found, fresh] = slot_of.try_emplace(block, static_cast<int>(parts_.size()));
     if (fresh) {
       BlockPart part;
       part.block = block;
-      for (int d = 0; d < 3; ++d) part.n[d] = grid.blocks()[block].n[d] + 2 * pad[d];
-      part.wanted.assign(static_cast<std::size_t>(part.n[0]) * part.n[1] * part.n[2], 0);
+      part.box = grid.blocks()[block].in_domain().grown(1, dims_);
+      part.wanted.assign(part.box.count(), 0);
       parts_.push_back(std::move(part));
     }
     return found->second;
@@ -65,37 +63,20 @@ Averages::Averages(grid::Domain const& domain, mpm::Mpm const& points, Index3 co
           Index3 const image{x.index, y.index, z.index};
           auto const flip = static_cast<std::uint8_t>((x.flip ? 1 : 0) | (y.flip ? 2 : 0) | (z.flip ? 4 : 0));
           // All blocks that hold cells next to the image.
+          grid::CellRange const near = grid::around(image, 1, dims_);
           std::vector<int> blocks;
-          for (int k = -pad[2]; k <= pad[2]; ++k) {
-            for (int j = -pad[1]; j <= pad[1]; ++j) {
-              for (int i = -pad[0]; i <= pad[0]; ++i) {
-                Index3 const there{image[0] + i, image[1] + j, image[2] + k};
-                bool exists = true;
-                for (int d = 0; d < dims_; ++d) exists = exists && there[d] >= 0 && there[d] < domain_.cells[d];
-                if (exists) blocks.push_back(grid.block_of(there));
-              }
-            }
-          }
+          for_each_cell(near, [&](Index3 const& there) {
+            if (domain_.contains(there)) blocks.push_back(grid.block_of(there));
+          });
           std::sort(blocks.begin(), blocks.end());
           blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
           for (int const block : blocks) {
             int const slot = part_of(block);
             BlockPart& part = parts_[slot];
-            Index3 const& o = grid.blocks()[block].origin;
-            Index3 local{0, 0, 0};
-            for (int d = 0; d < 3; ++d) local[d] = image[d] - o[d] + pad[d];
-            int const offset = local[0] + part.n[0] * (local[1] + part.n[1] * local[2]);
-            sources_.push_back({slot, offset, flip});
-            for (int k = -pad[2]; k <= pad[2]; ++k) {
-              for (int j = -pad[1]; j <= pad[1]; ++j) {
-                for (int i = -pad[0]; i <= pad[0]; ++i) {
-                  Index3 const c{local[0] + i, local[1] + j, local[2] + k};
-                  bool exists = true;
-                  for (int d = 0; d < 3; ++d) exists = exists && c[d] >= 0 && c[d] < part.n[d];
-                  if (exists) part.wanted[c[0] + part.n[0] * (c[1] + part.n[1] * c[2])] = 1;
-                }
-              }
-            }
+            sources_.push_back({slot, static_cast<int>(part.box.offset(image)), flip});
+            for_each_cell(near, [&](Index3 const& there) {
+              if (part.box.contains(there)) part.wanted[part.box.offset(there)] = 1;
+            });
           }
         }
       }
@@ -109,7 +90,8 @@ void Averages::add_points(mpm::Mpm const& points, int body, BlockPart& part) con
   std::fill(part.values.begin(), part.values.end(), 0.0);
   mpm::PointSet const& set = points.points(part.block, body);
   grid::Block const& block = points.grid().blocks()[part.block];
-  double const inverse_h = 1.0 / domain_.h;
+  grid::CellRange const cells = block.in_domain();
+  double const inverse_h = 1.0 / block.h();
   Index3 span{1, 1, 1};
   for (int d = 0; d < dims_; ++d) span[d] = 3;
   double const* const mass = set.field(Field::mass);
@@ -119,18 +101,18 @@ void Averages::add_points(mpm::Mpm const& points, int body, BlockPart& part) con
   double const* const second_volume = set.field(Field::volume_fraction);
   for (int q = 0; q < set.size(); ++q) {
     std::array<std::array<double, 3>, 3> w{{{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}};
-    Index3 low{0, 0, 0};
-    Index3 own{0, 0, 0};
+    Index3 own = cells.lower;
+    Index3 low = cells.lower;
     for (int d = 0; d < dims_; ++d) {
       double const u =
-          (set.field(Field::position_x + d)[q] - domain_.lower[d]) * inverse_h - static_cast<double>(block.origin[d]);
+          (set.field(Field::position_x + d)[q] - domain_.lower[d]) * inverse_h - static_cast<double>(cells.lower[d]);
       int const i = std::clamp(static_cast<int>(u), 0, block.n[d] - 1);
       double const t = u - i - 0.5;
       w[d] = {0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)};
-      low[d] = i;  // of the padded box: one cell below its own
-      own[d] = i + 1;
+      own[d] = cells.lower[d] + i;
+      low[d] = own[d] - 1;
     }
-    if (part.wanted[own[0] + part.n[0] * (own[1] + part.n[1] * own[2])] == 0) continue;
+    if (part.wanted[part.box.offset(own)] == 0) continue;
     double const m = mass[q];
     double const volume = m / density[q];
     double const m1 = second_mass == nullptr ? 0.0 : m * second_mass[q];
@@ -145,9 +127,7 @@ void Averages::add_points(mpm::Mpm const& points, int body, BlockPart& part) con
     for (int k = 0; k < span[2]; ++k) {
       for (int j = 0; j < span[1]; ++j) {
         double const wyz = w[1][j] * w[2][k];
-        double* row = part.values.data() +
-                      static_cast<std::size_t>(values) *
-                          (low[0] + part.n[0] * ((low[1] + j) + static_cast<std::size_t>(part.n[1]) * (low[2] + k)));
+        double* row = part.values.data() + values * part.box.offset({low[0], low[1] + j, low[2] + k});
         for (int i = 0; i < span[0]; ++i) {
           double const weight = w[0][i] * wyz;
           for (int v = 0; v < values; ++v) row[values * i + v] += weight * value[v];

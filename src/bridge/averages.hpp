@@ -38,13 +38,13 @@ class Averages {
   static constexpr int values = 8;
   struct Source {
     int slot;           ///< of the block
-    int offset;         ///< of the cell in the block's padded box
+    int offset;         ///< of the cell in the block's box
     std::uint8_t flip;  ///< bit d: an image behind a mirror in direction d
   };
   struct BlockPart {
     int block = 0;
-    Index3 n{1, 1, 1};                 ///< with one layer around
-    std::vector<std::uint8_t> wanted;  ///< per cell of the padded box: a point there counts for some cell
+    grid::CellRange box;               ///< its cells in the points' grid, with one layer around
+    std::vector<std::uint8_t> wanted;  ///< per cell of the box: a point there counts for some cell
     std::vector<double> values;
   };
   void add_points(mpm::Mpm const& points, int body, BlockPart& part) const;

@@ -37,13 +37,7 @@ void Bridge::set_roles() {
     grid::Block const& block = grid.blocks()[b];
     std::vector<gas::Role> roles;
     roles.reserve(block.cell_count());
-    for (int k = 0; k < block.n[2]; ++k) {
-      for (int j = 0; j < block.n[1]; ++j) {
-        for (int i = 0; i < block.n[0]; ++i) {
-          roles.push_back(region_.role({block.origin[0] + i, block.origin[1] + j, block.origin[2] + k}));
-        }
-      }
-    }
+    for_each_cell(block.in_domain(), [&](Index3 const& cell) { roles.push_back(region_.role(cell)); });
     gas_->set_roles(b, std::move(roles));
   }
 }
@@ -60,10 +54,9 @@ bool Bridge::wake() {
   grid::Grid const& grid = gas_->grid();
   for (Index3 const& cell : cells) {
     if (region_.clamped(cell) != cell) continue;
-    int const b = grid.block_of(cell);
-    if (!gas_->awake(b)) continue;
-    Index3 const& o = grid.blocks()[b].origin;
-    double const p = gas_->primitive(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]).pressure;
+    grid::Cell const at = grid.locate(cell);
+    if (!gas_->awake(at.block)) continue;
+    double const p = gas_->primitive(at).pressure;
     if (std::abs(p - ambient_.pressure) > options_.activation) {
       awake_ = true;
       // What crossed the faces meanwhile belongs to the points; what the gas at rest pushed there, they have not felt.

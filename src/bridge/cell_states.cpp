@@ -47,16 +47,11 @@ GasState at_offset(GasState const& centre, GasSlopes const& slopes, Vec3 const& 
 
 CellStates::CellStates(grid::Grid const& grid, std::vector<Index3> const& cells) : dims_(grid.domain().dimensions()) {
   grid::Domain const& domain = grid.domain();
-  std::unordered_map<long, int> index_of;
+  grid::CellRange const all = domain.all_cells();
+  std::unordered_map<std::size_t, int> index_of;
   auto const add = [&](Index3 const& cell) {
-    long const key =
-        cell[0] + static_cast<long>(domain.cells[0]) * (cell[1] + static_cast<long>(domain.cells[1]) * cell[2]);
-    auto const [found, fresh] = index_of.try_emplace(key, static_cast<int>(places_.size()));
-    if (fresh) {
-      int const b = grid.block_of(cell);
-      Index3 const& o = grid.blocks()[b].origin;
-      places_.push_back({b, {cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]}});
-    }
+    auto const [found, fresh] = index_of.try_emplace(all.offset(cell), static_cast<int>(places_.size()));
+    if (fresh) places_.push_back(grid.locate(cell));
     return found->second;
   };
   for (Index3 const& cell : cells) add(cell);
@@ -65,13 +60,10 @@ CellStates::CellStates(grid::Grid const& grid, std::vector<Index3> const& cells)
     std::array<Neighbour, 6> around{};
     for (int d = 0; d < dims_; ++d) {
       for (int side = 0; side < 2; ++side) {
-        Index3 there = cell;
-        there[d] += side == 0 ? -1 : 1;
-        bool const beyond = there[d] < 0 || there[d] >= domain.cells[d];
-        grid::Boundary const boundary = domain.boundary[2 * d + side];
+        Index3 const there = grid::beside(cell, d, side);
         Neighbour neighbour;
-        neighbour.mirror = beyond && (boundary == grid::Boundary::symmetry || boundary == grid::Boundary::wall);
-        neighbour.index = add(beyond ? grid::image_cell(domain, there) : there);
+        neighbour.mirror = !domain.contains(there) && domain.is_mirror(2 * d + side);
+        neighbour.index = add(grid::image_cell(domain, there));
         around[2 * d + side] = neighbour;
       }
     }
@@ -95,8 +87,7 @@ void CellStates::read(gas::Gas const& gas) {
   parallel_for((count + group - 1) / group, [&](int g, int) {
     double fastest = 0.0;
     for (int n = g * group; n < std::min(count, (g + 1) * group); ++n) {
-      Place const& p = places_[n];
-      gas::Primitive const w = gas.primitive(p.block, p.cell[0], p.cell[1], p.cell[2]);
+      gas::Primitive const w = gas.primitive(places_[n]);
       later_[n] = {w.density, w.velocity, w.pressure, w.mass_fraction, w.volume_fraction};
       fastest = std::max(fastest, norm(w.velocity) + w.sound_speed);
     }

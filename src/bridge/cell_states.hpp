@@ -62,15 +62,11 @@ class CellStates {
   void archive(Archive& a);  ///< in a checkpoint
 
  private:
-  struct Place {
-    int block;
-    Index3 cell;
-  };
   struct Neighbour {
     int index = -1;       ///< in `places_`; -1: none
     bool mirror = false;  ///< the velocity along the direction changes its sign
   };
-  std::vector<Place> places_;
+  std::vector<grid::Cell> places_;
   std::vector<std::array<Neighbour, 6>> neighbours_;  ///< of the nth cell
   int dims_;
   int levels_ = 0;                              ///< how many of the three times have been read

@@ -32,10 +32,9 @@ double specific_energy(material::Fluids const& fluids, GasState const& s) {
 
 void add_to_cell(gas::Gas& gas, Index3 const& cell, Account const& load) {
   grid::Grid const& grid = gas.grid();
-  int const b = grid.block_of(cell);
-  grid::Block const& block = grid.blocks()[b];
-  int const at = block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
-  double const inverse = 1.0 / grid.domain().cell_volume(cell[0]);
+  grid::Cell const to = grid.locate(cell);
+  auto const [b, at] = std::pair{to.block, to.offset};
+  double const inverse = 1.0 / grid.block(to).volume(to);
   grid::Fields& u = gas.fields();
   u.at(b, gas::density)[at] += inverse * load.mass[0];
   for (int d = 0; d < 3; ++d) u.at(b, gas::momentum_x + d)[at] += inverse * load.momentum[d];

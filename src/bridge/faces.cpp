@@ -10,20 +10,17 @@ namespace brisance::bridge {
 
 namespace {
 
-grid::Domain refined(grid::Domain domain, int parts) {
-  for (int d = 0; d < domain.dimensions(); ++d) domain.cells[d] *= parts;
-  domain.h /= parts;
-  return domain;
+grid::Metric refined(grid::Metric cells, int parts) {
+  cells.h /= parts;
+  return cells;
 }
 
-long key_of(grid::Domain const& domain, Index3 const& cell) {
-  return cell[0] + static_cast<long>(domain.cells[0]) * (cell[1] + static_cast<long>(domain.cells[1]) * cell[2]);
-}
+std::size_t key_of(grid::Domain const& domain, Index3 const& cell) { return domain.all_cells().offset(cell); }
 
 }  // namespace
 
 Faces::Faces(Region const& region, int parts)
-    : region_(&region), parts_(parts), sub_cells_(refined(region.domain(), parts)) {
+    : region_(&region), parts_(parts), sub_cells_(refined(region.metric(), parts)) {
   for (int d = 1; d < region.domain().dimensions(); ++d) lanes_ *= parts;
   for (int f = 0; f < count(); ++f) {
     Face const& face = region.faces()[f];
@@ -42,24 +39,18 @@ int Faces::find(Index3 const& inside, int direction, int side) const {
 std::array<int, 3> Faces::before(Index3 const& cell) const {
   int const dims = region_->domain().dimensions();
   // The nearest cell of the region, with as few directions to go as can be.
-  Index3 reach{0, 0, 0};
-  for (int d = 0; d < dims; ++d) reach[d] = 3;
   int best = 1000;
-  Index3 offset{0, 0, 0};
-  for (int k = -reach[2]; k <= reach[2]; ++k) {
-    for (int j = -reach[1]; j <= reach[1]; ++j) {
-      for (int i = -reach[0]; i <= reach[0]; ++i) {
-        int const distance = i * i + j * j + k * k;
-        if (distance >= best || !region_->inside({cell[0] + i, cell[1] + j, cell[2] + k})) continue;
-        best = distance;
-        offset = {i, j, k};
-      }
-    }
-  }
+  Index3 inside = cell;
+  for_each_cell(grid::around(cell, 3, dims), [&](Index3 const& there) {
+    int distance = 0;
+    for (int d = 0; d < dims; ++d) distance += (there[d] - cell[d]) * (there[d] - cell[d]);
+    if (distance >= best || !region_->inside(there)) return;
+    best = distance;
+    inside = there;
+  });
   std::array<int, 3> faces{-1, -1, -1};
-  Index3 const inside{cell[0] + offset[0], cell[1] + offset[1], cell[2] + offset[2]};
   for (int d = 0; d < dims; ++d) {
-    if (offset[d] != 0) faces[d] = find(inside, d, offset[d] > 0 ? 0 : 1);
+    if (inside[d] != cell[d]) faces[d] = find(inside, d, inside[d] > cell[d] ? 0 : 1);
   }
   return faces;
 }
@@ -73,26 +64,20 @@ int Faces::crossed(Vec3 const& x, Vec3 const& move) const {
   }
   if (!region_->inside(cell)) {
     // By round-off it did not start inside: the nearest cell of the region next to where it is.
-    Index3 const reach{dims > 0 ? 1 : 0, dims > 1 ? 1 : 0, dims > 2 ? 1 : 0};
     int nearest = 4;
-    for (int k = -reach[2]; k <= reach[2]; ++k) {
-      for (int j = -reach[1]; j <= reach[1]; ++j) {
-        for (int i = -reach[0]; i <= reach[0]; ++i) {
-          Index3 const there{to[0] + i, to[1] + j, to[2] + k};
-          int const distance = std::abs(i) + std::abs(j) + std::abs(k);
-          if (distance >= nearest || !region_->inside(there)) continue;
-          nearest = distance;
-          cell = there;
-        }
-      }
-    }
+    for_each_cell(grid::around(to, 1, dims), [&](Index3 const& there) {
+      int distance = 0;
+      for (int d = 0; d < dims; ++d) distance += std::abs(there[d] - to[d]);
+      if (distance >= nearest || !region_->inside(there)) return;
+      nearest = distance;
+      cell = there;
+    });
     if (nearest == 4) throw NumericalError("a gas point left the MPM region by more than a cell in one step");
   }
   for (int d = 0; d < dims; ++d) {
     while (cell[d] != to[d]) {
       int const side = to[d] > cell[d] ? 1 : 0;
-      Index3 next = cell;
-      next[d] += side == 0 ? -1 : 1;
+      Index3 const next = grid::beside(cell, d, side);
       if (!region_->inside(next)) return find(cell, d, side);
       cell = next;
     }
@@ -101,24 +86,23 @@ int Faces::crossed(Vec3 const& x, Vec3 const& move) const {
 }
 
 Index3 Faces::cell_at(Vec3 const& x) const {
-  grid::Domain const& domain = region_->domain();
+  // By the grid of the points, as they are sorted into it.
+  grid::Metric const& own = region_->points_domain();
   Index3 cell{0, 0, 0};
-  for (int d = 0; d < domain.dimensions(); ++d) {
-    // By the grid of the points, as they are sorted into it.
-    grid::Domain const& own = region_->points_domain();
-    cell[d] = static_cast<int>(std::floor((x[d] - own.lower[d]) / own.h)) - region_->shift()[d];
+  for (int d = 0; d < own.dimensions(); ++d) {
+    cell[d] = static_cast<int>(std::floor(own.in_cells(d, x[d]))) - region_->shift()[d];
   }
   return cell;
 }
 
 int Faces::lane_of(int face, Vec3 const& x) const {
   Face const& f = region_->faces()[face];
-  grid::Domain const& domain = region_->domain();
+  grid::Metric const& cells = region_->metric();
   int lane = 0;
   int stride = 1;
-  for (int d = 0; d < domain.dimensions(); ++d) {
+  for (int d = 0; d < cells.dimensions(); ++d) {
     if (d == f.direction) continue;
-    double const u = (x[d] - domain.lower[d]) / domain.h - f.inside[d];
+    double const u = cells.in_cells(d, x[d]) - f.inside[d];
     lane += stride * std::clamp(static_cast<int>(std::floor(u * parts_)), 0, parts_ - 1);
     stride *= parts_;
   }
@@ -178,12 +162,10 @@ void Faces::find_neighbours() {
         if (d == face.direction) continue;
         for (int side = 0; side < 2; ++side, ++n) {
           int other = f;
-          Index3 there = sub;
-          there[d] += side == 0 ? -1 : 1;
+          Index3 there = grid::beside(sub, d, side);
           if (there[d] < 0 || there[d] >= parts_) {
             // The next face of the same direction, or the one around the edge.
-            Index3 next = face.inside;
-            next[d] += side == 0 ? -1 : 1;
+            Index3 const next = grid::beside(face.inside, d, side);
             there[d] = side == 0 ? parts_ - 1 : 0;
             other = region_->inside(next) ? find(next, face.direction, face.side) : -1;
             if (other < 0) {

@@ -44,7 +44,7 @@ class Faces {
   [[nodiscard]] int lane_of(int face, Vec3 const& x) const;
   /// The part of the inside cell that a lane of a face leads to.
   [[nodiscard]] Index3 sub_cell(int face, int lane) const;
-  [[nodiscard]] double lane_area(int face, int lane) const;  ///< in the units of `Domain::face_area` [m2]
+  [[nodiscard]] double lane_area(int face, int lane) const;  ///< in the units of `Metric::face_area` [m2]
   /// Volume of a part of a cell: what one point takes [m3].
   [[nodiscard]] double standard_volume(Index3 const& cell, Index3 const& sub) const;
   /// Numbers of the lanes beside a lane along the region's surface, around edges too; -1: none. Open faces have none.
@@ -57,8 +57,8 @@ class Faces {
   Region const* region_;
   int parts_;
   int lanes_ = 1;
-  grid::Domain sub_cells_;                                 ///< the domain with cells as small as the lanes are wide
-  std::unordered_map<long, std::array<int, 6>> faces_of_;  ///< cell of the region -> faces, or -1
+  grid::Metric sub_cells_;                                        ///< of cells as small as the lanes are wide
+  std::unordered_map<std::size_t, std::array<int, 6>> faces_of_;  ///< cell of the region -> faces, or -1
   std::vector<std::array<int, 4>> neighbours_;
 };
 

@@ -14,17 +14,9 @@ ForbiddenCells::ForbiddenCells(mpm::Mpm const& points, int gas_body, Faces const
     : points_(&points), gas_body_(gas_body), faces_(&faces), region_(&faces.region()) {
   for (int b = 0; b < points.grid().block_count(); ++b) {
     grid::Block const& block = points.grid().blocks()[b];
-    bool touches = false;
-    for (int k = 0; k < block.n[2] && !touches; ++k) {
-      for (int j = 0; j < block.n[1] && !touches; ++j) {
-        for (int i = 0; i < block.n[0] && !touches; ++i) {
-          Index3 cell{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k};
-          for (int d = 0; d < region_->domain().dimensions(); ++d) cell[d] -= region_->shift()[d];
-          touches = contains(cell);
-        }
-      }
+    if (any_cell(block.in_domain(), [&](Index3 const& cell) { return contains(region_->from_points(cell)); })) {
+      blocks_.push_back(b);
     }
-    if (touches) blocks_.push_back(b);
   }
 }
 

@@ -26,25 +26,25 @@ GasPoints::GasPoints(mpm::Mpm& points, int body, material::Fluids const& fluids,
 void GasPoints::append(int face, int lane, double depth, double mass, GasState const& s, GasSlopes const& slopes,
                        mpm::PointSet& to) const {
   Face const& f = (*faces_)[face];
-  grid::Domain const& domain = faces_->region().domain();
+  grid::Metric const& cells = faces_->region().metric();
+  int const dims = cells.dimensions();
   int const parts = faces_->parts();
   Index3 const sub = faces_->sub_cell(face, lane);
   int const q = to.append();
   for (int d = 0; d < 3; ++d) {
-    double x = domain.centre({0, 0, 0})[d];
-    if (d < domain.dimensions()) {
-      x = domain.lower[d] + (f.inside[d] + (sub[d] + 0.5) / parts) * domain.h;
-      if (d == f.direction) {
-        double const least = 1e-9 * domain.h;  // inside, whatever the round-off
-        double const at = std::clamp(depth, least, domain.h - least);
-        x = domain.lower[d] + (f.inside[d] + f.side) * domain.h + (f.side == 0 ? at : -at);
-      }
+    double x = cells.centre({0, 0, 0})[d];
+    if (d == f.direction) {
+      double const least = 1e-9 * cells.h;  // inside, whatever the round-off
+      double const at = std::clamp(depth, least, cells.h - least);
+      x = cells.face(d, f.inside[d] + f.side) + (f.side == 0 ? at : -at);
+    } else if (d < dims) {
+      x = cells.place(d, f.inside[d] + (sub[d] + 0.5) / parts);
     }
     to.field(Field::position_x + d)[q] = x;
     to.field(Field::velocity_x + d)[q] = s.velocity[d];
-    if (double* half = to.field(Field::half_x + d)) half[q] = 0.5 * domain.h / parts;
+    if (double* half = to.field(Field::half_x + d)) half[q] = 0.5 * cells.h / parts;
   }
-  set_gradient(to, q, slopes, domain.dimensions(), domain.h);
+  set_gradient(to, q, slopes, dims, cells.h);
   to.field(Field::mass)[q] = mass;
   to.field(Field::density)[q] = s.density;
   to.field(Field::pressure)[q] = s.pressure;
@@ -68,7 +68,7 @@ Account GasPoints::carried(mpm::PointSet const& set, int q) const {
   l.energy = m * (set.field(Field::energy)[q] + 0.5 * square);
   l.volume = m / set.field(Field::density)[q];
   if (points_->rules(body_).has_gradient_energy)
-    l.energy += m * mpm::affine_energy(set, q, faces_->region().domain().h);
+    l.energy += m * mpm::affine_energy(set, q, faces_->region().metric().h);
   return l;
 }
 

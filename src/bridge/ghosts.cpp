@@ -23,9 +23,7 @@ Ghosts::Ghosts(gas::Gas& gas, Region const& region, SharedGas const& shared)
     std::array<int, 6> neighbours{-1, -1, -1, -1, -1, -1};
     for (int d = 0; d < region.domain().dimensions(); ++d) {
       for (int side = 0; side < 2; ++side) {
-        Index3 there = cell;
-        there[d] += side == 0 ? -1 : 1;
-        neighbours[2 * d + side] = shared.average_of(there);
+        neighbours[2 * d + side] = shared.average_of(grid::beside(cell, d, side));
       }
     }
     neighbours_.push_back(neighbours);
@@ -42,12 +40,13 @@ void Ghosts::fill_cell(int n, double last_step) {
   auto const& sums = shared_->sums();
   material::Fluids const& fluids = gas_->fluids();
   Index3 const& cell = region_->ghosts()[n];
-  double const enough = 0.1 * region_->domain().cell_volume(cell[0]);
+  grid::Metric const& cells = region_->metric();
+  double const enough = 0.1 * cells.cell_volume(cell[0]);
   // Next to solids a ghost cell of the ghost cells may hold hardly any gas: it keeps what it has.
   if (sums[n].volume < enough) return;
   GasState const own = state_of(fluids, sums[n]);
   GasState s = own;
-  for (int d = 0; d < region_->domain().dimensions(); ++d) {
+  for (int d = 0; d < cells.dimensions(); ++d) {
     int const low = neighbours_[n][2 * d];
     int const high = neighbours_[n][2 * d + 1];
     if (low < 0 || high < 0 || sums[low].volume < enough || sums[high].volume < enough) continue;
@@ -60,14 +59,10 @@ void Ghosts::fill_cell(int n, double last_step) {
     for (int c = 0; c < 3; ++c) {
       s.velocity[c] -= sharpening * second(below.velocity[c], own.velocity[c], above.velocity[c]);
     }
-    s.velocity[d] -= 0.5 * last_step * (above.pressure - below.pressure) / (2.0 * region_->domain().h * own.density);
+    s.velocity[d] -= 0.5 * last_step * (above.pressure - below.pressure) / (2.0 * cells.h * own.density);
   }
-  grid::Grid const& grid = gas_->grid();
-  int const b = grid.block_of(cell);
-  grid::Block const& block = grid.blocks()[b];
   double const second_density = s.density * s.mass_fraction;
-  gas_->set_conserved(b, block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]),
-                      s.density - second_density, second_density, s.density * s.velocity,
+  gas_->set_conserved(gas_->grid().locate(cell), s.density - second_density, second_density, s.density * s.velocity,
                       s.density * (specific_energy(fluids, s) + 0.5 * dot(s.velocity, s.velocity)), s.volume_fraction);
 }
 

@@ -137,7 +137,7 @@ void Ledger::add_inflow(double dt, std::optional<double> reference, Account& out
     if (!faces[f].open) continue;
     if (shared_->solid_at(f)) continue;
     CellSums const& sums = shared_->sums_at(f);
-    if (sums.volume < 0.1 * faces.region().domain().cell_volume(faces[f].inside[0])) continue;
+    if (sums.volume < 0.1 * faces.region().metric().cell_volume(faces[f].inside[0])) continue;
     GasState const s = state_of(shared_->fluids(), sums);
     double const inward = faces[f].inward(s.velocity);
     double const e = specific_energy(shared_->fluids(), s) + 0.5 * dot(s.velocity, s.velocity);
@@ -163,7 +163,7 @@ void Ledger::add_inflow(double dt, std::optional<double> reference, Account& out
 void Ledger::follow_volumes(double dt) {
   Faces const& faces = *faces_;
   int const dims = faces.region().domain().dimensions();
-  double const h = faces.region().domain().h;
+  double const h = faces.region().metric().h;
   for (int f = 0; f < faces.count(); ++f) {
     if (faces[f].open) continue;
     GasState const& outside = shared_->outside(f);
@@ -213,7 +213,7 @@ long Ledger::give_birth(GasPoints& points) {
   int const count = faces.count();
   int const groups = (count + group - 1) / group;
   std::vector<mpm::PointSet> born(groups);
-  double const spacing = faces.region().domain().h / faces.parts();
+  double const spacing = faces.region().metric().h / faces.parts();
   parallel_for(groups, [&](int g, int) {
     for (int f = g * group; f < std::min(count, (g + 1) * group); ++f) {
       for (int lane = 0; lane < faces.lanes(); ++lane) {
@@ -272,10 +272,10 @@ void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
   constexpr double bleed = 200.0;  // see below
   constexpr double most = 0.02;    // of what a cell holds, in a step
   Faces const& faces = *faces_;
-  grid::Domain const& domain = faces.region().domain();
-  int const dims = domain.dimensions();
+  grid::Metric const& cells = faces.region().metric();
+  int const dims = cells.dimensions();
   material::Fluids const& fluids = shared_->fluids();
-  double const usual = std::min(0.5, dt * shared_->states().fastest_signal() / (length * domain.h));
+  double const usual = std::min(0.5, dt * shared_->states().fastest_signal() / (length * cells.h));
   for (int f = 0; f < faces.count(); ++f) {
     if (faces[f].open) continue;
     GasState const& outside = shared_->outside(f);
@@ -287,11 +287,11 @@ void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
     double const energy =
         specific_energy(fluids, own) + 0.5 * dot(own.velocity, own.velocity) + reference / own.density;
     Account const gas_per_mass{{1.0 - own.mass_fraction, own.mass_fraction}, own.velocity, energy, 0.0};
-    double const strain = std::abs(faces[f].inward(inside.velocity - outside.velocity)) / domain.h * dt;
+    double const strain = std::abs(faces[f].inward(inside.velocity - outside.velocity)) / cells.h * dt;
     // Rows of points cross a face at once, the fluxes do so evenly: what is under way in uniform flow belongs there,
     // and sound should pass undisturbed. Errors come with strain; where it is 0.5 % in a step or more all goes back.
     double const part = usual * std::min(1.0, bleed * strain);
-    double const cell = std::abs(domain.cell_volume(faces[f].outside()[0])) / faces.lanes();
+    double const cell = std::abs(cells.cell_volume(faces[f].outside()[0])) / faces.lanes();
     Account given_by_face;
     given_.assign(faces.lanes(), Account{});
     for (int lane = 0; lane < faces.lanes(); ++lane) {

@@ -26,40 +26,34 @@ NodeShares::NodeShares(Faces const& faces) {
   Region const& region = faces.region();
   grid::Domain const& own = region.points_domain();
   int const dims = own.dimensions();
-  for (int d = 0; d < dims; ++d) nodes_[d] = own.cells[d] + 1 + 2 * margin;
+  for (int d = 0; d < dims; ++d) nodes_.upper[d] = own.cells[d] + 1;
+  nodes_ = nodes_.grown(margin, dims);
 
-  std::map<long, std::array<std::map<int, double>, 4>> weights;  // node -> kind -> face
+  std::map<std::size_t, std::array<std::map<int, double>, 4>> weights;  // node -> kind -> face
   for (int f = 0; f < faces.count(); ++f) {
     Face const& face = faces[f];
-    Index3 cell{0, 0, 0};  // inside, in the grid of the points
-    for (int d = 0; d < dims; ++d) cell[d] = face.inside[d] + region.shift()[d];
-    Index3 low{0, 0, 0};
-    Index3 high{0, 0, 0};
+    Index3 const cell = region.to_points(face.inside);
+    grid::CellRange near;
     for (int d = 0; d < dims; ++d) {
       bool const normal = d == face.direction;
-      low[d] = normal ? cell[d] + face.side - reach : cell[d] - 1;
-      high[d] = normal ? cell[d] + face.side + reach : cell[d] + 2;
+      near.lower[d] = normal ? cell[d] + face.side - reach : cell[d] - 1;
+      near.upper[d] = (normal ? cell[d] + face.side + reach : cell[d] + 2) + 1;
     }
-    for (int k = low[2]; k <= high[2]; ++k) {
-      for (int j = low[1]; j <= high[1]; ++j) {
-        for (int i = low[0]; i <= high[0]; ++i) {
-          Index3 const node{i, j, k};
-          double weight = 0.0;
-          for (int lane = 0; lane < faces.lanes(); ++lane) {
-            Index3 const sub = faces.sub_cell(f, lane);
-            double w = faces.lane_area(f, lane);
-            for (int d = 0; d < dims; ++d) {
-              if (d != face.direction) w *= spline(node[d] - cell[d] - (sub[d] + 0.5) / faces.parts());
-            }
-            weight += w;
-          }
-          if (weight <= 0.0) continue;
-          long const key = key_of(grid::image_node(own, node).index);
-          weights[key][face.direction][f] += weight;
-          weights[key][all][f] += weight;
+    for_each_cell(near, [&](Index3 const& node) {
+      double weight = 0.0;
+      for (int lane = 0; lane < faces.lanes(); ++lane) {
+        Index3 const sub = faces.sub_cell(f, lane);
+        double w = faces.lane_area(f, lane);
+        for (int d = 0; d < dims; ++d) {
+          if (d != face.direction) w *= spline(node[d] - cell[d] - (sub[d] + 0.5) / faces.parts());
         }
+        weight += w;
       }
-    }
+      if (weight <= 0.0) return;
+      std::size_t const key = key_of(grid::image_node(own, node).index);
+      weights[key][face.direction][f] += weight;
+      weights[key][all][f] += weight;
+    });
   }
   for (auto const& [key, kinds] : weights) {
     auto& ranges = ranges_[key];
@@ -71,12 +65,6 @@ NodeShares::NodeShares(Faces const& faces) {
       for (auto const& [face, weight] : some) shares_.push_back({face, weight / sum});
     }
   }
-}
-
-long NodeShares::key_of(Index3 const& node) const {
-  long key = 0;
-  for (int d = 2; d >= 0; --d) key = key * nodes_[d] + (nodes_[d] > 1 ? node[d] + margin : 0);
-  return key;
 }
 
 std::span<NodeShares::Share const> NodeShares::find(Index3 const& node, int kind) const {

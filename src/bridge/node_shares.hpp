@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -31,10 +32,10 @@ class NodeShares {
     int count = 0;
   };
   [[nodiscard]] std::span<Share const> find(Index3 const& node, int kind) const;
-  [[nodiscard]] long key_of(Index3 const& node) const;
+  [[nodiscard]] std::size_t key_of(Index3 const& node) const { return nodes_.offset(node); }
 
-  Index3 nodes_{1, 1, 1};  ///< of the grid of the points, with a margin
-  std::unordered_map<long, std::array<Range, 4>> ranges_;
+  grid::CellRange nodes_;  ///< of the grid of the points, with a margin
+  std::unordered_map<std::size_t, std::array<Range, 4>> ranges_;
   std::vector<Share> shares_;
 };
 

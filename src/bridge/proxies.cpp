@@ -27,9 +27,7 @@ Proxies::Proxies(mpm::Mpm& points, int gas_body, Faces const& faces, SharedGas c
     } else {
       lent.state = shared.state_of(inner);
     }
-    Index3 at{0, 0, 0};
-    for (int d = 0; d < region.domain().dimensions(); ++d) at[d] = cell[d] + region.shift()[d];
-    by_block[points.grid().block_of(at)].push_back(lent);
+    by_block[points.grid().block_of(region.to_points(cell))].push_back(lent);
   }
   for (auto& [block, cells] : by_block) blocks_.push_back({block, std::move(cells)});
 }
@@ -60,51 +58,45 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger c
     states.at(lent.state, end - half_step, next, next_slopes);
   } else {
     CellSums const& s = shared_->sums()[lent.average];
-    if (s.volume < 0.1 * region.domain().cell_volume(region.clamped(lent.cell)[0])) return;  // a solid lies there
+    if (s.volume < 0.1 * region.metric().cell_volume(region.clamped(lent.cell)[0])) return;  // a solid lies there
     centre = bridge::state_of(shared_->fluids(), s);
     next = centre;
   }
   // Copies, which the calls below cannot change.
-  grid::Domain const domain = region.domain();
-  double const size = domain.h;
+  grid::Metric const cells = region.metric();
   int const parts = faces_->parts();
-  int const dims = domain.dimensions();
-  Index3 n{1, 1, 1};
-  for (int d = 0; d < dims; ++d) n[d] = parts;
-  double const half = 0.5 * domain.h / parts;
-  for (int k = 0; k < n[2]; ++k) {
-    for (int j = 0; j < n[1]; ++j) {
-      for (int i = 0; i < n[0]; ++i) {
-        Index3 const sub{i, j, k};
-        Vec3 offset{0.0, 0.0, 0.0};
-        Vec3 x = domain.centre({0, 0, 0});
-        for (int d = 0; d < dims; ++d) {
-          offset[d] = (sub[d] + 0.5) / parts - 0.5;
-          x[d] = domain.lower[d] + (lent.cell[d] + (sub[d] + 0.5) / parts) * size;
-        }
-        for (int d = 0; d < dims; ++d) {
-          if (lent.face[d] < 0) continue;
-          double const shift = std::clamp(ledger.reach(lent.face[d], x), -2.0 * half, 2.0 * half);
-          x[d] += shift;
-          offset[d] += shift / domain.h;
-        }
-        GasState const s = at_offset(centre, slopes, offset);
-        GasState const later = at_offset(next, next_slopes, offset);
-        int const q = set.append();
-        for (int d = 0; d < 3; ++d) {
-          set.field(Field::position_x + d)[q] = x[d];
-          set.field(Field::velocity_x + d)[q] = s.velocity[d];
-          set.field(Field::next_x + d)[q] = later.velocity[d];
-          if (double* h = set.field(Field::half_x + d)) h[q] = half;
-          if (double* filtered = set.field(Field::filtered_x + d)) filtered[q] = 0.0;
-        }
-        set_gradient(set, q, slopes, dims, domain.h);
-        set.field(Field::density)[q] = s.density;
-        set.field(Field::pressure)[q] = s.pressure;
-        set.field(Field::mass)[q] = s.density * faces_->standard_volume(lent.cell, sub);
-      }
+  int const dims = cells.dimensions();
+  grid::CellRange sub_cells;
+  for (int d = 0; d < dims; ++d) sub_cells.upper[d] = parts;
+  double const half = 0.5 * cells.h / parts;
+  for_each_cell(sub_cells, [&](Index3 const& sub) {
+    Vec3 offset{0.0, 0.0, 0.0};
+    Vec3 x = cells.centre({0, 0, 0});
+    for (int d = 0; d < dims; ++d) {
+      offset[d] = (sub[d] + 0.5) / parts - 0.5;
+      x[d] = cells.place(d, lent.cell[d] + (sub[d] + 0.5) / parts);
     }
-  }
+    for (int d = 0; d < dims; ++d) {
+      if (lent.face[d] < 0) continue;
+      double const shift = std::clamp(ledger.reach(lent.face[d], x), -2.0 * half, 2.0 * half);
+      x[d] += shift;
+      offset[d] += shift / cells.h;
+    }
+    GasState const s = at_offset(centre, slopes, offset);
+    GasState const later = at_offset(next, next_slopes, offset);
+    int const q = set.append();
+    for (int d = 0; d < 3; ++d) {
+      set.field(Field::position_x + d)[q] = x[d];
+      set.field(Field::velocity_x + d)[q] = s.velocity[d];
+      set.field(Field::next_x + d)[q] = later.velocity[d];
+      if (double* h = set.field(Field::half_x + d)) h[q] = half;
+      if (double* filtered = set.field(Field::filtered_x + d)) filtered[q] = 0.0;
+    }
+    set_gradient(set, q, slopes, dims, cells.h);
+    set.field(Field::density)[q] = s.density;
+    set.field(Field::pressure)[q] = s.pressure;
+    set.field(Field::mass)[q] = s.density * faces_->standard_volume(lent.cell, sub);
+  });
 }
 
 void Proxies::lend(double begin, double end, Ledger const& ledger) {

@@ -10,10 +10,6 @@ namespace brisance::bridge {
 
 namespace {
 
-bool mirrors_or_repeats(grid::Boundary b) {
-  return b == grid::Boundary::symmetry || b == grid::Boundary::wall || b == grid::Boundary::periodic;
-}
-
 void check_box(grid::Domain const& domain, CellBox const& box) {
   for (int d = 0; d < domain.dimensions(); ++d) {
     char const axis = "xyz"[d];
@@ -45,34 +41,12 @@ void check_box(grid::Domain const& domain, CellBox const& box) {
 
 }  // namespace
 
-std::size_t Region::at(Index3 const& cell) const {
-  Index3 const i{cell[0] - lower_[0], cell[1] - lower_[1], cell[2] - lower_[2]};
-  return static_cast<std::size_t>(i[0]) +
-         static_cast<std::size_t>(n_[0]) * (i[1] + static_cast<std::size_t>(n_[1]) * i[2]);
-}
-
-bool Region::in_box(Index3 const& cell) const {
-  for (int d = 0; d < 3; ++d) {
-    if (cell[d] < lower_[d] || cell[d] >= lower_[d] + n_[d]) return false;
-  }
-  return true;
-}
-
-int Region::layer(Index3 const& cell) const { return in_box(cell) ? layers_[at(cell)] : 0; }
+int Region::layer(Index3 const& cell) const { return space_.contains(cell) ? layers_[at(cell)] : 0; }
 
 gas::Role Region::role(Index3 const& cell) const {
   int const l = layer(cell);
   if (l == 0) return gas::Role::own;
   return l <= width_ + 2 ? gas::Role::shadow : gas::Role::held;
-}
-
-template <class Visit>
-void Region::for_each(Visit&& visit) const {
-  for (int k = 0; k < n_[2]; ++k) {
-    for (int j = 0; j < n_[1]; ++j) {
-      for (int i = 0; i < n_[0]; ++i) visit(Index3{lower_[0] + i, lower_[1] + j, lower_[2] + k});
-    }
-  }
 }
 
 Index3 Region::clamped(Index3 cell) const {
@@ -97,62 +71,34 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
 
   // The background grid of the points.
   points_domain_ = domain;
-  lower_ = low;
   for (int d = 0; d < dims; ++d) {
     std::array<int, 2> margin{};
     for (int side = 0; side < 2; ++side) {
       bool const at_boundary = side == 0 ? low[d] == 0 : high[d] == domain.cells[d];
-      bool const closed = at_boundary && mirrors_or_repeats(domain.boundary[2 * d + side]);
+      bool const closed = at_boundary && grid::has_images(domain.boundary[2 * d + side]);
       margin[side] = closed ? 0 : lent_layers;
       if (!closed) points_domain_.boundary[2 * d + side] = grid::Boundary::outflow;
     }
-    lower_[d] = low[d] - margin[0];
-    n_[d] = high[d] - low[d] + margin[0] + margin[1];
-    shift_[d] = -lower_[d];
-    points_domain_.lower[d] = domain.lower[d] + lower_[d] * domain.h;
-    points_domain_.cells[d] = n_[d];
+    space_.lower[d] = low[d] - margin[0];
+    space_.upper[d] = high[d] + margin[1];
+    shift_[d] = -space_.lower[d];
+    points_domain_.lower[d] = domain.face(d, space_.lower[d]);
+    points_domain_.cells[d] = space_.n(d);
   }
 
   // Layers by Chebyshev distance from the cells outside.
   std::uint8_t const deep = static_cast<std::uint8_t>(width + 5);
-  layers_.assign(static_cast<std::size_t>(n_[0]) * n_[1] * n_[2], 0);
-  for (CellBox const& box : boxes) {
-    for (int k = box.lower[2]; k < box.upper[2]; ++k) {
-      for (int j = box.lower[1]; j < box.upper[1]; ++j) {
-        for (int i = box.lower[0]; i < box.upper[0]; ++i) layers_[at({i, j, k})] = deep;
-      }
-    }
-  }
-  auto const in_domain = [&](Index3 const& cell) {
-    for (int d = 0; d < dims; ++d) {
-      if (cell[d] < 0 || cell[d] >= domain.cells[d]) return false;
-    }
-    return true;
-  };
-  Index3 reach{0, 0, 0};
-  for (int d = 0; d < dims; ++d) reach[d] = 1;
+  layers_.assign(space_.count(), 0);
+  for (CellBox const& box : boxes) for_each_cell(box, [&](Index3 const& cell) { layers_[at(cell)] = deep; });
   auto const any_around = [&](Index3 const& cell, auto&& test) {
-    for (int k = -reach[2]; k <= reach[2]; ++k) {
-      for (int j = -reach[1]; j <= reach[1]; ++j) {
-        for (int i = -reach[0]; i <= reach[0]; ++i) {
-          Index3 const there{cell[0] + i, cell[1] + j, cell[2] + k};
-          if (in_domain(there) && test(there)) return true;
-        }
-      }
-    }
-    return false;
+    return any_cell(grid::around(cell, 1, dims), [&](Index3 const& c) { return domain.contains(c) && test(c); });
   };
   // Within a box, away from its faces, all around is region.
   auto const in_the_open = [&](Index3 const& cell) {
-    return std::ranges::any_of(boxes, [&](CellBox const& box) {
-      for (int d = 0; d < dims; ++d) {
-        if (cell[d] <= box.lower[d] || cell[d] + 1 >= box.upper[d]) return false;
-      }
-      return true;
-    });
+    return std::ranges::any_of(boxes, [&](CellBox const& box) { return box.grown(-1, dims).contains(cell); });
   };
   std::vector<Index3> front;
-  for_each([&](Index3 const& cell) {
+  for_each_cell(space_, [&](Index3 const& cell) {
     if (layers_[at(cell)] != deep || in_the_open(cell)) return;
     if (any_around(cell, [&](Index3 const& c) { return layer(c) == 0; })) front.push_back(cell);
   });
@@ -162,7 +108,7 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
     std::vector<Index3> next;
     for (Index3 const& cell : front) {
       any_around(cell, [&](Index3 const& c) {
-        if (!in_box(c) || layers_[at(c)] != deep) return false;
+        if (!space_.contains(c) || layers_[at(c)] != deep) return false;
         layers_[at(c)] = 0xff;  // taken, so that it comes once
         next.push_back(c);
         return false;
@@ -174,7 +120,7 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
 
   int deepest = 0;
   std::vector<std::uint8_t> near(layers_.size(), 0);  // number of steps that lead to the region
-  for_each([&](Index3 const& cell) {
+  for_each_cell(space_, [&](Index3 const& cell) {
     int const l = layers_[at(cell)];
     deepest = std::max(deepest, l);
     if (l == 0) return;
@@ -185,8 +131,8 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
         Face face{cell, d, side};
         Index3 const outside = face.outside();
         if (inside(outside)) continue;
-        if (!in_domain(outside)) {
-          if (mirrors_or_repeats(domain.boundary[2 * d + side])) continue;
+        if (!domain.contains(outside)) {
+          if (grid::has_images(domain.boundary[2 * d + side])) continue;
           face.open = true;
         }
         faces_.push_back(face);
@@ -201,23 +147,17 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
   }
   for (int step = 1; step <= lent_layers; ++step) {
     std::vector<std::size_t> found;
-    for_each([&](Index3 const& cell) {
+    for_each_cell(space_, [&](Index3 const& cell) {
       if (layers_[at(cell)] != 0 || near[at(cell)] != 0) return;
-      bool reached = false;
-      for (int k = -reach[2]; k <= reach[2] && !reached; ++k) {
-        for (int j = -reach[1]; j <= reach[1] && !reached; ++j) {
-          for (int i = -reach[0]; i <= reach[0] && !reached; ++i) {
-            Index3 const there{cell[0] + i, cell[1] + j, cell[2] + k};
-            if (!in_box(there)) continue;
-            reached = step == 1 ? layers_[at(there)] != 0 : near[at(there)] == step - 1 && layers_[at(there)] == 0;
-          }
-        }
-      }
+      bool const reached = any_cell(grid::around(cell, 1, dims), [&](Index3 const& there) {
+        if (!space_.contains(there)) return false;
+        return step == 1 ? layers_[at(there)] != 0 : near[at(there)] == step - 1 && layers_[at(there)] == 0;
+      });
       if (reached) found.push_back(at(cell));
     });
     for (std::size_t const n : found) near[n] = static_cast<std::uint8_t>(step);
   }
-  for_each([&](Index3 const& cell) {
+  for_each_cell(space_, [&](Index3 const& cell) {
     if (near[at(cell)] == 0) return;
     // Behind a mirror or a periodic face there are no cells of their own; beyond an open boundary a cell stands for
     // the one of the region, or for the gas cell, that lies next to it.
@@ -225,7 +165,7 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
     for (int d = 0; d < dims; ++d) {
       for (int side = 0; side < 2; ++side) {
         bool const beyond = side == 0 ? cell[d] < 0 : cell[d] >= domain.cells[d];
-        if (beyond && mirrors_or_repeats(domain.boundary[2 * d + side])) real = false;
+        if (beyond && grid::has_images(domain.boundary[2 * d + side])) real = false;
       }
     }
     if (real) lent_.push_back(cell);

@@ -21,11 +21,8 @@ namespace brisance::bridge {
 /// Cells that the gas needs between the region and a boundary of the domain.
 inline constexpr int least_gap = 4;
 
-/// Cells lower <= i < upper of the domain.
-struct CellBox {
-  Index3 lower{0, 0, 0};
-  Index3 upper{1, 1, 1};
-};
+/// Cells of the domain.
+using CellBox = grid::CellRange;
 
 /// A face between a cell of the region and one outside.
 struct Face {
@@ -35,11 +32,7 @@ struct Face {
   bool open = false;  ///< the outside lies beyond an outflow boundary of the domain
   int watch = -1;     ///< number of the face in `Gas::watched`
 
-  [[nodiscard]] Index3 outside() const {
-    Index3 cell = inside;
-    cell[direction] += side == 0 ? -1 : 1;
-    return cell;
-  }
+  [[nodiscard]] Index3 outside() const { return grid::beside(inside, direction, side); }
   /// Component of a vector along the direction into the region.
   [[nodiscard]] double inward(Vec3 const& v) const { return side == 0 ? v[direction] : -v[direction]; }
 };
@@ -51,6 +44,8 @@ class Region {
   Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int lent_layers);
 
   [[nodiscard]] grid::Domain const& domain() const { return domain_; }
+  /// Of its cells, which are all of one size, by their index in the domain.
+  [[nodiscard]] grid::Metric const& metric() const { return domain_; }
   [[nodiscard]] int width() const { return width_; }
   /// Layer of a cell (domain index), as above; 0 outside. Beyond w + 4 all are w + 5.
   [[nodiscard]] int layer(Index3 const& cell) const;
@@ -62,6 +57,13 @@ class Region {
   [[nodiscard]] grid::Domain const& points_domain() const { return points_domain_; }
   /// Index of a cell in that grid minus its index in the domain.
   [[nodiscard]] Index3 const& shift() const { return shift_; }
+  /// Index in that grid of a cell of the domain, and back.
+  [[nodiscard]] Index3 to_points(Index3 const& cell) const {
+    return {cell[0] + shift_[0], cell[1] + shift_[1], cell[2] + shift_[2]};
+  }
+  [[nodiscard]] Index3 from_points(Index3 const& cell) const {
+    return {cell[0] - shift_[0], cell[1] - shift_[1], cell[2] - shift_[2]};
+  }
 
   [[nodiscard]] std::vector<Face> const& faces() const { return faces_; }
   [[nodiscard]] std::vector<Face>& faces() { return faces_; }
@@ -75,15 +77,11 @@ class Region {
   [[nodiscard]] Index3 clamped(Index3 cell) const;
 
  private:
-  [[nodiscard]] std::size_t at(Index3 const& cell) const;
-  [[nodiscard]] bool in_box(Index3 const& cell) const;
-  template <class Visit>
-  void for_each(Visit&& visit) const;
+  [[nodiscard]] std::size_t at(Index3 const& cell) const { return space_.offset(cell); }
 
   grid::Domain domain_;
   int width_;
-  Index3 lower_{0, 0, 0};  ///< of the part of space that `layers_` covers
-  Index3 n_{1, 1, 1};
+  CellBox space_;  ///< what `layers_` covers; it may reach beyond the domain
   std::vector<std::uint8_t> layers_;
   grid::Domain points_domain_;
   Index3 shift_{0, 0, 0};

@@ -17,9 +17,8 @@ std::vector<Index3> averaged_cells(Region const& region, std::map<Index3, int>& 
   for (Index3 const& cell : region.ghosts()) add(cell);
   for (Index3 const& cell : region.ghosts()) {
     for (int d = 0; d < region.domain().dimensions(); ++d) {
-      for (int const step : {-1, 1}) {
-        Index3 there = cell;
-        there[d] += step;
+      for (int const side : {0, 1}) {
+        Index3 const there = grid::beside(cell, d, side);
         if (region.inside(there)) add(there);
       }
     }
@@ -73,9 +72,7 @@ SharedGas::SharedGas(gas::Gas const& gas, mpm::Mpm const& points, int gas_body, 
     beside_.push_back(beside);
     if (!face.open) continue;
     solid_[face.inside] = 0.0;
-    Index3 cell = face.inside;
-    for (int d = 0; d < 3; ++d) cell[d] += faces.region().shift()[d];
-    int const block = points.grid().block_of(cell);
+    int const block = points.grid().block_of(faces.region().to_points(face.inside));
     if (std::find(open_blocks_.begin(), open_blocks_.end(), block) == open_blocks_.end()) open_blocks_.push_back(block);
   }
 }
@@ -106,7 +103,7 @@ void SharedGas::find_solids() {
 bool SharedGas::solid_at(int face) const {
   auto const found = solid_.find((*faces_)[face].inside);
   if (found == solid_.end()) return false;
-  return found->second > 0.5 * faces_->region().domain().cell_volume(found->first[0]);
+  return found->second > 0.5 * faces_->region().metric().cell_volume(found->first[0]);
 }
 
 GasSlopes SharedGas::slopes_outside(int face) const {

@@ -13,7 +13,7 @@ namespace brisance::detonation {
 double symmetry_images(shape::Shape const& shape, grid::Domain const& domain, std::string const& what) {
   shape::Box const box = bounds(shape);
   Vec3 const middle = centre(shape);
-  double const slack = 1e-6 * domain.h;
+  double const slack = 1e-6 * domain.smallest_cell();
   double images = 1.0;
   for (int d = 0; d < domain.dimensions(); ++d) {
     for (int side = 0; side < 2; ++side) {
@@ -40,32 +40,36 @@ double symmetry_images(shape::Shape const& shape, grid::Domain const& domain, st
   return images;
 }
 
+namespace {
+
+/// The cells that the shape's bounds reach into.
+grid::CellRange cells_of(shape::Shape const& shape, grid::Grid const& grid) {
+  shape::Box const box = bounds(shape);
+  Index3 const last = grid.cell_at(box.upper);
+  return {grid.cell_at(box.lower), {last[0] + 1, last[1] + 1, last[2] + 1}};
+}
+
+}  // namespace
+
 FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume, std::string const& what,
                        std::function<bool(Index3 const&)> const& solid) {
   grid::Domain const& domain = grid.domain();
   FilledCells filled;
   filled.images = symmetry_images(shape, domain, what);
-  shape::Box const box = bounds(shape);
-  Index3 const low = grid.cell_at(box.lower);
-  Index3 const high = grid.cell_at(box.upper);
   double full = 0.0;
   double part = 0.0;
-  for (int k = low[2]; k <= high[2]; ++k) {
-    for (int j = low[1]; j <= high[1]; ++j) {
-      for (int i = low[0]; i <= high[0]; ++i) {
-        double const f = fill_fraction(shape, domain, {i, j, k});
-        if (f <= 0.0 || (solid != nullptr && solid({i, j, k}))) continue;
-        filled.cells.push_back({i, j, k});
-        filled.fractions.push_back(f);
-        (f < 1.0 ? part : full) += f * domain.cell_volume(i);
-      }
-    }
-  }
+  for_each_cell(cells_of(shape, grid), [&](Index3 const& cell) {
+    double const f = fill_fraction(shape, domain, cell);
+    if (f <= 0.0 || (solid != nullptr && solid(cell))) return;
+    filled.cells.push_back(cell);
+    filled.fractions.push_back(f);
+    (f < 1.0 ? part : full) += f * domain.cell_volume(cell[0]);
+  });
   auto const no_room = [&] {
     return InputError(fmt::format(
         "{} does not fit between solid cells: obstacles take the cells that would hold it; move them apart by a cell "
         "of {:.6g} m, or make the cells smaller",
-        what, domain.h));
+        what, grid.smallest_cell()));
   };
   double const wanted = volume / filled.images;
   if (filled.cells.empty()) {  // smaller than the sampling: one cell takes it all
@@ -103,16 +107,14 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
 
 void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive, TakenCells& taken) {
   for (std::size_t n = 0; n < filled.cells.size(); ++n) {
-    Index3 const& cell = filled.cells[n];
-    int const b = gas.grid().block_of(cell);
-    grid::Block const& block = gas.grid().blocks()[b];
-    int const at = block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
+    Index3 const& index = filled.cells[n];
+    grid::Cell const cell = gas.grid().locate(index);
     double const alpha = filled.fractions[n];
     // Charges may share a cell: each takes its part from what was there before them.
-    double& before = taken[cell];
+    double& before = taken[index];
     double const rest = 1.0 - before - alpha;
     if (rest < -1e-12) {
-      Vec3 const x = gas.grid().domain().centre(cell);
+      Vec3 const x = gas.grid().block(cell).centre(cell);
       throw InputError(
           fmt::format("charges overlap in the cell at ({:.6g}, {:.6g}, {:.6g}) m; move them apart", x[0], x[1], x[2]));
     }
@@ -120,7 +122,7 @@ void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive 
     double const held = before + alpha;  // by charges
     bool const two = gas.components() > gas::single_fluid_components;
     gas::Components u{};
-    for (int c = 0; c < gas.components(); ++c) u[c] = gas.fields().at(b, c)[at];
+    for (int c = 0; c < gas.components(); ++c) u[c] = gas.fields().at(cell.block, c)[cell.offset];
     if (before > 0.0) {
       // Back to what was there before the charges.
       u[gas::second_density] -= before * explosive.density();
@@ -130,7 +132,7 @@ void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive 
       for (int c = 0; c < gas.components(); ++c) u[c] *= scale;
     }
     gas.set_conserved(
-        b, at, old * u[gas::density], (two ? old * u[gas::second_density] : 0.0) + held * explosive.density(),
+        cell, old * u[gas::density], (two ? old * u[gas::second_density] : 0.0) + held * explosive.density(),
         {old * u[gas::momentum_x], old * u[gas::momentum_y], old * u[gas::momentum_z]},
         held * explosive.energy + old * u[gas::energy], (two ? old * u[gas::volume_fraction] : 0.0) + held);
     before = held;
@@ -170,98 +172,72 @@ struct Burn {
 struct BurningCells {
   static constexpr int beside = 1;  // cells
 
-  Index3 lower{0, 0, 0};
-  Index3 n{0, 0, 0};
+  grid::CellRange range;
   std::vector<Burn> cells;
   double begin = std::numeric_limits<double>::infinity();  ///< of the charge's burn [s]
   double end = -std::numeric_limits<double>::infinity();
 
-  [[nodiscard]] bool holds(Index3 const& cell) const {
-    for (int d = 0; d < 3; ++d) {
-      if (cell[d] < lower[d] || cell[d] >= lower[d] + n[d]) return false;
-    }
-    return true;
-  }
-  [[nodiscard]] std::size_t place(Index3 const& cell) const {
-    return static_cast<std::size_t>(cell[0] - lower[0]) +
-           static_cast<std::size_t>(n[0]) *
-               (cell[1] - lower[1] + static_cast<std::size_t>(n[1]) * (cell[2] - lower[2]));
-  }
-  [[nodiscard]] Burn at(Index3 const& cell) const { return holds(cell) ? cells[place(cell)] : Burn{}; }
+  [[nodiscard]] Burn at(Index3 const& cell) const { return range.contains(cell) ? cells[range.offset(cell)] : Burn{}; }
   void offer(Index3 const& cell, Burn const& burn) {
-    if (holds(cell) && burn.goes_before(cells[place(cell)])) cells[place(cell)] = burn;
+    if (range.contains(cell) && burn.goes_before(cells[range.offset(cell)])) cells[range.offset(cell)] = burn;
   }
 };
 
 /// Middle of the shape's part of a cell; of the cell where the shape fills it or passes between the samples.
-Vec3 middle_of_part(shape::Shape const& shape, grid::Domain const& domain, Index3 const& cell, double filled) {
-  Vec3 const centre = domain.centre(cell);
+Vec3 middle_of_part(shape::Shape const& shape, grid::Grid const& grid, grid::Cell const& cell, double filled) {
+  grid::Domain const& domain = grid.domain();
+  double const h = grid.block(cell).h();
+  Vec3 const centre = grid.block(cell).centre(cell);
   if (filled >= 1.0) return centre;
   constexpr int samples = 8;
-  Index3 count{1, 1, 1};
-  for (int d = 0; d < domain.dimensions(); ++d) count[d] = samples;
+  grid::CellRange all;
+  for (int d = 0; d < domain.dimensions(); ++d) all.upper[d] = samples;
   Vec3 sum{0.0, 0.0, 0.0};
   int inside = 0;
-  for (int k = 0; k < count[2]; ++k) {
-    for (int j = 0; j < count[1]; ++j) {
-      for (int i = 0; i < count[0]; ++i) {
-        Vec3 x = centre;
-        Index3 const n{i, j, k};
-        for (int d = 0; d < domain.dimensions(); ++d) x[d] += ((n[d] + 0.5) / samples - 0.5) * domain.h;
-        if (!shape::contains(shape, domain, x)) continue;
-        sum = sum + x;
-        ++inside;
-      }
-    }
-  }
+  for_each_cell(all, [&](Index3 const& n) {
+    Vec3 x = centre;
+    for (int d = 0; d < domain.dimensions(); ++d) x[d] += ((n[d] + 0.5) / samples - 0.5) * h;
+    if (!shape::contains(shape, domain, x)) return;
+    sum = sum + x;
+    ++inside;
+  });
   return inside > 0 ? (1.0 / inside) * sum : centre;
 }
 
 BurningCells burning_cells(BurningCharge const& charge, grid::Grid const& grid, double detonation_speed) {
   grid::Domain const& domain = grid.domain();
   int const dims = domain.dimensions();
-  double const duration = 1.5 * domain.h / detonation_speed;  // [Cui14] Eq. (53)
-  shape::Box const bounds = shape::bounds(charge.shape);
-  Index3 const low = grid.cell_at(bounds.lower);
-  Index3 const high = grid.cell_at(bounds.upper);
+  grid::CellRange const own = cells_of(charge.shape, grid);
   BurningCells burning;
-  Index3 reach{0, 0, 0};
-  for (int d = 0; d < 3; ++d) {
-    if (d < dims) reach[d] = BurningCells::beside;
-    burning.lower[d] = low[d] - reach[d];
-    burning.n[d] = high[d] - low[d] + 1 + 2 * reach[d];
-  }
-  burning.cells.resize(static_cast<std::size_t>(burning.n[0]) * burning.n[1] * burning.n[2]);
+  burning.range = own.grown(BurningCells::beside, dims);
+  burning.cells.resize(burning.range.count());
   Vec3 const middle = centre(charge.shape);
   bool found = false;
-  auto const add = [&](Index3 const& cell, Vec3 x) {
+  auto const add = [&](grid::Cell const& cell, Vec3 x) {
     found = true;
+    double const cell_time = grid.block(cell).h() / detonation_speed;
+    double const duration = 1.5 * grid.block(cell).h() / detonation_speed;  // [Cui14] Eq. (53)
     for (int d = dims; d < 3; ++d) x[d] = middle[d];
     double const time = lighting_time(x, charge.initiation, detonation_speed);
     burning.begin = std::min(burning.begin, time);
     burning.end = std::max(burning.end, time + duration);
-    for (int k = -reach[2]; k <= reach[2]; ++k) {
-      for (int j = -reach[1]; j <= reach[1]; ++j) {
-        for (int i = -reach[0]; i <= reach[0]; ++i) {
-          int const distance = i * i + j * j + k * k;
-          double const a_cell_further = time + domain.h / detonation_speed;
-          burning.offer(
-              {cell[0] + i, cell[1] + j, cell[2] + k},
-              distance == 0 ? Burn{0, {time, time + duration}} : Burn{distance, {a_cell_further, a_cell_further}});
-        }
-      }
-    }
+    Index3 const index = grid.index(cell);
+    for_each_cell(grid::around(index, BurningCells::beside, dims), [&](Index3 const& there) {
+      int distance = 0;
+      for (int d = 0; d < dims; ++d) distance += (there[d] - index[d]) * (there[d] - index[d]);
+      double const a_cell_further = time + cell_time;
+      burning.offer(
+          there, distance == 0 ? Burn{0, {time, time + duration}} : Burn{distance, {a_cell_further, a_cell_further}});
+    });
   };
-  for (int k = low[2]; k <= high[2]; ++k) {
-    for (int j = low[1]; j <= high[1]; ++j) {
-      for (int i = low[0]; i <= high[0]; ++i) {
-        double const f = fill_fraction(charge.shape, domain, {i, j, k});
-        if (f > 0.0) add({i, j, k}, middle_of_part(charge.shape, domain, {i, j, k}, f));
-      }
-    }
-  }
+  for_each_cell(own, [&](Index3 const& index) {
+    double const f = fill_fraction(charge.shape, domain, index);
+    if (f <= 0.0) return;
+    grid::Cell const cell = grid.locate(index);
+    add(cell, middle_of_part(charge.shape, grid, cell, f));
+  });
   // A charge that is smaller than the sampling fills the one cell at its centre.
-  if (Index3 const only = grid.cell_at(middle); !found) add(only, domain.centre(only));
+  if (grid::Cell const only = grid.locate(middle); !found) add(only, grid.block(only).centre(only));
   return burning;
 }
 
@@ -291,24 +267,20 @@ void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charge
   }
   for (int b = 0; b < gas.grid().block_count(); ++b) {
     grid::Block const& block = gas.grid().blocks()[b];
-    gas::PaddedBox const box(block, domain.dimensions());
-    std::vector<gas::BurnTime> times(static_cast<std::size_t>(box.count()));
+    grid::CellRange const box = block.with_ghosts();
+    std::vector<gas::BurnTime> times(box.count());
     bool any = false;
-    for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
-      for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
-        for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
-          Index3 const cell = grid::image_cell(domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-          Burn burn;
-          for (BurningCells const& charge : of_charges) {
-            if (Burn const here = charge.at(cell); !burn.goes_before(here)) burn = here;
-          }
-          if (burn.distance == far_away) continue;
-          times[box.offset(i, j, k)] = burn.times;
-          last = std::max(last, burn.times.end);
-          any = true;
-        }
+    for_each_cell(box, [&](Index3 const& within) {
+      Index3 const cell = grid::image_cell(domain, block.index(within));
+      Burn burn;
+      for (BurningCells const& charge : of_charges) {
+        if (Burn const here = charge.at(cell); !burn.goes_before(here)) burn = here;
       }
-    }
+      if (burn.distance == far_away) return;
+      times[box.offset(within)] = burn.times;
+      last = std::max(last, burn.times.end);
+      any = true;
+    });
     if (any) gas.set_burn_times(b, std::move(times));
   }
   // The energy of a trace is a few times what the air beside it has at the ambient pressure.

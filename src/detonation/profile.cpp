@@ -41,10 +41,11 @@ double Profile::reach() const {
 
 double Profile::sum(int c) const {
   double const* const values = component(c);
+  grid::CellRange const all = domain.all_cells();
   double total = 0.0;
   for (int j = 0; j < domain.cells[1]; ++j) {
     double row = 0.0;
-    for (int i = 0; i < domain.cells[0]; ++i) row += values[i + domain.cells[0] * j] * domain.cell_volume(i);
+    for (int i = 0; i < domain.cells[0]; ++i) row += values[all.offset({i, j, 0})] * domain.cell_volume(i);
     total += row;
   }
   return total;
@@ -67,18 +68,17 @@ Profile profile_of(gas::Gas const& gas, gas::MixtureState const& ambient, Vec3 c
   auto const quiet = gas.conserved(ambient);
   Index3 first = domain.cells;
   Index3 last{-1, -1, 0};
-  for (int b = 0; b < gas.grid().block_count(); ++b) {
-    grid::Block const& block = gas.grid().blocks()[b];
-    for (int n = 0; n < block.cell_count(); ++n) {
+  for (grid::Block const& block : gas.grid().blocks()) {
+    for_each_cell(block, [&](grid::Cell const& cell) {
       bool same = true;
-      for (int c = 0; c < gas.components() && same; ++c) same = gas.fields().at(b, c)[n] == quiet[c];
-      if (same) continue;
-      Index3 const cell{block.origin[0] + n % block.n[0], block.origin[1] + n / block.n[0] % block.n[1], 0};
+      for (int c = 0; c < gas.components() && same; ++c) same = gas.fields().at(cell.block, c)[cell.offset] == quiet[c];
+      if (same) return;
+      Index3 const index = block.index(cell);
       for (int d = 0; d < 2; ++d) {
-        first[d] = std::min(first[d], cell[d]);
-        last[d] = std::max(last[d], cell[d]);
+        first[d] = std::min(first[d], index[d]);
+        last[d] = std::max(last[d], index[d]);
       }
-    }
+    });
   }
   if (last[0] < 0) throw InputError("nothing has happened: there is no burst that a profile could hold");
   first[0] = 0;
@@ -89,13 +89,12 @@ Profile profile_of(gas::Gas const& gas, gas::MixtureState const& ambient, Vec3 c
   p.domain.boundary.fill(grid::Boundary::symmetry);
   for (int d = 0; d < domain.dimensions(); ++d) {
     bool const low = d > 0 && first[d] == 0;
-    if (last[d] == domain.cells[d] - 1 ||
-        (low && domain.boundary[2 * d] != grid::Boundary::wall && domain.boundary[2 * d] != grid::Boundary::symmetry)) {
+    if (last[d] == domain.cells[d] - 1 || (low && !domain.is_mirror(2 * d))) {
       throw InputError(fmt::format("the burst has reached the {} end of {} of the domain: stop earlier or enlarge it",
                                    low ? "low" : "high", "xyz"[d]));
     }
     p.mirrored = p.mirrored || low;
-    p.domain.lower[d] = domain.lower[d] + first[d] * domain.h - (d > 0 ? centre[d] : 0.0);
+    p.domain.lower[d] = domain.face(d, first[d]) - (d > 0 ? centre[d] : 0.0);
     p.domain.cells[d] = last[d] - first[d] + 1;
   }
   p.components = gas.components();
@@ -103,17 +102,15 @@ Profile profile_of(gas::Gas const& gas, gas::MixtureState const& ambient, Vec3 c
   p.ambient_pressure = ambient.pressure;
   p.state.resize(p.cell_count() * p.components);
   p.pressure.resize(p.cell_count());
-  for (int j = 0; j < p.domain.cells[1]; ++j) {
-    for (int i = 0; i < p.domain.cells[0]; ++i) {
-      Index3 const cell{first[0] + i, (domain.dimensions() > 1 ? first[1] : 0) + j, 0};
-      int const b = gas.grid().block_of(cell);
-      Index3 const& o = gas.grid().blocks()[b].origin;
-      int const at = gas.grid().blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], 0);
-      std::size_t const n = i + static_cast<std::size_t>(p.domain.cells[0]) * j;
-      for (int c = 0; c < p.components; ++c) p.state[c * p.cell_count() + n] = gas.fields().at(b, c)[at];
-      p.pressure[n] = gas.primitive(b, cell[0] - o[0], cell[1] - o[1], 0).pressure;
-    }
-  }
+  grid::CellRange const all = p.domain.all_cells();
+  for_each_cell(all, [&](Index3 const& own) {
+    grid::Cell const cell =
+        gas.grid().locate(Index3{first[0] + own[0], (domain.dimensions() > 1 ? first[1] : 0) + own[1], 0});
+    std::size_t const n = all.offset(own);
+    for (int c = 0; c < p.components; ++c)
+      p.state[c * p.cell_count() + n] = gas.fields().at(cell.block, c)[cell.offset];
+    p.pressure[n] = gas.primitive(cell).pressure;
+  });
   return p;
 }
 

@@ -52,7 +52,7 @@ struct Profile {
   }
   /// Radius of the smallest ball, or cylinder in the plane, around the charge's centre that holds the burst [m].
   [[nodiscard]] double reach() const;
-  /// Integral of a component over the cells, in the units of `Domain::cell_volume`.
+  /// Integral of a component over the cells, in the units of `Metric::cell_volume`.
   [[nodiscard]] double sum(int component) const;
 
   void archive(Archive& a);

@@ -61,9 +61,9 @@ bool is_momentum(int c) { return c >= gas::momentum_x && c <= gas::momentum_z; }
 bool is_free(int c) { return c == gas::shock || c == gas::volume_fraction; }
 
 /// Low corner of a cell relative to the centre.
-Vec3 corner(grid::Domain const& domain, Index3 const& cell, Vec3 const& centre) {
+Vec3 corner(grid::Metric const& metric, Index3 const& cell, Vec3 const& centre) {
   Vec3 x{0.0, 0.0, 0.0};
-  for (int d = 0; d < domain.dimensions(); ++d) x[d] = domain.lower[d] + cell[d] * domain.h - centre[d];
+  for (int d = 0; d < metric.dimensions(); ++d) x[d] = metric.face(d, cell[d]) - centre[d];
   return x;
 }
 
@@ -86,16 +86,15 @@ std::array<double, 2> distances(Vec3 const& low, double h, std::array<bool, 3> c
 /// A spherical or cylindrical profile.
 class RadialSource {
  public:
-  RadialSource(Profile const& profile, grid::Domain const& target)
+  RadialSource(Profile const& profile, Geometry target)
       : profile_(&profile),
-        target_(&target),
+        target_(target),
         shells_(profile.domain.cells[0]),
         thickness_(profile.domain.h),
         lines_(shells_, thickness_) {}
 
-  [[nodiscard]] bool integrate(Vec3 const& low, CellIntegrals& out) {
-    int const dims = target_->dimensions();
-    double const h = target_->h;
+  [[nodiscard]] bool integrate(Vec3 const& low, double h, CellIntegrals& out) {
+    int const dims = grid::dimensions(target_);
     auto const [near, far] = distances(low, h, {true, dims > 1, dims > 2});
     double const reach = profile_->domain.upper(0);
     if (near >= reach) return false;
@@ -112,7 +111,7 @@ class RadialSource {
     int const stations = static_cast<int>(rule.at.size());
     int const e = (along + 1) % dims;
     int const f = (along + 2) % dims;
-    bool const ring = target_->geometry == Geometry::axisymmetric2d;
+    bool const ring = target_ == Geometry::axisymmetric2d;
     for (int m = 0; m < stations; ++m) {
       Vec3 foot{0.0, 0.0, 0.0};
       foot[e] = low[e] + rule.at[m] * h;
@@ -167,7 +166,7 @@ class RadialSource {
   }
 
   Profile const* profile_;
-  grid::Domain const* target_;
+  Geometry target_;
   int shells_;
   double thickness_;
   LineWeights lines_;
@@ -179,8 +178,8 @@ class RadialSource {
 /// An axisymmetric profile. Lines parallel to its axis cross columns of its cells.
 class AxialSource {
  public:
-  AxialSource(Profile const& profile, grid::Domain const& target, Placing const& placing)
-      : profile_(&profile), h_(target.h), axis_(placing.axis), sense_(placing.sense) {
+  AxialSource(Profile const& profile, Placing const& placing)
+      : profile_(&profile), axis_(placing.axis), sense_(placing.sense), cells_(profile.domain.all_cells()) {
     Index3 const& n = profile.domain.cells;
     first_.assign(n[0], n[1]);
     last_.assign(n[0], 0);
@@ -188,7 +187,7 @@ class AxialSource {
       for (int i = 0; i < n[0]; ++i) {
         bool quiet = true;
         for (int c = 0; c < profile.components && quiet; ++c)
-          quiet = profile.component(c)[i + n[0] * j] == profile.ambient[c];
+          quiet = profile.component(c)[cells_.offset({i, j, 0})] == profile.ambient[c];
         if (quiet) continue;
         first_[i] = std::min(first_[i], j);
         last_[i] = j + 1;
@@ -196,14 +195,14 @@ class AxialSource {
     }
   }
 
-  [[nodiscard]] bool integrate(Vec3 const& low, CellIntegrals& out) const {
+  [[nodiscard]] bool integrate(Vec3 const& low, double h, CellIntegrals& out) const {
     grid::Domain const& domain = profile_->domain;
     std::array<bool, 3> across{true, true, true};
     across[axis_] = false;
-    auto const [near, far] = distances(low, h_, across);
+    auto const [near, far] = distances(low, h, across);
     if (near >= domain.upper(0)) return false;
-    double a = sense_ > 0.0 ? low[axis_] : -low[axis_] - h_;
-    double const b = a + h_;
+    double a = sense_ > 0.0 ? low[axis_] : -low[axis_] - h;
+    double const b = a + h;
     double const bottom = domain.lower[1];
     if (a >= domain.upper(1) || (!profile_->mirrored && b <= bottom) ||
         (profile_->mirrored && b <= 2.0 * bottom - domain.upper(1))) {
@@ -215,17 +214,17 @@ class AxialSource {
     int const f = (axis_ + 2) % 3;
     for (std::size_t m = 0; m < rule_.at.size(); ++m) {
       for (std::size_t n = 0; n < rule_.at.size(); ++n) {
-        double const x = low[e] + rule_.at[m] * h_;
-        double const y = low[f] + rule_.at[n] * h_;
+        double const x = low[e] + rule_.at[m] * h;
+        double const y = low[f] + rule_.at[n] * h;
         double const r = std::sqrt(x * x + y * y);
-        double const weight = rule_.weight[m] * rule_.weight[n] * h_ * h_;
+        double const weight = rule_.weight[m] * rule_.weight[n] * h * h;
         Vec3 radial{0.0, 0.0, 0.0};
         radial[e] = x / r;
         radial[f] = y / r;
         double const filled =
             line(r, a, b, 1.0, weight, radial, out) +
             (profile_->mirrored ? line(r, 2.0 * bottom - b, 2.0 * bottom - a, -1.0, weight, radial, out) : 0.0);
-        out.whole = out.whole && filled >= h_ * (1.0 - 1e-12);
+        out.whole = out.whole && filled >= h * (1.0 - 1e-12);
       }
     }
     return out.volume > 0.0;
@@ -235,22 +234,22 @@ class AxialSource {
   /// Adds what lies between the heights a and b on a line at the radius r, above the profile's low face; returns the
   /// length.
   double line(double r, double a, double b, double sign, double weight, Vec3 const& radial, CellIntegrals& out) const {
-    grid::Domain const& domain = profile_->domain;
-    int const i = static_cast<int>(r / domain.h);
-    if (i >= domain.cells[0]) return 0.0;
-    double const low = std::max(a, domain.lower[1] + first_[i] * domain.h);
-    double const high = std::min(b, domain.lower[1] + last_[i] * domain.h);
+    grid::Metric const& metric = profile_->domain;
+    int const i = static_cast<int>(r / metric.h);
+    if (i >= cells_.upper[0]) return 0.0;
+    double const low = std::max(a, metric.face(1, first_[i]));
+    double const high = std::min(b, metric.face(1, last_[i]));
     if (!(high > low)) return 0.0;
-    int const from = std::max(first_[i], static_cast<int>((low - domain.lower[1]) / domain.h));
+    int const from = std::max(first_[i], static_cast<int>(metric.in_cells(1, low)));
     for (int j = from; j < last_[i]; ++j) {
-      double const bottom = domain.lower[1] + j * domain.h;
-      double const length = std::min(high, bottom + domain.h) - std::max(low, bottom);
+      double const bottom = metric.face(1, j);
+      double const length = std::min(high, bottom + metric.h) - std::max(low, bottom);
       if (length <= 0.0) {
         if (bottom >= high) break;
         continue;
       }
       double const v = weight * length;
-      std::size_t const n = i + static_cast<std::size_t>(domain.cells[0]) * j;
+      std::size_t const n = cells_.offset({i, j, 0});
       out.volume += v;
       out.pressure += v * profile_->pressure[n];
       for (int c = 0; c < profile_->components; ++c) {
@@ -264,9 +263,9 @@ class AxialSource {
   }
 
   Profile const* profile_;
-  double h_;
   int axis_;
   double sense_;
+  grid::CellRange cells_;   ///< of the profile
   std::vector<int> first_;  ///< rows of each column that the burst has reached
   std::vector<int> last_;
   Rule rule_{sharp_pieces, 2};
@@ -276,7 +275,6 @@ class AxialSource {
 template <class Make>
 std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& centre, Make&& make_source) {
   grid::Grid const& grid = gas.grid();
-  grid::Domain const& domain = grid.domain();
   using Source = decltype(make_source());
   std::vector<Source> sources;
   sources.reserve(static_cast<std::size_t>(threads()));
@@ -287,14 +285,14 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
   parallel_for(grid.block_count(), [&](int b, int thread) {
     grid::Block const& block = grid.blocks()[b];
     CellIntegrals sums;
+    double const h = block.h();
+    int const dims = block.metric.dimensions();
     for (int n = 0; n < block.cell_count(); ++n) {
-      Index3 const i{n % block.n[0], n / block.n[0] % block.n[1], n / (block.n[0] * block.n[1])};
-      Index3 const cell{block.origin[0] + i[0], block.origin[1] + i[1], block.origin[2] + i[2]};
-      Vec3 const low = corner(domain, cell, centre);
-      int const dims = domain.dimensions();
-      if (distances(low, domain.h, {true, dims > 1, dims > 2})[0] >= reach) continue;
-      if (!sources[thread].integrate(low, sums)) continue;
-      double const volume = domain.cell_volume(cell[0]);
+      grid::Cell const cell = block.cell_at(n);
+      Vec3 const low = corner(block.metric, block.index(cell), centre);
+      if (distances(low, h, {true, dims > 1, dims > 2})[0] >= reach) continue;
+      if (!sources[thread].integrate(low, h, sums)) continue;
+      double const volume = block.volume(cell);
       Touched const t{
           b, n, volume, sums.whole ? 1.0 : std::min(1.0, sums.volume / volume),
           sums.pressure / volume + (sums.whole ? 0.0 : 1.0 - sums.volume / volume) * profile.ambient_pressure};
@@ -346,9 +344,8 @@ Target target_of(gas::Gas const& gas, Profile const& profile, Placing const& pla
   Sum touched;
   for (Touched const& cell : cells) touched.add(cell.volume);
   Sum filled;
-  for (int j = 0; j < profile.domain.cells[1]; ++j) {
-    for (int i = 0; i < profile.domain.cells[0]; ++i) filled.add(profile.domain.cell_volume(i));
-  }
+  grid::CellRange const of_profile = profile.domain.all_cells();
+  for_each_cell(of_profile, [&](Index3 const& cell) { filled.add(profile.domain.cell_volume(cell[0])); });
   double const rest = touched.value() - t.share * filled.value();
   for (int c = 0; c < gas.components(); ++c) {
     if (!is_momentum(c)) t.sum[c] = t.share * profile.sum(c) + profile.ambient[c] * rest;
@@ -369,9 +366,9 @@ Target target_of(gas::Gas const& gas, Profile const& profile, Placing const& pla
     for (int j = 0; j < profile.domain.cells[1]; ++j) {
       double row = 0.0;
       for (int i = 0; i < profile.domain.cells[0]; ++i) {
-        row += profile.component(gas::momentum_y)[i + profile.domain.cells[0] * j] * profile.domain.cell_volume(i);
+        row += profile.component(gas::momentum_y)[of_profile.offset({i, j, 0})] * profile.domain.cell_volume(i);
       }
-      bool const above = profile.domain.lower[1] + (j + 0.5) * profile.domain.h > 0.0;
+      bool const above = profile.domain.place(1, j + 0.5) > 0.0;
       if (planes[a] == 0) {
         along += both ? 0.0 : t.share * placing.sense * row;
       } else if (both) {
@@ -516,10 +513,9 @@ std::array<int, 3> planes_through(grid::Domain const& domain, Vec3 const& centre
   for (int f = 0; f < 2 * domain.dimensions(); ++f) {
     int const d = f / 2;
     if (d == 0 && grid::radial_exponent(domain.geometry) > 0) continue;
-    grid::Boundary const b = domain.boundary[f];
     double const plane = f % 2 == 0 ? domain.lower[d] : domain.upper(d);
-    bool const mirror = b == grid::Boundary::symmetry || b == grid::Boundary::wall;
-    if (mirror && std::abs(centre[d] - plane) <= 1e-6 * domain.h) through[d] = f % 2 == 0 ? 1 : -1;
+    if (domain.is_mirror(f) && std::abs(centre[d] - plane) <= 1e-6 * domain.smallest_cell())
+      through[d] = f % 2 == 0 ? 1 : -1;
   }
   return through;
 }
@@ -529,15 +525,15 @@ RemapReport remap(gas::Gas& gas, Profile const& profile, Placing const& placing)
   grid::Domain const& domain = gas.grid().domain();
   bool const axial = profile.domain.geometry == Geometry::axisymmetric2d;
   std::vector<Touched> const cells =
-      axial ? fill(gas, profile, placing.centre, [&] { return AxialSource(profile, domain, placing); })
-            : fill(gas, profile, placing.centre, [&] { return RadialSource(profile, domain); });
+      axial ? fill(gas, profile, placing.centre, [&] { return AxialSource(profile, placing); })
+            : fill(gas, profile, placing.centre, [&] { return RadialSource(profile, domain.geometry); });
   if (cells.empty()) throw InputError("the burst lies outside the domain");
   Target const target = target_of(gas, profile, placing, cells);
 
   RemapReport report;
   report.time = profile.time;
   report.radius = profile.reach();
-  report.cells_per_radius = report.radius / domain.h;
+  report.cells_per_radius = report.radius / gas.grid().smallest_cell();
   report.share = target.share;
   report.radial_momentum = target.radial_momentum;
   report.quadrature_error = correct(gas, target, cells);

@@ -70,13 +70,14 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, M
 
 Components Gas::conserved(MixtureState const& state) const { return conserved_of(fluids_, state); }
 
-void Gas::set(int block, int offset, MixtureState const& state) {
+void Gas::set(grid::Cell const& cell, MixtureState const& state) {
   auto const u = conserved(state);
-  for (int c = 0; c < components(); ++c) fields_.at(block, c)[offset] = u[c];
+  for (int c = 0; c < components(); ++c) fields_.at(cell.block, c)[cell.offset] = u[c];
 }
 
-void Gas::set_conserved(int block, int offset, double ambient, double second, Vec3 const& momentum, double total_energy,
-                        double fraction) {
+void Gas::set_conserved(grid::Cell const& cell, double ambient, double second, Vec3 const& momentum,
+                        double total_energy, double fraction) {
+  auto const [block, offset] = std::pair{cell.block, cell.offset};
   fields_.at(block, density)[offset] = ambient;
   for (int d = 0; d < 3; ++d) fields_.at(block, momentum_x + d)[offset] = momentum[d];
   fields_.at(block, energy)[offset] = total_energy;
@@ -89,15 +90,9 @@ void Gas::set_conserved(int block, int offset, double ambient, double second, Ve
 
 void Gas::set_obstacles(int block, std::vector<std::uint8_t> solid) { blocks_[block].solid = std::move(solid); }
 
-bool Gas::is_obstacle(int block, int i, int j, int k) const {
-  if (blocks_[block].solid.empty()) return false;
-  return blocks_[block].solid[PaddedBox(grid_->blocks()[block], grid_->domain().dimensions()).offset(i, j, k)] != 0;
-}
-
-bool Gas::is_obstacle(Index3 const& cell) const {
-  int const b = grid_->block_of(cell);
-  Index3 const& o = grid_->blocks()[b].origin;
-  return is_obstacle(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
+bool Gas::is_obstacle(grid::Cell const& cell) const {
+  auto const& solid = blocks_[cell.block].solid;
+  return !solid.empty() && solid[grid_->block(cell).with_ghosts().offset(cell.within())] != 0;
 }
 
 void Gas::set_roles(int block, std::vector<Role> roles) {
@@ -108,14 +103,10 @@ void Gas::set_roles(int block, std::vector<Role> roles) {
 }
 
 int Gas::watch(Index3 const& cell, int direction) {
-  int const b = grid_->block_of(cell);
-  grid::Block const& block = grid_->blocks()[b];
-  Bundles const bundles(block, direction, options_.bundle_cells);
-  auto& faces = blocks_[b].watched[direction];
+  WatchedFace const face{grid_->locate(cell), static_cast<int>(watched_.size())};
+  grid::Bundles const bundles(grid_->block(face.cell), direction, options_.bundle_cells);
+  auto& faces = blocks_[face.cell.block].watched[direction];
   faces.resize(bundles.count());
-  WatchedFace face;
-  for (int d = 0; d < 3; ++d) face.cell[d] = cell[d] - block.origin[d];
-  face.number = static_cast<int>(watched_.size());
   faces[bundles.index_of(face.cell)].push_back(face);
   watched_.emplace_back();
   return face.number;
@@ -173,43 +164,37 @@ double Gas::unlit_compression(double unburnt_density) const {
   if (!fluids_.two || !burning()) return 0.0;
   constexpr double ahead = 6.0;  // cells that the detonation runs meanwhile: its own foot compresses what is nearer
   constexpr double a_good_part = 0.1;
-  double const soonest = time_ + ahead * grid_->domain().h / detonation_speed_;
   double most = 0.0;
   for (grid::Block const& block : grid_->blocks()) {
-    int const b = static_cast<int>(&block - grid_->blocks().data());
+    int const b = block.number;
     if (blocks_[b].burn_times.empty()) continue;
-    PaddedBox const box(block, grid_->domain().dimensions());
-    for (int k = 0; k < block.n[2]; ++k) {
-      for (int j = 0; j < block.n[1]; ++j) {
-        for (int i = 0; i < block.n[0]; ++i) {
-          int const at = block.offset(i, j, k);
-          double const alpha = fields_.at(b, volume_fraction)[at];
-          if (blocks_[b].burn_times[box.offset(i, j, k)].begin < soonest || alpha < a_good_part || !is_own(b, at))
-            continue;
-          most = std::max(most, fields_.at(b, second_density)[at] / (alpha * unburnt_density) - 1.0);
-        }
-      }
-    }
+    double const soonest = time_ + ahead * block.h() / detonation_speed_;
+    grid::CellRange const box = block.with_ghosts();
+    for_each_cell(block, [&](grid::Cell const& cell) {
+      double const alpha = fields_.at(b, volume_fraction)[cell.offset];
+      bool const soon = blocks_[b].burn_times[box.offset(cell.within())].begin < soonest;
+      if (soon || alpha < a_good_part || !is_own(cell)) return;
+      most = std::max(most, fields_.at(b, second_density)[cell.offset] / (alpha * unburnt_density) - 1.0);
+    });
   }
   return most;
 }
 
-double Gas::burn_fraction(int block, int i, int j, int k) const {
-  if (blocks_[block].burn_times.empty() || !burning()) return 1.0;
-  double const alpha = fields_.at(block, volume_fraction)[grid_->blocks()[block].offset(i, j, k)];
-  if (is_trace(alpha)) return 1.0;
-  PaddedBox const box(grid_->blocks()[block], grid_->domain().dimensions());
-  return burn_fraction_of(blocks_[block].burn_times[box.offset(i, j, k)]);
+double Gas::burn_fraction(grid::Cell const& cell) const {
+  auto const& times = blocks_[cell.block].burn_times;
+  if (times.empty() || !burning()) return 1.0;
+  if (is_trace(fields_.at(cell.block, volume_fraction)[cell.offset])) return 1.0;
+  return burn_fraction_of(times[grid_->block(cell).with_ghosts().offset(cell.within())]);
 }
 
-double Gas::afterburn_progress(int block, int offset) const {
+double Gas::afterburn_progress(grid::Cell const& cell) const {
   if (!fluids_.two || !options_.afterburn) return 0.0;
-  double const products = fields_.at(block, second_density)[offset];
+  double const products = fields_.at(cell.block, second_density)[cell.offset];
   if (!(products > 0.0)) return 0.0;
   if (auto const* constant = std::get_if<material::ConstantRateAfterburn>(&options_.afterburn->rate)) {
     return constant->progress(time_);
   }
-  return std::clamp(fields_.at(block, progress)[offset] / products, 0.0, 1.0);
+  return std::clamp(fields_.at(cell.block, progress)[cell.offset] / products, 0.0, 1.0);
 }
 
 void Gas::start(double time) {
@@ -225,13 +210,11 @@ void Gas::start(double time) {
     }
     awake_[b] = quiescent ? 0 : 1;
   });
-  open_faces_.start(fields_, quiet, [this](int b, int at) {
+  open_faces_.start(fields_, quiet, [this](grid::Cell const& cell) {
     // Explosive that the boundary cuts through burns away; what lies beyond it does not.
-    if (!fluids_.two || blocks_[b].burn_times.empty() || !(fields_.at(b, volume_fraction)[at] > 0.0)) return false;
-    grid::Block const& block = grid_->blocks()[b];
-    PaddedBox const box(block, grid_->domain().dimensions());
-    int const padded = box.offset(at % block.n[0], at / block.n[0] % block.n[1], at / (block.n[0] * block.n[1]));
-    return std::isfinite(blocks_[b].burn_times[padded].end);
+    auto const& times = blocks_[cell.block].burn_times;
+    if (!fluids_.two || times.empty() || !(fields_.at(cell.block, volume_fraction)[cell.offset] > 0.0)) return false;
+    return std::isfinite(times[grid_->block(cell).with_ghosts().offset(cell.within())].end);
   });
   prepare_workspaces();
   std::vector<int> all(blocks_.size());
@@ -247,7 +230,7 @@ void Gas::prepare_workspaces() {
   int width = 1;
   for (grid::Block const& block : grid_->blocks()) {
     for (int d = 0; d < grid_->domain().dimensions(); ++d) {
-      Bundles const bundles(block, d, options_.bundle_cells);
+      grid::Bundles const bundles(block, d, options_.bundle_cells);
       capacity = std::max(capacity, bundles.capacity());
       width = std::max(width, d == 0 ? 1 : bundles.width());
     }
@@ -270,11 +253,10 @@ Primitive Gas::to_primitive(double const* u, double F) const {
   return w;
 }
 
-Primitive Gas::primitive(int block, int i, int j, int k) const {
-  int const at = grid_->blocks()[block].offset(i, j, k);
+Primitive Gas::primitive(grid::Cell const& cell) const {
   Components u{};
-  for (int c = 0; c < components(); ++c) u[c] = fields_.at(block, c)[at];
-  return to_primitive(u.data(), burn_fraction(block, i, j, k));
+  for (int c = 0; c < components(); ++c) u[c] = fields_.at(cell.block, c)[cell.offset];
+  return to_primitive(u.data(), burn_fraction(cell));
 }
 
 std::vector<Primitive> Gas::gather(std::vector<Index3> const& cells) const {
@@ -282,10 +264,7 @@ std::vector<Primitive> Gas::gather(std::vector<Index3> const& cells) const {
   std::vector<Primitive> result;
   result.reserve(cells.size());
   for (std::size_t n = 0; n < cells.size(); ++n) {
-    int const b = grid_->block_of(cells[n]);
-    Index3 const& o = grid_->blocks()[b].origin;
-    double const F = burn_fraction(b, cells[n][0] - o[0], cells[n][1] - o[1], cells[n][2] - o[2]);
-    result.push_back(to_primitive(values.data() + n * components(), F));
+    result.push_back(to_primitive(values.data() + n * components(), burn_fraction(grid_->locate(cells[n]))));
   }
   return result;
 }
@@ -318,10 +297,7 @@ Account Gas::account() const {
 
 void Gas::report_not_a_number(int b, int direction) const {
   grid::Block const& block = grid_->blocks()[b];
-  int const at = blocks_[b].not_a_number;
-  Index3 const cell{block.origin[0] + at % block.n[0], block.origin[1] + at / block.n[0] % block.n[1],
-                    block.origin[2] + at / (block.n[0] * block.n[1])};
-  Vec3 const x = grid_->domain().centre(cell);
+  Vec3 const x = block.centre(block.cell_at(blocks_[b].not_a_number));
   throw NumericalError(fmt::format(
       "the state of the cell at ({:.6g}, {:.6g}, {:.6g}) m became not a number at t = {:.6g} s in the sweep along {}; "
       "remedies: a smaller numerics.courant, numerics.scheme = \"muscl-hancock\", a finer or coarser domain.cell near "
@@ -334,7 +310,7 @@ SweepContext Gas::sweep_context(int direction, double dt) const {
   context.fluids = &fluids_;
   context.direction = direction;
   context.dt = dt;
-  context.h = grid_->domain().h;
+  context.h = grid_->smallest_cell();
   context.beta = options_.beta;
   context.floors.density = options_.density_floor;
   context.floors.pressure = options_.pressure_floor;

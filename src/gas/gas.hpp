@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "gas/bundle.hpp"
 #include "gas/closure.hpp"
 #include "gas/kernels.hpp"
 #include "gas/open_faces.hpp"
@@ -111,19 +110,19 @@ class Gas {
   [[nodiscard]] grid::Fields& fields() { return fields_; }
   [[nodiscard]] grid::Fields const& fields() const { return fields_; }
 
-  /// Sets one cell of one block.
-  void set(int block, int offset, MixtureState const& state);
+  /// Sets one cell.
+  void set(grid::Cell const& cell, MixtureState const& state);
   /// Sets one cell from conserved quantities per volume: partial densities, momentum, total energy, volume fraction.
-  void set_conserved(int block, int offset, double ambient, double second, Vec3 const& momentum, double total_energy,
+  void set_conserved(grid::Cell const& cell, double ambient, double second, Vec3 const& momentum, double total_energy,
                      double volume_fraction);
   /// Conserved components of a state, in component order.
   [[nodiscard]] Components conserved(MixtureState const& state) const;
 
-  /// Marks obstacle cells of a block (1: solid), with `PaddedBox` padding.
+  /// Marks obstacle cells of a block (1: solid), over `Block::with_ghosts`.
   void set_obstacles(int block, std::vector<std::uint8_t> solid);
-  [[nodiscard]] bool is_obstacle(int block, int i, int j, int k) const;
-  /// The same of a cell of the domain.
-  [[nodiscard]] bool is_obstacle(Index3 const& cell) const;
+  [[nodiscard]] bool is_obstacle(grid::Cell const& cell) const;
+  /// The same by the index in the domain.
+  [[nodiscard]] bool is_obstacle(Index3 const& cell) const { return is_obstacle(grid_->locate(cell)); }
   /// From now on these cells (domain indices) are gas; they hold what they did.
   void open_obstacles(std::vector<Index3> const& cells);
   /// Gives a cell that has just been opened the gas of another, at rest; what it held and what it holds now go to the
@@ -136,7 +135,7 @@ class Gas {
     return blocks_[block].roles.empty() ? Role::own : blocks_[block].roles[offset];
   }
   /// Does a cell's content count?
-  [[nodiscard]] bool is_own(int block, int offset) const { return role(block, offset) == Role::own; }
+  [[nodiscard]] bool is_own(grid::Cell const& cell) const { return role(cell.block, cell.offset) == Role::own; }
   /// A block whose cells have been changed from outside does not sleep on.
   void wake(int block) { awake_[block] = 1; }
 
@@ -148,7 +147,7 @@ class Gas {
   [[nodiscard]] std::vector<FaceFlux> const& watched() const { return watched_; }
   void clear_watched() { std::fill(watched_.begin(), watched_.end(), FaceFlux{}); }
 
-  /// Programmed burn: when the block's cells burn, with `PaddedBox` padding.
+  /// Programmed burn: when the block's cells burn, over `Block::with_ghosts`.
   void set_burn_times(int block, std::vector<BurnTime> times);
   /// Speed of the detonation [m/s], the time after which everything is burnt [s], and the volume fraction up to which
   /// explosive in a cell is a trace that counts as burnt: with less of it than the pressure of the air in the cell asks
@@ -167,10 +166,10 @@ class Gas {
   /// elsewhere compresses it, and programmed burn leaves it no strength but the ambient pressure.
   [[nodiscard]] double unlit_compression(double unburnt_density) const;
   /// Burn fraction F of a cell, see `BurnTime`.
-  [[nodiscard]] double burn_fraction(int block, int i, int j, int k) const;
+  [[nodiscard]] double burn_fraction(grid::Cell const& cell) const;
 
   /// Progress lambda of the afterburn in a cell: 0 without products, without afterburn and before it.
-  [[nodiscard]] double afterburn_progress(int block, int offset) const;
+  [[nodiscard]] double afterburn_progress(grid::Cell const& cell) const;
 
   /// Where the waves come from that are to leave through outflow boundaries; call `start()` afterwards.
   void set_wave_sources(std::vector<WaveSource> sources) { open_faces_.set_sources(std::move(sources)); }
@@ -187,7 +186,7 @@ class Gas {
   void advance(double dt, bool reverse);
   [[nodiscard]] double time() const { return time_; }
 
-  [[nodiscard]] Primitive primitive(int block, int i, int j, int k) const;
+  [[nodiscard]] Primitive primitive(grid::Cell const& cell) const;
   /// The same for any cell of the domain, wherever it lies.
   [[nodiscard]] std::vector<Primitive> gather(std::vector<Index3> const& cells) const;
   /// Peak fields of a block, x fastest: peak overpressure [Pa], largest running impulse [Pa s]. Empty without
@@ -203,7 +202,7 @@ class Gas {
 
  private:
   struct WatchedFace {
-    Index3 cell{0, 0, 0};  ///< of the block
+    grid::Cell cell;
     int number = 0;
   };
   struct BlockData {
@@ -222,6 +221,9 @@ class Gas {
   void sweep_block(int block, SweepContext const& context, bool last, BundleArrays& arrays);
   void load_burn(int block, BundleLayout const& layout, BundleArrays& arrays) const;
   void load_bundle(int block, BundleLayout const& layout, SweepContext& context, BundleArrays& arrays) const;
+  /// Areas and volumes of the rings or shells of a bundle along a radius.
+  void load_shells(grid::Block const& block, BundleLayout const& layout, SweepContext const& context,
+                   BundleArrays& arrays) const;
   static void update(BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   void store(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   /// Does a step change the quiescent blocks? Wakes those that it does change: in a wind an obstacle, a wall or an axis

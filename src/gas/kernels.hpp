@@ -3,10 +3,14 @@
 
 #include <vector>
 
-#include "gas/bundle.hpp"
 #include "gas/closure.hpp"
+#include "gas/components.hpp"
+#include "grid/bundle.hpp"
 
 namespace brisance::gas {
+
+using grid::BundleArrays;
+using grid::BundleLayout;
 
 /// Names of the arrays of a bundle.
 inline constexpr int a_state = 0;  ///< the conserved components, in component order

@@ -49,28 +49,6 @@ Mixture closure(Fluids const& fluids, double first, double second, double alpha)
   return m;
 }
 
-/// Do waves that come to such a boundary stay in the domain?
-bool turns_back(grid::Boundary b) {
-  return b == grid::Boundary::wall || b == grid::Boundary::symmetry || b == grid::Boundary::periodic;
-}
-
-/// Calls visit(cell of the block, its number in the face) for every cell next to a face.
-template <class Visit>
-void for_each_face_cell(grid::Block const& block, int direction, int side, Visit&& visit) {
-  Index3 n = block.n;
-  n[direction] = 1;
-  int number = 0;
-  for (int k = 0; k < n[2]; ++k) {
-    for (int j = 0; j < n[1]; ++j) {
-      for (int i = 0; i < n[0]; ++i) {
-        Index3 cell{i, j, k};
-        if (side == 1) cell[direction] = block.n[direction] - 1;
-        visit(cell, number++);
-      }
-    }
-  }
-}
-
 }  // namespace
 
 OpenFaces::OpenFaces(grid::Grid const& grid, Fluids const& fluids, int components)
@@ -78,7 +56,7 @@ OpenFaces::OpenFaces(grid::Grid const& grid, Fluids const& fluids, int component
   for (int b = 0; b < grid.block_count(); ++b) {
     grid::Block const& block = grid.blocks()[b];
     for (int f = 0; f < 2 * grid.domain().dimensions(); ++f) {
-      if (block.neighbour[f] != grid::no_neighbour || grid.domain().boundary[f] != grid::Boundary::outflow) continue;
+      if (!block.at_boundary(f) || grid.domain().boundary[f] != grid::Boundary::outflow) continue;
       number_[6 * b + f] = static_cast<int>(faces_.size());
       faces_.emplace_back();
     }
@@ -98,7 +76,7 @@ OpenFaces::Beyond OpenFaces::beyond(Components const& u) const {
   return a;
 }
 
-OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, int direction, int side, Beyond const& outside) const {
+OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, double h, int direction, int side, Beyond const& outside) const {
   grid::Domain const& domain = grid_->domain();
   int const dims = domain.dimensions();
   int const exponent = grid::radial_exponent(domain.geometry);
@@ -132,7 +110,8 @@ OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, int direction, int side, Beyond 
     for (int d = 0; d < dims; ++d) {
       Vec3 others = nearest_way;
       others[d] = 0.0;
-      bool const closed = turns_back(domain.boundary[2 * d]) && turns_back(domain.boundary[2 * d + 1]);
+      // Waves that come to such a boundary stay in the domain.
+      bool const closed = grid::has_images(domain.boundary[2 * d]) && grid::has_images(domain.boundary[2 * d + 1]);
       bool const guided = closed && norm(others) >= domain.upper(d) - domain.lower[d];
       spreads[d] = !nearest->spans[d] && !guided;
       if (spreads[d])
@@ -153,7 +132,7 @@ OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, int direction, int side, Beyond 
       curvature = {spreading == 2 ? 1.0 / distance : 0.0, std::min(ring, 1.0 / distance)};
     }
   }
-  double const most = 0.5 / domain.h;
+  double const most = 0.5 / h;
   for (double& k : curvature) k = std::min(k, most);
   double const mean = 0.5 * (curvature[0] + curvature[1]);
   if (!(mean > 0.0)) return ray;
@@ -170,8 +149,7 @@ OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, int direction, int side, Beyond 
 }
 
 void OpenFaces::start(grid::Fields const& fields, Components const& ambient,
-                      std::function<bool(int block, int offset)> const& consumed) {
-  grid::Domain const& domain = grid_->domain();
+                      std::function<bool(grid::Cell const& cell)> const& consumed) {
   for (int b = 0; b < grid_->block_count(); ++b) {
     grid::Block const& block = grid_->blocks()[b];
     for (int f = 0; f < 6; ++f) {
@@ -179,16 +157,15 @@ void OpenFaces::start(grid::Fields const& fields, Components const& ambient,
       Face& face = faces_[number_[6 * b + f]];
       face = {};
       bool alike = true;
-      for_each_face_cell(block, f / 2, f % 2, [&](Index3 const& cell, int) {
-        int const at = block.offset(cell[0], cell[1], cell[2]);
+      for_each_face_cell(block, f / 2, f % 2, [&](grid::Cell const& cell) {
         Components u{};
-        for (int c = 0; c < components_; ++c) u[c] = fields.at(b, c)[at];
-        if (consumed(b, at)) u = ambient;
+        for (int c = 0; c < components_; ++c) u[c] = fields.at(b, c)[cell.offset];
+        if (consumed(cell)) u = ambient;
         face.beyond.push_back(beyond(u));
         alike = alike && u == face.beyond.front().conserved;
-        Vec3 x = domain.centre({block.origin[0] + cell[0], block.origin[1] + cell[1], block.origin[2] + cell[2]});
-        x[f / 2] += (f % 2 == 0 ? -0.5 : 0.5) * domain.h;
-        face.rays.push_back(ray_to(x, f / 2, f % 2, face.beyond.back()));
+        Vec3 x = block.centre(cell);
+        x[f / 2] += (f % 2 == 0 ? -0.5 : 0.5) * block.h();
+        face.rays.push_back(ray_to(x, block.h(), f / 2, f % 2, face.beyond.back()));
       });
       face.memory.assign(face.rays.size(), Memory{});
       if (alike) face.beyond.resize(1);
@@ -196,8 +173,8 @@ void OpenFaces::start(grid::Fields const& fields, Components const& ambient,
   }
 }
 
-bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, int side, double dt, Memory& memory,
-                              double& signal, Components& u) const {
+bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, int side, double h, double dt,
+                              Memory& memory, double& signal, Components& u) const {
   double const normal = side == 0 ? -1.0 : 1.0;
   double const second = fluids_.two ? u[second_density] : 0.0;
   double const alpha = fluids_.two ? u[volume_fraction] : 0.0;
@@ -267,7 +244,7 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
   double const fastest = norm(velocity) + std::sqrt(face_modulus / face_rho);
   signal = std::max(signal, fastest);
   // The step was chosen without knowing of this inflow: it waits for the next one.
-  return fastest * dt <= grid_->domain().h;
+  return fastest * dt <= h;
 }
 
 void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt, bool burning,
@@ -277,25 +254,27 @@ void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt
     int const number = number_[6 * b + 2 * direction + side];
     if (number < 0) continue;
     Face& face = faces_[number];
-    Index3 slab = block.n;
-    slab[direction] = grid::ghost_layers;
-    int const count = slab[0] * slab[1] * slab[2];
-    int const layer = direction == 0 ? 1 : direction == 1 ? slab[0] : slab[0] * slab[1];
+    grid::CellRange slab = block.interior();
+    slab.upper[direction] = grid::ghost_layers;
+    std::size_t const count = slab.count();
+    std::ptrdiff_t const layer = slab.stride(direction);
     double* const ghosts = exchange.ghosts(b, side);
     face.signal = 0.0;
-    for_each_face_cell(block, direction, side, [&](Index3 cell, int n) {
+    std::size_t number_in_face = 0;
+    for_each_face_cell(block, direction, side, [&](grid::Cell const& cell) {
+      std::size_t const n = number_in_face++;
       Beyond const& beyond = face.beyond[face.beyond.size() == 1 ? 0 : n];
       Ray const& ray = face.rays[n];
       if (ray.cosine == 0.0) return;
-      int const at = block.offset(cell[0], cell[1], cell[2]);
       Components u{};
-      for (int c = 0; c < components_; ++c) u[c] = fields.at(b, c)[at];
+      for (int c = 0; c < components_; ++c) u[c] = fields.at(b, c)[cell.offset];
       // What has not been disturbed stays as it is to the last bit: blocks there may sleep.
       if (face.memory[n] == Memory{} && u == beyond.conserved) return;
       if (burning && u[volume_fraction] > 0.0) return;
-      if (!outside_state(beyond, ray, direction, side, dt, face.memory[n], face.signal, u)) return;
-      cell[direction] = 0;
-      int const first = cell[0] + slab[0] * (cell[1] + slab[1] * cell[2]);
+      if (!outside_state(beyond, ray, direction, side, block.h(), dt, face.memory[n], face.signal, u)) return;
+      Index3 lowest = cell.within();
+      lowest[direction] = 0;
+      std::size_t const first = slab.offset(lowest);
       for (int c = 0; c < components_; ++c) {
         for (int l = 0; l < grid::ghost_layers; ++l) ghosts[c * count + first + l * layer] = u[c];
       }

@@ -50,7 +50,7 @@ class OpenFaces {
   /// Takes what the cells at the faces hold for the state beyond them, and `ambient` where `consumed` tells that a cell
   /// is about to burn.
   void start(grid::Fields const& fields, Components const& ambient,
-             std::function<bool(int block, int offset)> const& consumed);
+             std::function<bool(grid::Cell const& cell)> const& consumed);
 
   /// Has a block such faces in a direction?
   [[nodiscard]] bool at(int block, int direction) const {
@@ -92,9 +92,9 @@ class OpenFaces {
   };
 
   [[nodiscard]] Beyond beyond(Components const& u) const;
-  [[nodiscard]] Ray ray_to(Vec3 const& x, int direction, int side, Beyond const& outside) const;
+  [[nodiscard]] Ray ray_to(Vec3 const& x, double h, int direction, int side, Beyond const& outside) const;
   /// Turns the state of a face cell into that of the ghost cells; false: they repeat it.
-  bool outside_state(Beyond const& beyond, Ray const& ray, int direction, int side, double dt, Memory& memory,
+  bool outside_state(Beyond const& beyond, Ray const& ray, int direction, int side, double h, double dt, Memory& memory,
                      double& signal, Components& u) const;
 
   grid::Grid const* grid_;

@@ -58,7 +58,7 @@ void Gas::wake_where_wind_changes() {
   auto const quiet = conserved(quiescent_);
   double const rho = quiet[density];
   double const c = std::sqrt(std::max(0.0, mixture(fluids_, rho, 0.0, 0.0).bulk_modulus(quiescent_.pressure)) / rho);
-  double const dt = 0.1 * grid_->domain().h / (norm(quiescent_.velocity) + c);
+  double const dt = 0.1 * grid_->smallest_cell() / (norm(quiescent_.velocity) + c);
   std::vector<std::uint8_t> everything(awake_.size(), 1);
   std::vector<std::uint8_t> const slept = awake_;
   for (int direction = 0; direction < grid_->domain().dimensions(); ++direction) {
@@ -90,21 +90,19 @@ void Gas::wake_where_wind_changes() {
 void Gas::account_asleep(int b, SweepContext const& s, Components const& flux) {
   grid::Block const& block = grid_->blocks()[b];
   int const low = 2 * s.direction;
-  if (block.neighbour[low] != grid::no_neighbour && block.neighbour[low + 1] != grid::no_neighbour) return;
+  if (!block.at_boundary(low) && !block.at_boundary(low + 1)) return;
   auto& outflow = blocks_[b].account.outflow;
-  Bundles const bundles(block, s.direction, options_.bundle_cells);
+  grid::Bundles const bundles(block, s.direction, options_.bundle_cells);
   // In the order of `account_boundaries`.
   for (int index = 0; index < bundles.count(); ++index) {
     BundleLayout const layout = bundles.layout(index);
     for (int side = 0; side < 2; ++side) {
-      if (block.neighbour[low + side] != grid::no_neighbour) continue;
+      if (!block.at_boundary(low + side)) continue;
       double const sign = side == 0 ? -1.0 : 1.0;
-      int const lines = s.direction == 0 ? layout.rows : layout.stride;
-      for (int line = 0; line < lines; ++line) {
-        Index3 const cell = layout.end_cell(block.n, side, line);
-        if (role(b, block.offset(cell[0], cell[1], cell[2])) != Role::own) continue;
-        int const i = block.origin[0] + cell[0] + (s.direction == 0 ? side : 0);
-        double const area = grid_->domain().face_area(s.direction, i);
+      for (int line = 0; line < layout.lines(); ++line) {
+        grid::Cell const cell = layout.end_cell(block, side, line);
+        if (!is_own(cell)) continue;
+        double const area = block.face_area(s.direction, side, cell);
         for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * flux[c];
       }
     }

@@ -1,4 +1,5 @@
 /// One sweep over one block: load a bundle, primitives, face fluxes, update, measure.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,9 +16,9 @@ namespace brisance::gas {
 void Gas::load_burn(int b, BundleLayout const& layout, BundleArrays& a) const {
   grid::Block const& block = grid_->blocks()[b];
   double* const F = a[a_burn];
-  load_padded(
-      layout, block, PaddedBox(block, grid_->domain().dimensions()), blocks_[b].burn_times.data(),
-      [this](BurnTime const& times) { return burn_fraction_of(times); }, F);
+  load_with_ghosts(
+      layout, block, blocks_[b].burn_times.data(), [this](BurnTime const& times) { return burn_fraction_of(times); },
+      F);
   // A row without the second fluid is calculated without its burn, and so are cells that hold none of it.
   double const* const alpha = a[volume_fraction];
   for (int q = 0; q < layout.total; ++q) F[q] = is_trace(alpha[q]) ? 1.0 : F[q];
@@ -30,8 +31,8 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
   double const* low = exchange_.ghosts(b, 0);
   double const* high = exchange_.ghosts(b, 1);
   auto const load_component = [&](int c) {
-    load(layout, block, fields_.at(b, c), low + static_cast<std::size_t>(c) * slab,
-         high + static_cast<std::size_t>(c) * slab, a[state_array(c)]);
+    grid::load(layout, block, fields_.at(b, c), low + static_cast<std::size_t>(c) * slab,
+               high + static_cast<std::size_t>(c) * slab, a[state_array(c)]);
   };
   for (int c = density; c <= energy; ++c) load_component(c);
   if (s.shock_sensor) load_component(shock);
@@ -44,34 +45,34 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
     if (s.two) load_component(second_density);
     if (s.two && s.progress) load_component(progress);
   }
-  int const dims = grid_->domain().dimensions();
   s.solid = !data.solid.empty();
   if (s.solid) {
-    load_padded(
-        layout, block, PaddedBox(block, dims), data.solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; },
-        a[a_solid]);
+    load_with_ghosts(
+        layout, block, data.solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; }, a[a_solid]);
   }
   s.burning = s.two && !data.burn_times.empty() && burning();
   if (s.burning) {
     load_burn(b, layout, a);
   }
-  if (s.radial) {
-    grid::Domain const& domain = grid_->domain();
-    for (int r = 0; r < layout.rows; ++r) {
-      int const row = layout.begin(r);
-      for (int l = -grid::ghost_layers; l < layout.length + grid::ghost_layers; ++l) {
-        Index3 const cell{block.origin[0] + l, 0, 0};
-        int const i = grid::image_cell(domain, cell)[0];
-        double const volume = domain.cell_volume(i);
-        double const high_area = domain.radial_area(i + 1);
-        double const low_area = domain.radial_area(i);
-        a[a_area_high][row + l] = s.dt * high_area / volume;
-        a[a_area_low][row + l] = s.dt * low_area / volume;
-        // A mirror turns the velocity round, but its image spreads as the original does: the ratio of the two must keep
-        // its sign.
-        double const side = grid::is_mirrored(domain, cell) ? -1.0 : 1.0;
-        a[a_expansion][row + l] = side * 0.5 * s.dt * (high_area - low_area) / volume;
-      }
+  if (s.radial) load_shells(block, layout, s, a);
+}
+
+void Gas::load_shells(grid::Block const& block, BundleLayout const& layout, SweepContext const& s,
+                      BundleArrays& a) const {
+  int const first = layout.begin(0);
+  for (int l = -grid::ghost_layers; l < layout.length + grid::ghost_layers; ++l) {
+    grid::Shell const shell = grid_->shell(block, l);
+    a[a_area_high][first + l] = s.dt * shell.high_area / shell.volume;
+    a[a_area_low][first + l] = s.dt * shell.low_area / shell.volume;
+    // A mirror turns the velocity round, but its image spreads as the original does: the ratio of the two must keep its
+    // sign.
+    double const side = shell.mirrored ? -1.0 : 1.0;
+    a[a_expansion][first + l] = side * 0.5 * s.dt * (shell.high_area - shell.low_area) / shell.volume;
+  }
+  int const whole_row = layout.length + 2 * grid::ghost_layers;
+  for (int r = 1; r < layout.rows; ++r) {
+    for (int const name : {a_area_high, a_area_low, a_expansion}) {
+      std::copy_n(a[name] + first - grid::ghost_layers, whole_row, a[name] + layout.begin(r) - grid::ghost_layers);
     }
   }
 }
@@ -138,7 +139,7 @@ void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, Bundle
   auto const store_component = [&](int name, int c) {
     double const* from = a[name];
     double* to = fields_.at(b, c);
-    for_each_run(layout, block, [=](int q, int offset, int count) { copy_run(from + q, count, to + offset); });
+    for_each_run(layout, block, [=](int q, int offset, int count) { grid::copy_run(from + q, count, to + offset); });
   };
   for (int c = density; c <= energy; ++c) store_component(a_state + c, c);
   if (s.shock_sensor) store_component(a_sensor, shock);
@@ -151,19 +152,16 @@ void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, Bundle
 
 void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
   grid::Block const& block = grid_->blocks()[b];
-  grid::Domain const& domain = grid_->domain();
   for (int side = 0; side < 2; ++side) {
-    if (block.neighbour[2 * s.direction + side] != grid::no_neighbour) continue;
+    if (!block.at_boundary(2 * s.direction + side)) continue;
     double const sign = side == 0 ? -1.0 : 1.0;
-    int const lines = s.direction == 0 ? layout.rows : layout.stride;
-    for (int line = 0; line < lines; ++line) {
+    for (int line = 0; line < layout.lines(); ++line) {
       // Face below the first or above the last of the block's own cells.
       int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
       q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
-      Index3 const cell = layout.end_cell(block.n, side, line);
-      if (role(b, block.offset(cell[0], cell[1], cell[2])) != Role::own) continue;
-      int const i = block.origin[0] + cell[0] + (s.direction == 0 ? side : 0);
-      double const area = domain.face_area(s.direction, i);
+      grid::Cell const cell = layout.end_cell(block, side, line);
+      if (!is_own(cell)) continue;
+      double const area = block.face_area(s.direction, side, cell);
       auto& outflow = blocks_[b].account.outflow;
       for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
       if (s.two) outflow[second_density] += sign * area * s.dt * a[a_flux + second_density][q];
@@ -175,7 +173,7 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
 void Gas::account_watched(int b, int bundle, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
   grid::Block const& block = grid_->blocks()[b];
   for (WatchedFace const& face : blocks_[b].watched[s.direction][bundle]) {
-    int const q = layout.place(block.n, face.cell);
+    int const q = layout.place(block, face.cell);
     FaceFlux& sum = watched_[face.number];
     double const first = a[a_flux + density][q];
     double const second = s.two ? a[a_flux + second_density][q] : 0.0;
@@ -221,7 +219,7 @@ void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, Bund
   double sum = 0.0;
   for_each_run(layout, block, [&](int q, int offset, int count) {
     for (int n = 0; n < count; ++n) {
-      sum += release[q + n] * grid_->domain().cell_volume(block.origin[0] + (offset + n) % block.n[0]);
+      sum += release[q + n] * block.volume(block.column(offset + n));
     }
   });
   blocks_[b].account.afterburn_energy += sum;
@@ -235,15 +233,13 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
                                  : signals<false>(s, layout, a, layout.begin(r), layout.count(), dims, guards);
     blocks_[b].signal = std::max(blocks_[b].signal, fastest);
   }
-  if (grid::radial_exponent(grid_->domain().geometry) > 0 && block.origin[0] == 0) {
+  if (grid::radial_exponent(grid_->domain().geometry) > 0 && block.in_domain().lower[0] == 0) {
     // What leaves a cell at an axis or a centre empties it two or three times as fast.
-    grid::Domain const& domain = grid_->domain();
-    double const factor = (domain.radial_area(1) - domain.radial_area(0)) * domain.h / domain.cell_volume(0);
-    for_each_run(layout, block, [&](int q, int offset, int count) {
-      for (int n = (block.n[0] - offset % block.n[0]) % block.n[0]; n < count; n += block.n[0]) {
-        double const rho = a[density][q + n] + (s.two ? a[second_density][q + n] : 0.0);
-        blocks_[b].signal = std::max(blocks_[b].signal, factor * a[momentum_x][q + n] / rho);
-      }
+    grid::Shell const inmost = grid_->shell(block, 0);
+    double const factor = (inmost.high_area - inmost.low_area) * block.h() / inmost.volume;
+    for_each_row_begin(layout, block, [&](int q) {
+      double const rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
+      blocks_[b].signal = std::max(blocks_[b].signal, factor * a[momentum_x][q] / rho);
     });
   }
   if (!options_.peak_fields || s.dt <= 0.0) return;
@@ -269,12 +265,12 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
   grid::Block const& block = grid_->blocks()[b];
   BlockData& data = blocks_[b];
   if (last) data.signal = 0.0;
-  bool const at_boundary = block.neighbour[2 * sweep.direction] == grid::no_neighbour ||
-                           block.neighbour[2 * sweep.direction + 1] == grid::no_neighbour;
-  Bundles const bundles(block, sweep.direction, options_.bundle_cells);
+  bool const at_boundary = block.at_boundary(2 * sweep.direction) || block.at_boundary(2 * sweep.direction + 1);
+  grid::Bundles const bundles(block, sweep.direction, options_.bundle_cells);
   for (int index = 0; index < bundles.count(); ++index) {
     BundleLayout const layout = bundles.layout(index);
     SweepContext s = sweep;
+    s.h = block.h();
     load_bundle(b, layout, s, a);
     GuardCount guards;
     auto const& near_walls = data.near_walls[sweep.direction];
@@ -307,7 +303,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
         if (lift.q < q || lift.q >= q + count) return;
         int const at = offset + lift.q - q;
         if (role(b, at) != Role::own && lift.finite) return;
-        double const volume = grid_->domain().cell_volume(block.origin[0] + at % block.n[0]);
+        double const volume = block.volume(block.column(at));
         ++data.account.guarded_cells;
         data.account.guard_mass += lift.mass * volume;
         data.account.guard_energy += lift.energy * volume;
@@ -320,16 +316,16 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
 void Gas::measure_all() {
   SweepContext context;
   context.fluids = &fluids_;
-  context.h = grid_->domain().h;
   context.most_H = most_H();
   parallel_for(grid_->block_count(), [&](int b, int thread) {
     grid::Block const& block = grid_->blocks()[b];
     BundleArrays& a = workspaces_[thread];
     blocks_[b].signal = 0.0;
-    Bundles const bundles(block, 0, options_.bundle_cells);
+    grid::Bundles const bundles(block, 0, options_.bundle_cells);
     for (int index = 0; index < bundles.count(); ++index) {
       BundleLayout const layout = bundles.layout(index);
       SweepContext s = context;
+      s.h = block.h();
       s.two = fluids_.two;
       s.burning = s.two && !blocks_[b].burn_times.empty() && burning();
       for_each_run(layout, block, [&](int q, int offset, int count) {

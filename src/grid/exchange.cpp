@@ -8,29 +8,33 @@ namespace brisance::grid {
 
 namespace {
 
-/// A box of cells in an array of extents n.
-struct Extent {
-  Index3 lower;
-  Index3 n;
-};
-
-/// Copies a box of one component, x fastest, into `to` (dense), with cells reversed along `reverse` when it is 0, 1
-/// or 2.
-void copy_box(double const* from, Index3 const& n, Extent const& box, int reverse, double sign, double* to) {
-  for (int k = 0; k < box.n[2]; ++k) {
-    for (int j = 0; j < box.n[1]; ++j) {
-      int const kk = box.lower[2] + (reverse == 2 ? box.n[2] - 1 - k : k);
-      int const jj = box.lower[1] + (reverse == 1 ? box.n[1] - 1 - j : j);
-      double const* row =
-          from + static_cast<std::ptrdiff_t>(n[0]) * (jj + static_cast<std::ptrdiff_t>(n[1]) * kk) + box.lower[0];
+/// Copies the cells of a box, which is a part of an array over `all`, into a dense one, with cells reversed along
+/// `reverse` when it is 0, 1 or 2.
+void copy_box(double const* from, CellRange const& all, CellRange const& box, int reverse, double sign, double* to) {
+  int const n = box.n(0);
+  for (int k = box.lower[2]; k < box.upper[2]; ++k) {
+    for (int j = box.lower[1]; j < box.upper[1]; ++j) {
+      int const kk = reverse == 2 ? box.lower[2] + box.upper[2] - 1 - k : k;
+      int const jj = reverse == 1 ? box.lower[1] + box.upper[1] - 1 - j : j;
+      double const* row = from + all.offset({box.lower[0], jj, kk});
       if (reverse == 0) {
-        for (int i = 0; i < box.n[0]; ++i) to[i] = sign * row[box.n[0] - 1 - i];
+        for (int i = 0; i < n; ++i) to[i] = sign * row[n - 1 - i];
       } else {
-        for (int i = 0; i < box.n[0]; ++i) to[i] = sign * row[i];
+        for (int i = 0; i < n; ++i) to[i] = sign * row[i];
       }
-      to += box.n[0];
+      to += n;
     }
   }
+}
+
+/// So many layers of the block's cells at its low (side 0) or high (1) face in a direction.
+CellRange layers_at(Block const& block, int direction, int side, int layers) {
+  CellRange box = block.interior();
+  if (side == 0)
+    box.upper[direction] = layers;
+  else
+    box.lower[direction] = block.n[direction] - layers;
+  return box;
 }
 
 }  // namespace
@@ -51,52 +55,35 @@ void Exchange::fill_side(Fields const& fields, int b, int direction, int side) {
   Block const& block = grid_->blocks()[b];
   int const face = 2 * direction + side;
   int const other = block.neighbour[face];
-  Index3 slab_n = block.n;
-  slab_n[direction] = ghost_layers;
-  int const count = slab_n[0] * slab_n[1] * slab_n[2];
+  CellRange const own = layers_at(block, direction, side, ghost_layers);
+  auto const count = static_cast<std::ptrdiff_t>(own.count());
   double* slab = slabs_[2 * b + side].data();
 
   if (other != no_neighbour) {
     Block const& source = grid_->blocks()[other];
-    Extent box{{0, 0, 0}, slab_n};
-    box.lower[direction] = side == 0 ? source.n[direction] - ghost_layers : 0;
-    for (int c = 0; c < components_; ++c) copy_box(fields.at(other, c), source.n, box, -1, 1.0, slab + c * count);
+    CellRange const box = layers_at(source, direction, 1 - side, ghost_layers);
+    for (int c = 0; c < components_; ++c)
+      copy_box(fields.at(other, c), source.interior(), box, -1, 1.0, slab + c * count);
     return;
   }
-  switch (grid_->domain().boundary[face]) {
-    case Boundary::wall:
-    case Boundary::symmetry: {
-      Extent box{{0, 0, 0}, slab_n};
-      box.lower[direction] = side == 0 ? 0 : block.n[direction] - ghost_layers;
-      for (int c = 0; c < components_; ++c) {
-        double const sign = c == rules_.mirrored_component[direction] ? -1.0 : 1.0;
-        copy_box(fields.at(b, c), block.n, box, direction, sign, slab + c * count);
-      }
-      return;
+  Boundary const boundary = grid_->domain().boundary[face];
+  if (is_mirror(boundary)) {
+    for (int c = 0; c < components_; ++c) {
+      double const sign = c == rules_.mirrored_component[direction] ? -1.0 : 1.0;
+      copy_box(fields.at(b, c), block.interior(), own, direction, sign, slab + c * count);
     }
-    case Boundary::inflow:
-      for (int c = 0; c < components_; ++c) std::fill_n(slab + c * count, count, rules_.inflow[face][c]);
-      return;
-    default: {  // open: every layer repeats the cell next to the face
-      Index3 layer_n = block.n;
-      layer_n[direction] = 1;
-      Extent box{{0, 0, 0}, layer_n};
-      box.lower[direction] = side == 0 ? 0 : block.n[direction] - 1;
-      std::vector<double> layer(static_cast<std::size_t>(layer_n[0]) * layer_n[1] * layer_n[2]);
-      for (int c = 0; c < components_; ++c) {
-        copy_box(fields.at(b, c), block.n, box, -1, 1.0, layer.data());
-        for (int k = 0; k < slab_n[2]; ++k) {
-          for (int j = 0; j < slab_n[1]; ++j) {
-            for (int i = 0; i < slab_n[0]; ++i) {
-              int const li = direction == 0 ? 0 : i;
-              int const lj = direction == 1 ? 0 : j;
-              int const lk = direction == 2 ? 0 : k;
-              slab[c * count + i + slab_n[0] * (j + slab_n[1] * k)] = layer[li + layer_n[0] * (lj + layer_n[1] * lk)];
-            }
-          }
-        }
-      }
-      return;
+  } else if (boundary == Boundary::inflow) {
+    for (int c = 0; c < components_; ++c) std::fill_n(slab + c * count, count, rules_.inflow[face][c]);
+  } else {  // open: every layer repeats the cell next to the face
+    CellRange const next = layers_at(block, direction, side, 1);
+    std::vector<double> layer(next.count());
+    for (int c = 0; c < components_; ++c) {
+      copy_box(fields.at(b, c), block.interior(), next, -1, 1.0, layer.data());
+      double* to = slab + c * count;
+      for_each_cell(own, [&](Index3 cell) {
+        cell[direction] = next.lower[direction];
+        *to++ = layer[next.offset(cell)];
+      });
     }
   }
 }
@@ -113,15 +100,12 @@ bool Exchange::slab_is_quiescent(int b, int direction, int side) const {
 }
 
 bool Exchange::disturbs(int face) const {
-  switch (grid_->domain().boundary[face]) {
-    case Boundary::wall:
-    case Boundary::symmetry: {
-      int const mirrored = rules_.mirrored_component[face / 2];
-      return mirrored >= 0 && rules_.quiescent[mirrored] != 0.0;
-    }
-    case Boundary::inflow: return rules_.inflow[face] != rules_.quiescent;
-    default: return false;  // open faces repeat what is quiescent
+  if (grid_->domain().is_mirror(face)) {
+    int const mirrored = rules_.mirrored_component[face / 2];
+    return mirrored >= 0 && rules_.quiescent[mirrored] != 0.0;
   }
+  if (grid_->domain().boundary[face] == Boundary::inflow) return rules_.inflow[face] != rules_.quiescent;
+  return false;  // open faces repeat what is quiescent
 }
 
 bool Exchange::anything_to_see(Block const& block, int direction) const {
@@ -146,10 +130,8 @@ std::vector<double> Exchange::gather(Fields const& fields, std::vector<Index3> c
   std::vector<double> values;
   values.reserve(cells.size() * components_);
   for (Index3 const& cell : cells) {
-    int const b = grid_->block_of(cell);
-    Block const& block = grid_->blocks()[b];
-    int const at = block.offset(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
-    for (int c = 0; c < components_; ++c) values.push_back(fields.at(b, c)[at]);
+    Cell const at = grid_->locate(cell);
+    for (int c = 0; c < components_; ++c) values.push_back(fields.at(at.block, c)[at.offset]);
   }
   return values;
 }

@@ -12,9 +12,6 @@
 
 namespace brisance::grid {
 
-/// Layers of ghost cells that every block sees across each face.
-inline constexpr int ghost_layers = 2;
-
 /// What the ghost cells outside the domain and the sleeping blocks need to know of the data.
 struct ExchangeRules {
   /// Per direction the component that changes sign in a mirror (the momentum along it).

@@ -1,4 +1,5 @@
-/// The geometry of a calculation: how many directions are resolved and what a cell's volume and face areas are.
+/// The geometry of a calculation: how many directions are resolved, and the metric: cell size, centres, volumes and
+/// face areas of cells.
 #pragma once
 
 #include <array>
@@ -7,6 +8,7 @@
 
 #include "core/models.hpp"
 #include "core/vec.hpp"
+#include "grid/cell.hpp"
 
 namespace brisance::grid {
 
@@ -49,6 +51,9 @@ enum class Boundary { outflow, wall, symmetry, inflow, periodic, zero_gradient }
 /// Does the face mirror what lies before it?
 [[nodiscard]] constexpr bool is_mirror(Boundary b) { return b == Boundary::symmetry || b == Boundary::wall; }
 
+/// Is what lies beyond the face an image of what lies in the domain, mirrored or repeated?
+[[nodiscard]] constexpr bool has_images(Boundary b) { return is_mirror(b) || b == Boundary::periodic; }
+
 constexpr auto words(Boundary) {
   return std::array{Word{Boundary::outflow, "outflow"},   Word{Boundary::wall, "wall"},
                     Word{Boundary::symmetry, "symmetry"}, Word{Boundary::inflow, "inflow"},
@@ -61,25 +66,26 @@ enum class Face : int { x_low, x_high, y_low, y_high, z_low, z_high };
 /// Names of the faces in decks and results, in `Face` order.
 inline constexpr std::array<char const*, 6> face_names{"x_low", "x_high", "y_low", "y_high", "z_low", "z_high"};
 
-/// A box of uniform cubic cells of size h. Directions that are not resolved have one cell.
-struct Domain {
+/// Cubic cells of one size, and what they measure: the only place that knows it. Cell i lies between the faces i and
+/// i + 1. Planar geometries count 1 m in each unresolved direction; the curvilinear ones count the whole ring, tube
+/// (per metre) or shell.
+struct Metric {
   Geometry geometry = Geometry::cartesian3d;
-  Vec3 lower{0.0, 0.0, 0.0};  ///< low corner [m]
+  Vec3 lower{0.0, 0.0, 0.0};  ///< low corner of the cell (0, 0, 0) [m]
   double h = 1.0;             ///< cell size [m]
-  Index3 cells{1, 1, 1};      ///< cells per direction
-  std::array<Boundary, 6> boundary{Boundary::outflow, Boundary::outflow, Boundary::outflow,
-                                   Boundary::outflow, Boundary::outflow, Boundary::outflow};
 
   [[nodiscard]] int dimensions() const { return grid::dimensions(geometry); }
-  [[nodiscard]] long cell_count() const { return static_cast<long>(cells[0]) * cells[1] * cells[2]; }
-  [[nodiscard]] double upper(int d) const { return lower[d] + h * cells[d]; }
+  /// Where the face below cell i lies along a direction [m].
+  [[nodiscard]] double face(int d, int i) const { return lower[d] + i * h; }
+  [[nodiscard]] double face_radius(int i) const { return face(0, i); }
+  [[nodiscard]] Vec3 low_corner(Index3 const& i) const { return {face(0, i[0]), face(1, i[1]), face(2, i[2])}; }
   [[nodiscard]] Vec3 centre(Index3 const& i) const {
     return {lower[0] + (i[0] + 0.5) * h, lower[1] + (i[1] + 0.5) * h, lower[2] + (i[2] + 0.5) * h};
   }
-  [[nodiscard]] double face_radius(int i) const { return lower[0] + i * h; }
-
-  /// r^m of the radial face between cells i - 1 and i, in the units of `cell_volume` [m2].
-  [[nodiscard]] double radial_area(int i) const { return face_area(0, i); }
+  /// Where a place along a direction lies that is counted in cells [m], and back.
+  [[nodiscard]] double place(int d, double cells) const { return lower[d] + cells * h; }
+  /// A place along a direction, counted in cells: from i to i + 1 within cell i.
+  [[nodiscard]] double in_cells(int d, double x) const { return (x - lower[d]) / h; }
 
   /// Area of the face between cells i - 1 and i along x, or of a face along y or z of cells with first index i [m2].
   [[nodiscard]] double face_area(int direction, int i) const {
@@ -97,8 +103,7 @@ struct Domain {
     return 0.0;
   }
 
-  /// Volume of cells with first index i [m3]. Planar geometries count 1 m in each unresolved direction; the
-  /// curvilinear ones count the whole ring, tube (per metre) or shell.
+  /// Volume of cells with first index i [m3].
   [[nodiscard]] double cell_volume(int i) const {
     double const a = face_radius(i);
     double const b = face_radius(i + 1);
@@ -112,6 +117,23 @@ struct Domain {
     }
     return 0.0;
   }
+};
+
+/// A box of uniform cubic cells. Directions that are not resolved have one cell.
+struct Domain : Metric {
+  Index3 cells{1, 1, 1};  ///< cells per direction
+  std::array<Boundary, 6> boundary{Boundary::outflow, Boundary::outflow, Boundary::outflow,
+                                   Boundary::outflow, Boundary::outflow, Boundary::outflow};
+
+  [[nodiscard]] long cell_count() const { return static_cast<long>(cells[0]) * cells[1] * cells[2]; }
+  /// Size of the smallest cells: what steps, resolution and tolerances of places count by [m].
+  [[nodiscard]] double smallest_cell() const { return h; }
+  [[nodiscard]] double upper(int d) const { return lower[d] + h * cells[d]; }
+  [[nodiscard]] bool contains(Index3 const& cell) const { return all_cells().contains(cell); }
+  [[nodiscard]] CellRange all_cells() const { return {{0, 0, 0}, cells}; }
+  /// Is the face the axis or the centre of a curvilinear geometry?
+  [[nodiscard]] bool is_axis(int face) const { return face == 0 && radial_exponent(geometry) > 0 && lower[0] == 0.0; }
+  [[nodiscard]] bool is_mirror(int face) const { return grid::is_mirror(boundary[face]); }
 };
 
 }  // namespace brisance::grid

@@ -57,29 +57,26 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), parts_(part
   }
 
   std::vector<Index3> positions;
-  for (int k = 0; k < parts_[2]; ++k) {
-    for (int j = 0; j < parts_[1]; ++j) {
-      for (int i = 0; i < parts_[0]; ++i) positions.push_back({i, j, k});
-    }
-  }
+  CellRange const all{{0, 0, 0}, parts_};
+  for_each_cell(all, [&](Index3 const& part) { positions.push_back(part); });
   std::stable_sort(positions.begin(), positions.end(),
                    [](Index3 const& a, Index3 const& b) { return morton(a) < morton(b); });
 
-  auto const flat = [this](Index3 const& p) { return p[0] + parts_[0] * (p[1] + parts_[1] * p[2]); };
   block_of_part_.resize(positions.size());
-  for (int b = 0; b < static_cast<int>(positions.size()); ++b) block_of_part_[flat(positions[b])] = b;
+  for (int b = 0; b < static_cast<int>(positions.size()); ++b) block_of_part_[all.offset(positions[b])] = b;
 
   blocks_.resize(positions.size());
   for (int b = 0; b < block_count(); ++b) {
     Block& block = blocks_[b];
     Index3 const& p = positions[b];
+    block.number = b;
+    block.metric = static_cast<Metric const&>(domain);
     for (int d = 0; d < 3; ++d) {
       block.origin[d] = start[d][p[d]];
       block.n[d] = start[d][p[d] + 1] - start[d][p[d]];
       for (int side = 0; side < 2; ++side) {
         int const face = 2 * d + side;
-        Index3 q = p;
-        q[d] += side == 0 ? -1 : 1;
+        Index3 q = beside(p, d, side);
         if (q[d] < 0 || q[d] >= parts_[d]) {
           if (d >= dims || domain.boundary[face] != Boundary::periodic) {
             block.neighbour[face] = no_neighbour;
@@ -87,7 +84,7 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), parts_(part
           }
           q[d] = (q[d] + parts_[d]) % parts_[d];
         }
-        block.neighbour[face] = block_of_part_[flat(q)];
+        block.neighbour[face] = block_of_part_[all.offset(q)];
       }
     }
   }
@@ -96,13 +93,25 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), parts_(part
 int Grid::block_of(Index3 const& cell) const {
   Index3 p{};
   for (int d = 0; d < 3; ++d) p[d] = part_of_cell_[d][cell[d]];
-  return block_of_part_[p[0] + parts_[0] * (p[1] + parts_[1] * p[2])];
+  return block_of_part_[CellRange{{0, 0, 0}, parts_}.offset(p)];
+}
+
+Cell Grid::locate(Index3 const& cell) const {
+  Block const& block = blocks_[static_cast<std::size_t>(block_of(cell))];
+  return block.cell(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
+}
+
+Shell Grid::shell(Block const& block, int i) const {
+  Index3 const cell = block.index({i, 0, 0});
+  int const at = image_cell(domain_, {cell[0], 0, 0})[0];
+  return {block.metric.cell_volume(at), block.metric.face_area(0, at), block.metric.face_area(0, at + 1),
+          is_mirrored(domain_, cell)};
 }
 
 Index3 Grid::cell_at(Vec3 const& x) const {
   Index3 cell{0, 0, 0};
   for (int d = 0; d < domain_.dimensions(); ++d) {
-    double const s = std::floor((x[d] - domain_.lower[d]) / domain_.h);
+    double const s = std::floor(domain_.in_cells(d, x[d]));
     cell[d] = static_cast<int>(std::clamp(s, 0.0, static_cast<double>(domain_.cells[d] - 1)));
   }
   return cell;
@@ -114,12 +123,12 @@ Index3 image_cell(Domain const& domain, Index3 const& cell) {
     int const n = domain.cells[d];
     int const side = image[d] < 0 ? 0 : image[d] >= n ? 1 : -1;
     if (side < 0) continue;
-    switch (domain.boundary[2 * d + side]) {
-      case Boundary::periodic: image[d] = ((image[d] % n) + n) % n; break;
-      case Boundary::wall:
-      case Boundary::symmetry: image[d] = std::clamp(side == 0 ? -1 - image[d] : 2 * n - 1 - image[d], 0, n - 1); break;
-      default: image[d] = std::clamp(image[d], 0, n - 1); break;
+    if (domain.boundary[2 * d + side] == Boundary::periodic) {
+      image[d] = ((image[d] % n) + n) % n;
+      continue;
     }
+    if (domain.is_mirror(2 * d + side)) image[d] = side == 0 ? -1 - image[d] : 2 * n - 1 - image[d];
+    image[d] = std::clamp(image[d], 0, n - 1);
   }
   return image;
 }
@@ -132,7 +141,7 @@ NodeImage image_node(Domain const& domain, Index3 const& node) {
     if (domain.boundary[2 * d] == Boundary::periodic) i = ((i % n) + n) % n;
     for (int side = 0; side < 2; ++side) {
       int const plane = side == 0 ? 0 : n;
-      if (!is_mirror(domain.boundary[2 * d + side]) || (side == 0 ? i > plane : i < plane)) continue;
+      if (!domain.is_mirror(2 * d + side) || (side == 0 ? i > plane : i < plane)) continue;
       image.sign[d] = i == plane ? 0.0 : -1.0;
       i = 2 * plane - i;
     }
@@ -143,7 +152,7 @@ NodeImage image_node(Domain const& domain, Index3 const& node) {
 bool is_mirrored(Domain const& domain, Index3 const& cell) {
   int const side = cell[0] < 0 ? 0 : cell[0] >= domain.cells[0] ? 1 : -1;
   if (side < 0) return false;
-  return is_mirror(domain.boundary[side]);
+  return domain.is_mirror(side);
 }
 
 }  // namespace brisance::grid

@@ -5,23 +5,117 @@
 #include <vector>
 
 #include "core/vec.hpp"
+#include "grid/cell.hpp"
 #include "grid/geometry.hpp"
 
 namespace brisance::grid {
 
 inline constexpr int no_neighbour = -1;
 
-/// A box of cells: the unit of work, of threads and of sleep.
+/// Layers of ghost cells that every block sees across each face.
+inline constexpr int ghost_layers = 2;
+
+/// A box of cells: the unit of work, of threads and of sleep. Cells are told by `Cell`, or by their index in the
+/// domain; what a cell measures is told by its block.
 struct Block {
+  int number = 0;          ///< in `Grid::blocks`
   Index3 origin{0, 0, 0};  ///< index of its first cell in the domain
   Index3 n{1, 1, 1};       ///< cells per direction
   /// Neighbouring block across each face (`Face` order; across a periodic face the one on the other side), or
   /// `no_neighbour`.
   std::array<int, 6> neighbour{};
+  Metric metric;  ///< of cells by their index in the domain
 
   [[nodiscard]] int cell_count() const { return n[0] * n[1] * n[2]; }
+  /// Does a face of the block lie on the boundary of the domain, where nothing follows?
+  [[nodiscard]] bool at_boundary(int face) const { return neighbour[face] == no_neighbour; }
+
   /// Position of cell (i, j, k) of the block in its arrays: x fastest.
   [[nodiscard]] int offset(int i, int j, int k) const { return i + n[0] * (j + n[1] * k); }
+  [[nodiscard]] Cell cell(int i, int j, int k) const { return {number, i, j, k, offset(i, j, k)}; }
+  [[nodiscard]] Cell cell(Index3 const& within) const { return cell(within[0], within[1], within[2]); }
+  /// The cell at a position in the arrays.
+  [[nodiscard]] Cell cell_at(int offset) const {
+    return {number, column(offset), offset / n[0] % n[1], offset / (n[0] * n[1]), offset};
+  }
+  /// Index i of the cell at a position in the arrays.
+  [[nodiscard]] int column(int offset) const { return offset % n[0]; }
+
+  /// Index in the domain of a cell of the block, or of one beyond its faces.
+  [[nodiscard]] Index3 index(Index3 const& within) const {
+    return {origin[0] + within[0], origin[1] + within[1], origin[2] + within[2]};
+  }
+  [[nodiscard]] Index3 index(Cell const& cell) const { return index(cell.within()); }
+  /// Its cells by their index within it, and by their index in the domain.
+  [[nodiscard]] CellRange interior() const { return {{0, 0, 0}, n}; }
+  [[nodiscard]] CellRange in_domain() const { return interior().moved(origin); }
+  /// Its cells by their index within it, and the ghost cells around them.
+  [[nodiscard]] CellRange with_ghosts() const { return interior().grown(ghost_layers, metric.dimensions()); }
+
+  [[nodiscard]] double h() const { return metric.h; }  ///< cell size [m]
+  [[nodiscard]] Vec3 centre(Cell const& cell) const { return metric.centre(index(cell)); }
+  /// Volume of the cells with index i along x [m3].
+  [[nodiscard]] double volume(int i) const { return metric.cell_volume(origin[0] + i); }
+  [[nodiscard]] double volume(Cell const& cell) const { return volume(cell.i); }
+  /// Area of a cell's low (side 0) or high (1) face in a direction [m2].
+  [[nodiscard]] double face_area(int direction, int side, Cell const& cell) const {
+    return metric.face_area(direction, origin[0] + cell.i + (direction == 0 ? side : 0));
+  }
+};
+
+/// Calls visit(cell) for every cell of a block, in the order of its arrays.
+template <class Visit>
+void for_each_cell(Block const& block, Visit&& visit) {
+  Cell cell{block.number, 0, 0, 0, 0};
+  for (cell.k = 0; cell.k < block.n[2]; ++cell.k) {
+    for (cell.j = 0; cell.j < block.n[1]; ++cell.j) {
+      for (cell.i = 0; cell.i < block.n[0]; ++cell.i) {
+        visit(static_cast<Cell const&>(cell));
+        ++cell.offset;
+      }
+    }
+  }
+}
+
+/// Calls visit(cell) for the first cell of every row of a block; the others of the row follow it in the arrays.
+template <class Visit>
+void for_each_row(Block const& block, Visit&& visit) {
+  CellRange first = block.interior();
+  first.upper[0] = 1;
+  for_each_cell(first, [&](Index3 const& within) { visit(block.cell(within)); });
+}
+
+/// Adds what add(cell, row) puts into `Sum{}` to a sum: by rows, then planes, for short sums keep their digits.
+template <class Sum, class Add>
+void add_cells(Block const& block, Sum& whole, Add&& add) {
+  for (int k = 0; k < block.n[2]; ++k) {
+    Sum plane{};
+    for (int j = 0; j < block.n[1]; ++j) {
+      Sum row{};
+      for (int i = 0; i < block.n[0]; ++i) add(block.cell(i, j, k), row);
+      plane += row;
+    }
+    whole += plane;
+  }
+}
+
+/// Calls visit(cell) for every cell of a block next to its low (side 0) or high (1) face in a direction.
+template <class Visit>
+void for_each_face_cell(Block const& block, int direction, int side, Visit&& visit) {
+  CellRange layer = block.interior();
+  if (side == 0)
+    layer.upper[direction] = 1;
+  else
+    layer.lower[direction] = block.n[direction] - 1;
+  for_each_cell(layer, [&](Index3 const& within) { visit(block.cell(within)); });
+}
+
+/// A ring or shell of cells: all with the same index along a radius.
+struct Shell {
+  double volume = 0.0;     ///< [m3]
+  double low_area = 0.0;   ///< of the inner and the outer face [m2]
+  double high_area = 0.0;  ///< [m2]
+  bool mirrored = false;   ///< stands for the one on this side of a mirror
 };
 
 class Grid {
@@ -34,10 +128,23 @@ class Grid {
   [[nodiscard]] Domain const& domain() const { return domain_; }
   [[nodiscard]] std::vector<Block> const& blocks() const { return blocks_; }
   [[nodiscard]] int block_count() const { return static_cast<int>(blocks_.size()); }
+  [[nodiscard]] Block const& block(Cell const& cell) const { return blocks_[static_cast<std::size_t>(cell.block)]; }
+  /// Size of the smallest cells [m].
+  [[nodiscard]] double smallest_cell() const { return domain_.smallest_cell(); }
+
   /// The block that holds the cell with domain index `cell`.
   [[nodiscard]] int block_of(Index3 const& cell) const;
   /// Domain index of the cell that contains x; clamped to the domain.
   [[nodiscard]] Index3 cell_at(Vec3 const& x) const;
+  /// The cell with a domain index, which must lie in the domain.
+  [[nodiscard]] Cell locate(Index3 const& cell) const;
+  /// The cell that contains x; where x lies outside the domain the one nearest to it, direction by direction.
+  [[nodiscard]] Cell locate(Vec3 const& x) const { return locate(cell_at(x)); }
+  /// The index in the domain of a cell.
+  [[nodiscard]] Index3 index(Cell const& cell) const { return block(cell).index(cell); }
+
+  /// The ring or shell of a block's cells with index i along x; beyond the domain that which it is an image of.
+  [[nodiscard]] Shell shell(Block const& block, int i) const;
 
  private:
   Domain domain_;

@@ -59,7 +59,7 @@ std::vector<GaugeSummary> summarise(Case const& setup, std::vector<GaugeHistory>
   std::vector<double> time;
   std::vector<double> overpressure;
   auto const& air = setup.ambient;
-  Surroundings around{air.fluid.eos, air.state.density, air.state.pressure, setup.domain.h, {}};
+  Surroundings around{air.fluid.eos, air.state.density, air.state.pressure, setup.domain.smallest_cell(), {}};
   for (auto const& history : gauges) {
     time.clear();
     overpressure.clear();

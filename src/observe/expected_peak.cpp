@@ -19,13 +19,6 @@ constexpr double tnt_energy = 4.29e6;     // of the detonation [J/kg], materials
 constexpr double cells_to_wall = 3.0;     // nearer than these, shock and reflection are one rise
 constexpr double steepest_cosine = 0.71;  // beyond 45 degrees a Mach stem runs along the wall: no reflected front
 
-bool rigid(Boundary b) { return b == Boundary::wall || b == Boundary::symmetry; }
-
-/// The domain's face is the axis or the centre of a curvilinear geometry.
-bool is_axis(grid::Domain const& domain, int face) {
-  return face == 0 && grid::radial_exponent(domain.geometry) > 0 && domain.lower[0] == 0.0;
-}
-
 bool is_solid(run::Case const& setup, Vec3 const& x) {
   auto const holds = [&](auto const& thing) { return shape::contains(thing.shape, setup.domain, x); };
   return std::ranges::any_of(setup.obstacles, holds) || std::ranges::any_of(setup.points.bodies, holds);
@@ -34,7 +27,7 @@ bool is_solid(run::Case const& setup, Vec3 const& x) {
 /// Does something rigid stand within a few cells behind x, seen from the charge, and face it?
 bool reflects(run::Case const& setup, Vec3 const& charge, double radius, Vec3 const& x) {
   grid::Domain const& domain = setup.domain;
-  double const reach = cells_to_wall * domain.h;
+  double const reach = cells_to_wall * domain.smallest_cell();
   double const distance = norm(x - charge);
   for (int d = 0; d < domain.dimensions(); ++d) {
     double const away = x[d] - charge[d];
@@ -42,12 +35,12 @@ bool reflects(run::Case const& setup, Vec3 const& charge, double radius, Vec3 co
     int const face = 2 * d + (away > 0.0 ? 1 : 0);
     double const plane = away > 0.0 ? domain.upper(d) : domain.lower[d];
     // What touches the charge is the ground under it.
-    if (rigid(domain.boundary[face]) && !is_axis(domain, face) && std::abs(plane - x[d]) <= reach &&
+    if (domain.is_mirror(face) && !domain.is_axis(face) && std::abs(plane - x[d]) <= reach &&
         std::abs(plane - charge[d]) > 1.5 * radius)
       return true;
     for (double step = 0.5; step <= cells_to_wall; step += 0.5) {
       Vec3 behind = x;
-      behind[d] += std::copysign(step * domain.h, away);
+      behind[d] += std::copysign(step * domain.smallest_cell(), away);
       if (is_solid(setup, behind)) return true;
     }
   }
@@ -57,9 +50,9 @@ bool reflects(run::Case const& setup, Vec3 const& charge, double radius, Vec3 co
 /// Does something solid stand between the charge and x?
 bool in_shadow(run::Case const& setup, Vec3 const& charge, Vec3 const& x) {
   double const distance = norm(x - charge);
-  double const last = distance - setup.domain.h;  // a gauge on a surface touches what it stands on
+  double const last = distance - setup.domain.smallest_cell();  // a gauge on a surface touches what it stands on
   constexpr int most_steps = 400;
-  double const step = std::max(0.5 * setup.domain.h, distance / most_steps);
+  double const step = std::max(0.5 * setup.domain.smallest_cell(), distance / most_steps);
   for (double way = 0.0; way < last; way += step) {
     if (is_solid(setup, charge + (way / distance) * (x - charge))) return true;
   }
@@ -70,7 +63,7 @@ bool touches_a_wall(grid::Domain const& domain, Vec3 const& centre, double radiu
   for (int face = 0; face < 2 * domain.dimensions(); ++face) {
     int const d = face / 2;
     double const plane = face % 2 == 0 ? domain.lower[d] : domain.upper(d);
-    if (domain.boundary[face] == Boundary::wall && !is_axis(domain, face) &&
+    if (domain.boundary[face] == Boundary::wall && !domain.is_axis(face) &&
         std::abs(plane - centre[d]) <= 1.05 * radius)
       return true;
   }
@@ -166,7 +159,7 @@ std::optional<ExpectedPeak> expected_peak(run::Case const& setup, Vec3 const& x)
           wave.duration ? half_of_friedlander(*wave.duration / decay - 1.0) * *wave.duration : std::log(2.0) * decay;
     }
     expected.strength = 1.4 * *wave.incident_overpressure / (air.state.density * sound * sound);
-    expected.cells_per_half_width = expected.half_width * *wave.shock_speed / domain.h;
+    expected.cells_per_half_width = expected.half_width * *wave.shock_speed / domain.smallest_cell();
     expected.clipping = clipping(expected.cells_per_half_width, {expected.strength, expected.reflected});
     if (!strongest || expected.strength > strongest->strength) strongest = expected;
   }

@@ -17,10 +17,8 @@ namespace {
 struct CellOf {
   run::World const& world;
   GasView const* view;
-  int block;
-  int offset;    ///< in the block
-  Index3 local;  ///< within it
-  Index3 cell;   ///< in the domain
+  grid::Cell at;
+  Index3 cell;  ///< in the domain
 };
 
 /// Of the gas in a cell, by cells or points.
@@ -46,7 +44,7 @@ double part_of_region(CellOf const& c) {
 
 /// Nothing keeps the peaks of points; those of ghost cells belong to a part of the wave only.
 double peak(CellOf const& c, double const* values) {
-  return values == nullptr || part_of_region(c) == 2.0 ? 0.0 : values[c.offset];
+  return values == nullptr || part_of_region(c) == 2.0 ? 0.0 : values[c.at.offset];
 }
 
 double ambient_pressure(run::World const& w) { return w.setup.ambient.state.pressure; }
@@ -73,16 +71,15 @@ std::vector<GasField> const& gas_fields() {
       {{"volume_fraction", "1", 1, "volume fraction of the second fluid"},
        OfGas{[](GasInCell const& g, run::World const&) { return g.state.volume_fraction; }}},
       {{"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
-       OfCell{[](CellOf const& c) { return c.world.gas->burn_fraction(c.block, c.local[0], c.local[1], c.local[2]); }}},
+       OfCell{[](CellOf const& c) { return c.world.gas->burn_fraction(c.at); }}},
       {{"afterburn", "1", 1, "progress of the products' afterburn, 0 to 1"},
-       OfCell{[](CellOf const& c) { return c.world.gas->afterburn_progress(c.block, c.offset); }}},
+       OfCell{[](CellOf const& c) { return c.world.gas->afterburn_progress(c.at); }}},
       {{"peak_overpressure", "Pa", 1, "largest overpressure so far"},
-       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peak_overpressure(c.block)); }}},
+       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peak_overpressure(c.at.block)); }}},
       {{"impulse", "Pa s", 1, "largest running overpressure impulse so far"},
-       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peak_impulse(c.block)); }}},
-      {{"obstacle", "1", 1, "1 in rigid obstacles"}, OfCell{[](CellOf const& c) {
-         return c.world.gas->is_obstacle(c.block, c.local[0], c.local[1], c.local[2]) ? 1.0 : 0.0;
-       }}},
+       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peak_impulse(c.at.block)); }}},
+      {{"obstacle", "1", 1, "1 in rigid obstacles"},
+       OfCell{[](CellOf const& c) { return c.world.gas->is_obstacle(c.at) ? 1.0 : 0.0; }}},
       {{"region", "1", 1, "0: gas cells, 1: bridge of the MPM region, 2: points"}, OfCell{part_of_region}},
       {{"solid", "1", 1, "part of the cell that bodies of the MPM region fill"},
        OfCell{[](CellOf const& c) { return c.view == nullptr ? 0.0 : c.view->solid_at(c.cell); }}},
@@ -94,26 +91,7 @@ std::vector<GasField> const& gas_fields() {
 std::optional<GasInCell> gas_in(CellOf const& c) {
   if (c.view != nullptr && c.view->in_points(c.cell)) return c.view->at(c.cell);
   gas::Gas const& gas = *c.world.gas;
-  return GasInCell{gas.primitive(c.block, c.local[0], c.local[1], c.local[2]),
-                   gas.fields().at(c.block, gas::energy)[c.offset]};
-}
-
-/// Calls use(cell of) for every cell of a block.
-template <class Use>
-void for_each_cell(run::World const& w, int b, GasView const* view, Use&& use) {
-  grid::Block const& block = w.grid.blocks()[b];
-  for (int k = 0; k < block.n[2]; ++k) {
-    for (int j = 0; j < block.n[1]; ++j) {
-      for (int i = 0; i < block.n[0]; ++i) {
-        use(CellOf{w,
-                   view,
-                   b,
-                   block.offset(i, j, k),
-                   {i, j, k},
-                   {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k}});
-      }
-    }
-  }
+  return GasInCell{gas.primitive(c.at), gas.fields().at(c.at.block, gas::energy)[c.at.offset]};
 }
 
 }  // namespace
@@ -133,20 +111,23 @@ void block_field(run::World const& w, int b, std::string const& name, std::vecto
   auto const found = std::find_if(fields.begin(), fields.end(), [&](GasField const& f) { return f.info.name == name; });
   if (found == fields.end()) throw InputError(fmt::format("there is no field \"{}\"", name));
   GasField const& field = *found;
-  out.assign(static_cast<std::size_t>(w.grid.blocks()[b].cell_count()) * field.info.components, 0.0);
-  if (OfCell const* of_cell = std::get_if<OfCell>(&field.value)) {
-    for_each_cell(w, b, view, [&](CellOf const& c) { out[c.offset] = (*of_cell)(c); });
-    return;
-  }
-  for_each_cell(w, b, view, [&](CellOf const& c) {
+  grid::Block const& block = w.grid.blocks()[b];
+  out.assign(static_cast<std::size_t>(block.cell_count()) * field.info.components, 0.0);
+  OfCell const* const of_cell = std::get_if<OfCell>(&field.value);
+  for_each_cell(block, [&](grid::Cell const& cell) {
+    CellOf const c{w, view, cell, block.index(cell)};
+    if (of_cell != nullptr) {
+      out[cell.offset] = (*of_cell)(c);
+      return;
+    }
     auto const gas = gas_in(c);
     if (!gas) {
-      if (field.without_gas != nullptr) out[c.offset] = field.without_gas(w);
+      if (field.without_gas != nullptr) out[cell.offset] = field.without_gas(w);
     } else if (OfGas const* scalar = std::get_if<OfGas>(&field.value)) {
-      out[c.offset] = (*scalar)(*gas, w);
+      out[cell.offset] = (*scalar)(*gas, w);
     } else {
       Vec3 const v = std::get<VectorOfGas>(field.value)(*gas, w);
-      std::copy(v.begin(), v.end(), out.begin() + 3L * c.offset);
+      std::copy(v.begin(), v.end(), out.begin() + 3L * cell.offset);
     }
   });
 }

@@ -11,16 +11,9 @@ namespace {
 
 constexpr double least_part = 0.1;  // of a cell: with less gas than that it counts as solid
 
-/// Number of a cell (domain index) in the grid of the points, x fastest; -1: outside.
-long number_in_points_grid(bridge::Region const& region, Index3 const& cell) {
-  Index3 const& n = region.points_domain().cells;
-  long number = 0;
-  for (int d = 2; d >= 0; --d) {
-    int const i = cell[d] + region.shift()[d];
-    if (i < 0 || i >= n[d]) return -1;
-    number = number * n[d] + i;
-  }
-  return number;
+/// Number of a cell (domain index), which lies in the region, in the grid of the points.
+std::size_t number_in_points_grid(bridge::Region const& region, Index3 const& cell) {
+  return region.points_domain().all_cells().offset(region.to_points(cell));
 }
 
 }  // namespace
@@ -31,7 +24,7 @@ GasView::GasView(run::World const& world, std::vector<Index3> const& cells) : wo
   number_.assign(static_cast<std::size_t>(region.points_domain().cell_count()), -1);
   for (Index3 const& cell : cells) {
     if (!in_points(cell)) continue;
-    int& number = number_[static_cast<std::size_t>(number_in_points_grid(region, cell))];
+    int& number = number_[number_in_points_grid(region, cell)];
     if (number >= 0) continue;
     number = static_cast<int>(cells_.size());
     cells_.push_back(cell);
@@ -52,32 +45,30 @@ bool GasView::in_points(Index3 const& cell) const {
 
 std::optional<GasInCell> GasView::at(Index3 const& cell) const {
   if (in_points(cell)) {
-    long const number = number_in_points_grid(world_->bridge->region(), cell);
-    bridge::CellSums const& sums = averages_->sums()[number_[static_cast<std::size_t>(number)]];
-    if (sums.volume < least_part * world_->setup.domain.cell_volume(cell[0])) return std::nullopt;
+    bridge::Region const& region = world_->bridge->region();
+    bridge::CellSums const& sums = averages_->sums()[number_[number_in_points_grid(region, cell)]];
+    if (sums.volume < least_part * region.metric().cell_volume(cell[0])) return std::nullopt;
     GasInCell gas{world_->bridge->primitive(sums), 0.0};
     gas.energy = sums.energy / sums.volume + 0.5 * gas.state.density * dot(gas.state.velocity, gas.state.velocity);
     return gas;
   }
-  int const b = world_->grid.block_of(cell);
-  grid::Block const& block = world_->grid.blocks()[b];
-  Index3 const i{cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]};
-  if (world_->gas->is_obstacle(b, i[0], i[1], i[2])) return std::nullopt;
-  return GasInCell{world_->gas->primitive(b, i[0], i[1], i[2]),
-                   world_->gas->fields().at(b, gas::energy)[block.offset(i[0], i[1], i[2])]};
+  grid::Cell const at = world_->grid.locate(cell);
+  if (world_->gas->is_obstacle(at)) return std::nullopt;
+  return GasInCell{world_->gas->primitive(at), world_->gas->fields().at(at.block, gas::energy)[at.offset]};
 }
 
 double GasView::solid_at(Index3 const& cell) const {
   if (solids_.empty() || !world_->bridge->region().inside(cell)) return 0.0;
-  return solids_[static_cast<std::size_t>(number_in_points_grid(world_->bridge->region(), cell))];
+  return solids_[number_in_points_grid(world_->bridge->region(), cell)];
 }
 
 void GasView::update_solids() {
   if (world_->bridge == nullptr) return;
   mpm::Mpm const& points = *world_->points;
   grid::Domain const& domain = world_->bridge->region().points_domain();
+  grid::CellRange const all = domain.all_cells();
   int const dims = domain.dimensions();
-  solids_.assign(static_cast<std::size_t>(domain.cell_count()), 0.0);
+  solids_.assign(all.count(), 0.0);
   for (int body = 0; body < static_cast<int>(points.bodies().size()); ++body) {
     if (body == world_->gas_body()) continue;
     double const half = 0.5 / points.bodies()[body].points_per_direction;  // of the box of a point [cells]
@@ -89,7 +80,7 @@ void GasView::update_solids() {
         std::array<Index3, 2> cells{};
         std::array<std::array<double, 3>, 2> parts{{{1.0, 1.0, 1.0}, {0.0, 0.0, 0.0}}};
         for (int d = 0; d < dims; ++d) {
-          double const x = (set.field(mpm::Field::position_x + d)[q] - domain.lower[d]) / domain.h;
+          double const x = domain.in_cells(d, set.field(mpm::Field::position_x + d)[q]);
           double const face = std::floor(x + half);
           double const above = std::clamp((x + half - face) / (2.0 * half), 0.0, 1.0);
           for (int side = 0; side < 2; ++side) {
@@ -100,21 +91,21 @@ void GasView::update_solids() {
         }
         for (int corner = 0; corner < 1 << dims; ++corner) {
           double part = 1.0;
-          std::size_t number = 0;
-          for (int d = 2; d >= 0; --d) {
-            int const side = d < dims ? corner >> d & 1 : 0;
+          Index3 cell{0, 0, 0};
+          for (int d = dims - 1; d >= 0; --d) {
+            int const side = corner >> d & 1;
             part *= parts[side][d];
-            number = number * domain.cells[d] + cells[side][d];
+            cell[d] = cells[side][d];
           }
-          solids_[number] += part * volume;
+          solids_[all.offset(cell)] += part * volume;
         }
       }
     }
   }
-  std::size_t const row = domain.cells[0];
-  for (std::size_t n = 0; n < solids_.size(); ++n) {
-    solids_[n] = std::min(1.0, solids_[n] / domain.cell_volume(static_cast<int>(n % row)));
-  }
+  for_each_cell(all, [&](Index3 const& cell) {
+    double& solid = solids_[all.offset(cell)];
+    solid = std::min(1.0, solid / domain.cell_volume(cell[0]));
+  });
 }
 
 }  // namespace brisance::observe

@@ -28,8 +28,7 @@ Stencil stencil_at(grid::Domain const& domain, Vec3 const& x) {
   Index3 low{0, 0, 0};
   Vec3 part{0.0, 0.0, 0.0};
   for (int d = 0; d < dims; ++d) {
-    double const position =
-        std::clamp((x[d] - domain.lower[d]) / domain.h - 0.5, 0.0, static_cast<double>(domain.cells[d] - 1));
+    double const position = std::clamp(domain.in_cells(d, x[d]) - 0.5, 0.0, static_cast<double>(domain.cells[d] - 1));
     low[d] = std::min(static_cast<int>(position), domain.cells[d] - 2);
     part[d] = position - low[d];
   }

@@ -14,23 +14,22 @@ double gas_energy(run::World const& w) {
   parallel_for(w.grid.block_count(), [&](int b, int) {
     grid::Block const& block = w.grid.blocks()[b];
     auto const& fields = w.gas->fields();
-    for (int k = 0; k < block.n[2]; ++k) {
-      for (int j = 0; j < block.n[1]; ++j) {
-        double row = 0.0;
-        for (int i = 0; i < block.n[0]; ++i) {
-          int const at = block.offset(i, j, k);
-          if (!w.gas->is_own(b, at)) continue;
-          double const density = fields.at(b, gas::density)[at] + (two ? fields.at(b, gas::second_density)[at] : 0.0);
-          double square = 0.0;
-          for (int d = 0; d < 3; ++d) {
-            double const m = fields.at(b, gas::momentum_x + d)[at];
-            square += m * m;
-          }
-          if (square > 0.0) row += 0.5 * square / density * w.setup.domain.cell_volume(block.origin[0] + i);
+    for_each_row(block, [&](grid::Cell const& first) {
+      double row = 0.0;
+      for (int i = 0; i < block.n[0]; ++i) {
+        grid::Cell const cell = block.cell(i, first.j, first.k);
+        if (!w.gas->is_own(cell)) continue;
+        int const at = cell.offset;
+        double const density = fields.at(b, gas::density)[at] + (two ? fields.at(b, gas::second_density)[at] : 0.0);
+        double square = 0.0;
+        for (int d = 0; d < 3; ++d) {
+          double const m = fields.at(b, gas::momentum_x + d)[at];
+          square += m * m;
         }
-        parts[b] += row;
+        if (square > 0.0) row += 0.5 * square / density * block.volume(cell);
       }
-    }
+      parts[b] += row;
+    });
   });
   double sum = 0.0;
   for (double const part : parts) sum += part;

@@ -62,7 +62,7 @@ void add_burn_fraction(SetOf const& s, double* out) {
   double const* const lighting = set.field(Field::lighting_time);
   if (lighting == nullptr) return;
   double const speed = s.world.points->bodies()[s.body].solid.detonation_speed;
-  double const rate = mpm::burn_rate(speed, s.world.setup.domain.h);
+  double const rate = mpm::burn_rate(speed, s.world.points->grid().smallest_cell());
   double const time = s.world.clock.time;
   for (int q = 0; q < set.size(); ++q) out[q] = mpm::burn_fraction(time, lighting[q], rate);
 }

@@ -64,7 +64,7 @@ Survey survey_of(run::World const& w, int body, BrokenZones& zones) {
       survey.broken.push_back(point);
     }
   }
-  double const half = 0.5 * w.setup.domain.h / w.points->bodies()[body].points_per_direction;
+  double const half = 0.5 * w.points->grid().smallest_cell() / w.points->bodies()[body].points_per_direction;
   for (int d = 0; d < w.setup.domain.dimensions(); ++d) {
     survey.low[d] -= half;
     survey.high[d] += half;
@@ -75,15 +75,15 @@ Survey survey_of(run::World const& w, int body, BrokenZones& zones) {
 /// Cells that hold broken points, and which of them hang together with a face.
 class Cells {
  public:
-  Cells(grid::Domain const& domain, std::vector<Broken> const& broken, Kind kind) : domain_(&domain) {
+  Cells(grid::Metric const& metric, std::vector<Broken> const& broken, Kind kind) : metric_(&metric) {
     for (Broken const& point : broken) {
       if (point.kind == kind) joined_[cell_of(point.origin)] = false;
     }
   }
   [[nodiscard]] Index3 cell_of(Vec3 const& x) const {
     Index3 cell{0, 0, 0};
-    for (int d = 0; d < domain_->dimensions(); ++d) {
-      cell[d] = static_cast<int>(std::floor((x[d] - domain_->lower[d]) / domain_->h));
+    for (int d = 0; d < metric_->dimensions(); ++d) {
+      cell[d] = static_cast<int>(std::floor(metric_->in_cells(d, x[d])));
     }
     return cell;
   }
@@ -96,18 +96,18 @@ class Cells {
     while (!front.empty()) {
       Index3 const at = front.back();
       front.pop_back();
-      for (int n = 0; n < 27; ++n) {
-        auto const next = joined_.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
-        if (next == joined_.end() || next->second) continue;
+      for_each_cell(grid::around(at, 1, 3), [&](Index3 const& cell) {
+        auto const next = joined_.find(cell);
+        if (next == joined_.end() || next->second) return;
         next->second = true;
         front.push_back(next->first);
-      }
+      });
     }
   }
   [[nodiscard]] bool joined(Vec3 const& x) const { return joined_.at(cell_of(x)); }
 
  private:
-  grid::Domain const* domain_;
+  grid::Metric const* metric_;
   std::map<Index3, bool> joined_;
 };
 
@@ -159,7 +159,7 @@ std::vector<BrokenZones> broken_zones(run::World const& w) {
     BrokenZones zones;
     zones.body = body;
     Survey const survey = survey_of(w, body, zones);
-    double const spacing = domain.h / made_of.points_per_direction;
+    double const spacing = w.points->grid().smallest_cell() / made_of.points_per_direction;
     auto const mirrored = [&](int face) {
       int const d = face / 2;
       double const gap = face % 2 == 0 ? survey.low[d] - domain.lower[d] : domain.upper(d) - survey.high[d];

@@ -66,7 +66,7 @@ std::string index_entry(std::string const& file, double time, grid::Domain const
       "          <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">{3} {3} "
       "{3}</DataItem>\n"
       "        </Geometry>\n",
-      domain.lower[0], domain.lower[1], domain.lower[2], domain.h);
+      domain.lower[0], domain.lower[1], domain.lower[2], domain.smallest_cell());
   for (auto const& field : fields) {
     bool const vector = field.components == 3;
     out += fmt::format(
@@ -119,7 +119,7 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
     file.attribute(file.root(), "step", std::array{step});
     file.attribute(file.root(), "geometry", word_of(domain.geometry));
     file.attribute(file.root(), "origin", domain.lower);
-    file.attribute(file.root(), "spacing", std::array{domain.h});
+    file.attribute(file.root(), "spacing", std::array{domain.smallest_cell()});
     file.attribute(file.root(), "cells", std::array<long, 3>{domain.cells[0], domain.cells[1], domain.cells[2]});
     for (auto const& field : fields) write_field(file, field, grid, options_, values);
     file.write(temporary);

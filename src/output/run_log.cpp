@@ -132,12 +132,8 @@ json afterburn(material::Afterburn const& a) {
 json domain_of(grid::Domain const& d) {
   json boundary = json::array();
   for (auto const b : d.boundary) boundary.push_back(word_of(b));
-  return {{"geometry", word_of(d.geometry)},
-          {"lower", d.lower},
-          {"upper", {d.upper(0), d.upper(1), d.upper(2)}},
-          {"cell_size", d.h},
-          {"cells", d.cells},
-          {"cell_count", d.cell_count()},
+  return {{"geometry", word_of(d.geometry)}, {"lower", d.lower}, {"upper", {d.upper(0), d.upper(1), d.upper(2)}},
+          {"cell_size", d.smallest_cell()},  {"cells", d.cells}, {"cell_count", d.cell_count()},
           {"boundary", std::move(boundary)}};
 }
 

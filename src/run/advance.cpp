@@ -36,7 +36,7 @@ double stable_gas_step(World const& w) {
     // detonation at up to 1.3 D with the sound on top: twice D bounds both.
     if (gas.burning()) signal = std::max(signal, 2.0 * w.setup.charges.front().explosive.detonation_speed);
   }
-  double const step = courant * w.setup.domain.h / signal;
+  double const step = courant * w.grid.smallest_cell() / signal;
   // No step leads from quiet air into the burst of a charge with a delay.
   return std::min(step, gas.next_burst() - gas.time());
 }
@@ -45,7 +45,7 @@ double stable_gas_step(World const& w) {
 double stable_point_step(World const& w) {
   double step = w.points->stable_step();
   if (w.bridge != nullptr && w.bridge->incoming_signal() > 0.0) {
-    step = std::min(step, w.setup.mpm_region->courant * w.setup.domain.h / w.bridge->incoming_signal());
+    step = std::min(step, w.setup.mpm_region->courant * w.bridge->region().metric().h / w.bridge->incoming_signal());
   }
   return ramp(w) * step;
 }

@@ -147,32 +147,23 @@ Totals World::gas_totals() const {
   bool const two = gas->fluids().two;
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
-    // Rows, then planes, then the block: short sums keep their digits.
-    for (int k = 0; k < block.n[2]; ++k) {
-      Totals plane;
-      for (int j = 0; j < block.n[1]; ++j) {
-        Totals row;
-        for (int i = 0; i < block.n[0]; ++i) {
-          int const at = block.offset(i, j, k);
-          if (!gas->is_own(b, at)) continue;
-          double const volume = setup.domain.cell_volume(block.origin[0] + i);
-          double const density = gas->fields().at(b, gas::density)[at];
-          double const second = two ? gas->fields().at(b, gas::second_density)[at] : 0.0;
-          double square = 0.0;
-          for (int d = 0; d < 3; ++d) {
-            double const momentum = gas->fields().at(b, gas::momentum_x + d)[at];
-            row.momentum[d] += volume * momentum;
-            square += momentum * momentum;
-          }
-          row.mass[0] += volume * density;
-          row.mass[1] += volume * second;
-          row.energy += volume * gas->fields().at(b, gas::energy)[at];
-          row.kinetic_energy += 0.5 * volume * square / (density + second);
-        }
-        plane += row;
+    grid::add_cells(block, parts[b], [&](grid::Cell const& cell, Totals& row) {
+      if (!gas->is_own(cell)) return;
+      int const at = cell.offset;
+      double const volume = block.volume(cell);
+      double const density = gas->fields().at(b, gas::density)[at];
+      double const second = two ? gas->fields().at(b, gas::second_density)[at] : 0.0;
+      double square = 0.0;
+      for (int d = 0; d < 3; ++d) {
+        double const momentum = gas->fields().at(b, gas::momentum_x + d)[at];
+        row.momentum[d] += volume * momentum;
+        square += momentum * momentum;
       }
-      parts[b] += plane;
-    }
+      row.mass[0] += volume * density;
+      row.mass[1] += volume * second;
+      row.energy += volume * gas->fields().at(b, gas::energy)[at];
+      row.kinetic_energy += 0.5 * volume * square / (density + second);
+    });
   });
   Totals total;
   for (Totals const& part : parts) total += part;
@@ -183,14 +174,9 @@ Totals World::gas_totals() const {
 double World::gas_rest_energy() const {
   double volume = 0.0;
   for (grid::Block const& block : grid.blocks()) {
-    int const b = static_cast<int>(&block - grid.blocks().data());
-    for (int k = 0; k < block.n[2]; ++k) {
-      for (int j = 0; j < block.n[1]; ++j) {
-        for (int i = 0; i < block.n[0]; ++i) {
-          if (gas->is_own(b, block.offset(i, j, k))) volume += setup.domain.cell_volume(block.origin[0] + i);
-        }
-      }
-    }
+    for_each_cell(block, [&](grid::Cell const& cell) {
+      if (gas->is_own(cell)) volume += block.volume(cell);
+    });
   }
   for (int b = 0; bridge != nullptr && b < points->grid().block_count(); ++b) {
     mpm::PointSet const& set = points->points(b, gas_body());

@@ -13,11 +13,7 @@ namespace {
 
 using Column = PanelPlace::Column;
 
-double pressure_of(gas::Gas const& gas, Index3 const& cell) {
-  int const b = gas.grid().block_of(cell);
-  Index3 const& o = gas.grid().blocks()[b].origin;
-  return gas.primitive(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]).pressure;
-}
+double pressure_of(gas::Gas const& gas, Index3 const& cell) { return gas.primitive(gas.grid().locate(cell)).pressure; }
 
 /// Difference of the mean pressures on what is closed of a panel; 0 where there is no gas on one of its sides.
 double difference_of(gas::Gas const& gas, PanelReport const& panel) {

@@ -25,7 +25,7 @@ void World::archive(Archive& a) {
   a.same(gas != nullptr, "whether there is gas");
   a.same(points != nullptr, "whether there are material points");
   a.same(setup.domain.cells, "the number of cells");
-  a.same(setup.domain.h, "the size of the cells");
+  a.same(grid.smallest_cell(), "the size of the cells");
   a(clock.time, clock.dt, clock.step, clock.gas_steps, clock.point_steps, timings);
   a.require(std::isfinite(clock.time) && std::isfinite(clock.dt) && clock.step >= 0 && clock.gas_steps >= 0 &&
                 clock.point_steps >= 0,

@@ -138,7 +138,7 @@ double estimated_steps(run::Case const& setup) {
     }
     path = std::max(path, sum);
   }
-  double const steps = path / (setup.numerics.courant * setup.domain.h) + 5.0;  // 5 for the gentle start
+  double const steps = path / (setup.numerics.courant * setup.domain.smallest_cell()) + 5.0;  // 5 for the gentle start
   return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
 }
 
@@ -157,7 +157,7 @@ void add_point_memory(run::Points const& points, Plan& p, int dimensions) {
 double estimated_point_step(run::Case const& setup) {
   double fastest = 0.0;
   for (run::Body const& body : setup.points.bodies) fastest = std::max(fastest, fastest_signal(body));
-  return setup.points.options.courant * setup.domain.h / fastest;
+  return setup.points.options.courant * setup.domain.smallest_cell() / fastest;
 }
 
 double estimated_point_steps(run::Case const& setup) {

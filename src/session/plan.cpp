@@ -46,8 +46,8 @@ double boxed_cells(shape::Shape const& shape, grid::Domain const& domain) {
   auto const box = shape::bounds(shape);
   double cells = 1.0;
   for (int d = 0; d < domain.dimensions(); ++d)
-    cells *=
-        std::max(0.0, std::min(box.upper[d], domain.upper(d)) - std::max(box.lower[d], domain.lower[d])) / domain.h;
+    cells *= std::max(0.0, std::min(box.upper[d], domain.upper(d)) - std::max(box.lower[d], domain.lower[d])) /
+             domain.smallest_cell();
   return cells;
 }
 
@@ -67,7 +67,7 @@ run::ChargeReport untried_charge(run::Charge const& charge, grid::Domain const& 
   report.asked_mass = charge.mass;
   report.realised_mass = std::numeric_limits<double>::quiet_NaN();
   report.realised_energy = volume * charge.explosive.energy;
-  report.cells_per_radius = shape::equivalent_radius(volume, domain.geometry) / domain.h;
+  report.cells_per_radius = shape::equivalent_radius(volume, domain.geometry) / domain.smallest_cell();
   return report;
 }
 
@@ -91,7 +91,7 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
     reach = profile.reach();
     p.starts.push_back(fmt::format("profile \"{}\" of {}, time {}, the burst has a radius of {}, {:.3g} cells",
                                    setup.start.profile, word_of(profile.domain.geometry), quantity(profile.time, "s"),
-                                   quantity(reach, "m"), reach / setup.domain.h));
+                                   quantity(reach, "m"), reach / setup.domain.smallest_cell()));
   } else if (setup.start.profile.empty()) {
     setup::StartPlan const plan = setup::plan_start(setup, number);
     run::Case const one = setup::start_case(setup, number, plan);
@@ -108,24 +108,24 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
     p.starts.push_back(fmt::format("{} by {}, {} cells of {}, {}; then remapped, {:.3g} cells per radius",
                                    word_of(plan.geometry),
                                    setup.start.method == run::StartMethod::gas ? "the gas scheme" : "material points",
-                                   plan.cells, quantity(plan.cell, "m"), until, reach / setup.domain.h));
+                                   plan.cells, quantity(plan.cell, "m"), until, reach / setup.domain.smallest_cell()));
   } else {
     return;  // resumed: the file is not needed any more
   }
   report.realised_mass = realised * images;
   report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
   p.charges.push_back(report);
-  if (reach < coarse_burst * setup.domain.h) {
+  if (reach < coarse_burst * setup.domain.smallest_cell()) {
     p.warnings.push_back(fmt::format(
         "{} is remapped when its burst has only {:.2g} cells per radius: its shock will be coarse; a cell of {} would "
         "give {:g}",
-        what, reach / setup.domain.h, quantity(reach / coarse_burst, "m", 2), coarse_burst));
+        what, reach / setup.domain.smallest_cell(), quantity(reach / coarse_burst, "m", 2), coarse_burst));
   }
 }
 
 /// Regions and obstacles as they will be placed.
 void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Plan& p) {
-  double const h = setup.domain.h;
+  double const h = setup.domain.smallest_cell();
   if (setup::RegionPlacing regions(setup); regions.measure(most_cut_cells)) {
     regions.give_way(taken);
     p.regions = regions.reports();
@@ -185,7 +185,7 @@ void plan_gas(run::Case const& setup, Plan& p) {
     if (resolution < coarse_charge) {
       p.warnings.push_back(fmt::format(
           "{} has only {:.2g} cells per radius: the near field will be coarse; a cell of {} would give {:g}", what,
-          resolution, quantity(setup.domain.h * resolution / coarse_charge, "m", 2), coarse_charge));
+          resolution, quantity(setup.domain.smallest_cell() * resolution / coarse_charge, "m", 2), coarse_charge));
     }
   }
   plan_placed(setup, taken, p);
@@ -197,7 +197,7 @@ void plan_gas(run::Case const& setup, Plan& p) {
       setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
   p.gauge_bytes = records * bytes_per_record * static_cast<double>(setup.gauges.size());
   p.gauges = plan_gauges(setup);
-  if (auto const warning = clipping_warning(p.gauges, setup.domain.h)) p.warnings.push_back(*warning);
+  if (auto const warning = clipping_warning(p.gauges, setup.domain.smallest_cell())) p.warnings.push_back(*warning);
 }
 
 /// The bodies as they will be filled. One that would have more than `most_points` is not filled but estimated.
@@ -210,8 +210,8 @@ run::BodyReport realised(run::Body const& body, grid::Domain const& domain, doub
   double const most = boxed_cells(body.shape, domain) * per_cell;
   if (most > most_points) {
     // The box around the part in the domain holds no more than the body, and the body no more than its volume.
-    double cell = domain.h;
-    for (int d = 1; d < domain.dimensions(); ++d) cell *= domain.h;
+    double cell = domain.smallest_cell();
+    for (int d = 1; d < domain.dimensions(); ++d) cell *= domain.smallest_cell();
     double const whole = grid::radial_exponent(domain.geometry) > 0
                              ? most
                              : shape::volume(body.shape, domain.geometry) / cell * per_cell;
@@ -234,7 +234,7 @@ double points_across(run::Body const& body, grid::Domain const& domain) {
     bool const mirrored = domain.boundary[2 * d] == grid::Boundary::symmetry && box.lower[d] <= domain.lower[d];
     double const size = box.upper[d] - box.lower[d];
     // A body that reaches over a symmetry plane goes on behind it.
-    across = std::min(across, (mirrored ? 2.0 : 1.0) * size / domain.h * body.points_per_direction);
+    across = std::min(across, (mirrored ? 2.0 : 1.0) * size / domain.smallest_cell() * body.points_per_direction);
   }
   return across;
 }
@@ -251,10 +251,10 @@ void plan_points(run::Case const& setup, Plan& p) {
     }
     if (double const across = points_across(body, setup.domain);
         body.solid.has_deviator() && !body.rigid && across < coarse_body - 0.01) {
-      p.warnings.push_back(
-          fmt::format("body \"{}\" has only {:.2g} points across its shortest side: it will bend and yield poorly; a "
-                      "cell of {} would give {:g}",
-                      body.name, across, quantity(setup.domain.h * across / coarse_body, "m", 2), coarse_body));
+      p.warnings.push_back(fmt::format(
+          "body \"{}\" has only {:.2g} points across its shortest side: it will bend and yield poorly; a "
+          "cell of {} would give {:g}",
+          body.name, across, quantity(setup.domain.smallest_cell() * across / coarse_body, "m", 2), coarse_body));
     }
   }
   double const step = estimated_point_step(setup);
@@ -285,8 +285,8 @@ void plan_region(run::Case const& setup, Plan& p) {
   for (int d = 0; d < domain.dimensions(); ++d) {
     auto const [low, high] = std::minmax_element(region.cells().begin(), region.cells().end(),
                                                  [d](Index3 const& a, Index3 const& b) { return a[d] < b[d]; });
-    r.lower[d] = domain.lower[d] + (*low)[d] * domain.h;
-    r.upper[d] = domain.lower[d] + ((*high)[d] + 1) * domain.h;
+    r.lower[d] = domain.face(d, (*low)[d]);
+    r.upper[d] = domain.face(d, (*high)[d] + 1);
   }
   for (bridge::Face const& face : region.faces()) {
     if (!face.open) ++r.bridge_faces[2 * face.direction + face.side];

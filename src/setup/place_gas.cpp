@@ -35,31 +35,19 @@ gas::Options options_of(Case const& c) {
 void place_obstacles(Case const& c, std::vector<std::uint8_t> const& flags, grid::Grid const& grid, gas::Gas& gas,
                      gas::MixtureState const& ambient) {
   grid::Domain const& domain = grid.domain();
-  auto const is_solid = [&](Index3 const& cell) {
-    return flags[static_cast<std::size_t>(cell[0]) +
-                 static_cast<std::size_t>(domain.cells[0]) *
-                     (static_cast<std::size_t>(cell[1]) +
-                      static_cast<std::size_t>(domain.cells[1]) * static_cast<std::size_t>(cell[2]))] != 0;
-  };
+  grid::CellRange const all = domain.all_cells();
   if (c.obstacles.empty()) return;
-  for (int b = 0; b < grid.block_count(); ++b) {
-    grid::Block const& block = grid.blocks()[b];
-    gas::PaddedBox const box(block, domain.dimensions());
-    std::vector<std::uint8_t> solid(static_cast<std::size_t>(box.count()), 0);
+  for (grid::Block const& block : grid.blocks()) {
+    grid::CellRange const box = block.with_ghosts();
+    std::vector<std::uint8_t> solid(box.count(), 0);
     bool any = false;
-    for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
-      for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
-        for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
-          Index3 const cell{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k};
-          if (!is_solid(grid::image_cell(domain, cell))) continue;
-          solid[box.offset(i, j, k)] = 1;
-          any = true;
-          bool const own = i >= 0 && j >= 0 && k >= 0 && i < block.n[0] && j < block.n[1] && k < block.n[2];
-          if (own) gas.set(b, block.offset(i, j, k), ambient);
-        }
-      }
-    }
-    if (any) gas.set_obstacles(b, std::move(solid));
+    for_each_cell(box, [&](Index3 const& within) {
+      if (flags[all.offset(grid::image_cell(domain, block.index(within)))] == 0) return;
+      solid[box.offset(within)] = 1;
+      any = true;
+      if (block.interior().contains(within)) gas.set(block.cell(within), ambient);
+    });
+    if (any) gas.set_obstacles(block.number, std::move(solid));
   }
 }
 
@@ -71,7 +59,7 @@ std::vector<gas::WaveSource> wave_sources(Case const& c) {
     shape::Box const box = shape::bounds(shape);
     source.position = shape::centre(shape);
     for (int d = 0; d < c.domain.dimensions(); ++d) {
-      double const slack = 0.5 * c.domain.h;
+      double const slack = 0.5 * c.domain.smallest_cell();
       source.spans[d] = box.lower[d] <= c.domain.lower[d] + slack && box.upper[d] >= c.domain.upper(d) - slack;
       // Of a shape that reaches out of the domain only the part inside is there.
       if (box.lower[d] < c.domain.lower[d] || box.upper[d] > c.domain.upper(d)) {
@@ -117,11 +105,9 @@ detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
     // What the cells really hold, not what they were meant to: read before and after.
     auto const products = [&] {
       double mass = 0.0;
-      for (Index3 const& cell : filled.cells) {
-        int const b = grid.block_of(cell);
-        Index3 const& o = grid.blocks()[b].origin;
-        int const at = grid.blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
-        mass += gas.fields().at(b, gas::second_density)[at] * setup.domain.cell_volume(cell[0]);
+      for (Index3 const& index : filled.cells) {
+        grid::Cell const cell = grid.locate(index);
+        mass += gas.fields().at(cell.block, gas::second_density)[cell.offset] * grid.block(cell).volume(cell);
       }
       return mass;
     };
@@ -139,7 +125,7 @@ detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
     report.realised_mass = (products() - before) * filled.images;
     report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
     report.cells_per_radius =
-        shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / setup.domain.h;
+        shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / grid.smallest_cell();
     w.charges.push_back(report);
   }
   if (!burning.empty()) detonation::set_programmed_burn(gas, burning, setup.charges.front().explosive);
@@ -188,7 +174,8 @@ run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, 
   report.asked_mass = charge.mass;
   report.realised_mass = volume * filled.images * density;
   report.realised_energy = volume * filled.images * charge.explosive.energy;
-  report.cells_per_radius = shape::equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.domain().h;
+  report.cells_per_radius =
+      shape::equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.smallest_cell();
   return report;
 }
 

@@ -88,7 +88,7 @@ bool RegionPlacing::measure(long most) {
     if (part > 0.0 && std::abs(missing) > 1e-13 * asked_[n] && asked_[n] > full) scales_[n] = (asked_[n] - full) / part;
   }
   placed_.assign(regions_.size(), 0.0);
-  for_each(shape::all_cells(domain), [&](CellRange const& r, std::vector<Share> const& shares) {
+  for_each(domain.all_cells(), [&](CellRange const& r, std::vector<Share> const& shares) {
     for (Share const& s : shares) placed_[static_cast<std::size_t>(s.shape)] += s.part * shape::volume_of(r, domain);
     return ++cut <= most;
   });
@@ -103,35 +103,28 @@ void RegionPlacing::fill(gas::Gas& gas) {
   grid::Grid const& grid = gas.grid();
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
-    CellRange own{block.origin, block.origin};
-    for (int d = 0; d < 3; ++d) own.upper[d] += block.n[d];
-    for_each(own, [&](CellRange const& r, std::vector<Share> const& shares) {
+    for_each(block.in_domain(), [&](CellRange const& r, std::vector<Share> const& shares) {
       double rest = 1.0;
       for (Share const& s : shares) rest -= s.part;
-      for (int k = r.lower[2]; k < r.upper[2]; ++k) {
-        for (int j = r.lower[1]; j < r.upper[1]; ++j) {
-          for (int i = r.lower[0]; i < r.upper[0]; ++i) {
-            Index3 const at{i - block.origin[0], j - block.origin[1], k - block.origin[2]};
-            int const offset = block.offset(at[0], at[1], at[2]);
-            for (int c = 0; c < gas.components(); ++c) {
-              double& u = gas.fields().at(b, c)[offset];
-              if (shares.size() == 1 && shares.front().part >= 1.0) {
-                u = states[static_cast<std::size_t>(shares.front().shape)][c];
-                continue;
-              }
-              double mixed = std::max(rest, 0.0) * u;
-              for (Share const& s : shares) mixed += s.part * states[static_cast<std::size_t>(s.shape)][c];
-              u = mixed;
-            }
-            if (!r.single() || gas.primitive(b, at[0], at[1], at[2]).sound_speed > 0.0) continue;
-            Vec3 const x = grid.domain().centre({i, j, k});
-            throw InputError(fmt::format(
-                "the states that regions and the ambient have in the cell at ({:.6g}, {:.6g}, {:.6g}) m cannot be "
-                "mixed: their mean is outside the equation of state; let the faces of the region lie between cells",
-                x[0], x[1], x[2]));
+      grid::for_each_cell(r, [&](Index3 const& index) {
+        grid::Cell const cell = grid.locate(index);
+        for (int c = 0; c < gas.components(); ++c) {
+          double& u = gas.fields().at(b, c)[cell.offset];
+          if (shares.size() == 1 && shares.front().part >= 1.0) {
+            u = states[static_cast<std::size_t>(shares.front().shape)][c];
+            continue;
           }
+          double mixed = std::max(rest, 0.0) * u;
+          for (Share const& s : shares) mixed += s.part * states[static_cast<std::size_t>(s.shape)][c];
+          u = mixed;
         }
-      }
+        if (!r.single() || gas.primitive(cell).sound_speed > 0.0) return;
+        Vec3 const x = block.centre(cell);
+        throw InputError(fmt::format(
+            "the states that regions and the ambient have in the cell at ({:.6g}, {:.6g}, {:.6g}) m cannot be "
+            "mixed: their mean is outside the equation of state; let the faces of the region lie between cells",
+            x[0], x[1], x[2]));
+      });
       return true;
     });
   });
@@ -140,8 +133,7 @@ void RegionPlacing::fill(gas::Gas& gas) {
 void RegionPlacing::give_way(detonation::TakenCells const& taken) {
   if (regions_.empty()) return;
   for (auto const& [cell, part] : taken) {
-    CellRange const one{cell, {cell[0] + 1, cell[1] + 1, cell[2] + 1}};
-    for_each(one, [&, part = part](CellRange const& r, std::vector<Share> const& shares) {
+    for_each(grid::around(cell, 0, 0), [&, part = part](CellRange const& r, std::vector<Share> const& shares) {
       for (Share const& s : shares)
         placed_[static_cast<std::size_t>(s.shape)] -= part * s.part * shape::volume_of(r, setup_->domain);
       return true;

@@ -24,9 +24,7 @@ std::vector<Column> columns_in(grid::Domain const& domain, SolidCells const& sol
     line[direction] = 0;
     lines[line].push_back(cell[direction]);
   }
-  auto const is_gas = [&](Index3 const& cell) {
-    return cell[direction] >= 0 && cell[direction] < domain.cells[direction] && !solid(cell);
-  };
+  auto const is_gas = [&](Index3 const& cell) { return domain.contains(cell) && !solid(cell); };
   std::vector<Column> columns;
   for (auto& [line, places] : lines) {
     std::sort(places.begin(), places.end());
@@ -51,11 +49,9 @@ void find_rings(grid::Domain const& domain, PanelPlace& place) {
   }
   // Is what lies beyond a face of the domain an image of what lies before it, or across?
   auto const goes_on = [&](Index3 const& outside, int direction) {
-    int const side = outside[direction] < 0 ? 0 : 1;
-    grid::Boundary const b = domain.boundary[2 * direction + side];
-    bool const axis =
-        direction == 0 && side == 0 && grid::radial_exponent(domain.geometry) > 0 && domain.radial_area(0) == 0.0;
-    return axis || b == grid::Boundary::symmetry || b == grid::Boundary::periodic;
+    int const face = 2 * direction + (outside[direction] < 0 ? 0 : 1);
+    grid::Boundary const b = domain.boundary[face];
+    return domain.is_axis(face) || b == grid::Boundary::symmetry || b == grid::Boundary::periodic;
   };
   for (int ring = 0;; ++ring) {
     std::vector<Column*> found;
@@ -66,14 +62,13 @@ void find_rings(grid::Domain const& domain, PanelPlace& place) {
         if (d == place.direction) continue;
         for (int side = 0; side < 2; ++side) {
           Index3 next = moved(line, d, 2 * side - 1);
-          bool const outside = next[d] < 0 || next[d] >= domain.cells[d];
-          if (outside && goes_on(next, d)) next = grid::image_cell(domain, next);
+          if (!domain.contains(next) && goes_on(next, d)) next = grid::image_cell(domain, next);
           auto const other = at.find(next);
           if (other != at.end() && other->second->ring < 0) continue;
           edge = true;
           if (ring == 0) {
             int const face = column->first[0] + (d == 0 ? side : 0);
-            place.perimeter += domain.face_area(d, face) / domain.h;
+            place.perimeter += domain.face_area(d, face) / domain.smallest_cell();
           }
         }
       }

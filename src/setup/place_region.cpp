@@ -32,13 +32,13 @@ bridge::CellBox cells_of(grid::Domain const& domain, shape::Box const& box) {
     std::array<int, 2> bounds{};
     for (int side = 0; side < 2; ++side) {
       double const x = side == 0 ? box.lower[d] : box.upper[d];
-      double const at = (x - domain.lower[d]) / domain.h;
+      double const at = domain.in_cells(d, x);
       double const nearest = std::round(at);
       if (std::abs(at - nearest) > 1e-6 * std::max(1.0, std::abs(nearest))) {
         throw InputError(fmt::format(
             "the faces of the MPM region must lie between cells: {} = {:.6g} m lies in one; the nearest are {:.6g} and "
             "{:.6g} m",
-            "xyz"[d], x, domain.lower[d] + std::floor(at) * domain.h, domain.lower[d] + std::ceil(at) * domain.h));
+            "xyz"[d], x, domain.place(d, std::floor(at)), domain.place(d, std::ceil(at))));
       }
       bounds[side] = static_cast<int>(nearest);
     }
@@ -84,8 +84,8 @@ bridge::CellBox box_around_bodies(Case const& setup) {
       high = std::max(high, box.upper[d]);
     }
     double const slack = 1e-6;  // a body that ends on a face does not reach into the next cell
-    int first = static_cast<int>(std::floor((low - domain.lower[d]) / domain.h + slack)) - margin;
-    int last = static_cast<int>(std::ceil((high - domain.lower[d]) / domain.h - slack)) + margin;
+    int first = static_cast<int>(std::floor(domain.in_cells(d, low) + slack)) - margin;
+    int last = static_cast<int>(std::ceil(domain.in_cells(d, high) - slack)) + margin;
     // A strip of gas beside the boundary would be too narrow to be worth it.
     if (first < margin / 2 + 4) first = 0;
     if (last > domain.cells[d] - (margin / 2 + 4)) last = domain.cells[d];
@@ -110,8 +110,8 @@ shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& bo
     shape::Box box;
     for (int d = 0; d < 3; ++d) {
       bool const resolved = d < domain.dimensions();
-      box.lower[d] = resolved ? domain.lower[d] + cells.lower[d] * domain.h : -1e30;
-      box.upper[d] = resolved ? domain.lower[d] + cells.upper[d] * domain.h : 1e30;
+      box.lower[d] = resolved ? domain.face(d, cells.lower[d]) : -1e30;
+      box.upper[d] = resolved ? domain.face(d, cells.upper[d]) : 1e30;
     }
     parts.emplace_back(box);
   }
@@ -128,15 +128,12 @@ void fill_gas(run::World& w, int body, std::vector<bridge::CellBox> const& boxes
   int const parts = w.setup.mpm_region->gas_points(domain.dimensions());
   shape::Placement const placement = shape::place_particles(gas_space(w.setup, boxes), domain, parts);
   mpm::PointSet set(w.points->fields(body));
-  double const half = 0.5 * domain.h / parts;
+  double const half = 0.5 * domain.smallest_cell() / parts;
   for (std::size_t n = 0; n < placement.positions.size(); ++n) {
     Vec3 const& x = placement.positions[n];
-    Index3 const cell = w.grid.cell_at(x);
-    int const b = w.grid.block_of(cell);
-    Index3 const& o = w.grid.blocks()[b].origin;
-    gas::Primitive const s = w.gas->primitive(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
-    int const at = w.grid.blocks()[b].offset(cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
-    double const total = w.gas->fields().at(b, gas::energy)[at];
+    grid::Cell const cell = w.grid.locate(x);
+    gas::Primitive const s = w.gas->primitive(cell);
+    double const total = w.gas->fields().at(cell.block, gas::energy)[cell.offset];
     int const q = set.append();
     for (int d = 0; d < 3; ++d) {
       set.field(Field::position_x + d)[q] = x[d];
@@ -169,15 +166,13 @@ bool moves(Case const& setup) {
 
 void check_neighbours(run::World const& w) {
   bridge::Region const& region = w.bridge->region();
-  auto const check = [&](Index3 const& cell) {
-    int const b = w.grid.block_of(cell);
-    Index3 const& o = w.grid.blocks()[b].origin;
-    Index3 const i{cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]};
-    if (w.gas->is_obstacle(b, i[0], i[1], i[2])) {
+  auto const check = [&](Index3 const& index) {
+    grid::Cell const cell = w.grid.locate(index);
+    if (w.gas->is_obstacle(cell)) {
       throw InputError(
           "an obstacle lies in the MPM region or within 3 cells of it: make it a body, or move one of them");
     }
-    if (w.gas->burning() && w.gas->burn_fraction(b, i[0], i[1], i[2]) < 1.0) {
+    if (w.gas->burning() && w.gas->burn_fraction(cell) < 1.0) {
       throw InputError(
           "a charge lies in the MPM region or within 3 cells of it: make the region smaller, or the charge a body");
     }
@@ -252,9 +247,7 @@ void place_region(run::World& w) {
   bool still = !moves(w.setup);
   for (Index3 const& cell : region.cells()) {
     if (!still) break;
-    int const b = w.grid.block_of(cell);
-    Index3 const& o = w.grid.blocks()[b].origin;
-    gas::Primitive const s = w.gas->primitive(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]);
+    gas::Primitive const s = w.gas->primitive(w.grid.locate(cell));
     still = std::abs(s.pressure - ambient.pressure) <= options.activation && norm(s.velocity) == 0.0;
   }
   options.awake = !still;

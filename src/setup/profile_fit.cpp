@@ -115,10 +115,8 @@ int grounded_face(Case const& setup, detonation::Placing const& placing, detonat
   if (profile.domain.geometry != Geometry::axisymmetric2d || !profile.mirrored || through) return -1;
   double const ground = placing.centre[placing.axis] + placing.sense * profile.domain.lower[1];
   int const grounded = 2 * placing.axis + (placing.sense > 0.0 ? 0 : 1);
-  grid::Boundary const b = setup.domain.boundary[grounded];
   double const plane = placing.sense > 0.0 ? setup.domain.lower[placing.axis] : setup.domain.upper(placing.axis);
-  if (std::abs(plane - ground) > 1e-6 * setup.domain.h ||
-      (b != grid::Boundary::wall && b != grid::Boundary::symmetry)) {
+  if (std::abs(plane - ground) > 1e-6 * setup.domain.smallest_cell() || !setup.domain.is_mirror(grounded)) {
     mismatch(setup,
              fmt::format("its shock has been reflected by a plane that lies at {} = {:.6g} m here: the face {} must be "
                          "a wall or a symmetry plane there",

@@ -25,8 +25,8 @@ double charge_radius(shape::Shape const& shape) {
 double distance_to_cell(grid::Domain const& domain, Index3 const& cell, Vec3 const& x) {
   double sum = 0.0;
   for (int d = 0; d < domain.dimensions(); ++d) {
-    double const low = domain.lower[d] + cell[d] * domain.h;
-    double const away = std::max({low - x[d], x[d] - low - domain.h, 0.0});
+    double const low = domain.face(d, cell[d]);
+    double const away = std::max({low - x[d], x[d] - low - domain.smallest_cell(), 0.0});
     sum += away * away;
   }
   return std::sqrt(sum);
@@ -38,21 +38,17 @@ double distance_to_obstacle(grid::Domain const& domain, SolidCells const& solid,
   shape::CellRange range = shape::cells_around(shape, domain);
   for (int d = 0; d < domain.dimensions(); ++d) {
     auto const cell = [&](double y) {
-      double const at = std::floor((y - domain.lower[d]) / domain.h);
+      double const at = std::floor(domain.in_cells(d, y));
       return static_cast<int>(std::clamp(at, 0.0, domain.cells[d] - 1.0));
     };
     range.lower[d] = std::max(range.lower[d], cell(x[d] - bound));
     range.upper[d] = std::min(range.upper[d], cell(x[d] + bound) + 1);
   }
-  for (int k = range.lower[2]; k < range.upper[2]; ++k) {
-    for (int j = range.lower[1]; j < range.upper[1]; ++j) {
-      for (int i = range.lower[0]; i < range.upper[0]; ++i) {
-        double const distance = distance_to_cell(domain, {i, j, k}, x);
-        if (distance >= bound || shape::shares_of_cell({shape}, domain, {i, j, k}).empty()) continue;
-        if (solid({i, j, k})) bound = distance;
-      }
-    }
-  }
+  grid::for_each_cell(range, [&](Index3 const& cell) {
+    double const distance = distance_to_cell(domain, cell, x);
+    if (distance >= bound || shape::shares_of_cell({shape}, domain, cell).empty()) return;
+    if (solid(cell)) bound = distance;
+  });
   return bound;
 }
 
@@ -60,7 +56,7 @@ double distance_to_obstacle(grid::Domain const& domain, SolidCells const& solid,
 
 Reach reach_of(Case const& setup, std::size_t number, bool with_gauges, int grounded) {
   grid::Domain const& domain = setup.domain;
-  double const h = domain.h;
+  double const h = domain.smallest_cell();
   int const dims = domain.dimensions();
   Vec3 centre = shape::centre(setup.charges[number].shape);
   for (int d = dims; d < 3; ++d) centre[d] = 0.0;

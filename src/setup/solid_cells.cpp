@@ -21,45 +21,28 @@ constexpr double thick = 2.0;
 /// Parts of a cell per direction in which is looked for a way around a wall.
 int parts_of(int dimensions) { return dimensions == 3 ? 6 : 8; }
 
-CellRange common(CellRange const& a, CellRange const& b) {
-  CellRange both;
-  for (int d = 0; d < 3; ++d) {
-    both.lower[d] = std::max(a.lower[d], b.lower[d]);
-    both.upper[d] = std::min(a.upper[d], b.upper[d]);
-  }
-  return both;
-}
-
-bool empty(CellRange const& r) {
-  return r.lower[0] >= r.upper[0] || r.lower[1] >= r.upper[1] || r.lower[2] >= r.upper[2];
-}
-
-/// Parts of one or two cells that are free of obstacles, x fastest.
+/// Parts of one or two cells that are free of obstacles.
 struct Parts {
-  Index3 n{1, 1, 1};
+  CellRange box;
   std::vector<std::uint8_t> free;
-
-  [[nodiscard]] int index(Index3 const& i) const { return i[0] + n[0] * (i[1] + n[1] * i[2]); }
 };
 
 /// Numbers the connected free parts: 0 where blocked, else from 1 on.
 std::vector<int> connected(Parts const& parts) {
   std::vector<int> number(parts.free.size(), 0);
-  std::vector<int> open;
+  std::vector<std::size_t> open;
   int count = 0;
   for (std::size_t start = 0; start < number.size(); ++start) {
     if (parts.free[start] == 0 || number[start] != 0) continue;
     number[start] = ++count;
-    open.push_back(static_cast<int>(start));
+    open.push_back(start);
     while (!open.empty()) {
-      int const at = open.back();
+      Index3 const part = parts.box.at(open.back());
       open.pop_back();
-      Index3 const i{at % parts.n[0], at / parts.n[0] % parts.n[1], at / (parts.n[0] * parts.n[1])};
       for (int face = 0; face < 6; ++face) {
-        Index3 j = i;
-        j[face / 2] += face % 2 == 0 ? -1 : 1;
-        if (j[face / 2] < 0 || j[face / 2] >= parts.n[face / 2]) continue;
-        int const next = parts.index(j);
+        Index3 const beside = grid::beside(part, face / 2, face % 2);
+        if (!parts.box.contains(beside)) continue;
+        std::size_t const next = parts.box.offset(beside);
         if (parts.free[next] == 0 || number[next] != 0) continue;
         number[next] = count;
         open.push_back(next);
@@ -86,20 +69,20 @@ bool parted(Parts const& low, Parts const& high, int direction) {
   int const b = in_largest(high);
   if (a < 0 || b < 0) return true;
   Parts both;
-  both.n = low.n;
-  both.n[direction] *= 2;
-  both.free.resize(2 * low.free.size());
-  auto const place = [&](int at, int side) {
-    Index3 i{at % low.n[0], at / low.n[0] % low.n[1], at / (low.n[0] * low.n[1])};
-    i[direction] += side * low.n[direction];
-    return both.index(i);
+  both.box = low.box;
+  both.box.upper[direction] *= 2;
+  both.free.resize(both.box.count());
+  auto const place = [&](std::size_t at, int side) {
+    Index3 part = low.box.at(at);
+    part[direction] += side * low.box.n(direction);
+    return both.box.offset(part);
   };
-  for (int at = 0; at < static_cast<int>(low.free.size()); ++at) {
+  for (std::size_t at = 0; at < low.free.size(); ++at) {
     both.free[place(at, 0)] = low.free[at];
     both.free[place(at, 1)] = high.free[at];
   }
   std::vector<int> const number = connected(both);
-  return number[place(a, 0)] != number[place(b, 1)];
+  return number[place(static_cast<std::size_t>(a), 0)] != number[place(static_cast<std::size_t>(b), 1)];
 }
 
 int largest_of(std::vector<Share> const& shares) {
@@ -109,20 +92,15 @@ int largest_of(std::vector<Share> const& shares) {
 
 /// The parts of a cell of which obstacles leave the middle free; `fine` has p of them per cell and direction.
 Parts parts_of_cell(std::vector<shape::Shape> const& shapes, grid::Domain const& fine, Index3 const& cell, int p) {
-  int const dims = fine.dimensions();
   Parts parts;
-  for (int d = 0; d < dims; ++d) parts.n[d] = p;
-  parts.free.assign(static_cast<std::size_t>(parts.n[0]) * parts.n[1] * parts.n[2], 1);
-  CellRange inside;
-  for (int d = 0; d < 3; ++d) {
-    inside.lower[d] = d < dims ? cell[d] * p : 0;
-    inside.upper[d] = inside.lower[d] + parts.n[d];
+  Index3 first{0, 0, 0};
+  for (int d = 0; d < fine.dimensions(); ++d) {
+    parts.box.upper[d] = p;
+    first[d] = cell[d] * p;
   }
-  for (int at = 0; at < static_cast<int>(parts.free.size()); ++at) {
-    Index3 const i{inside.lower[0] + at % p, inside.lower[1] + at / p % parts.n[1],
-                   inside.lower[2] + at / (p * parts.n[1])};
-    parts.free[at] = shape::shares_of_cell(shapes, fine, i, 2).empty() ? 1 : 0;
-  }
+  grid::for_each_cell(parts.box.moved(first), [&](Index3 const& part) {
+    parts.free.push_back(shape::shares_of_cell(shapes, fine, part, 2).empty() ? 1 : 0);
+  });
   return parts;
 }
 
@@ -138,25 +116,19 @@ bool SolidCells::operator()(Index3 const& cell) const {
 }
 
 std::vector<std::uint8_t> SolidCells::all() const {
-  std::vector<std::uint8_t> flags(static_cast<std::size_t>(domain_.cell_count()), 0);
+  CellRange const whole = domain_.all_cells();
+  std::vector<std::uint8_t> flags(whole.count(), 0);
   if (!any()) return flags;
   // Slabs across the last direction, which follow each other in memory.
   int const last = domain_.dimensions() - 1;
   constexpr int thickness = 8;
   parallel_for((domain_.cells[last] + thickness - 1) / thickness, [&](int n, int) {
-    CellRange slab = shape::all_cells(domain_);
+    CellRange slab = domain_.all_cells();
     slab.lower[last] = n * thickness;
     slab.upper[last] = std::min(domain_.cells[last], (n + 1) * thickness);
     shape::for_each_share(shapes_, domain_, slab, [&](CellRange const& r, std::vector<Share> const& shares) {
       if (!solid(sum_of(shares))) return true;
-      for (int k = r.lower[2]; k < r.upper[2]; ++k) {
-        for (int j = r.lower[1]; j < r.upper[1]; ++j) {
-          std::size_t const row = static_cast<std::size_t>(domain_.cells[0]) *
-                                  (j + static_cast<std::size_t>(domain_.cells[1]) * static_cast<std::size_t>(k));
-          std::fill(flags.begin() + static_cast<std::ptrdiff_t>(row) + r.lower[0],
-                    flags.begin() + static_cast<std::ptrdiff_t>(row) + r.upper[0], 1);
-        }
-      }
+      grid::for_each_cell(r, [&](Index3 const& cell) { flags[whole.offset(cell)] = 1; });
       return true;
     });
   });
@@ -170,16 +142,14 @@ std::optional<std::vector<run::ObstacleReport>> SolidCells::reports(long most) c
     all[n].asked_volume = shape::volume_inside(shapes_[n], domain_);
   }
   long cut = 0;
-  shape::for_each_share(shapes_, domain_, shape::all_cells(domain_),
+  shape::for_each_share(shapes_, domain_, domain_.all_cells(),
                         [&](CellRange const& r, std::vector<Share> const& shares) {
                           double const sum = sum_of(shares);
                           double const whole = shape::volume_of(r, domain_);
                           if (sum < 1.0 && ++cut > most) return false;
                           if (solid(sum)) {
                             run::ObstacleReport& report = all[static_cast<std::size_t>(largest_of(shares))];
-                            long count = 1;
-                            for (int d = 0; d < 3; ++d) count *= r.upper[d] - r.lower[d];
-                            report.cells += count;
+                            report.cells += static_cast<long>(r.count());
                             report.volume += whole;
                             report.excess += (1.0 - std::min(sum, 1.0)) * whole;
                           } else {
@@ -209,12 +179,8 @@ double SolidCells::thickness(std::size_t obstacle) const {
 }
 
 CellRange SolidCells::around(std::size_t obstacle, int layers) const {
-  CellRange r = shape::cells_around(shapes_[obstacle], domain_);
-  for (int d = 0; d < domain_.dimensions(); ++d) {
-    r.lower[d] = std::max(0, r.lower[d] - layers);
-    r.upper[d] = std::min(domain_.cells[d], r.upper[d] + layers);
-  }
-  return r;
+  CellRange const own = shape::cells_around(shapes_[obstacle], domain_);
+  return grid::common(domain_.all_cells(), own.grown(layers, domain_.dimensions()));
 }
 
 std::vector<Index3> SolidCells::cells_of(std::size_t obstacle) const {
@@ -222,11 +188,7 @@ std::vector<Index3> SolidCells::cells_of(std::size_t obstacle) const {
   shape::for_each_share(shapes_, domain_, around(obstacle, 0),
                         [&](CellRange const& r, std::vector<Share> const& shares) {
                           if (!solid(sum_of(shares)) || largest_of(shares) != static_cast<int>(obstacle)) return true;
-                          for (int k = r.lower[2]; k < r.upper[2]; ++k) {
-                            for (int j = r.lower[1]; j < r.upper[1]; ++j) {
-                              for (int i = r.lower[0]; i < r.upper[0]; ++i) cells.push_back({i, j, k});
-                            }
-                          }
+                          grid::for_each_cell(r, [&](Index3 const& cell) { cells.push_back(cell); });
                           return true;
                         });
   return cells;
@@ -249,7 +211,8 @@ bool SolidCells::vanishes(std::size_t obstacle) const {
 
 bool SolidCells::may_leak(std::size_t obstacle) const {
   // A box lies along the grid: one layer of its cells is solid all over, or none is.
-  return !std::holds_alternative<shape::Box>(shapes_[obstacle]) && thickness(obstacle) < thick * domain_.h;
+  return !std::holds_alternative<shape::Box>(shapes_[obstacle]) &&
+         thickness(obstacle) < thick * domain_.smallest_cell();
 }
 
 std::optional<Leak> SolidCells::leak(long& most) const {
@@ -262,8 +225,8 @@ std::optional<Leak> SolidCells::leak(long& most) const {
       ranges.push_back(around(n, 0));
     } else {
       for (std::size_t other = 0; other < n; ++other) {
-        CellRange const both = common(near[n], near[other]);
-        if (!empty(both) && !may_leak(other)) ranges.push_back(both);
+        CellRange const both = grid::common(near[n], near[other]);
+        if (!both.empty() && !may_leak(other)) ranges.push_back(both);
       }
     }
     for (CellRange const& range : ranges) {
@@ -278,7 +241,7 @@ std::optional<Leak> SolidCells::leak_in(CellRange const& range, long& most) cons
   int const dims = domain_.dimensions();
   int const p = parts_of(dims);
   grid::Domain fine = domain_;
-  fine.h = domain_.h / p;
+  fine.h /= p;
   for (int d = 0; d < dims; ++d) fine.cells[d] = domain_.cells[d] * p;
   std::map<Index3, Parts> known;
   auto const parts_at = [&](Index3 const& cell) -> Parts const& {
@@ -307,18 +270,15 @@ std::optional<Leak> SolidCells::leak_in(CellRange const& range, long& most) cons
     int obstacles = 0;
     bool thin = false;
     for (std::size_t n = 0; n < shapes_.size(); ++n) {
-      bool inside = true;
-      for (int d = 0; d < dims; ++d) inside = inside && cell[d] >= near[n].lower[d] && cell[d] < near[n].upper[d];
-      if (!inside) continue;
+      if (!near[n].contains(cell)) continue;
       ++obstacles;
       thin = thin || may_leak(n);
     }
     if (obstacles < 2 && !thin) return true;
     for (int face = 0; face < 2 * dims; ++face) {
       int const d = face / 2;
-      Index3 other = cell;
-      other[d] += face % 2 == 0 ? -1 : 1;
-      if (other[d] < 0 || other[d] >= domain_.cells[d] || (*this)(other)) continue;
+      Index3 const other = grid::beside(cell, d, face % 2);
+      if (!domain_.contains(other) || (*this)(other)) continue;
       Index3 const& low = face % 2 == 0 ? other : cell;
       Index3 const& high = face % 2 == 0 ? cell : other;
       if (free_between(low, d)) continue;
@@ -326,7 +286,7 @@ std::optional<Leak> SolidCells::leak_in(CellRange const& range, long& most) cons
       Parts const& b = parts_at(high);
       if (!parted(a, b, d)) continue;
       Vec3 place = domain_.centre(low);
-      place[d] += 0.5 * domain_.h;
+      place[d] += 0.5 * domain_.smallest_cell();
       leak = Leak{static_cast<std::size_t>(largest_of(shares)), place};
       return false;
     }

@@ -40,22 +40,26 @@ class Front {
     // Blocks of a 1D grid follow each other.
     while (block_ < world.grid.block_count()) {
       grid::Block const& block = world.grid.blocks()[block_];
-      int const first = std::max(cells_ - block.origin[0], 0);
+      grid::CellRange cells = block.in_domain();
+      int const end = cells.upper[0];
+      cells.lower[0] = std::max(cells_, cells.lower[0]);
+      cells.upper[0] = std::min(cells.lower[0] + 2 * step_layers, end);
       bool found = false;
-      for (int n = first; n < std::min(first + 2 * step_layers, block.n[0]); ++n) {
+      for_each_cell(cells, [&](Index3 const& index) {
+        int const at = world.grid.locate(index).offset;
         for (int c = 0; c < world.gas->components(); ++c) {
-          if (world.gas->fields().at(block_, c)[n] == quiet_[c]) continue;
-          cells_ = block.origin[0] + n + 1;
+          if (world.gas->fields().at(block_, c)[at] == quiet_[c]) continue;
+          cells_ = index[0] + 1;
           found = true;
         }
-      }
-      if (cells_ == block.origin[0] + block.n[0]) {
+      });
+      if (cells_ == end) {
         ++block_;
       } else if (!found) {
         break;
       }
     }
-    return cells_ * world.setup.domain.h;
+    return cells_ * world.grid.smallest_cell();
   }
 
  private:

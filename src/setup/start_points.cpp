@@ -52,7 +52,7 @@ std::vector<Shell> shells_of(mpm::Mpm const& points) {
       for (int q = 0; q < set.size(); ++q) {
         double const mass = set.field(Field::mass)[q];
         double const u = set.field(Field::velocity_x)[q];
-        double const kinetic = 0.5 * u * u + mpm::affine_energy(set, q, points.grid().domain().h);
+        double const kinetic = 0.5 * u * u + mpm::affine_energy(set, q, points.grid().smallest_cell());
         shells.push_back({set.field(Field::position_x)[q], mass / set.field(Field::density)[q], body, mass, mass * u,
                           mass * (set.field(Field::energy)[q] + kinetic)});
       }
@@ -79,7 +79,7 @@ std::vector<double> edges_of(std::vector<Shell> const& shells, grid::Domain cons
   std::size_t high = 0;
   for (std::size_t i = 1; i <= n; ++i) {
     double const r = shells[i - 1].radius;
-    double const reach = std::min(window * domain.h, r);
+    double const reach = std::min(window * domain.smallest_cell(), r);
     while (low + 1 < n && shells[low].radius < r - reach) ++low;
     while (high < n && shells[high].radius <= r + reach) ++high;
     double const mean = (sum[high] - sum[low]) / static_cast<double>(high - low);
@@ -191,7 +191,7 @@ double PointsBurst::front() const {
   return front;
 }
 
-double PointsBurst::step_reach() const { return (foot + 2) * one_.domain.h; }
+double PointsBurst::step_reach() const { return (foot + 2) * one_.domain.smallest_cell(); }
 
 void PointsBurst::advance(double latest) {
   double const step = points_->stable_step() * std::min(1.0, 0.1 * static_cast<double>(steps_ + 1));
@@ -210,11 +210,12 @@ void PointsBurst::advance(double latest) {
 detonation::Profile PointsBurst::profile() const {
   grid::Domain const& domain = one_.domain;
   Charge const& charge = one_.charges.front();
-  double const burnt = charge.detonation == Detonation::instantaneous
-                           ? 0.0
-                           : charge.initiation.front().delay +
-                                 (charge.mass > 0.0 ? shape::bounds(charge.shape).upper[0] + 1.5 * domain.h : 0.0) /
-                                     charge.explosive.detonation_speed;
+  double const burnt =
+      charge.detonation == Detonation::instantaneous
+          ? 0.0
+          : charge.initiation.front().delay +
+                (charge.mass > 0.0 ? shape::bounds(charge.shape).upper[0] + 1.5 * domain.smallest_cell() : 0.0) /
+                    charge.explosive.detonation_speed;
   if (time() < burnt) throw InputError("the explosive still burns at the time of the remap: choose a later one");
 
   int const cells = domain.cells[0];

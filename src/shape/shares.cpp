@@ -169,15 +169,13 @@ std::vector<int> all_of(std::vector<Shape> const& shapes) {
 
 }  // namespace
 
-CellRange all_cells(grid::Domain const& domain) { return {{0, 0, 0}, domain.cells}; }
-
 CellRange cells_around(Shape const& shape, grid::Domain const& domain) {
-  CellRange range = all_cells(domain);
+  CellRange range = domain.all_cells();
   Box const box = bounds(shape);
   for (int d = 0; d < domain.dimensions(); ++d) {
     double const n = domain.cells[d];
-    range.lower[d] = static_cast<int>(std::clamp(std::floor((box.lower[d] - domain.lower[d]) / domain.h), 0.0, n));
-    range.upper[d] = static_cast<int>(std::clamp(std::ceil((box.upper[d] - domain.lower[d]) / domain.h), 0.0, n));
+    range.lower[d] = static_cast<int>(std::clamp(std::floor(domain.in_cells(d, box.lower[d])), 0.0, n));
+    range.upper[d] = static_cast<int>(std::clamp(std::ceil(domain.in_cells(d, box.upper[d])), 0.0, n));
     range.upper[d] = std::max(range.upper[d], range.lower[d]);
   }
   return range;
@@ -202,7 +200,7 @@ double sum_of(std::vector<Share> const& shares) {
 
 std::vector<Share> shares_of_cell(std::vector<Shape> const& shapes, grid::Domain const& domain, Index3 const& cell,
                                   int lines) {
-  CellRange const range{cell, {cell[0] + 1, cell[1] + 1, cell[2] + 1}};
+  CellRange const range = grid::around(cell, 0, 0);
   Stack const stack = stack_in(shapes, all_of(shapes), domain, range);
   if (stack.shapes.empty()) return {};
   if (!stack.cut) return {{stack.shapes.front(), 1.0}};
@@ -211,9 +209,7 @@ std::vector<Share> shares_of_cell(std::vector<Shape> const& shapes, grid::Domain
 
 void for_each_share(std::vector<Shape> const& shapes, grid::Domain const& domain, CellRange const& range,
                     Visit const& visit) {
-  for (int d = 0; d < 3; ++d) {
-    if (range.upper[d] <= range.lower[d]) return;
-  }
+  if (range.empty()) return;
   descend(shapes, all_of(shapes), domain, range, visit);
 }
 

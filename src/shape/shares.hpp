@@ -8,15 +8,7 @@
 
 namespace brisance::shape {
 
-/// Cells of a domain from `lower` to below `upper`.
-struct CellRange {
-  Index3 lower{0, 0, 0};
-  Index3 upper{1, 1, 1};
-
-  [[nodiscard]] bool single() const {
-    return upper[0] - lower[0] == 1 && upper[1] - lower[1] == 1 && upper[2] - lower[2] == 1;
-  }
-};
+using grid::CellRange;
 
 /// The part of a cell's volume that belongs to a shape.
 struct Share {
@@ -24,11 +16,9 @@ struct Share {
   double part = 0.0;
 };
 
-/// All cells of the domain.
-[[nodiscard]] CellRange all_cells(grid::Domain const& domain);
 /// The cells that a shape may reach into.
 [[nodiscard]] CellRange cells_around(Shape const& shape, grid::Domain const& domain);
-/// Volume of the cells of a range [m3], in the units of `Domain::cell_volume`.
+/// Volume of the cells of a range [m3], in the units of `Metric::cell_volume`.
 [[nodiscard]] double volume_of(CellRange const& cells, grid::Domain const& domain);
 
 /// Shares of one cell, of shapes of which later ones take space from earlier ones; none where no shape reaches. By

@@ -62,22 +62,16 @@ template <class Visit>
 void for_each_cell(run::World const& w, Visit&& visit) {
   for (int b = 0; b < w.grid.block_count(); ++b) {
     grid::Block const& block = w.grid.blocks()[b];
-    for (int k = 0; k < block.n[2]; ++k) {
-      for (int j = 0; j < block.n[1]; ++j) {
-        for (int i = 0; i < block.n[0]; ++i) {
-          visit(b, block.offset(i, j, k), Index3{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-        }
-      }
-    }
+    grid::for_each_cell(block, [&](grid::Cell const& cell) { visit(b, cell.offset, block.index(cell)); });
   }
 }
 
 /// Calls visit(primitive state, cell) for the gas cells outside the region, which count.
 template <class Visit>
 void for_each_own_cell(run::World const& w, Visit&& visit) {
-  for_each_cell(w, [&](int b, int offset, Index3 const& cell) {
-    Index3 const& o = w.grid.blocks()[b].origin;
-    if (w.gas->is_own(b, offset)) visit(w.gas->primitive(b, cell[0] - o[0], cell[1] - o[1], cell[2] - o[2]), cell);
+  for_each_cell(w, [&](int, int, Index3 const& cell) {
+    grid::Cell const at = w.grid.locate(cell);
+    if (w.gas->is_own(at)) visit(w.gas->primitive(at), cell);
   });
 }
 

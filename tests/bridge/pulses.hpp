@@ -127,13 +127,13 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
     }
     auto w = std::make_unique<run::World>(setup::build(one));
     w->clock.step = 10;  // no gentle start: the points' first step is as long as all others
-    for_each_cell(*w, [&](int block, int offset, Index3 const& cell) {
+    for_each_cell(*w, [&](int, int, Index3 const& cell) {
       Packet::Value const s = packet.at((cell[0] + 0.5) * h, (cell[1] + 0.5) * h, 0.0);
       gas::MixtureState m;
       m.ambient_density = 1.4 * std::pow(1.0 + s.p, 1.0 / 1.4);
       m.pressure = 1.0 + s.p;
       m.velocity = {s.u, s.v, 0.0};
-      w->gas->set(block, offset, m);
+      w->gas->set(w->grid.locate(cell), m);
     });
     w->gas->start();
     if (!with_points) return w;

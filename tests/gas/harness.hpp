@@ -44,7 +44,9 @@ struct Problem {
   void fill(StateAt const& state) {
     grid = std::make_unique<grid::Grid>(domain, block_cells);
     gas = std::make_unique<gas::Gas>(*grid, fluids, options, quiescent, inflow);
-    for_each_cell([&](int b, int offset, Index3 const& cell) { gas->set(b, offset, state(domain.centre(cell))); });
+    for (grid::Block const& block : grid->blocks()) {
+      grid::for_each_cell(block, [&](grid::Cell const& cell) { gas->set(cell, state(block.centre(cell))); });
+    }
     gas->start();
   }
 
@@ -53,13 +55,7 @@ struct Problem {
   void for_each_cell(Visit&& visit) const {
     for (int b = 0; b < grid->block_count(); ++b) {
       grid::Block const& block = grid->blocks()[b];
-      for (int k = 0; k < block.n[2]; ++k) {
-        for (int j = 0; j < block.n[1]; ++j) {
-          for (int i = 0; i < block.n[0]; ++i) {
-            visit(b, block.offset(i, j, k), Index3{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-          }
-        }
-      }
+      grid::for_each_cell(block, [&](grid::Cell const& cell) { visit(b, cell.offset, block.index(cell)); });
     }
   }
 

@@ -40,19 +40,13 @@ TEST_P(Closed, MassAndEnergyAreConserved) {
   if (obstacle) {
     for (int b = 0; b < problem.grid->block_count(); ++b) {
       grid::Block const& block = problem.grid->blocks()[b];
-      gas::PaddedBox const box(block, dims);
+      grid::CellRange const box = block.with_ghosts();
       std::vector<std::uint8_t> solid(box.count(), 0);
-      for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
-        for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
-          for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
-            Index3 const cell =
-                grid::image_cell(problem.domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-            bool const inside =
-                cell[0] > n / 2 && cell[0] < n / 2 + 4 && (dims < 2 || (cell[1] > 2 && cell[1] < n / 2));
-            solid[box.offset(i, j, k)] = inside ? 1 : 0;
-          }
-        }
-      }
+      for_each_cell(box, [&](Index3 const& within) {
+        Index3 const cell = grid::image_cell(problem.domain, block.index(within));
+        bool const inside = cell[0] > n / 2 && cell[0] < n / 2 + 4 && (dims < 2 || (cell[1] > 2 && cell[1] < n / 2));
+        solid[box.offset(within)] = inside ? 1 : 0;
+      });
       problem.gas->set_obstacles(b, std::move(solid));
     }
     problem.gas->start();

@@ -285,15 +285,12 @@ TEST(Outflow, LetsAWindSettleRoundAnObstacle) {
     problem.fill([&](Vec3 const&) { return problem.quiescent; });
     for (int b = 0; b < problem.grid->block_count(); ++b) {
       grid::Block const& block = problem.grid->blocks()[b];
-      gas::PaddedBox const box(block, 2);
+      grid::CellRange const box = block.with_ghosts();
       std::vector<std::uint8_t> solid(box.count(), 0);
-      for (int j = -2; j < block.n[1] + 2; ++j) {
-        for (int i = -2; i < block.n[0] + 2; ++i) {
-          int const x = block.origin[0] + i;
-          int const y = block.origin[1] + j;
-          solid[box.offset(i, j, 0)] = x >= 27 && x < 33 && y >= 27 && y < 33 ? 1 : 0;
-        }
-      }
+      for_each_cell(box, [&](Index3 const& within) {
+        auto const [x, y, z] = block.index(within);
+        solid[box.offset(within)] = x >= 27 && x < 33 && y >= 27 && y < 33 ? 1 : 0;
+      });
       problem.gas->set_obstacles(b, std::move(solid));
     }
     problem.gas->set_wave_sources({gas::WaveSource{{3.0, 3.0, 0.05}, {}}});

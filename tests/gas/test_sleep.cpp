@@ -35,22 +35,17 @@ void place_obstacle(Problem& problem) {
   int const n = problem.domain.cells[0];
   for (int b = 0; b < problem.grid->block_count(); ++b) {
     grid::Block const& block = problem.grid->blocks()[b];
-    gas::PaddedBox const box(block, dims);
+    grid::CellRange const box = block.with_ghosts();
     std::vector<std::uint8_t> solid(box.count(), 0);
     bool any = false;
-    for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
-      for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
-        for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
-          Index3 const cell =
-              grid::image_cell(problem.domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-          bool inside = true;
-          // Its lower face lies between two blocks.
-          for (int d = 0; d < dims; ++d) inside = inside && cell[d] >= n / 2 && cell[d] < n / 2 + 2;
-          solid[box.offset(i, j, k)] = inside ? 1 : 0;
-          any = any || inside;
-        }
-      }
-    }
+    for_each_cell(box, [&](Index3 const& within) {
+      Index3 const cell = grid::image_cell(problem.domain, block.index(within));
+      bool inside = true;
+      // Its lower face lies between two blocks.
+      for (int d = 0; d < dims; ++d) inside = inside && cell[d] >= n / 2 && cell[d] < n / 2 + 2;
+      solid[box.offset(within)] = inside ? 1 : 0;
+      any = any || inside;
+    });
     if (any) problem.gas->set_obstacles(b, std::move(solid));
   }
 }

@@ -67,18 +67,13 @@ Reading reflect(double mach, double courant, grid::Geometry geometry, int direct
   if (thick > 0) {
     for (int b = 0; b < problem.grid->block_count(); ++b) {
       grid::Block const& block = problem.grid->blocks()[b];
-      gas::PaddedBox const box(block, problem.domain.dimensions());
+      grid::CellRange const box = block.with_ghosts();
       std::vector<std::uint8_t> solid(box.count(), 0);
-      for (int k = -box.pad[2]; k < block.n[2] + box.pad[2]; ++k) {
-        for (int j = -box.pad[1]; j < block.n[1] + box.pad[1]; ++j) {
-          for (int i = -box.pad[0]; i < block.n[0] + box.pad[0]; ++i) {
-            Index3 const cell =
-                grid::image_cell(problem.domain, {block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-            int const s = towards_high ? cell[direction] : n - 1 - cell[direction];
-            solid[box.offset(i, j, k)] = s >= n - thick ? 1 : 0;
-          }
-        }
-      }
+      for_each_cell(box, [&](Index3 const& within) {
+        Index3 const cell = grid::image_cell(problem.domain, block.index(within));
+        int const s = towards_high ? cell[direction] : n - 1 - cell[direction];
+        solid[box.offset(within)] = s >= n - thick ? 1 : 0;
+      });
       problem.gas->set_obstacles(b, std::move(solid));
     }
     problem.gas->start();

@@ -1,6 +1,7 @@
 /// The grid's blocks and the exchange between them, against a slow and obvious look-up by domain index.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "core/error.hpp"
@@ -24,15 +25,10 @@ TEST(Grid, EveryCellLiesInExactlyOneBlock) {
   for (int b = 0; b < grid.block_count(); ++b) {
     Block const& block = grid.blocks()[b];
     for (int d = 0; d < 3; ++d) EXPECT_LE(block.n[d], 8);
-    for (int k = 0; k < block.n[2]; ++k) {
-      for (int j = 0; j < block.n[1]; ++j) {
-        for (int i = 0; i < block.n[0]; ++i) {
-          Index3 const cell{block.origin[0] + i, block.origin[1] + j, block.origin[2] + k};
-          EXPECT_TRUE(seen.insert(cell).second);
-          EXPECT_EQ(grid.block_of(cell), b);
-        }
-      }
-    }
+    for_each_cell(block, [&](Cell const& cell) {
+      EXPECT_TRUE(seen.insert(block.index(cell)).second);
+      EXPECT_EQ(grid.block_of(block.index(cell)), b);
+    });
   }
   EXPECT_EQ(static_cast<long>(seen.size()), grid.domain().cell_count());
 }
@@ -43,6 +39,196 @@ TEST(Grid, FindsTheCellOfAPoint) {
   Grid const grid(box({10, 10, 10}, Boundary::outflow), 8);
   EXPECT_EQ(grid.cell_at({0.6, 4.9, 2.5}), (Index3{1, 9, 5}));
   EXPECT_EQ(grid.cell_at({-7.0, 99.0, 0.0}), (Index3{0, 9, 0}));
+}
+
+TEST(Grid, LocatesEveryCellInItsBlock) {
+  Grid const grid(box({37, 20, 9}, Boundary::outflow), 8);
+  for (Block const& block : grid.blocks()) {
+    int offset = 0;
+    for_each_cell(block, [&](Cell const& cell) {
+      EXPECT_EQ(cell.offset, offset++);  // in the order of the arrays
+      EXPECT_EQ(cell.offset, block.offset(cell.i, cell.j, cell.k));
+      Cell const same = block.cell_at(cell.offset);
+      EXPECT_EQ(same.within(), cell.within());
+      // By its index, and by every corner that rounding may have moved a little.
+      Index3 const index = block.index(cell);
+      EXPECT_EQ(index, grid.index(cell));
+      for (double const part : {1e-9, 0.5, 1.0 - 1e-9}) {
+        Vec3 const x{(index[0] + part) * block.h(), (index[1] + part) * block.h(), (index[2] + part) * block.h()};
+        for (Cell const& found : {grid.locate(index), grid.locate(x)}) {
+          EXPECT_EQ(found.block, block.number);
+          EXPECT_EQ(found.within(), cell.within());
+          EXPECT_EQ(found.offset, cell.offset);
+        }
+      }
+    });
+    EXPECT_EQ(offset, block.cell_count());
+  }
+}
+
+TEST(Grid, AFaceBetweenBlocksBelongsToTheUpperOne) {
+  Grid const grid(box({16, 16, 16}, Boundary::outflow), 8);
+  Cell const above = grid.locate(Vec3{8 * 0.5, 1.0, 1.0});
+  EXPECT_EQ(above.block, grid.block_of({8, 2, 2}));
+  EXPECT_EQ(above.within(), (Index3{0, 2, 2}));
+  Cell const below = grid.locate(Vec3{std::nextafter(8 * 0.5, 0.0), 1.0, 1.0});
+  EXPECT_EQ(below.block, grid.block_of({7, 2, 2}));
+  EXPECT_EQ(below.within(), (Index3{7, 2, 2}));
+  EXPECT_EQ(grid.blocks()[below.block].neighbour[1], above.block);
+}
+
+TEST(Grid, APlaceOutsideIsLocatedInTheNearestCell) {
+  Grid const grid(box({10, 10, 10}, Boundary::outflow), 8);
+  EXPECT_EQ(grid.index(grid.locate(Vec3{-7.0, 99.0, 2.6})), (Index3{0, 9, 5}));
+  EXPECT_EQ(grid.index(grid.locate(Vec3{5.0, 5.0, 5.0})), (Index3{9, 9, 9}));  // on the high faces
+  EXPECT_FALSE(grid.domain().contains({-1, 0, 0}));
+  EXPECT_FALSE(grid.domain().contains({0, 10, 0}));
+  EXPECT_TRUE(grid.domain().contains({0, 9, 0}));
+}
+
+TEST(Grid, GhostsAndFaceCellsOfABlock) {
+  Domain flat = box({12, 9, 1}, Boundary::outflow);
+  flat.geometry = Geometry::planar2d;
+  Grid const plane(flat, 5);
+  for (Block const& block : plane.blocks()) {
+    CellRange const ghosts = block.with_ghosts();
+    EXPECT_EQ(ghosts.n(), (Index3{block.n[0] + 2 * ghost_layers, block.n[1] + 2 * ghost_layers, 1}));
+    std::size_t place = 0;
+    for_each_cell(ghosts, [&](Index3 const& within) {
+      EXPECT_EQ(ghosts.offset(within), place);
+      EXPECT_EQ(ghosts.at(place), within);
+      ++place;
+    });
+    EXPECT_EQ(place, ghosts.count());
+    for (int d = 0; d < 2; ++d) {
+      for (int side = 0; side < 2; ++side) {
+        int count = 0;
+        for_each_face_cell(block, d, side, [&](Cell const& cell) {
+          EXPECT_EQ(cell.within()[d], side == 0 ? 0 : block.n[d] - 1);
+          bool const outside = !flat.contains(beside(block.index(cell), d, side));
+          EXPECT_EQ(outside, block.at_boundary(2 * d + side));
+          ++count;
+        });
+        EXPECT_EQ(count, block.cell_count() / block.n[d]);
+      }
+    }
+  }
+}
+
+TEST(Grid, SumsOfCellsTakeEveryCellOnce) {
+  Grid const grid(box({12, 9, 7}, Boundary::outflow), 5);
+  long cells = 0;
+  for (Block const& block : grid.blocks()) {
+    add_cells(block, cells, [](Cell const&, long& row) { ++row; });
+    int rows = 0;
+    for_each_row(block, [&](Cell const& first) {
+      EXPECT_EQ(first.i, 0);
+      EXPECT_EQ(first.offset, rows++ * block.n[0]);
+    });
+  }
+  EXPECT_EQ(cells, grid.domain().cell_count());
+}
+
+/// A domain of every geometry; the radius begins off the axis.
+Domain off_axis(Geometry geometry) {
+  Domain domain;
+  domain.geometry = geometry;
+  domain.h = 0.1;
+  domain.lower = {0.7, -0.3, 0.2};
+  for (int d = 0; d < domain.dimensions(); ++d) domain.cells[d] = 9 + 2 * d;
+  return domain;
+}
+
+class Metrics : public testing::TestWithParam<Geometry> {};
+
+/// Volume of the domain from its corners alone.
+double whole_volume(Domain const& domain) {
+  double const a = domain.lower[0];
+  double const b = domain.upper(0);
+  double const x = b - a;
+  double const y = domain.upper(1) - domain.lower[1];
+  switch (domain.geometry) {
+    case Geometry::cartesian3d: return x * y * (domain.upper(2) - domain.lower[2]);
+    case Geometry::planar2d: return x * y;
+    case Geometry::axisymmetric2d: return std::numbers::pi * (b * b - a * a) * y;
+    case Geometry::planar1d: return x;
+    case Geometry::cylindrical1d: return std::numbers::pi * (b * b - a * a);
+    case Geometry::spherical1d: return 4.0 / 3.0 * std::numbers::pi * (b * b * b - a * a * a);
+  }
+  return 0.0;
+}
+
+TEST_P(Metrics, VolumesSumToThatOfTheDomain) {
+  Domain const domain = off_axis(GetParam());
+  Grid const grid(domain, 4);
+  double volume = 0.0;
+  for (Block const& block : grid.blocks()) {
+    EXPECT_EQ(block.h(), domain.h);
+    for_each_cell(block, [&](Cell const& cell) {
+      volume += block.volume(cell);
+      EXPECT_EQ(block.centre(cell), domain.centre(block.index(cell)));
+    });
+  }
+  EXPECT_NEAR(volume / whole_volume(domain), 1.0, 1e-13);  // the round-off of a thousand terms
+}
+
+/// A constant vector has no divergence: what enters a cell through its low faces leaves it through the high ones. Along
+/// a radius that holds of r^-m instead; the areas grow by what the volume tells.
+TEST_P(Metrics, AreasTimesNormalsClose) {
+  Domain const domain = off_axis(GetParam());
+  Grid const grid(domain, 4);
+  int const m = radial_exponent(GetParam());
+  for (Block const& block : grid.blocks()) {
+    for_each_cell(block, [&](Cell const& cell) {
+      for (int d = 0; d < domain.dimensions(); ++d) {
+        double const low = block.face_area(d, 0, cell);
+        double const high = block.face_area(d, 1, cell);
+        EXPECT_GT(low, 0.0);
+        if (d > 0 || m == 0) {
+          EXPECT_EQ(low, high);
+          EXPECT_NEAR(block.volume(cell) / (low * block.h()), 1.0, 1e-12);
+        } else {
+          double const a = domain.face_radius(block.index(cell)[0]);
+          double const b = a + block.h();
+          EXPECT_NEAR(low * std::pow(a, -m) / (high * std::pow(b, -m)), 1.0, 1e-13);
+          // The vector x times 1 / (m + 1) has the divergence 1: its flux through the faces is the volume.
+          EXPECT_NEAR((high * b - low * a) / (m + 1) / block.volume(cell), 1.0, 1e-12);
+        }
+      }
+      // Faces are shared: the high one of a cell is the low one of the next.
+      for (int d = 0; d < domain.dimensions(); ++d) {
+        Index3 const next = beside(block.index(cell), d, 1);
+        if (!domain.contains(next)) continue;
+        Cell const other = grid.locate(next);
+        EXPECT_EQ(block.face_area(d, 1, cell), grid.block(other).face_area(d, 0, other));
+      }
+    });
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Geometries, Metrics,
+                         testing::Values(Geometry::cartesian3d, Geometry::planar2d, Geometry::axisymmetric2d,
+                                         Geometry::planar1d, Geometry::cylindrical1d, Geometry::spherical1d));
+
+TEST(Grid, ShellsBeyondAMirrorAreTheOnesBeforeIt) {
+  Domain domain = off_axis(Geometry::spherical1d);
+  domain.lower = {0.0, 0.0, 0.0};
+  domain.boundary = {Boundary::symmetry, Boundary::outflow};
+  EXPECT_TRUE(domain.is_axis(0));
+  EXPECT_TRUE(domain.is_mirror(0));
+  EXPECT_FALSE(domain.is_mirror(1));
+  Grid const grid(domain, 4);
+  Block const& first = grid.blocks().front();
+  for (int l = -ghost_layers; l < first.n[0] + ghost_layers; ++l) {
+    Shell const shell = grid.shell(first, l);
+    int const i = l < 0 ? -1 - l : l;
+    EXPECT_EQ(shell.mirrored, l < 0);
+    EXPECT_EQ(shell.volume, domain.cell_volume(i));
+    EXPECT_EQ(shell.low_area, domain.face_area(0, i));
+    EXPECT_EQ(shell.high_area, domain.face_area(0, i + 1));
+  }
+  Block const& last = grid.blocks().back();
+  EXPECT_EQ(grid.shell(last, last.n[0]).volume, domain.cell_volume(domain.cells[0] - 1));  // open: repeats
 }
 
 TEST(Domain, VolumesAndAreasOfAShellAddUp) {
@@ -83,11 +269,7 @@ TEST_P(Exchanged, GhostsAreTheImagesOfTheirCells) {
   for (int b = 0; b < grid.block_count(); ++b) {
     Block const& block = grid.blocks()[b];
     for (int c = 0; c < components; ++c) {
-      for (int at = 0; at < block.cell_count(); ++at) {
-        Index3 const cell{block.origin[0] + at % block.n[0], block.origin[1] + at / block.n[0] % block.n[1],
-                          block.origin[2] + at / (block.n[0] * block.n[1])};
-        fields.at(b, c)[at] = tag(c, cell);
-      }
+      for_each_cell(block, [&](Cell const& cell) { fields.at(b, c)[cell.offset] = tag(c, block.index(cell)); });
     }
   }
   std::vector<std::uint8_t> awake(grid.block_count(), 1);

@@ -14,21 +14,16 @@ double linear_density(Vec3 const& x) { return 1.2 + 0.3 * x[0] + 0.1 * x[1] - 0.
 Vec3 linear_velocity(Vec3 const& x) { return {10.0 + x[0], 5.0 - 2.0 * x[1], 1.0 + 3.0 * x[0] * 0.5 + x[2]}; }
 
 void fill_linearly(Watched& world) {
-  for (int b = 0; b < world.grid.block_count(); ++b) {
-    grid::Block const& block = world.grid.blocks()[b];
-    for (int k = 0; k < block.n[2]; ++k) {
-      for (int j = 0; j < block.n[1]; ++j) {
-        for (int i = 0; i < block.n[0]; ++i) {
-          Vec3 x = world.setup.domain.centre({block.origin[0] + i, block.origin[1] + j, block.origin[2] + k});
-          for (int d = world.setup.domain.dimensions(); d < 3; ++d) x[d] = 0.0;
-          gas::MixtureState state;
-          state.pressure = linear_pressure(x);
-          state.ambient_density = linear_density(x);
-          state.velocity = linear_velocity(x);
-          world.gas->set(b, block.offset(i, j, k), state);
-        }
-      }
-    }
+  for (grid::Block const& block : world.grid.blocks()) {
+    for_each_cell(block, [&](grid::Cell const& cell) {
+      Vec3 x = block.centre(cell);
+      for (int d = world.setup.domain.dimensions(); d < 3; ++d) x[d] = 0.0;
+      gas::MixtureState state;
+      state.pressure = linear_pressure(x);
+      state.ambient_density = linear_density(x);
+      state.velocity = linear_velocity(x);
+      world.gas->set(cell, state);
+    });
   }
   world.gas->start();
 }

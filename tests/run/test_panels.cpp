@@ -130,16 +130,14 @@ Outflow empty(double pressure, int cells_per_half, int periods, double (*contrac
     std::array<double, 2> sums{0.0, 0.0};
     long count = 0;
     for (grid::Block const& block : w.grid.blocks()) {
-      int const b = static_cast<int>(&block - w.grid.blocks().data());
-      for (int j = 0; j < block.n[1]; ++j) {
-        for (int i = 0; i < block.n[0]; ++i) {
-          if (block.origin[0] + i >= 10 * cells_per_half || block.origin[1] + j >= 10 * cells_per_half) continue;
-          gas::Primitive const p = w.gas->primitive(b, i, j, 0);
-          sums[0] += p.pressure;
-          sums[1] += p.density;
-          ++count;
-        }
-      }
+      for_each_cell(block, [&](grid::Cell const& cell) {
+        Index3 const index = block.index(cell);
+        if (index[0] >= 10 * cells_per_half || index[1] >= 10 * cells_per_half) return;
+        gas::Primitive const p = w.gas->primitive(cell);
+        sums[0] += p.pressure;
+        sums[1] += p.density;
+        ++count;
+      });
     }
     return std::array<double, 2>{sums[0] / double(count), sums[1] / double(count)};
   };

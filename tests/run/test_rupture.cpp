@@ -65,14 +65,10 @@ double gas_beyond(World const& w, double x) {
   double mass = 0.0;
   for (int b = 0; b < w.grid.block_count(); ++b) {
     grid::Block const& block = w.grid.blocks()[b];
-    for (int j = 0; j < block.n[1]; ++j) {
-      for (int i = 0; i < block.n[0]; ++i) {
-        Index3 const cell{block.origin[0] + i, block.origin[1] + j, 0};
-        int const at = block.offset(i, j, 0);
-        if (w.setup.domain.centre(cell)[0] < x || !w.gas->is_own(b, at)) continue;
-        mass += w.gas->fields().at(b, gas::density)[at] * w.setup.domain.cell_volume(cell[0]);
-      }
-    }
+    for_each_cell(block, [&](grid::Cell const& cell) {
+      if (block.centre(cell)[0] < x || !w.gas->is_own(cell)) return;
+      mass += w.gas->fields().at(b, gas::density)[cell.offset] * block.volume(cell);
+    });
   }
   for (int b = 0; w.points != nullptr && b < w.points->grid().block_count(); ++b) {
     mpm::PointSet const& set = w.points->points(b, w.gas_body());

@@ -135,10 +135,9 @@ TEST(PlacedRegions, FilledCellsAreThoseOfTheStateToTheBit) {
       bool const second = i >= 3 && i < 12 && j >= 2 && j < 9;
       FluidState const& s = second ? c.regions[1].state : i < 7 ? c.regions[0].state : c.ambient.state;
       auto const u = world.gas->conserved(ambient_mixture(s));
-      int const b = world.grid.block_of({i, j, 0});
-      grid::Block const& block = world.grid.blocks()[b];
+      grid::Cell const cell = world.grid.locate(Index3{i, j, 0});
       for (int k = 0; k < world.gas->components(); ++k) {
-        EXPECT_EQ(world.gas->fields().at(b, k)[block.offset(i - block.origin[0], j - block.origin[1], 0)], u[k]);
+        EXPECT_EQ(world.gas->fields().at(cell.block, k)[cell.offset], u[k]);
       }
     }
   }
@@ -165,8 +164,8 @@ TEST(PlacedRegions, LaterOnesOverwriteEarlierOnesByVolume) {
                     region_of(Box{{0.525, -0.5, -0.5}, {1.0, 0.5, 0.5}}, 3.0, 1e5)};
   World const two = setup::build(halves);
   EXPECT_NEAR(two.totals().mass[0], 0.525 + 3.0 * 0.475, 1e-14);
-  EXPECT_NEAR(two.gas->primitive(0, 5, 0, 0).density, 0.25 + 0.75 * 3.0, 1e-14);
-  EXPECT_NEAR(two.gas->primitive(0, 5, 0, 0).pressure, 1e5, 1e-9);
+  EXPECT_NEAR(two.gas->primitive(two.grid.locate(Index3{5, 0, 0})).density, 0.25 + 0.75 * 3.0, 1e-14);
+  EXPECT_NEAR(two.gas->primitive(two.grid.locate(Index3{5, 0, 0})).pressure, 1e5, 1e-9);
 }
 
 TEST(PlacedRegions, OfTheSecondFluidHoldItsMass) {
@@ -182,7 +181,8 @@ TEST(PlacedRegions, OfTheSecondFluidHoldItsMass) {
   double const all = h * h * h * static_cast<double>(c.domain.cell_count());
   EXPECT_NEAR(world.totals().mass[0] / ((all - volume) * c.ambient.state.density), 1.0, 1e-12);
   // One pressure everywhere: a mixed cell is at rest with its neighbours.
-  for (int i = 0; i < 14; ++i) EXPECT_NEAR(world.gas->primitive(0, i, 6, 6).pressure / 101325.0, 1.0, 1e-12);
+  for (int i = 0; i < 14; ++i)
+    EXPECT_NEAR(world.gas->primitive(world.grid.locate(Index3{i, 6, 6})).pressure / 101325.0, 1.0, 1e-12);
 }
 
 TEST(PlacedRegions, GiveWayToChargesAndObstacles) {
@@ -215,11 +215,7 @@ TEST(PlacedRegions, SedovOfThreeCellsPerRadiusRunsAtItsRadius) {
   advance_to(world, 0.05);
   set_threads(0);
   // Along the axis and the diagonal, where the density falls through the middle of its step from 1000 to 6000.
-  auto const density = [&](int i, int j) {
-    int const b = world.grid.block_of({i, j, 0});
-    Index3 const& o = world.grid.blocks()[b].origin;
-    return world.gas->primitive(b, i - o[0], j - o[1], 0).density;
-  };
+  auto const density = [&](int i, int j) { return world.gas->primitive(world.grid.locate(Index3{i, j, 0})).density; };
   auto const front = [&](int step_y) {
     for (int i = 138; i > 0; --i) {
       double const a = density(i, step_y * i);
@@ -245,13 +241,13 @@ TEST(PlacedObstacles, AreSolidFromHalfACellOn) {
     EXPECT_EQ(world.obstacles[0].cells, cells) << upper;
     EXPECT_NEAR(world.obstacles[0].asked_volume, upper - 0.5, 1e-12);
     EXPECT_NEAR(world.obstacles[0].volume, 0.1 * cells, 1e-12);
-    EXPECT_FALSE(world.gas->is_obstacle(0, 4, 0, 0));
-    EXPECT_TRUE(world.gas->is_obstacle(0, 5, 0, 0));
-    EXPECT_EQ(world.gas->is_obstacle(0, 10, 0, 0), cells == 6);
+    EXPECT_FALSE(world.gas->is_obstacle(Index3{4, 0, 0}));
+    EXPECT_TRUE(world.gas->is_obstacle(Index3{5, 0, 0}));
+    EXPECT_EQ(world.gas->is_obstacle(Index3{10, 0, 0}), cells == 6);
   }
   // Two that fill it together.
   c.obstacles = {{"a", Box{{0.5, -0.5, -0.5}, {1.03, 0.5, 0.5}}}, {"b", Box{{1.07, -0.5, -0.5}, {1.5, 0.5, 0.5}}}};
-  EXPECT_TRUE(build(c).gas->is_obstacle(0, 10, 0, 0));
+  EXPECT_TRUE(build(c).gas->is_obstacle(Index3{10, 0, 0}));
 }
 
 TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
@@ -259,8 +255,8 @@ TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
   c.charges = {tnt_charge(Cylinder{{0.41, 0.52, 0.0}, 0.11, 1.0, along_z}, c.domain.geometry)};
   c.obstacles = {{"wall", Box{{0.52, 0.0, -0.5}, {0.8, 1.0, 0.5}}}};  // 0.6 of the cell that the charge ends in
   World const world = setup::build(c);
-  EXPECT_TRUE(world.gas->is_obstacle(0, 10, 10, 0));
-  EXPECT_EQ(world.gas->primitive(0, 10, 10, 0).mass_fraction, 0.0);
+  EXPECT_TRUE(world.gas->is_obstacle(Index3{10, 10, 0}));
+  EXPECT_EQ(world.gas->primitive(world.grid.locate(Index3{10, 10, 0})).mass_fraction, 0.0);
   EXPECT_NEAR(world.totals().mass[1] / c.charges[0].mass, 1.0, 1e-12);
   EXPECT_NEAR(world.charges[0].realised_mass / c.charges[0].mass, 1.0, 1e-12);
   // Where all others are full, or there are none, it does not fit.

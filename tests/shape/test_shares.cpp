@@ -24,7 +24,7 @@ Domain domain_of(Geometry g, double h, Index3 const& cells, Vec3 const& lower = 
 /// Volume that each shape gets.
 std::vector<double> volumes(std::vector<Shape> const& shapes, Domain const& domain, long* cut = nullptr) {
   std::vector<double> sums(shapes.size(), 0.0);
-  for_each_share(shapes, domain, all_cells(domain), [&](CellRange const& r, std::vector<Share> const& shares) {
+  for_each_share(shapes, domain, domain.all_cells(), [&](CellRange const& r, std::vector<Share> const& shares) {
     EXPECT_LE(sum_of(shares), 1.0 + 1e-12);
     for (Share const& s : shares) sums[static_cast<std::size_t>(s.shape)] += s.part * volume_of(r, domain);
     if (cut != nullptr && (shares.size() != 1 || shares.front().part != 1.0)) ++*cut;

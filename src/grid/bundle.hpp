@@ -14,27 +14,10 @@
 
 #include "core/buffer.hpp"
 #include "core/loops.hpp"
-#include "gas/components.hpp"
 #include "grid/exchange.hpp"
 #include "grid/grid.hpp"
 
-namespace brisance::gas {
-
-/// Cells of a block with ghost cells on the resolved directions, for data that is known everywhere from the start.
-struct PaddedBox {
-  Index3 pad{0, 0, 0};
-  Index3 n{1, 1, 1};  ///< with padding
-
-  PaddedBox() = default;
-  PaddedBox(grid::Block const& block, int dimensions) {
-    for (int d = 0; d < 3; ++d) {
-      pad[d] = d < dimensions ? grid::ghost_layers : 0;
-      n[d] = block.n[d] + 2 * pad[d];
-    }
-  }
-  [[nodiscard]] int count() const { return n[0] * n[1] * n[2]; }
-  [[nodiscard]] int offset(int i, int j, int k) const { return i + pad[0] + n[0] * (j + pad[1] + n[1] * (k + pad[2])); }
-};
+namespace brisance::grid {
 
 /// Where the cells of one bundle lie in their block.
 struct BundleLayout {
@@ -47,33 +30,30 @@ struct BundleLayout {
   int plane = 0;   ///< y: index k
 
   /// Place of a cell of the block in the bundle, if it is one of the bundle's.
-  [[nodiscard]] int place(Index3 const& n, Index3 const& cell) const {
-    if (direction == 0) {
-      return (cell[1] + n[1] * cell[2] - first) * (length + 2 * grid::ghost_layers) + grid::ghost_layers + cell[0];
+  [[nodiscard]] int place(Block const& block, Cell const& cell) const {
+    switch (direction) {
+      case 0: return (cell.j + block.n[1] * cell.k - first) * (length + 2 * ghost_layers) + ghost_layers + cell.i;
+      case 1: return (ghost_layers + cell.j) * stride + cell.i - first;
+      default: return (ghost_layers + cell.k) * stride + cell.i + block.n[0] * cell.j - first;
     }
-    int const column = direction == 1 ? cell[0] : cell[0] + n[0] * cell[1];
-    return (grid::ghost_layers + cell[direction]) * stride + column - first;
   }
 
-  /// The block's cell at the low (side 0) or high (1) end of a line: of a row along x, of a column along y or z. n are
-  /// the cells of the block.
-  [[nodiscard]] Index3 end_cell(Index3 const& n, int side, int line) const {
-    int const column = first + line;
-    Index3 cell{0, 0, 0};
-    cell[direction] = side == 0 ? 0 : n[direction] - 1;
-    if (direction == 0) {
-      cell[1] = column % n[1];
-      cell[2] = column / n[1];
-    } else {
-      cell[0] = column % n[0];
-      cell[direction == 1 ? 2 : 1] = direction == 1 ? plane : column / n[0];
+  /// Lines along the sweep: rows along x, columns along y or z.
+  [[nodiscard]] int lines() const { return direction == 0 ? rows : stride; }
+  /// The block's cell at the low (side 0) or high (1) end of a line.
+  [[nodiscard]] Cell end_cell(Block const& block, int side, int line) const {
+    int const end = side == 0 ? 0 : block.n[direction] - 1;
+    int const number = first + line;
+    switch (direction) {
+      case 0: return block.cell(end, number % block.n[1], number / block.n[1]);
+      case 1: return block.cell(number, end, plane);
+      default: return block.cell(number % block.n[0], number / block.n[0], end);
     }
-    return cell;
   }
 
   /// Cells from q0 = begin(r), q1 = q0 + count() are the block's own; r in [0, rows).
   [[nodiscard]] int begin(int r) const {
-    return direction == 0 ? r * (length + 2 * grid::ghost_layers) + grid::ghost_layers : grid::ghost_layers * stride;
+    return direction == 0 ? r * (length + 2 * ghost_layers) + ghost_layers : ghost_layers * stride;
   }
   [[nodiscard]] int count() const { return length * stride; }
 };
@@ -101,8 +81,8 @@ class BundleArrays {
 /// Number of bundles in a block for a sweep, and the layout of each. `cells` is the wanted size of a bundle.
 class Bundles {
  public:
-  Bundles(grid::Block const& block, int direction, int cells) : block_(&block), direction_(direction) {
-    int const with_ghosts = block.n[direction] + 2 * grid::ghost_layers;
+  Bundles(Block const& block, int direction, int cells) : block_(&block), direction_(direction) {
+    int const with_ghosts = block.n[direction] + 2 * ghost_layers;
     if (direction == 0) {
       lines_ = block.n[1] * block.n[2];
     } else {
@@ -115,14 +95,14 @@ class Bundles {
     per_plane_ = (lines_ + width_ - 1) / width_;
   }
   [[nodiscard]] int count() const { return per_plane_ * planes_; }
-  [[nodiscard]] int capacity() const { return width_ * (block_->n[direction_] + 2 * grid::ghost_layers); }
+  [[nodiscard]] int capacity() const { return width_ * (block_->n[direction_] + 2 * ghost_layers); }
   [[nodiscard]] int width() const { return width_; }
   /// The bundle that a cell of the block belongs to.
-  [[nodiscard]] int index_of(Index3 const& cell) const {
+  [[nodiscard]] int index_of(Cell const& cell) const {
     switch (direction_) {
-      case 0: return (cell[1] + block_->n[1] * cell[2]) / width_;
-      case 1: return per_plane_ * cell[2] + cell[0] / width_;
-      default: return (cell[0] + block_->n[0] * cell[1]) / width_;
+      case 0: return (cell.j + block_->n[1] * cell.k) / width_;
+      case 1: return per_plane_ * cell.k + cell.i / width_;
+      default: return (cell.i + block_->n[0] * cell.j) / width_;
     }
   }
   [[nodiscard]] BundleLayout layout(int index) const {
@@ -134,12 +114,12 @@ class Bundles {
     int const width = std::min(width_, lines_ - b.first);
     b.rows = direction_ == 0 ? width : 1;
     b.stride = direction_ == 0 ? 1 : width;
-    b.total = width * (b.length + 2 * grid::ghost_layers);
+    b.total = width * (b.length + 2 * ghost_layers);
     return b;
   }
 
  private:
-  grid::Block const* block_;
+  Block const* block_;
   int direction_;
   int lines_ = 1;
   int planes_ = 1;
@@ -162,9 +142,9 @@ inline void copy_run(double const* from, int count, double* to) {
 }
 
 /// Copies one component of a bundle from the block and its ghost slabs (null slabs: the ghost cells are left alone).
-inline void load(BundleLayout const& b, grid::Block const& block, double const* from, double const* low,
-                 double const* high, double* to) {
-  constexpr int g = grid::ghost_layers;
+inline void load(BundleLayout const& b, Block const& block, double const* from, double const* low, double const* high,
+                 double* to) {
+  constexpr int g = ghost_layers;
   if (b.direction == 0) {
     for (int r = 0; r < b.rows; ++r) {
       double* row = to + r * (b.length + 2 * g);
@@ -194,8 +174,8 @@ inline void load(BundleLayout const& b, grid::Block const& block, double const* 
 /// Calls visit(q, offset, count) for every run of the block's own cells that is contiguous in the bundle and in the
 /// block.
 template <class Visit>
-void for_each_run(BundleLayout const& b, grid::Block const& block, Visit&& visit) {
-  constexpr int g = grid::ghost_layers;
+void for_each_run(BundleLayout const& b, Block const& block, Visit&& visit) {
+  constexpr int g = ghost_layers;
   if (b.direction == 0) {
     for (int r = 0; r < b.rows; ++r) visit(r * (b.length + 2 * g) + g, (b.first + r) * b.length, b.length);
     return;
@@ -206,36 +186,29 @@ void for_each_run(BundleLayout const& b, grid::Block const& block, Visit&& visit
   for (int l = 0; l < b.length; ++l) visit((g + l) * b.stride, start + layer * l, b.stride);
 }
 
-/// Copies data known with padding into a bundle.
+/// Calls visit(q) for every cell of the block with the index i = 0 in a bundle.
+template <class Visit>
+void for_each_row_begin(BundleLayout const& b, Block const& block, Visit&& visit) {
+  int const nx = block.n[0];
+  for_each_run(b, block, [&](int q, int offset, int count) {
+    for (int n = (nx - offset % nx) % nx; n < count; n += nx) visit(q + n);
+  });
+}
+
+/// Copies data that is known in the ghost cells too, in arrays over `Block::with_ghosts`, into a bundle.
 template <class T, class Convert>
-void load_padded(BundleLayout const& b, grid::Block const& block, PaddedBox const& box, T const* from,
-                 Convert&& convert, double* to) {
-  constexpr int g = grid::ghost_layers;
-  for (int line = 0; line < (b.direction == 0 ? b.rows : b.stride); ++line) {
-    for (int l = -g; l < b.length + g; ++l) {
-      int i = 0;
-      int j = 0;
-      int k = 0;
-      int q = 0;
-      if (b.direction == 0) {
-        i = l;
-        j = (b.first + line) % block.n[1];
-        k = (b.first + line) / block.n[1];
-        q = line * (b.length + 2 * g) + g + l;
-      } else if (b.direction == 1) {
-        i = b.first + line;
-        j = l;
-        k = b.plane;
-        q = (g + l) * b.stride + line;
-      } else {
-        i = (b.first + line) % block.n[0];
-        j = (b.first + line) / block.n[0];
-        k = l;
-        q = (g + l) * b.stride + line;
-      }
-      to[q] = convert(from[box.offset(i, j, k)]);
-    }
+void load_with_ghosts(BundleLayout const& b, Block const& block, T const* from, Convert&& convert, double* to) {
+  constexpr int g = ghost_layers;
+  CellRange const box = block.with_ghosts();
+  std::ptrdiff_t const step = box.stride(b.direction);
+  int const apart = b.direction == 0 ? 1 : b.stride;
+  for (int line = 0; line < b.lines(); ++line) {
+    Index3 begin = b.end_cell(block, 0, line).within();
+    begin[b.direction] -= g;
+    T const* value = from + box.offset(begin);
+    double* cell = to + (b.direction == 0 ? line * (b.length + 2 * g) : line);
+    for (int l = 0; l < b.length + 2 * g; ++l, value += step, cell += apart) *cell = convert(*value);
   }
 }
 
-}  // namespace brisance::gas
+}  // namespace brisance::grid
