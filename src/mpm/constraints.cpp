@@ -76,7 +76,7 @@ void Mpm::hold_nodes(int block, Scratch& scratch, Given& given) {
         given.work += own * change * hold.velocity[d];
         r.change[d] += change;
         r.velocity[d] = hold.velocity[d];
-        // `force` is the whole change of the step, the one against the start of the step.
+        // `change` is the whole one of the step, the one against the start of the step.
         double const drive = (r.change[d] - halt[d]) * hold.velocity[d];
         double const middle = hold.velocity[d] - 0.5 * r.change[d];
         // Points that take over the nodes' velocity lose what the nodes do.

@@ -8,7 +8,7 @@
 /// with P v and get the changes P f of their velocities. Then the stress works as much as the points lose, since
 /// f . P v = P f . v: contact conserves energy, whatever the bodies' speed and the size of the cells. Taking the
 /// velocities themselves to P v is a plastic impact of the nodes' masses: it loses 4 % of the energy of two discs of 8
-/// cells per radius, and up to 15 % of that of a plate two cells thick.
+/// cells per radius, and up to 15 % of that of a plate six cells thick.
 #include "mpm/contact.hpp"
 
 #include <algorithm>
@@ -175,10 +175,6 @@ void Mpm::find_meetings(int block, double dt, Scratch& scratch, Trial&& trial) c
   double const h = grid_.domain().h;
   std::vector<Meeting>& meetings = w.meetings[block];
   meetings.clear();
-  for (int f = 0; f < w.fields; ++f) {
-    if (w.parts[f] != 0 && w.one_sided[f] != 0 && scratch.of[f].present && !w.walls[block].empty())
-      gather_gaps(block, f, scratch);
-  }
   auto const mass = [&](int f, int node) { return scratch.of[f].sums.data()[node].momentum[3]; };
   for (int node = 0; node < patch.count(); ++node) {
     int met = 0;

@@ -125,6 +125,7 @@ void Mpm::integrate(double dt) {
     gather_sums(block, scratch);
     if (w.contact) gather_gradients(block, scratch);
     if (w.touches && options_.order != StressOrder::usf) gather_extents(block, scratch);
+    gather_gaps(block, scratch);
     if (w.slides) {
       weigh_images(block, scratch, true);
       share_pressure(block, dt, scratch);

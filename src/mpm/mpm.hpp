@@ -180,6 +180,7 @@ class Mpm {
   // Walls, see walls.cpp.
   void map_gaps(int block);
   void gather_gaps(int block, int field, Scratch& scratch) const;
+  void gather_gaps(int block, Scratch& scratch) const;
   void stop_at_walls(int block, double dt, Scratch& scratch, Given& given);
   void stop_velocity_at_walls(int block, double dt, Scratch& scratch) const;
   void weigh_images(int block, Scratch& scratch, bool of_state) const;

@@ -48,6 +48,7 @@ void Mpm::update_stress(double dt) {
       gather_velocity(block, scratch);
     }
     if (w.slides || (first && w.touches)) gather_gradients(block, scratch);
+    gather_gaps(block, scratch);
     if (first && w.touches) {
       gather_extents(block, scratch);
       find_meetings(block, dt, scratch, true);

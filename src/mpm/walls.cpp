@@ -132,6 +132,14 @@ void Mpm::gather_gaps(int block, int field, Scratch& scratch) const {
   }
 }
 
+void Mpm::gather_gaps(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  if (w.walls[block].empty()) return;
+  for (int f = 0; f < w.fields; ++f) {
+    if (w.one_sided[f] != 0 && scratch.of[f].present) gather_gaps(block, f, scratch);
+  }
+}
+
 /// Stops the new velocities of bodies' nodes where they would go through a wall, and books what they lose by it.
 void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
   Workspace& w = *work_;
@@ -143,7 +151,6 @@ void Mpm::stop_at_walls(int block, double dt, Scratch& scratch, Given& given) {
   double const friction = options_.wall_friction;
   for (int f = 0; f < w.fields; ++f) {
     if (w.one_sided[f] == 0 || !scratch.of[f].present) continue;
-    gather_gaps(block, f, scratch);
     std::vector<char>& stopped = w.stopped[w.slot(block, f)];
     stopped.resize(static_cast<std::size_t>(count) * walls.size());
     NodeVelocity* stop = scratch.of[f].stop.get(count);
@@ -303,7 +310,6 @@ void Mpm::stop_velocity_at_walls(int block, double dt, Scratch& scratch) const {
   bool const first = options_.order == StressOrder::usf;
   for (int f = 0; f < w.fields; ++f) {
     if (w.one_sided[f] == 0 || !scratch.of[f].present) continue;
-    gather_gaps(block, f, scratch);
     std::vector<char>& stopped = w.stopped[w.slot(block, f)];
     if (first) stopped.assign(static_cast<std::size_t>(count) * walls.size(), 0);
     NodeVelocity* nodes = scratch.of[f].velocity.data();
