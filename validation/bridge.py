@@ -1,4 +1,4 @@
-"""The bridge: what the tests of tests/bridge measure, collected on a page."""
+"""The bridge: a page with what the tests of tests/bridge measure."""
 import re
 import subprocess
 import sys
@@ -7,14 +7,14 @@ from pathlib import Path
 from common import ROOT, commit, machine
 
 PARTS = {
-    "test_bridge_uniform": ("Uniform gas", "Asked for: 1e-12 at rest, 1e-3 in motion."),
-    "test_bridge_tubes": ("Shock tubes", "Asked for: mass to 1e-13, energy to 0.1 %, errors of the gas at most 1.5 "
-                          "times those of the gas scheme alone, no peak above 2 % at the bridge. The transport as "
-                          "printed in the paper stands beside it."),
-    "test_bridge_pulses": ("Sound", "Asked for at 20 cells: less than 1 % reflected, more than 98 % transmitted."),
-    "test_bridge_contacts": ("Contacts between products and air", "Asked for: pressure within 3 %."),
-    "test_bridge_wall": ("A wall of steel, a plate that is held", "Asked for: pressure within 2 %, momentum within "
-                         "1 %; beside the plate impulse and speed of the gas as before a wall within 12 %."),
+    "test_bridge_uniform": ("Uniform gas", "Targets: 1e-12 at rest, 1e-3 in motion."),
+    "test_bridge_tubes": ("Shock tubes", "Targets: mass to 1e-13, energy to 0.1 %, errors of the gas at most 1.5 times "
+                          "those of the gas scheme alone, no peak above 2 % at the bridge. The transport as printed in "
+                          "the paper is shown for comparison."),
+    "test_bridge_pulses": ("Sound", "Targets at 20 cells: less than 1 % reflected, more than 98 % transmitted."),
+    "test_bridge_contacts": ("Contacts between products and air", "Target: pressure within 3 %."),
+    "test_bridge_wall": ("A wall of steel, a clamped plate", "Targets: pressure within 2 %, momentum within 1 %; beside the "
+                         "plate, impulse and speed of the gas as before a wall within 12 %."),
     "test_bridge_running": ("Activation, steps, regions", ""),
 }
 TALK = re.compile(r"^(\[|Running main|Note: Google Test|  YOU HAVE|.*Failure$|Expected|The difference|"
@@ -25,9 +25,9 @@ def validate(arguments):
     """Writes docs/validation/bridge.md."""
     programs = Path(arguments.brisance).parent
     text = ["# The bridge between gas and material points", "",
-            "Made by `validation/run bridge`: the lines that the programs of `tests/bridge` print about what they",
-            "measure. What they assert stands in their sources; a program that fails is named. Settings of the region",
-            "are the defaults unless a line says otherwise.", ""]
+            "Produced by `validation/run bridge`: the lines that the programs of `tests/bridge` print about their",
+            "measurements. Their assertions are in their sources; a program that fails is named. Settings of the",
+            "region are the defaults unless a line says otherwise.", ""]
     for name, (title, asked) in PARTS.items():
         if not (programs / name).exists():
             sys.exit(f"{programs / name} does not exist; build the tests")

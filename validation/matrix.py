@@ -1,8 +1,8 @@
 """Bursts that break out of their charge: every explosive of the library on coarse and fine grids, in air at several
-altitudes and in helium, one line a case. A case passes when the run ends by itself, no guard has added energy, and from
-six cells per radius on the peaks at three gauges are within 15 % of those of the same run at Courant number 0.2.
+altitudes and in helium, one line per case. A case passes if the run ends normally, no guard has added energy and, from
+six cells per radius on, the peaks at three gauges are within 15 % of those of the same run at Courant number 0.2.
 
-Then the hostile decks of tests/hostile. Exit code 1 when a case fails. `scripts/matrix` calls this.
+Then the hostile decks of tests/hostile. Exit code 1 if a case fails. `scripts/matrix` calls this.
 """
 import argparse
 import collections
@@ -51,7 +51,7 @@ def explosives():
 
 
 def cases(full):
-    """All combinations, or as many as let every explosive, grid and atmosphere meet in pairs."""
+    """All combinations, or enough of them for every pair of explosive, grid and atmosphere to occur."""
     library = explosives()
     fastest = max(library, key=lambda name: library[name][0])
     lightest = min(library, key=lambda name: library[name][1])
@@ -110,7 +110,7 @@ def run(program, folder, text):
 
 
 def check(program, work, case):
-    """What came out of a case: passed or not, largest difference of a peak, and a line of text."""
+    """The result of a case: passed or not, largest difference of a peak, audit, and a line of text."""
     folder = work / "-".join(map(str, case)).replace(" ", "_").replace("/", "_")
     code, audit, peaks, message = run(program, folder, deck(case, FULL_STEP))
     difference = None
@@ -132,7 +132,7 @@ def check(program, work, case):
 
 
 def page(results, arguments, seconds):
-    """The page of the matrix: by geometry and cells the cases, failures and differences."""
+    """The page of the matrix: cases, failures and differences by geometry and cells."""
     from common import commit, machine, table
     rows = []
     groups = collections.defaultdict(list)
@@ -154,18 +154,18 @@ def page(results, arguments, seconds):
     return f"""# Bursts that break out of their charge
 
 Charges of 50 mm radius, programmed burn, in a domain of four radii, 30 us (longer where the
-detonation is slower than 7 km/s): {len(explosives())} explosives in 2D, {in_3d}
-in 3D, in air at four altitudes and in helium. A case fails when the run ends otherwise than with exit code 0, when a
-guard adds energy, or, from {COMPARED_FROM} cells per radius on, when a peak at one of three gauges (two radii from the
-centre beside an axis, {near:.1f} and {far:.1f} radii between the axes) differs by more than {100 * MOST_DIFFERENCE:.0f}
-% from the same run at Courant number {SHORT_STEP}. The last five columns hold the largest such difference. Limited
-faces: fluxes that were blended with a first-order one.
+detonation is slower than 7 km/s): {len(explosives())} explosives in 2D, {in_3d} in 3D, in air at four altitudes and in
+helium. A case fails if the exit code of the run is not 0, if a guard adds energy, or, from {COMPARED_FROM} cells per
+radius on, if a peak at one of three gauges (two radii from the centre beside an axis, {near:.1f} and {far:.1f} radii
+between the axes) differs by more than {100 * MOST_DIFFERENCE:.0f} % from that of the same run at Courant number
+{SHORT_STEP}. The last five columns give the largest such difference. Limited faces: fluxes that were blended with a
+first-order one.
 
 {table(header, rows)}
-{len(results)} cases, {failed} failed. Made by `scripts/matrix --full`, commit {commit()}, {machine()},
+{len(results)} cases, {failed} failed. Produced by `scripts/matrix --full`, commit {commit()}, {machine()},
 {seconds / 60.0:.0f} minutes.
 
-What this does not say: how much the peaks hang on the cells. It says that they hang little on the step.
+This table does not show how much the peaks depend on the cell size. It shows that they depend little on the time step.
 """
 
 
@@ -173,9 +173,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--full", action="store_true", help="every combination; writes docs/validation/matrix.md")
     parser.add_argument("--brisance", default=str(ROOT / "build/release/bin/brisance"), help="the program")
-    parser.add_argument("--work", help="folder of the runs; without one a temporary folder")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
-    parser.add_argument("--only", default="", help="cases whose names hold this word; no hostile decks")
+    parser.add_argument("--work", help="folder of the runs (default: a temporary folder)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs in parallel")
+    parser.add_argument("--only", default="", help="only cases whose names contain this word; no hostile decks")
     arguments = parser.parse_args()
     begin = time.monotonic()
     with tempfile.TemporaryDirectory() as scratch, ThreadPoolExecutor(arguments.jobs) as pool:

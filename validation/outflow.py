@@ -1,4 +1,4 @@
-"""Blasts and a wind at outflow boundaries near by, against large domains and against zero_gradient."""
+"""Blasts and a wind at nearby outflow boundaries, compared with large domains and with zero_gradient."""
 import numpy as np
 from common import ROOT, Variants, commit, machine, per_cent, table
 
@@ -36,8 +36,8 @@ def deck(blast, size, boundary):
 
 
 def impulses(history):
-    """Impulses [Pa s] of a record: until the pressure comes back to the ambient one after its peak, and the most that
-    it falls by afterwards."""
+    """Peak [Pa] and impulses [Pa s] of a record: until the pressure returns to the ambient one after its peak, and the
+    largest fall of the impulse afterwards."""
     time, over = history["time"], history["overpressure"]
     steps = 0.5 * (over[1:] + over[:-1]) * np.diff(time)
     peak = int(np.argmax(over))
@@ -107,15 +107,15 @@ def validate(arguments, work):
               "outflow", "zero_gradient")
     text = f"""# Outflow boundaries
 
-Made by `validation/run outflow`, commit {arguments.commit or commit()}; machine: {machine()}.
+Produced by `validation/run outflow`, commit {arguments.commit or commit()}; machine: {machine()}.
 
 A charge of 1 kg of TNT (1 kg/m in planes and cylinders) in a small domain with `outflow` and with `zero_gradient`
-faces, and in a large one. The positive impulse ends at the first zero after the peak; the negative one is the most that
-the impulse falls by afterwards, until the end of the run. Deviations are from the large domain. Target: 5 %.
+faces, and in a large one. The positive impulse ends at the first zero after the peak; the negative one is the largest
+fall of the impulse after that, until the end of the run. Deviations are relative to the large domain. Target: 5 %.
 
 {table(header, blasts)}
-A wind of 100 m/s (Mach {mach:.3f}) round a square of 0.6 m in square domains of 5 and 10 of its widths, cells of 50 mm:
-overpressure [kPa] in the middle of the cells before its front. Isentropic stagnation: {1e-3 * stagnation:.2f} kPa.
+A wind of 100 m/s (Mach {mach:.3f}) around a square of 0.6 m in square domains of 5 and 10 of its widths, cells of
+50 mm: overpressure [kPa] at the centre of the cells in front of it. Isentropic stagnation: {1e-3 * stagnation:.2f} kPa.
 
 {table(("domain", *(f"{t:g} ms" for t in WIND_TIMES)), winds)}"""
     target = work if arguments.quick else ROOT / "docs" / "validation"

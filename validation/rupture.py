@@ -1,4 +1,4 @@
-"""What flows through openings: panels that give way, gaps between bodies, a plate that tears."""
+"""Flow through openings: panels that give way, gaps between bodies, a plate that tears."""
 import numpy as np
 from common import ROOT, Variants, commit, listed, machine, per_cent, table
 
@@ -140,8 +140,8 @@ def contraction(p):
 
 
 def room_rows(variants):
-    """Rows of a table; (pressure, room, cells, error of the outflow) of all; and the largest part of an overpressure
-    that is lost, with its pressure and size."""
+    """Rows of a table; (pressure, room, cells, error of the outflow) of all; and the largest fraction of an
+    overpressure that is lost, with its pressure and size."""
     rows, errors, lost = [], [], []
     for bar, room, resolutions in ROOMS:
         period = 2.0 * room / np.sqrt(GAMMA * OUTSIDE / DENSITY)  # of the waves; the gas has the ambient temperature
@@ -194,8 +194,8 @@ def mean_history(result):
 
 
 def width(time, p, bar, volume):
-    """Contraction times opening that empties an isentropic room as fast while it is choked [m]: in it the pressure to
-    the power -(gamma - 1) / (2 gamma) rises linearly."""
+    """Contraction times opening that empties an isentropic room at the same rate while the flow is choked [m]: the
+    pressure in the room to the power -(gamma - 1) / (2 gamma) then rises linearly."""
     power = 0.5 * (GAMMA - 1.0) / GAMMA
     speed = np.sqrt(GAMMA * OUTSIDE / DENSITY)  # at the start
     slope = np.polyfit(time, (1e5 * bar / p) ** power, 1)[0]
@@ -254,7 +254,7 @@ def plate_rows(variants):
                 gas = dump.values("density") * (1.0 - dump.values("solid"))
                 times.append(dump.time)
                 mass.append(gas[:, i:].sum() * dump.spacing ** 2)
-            most = mass[0] + DENSITY * 0.05 * 0.05  # what the plate pushes along
+            most = mass[0] + DENSITY * 0.05 * 0.05  # what the plate pushes ahead of itself
             through = next((f"{1e3 * t:.2f}" for t, m in zip(times, mass) if m > most), "-")
             audit, energy = result.log["audit"], result.log["mpm_region"]["energy"]
             rows.append((f"{cell:g}", name, through, f"{mass[0]:.4f}", f"{mass[-1]:.4f}",
@@ -270,40 +270,43 @@ def validate(arguments, work):
     gaps, slits, plates = (rows(variants) for rows in (gap_rows, slit_rows, plate_rows))
     text = f"""# Rupture: panels, gaps and tears
 
-Made by `validation/run rupture`, commit {arguments.commit or commit()}; machine: {machine()}.
+Produced by `validation/run rupture`, commit {arguments.commit or commit()}; machine: {machine()}.
 
 ## A room that empties through a panel
 
-A room twice as high as long in the plane, half of it calculated, with a slit of 0.2 m in the middle of a wall one cell
-thick. A panel without mass closes the slit and gives way at 20 kPa, at once. From the return of the first wave on, over
-{PERIODS} periods of the waves in the room, the mass that leaves is compared with a quasi-steady orifice of the slit's
-area: contraction C [Jobson55, Chaplygin04] times isentropic mass flow between the room's mean state and 1 atm.
+A planar room twice as high as long, half of it simulated, with a slit of 0.2 m in the middle of a wall one cell thick.
+A massless panel closes the slit and gives way at 20 kPa, instantly. From the return of the first wave on, over
+{PERIODS} periods of the waves in the room, the mass that leaves is compared with that of a quasi-steady orifice of the
+slit's area: contraction C [Jobson55, Chaplygin04] times isentropic mass flow between the room's mean state and 1 atm.
 Target: {TARGET:g} %.
 
-{table(("pressure [bar]", "room [m]", "outside / room", "C at first", "cells from middle to edge", "outflow",
+{table(("pressure [bar]", "room [m]", "outside / room", "initial C", "cells from middle to edge", "outflow",
         "error of the audit"), rooms)}
 {told(errors)}.
 
-The scheme draws a part of a cell more along at each sharp edge, so that an error of it falls with the cells. What is
-left where they vanish is not the scheme's: the more of its overpressure a room loses in the periods, the less it is a
-quasi-steady one, most of all that of {size:g} m at {bar:g} bar, which loses {100 * lost:.0f} %.
+At each sharp edge the scheme carries along the flow of an extra fraction of a cell; this error falls with the cell
+size. The error that remains as the cell size goes to zero is not due to the scheme: the more of its overpressure a room
+loses during the periods, the less quasi-steady it is. This applies most of all to the room of {size:g} m at {bar:g} bar,
+which loses {100 * lost:.0f} %.
 
 ## Gaps between bodies in an MPM region
 
-Rigid plates of four cells' thickness in a channel of 20 cells, room at 3 bar; gap in cells, and the width that lets
-out as much without contraction, in cells, for a gap that lies between cells and one that lies a quarter of a cell off.
-At this pressure the jet of an orifice contracts to {contraction(3e5):.2f} of it.
+Rigid plates four cells thick in a channel of 20 cells, room at 3 bar. The table gives the gap in cells and the width of
+an opening without contraction that passes the same flow, in cells, for a gap whose edges lie between cells and for one
+that lies a quarter of a cell off. At this pressure the jet of an orifice contracts to {contraction(3e5):.2f} of its
+width.
 
-{table(("gap", "between cells", "a quarter off"), gaps)}
+{table(("gap", "between cells", "a quarter of a cell off"), gaps)}
 A slit in a plate one cell thick, room at 5 bar, from the return of the first wave on; contraction as above.
 
 {table(("cells from middle to edge", "obstacles", "bodies", "bodies / obstacles", "drift of energy"), slits)}
 ## A plate that tears
 
-A clamped plate of 10 mm under 100 bar. When more gas stands beyond 50 mm behind it than it can have pushed along
-[ms], the gas there at the start and at 1.1 ms [kg/m], and the balance.
+A clamped plate of 10 mm under 100 bar. The table gives the time [ms] from which there is more gas farther than 50 mm
+behind the plate than the plate can have pushed there, the gas there at the start and at 1.1 ms [kg/m], and the
+balance.
 
-{table(("cell [mm]", "plate", "gas passes at", "at first", "in the end", "error of mass", "drift of energy"),
+{table(("cell [mm]", "plate", "gas passes at", "at the start", "at the end", "error of mass", "drift of energy"),
        plates)}"""
     target = work if arguments.quick else ROOT / "docs" / "validation"
     target.mkdir(parents=True, exist_ok=True)
