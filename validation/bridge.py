@@ -13,8 +13,8 @@ PARTS = {
                           "the paper is shown for comparison."),
     "test_bridge_pulses": ("Sound", "Targets at 20 cells: less than 1 % reflected, more than 98 % transmitted."),
     "test_bridge_contacts": ("Contacts between products and air", "Target: pressure within 3 %."),
-    "test_bridge_wall": ("A wall of steel, a clamped plate", "Targets: pressure within 2 %, momentum within 1 %; beside the "
-                         "plate, impulse and speed of the gas as before a wall within 12 %."),
+    "test_bridge_wall": ("A wall of steel, a clamped plate", "Targets: pressure within 2 %, momentum within 1 %; "
+                         "beside the plate, impulse and speed of the gas as before a wall within 12 %."),
     "test_bridge_running": ("Activation, steps, regions", ""),
 }
 TALK = re.compile(r"^(\[|Running main|Note: Google Test|  YOU HAVE|.*Failure$|Expected|The difference|"

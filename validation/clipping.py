@@ -1,5 +1,5 @@
-"""What cells clip of the peaks of blasts: bursts of TNT on converging grids, in the open and at a rigid wall, against
-what `brisance check` says before the run and the summary after it."""
+"""How much of the peaks of blasts the cells clip: bursts of TNT on converging grids, in the open and at a rigid wall,
+compared with what `brisance check` reports before the run and the summary after it."""
 import json
 import math
 import subprocess
@@ -10,7 +10,7 @@ from common import ROOT, Variants, commit, per_cent, table
 AMBIENT = 101325.0
 RADIUS = 0.0527  # of 1 kg of TNT [m]
 FEWEST = 4  # cells per charge radius
-REFERENCE = 1600  # cells to the gauge, of the run whose decay tells the incident peak
+REFERENCE = 1600  # cells to the gauge, of the run whose decay gives the incident peak
 # Distance of the gauge from 1 kg [m], and when its record ends [s].
 DISTANCES = ((0.7, 0.6e-3), (1, 1e-3), (1.5, 2e-3), (2, 3.2e-3), (3, 6.2e-3), (5, 12e-3), (10, 27e-3))
 NUMBERS = (100, 200, 400, 800)  # cells to the gauge
@@ -35,7 +35,7 @@ def clipping(length, cells):
 
 
 def captured_length(part, cells):
-    """The length of the captured shock [cells] that clips a peak by this part; None where the peak is not clipped."""
+    """The length of the captured shock [cells] that clips this fraction of a peak; None where it is not clipped."""
     if part <= 0:
         return None
     low, high = 1e-3, 50.0
@@ -46,7 +46,7 @@ def captured_length(part, cells):
 
 
 def law(strength, wall):
-    """That of `captured_length` in src/observe/blast_wave.cpp."""
+    """The law of `captured_length` in src/observe/blast_wave.cpp."""
     return 0.55 * strength ** -0.23 + (1.15 * strength ** 2 / (1 + strength ** 2) if wall else 0.0)
 
 
@@ -82,7 +82,7 @@ def rows_of(variants, wall, numbers):
 
 
 HEADER = ["Z [m/kg^(1/3)]", "Δp/p0 of the incident shock", "cells to the gauge", "N", "peak of the record",
-          "w [cells]", "w of the law", "`check` says", "the summary says", "peak at the front"]
+          "w [cells]", "w from the law", "clipping by `check`", "by the summary", "peak at the front"]
 
 
 def validate(arguments, work):

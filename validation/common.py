@@ -1,4 +1,4 @@
-"""What the validations share: running a deck in variants, tables, and the look of the figures."""
+"""Shared by the validations: running a deck in variants, tables, and the style of the figures."""
 import ctypes
 import hashlib
 import json
@@ -37,19 +37,19 @@ def per_cent(ratio, digits=1):
 
 
 def span(values, form="{:g}"):
-    """From the smallest to the largest of some numbers: "2 to 3", or "2" where all look alike."""
+    """From the smallest to the largest of some numbers: "2 to 3", or "2" where all print alike."""
     low, high = form.format(min(values)), form.format(max(values))
     return low if low == high else f"{low} to {high}"
 
 
 def listed(words):
-    """Words of a list as a sentence has them: "a, b and c"; "none" without any."""
+    """Words joined as in a sentence: "a, b and c"; "none" for an empty list."""
     words = list(words)
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words) or "none"
 
 
 class Curves:
-    """Kingery and Bulmash's values of a mass of TNT [kg], as the program knows them."""
+    """Kingery and Bulmash's values for a mass of TNT [kg], from the program."""
 
     def __init__(self, program, mass=1):
         self.program, self.mass, self.known = str(program), mass, {}
@@ -102,8 +102,8 @@ def literal(value):
 
 def varied(text, changes):
     """A deck's text with the value of some keys replaced. A change is `key` (all lines of that key) or `section.key`
-    (in the first table of that name, where a missing key is added; a missing table too, at the end). None takes the
-    key's lines away."""
+    (in the first table of that name, to which a missing key is added; a missing table is added at the end). None
+    removes the key's lines."""
     for name, value in changes.items():
         section, _, key = name.rpartition(".")
         if value is None:
@@ -126,23 +126,23 @@ def varied(text, changes):
 
 
 def build_of(program):
-    """What tells one build of the program from another."""
+    """A hash that identifies the build of the program."""
     return hashlib.sha256(Path(program).read_bytes()).hexdigest()
 
 
 def end_with_parent():
-    """In a process about to start: a Ctrl-C where its parent ends, whatever ended it. Linux only; elsewhere nothing."""
+    """In a process about to start: sends it a Ctrl-C when its parent ends, for whatever reason. On Linux only."""
     prctl = getattr(ctypes.CDLL(None), "prctl", None)
     if prctl is not None:
         prctl(1, signal.SIGINT)  # PR_SET_PDEATHSIG
 
 
 def call(command):
-    """Runs the program and returns its exit code and the processor's seconds. Ctrl-C and SIGTERM reach it as one
-    Ctrl-C, upon which it writes a checkpoint; then this process ends too."""
+    """Runs the program and returns its exit code and its processor time [s]. Ctrl-C and SIGTERM are passed on as one
+    Ctrl-C, upon which the program writes a checkpoint; then this process ends too."""
     asked = []
     spent = resource.getrusage(resource.RUSAGE_CHILDREN)
-    # A group of its own: a Ctrl-C of the terminal would reach it a second time and end it at once.
+    # A process group of its own: otherwise a Ctrl-C of the terminal would reach it twice and end it at once.
     process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, process_group=0,
                                preexec_fn=end_with_parent)
 
@@ -156,23 +156,22 @@ def call(command):
         for number, handler in before.items():
             signal.signal(number, handler)
     if asked:
-        print("stopped; the same command with the same work folder goes on from here", file=sys.stderr)
+        print("stopped; the same command with the same work folder continues from here", file=sys.stderr)
         raise Stopped(3)
     now = resource.getrusage(resource.RUSAGE_CHILDREN)
     return code, now.ru_utime + now.ru_stime - spent.ru_utime - spent.ru_stime
 
 
 class Stopped(SystemExit):
-    """The user asked for an end."""
+    """The user stopped the run."""
 
 
 class Variants:
     """Runs a case's deck in variants, in the folder `work`.
 
-    Finished results of the same deck by the same build of the program are taken again, with `reuse` those of any build;
-    a run that was interrupted goes on from its newest checkpoint. What each run costs is in `costs`, rows of run,
-    cells, points, steps, threads and seconds on the wall, over all restarts. `seconds` of a result is what to
-    compare where the machine is not idle.
+    Finished results of the same deck by the same build of the program are reused, with `reuse` those of any build; an
+    interrupted run continues from its newest checkpoint. `costs` has a row per run: name, cells, points, steps, threads
+    and wall time [s], over all restarts. Compare `seconds` of results where the machine is not idle.
     """
 
     def __init__(self, arguments, work):
@@ -184,7 +183,7 @@ class Variants:
         self.number, self.expected = 0, 0
 
     def expect(self, number):
-        """How many runs follow, for the progress."""
+        """Sets the number of runs that follow, for the progress."""
         self.number, self.expected = 0, number
 
     def __call__(self, case, name, changes=None, added="", may_fail=False, text=None):
@@ -196,9 +195,9 @@ class Variants:
         print(f"[run {self.number}{of}] {case}, {name}: ", end="", flush=True)
         state = self.state(folder, text)
         if state == "finished":
-            print("taken from earlier", flush=True)
+            print("reused", flush=True)
         else:
-            print("goes on from its checkpoint ..." if state == "resumable" else "...", flush=True)
+            print("continues from its checkpoint ..." if state == "resumable" else "...", flush=True)
             self.calculate(case, name, text, state == "resumable", may_fail)
         if not (folder / "run.json").exists():
             sys.exit(f"{case}, {name}: no results; see `brisance check {self.work / f'{case}-{name}.toml'}`")
@@ -206,7 +205,7 @@ class Variants:
         if result.log["status"] != "done":
             if may_fail:
                 return None
-            sys.exit(f"{folder}: the run is not done but {result.log['status']}")
+            sys.exit(f"{folder}: the run is not done; its status is {result.log['status']}")
         self.seconds += result.log["wall_seconds"]
         self.costs.append((f"{case}, {name}", result.log["domain"]["cell_count"],
                            result.log.get("points", {}).get("count", 0), result.log["step"],
@@ -214,7 +213,7 @@ class Variants:
         return result
 
     def state(self, folder, text):
-        """What a folder holds of the run of this deck by this program: "finished", "resumable" or "nothing"."""
+        """State of the run of this deck by this program in a folder: "finished", "resumable" or "nothing"."""
         try:
             same = (folder / "deck.toml").read_text() == text
             build = self.build if self.reuse else self.note(folder)["build"]
@@ -229,7 +228,7 @@ class Variants:
 
     @staticmethod
     def note(folder, **contents):
-        """What is written down beside the folder of a run; with `contents`, writes it."""
+        """The note beside the folder of a run; with `contents`, writes it."""
         path = folder.with_name(folder.name + ".note.json")
         if contents:
             path.write_text(json.dumps(contents))
@@ -240,12 +239,12 @@ class Variants:
         deck.write_text(text)
         self.note(folder, build=self.build)
         if not resume and (folder / "run.json").exists() and not (folder / "files.txt").exists():
-            shutil.rmtree(folder)  # of a version without a list of its files, which --force does not take
+            shutil.rmtree(folder)  # of a version without files.txt, which --force refuses
         command = [self.program, "run", deck, "--output", folder, "--threads", str(self.threads)]
         command += [] if sys.stderr.isatty() else ["--no-progress"]
         code, seconds = call([*command, "--resume" if resume else "--force"])
         if resume and code not in (0, FAILURE):
-            print("  its checkpoints are of no use; from the beginning ...", flush=True)
+            print("  its checkpoints cannot be used; starting again ...", flush=True)
             resume = False
             code, seconds = call([*command, "--force"])
         if not resume:
@@ -255,7 +254,7 @@ class Variants:
 
 
 class Result(Run):
-    """The output folder of a variant, and what it cost."""
+    """The output folder of a variant, and its cost."""
 
     def __init__(self, folder, processor_seconds=None):
         super().__init__(folder)
@@ -263,5 +262,5 @@ class Result(Run):
 
     @property
     def seconds(self):
-        """Seconds of the processor, which other programs on the machine hardly change; on the wall where not known."""
+        """Processor time [s], which other programs on the machine hardly affect; wall time where it is not known."""
         return self.processor_seconds or self.log["wall_seconds"]

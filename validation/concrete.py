@@ -1,5 +1,5 @@
 """Concrete and soil: single points, calibration of the tensile damage, spall, a crater on four grids, a column of soil,
-a beam with bars, a slab on soil."""
+a beam with bars, a slab on soil, a charge in soil."""
 import re
 import subprocess
 import sys
@@ -27,7 +27,7 @@ def material(name):
 
 
 def curves(run):
-    """What `concrete_curves` prints: {(path, material): (x, y)}."""
+    """The output of `concrete_curves`: {(path, material): (x, y)}."""
     program = Path(run.program).parent / "concrete_curves"
     if not program.exists():
         sys.exit(f"{program} does not exist; build it: scripts/build release concrete_curves")
@@ -114,7 +114,7 @@ def fit(file, static, limit):
 
 
 def calibration(run):
-    """Strength under constant strain rates against the curve that a, sigma0 and gamma are fitted to."""
+    """Strength at constant strain rates, compared with the curve to which a, sigma0 and gamma are fitted."""
     data = curves(run)
     rows = []
     with plt.rc_context(RC):
@@ -125,7 +125,7 @@ def calibration(run):
             rate, strength = data[("tension", name)]
             factor, asked = strength / static, increase(rate, fc)
             axis.loglog(rate, asked, color=INK, linewidth=1.0, label="[Malvar98]")
-            axis.loglog(rate, factor, "o", color=ORANGE, markersize=3.5, label="calculated")
+            axis.loglog(rate, factor, "o", color=ORANGE, markersize=3.5, label="computed")
             axis.set(title=name, xlabel="strain rate [1/s]", ylabel="strength / quasi-static")
             style(axis)
             axis.legend()
@@ -223,7 +223,7 @@ def spall_estimate(pulse, law, speed, cap):
 
 
 def first_cracked(result, end):
-    """Distances [m] from the end of the bar of the points in its farther half that cracked first."""
+    """Distances [m] from the end of the bar of the particles in its farther half that cracked first."""
     for dump in result.point_dumps:
         dump = dump.read()
         x = end - (dump["position"][:, 0] - dump["displacement"][:, 0])
@@ -284,8 +284,7 @@ def bar(run):
 
 
 def growth(origin, moved, spacing, radius, height):
-    """By how much a cylinder on the axis has grown, and its upper face sunk in [m3], from the motion of its outermost
-    points."""
+    """Growth of a cylinder on the axis and sinking of its upper face [m3], from its outermost particles' motion."""
     def ring(points, component):
         return (2.0 * np.pi * origin[points, 0] * spacing * moved[points, component]).sum()
     top, bottom = origin[:, 1] > height - spacing, origin[:, 1] < spacing
@@ -295,7 +294,7 @@ def growth(origin, moved, spacing, radius, height):
 
 
 def crater_text(changes):
-    """What the text says of the changes between grids, (grids, relative change of every value of the table), and of the
+    """Values of the text on the changes between grids, (grids, relative change of every value of the table), and on the
     openings of the crack band."""
     law = material("concrete-25MPa")["failure"]
     scale = law["fracture_energy"] / law["sigma0"]  # [m]
@@ -503,11 +502,11 @@ def column(run):
              f"1 + 1.9 a^(2/3) = {1.0 + 1.9 * ASPECT ** (2.0 / 3.0):.1f}"],
             ["height left / half width", f"{height / 0.1:.2f}", f"0.65 a^(2/5) = {0.65 * ASPECT ** 0.4:.1f}"],
             ["mean slope", f"{slope:.0f} degrees", "below the angle of friction, 33"],
-            ["kinetic energy lost at held nodes, of all energy", part("lost_at_held_nodes", energy),
+            ["kinetic energy lost at constrained nodes, relative to all energy", part("lost_at_held_nodes", energy),
              f"(cells of 20 mm: {part('lost_at_held_nodes', coarse)})"],
-            ["energy drift beside it", f"{100 * energy['drift']:+.2f} %",
+            ["energy drift in addition", f"{100 * energy['drift']:+.2f} %",
              f"(cells of 20 mm: {100 * coarse['drift']:+.2f} %)"]]
-    return {"column": table(["quantity", "calculated", "experiments with sand [Lube05]"], rows)}, {
+    return {"column": table(["quantity", "computed", "experiments with sand [Lube05]"], rows)}, {
         "concrete_column": figure}
 
 

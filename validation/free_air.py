@@ -93,7 +93,7 @@ def convergence_table(results):
 
 
 def energy_table(result):
-    """What point explosion has the computed and the empirical peaks: a table, and both energies [J]."""
+    """Energies [J] of the point explosions that have the computed and the empirical peaks: a table and both lists."""
     rows, energies = [], []
     for g in by_distance(result):
         computed = point_source_energy(g["peak_overpressure"], g["distance"])
@@ -224,14 +224,14 @@ def change(results):
 
 
 def mean_deviations(result):
-    """Of impulse, duration and peak from the curves, over all distances, in words; and where the impulse is worst."""
+    """Mean deviations of impulse, duration and peak from the curves in words; and where the impulse deviates most."""
     def ratio(g, key):
         return g[key] / g["kingery_bulmash"][key]
     gauges = by_distance(result)
     means = [per_cent(np.mean([ratio(g, f"{key}") for g in gauges]))
              for key in ("positive_impulse", "positive_duration", "peak_overpressure")]
     worst = max(gauges, key=lambda g: abs(ratio(g, "positive_impulse") - 1.0))
-    words = "On average over the distances the impulse is {}, the positive phase {} and the peak {} off the curves."
+    words = "On average over the distances the impulse deviates by {}, the positive phase by {} and the peak by {}."
     return words.format(*means), per_cent(ratio(worst, "positive_impulse")), f"{worst['scaled_distance']:g}"
 
 

@@ -34,7 +34,7 @@ KEYS = ("hostile", "exit", "says", "silent", "balanced", "value", "range", "equa
 
 
 class Wrong(Exception):
-    """What is wrong with a case."""
+    """The fault of a case."""
 
 
 def expectations(path):
@@ -54,7 +54,7 @@ def expectations(path):
 
 
 def place(path, wanted, folder):
-    """Copies the deck to where it runs, with what the runner adds to it."""
+    """Copies the deck to the folder where it runs, with the runner's additions."""
     folder.mkdir(parents=True, exist_ok=True)
     deck = folder / path.name
     text = path.read_bytes()
@@ -67,7 +67,7 @@ def place(path, wanted, folder):
 
 
 def execute(program, deck, command):
-    """Runs one deck; its exit code, what it printed and the folder of its results."""
+    """Runs one deck; returns its exit code, its output and the folder of its results."""
     results = deck.parent / deck.stem
     shutil.rmtree(results, ignore_errors=True)
     arguments = [str(program), command, deck.name]
@@ -93,7 +93,7 @@ def number(results, path):
 
 
 def judge_refusal(name, text):
-    """A refusal names the place, by line or key, and says what to do."""
+    """A refusal must name the place, by line or key, and say what to do."""
     errors = [line for line in text.splitlines() if "error:" in line and not re.search(r": \d+ errors?$", line)]
     if not errors:
         raise Wrong("refused without an error line")
@@ -105,12 +105,12 @@ def judge_refusal(name, text):
 
 
 def judge_values(wanted, results):
-    """The numbers that the deck asks for."""
+    """Checks the numbers that the deck expects."""
     for line in wanted.get("value", []):
         path, right, tolerance = line.split()
         got, right, tolerance = number(results, path), float(right), float(tolerance)
         if not abs(got - right) <= tolerance * (abs(right) or 1):
-            raise Wrong(f"{path} is {got:.6g}, {right:.6g} is right")
+            raise Wrong(f"{path} is {got:.6g}, correct is {right:.6g}")
     for line in wanted.get("range", []):
         path, low, high = line.split()
         got = number(results, path)
@@ -119,7 +119,7 @@ def judge_values(wanted, results):
 
 
 def judge_run(wanted, code, text, results):
-    """What a run says of itself is consistent: terminal, run.json and the deck's expectation."""
+    """Terminal, run.json and the deck's expectation must agree."""
     record = results / "run.json"
     if not record.exists():
         if code == 0:
@@ -146,7 +146,7 @@ def judge_run(wanted, code, text, results):
 
 
 def judge_twin(program, path, other, results):
-    """The gauges' files of two decks are the same."""
+    """The gauge files of two decks must be the same."""
     wanted = expectations(DECKS / other)
     code, _, twin = execute(program, place(DECKS / other, wanted, results.parent / f"{path.stem}-twin"), "run")
     if code != 0:
@@ -160,7 +160,7 @@ def judge_twin(program, path, other, results):
 
 
 def judge(program, path, work):
-    """Runs one case; says how it ended, or raises Wrong."""
+    """Runs one case; returns how it ended, or raises Wrong."""
     wanted = expectations(path)
     command = wanted.get("command", ["run"])[0]
     code, text, results = execute(program, place(path, wanted, work), command)
@@ -219,7 +219,7 @@ def run_all(program, work, quick=False):
 def main():
     parser = argparse.ArgumentParser(description="Run the hostile decks of tests/hostile.")
     parser.add_argument("--brisance", default=ROOT / "build" / "release" / "bin" / "brisance", help="the program")
-    parser.add_argument("--work", help="folder for the runs; without it one that is removed afterwards")
+    parser.add_argument("--work", help="folder for the runs (default: a temporary folder)")
     parser.add_argument("--quick", action="store_true", help="only the decks marked quick")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:

@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 DISTANCES = (0.5, 0.7, 1, 1.5, 2, 3, 4, 5, 7, 10)  # Z [m/kg^(1/3)], of 1 kg
 GROUND = 2.0 ** (-1 / 3)  # a hemisphere on rigid ground is half of a sphere of twice its mass
-FAR = 1  # Z from which on texts tell deviations once more
+FAR = 1  # Z beyond which texts give the deviations separately
 ASIDE = 0.1  # distance of the gauge on the wall from the axis, in Z
 SLANT = (1 + ASIDE ** 2) ** 0.5
 AMBIENT = 101325.0
@@ -52,8 +52,8 @@ def free_air_deck(cell, points, afterburn="", ambient="", mass=1.0, size=14, end
 
 
 def wall_deck(z, size, cell, end, afterburn=""):
-    """The charge on the axis, z from a rigid wall at y = 0; gauges on it at the foot of the axis and beside it. Half of
-    the way goes in one dimension."""
+    """The charge on the axis, z from a rigid wall at y = 0; gauges on the wall at the foot of the axis and beside it.
+    Half of the way to the wall is simulated in one dimension."""
     return (f'title = "1 kg of TNT, {z:g} m from a wall"\nstart = "remap"\n[remap]\nradius = {0.5 * z}\n'
             f'cell = 1e-3\n[domain]\ngeometry = "axisymmetric2d"\nsize = {list(size)}\n'
             f'cell = {cell}\n[boundaries]\ny_low = "wall"\n[[charge]]\nexplosive = "TNT"\nmass = 1\n'
@@ -86,8 +86,8 @@ def incident_rows(gauges, curves, burst, name_of):
         g, row = gauges[name_of(z)], [f"{z:g}"]
         for key, (_, _, factor, empirical) in QUANTITIES.items():
             reference = curves(burst, z, empirical)
-            # The run is of a charge that is GROUND^-3 times as large where the burst is on the ground: at the same
-            # scaled distance, times and impulses grow with the cube root of the mass.
+            # For a burst on the ground the charge of the run is GROUND^-3 times as large: at the same scaled distance,
+            # times and impulses grow with the cube root of the mass.
             scale = 1.0 if burst == "spherical" or key == "peak_overpressure" else 1 / GROUND
             value = g[key] and g[key] * scale
             row += ["-" if value is None else f"{value * factor:.4g}", f"{reference * factor:.4g}",
@@ -114,13 +114,13 @@ def released_rows(burnt):
         log = burnt[name, "log"]
         audit = log["audit"]
         rows.append([name, what, f"{audit['afterburn_energy'] / 1e6:.2f}", f"{audit['relative_error']['energy']:.1e}"])
-    return table(["column", "afterburn of 10.2 MJ/kg", "released until 32 ms [MJ]", "energy balance"], rows)
+    return table(["column", "afterburn of 10.2 MJ/kg", "released by 32 ms [MJ]", "energy balance"], rows)
 
 
 def wall_rows(walls, plain, curves):
     header = ["Z [m/kg^(1/3)]", "h [mm]", "peak on the wall [kPa]", "K-B", "deviation", "with 2 h",
               "impulse on the wall [Pa s]", "K-B", "deviation", "with 2 h", "with 2 h and afterburn 3ms",
-              "peak on the axis / beside it", "peak from the 1D incident one [kPa]", "deviation"]
+              "peak on the axis / beside it", "peak from the incident 1D peak [kPa]", "deviation"]
     rows = []
     for z, *_ in WALLS:
         log = walls[z, "log"]
@@ -149,7 +149,7 @@ def ground_rows(ground, sphere):
 
 
 def altitude_rows(sea, high, factors):
-    header = ["Z [m/kg^(1/3)] at the sea level"] + [f"{name}, 3000 m / scaled" for name, *_ in QUANTITIES.values()]
+    header = ["Z [m/kg^(1/3)] at sea level"] + [f"{name}, 3000 m / scaled" for name, *_ in QUANTITIES.values()]
     rows = [[f"{z:g}"] + ["-" if sea[f"z{z:g}"][key] is None or high[f"z{z:g}"][key] is None else
                           per_cent(high[f"z{z:g}"][key] / (sea[f"z{z:g}"][key] * factors[key]), 2)
                           for key in QUANTITIES] for z in DISTANCES]
@@ -182,7 +182,7 @@ def incident_text(ratios):
 
 
 def afterburn_text(plain, burnt, curves):
-    """What each release makes of peaks and impulses, a line each; and what the best ones still miss."""
+    """Effect of each release on peaks and impulses, one line each; and the deviation of the best ones."""
     lines, worst = [], {"peak_overpressure": {}, "positive_impulse": {}}
     for name, what, _ in AFTERBURN:
         ratios = incident_ratios(burnt[name], curves, "spherical", lambda z: f"z{z:g}")
@@ -199,7 +199,7 @@ def afterburn_text(plain, burnt, curves):
 
 
 def wall_texts(walls, plain, curves):
-    """What the text on reflection says, from its values."""
+    """Values of the text on reflection."""
     def rise(key):
         return span([100.0 * (walls[z]["aside"][key] / walls[z, "coarse"]["aside"][key] - 1.0) for z, *_ in WALLS],
                     "{:+.1f}")
@@ -218,7 +218,7 @@ def wall_texts(walls, plain, curves):
 
 
 def altitude_text(sea, high, factors):
-    """How far scaled values miss, beside the charge and beyond it. `factors`: by quantity."""
+    """Deviations of scaled values near the charge and beyond. `factors`: by quantity."""
     parts = []
     for key, (name, _, _, _) in QUANTITIES.items():
         ratios = {z: high[f"z{z:g}"][key] / (sea[f"z{z:g}"][key] * factors[key]) for z in DISTANCES
@@ -312,7 +312,7 @@ def validate(arguments, work):
     for z, size, cell, end in WALLS:
         result = run("kb", f"wall-{z:g}", text=wall_deck(z, size, cell * factor, end))
         walls[z], walls[z, "log"] = result.gauges, result.log
-        # With afterburn on a grid twice as coarse, and without it once more on the same.
+        # With afterburn on a grid twice as coarse, and without it on the same grid.
         for name, lines in (("coarse", ""), ("burnt", AFTERBURN[1][2])):
             folder = f"wall-{z:g}-{'afterburn' if lines else name}"
             walls[z, name] = run("kb", folder, text=wall_deck(z, size, 2.0 * cell * factor, end, lines)).gauges

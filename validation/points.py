@@ -1,5 +1,5 @@
 """Validation of the material points. Each part runs a case in variants and renews its part of
-docs/validation/points.md; the text of the parts is validation/points.md.in."""
+docs/validation/points.md; the text of the parts is in validation/points.md.in."""
 import re
 
 import matplotlib.pyplot as plt
@@ -16,8 +16,8 @@ FAILED = "fails"
 
 
 def energy_drift(result):
-    """Relative deviation of the energy from that at the start, at every record: the plain sum, and with the kinetic
-    energy of the middle of the step, where the velocity belongs, moved to its end."""
+    """Relative deviation of the energy from its initial value, at every record: of the plain sum, and with the kinetic
+    energy, which belongs to the middle of the step like the velocity, moved to its end."""
     time, kinetic, internal = result.total_energies()
     lost = result.log["points"]["audit"]["energy"]["lost"] or 0.0
     start = kinetic[0] + internal[0]
@@ -31,7 +31,7 @@ def energy_drift(result):
 # --- Sod's tube
 
 def sod_exact(x, time, gamma=1.4):
-    """Density, velocity and pressure of the exact solution; the diaphragm stands at 0.5. The pressure between the waves
+    """Density, velocity and pressure of the exact solution; the diaphragm is at 0.5. The pressure between the waves
     is found by bisection of [Toro09] Eq. (4.5); the left wave is a rarefaction and the right one a shock."""
     rl, pl, rr, pr = 1.0, 1.0, 0.125, 0.1
     cl, cr = np.sqrt(gamma * pl / rl), np.sqrt(gamma * pr / rr)
@@ -63,7 +63,7 @@ def sod_exact(x, time, gamma=1.4):
 
 def sod_profile(result):
     d = result.point_dumps[-1].read()
-    # Of equal volume within each body at the start: the mass tells the volume.
+    # Of equal volume within each body at the start.
     order = np.argsort(d["position"][:, 0])
     x = d["position"][order, 0]
     values = (d["density"][order], d["velocity"][order, 0], d["pressure"][order])
@@ -84,15 +84,15 @@ def judged_by_the_reader(run):
 
 
 def densities(result, low=0.52, high=0.6):
-    """Between two places behind the rarefaction: the density of the points counted in space, and the mean of those that
-    they carry."""
+    """Between two positions behind the rarefaction: the density from counting the particles in space, and the mean of
+    the densities that they carry."""
     x, (density, _, _), length, _ = sod_profile(result)
     inside = (x > low) & (x < high)
     return (density * length)[inside].sum() / (high - low), density[inside].mean()
 
 
 def sod_text(results, errors, orders, others):
-    """What the text says of the densities, orders and variants. `others`: error of the pressure by variant."""
+    """Values of the text on densities, orders and variants. `others`: error of the pressure by variant."""
     linear = [densities(results["linear", 1000, c]) for c in (2, 4, 8)]
     kept = [abs(carried / counted - 1.0) for s in ("cpgimp", "bspline") for c in (2, 4, 8)
             for counted, carried in [densities(results[s, 1000, c])]]
@@ -122,7 +122,7 @@ def sod(run):
             order = orders[s, c] = np.log2(p[0] / p[-1]) / np.log2(cells[-1] / cells[0])
             rows.append([LABELS[s], str(c), *(f"{v:.4f}" for v in p), f"{order:.2f}",
                          *([f"{fine[0]:.4f}", f"{fine[1]:.4f}"] if fine else [FAILED] * 2), f"{100 * drift:+.2f} %"])
-    header = ["shape function", "points per cell", *(f"p, {n} cells" for n in cells), "order of p",
+    header = ["shape function", "particles per cell", *(f"p, {n} cells" for n in cells), "order of p",
               "rho, 1000 cells", "u, 1000 cells", "energy, 1000 cells"]
     variants = {"as default: MUSL, FLIP": {}, "USF": {"points.stress_order": "usf"},
                 "USL": {"points.stress_order": "usl"}, "APIC": {"points.transfer": "apic"},
@@ -221,7 +221,7 @@ def tnt_slab_points(run):
         rows.append(slab_row(f"B-spline, {name}", run(case, folder, changes, may_fail=True)))
     for c in (1, 4):
         changes = {"cell": f"{0.025 * c:g} mm", "body.points_per_cell": c}
-        rows.append(slab_row(f"B-spline, {c} to a cell", run(case, f"bspline-{c}", changes, may_fail=True)))
+        rows.append(slab_row(f"B-spline, {c} per cell", run(case, f"bspline-{c}", changes, may_fail=True)))
     for cell in (0.2, 0.1):
         name = f"B-spline, spacing {cell / 2:g} mm"
         rows.append(slab_row(name, run(case, f"bspline-{cell}", {"cell": f"{cell:g} mm"}, may_fail=True)))
@@ -253,12 +253,12 @@ def tnt_slab_points(run):
 # --- cased cube
 
 def cube_text(histories):
-    """What the text says of the energies. `histories`: times and deviations, plain and centred, by shape and Courant
+    """Values of the text on the energies. `histories`: times and deviations, plain and centred, by shape and Courant
     number."""
     last = {s: [f"{100 * h[1][-1]:+.3f} %" for (shape, _), h in histories.items() if shape == s] for s in SHAPES}
     end = "; ".join(f"{LABELS[s]} {', '.join(values)}" for s, values in last.items())
     deepest = {key: np.abs(h[1]).max() for key, h in histories.items()}
-    smooth = [s for s in SHAPES if s != "linear"]  # linear ones lose energy for good
+    smooth = [s for s in SHAPES if s != "linear"]  # linear ones lose energy permanently
     return {"cube_end": end, "cube_dip": span([100 * deepest[s, 0.4] for s in smooth], "{:.2f}"),
             "cube_half": span([deepest[s, 0.2] / deepest[s, 0.4] for s in smooth], "{:.2f}"),
             "cube_centred": listed(f"{100 * np.abs(histories[s, 0.4][2]).max():.3f} % ({LABELS[s]})" for s in SHAPES)}
@@ -268,7 +268,7 @@ def cased_cube(run):
     rows, histories = [], {}
     for s in SHAPES:
         for courant in (0.4, 0.3, 0.2):
-            # No dumps on the way: a step that is cut short for one would shift the middle of the step.
+            # No intermediate dumps: a step shortened for one would shift the middle of the step.
             result = run("cased_cube_3d", f"{s}-{courant}", {"shape_function": s, "courant": courant,
                                                              "gauge_interval": "=0", "field_interval": "=0"})
             time, plain, centred = energy_drift(result)
@@ -303,14 +303,14 @@ RADIUS, HEIGHT, MARK = 3.81e-3, 25.4e-3, 5.08e-3
 
 def bar_sizes(result):
     """Length, diameter of the foot where it is widest and diameter 5.08 mm above the struck end [mm]; the half spacing
-    between the outermost points and the surface is extrapolated. The rod may have left the wall."""
+    between the outermost particles and the surface is extrapolated. The rod may have left the wall."""
     d = result.point_dumps[-1].read()
     x, y = d["position"][:, 0], d["position"][:, 1]
     start = d["position"] - d["displacement"]
     spacing = result.cell_size / result.points["bodies"][0]["points_per_direction"]
     row = np.floor(start[:, 1] / spacing).astype(int)
     if result.log["domain"]["geometry"] != "axisymmetric2d":
-        # Points of cut cells stand anywhere on the side: the diameter is that of the area which a slab of them fills.
+        # Particles of cut cells lie anywhere on the side: the diameter is that of the area that a slab of them fills.
         volume = d["mass"] / d["density"]
         y = y - (y.min() - 0.5 * spacing)
 
@@ -334,7 +334,7 @@ def bar_sizes(result):
 
 
 def taylor_text(results):
-    """What the text says of the sizes, from those of the runs by their folders."""
+    """Values of the text on the sizes, from those of the runs by their folders."""
     sizes = {folder: bar_sizes(result) for folder, result in results.items()}
 
     def changes(a, b):
@@ -422,7 +422,7 @@ def taylor(run):
     a.set_xlabel("height above the wall [mm]")
     a.set_title("Radius [mm] along the rod")
     a.legend()
-    header = ["calculation", *(f"{k} [mm]" for k in BAR), "largest plastic strain", "highest T [K]", "energy at 80 us"]
+    header = ["run", *(f"{k} [mm]" for k in BAR), "largest plastic strain", "highest T [K]", "energy at 80 us"]
     speeds = [float(results[folder].gauge("rod")["velocity_y"][-1])
               for folder in ("bspline-0.508", "bspline-0.254", "bspline-0.127")]
     rebound = ", ".join(f"{v:.2f}" for v in speeds)
@@ -513,7 +513,7 @@ def split(text):
 
 
 def validate(names, run, target, built_from, title="points", functions=None):
-    """Renews parts of a page; the others stay as they are."""
+    """Renews parts of a page and leaves the others unchanged."""
     functions = functions or PARTS
     head, template = split((ROOT / "validation" / f"{title}.md.in").read_text())
     page = target / f"{title}.md"

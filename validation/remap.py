@@ -1,5 +1,6 @@
-"""The start by a remap: a burst in 3D from a 1D start against the same burst in 1D throughout and in 3D throughout; the
-time of the remap; the 1D start by material points against that by the gas scheme; products that become an ideal gas."""
+"""The start by a remap: a burst in 3D from a 1D start, compared with the same burst in 1D throughout and in 3D
+throughout; the time of the remap; the 1D start by material points compared with that by the gas scheme; products that
+become an ideal gas."""
 import re
 
 import matplotlib
@@ -119,7 +120,7 @@ steps=2
 
 
 def ratios(result, reference, distances=DISTANCES):
-    """Of every quantity and distance: values in all directions over those of the 1D run."""
+    """For every quantity and distance: values in all directions over those of the 1D run."""
     fine, gauges = reference.gauges, result.gauges
     directions = DIRECTIONS if f"r{distances[0]}-xyz" in gauges else FLAT
 
@@ -135,7 +136,7 @@ def deviations(v):
 
 
 def scatter(v):
-    """Largest less smallest, relative to the mean."""
+    """Largest minus smallest, relative to the mean."""
     return (v.max() - v.min()) / v.mean()
 
 
@@ -156,7 +157,7 @@ def comparison(runs, reference):
 
 
 def verdict(runs, reference):
-    """What the finest remapped run says to the limits, as a table."""
+    """The finest remapped run compared with the limits, as a table."""
     r = ratios([run for (start, _), run in runs.items() if start == "remap"][-1], reference)
     rows = []
     for key, limit in (("arrival_time", 1), ("front_overpressure", 5), ("peak_overpressure", 5),
@@ -164,7 +165,7 @@ def verdict(runs, reference):
         worst = 100 * max(np.abs(v - 1.0).max() for v in r[key].values())
         spread = 100 * max(scatter(v) for v in r[key].values())
         if np.isnan(worst):
-            rows.append([QUANTITIES[key], "not told", f"{limit} %", "", "not told", "3 %", ""])
+            rows.append([QUANTITIES[key], "unknown", f"{limit} %", "", "unknown", "3 %", ""])
             continue
         rows.append([QUANTITIES[key], f"{worst:.1f} %", f"{limit} %", "met" if worst <= limit else "**missed**",
                      f"{spread:.1f} %", "3 %", "met" if spread <= 3 else "**missed**"])
@@ -175,7 +176,7 @@ def radii_table(flat, reference):
     rows = []
     for (cell, radius), run in flat.items():
         r = ratios(run, reference)["front_overpressure"]
-        # Before the remap a gauge holds ambient gas.
+        # Before the remap a gauge reads ambient gas.
         rows.append([cell, f"{CHARGE_RADIUS / float(cell):.0f}", f"{radius:g}",
                      *("before" if d <= radius else deviations(r[d]) for d in DISTANCES)])
     return table(["h [mm]", "cells per charge radius", "shock at the remap [m]", *(f"{d:g} m" for d in DISTANCES)],
@@ -209,20 +210,21 @@ def cut_over_table(runs):
 
 
 def young(flat, reference):
-    """What the peak at the front in axisymmetry is worth soon after a remap, and later."""
+    """Accuracy of the peak at the front in axisymmetry soon after a remap, and later."""
     soon, later = [], []
     for (_, radius), run in flat.items():
         for d, values in ratios(run, reference)["front_overpressure"].items():
             if d > radius and not np.isnan(values).any():
                 (soon if d < FORMED * radius else later).extend(100.0 * (values - 1.0))
     if not soon or not later:
-        return "These grids do not tell how young a front is."
+        return "These grids do not show how a young front develops."
     return (f"Up to {FORMED:g} times the radius of the remap the peak at the front deviates by "
-            f"{span(soon, '{:+.1f}')} %, farther on by {span(later, '{:+.1f}')} % (all cells and places of the table).")
+            f"{span(soon, '{:+.1f}')} %, beyond that by {span(later, '{:+.1f}')} % (all cells and positions of the "
+            "table).")
 
 
 def gain(reference):
-    """By how much the peak at the front of the reference exceeds that of its record, in per cent."""
+    """Excess of the reference's peak at the front over the peak of its record, in per cent."""
     return 100.0 * float(np.mean([g["front_overpressure"] / g["peak_overpressure"] - 1.0
                                   for g in reference.gauges.values()]))
 
@@ -274,7 +276,7 @@ def audits(runs):
 
 
 def mean_error(run, reference, key):
-    """Mean over all gauges; not a number where one of them knows no value."""
+    """Mean over all gauges; not a number where one of them has no value."""
     return float(np.mean([np.abs(v - 1.0) for v in ratios(run, reference)[key].values()]))
 
 
@@ -283,7 +285,7 @@ def cell_updates(run):
 
 
 def equal_accuracy(runs, reference):
-    """What a direct calculation costs that is as accurate as a remapped one, between the direct runs; a bound beyond
+    """Cost of a direct simulation as accurate as a remapped one, interpolated between the direct runs; a bound beyond
     them."""
     rows = []
     direct = [run for (start, _), run in runs.items() if start == "direct"]
@@ -346,7 +348,7 @@ COMPONENTS = {"pressure": "pressure", "density": "air", "second_density": "produ
 
 
 def points_worst(starts, gas):
-    """Largest difference between the finest points and a run of the gas."""
+    """Largest difference between the finest run with material points and a run with gas."""
     points = [key for key in starts if key[0] == "points"][-1]
     gas = starts[gas or ("gas", points[1])]
     return f"{100 * max(difference(starts[points], gas, c, 0.26e-3) for c in COMPONENTS):.2f} %"

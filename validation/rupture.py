@@ -286,8 +286,8 @@ Target: {TARGET:g} %.
 
 At each sharp edge the scheme carries along the flow of an extra fraction of a cell; this error falls with the cell
 size. The error that remains as the cell size goes to zero is not due to the scheme: the more of its overpressure a room
-loses during the periods, the less quasi-steady it is. This applies most of all to the room of {size:g} m at {bar:g} bar,
-which loses {100 * lost:.0f} %.
+loses during the periods, the less quasi-steady it is. This applies most of all to the room of {size:g} m at {bar:g}
+bar, which loses {100 * lost:.0f} %.
 
 ## Gaps between bodies in an MPM region
 

@@ -1,4 +1,4 @@
-"""The paper's example 5.2: a disc of TNT beside a slab, gas cells and material points together [Cui14]."""
+"""Example 5.2 of [Cui14]: a disc of TNT beside a slab, gas cells and material points combined."""
 import re
 
 import matplotlib
@@ -8,12 +8,12 @@ from common import COLOURS, ORANGE, RC, ROOT, listed, nearest, per_cent, style, 
 
 CASE = "slab_2d"
 AMBIENT = 101325.0
-FREE, FRONT = "free", "front"  # the gauges (-125, 250) mm in the gas and (125, 250) mm in the points
-BEFORE_REFLECTION = 25e-6  # the first peak is over, the wave from the slab has not come back [s]
+FREE, FRONT = "free", "front"  # the gauges (-125, 250) mm in the gas and (125, 250) mm in the particles
+BEFORE_REFLECTION = 25e-6  # the first peak is over, the wave from the slab has not returned [s]
 
 
 def arrival_peak_impulse(gauge):
-    """Half of the first peak [s], the first peak [Pa], the impulse to 30 us [Pa s]."""
+    """Time of half of the first peak [s], the first peak [Pa], the impulse to 30 us [Pa s]."""
     t, p = gauge["time"], gauge["overpressure"]
     first = t < BEFORE_REFLECTION
     peak = p[first].max()
@@ -24,15 +24,15 @@ def arrival_peak_impulse(gauge):
 
 
 def without_slab():
-    """The deck's lines of the slab and its gauges, to be left out: what the wave does on its own."""
+    """The deck without the slab and its gauges: the wave alone."""
     text = (ROOT / "cases" / CASE / "deck.toml").read_text()
     return re.sub(r"\[solids\..*?(?=\[mpm_region\])", "", text, flags=re.DOTALL).replace(
         text[text.index('[[gauge]]\nname = "face"'):text.index("[output]")], "")
 
 
 def points_alone():
-    """The same problem by material points everywhere: the charge a body, the region the whole domain. Without gas cells
-    there is nothing to share steps with; gauges then record every step of the points."""
+    """The same problem with material points everywhere: the charge is a body, the region the whole domain. Without gas
+    cells there is nothing to subcycle against; gauges then record every step of the particles."""
     text = (ROOT / "cases" / CASE / "deck.toml").read_text()
     charge = ('[[body]]\nname = "charge"\nmaterial = "TNT"\nshape = "cylinder"\nposition = [0, "250 mm"]\n'
               'radius = "50 mm"\npoints_per_cell = 3\ninitiation = [{position = [0, "250 mm"]}]\n\n')
@@ -44,7 +44,8 @@ def points_alone():
 
 def front_peaks(fields, angles, behind=12e-3):
     """Highest pressure [Pa] within `behind` [m] of the front, and the radius of the front [m], on rays from the centre
-    of the charge at `angles` [rad]. The front is the outermost place above ten times the ambient pressure."""
+    of the charge at `angles` [rad]. The front is the outermost point above ten times the ambient
+    pressure."""
     x, y, p = fields
     h = x[1] - x[0]
     radii = np.arange(0.06, 0.175, 0.25 * h)
@@ -60,15 +61,15 @@ def front_peaks(fields, angles, behind=12e-3):
 
 
 def front_noise(fields, angles):
-    """Standard deviation of the peak pressure along the front, relative to its mean: around a smooth curve, of the
-    fourth degree in the angle."""
+    """Standard deviation of the peak pressure along the front from a smooth curve, of the fourth degree in the angle,
+    relative to its mean."""
     peaks, _ = front_peaks(fields, angles)
     smooth = np.polyval(np.polyfit(angles - angles.mean(), peaks, 4), angles - angles.mean())
     return np.std(peaks - smooth) / peaks.mean()
 
 
 def pressure(result, time):
-    """Cell centres along x and y [m] and the pressure [Pa] of the dump next to a time."""
+    """Cell centres along x and y [m] and the pressure [Pa] of the dump nearest to a time."""
     dump = nearest(result.dumps, time)
     return dump.centres(0), dump.centres(1), dump.values("pressure")
 
@@ -87,8 +88,9 @@ def slab(run):
         a, b = (arrival_peak_impulse(result.gauge(g)) for g in (FREE, FRONT))
         rows.append([name, f"{a[0] * 1e6:.2f}", f"{b[0] * 1e6:.2f}", per_cent(b[0] / a[0], 2), f"{a[1] / 1e6:.2f}",
                      f"{b[1] / 1e6:.2f}", per_cent(b[1] / a[1]), f"{a[2]:.1f}", f"{b[2]:.1f}", per_cent(b[2] / a[2])])
-    gauges = table(["run", "arrival, gas [us]", "points [us]", "deviation", "first peak, gas [MPa]", "points [MPa]",
-                    "deviation", "impulse to 30 us, gas [Pa s]", "points [Pa s]", "deviation"], rows)
+    gauges = table(["run", "arrival, gas [us]", "particles [us]", "deviation", "first peak, gas [MPa]",
+                    "particles [MPa]", "deviation", "impulse to 30 us, gas [Pa s]",
+                    "particles [Pa s]", "deviation"], rows)
 
     matplotlib.rcParams.update(RC)
     figure, axes = plt.subplots(1, 3, figsize=(10.6, 3.4), layout="constrained", sharey=True)
@@ -118,13 +120,13 @@ def slab(run):
     contours.colorbar(shown, ax=axes, label="log10 of the pressure [Pa]; dotted: the bridge", shrink=0.8)
 
     coupled = widths[5].seconds
-    left = np.radians(np.arange(120.0, 241.0))  # the half that no slab disturbs
+    left = np.radians(np.arange(120.0, 241.0))  # the half that the slab does not disturb
     noise = 100.0 * front_noise(pressure(widths[5], 20e-6), left)
-    cost = [["gas and points", f"{widths[5].log['step']}", f"{coupled:.1f}", f"{noise:.1f} %"]]
+    cost = [["gas and particles", f"{widths[5].log['step']}", f"{coupled:.1f}", f"{noise:.1f} %"]]
     ratio = "did not finish"
     if alone:
         noise = 100.0 * front_noise(pressure(alone, 20e-6), left)
-        cost.append(["points alone", f"{alone.log['step']}", f"{alone.seconds:.1f}", f"{noise:.1f} %"])
+        cost.append(["particles alone", f"{alone.log['step']}", f"{alone.seconds:.1f}", f"{noise:.1f} %"])
         ratio = f"{alone.seconds / coupled:.1f}"
     energy = table(["run", "energy drift"], [[f"w = {w}", f"{100.0 * r.log['mpm_region']['energy']['drift']:.3f} %"]
                                              for w, r in widths.items()])

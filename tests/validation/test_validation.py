@@ -104,9 +104,9 @@ class Interrupted(Scratch):
             process.send_signal(number)
             out, err = process.communicate(timeout=60)
             self.assertEqual(process.returncode, 3, out + err)
-            self.assertIn("goes on from here", err)
+            self.assertIn("continues from here", err)
             self.assertGreater(json.loads(log.read_text())["step"], steps)
-        self.assertIn("goes on from its checkpoint", out)
+        self.assertIn("continues from its checkpoint", out)
         self.finish(deck, log, 2)
 
     def finish(self, deck, log, stops):
@@ -115,7 +115,7 @@ class Interrupted(Scratch):
         (self.work / "case-one" / "deck.toml").write_text(text)
         deck.write_text(text)
         done = subprocess.run(self.command(deck), capture_output=True, text=True)
-        self.assertIn("goes on from its checkpoint", done.stdout)
+        self.assertIn("continues from its checkpoint", done.stdout)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(len(json.loads(log.read_text())["resumed_at_steps"]), stops)
 
