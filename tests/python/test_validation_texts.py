@@ -115,7 +115,7 @@ class Numbers(unittest.TestCase):
     def test_texts_are_found(self):
         self.assertGreater(len(self.texts), 20)
         known = {"paper/plates.py": "Whoever scales meets both tests", "rupture.py": "quasi-steady orifice",
-                 "points.md.in": "Linear shape functions", "paper/sod.py": "What is left between the gas",
+                 "points.md.in": "Linear shape functions", "paper/sod.py": "The remaining difference between the gas",
                  "confined.py": "A closed box of steel", "matrix.py": "Limited faces: fluxes"}
         for name, words in known.items():
             self.assertTrue(any(words in flat(text) for text in self.texts[name]), name)
@@ -195,11 +195,11 @@ class Words(unittest.TestCase):
             return flat(sod.discussion(errors, cells, 1000, ratios, seconds, steps))
         text = discussion(2.0, {"fdm": 1.0, "mpm": 4.0, "cpgimp": 6.0})
         self.assertIn("Their order is 1.00 in L1 and 1.00 in L2", text)
-        self.assertIn("the lines that ask for 1.5 reach it", text)
+        self.assertIn("the lines that require 1.5 reach it", text)
         self.assertIn("The order FDM, MPM, GIMP is that of the paper: 1.0 : 4.0 : 6.0", text)
         self.assertNotIn("the error does not fall", text)
         text = discussion(1.1, {"fdm": 1.0, "mpm": 4.0, "cpgimp": 3.0})
-        self.assertIn("the lines that ask for 1.5 miss it", text)
+        self.assertIn("the lines that require 1.5 miss it", text)
         self.assertIn("is not that of the paper", text)
 
     def test_stress_at_the_interface(self):

@@ -1,4 +1,4 @@
-"""The five examples of [Cui14], each a module here, and the report that sets them beside the paper and the tests.
+"""The five examples of [Cui14], each a module here, and the report that compares them with the paper and the tests.
 
 A module has
     TITLE: str
@@ -8,10 +8,10 @@ whose result is a section:
     "acceptance"  [(what, measured, limit, met)], three texts and a bool each
     "blocks"      [("text", html) | ("table", caption, header, rows of texts) | ("figure", name of a PNG file, caption)]
     "costs"       [(run, cells, points, steps, threads, seconds on the wall)]; where absent, all runs of `variants`
-Texts of tables, captions and acceptance lines are plain and escaped by the report; only "text" is HTML.
+Texts of tables, captions and acceptance lines are plain and are escaped by the report; only "text" is HTML.
 
-What an example left is kept in WORK/sections/NAME (section.json and the figures), so that the report is composed of
-examples calculated at different times; the results of the runs are in WORK/runs.
+The result of an example is kept in WORK/sections/NAME (section.json and the figures), so that the report can be
+composed of examples run at different times; the results of the runs are in WORK/runs.
 """
 import datetime
 import importlib
@@ -24,7 +24,7 @@ from common import ROOT, Stopped, Variants, commit, machine
 
 from . import report
 
-# name: number of the section in the paper and what it is, for an example that has not been calculated
+# name: number of the section in the paper and title, for an example that has not been run
 EXAMPLES = {"sod": ("5.1", "Sod's shock tube"), "slab2d": ("5.2", "A charge beside a concrete slab, in the plane"),
             "slab3d": ("5.3", "A charge above a concrete slab on soil"),
             "plates": ("5.4", "Clamped circular plates under charges"),
@@ -37,7 +37,7 @@ def present(name):
 
 
 def calculate(name, arguments, work):
-    """Runs an example and keeps its section. A run of it that fails becomes the section's `failed`."""
+    """Runs an example and keeps its section. If a run fails, its message becomes the section's `failed`."""
     module = importlib.import_module(f"{__name__}.{name}")
     folder = work / "sections" / name
     fresh = folder.with_suffix(".new")
@@ -86,7 +86,7 @@ def compose(work, target, resolution):
 
 
 def validate(arguments, work):
-    """Calculates the asked examples and composes the report. Returns 1 where one of them failed, else 0."""
+    """Runs the selected examples and composes the report. Returns 1 if one of them failed, else 0."""
     target = Path(arguments.target) if arguments.target else (
         ROOT / "docs" / "validation" / "paper" if arguments.resolution == "standard" else work / "report")
     names = [] if arguments.compose else [n for n in EXAMPLES if n in (arguments.example or EXAMPLES)]

@@ -1,4 +1,4 @@
-"""Example 5.5: the slab of example 5.3 with a defect, a block below the charge in which it is thin."""
+"""Example 5.5: the slab of example 5.3 with a defect, a thin block below the charge."""
 import matplotlib.pyplot as plt
 import numpy as np
 from common import COLOURS, MUTED, RC, style
@@ -10,7 +10,7 @@ CASE = "paper_defect_slab_3d"
 CELLS = {"quick": 25.0, "standard": 25.0, "fine": 12.5}  # [mm]
 END = 0.8  # [ms]
 BLOCK = 0.1  # half width [m]
-SHARE_OF_BLOCK = 0.9  # that counts as broken through
+SHARE_OF_BLOCK = 0.9  # from which it counts as broken through
 TIMES = (0.24e-3, 0.5e-3, 0.8e-3)  # of the figure; the table has more
 
 
@@ -45,7 +45,7 @@ def comparison_figure(whole, thin, times, path):
 
 
 def annulus_figure(thin, early, path):
-    """The back face around the block while the annulus is there, and the mean damage over the radius in time."""
+    """The back face around the block while the annulus exists, and the mean damage over the radius in time."""
     shown = [s for s in thin if 0.19e-3 < s.time < 0.31e-3]
     with plt.rc_context(RC):
         figure, (face, curves) = plt.subplots(1, 2, figsize=(9.6, 3.6), layout="constrained", width_ratios=(1, 1.4))
@@ -88,7 +88,7 @@ def run(variants, resolution, target):
     broken = float((last.values["damage"][block] >= slab3d.BROKEN).mean())
     at_end = slab3d.nearest(whole, last.time)
     share_thin, share_whole = last.share(False), at_end.share(False)
-    # The paper's picture has no time: ours is when the ring around the block begins to break.
+    # The paper's picture has no time: here it is when the ring around the block begins to break.
     early = next((s for s in thin if rings(s, [0.1, 0.2])[0] >= 0.5), last)
     inner, outer = rings(early, [0.0, 0.1, 0.2])
     annulus_figure(thin, early, target / "defect_annulus.png")
@@ -97,26 +97,27 @@ def run(variants, resolution, target):
     first = next((s for s in thin
                   if (s.values["damage"][in_block(s)] >= slab3d.BROKEN).mean() > SHARE_OF_BLOCK), None)
     acceptance = [
-        ("the block is crushed", f"{100 * broken:.0f} % of its points have damage 1 at {END:g} ms", "at least 95 %",
+        ("the block is crushed", f"{100 * broken:.0f} % of its particles have damage 1 at {END:g} ms", "at least 95 %",
          bool(broken >= 0.95)),
         ("the damage of the back face is larger than without the defect",
          f"{100 * share_thin:.0f} % of the face broken at {END:g} ms, without defect {100 * share_whole:.0f} %",
          "more than without", bool(share_thin > share_whole)),
         ("the damage of the back face is an annulus around the block",
-         f"mean damage at {1e3 * early.time:.2f} ms {inner:.2f} in the block's radius of {BLOCK:g} m, "
+         f"mean damage at {1e3 * early.time:.2f} ms {inner:.2f} within the block's radius of {BLOCK:g} m, "
          f"{outer:.2f} from {BLOCK:g} to {2 * BLOCK:g} m",
          "at least 1.5 times as much around the block when it begins to break there", bool(outer >= 1.5 * inner))]
     when = "never" if first is None else f"at {1e3 * first.time:.1f} ms"
-    text = f"""<p>The paper's figure does not give the size of the block, nor the side from which the slab is
-thinned. Here it is {2 * BLOCK:g} m wide, hollowed from above, and 25 mm of concrete are left ([Cui14]: 20 mm), so
-that the faces lie between cells: see example 5.3 on why they must. More than {100 * SHARE_OF_BLOCK:.0f} % of the block
-have damage 1 {when}. Energy drift: {slab3d.drift(thin_run)}, without defect {slab3d.drift(whole_run)}.</p>
+    text = f"""<p>The paper's figure gives neither the size of the block nor the side from which the slab is thinned.
+Here the block is {2 * BLOCK:g} m wide and hollowed from above, and 25 mm of concrete remain ([Cui14]: 20 mm), so that
+the faces lie between cells: example 5.3 explains why they must. More than {100 * SHARE_OF_BLOCK:.0f} % of the block has
+damage 1 {when}. Energy drift: {slab3d.drift(thin_run)}, without defect {slab3d.drift(whole_run)}.</p>
 <p>With the defect the mean damage at {1e3 * early.time:.2f} ms is {outer:.2f} in the ring from {BLOCK:g} to
-{2 * BLOCK:g} m around the block and {inner:.2f} within, where the thin rest of the block is pressed into the soil; at
-{1e3 * ring_ends:.1f} ms it is {late:.2f} within. The paper shows an annulus at a time that it does not tell.</p>
-<p>The remarks of example 5.3 on what damage 1 means hold here too: at {1e3 * last.time:.1f} ms
-{100 * last.share(True):.0f} % of the front face are broken with the defect and {100 * at_end.share(True):.0f} %
-without. The difference shows early, in the first columns of the figure.</p>"""
+{2 * BLOCK:g} m around the block and {inner:.2f} within it, where the thin remainder of the block is pressed into the
+soil; at {1e3 * ring_ends:.1f} ms it is {late:.2f} within it. The paper shows an annulus at a time that it does not
+state.</p>
+<p>The remarks of example 5.3 on the meaning of damage 1 apply here too: at {1e3 * last.time:.1f} ms
+{100 * last.share(True):.0f} % of the front face is broken with the defect and {100 * at_end.share(True):.0f} % without.
+The difference shows early, in the first columns of the figure.</p>"""
     header = ["slab", "time ms", *(f"{a:g} to {b:g} m" for a, b in zip(edges, edges[1:])), "back face broken",
               "front face broken"]
     return {"acceptance": acceptance,
@@ -124,5 +125,5 @@ without. The difference shows early, in the first columns of the figure.</p>"""
                        ("figure", "defect_damage.png", "Damage of the back and the front face and in a section, "
                         "without and with the defect, as [Cui14] Fig. 19"),
                        ("figure", "defect_annulus.png", f"The back face below the block at {1e3 * early.time:.2f} ms, "
-                        "when the annulus is there; the mean damage over the radius shows it grow and be overtaken"),
+                        "when the annulus exists; the mean damage over the radius shows it grow and be overtaken"),
                        ("table", "Mean damage of the back face in rings around the axis", header, rows)]}

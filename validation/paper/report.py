@@ -1,4 +1,4 @@
-"""The report of the paper's examples: one static page of HTML, whose figures lie beside it."""
+"""The report on the paper's examples: one static HTML page with its figures beside it."""
 from html import escape
 
 from common import ROOT
@@ -23,11 +23,11 @@ td.short { white-space: nowrap; } figure img { max-height: 860px; width: auto; }
 """
 INTRODUCTION = """
 <p>Cui, Zhang, Zhou, Liu &amp; Zhang, <i>A Coupled Finite Difference Material Point Method and Its Application in
-Explosion Simulation</i>, CMES 98 (2014) 565-599, here [Cui14], close with five examples. This page shows what Brisance
-calculates for each of them, beside what the paper and the tests that it cites report. No constant was fitted to these
-results unless the text of an example says so.</p>
-<p>An <i>acceptance line</i> is a requirement set beforehand, with what was measured and whether it is met. A line that
-is missed stays in the table; the text of the example tells by how much, why as far as it is known, and what was
+Explosion Simulation</i>, CMES 98 (2014) 565-599, here [Cui14], conclude with five examples. This page compares
+Brisance's result for each of them with those of the paper and of the tests that it cites. No constant was fitted to
+these results unless the text of an example says so.</p>
+<p>An <i>acceptance line</i> is a requirement set beforehand, with the measured value and whether it is met. A line that
+is missed stays in the table; the text of the example states by how much, why (as far as this is known), and what was
 tried.</p>
 """
 
@@ -56,7 +56,7 @@ def acceptance_row(line):
 
 
 def summary(sections, examples):
-    """All acceptance lines, and which examples have not been calculated."""
+    """All acceptance lines, and the examples that have not been run."""
     lines = [line for section in sections.values() for line in section["acceptance"]]
     met = sum(bool(line[3]) for line in lines)
     rows = []
@@ -69,11 +69,11 @@ def summary(sections, examples):
             note = "not run" if section is None else "failed" if "failed" in section else "no acceptance lines"
             rows.append([link, "–", "–", "–", badge(note, "warn")])
     facts = (("acceptance lines met", f"{met} <small>of {len(lines)}</small>"), ("missed", str(len(lines) - met)),
-             ("examples calculated", f"{len(sections)} <small>of {len(examples)}</small>"),
+             ("examples run", f"{len(sections)} <small>of {len(examples)}</small>"),
              ("wall time of all runs", duration(sum(row[5] for s in sections.values() for row in s["costs"]))))
     boxes = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts)
     return f'<dl class="facts">{boxes}</dl>' + data_table(
-        ("example", "what is asked for", "measured", "limit", ""), rows, kind="acceptance", escaped=True)
+        ("example", "requirement", "measured", "limit", ""), rows, kind="acceptance", escaped=True)
 
 
 def duration(seconds):
@@ -101,7 +101,7 @@ def costs(rows):
         return f"{value:,}" if value else "–"
     body = [(run, number(cells), number(points), number(steps), threads, f"{wall:.3g}" if wall < 100 else f"{wall:.0f}")
             for run, cells, points, steps, threads, wall in rows]
-    return data_table(("run", "cells", "points at the end", "steps", "threads", "wall time [s]"), body)
+    return data_table(("run", "cells", "particles at the end", "steps", "threads", "wall time [s]"), body)
 
 
 def part(name, number, title, section):
@@ -118,7 +118,7 @@ def part(name, number, title, section):
     if blocks and blocks[0][0] == "text":  # the set-up
         text += block(name, blocks.pop(0))
     if section["acceptance"]:
-        text += data_table(("what is asked for", "measured", "limit", ""),
+        text += data_table(("requirement", "measured", "limit", ""),
                            [acceptance_row(line) for line in section["acceptance"]], kind="acceptance", escaped=True)
     text += "".join(block(name, item) for item in blocks)
     if section["costs"]:
@@ -129,13 +129,13 @@ def part(name, number, title, section):
 
 
 def page(sections, examples, resolution):
-    """The whole page. `sections`: by name, those that have been calculated; `examples`: name: (number, title)."""
+    """The whole page. `sections`: by name, those that exist; `examples`: name: (number, title)."""
     style = (ROOT / "python" / "brisance" / "report.css").read_text(encoding="utf-8") + STYLE
     parts = "".join(part(name, *titles, sections.get(name)) for name, titles in examples.items())
     links = " ".join(f'<a href="#{name}">{number} {escape(title)}</a>' for name, (number, title) in examples.items())
     builds = {section["made"]["build"] for section in sections.values()}
-    notes = "" if len(builds) < 2 else ('<p class="note">The examples were calculated by different builds of the '
-                                        "program; each tells its own below.</p>")
+    notes = "" if len(builds) < 2 else ('<p class="note">The examples were run with different builds of the program; '
+                                        "each section names its own.</p>")
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>The examples of Cui et al. 2014</title><style>{style}</style></head>
@@ -143,9 +143,8 @@ def page(sections, examples, resolution):
 <nav>{links}</nav></div></header>
 <main>{INTRODUCTION}{notes}{summary(sections, examples)}
 {parts}</main>
-<footer><div>Made by <code>validation/run paper</code>, which calculates what is missing and goes on where it was
-stopped; <code>--example NAME</code> renews one example, <code>--resolution quick|fine</code> takes coarser or finer
-grids, <code>--compose</code> writes this page anew. The figures and the numbers (<code>section.json</code>) lie in the
-folders beside it. It prints well.</div></footer>
-</body></html>
+<footer><div>Produced by <code>validation/run paper</code>, which runs what is missing and continues where it was
+stopped; <code>--example NAME</code> renews one example, <code>--resolution quick|fine</code> uses coarser or finer
+grids, <code>--compose</code> rewrites this page. The figures and the numbers (<code>section.json</code>) are in the
+folders beside it. It prints well.</div></footer> </body></html>
 """

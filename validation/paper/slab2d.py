@@ -1,4 +1,5 @@
-"""Example 5.2: a disc of TNT beside a slab of concrete, in the plane; gas cells and points against points alone."""
+"""Example 5.2: a disc of TNT beside a slab of concrete, in the plane; gas cells and particles compared with particles
+alone."""
 import matplotlib.pyplot as plt
 import numpy as np
 from common import COLOURS, ORANGE, RC, listed, nearest, per_cent, style
@@ -7,23 +8,23 @@ from slab import CASE, FREE, FRONT, arrival_peak_impulse, front_noise, front_pea
 TITLE = "A charge beside a concrete slab, in the plane"
 TIMES = (20e-6, 32.5e-6)
 WIDTHS = {"quick": (2, 5), "standard": (2, 5, 8), "fine": (2, 5, 8)}
-# Behind a bridge of 8 cells: the gauges of the paper, at 125 mm, lie in it then.
+# Behind a bridge of 8 cells: the paper's gauges, at 125 mm, then lie in it.
 DEEP = ("free-132", "front-132")
 GAUGES = "".join(f'[[gauge]]\nname = "{name}"\npoint = ["{x} mm", "250 mm"]\n' for name, x in zip(DEEP, (-132, 132)))
 OUTPUT = {"output.field_times": '=["20 us", "32.5 us"]', "output.gas_points": True,
           "output.point_fields": '=["pressure"]'}
 BASE = {"body.material": "concrete-25MPa"} | OUTPUT
-PAPER_SECONDS = 181 * 60 + 9, 50 * 60 + 30  # points alone, gas and points, [Cui14] 5.2
+PAPER_SECONDS = 181 * 60 + 9, 50 * 60 + 30  # particles alone, gas and particles, [Cui14] 5.2
 LIMITS = (("arrival", 1.0), ("first peak", 3.0), ("impulse to 30 us", 2.0))  # per cent
 LEFT, RIGHT = np.radians(np.arange(150.0, 211.0)), np.radians(np.arange(-30.0, 31.0))  # rays from the charge
-# The method of the paper as it may have been; its steps become so short from 20 us on that it is not carried further.
+# The method of the paper as it may have been; from 20 us on its steps become so short that the run ends there.
 PAPER_MPM = {"mpm_region.transfer": "flip", "mpm_region.order": "musl", "end.time": "20 us",
              "output.field_times": None}
 LINEAR = '\n[points]\nshape_function = "linear"\n'
 
 
 def points_at(result, time):
-    """Positions [m] and pressure [Pa] of the points in the dump next to a time."""
+    """Positions [m] and pressure [Pa] of the particles in the dump nearest to a time."""
     dump = nearest(result.point_dumps, time)
     return dump.values("position"), dump.values("pressure")
 
@@ -60,7 +61,7 @@ def histories(results, path):
 
 
 def contours(result, path):
-    """[Cui14] Fig. 9: gas cells and, beside them, points."""
+    """[Cui14] Fig. 9: gas cells and, beside them, particles."""
     with plt.rc_context(RC):
         figure, axes = plt.subplots(1, 2, figsize=(7.6, 6.0), layout="compressed", width_ratios=(300, 50))
         x, y, p = pressure(result, TIMES[0])
@@ -115,7 +116,8 @@ def fronts(runs, path):
 
 
 def deviations(result):
-    """Arrival, first peak and impulse to 30 us of the gauge in the points over those of its mirror image in the gas."""
+    """Arrival, first peak and impulse to 30 us of the gauge in the particles over those of its mirror image in the
+    gas."""
     gas, points = (arrival_peak_impulse(result.gauge(name)) for name in (FREE, FRONT))
     return [b / a for a, b in zip(gas, points)]
 
@@ -155,94 +157,95 @@ def run(variants, resolution, target):
 
     histories({w: coupled[w] for w in widths}, target / "histories.png")
     contours(coupled[5], target / "contours.png")
-    others = {"points alone": alone, "points alone, 6 per cell in the charge": dense,
-              "points alone, linear, FLIP, to 20 us": linear}
+    others = {"particles alone": alone, "particles alone, 6 per cell in the charge": dense,
+              "particles alone, linear, FLIP, to 20 us": linear}
     others = {label: result for label, result in others.items() if result is not None}
-    interaction({"Points alone": alone, "Gas and points": coupled[5]}, target / "interaction.png")
-    rays = {"gas cells (left half)": (free[5], LEFT), "points behind the bridge, no slab": (free[5], RIGHT)}
+    interaction({"Particles alone": alone, "Gas and particles": coupled[5]}, target / "interaction.png")
+    rays = {"gas cells (left half)": (free[5], LEFT), "particles behind the bridge, no slab": (free[5], RIGHT)}
     rays |= {f"{label} (left half)": (result, LEFT) for label, result in others.items()}
     fronts(rays, target / "front.png")
 
     acceptance = []
     for (what, limit), ratio in zip(LIMITS, deviations(coupled[5])):
-        acceptance.append((f"w = 5, gauge in the points against that in the gas: {what}", per_cent(ratio, 2),
+        acceptance.append((f"w = 5, gauge in the particles against that in the gas: {what}", per_cent(ratio, 2),
                            f"within {limit:g} %", bool(abs(ratio - 1.0) <= limit / 100.0)))
     noise = {label: front_noise(pressure(result, TIMES[0]), angles) for label, (result, angles) in rays.items()}
-    behind = noise["points behind the bridge, no slab"]
+    behind = noise["particles behind the bridge, no slab"]
     seconds = coupled[5].seconds
     if alone is not None:
         ratio = alone.seconds / seconds
-        acceptance += [("Cost: points alone over gas and points",
+        acceptance += [("Cost: particles alone over gas and particles",
                         f"{clock(alone.seconds)} / {clock(seconds)} = {ratio:.1f}",
                         "above 1 (paper {} / {} = {:.1f})".format(*map(clock, PAPER_SECONDS),
                                                                   PAPER_SECONDS[0] / PAPER_SECONDS[1]),
                         bool(ratio > 1.0)),
-                       ("Noise of the peak along the front at 20 us: behind the bridge against points alone",
-                        f"{100 * behind:.2f} % against {100 * noise['points alone (left half)']:.2f} %", "below",
-                        bool(behind < noise["points alone (left half)"]))]
+                       ("Noise of the peak along the front at 20 us: behind the bridge against particles alone",
+                        f"{100 * behind:.2f} % against {100 * noise['particles alone (left half)']:.2f} %", "below",
+                        bool(behind < noise["particles alone (left half)"]))]
     else:
-        acceptance.append(("Cost: points alone over gas and points", "points alone fail", "above 1", False))
+        acceptance.append(("Cost: particles alone over gas and particles", "particles alone fail", "above 1", False))
 
     gauges = [gauge_row(f"w = {w}", r, (FREE, FRONT)) for w, r in sorted(coupled.items())]
     gauges += [gauge_row(f"w = {w}, no slab", r, (FREE, FRONT)) for w, r in free.items()]
     gauges += [gauge_row(f"w = {w}, no slab", r, DEEP) for w, r in free.items()]
     gauges += [gauge_row(name, r, (FREE, FRONT)) for name, r in finer.items()]
-    # Gauges read the gas: of points alone not the products, which are a body.
+    # Gauges read the gas: with particles alone not the products, which are a body.
     gauges += [gauge_row(label, r, (FREE, FRONT), False) for label, r in others.items() if r is not linear]
     cost = []
-    for label, result in ({"gas and points": coupled[5]} | others).items():
+    for label, result in ({"gas and particles": coupled[5]} | others).items():
         region = result.log["mpm_region"]
         cost.append([label, f"{result.log['points']['count']:,}", f"{region['gas_steps']:,}",
                      f"{region['point_steps']:,}", f"{result.seconds:.1f}", f"{result.seconds / seconds:.1f}"])
     header = ["run", "gauges"]
     for what, unit in (("arrival", "us"), ("first peak", "MPa"), ("impulse to 30 us", "Pa s")):
-        header += [f"{what}, gas [{unit}]", f"points [{unit}]", "deviation"]
+        header += [f"{what}, gas [{unit}]", f"particles [{unit}]", "deviation"]
     blocks = [
         ("text", SETUP),
-        ("figure", "contours.png", "Pressure at 20 us in the gas cells and in the points, w = 5 ([Cui14] Fig. 9)"),
+        ("figure", "contours.png", "Pressure at 20 us in the gas cells and in the particles, w = 5 ([Cui14] Fig. 9)"),
         ("figure", "histories.png", "Pressure at two gauges at the same distance from the charge ([Cui14] Figs. 10 and "
                                     "11), and at two more behind the widest bridge"),
         ("table", "The first wave at gauges at the same distance; arrival: half of the first peak, which is taken "
                   "before 25 us", header, gauges),
-        ("figure", "interaction.png", "Pressure of the points of the interaction region at 32.5 us ([Cui14] Fig. 12)"),
+        ("figure", "interaction.png", "Pressure of the particles of the interaction region at 32.5 us ([Cui14] Fig. "
+                                      "12)"),
         ("figure", "front.png", "Peak pressure along the front, and its radius, at 20 us"),
-        ("table", "Noise: standard deviation of the peak pressure along the front at 20 us, around a smooth curve of "
+        ("table", "Noise: standard deviation of the peak pressure along the front at 20 us from a smooth curve of "
                   "the angle", ["front in", "noise"], [[k, f"{100 * v:.2f} %"] for k, v in noise.items()]),
-        ("table", "Cost, one thread, time of the processor",
-         ["method", "points at the end", "gas steps", "steps of the points", "time [s]", "ratio"], cost),
+        ("table", "Cost, one thread, processor time",
+         ["method", "particles at the end", "gas steps", "particle steps", "time [s]", "ratio"], cost),
         ("text", discussion(coupled, free, others, noise, linear)),
     ]
     return {"acceptance": acceptance, "blocks": blocks, "costs": variants.costs}
 
 
 SETUP = """
-<p>A disc of TNT of 50 mm radius at (0, 250) mm in air, in the plane; cells of 2 mm, outflow everywhere. Gas cells
-calculate x = -180 to 120 mm, material points 110 to 160 mm, the bridge between them is w = 5 cells wide. In the
-points stands a slab from 140 to 160 mm, of the library's concrete of 25 MPa; the paper gives neither its thickness
-nor its constants. Gauges at (-125, 250) and (125, 250) mm, mirror images of each other, must see the same first wave.
-"Points alone" is the same problem with points in the whole domain, the charge as a body of points. Deck:
-<code>cases/slab_2d</code>.</p>
+<p>A disc of TNT of 50 mm radius at (0, 250) mm in air, in the plane; cells of 2 mm, outflow everywhere. Gas cells cover
+x = -180 to 120 mm, material points (particles) 110 to 160 mm; the bridge between them is w = 5 cells wide. The region
+of particles contains a slab from 140 to 160 mm, of the library's concrete of 25 MPa; the paper gives neither its
+thickness nor its constants. Gauges at (-125, 250) and (125, 250) mm, mirror images of each other, must see the same
+first wave. "Particles alone" is the same problem with particles in the whole domain, the charge as a body of particles.
+Deck: <code>cases/slab_2d</code>.</p>
 """
 
 
 def behind_gas(result, gas):
-    """How a burst of points alone differs from that of gas cells on the left, which no slab disturbs."""
+    """How a burst of particles alone differs from that of gas cells on the left, which the slab does not disturb."""
     (late, high), (right, peak) = (arrival_peak_impulse(r.gauge(FREE))[:2] for r in (result, gas))
     lags = np.subtract(*(front_peaks(pressure(r, TIMES[0]), LEFT)[1] for r in (gas, result)))
     middle = len(LEFT) // 2
     aside = np.degrees(LEFT[-1] - LEFT[middle])
-    return (f"on the axis of symmetry the wave comes {1e6 * (late - right):+.1f} us after that of the gas cells with "
-            f"{per_cent(high / peak)} of peak, and at {1e6 * TIMES[0]:g} us the foot of the front lies "
+    return (f"on the axis of symmetry the wave arrives {1e6 * (late - right):+.1f} us after that of the gas cells with "
+            f"{per_cent(high / peak)} in the peak, and at {1e6 * TIMES[0]:g} us the foot of the front lies "
             f"{1e3 * lags[middle]:+.1f} mm behind it on the axis and {1e3 * lags[-1]:+.1f} mm at {aside:.0f} degrees")
 
 
 def discussion(coupled, free, others, noise, linear):
-    """What the runs show, from their values. `others`: {label: points alone}, without those that failed."""
+    """What the runs show, from their values. `others`: {label: particles alone}, without those that failed."""
     deviation = {w: deviations(r) for w, r in coupled.items()}
     agree = listed(f"{what} {per_cent(ratio, 2)}" for (what, _), ratio in zip(LIMITS, deviation[5]))
     spread = listed(f"{what} {100 * (max(r) - min(r)):.2f} %"
                     for (what, _), r in zip(LIMITS, zip(*deviation.values())))
-    behind, steps = noise["points behind the bridge, no slab"], coupled[5].log["mpm_region"]["point_steps"]
+    behind, steps = noise["particles behind the bridge, no slab"], coupled[5].log["mpm_region"]["point_steps"]
     dear = "; ".join(f"{label}: {r.seconds / coupled[5].seconds:.1f} times the time, "
                      f"{r.log['mpm_region']['point_steps'] / steps:.1f} times the steps, noise of the front "
                      f"{noise[f'{label} (left half)'] / behind:.1f} times that behind the bridge"
@@ -252,20 +255,20 @@ def discussion(coupled, free, others, noise, linear):
     return f"""
 <h3>What it shows</h3>
 <ul>
-<li><b>The two gauges</b> before the wave that the slab reflects reaches the second, w = 5, points against gas: {agree}.
-The points smear the first front, so that the rise begins earlier there; the front that the slab reflects, which runs
-against a supersonic stream of products, is smeared more.</li>
+<li><b>The two gauges</b> before the wave reflected by the slab reaches the second, w = 5, particles against gas:
+{agree}. The particles smear the first front, so that the rise begins earlier there; the front reflected by the slab,
+which runs against a supersonic stream of products, is smeared more.</li>
 <li><b>The width of the bridge</b>: over w = {listed(str(w) for w in sorted(coupled))} these deviations differ by at
-most: {spread}. The paper sees the shock smoothed too much with its widest bridge. Its bridge interpolates the fluxes
-and the state of the interface nodes; this one carries a ledger and lets whole gas cells act as points. Behind the
-widest one the paper's second gauge lies within the bridge, where this program's gauge reads the gas cells.</li>
-<li><b>Points alone</b> fill the whole domain, and their steps are short because of fast points beside the contact.
-Against gas and points with w = 5: {dear}. The gas cells have {noise["gas cells (left half)"] / behind:.2f} times the
-noise of the points behind the bridge. From {1e6 * TIMES[0]:g} us on the steps of linear functions become so short that
-their run ends there.</li>
-<li><b>What points alone get wrong</b> is more than noise.{wrong} The points of the products are a body's and are not
-split like those of the gas: as they expand they drift apart, until they stand cells apart (the white between them in
-the figure) and push unevenly.</li>
+most: {spread}. In the paper the widest bridge smooths the shock too much. Its bridge interpolates the fluxes and the
+state of the interface nodes; this one keeps a ledger and lets whole gas cells act as particles. With the widest bridge
+the paper's second gauge lies within it, where this program's gauge reads the gas cells.</li>
+<li><b>Particles alone</b> fill the whole domain, and their steps are short because of fast particles beside the
+contact. Compared with gas and particles with w = 5: {dear}. The gas cells have
+{noise["gas cells (left half)"] / behind:.2f} times the noise of the particles behind the bridge. From
+{1e6 * TIMES[0]:g} us on the steps with linear functions become so short that the run ends there.</li>
+<li><b>The errors of particles alone</b> are more than noise.{wrong} The particles of the products belong to a body and
+are not split like those of the gas: as they expand they drift apart until they are several cells apart (the white
+between them in the figure) and push unevenly.</li>
 <li><b>The concrete</b> is that of the library with 25 MPa, its tensile damage included; the page
 <code>docs/validation/slab.md</code> has an elastic slab.</li>
 </ul>

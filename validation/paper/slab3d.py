@@ -1,4 +1,4 @@
-"""Example 5.3: a charge above a concrete slab on soil. At `quick` the slab is circular and axisymmetric."""
+"""Example 5.3: a charge above a concrete slab on soil. With `quick` the slab is circular and axisymmetric."""
 import tomllib
 
 import matplotlib.pyplot as plt
@@ -28,7 +28,7 @@ def empirical(mass):
 
 
 class Slab:
-    """What a dump shows of the slab (body 0), by where its points stood at the start."""
+    """The slab (body 0) in a dump, by the initial positions of its particles."""
 
     def __init__(self, result, dump):
         dump = dump.read()
@@ -41,12 +41,12 @@ class Slab:
         self.up = 1 if self.plane else 2  # the vertical direction
 
     def layer(self, top):
-        """The points of the outermost layer at the front (upper) or back face: a mask."""
+        """The particles of the outermost layer at the front (upper) or back face: a mask."""
         edge = 0.0 if top else -THICKNESS
         return np.abs(self.origin[:, self.up] - edge) < 0.75 * self.spacing
 
     def lattice(self, top, key="damage"):
-        """Damage of a face on its lattice of points [i] or [i, j], from the centre; -1 where there is no point."""
+        """Damage of a face on its lattice of particles [i] or [i, j], from the centre; -1 where there is none."""
         chosen = self.layer(top)
         across = 1 if self.plane else 2
         index = np.floor(self.origin[chosen][:, :across] / self.spacing).astype(int)
@@ -55,7 +55,7 @@ class Slab:
         return values
 
     def central_zone(self, top=True):
-        """Points of a face with damage 1 that hang together with its centre, side by side: a mask on the lattice."""
+        """Particles of a face with damage 1 that are connected with its centre, side by side: a mask on the lattice."""
         broken = self.lattice(top) >= BROKEN
         zone = np.zeros_like(broken)
         zone[(0,) * broken.ndim] = broken[(0,) * broken.ndim]
@@ -73,13 +73,13 @@ class Slab:
             zone = grown
 
     def diameter(self, zone):
-        """Of the circle with the area of a zone, images in the symmetry planes counted [m]."""
+        """Diameter of the circle with the area of a zone, images in the symmetry planes included [m]."""
         if self.plane:
             return 2.0 * zone.sum() * self.spacing
         return 2.0 * np.sqrt(4.0 * zone.sum() / np.pi) * self.spacing
 
     def share(self, top, level=BROKEN):
-        """Part of the area of a face with at least this damage."""
+        """Fraction of the area of a face with at least this damage."""
         damage = self.lattice(top)
         weight = 2.0 * np.arange(len(damage)) + 1.0 if self.plane else np.ones_like(damage)
         there = damage >= 0.0
@@ -220,8 +220,8 @@ def history_figure(panels, path):
 
 
 def interface_rows(variants):
-    """Stress in the outermost points of an elastic solid behind a shock of gas, over that four cells deeper: rows of a
-    table, and {(shape function, height of the face): (smallest, largest)} of the outermost point."""
+    """Stress in the outermost particles of an elastic solid behind a gas shock, over that four cells deeper: rows of a
+    table, and {(shape function, height of the face): (smallest, largest)} of the outermost particle."""
     text = (ROOT / "cases" / CASE / "interface.toml").read_text()
     rows, first = [], {}
     for shape, face in INTERFACES:
@@ -242,7 +242,7 @@ def interface_rows(variants):
 
 
 class Floor:
-    """A charge over a rigid floor, gas cells alone: what its gauges say of the load."""
+    """A charge over a rigid floor, gas cells alone: the load at its gauges."""
 
     def __init__(self, variants, mass, cell):
         text = (ROOT / "cases" / CASE / "rigid.toml").read_text()
@@ -258,12 +258,12 @@ class Floor:
         return float(np.interp(radius, self.radius, getattr(self, quantity)))
 
 
-# What `Floor` knows of the load: (unit of the tables, factor to it, digits).
+# Quantities of `Floor`: (unit of the tables, factor to it, digits).
 LOADS = {"peak": ("MPa", 1e-6, 1), "impulse": ("kPa s", 1e-3, 2)}
 
 
 def load_figure(floors, path):
-    """The load over the radius, with the edges of the zones that Eq. (67) gives, and its value at that of 4 kg."""
+    """The load over the radius, with the edges of the zones from Eq. (67), and its value at that of 4 kg."""
     with plt.rc_context(RC):
         figure, axes = plt.subplots(1, 2, figsize=(10.0, 3.6), layout="constrained")
         for axis, quantity, label in zip(axes, LOADS, ("peak pressure [Pa]", "impulse [Pa s]")):
@@ -283,7 +283,7 @@ def load_figure(floors, path):
 
 
 def load_block(floors):
-    """The load at the edge of the zone that Eq. (67) gives."""
+    """The load at the edge of the zone from Eq. (67)."""
     header = ["charge kg", "Eq. (67) mm"]
     for quantity, (unit, _, _) in LOADS.items():
         header += [f"{quantity}, centre {unit}", f"{quantity}, edge {unit}", "edge / centre"]
@@ -294,7 +294,7 @@ def load_block(floors):
             centre, edge = (floor.at(quantity, r) for r in (0.0, 0.5 * empirical(mass)))
             row += [f"{scale * centre:.{digits}f}", f"{scale * edge:.{digits}f}", f"{edge / centre:.2f}"]
         rows.append(row)
-    caption = "The load on a rigid floor, in the centre and at the edge of the zone that Eq. (67) gives"
+    caption = "The load on a rigid floor, at the centre and at the edge of the zone from Eq. (67)"
     return "table", caption, header, rows
 
 
@@ -305,7 +305,7 @@ def plane_run(variants, mass, cell, **changes):
 
 
 # Other laws of the concrete: (name for files, name, changes of the strength, failure model or None for the library's).
-OTHER_LAWS = (("residual", "broken concrete keeps its friction (residual = 1)", {"residual": 1.0}, None),
+OTHER_LAWS = (("residual", "broken concrete retains its friction (residual = 1)", {"residual": 1.0}, None),
               ("hjc", "[HJC93] alone, no tensile damage", {}, {"model": "none"}))
 
 
@@ -322,7 +322,7 @@ def other_law(strength, failure):
 
 
 def other_rows(variants, plane):
-    """What other laws of the concrete make of 4 and 10 kg, axisymmetric."""
+    """Results of other laws of the concrete for 4 and 10 kg, axisymmetric."""
     text = (ROOT / "cases" / CASE / "axisymmetric.toml").read_text().replace('"concrete-25MPa"', '"own"')
     rows = []
     for mass in (4.0, 10.0):
@@ -351,8 +351,8 @@ def drift(result):
 
 def back_face(shots):
     """Times and diameters of the broken zone around the centre of the back face, until a quarter of the face is broken
-    (a larger disc comes near the edges of the slab, which is square: it is 1.19 at a third); and how round it is at
-    the last of them: its reach along the diagonal over that along the edge."""
+    (a larger disc approaches the edges of the slab, which is square: it is 1.19 at a third); and its roundness at the
+    last of them: its reach along the diagonal over that along the edge."""
     early = [s for s in shots if 0.0 < s.share(False) < 0.25]
     zones = [s.central_zone(top=False) for s in early]
     if not zones:
@@ -388,7 +388,7 @@ def sizes_block(solid, plane):
 
 
 def growth_block(runs):
-    """Table of the diameters in time. `runs`: {mass: (shots, result)}."""
+    """Table of the diameters over time. `runs`: {mass: (shots, result)}."""
     times = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
     rows = []
     for mass, (shots, _) in runs.items():
@@ -397,11 +397,11 @@ def growth_block(runs):
             shot = nearest(shots, 1e-3 * t)
             row.append(f"{1e3 * shot.diameter(shot.central_zone()):.0f}")
         rows.append(row)
-    return "table", "The same zone in time [mm]", ["charge kg", *(f"{t:g} ms" for t in times)], rows
+    return "table", "The same zone over time [mm]", ["charge kg", *(f"{t:g} ms" for t in times)], rows
 
 
 def crushing_block(runs):
-    """Compression damage alone, when the first wave has passed."""
+    """Compression damage alone, after the first wave has passed."""
     rows = []
     for mass, shot in after_the_wave(runs).items():
         damage = crushing_profile(shot)
@@ -415,7 +415,7 @@ def after_the_wave(runs):
 
 
 def fitted_block(runs, floors):
-    """What a threshold of each local measure of the load gives, fitted to the test of 4 kg."""
+    """Zones from a threshold of each local measure of the load, fitted to the test of 4 kg."""
     measures = (("peak pressure on a rigid floor", "{:.3g} MPa",
                  {m: (f.radius, 1e-6 * f.peak) for m, f in floors.items()}),
                 ("impulse on a rigid floor", "{:.3g} kPa s",
@@ -447,15 +447,16 @@ def acceptance_of(runs, what):
     return lines
 
 
-DEFINITION = """<p><b>What is measured.</b> The paper calls a point failed when its damage reaches 1 and shows the
-failed area of the front face. So does this page: the points of the outermost layer whose damage D = 1 - (1 - D_c)(1
-- D_t) is 1 and which hang together with the centre, at the end of the run (1 ms); the diameter is that of a circle with
-their area. The definition follows the paper's words, and no constant was fitted: the concrete is
-<code>concrete-25MPa</code> of the library, whose damage by tension is calibrated on strength against rate.</p>"""
+DEFINITION = """<p><b>What is measured.</b> The paper calls a material point (particle) failed when its damage reaches 1
+and shows the failed area of the front face. So does this page: it counts the particles of the outermost layer whose
+damage D = 1 - (1 - D_c)(1 - D_t) is 1 and which are connected with the centre, at the end of the run (1 ms); the
+diameter is that of a circle with their area. The definition follows the paper's words, and no constant was fitted: the
+concrete is <code>concrete-25MPa</code> of the library, whose tensile damage is calibrated on strength against
+rate.</p>"""
 
 
 def kingery_bulmash(variants, mass, key):
-    """Of the charge at its height over the slab."""
+    """Value for the charge at its height over the slab."""
     return Curves(variants.program, mass)("spherical", HEIGHT, key)
 
 
@@ -463,47 +464,49 @@ def on_the_load(variants, under_four):
     """The load of 4 kg on a rigid floor. `under_four`: {cell [mm]: Floor}."""
     impulse = kingery_bulmash(variants, 4.0, "reflected_impulse")
     off = [100.0 * (floor.impulse[0] / impulse - 1.0) for floor in under_four.values()]
-    return f"""<p><b>The load.</b> Gas cells against a rigid floor give the impulse of the charge on the point below it
-with a deviation of {span(off, "{:+.0f}")} % from Kingery and Bulmash on the grids of the table; the peak is spread over
-the cells, and follows the grid.</p>"""
+    return f"""<p><b>The load.</b> On the grids of the table, gas cells over a rigid floor give an impulse below the
+charge that deviates by {span(off, "{:+.0f}")} % from Kingery and Bulmash; the peak is spread over the cells and depends
+on the grid.</p>"""
 
 
 def on_thresholds(variants, floors):
-    """Whether a law that breaks a point for what it has suffered itself can give the zones of Eq. (67)."""
+    """Whether a law that breaks a particle by its own load history can give the zones of Eq. (67)."""
     small, large = floors[MASSES[0]], floors[MASSES[-1]]
     edge = {m: 0.5 * empirical(m) for m in MASSES}
     growth = [large.at(q, 0.0) / small.at(q, 0.0) for q in LOADS]
     edges = [large.at(q, edge[MASSES[-1]]) / small.at(q, edge[MASSES[0]]) for q in LOADS]
     fall = [100.0 * (1.0 - floor.at(q, edge[m]) / floor.at(q, 0.0)) for m, floor in floors.items() for q in LOADS]
     by_curves = [kingery_bulmash(variants, m, "reflected_impulse") for m in MASSES]
-    # No threshold lies below the load at the edge of the largest zone and above all that the smallest charge gives.
+    # No threshold lies below the load at the edge of the largest zone and above all loads of the smallest charge.
     impossible = all(large.at(q, edge[MASSES[-1]]) > small.at(q, 0.0) for q in LOADS)
     far = large.impulse[-1], small.impulse[0]
     head = ("No damage that grows with the load at its place can give the diameters of Eq. (67)." if impossible else
             "Damage that grows with the load at its place, and the diameters of Eq. (67).")
-    end = (f"""A law by which a point breaks for what it has suffered itself, with one set of constants for all charges,
-breaks nothing at {MASSES[0]:g} kg or more than the zone of Eq. (67) at {MASSES[-1]:g} kg. """ if impossible else "")
+    end = (f"""A law by which a particle breaks because of its own load history, with one set of constants for all
+charges, breaks nothing at {MASSES[0]:g} kg or more than the zone of Eq. (67) at {MASSES[-1]:g} kg. """
+           if impossible else "")
     return f"""<p><b>{head}</b> From {MASSES[0]:g} to {MASSES[-1]:g} kg its zone grows by a factor of
-{edge[MASSES[-1]] / edge[MASSES[0]]:.1f}, the load on the slab by {span(growth, "{:.1f}")}. At the edge of the zone the
-load is {span(edges, "{:.1f}")} times as large for {MASSES[-1]:g} kg as for {MASSES[0]:g} kg, but below one charge it
-falls only by {span(fall, "{:.0f}")} % from the centre to that edge; Kingery and Bulmash's reflected impulse at
-{HEIGHT:g} m grows {by_curves[-1] / by_curves[0]:.1f}-fold. {large.radius[-1]:g} m from the axis {MASSES[-1]:g} kg give
-an impulse of {1e-3 * far[0]:.1f} kPa s, {MASSES[0]:g} kg in the centre {1e-3 * far[1]:.1f}. {end}The second table below
-shows what thresholds of the load and of D_c give that are fitted to 4 kg. What kept the zones so small is not known; of
-tests that Eq. (67) was fitted to, [Cui14] names two.</p>"""
+{edge[MASSES[-1]] / edge[MASSES[0]]:.1f}, the load on the slab by factors of {span(growth, "{:.1f}")}. At the edge of
+the zone the load is {span(edges, "{:.1f}")} times as large for {MASSES[-1]:g} kg as for {MASSES[0]:g} kg, but below one
+charge it falls only by {span(fall, "{:.0f}")} % from the centre to that edge; Kingery and Bulmash's reflected impulse
+at {HEIGHT:g} m grows {by_curves[-1] / by_curves[0]:.1f}-fold. {large.radius[-1]:g} m from the axis {MASSES[-1]:g} kg
+produces an impulse of {1e-3 * far[0]:.1f} kPa s, {MASSES[0]:g} kg at the centre {1e-3 * far[1]:.1f}. {end}The second
+table below shows the zones from thresholds of the load and of D_c that are fitted to 4 kg. Why the zones were so small
+is not known; of the tests to which Eq. (67) was fitted, [Cui14] names two.</p>"""
 
 
 def on_the_interface(first):
-    """The stress of the outermost point over that four cells deeper. `first`: {(shape, height of the face): (smallest,
-    largest)}."""
+    """The stress of the outermost particle over that four cells deeper. `first`: {(shape, height of the face):
+    (smallest, largest)}."""
     def told(face):
         return listed(f"{low:.2f} to {high:.2f} ({shape})" for (shape, at), (low, high) in first.items() if at == face)
     between, within = INTERFACES[0][1], INTERFACES[-1][1]
-    return f"""<p><b>Which shape function.</b> The gas slips along the solids and presses on the area that these show
-to the nodes. The table gives the stress of the four outermost points of an elastic solid behind a shock over the mean
-four cells deeper (1 is right, somewhat more while the wave goes in). Where the face lies between cells the outermost
-points bear {told(between)} of it, in the middle of a cell {told(within)}: gas cannot be compressed in a cell whose
-nodes the solid holds. These decks have <code>shape_function = "gimp"</code> and their upper face between cells.</p>"""
+    return f"""<p><b>Which shape function.</b> The gas slips along the solids and presses on the area that they present
+to the nodes. The table gives the stress of the four outermost particles of an elastic solid behind a shock, over the
+mean four cells deeper (1 is correct, somewhat more while the wave enters). Where the face lies between cells the
+outermost particles bear {told(between)} of it, in the middle of a cell {told(within)}: gas cannot be compressed in a
+cell whose nodes are constrained by the solid. These decks have <code>shape_function = "gimp"</code> and their upper
+face between cells.</p>"""
 
 
 def discussion(what, main, floors, sizes):
@@ -517,23 +520,23 @@ def discussion(what, main, floors, sizes):
     drifts = [100.0 * r.log["points"]["audit"]["energy"]["drift"] for _, r in main.values()]
     cell = 1e3 * main[4.0][1].cell_size
     return f"""<p><b>Where we differ, and why.</b></p><ul>
-<li>Damage by compression: at most {crushing:.2f} at single points of the front face, whatever the charge. [HJC93] asks
-for a plastic strain of {file["strength"]["D1"]:g} (p + T)/fc. Other constants would make it larger everywhere, but not
-give it an edge: see above.</li>
-<li>What breaks is broken in tension, after the pressure has gone: the back spalls, the slab bends. Plain concrete opens
-its cracks by {1e6 * opening:.0f} um to be broken (G_f / sigma_0), and an impulse of {1e-3 * floors[4.0].impulse[0]:.1f}
-kPa s gives this slab {speed:.0f} m/s at its centre: at {1e3 * last.time:.1f} ms {100 * last.share(True):.0f} % of the
-front and {100 * last.share(False):.0f} % of the back face are broken (4 kg, {what}). A crack that leaves two sound
-halves and concrete that is ground to powder both have D = 1.</li>
-<li>The disc in time: at 4 kg it goes from {1e3 * before.diameter(before.central_zone()):.0f} mm at
+<li>Compression damage: at most {crushing:.2f} at single particles of the front face, whatever the charge. [HJC93]
+requires a plastic strain of {file["strength"]["D1"]:g} (p + T)/fc. Other constants would increase it everywhere, but
+not give it an edge: see above.</li>
+<li>The concrete breaks in tension, after the pressure has vanished: the back spalls, the slab bends. Cracks in plain
+concrete count as broken when they have opened by {1e6 * opening:.0f} um (G_f / sigma_0), and an impulse of
+{1e-3 * floors[4.0].impulse[0]:.1f} kPa s gives this slab {speed:.0f} m/s at its centre: at {1e3 * last.time:.1f} ms
+{100 * last.share(True):.0f} % of the front and {100 * last.share(False):.0f} % of the back face are broken (4 kg,
+{what}). A crack that leaves two sound halves and concrete that is ground to powder both have D = 1.</li>
+<li>The disc over time: at 4 kg it changes from {1e3 * before.diameter(before.central_zone()):.0f} mm at
 {1e3 * before.time:.1f} ms to {1e3 * last.diameter(last.central_zone()):.0f} mm at {1e3 * last.time:.1f} ms, when the
-run ends. Where the disc and the ring outside it meet, the number says how much of the slab is cracked, not how much is
+run ends. Where the disc and the ring outside it meet, the number shows how much of the slab is cracked, not how much is
 crushed.</li>
 <li>The grid: at 4 kg the zone is {span([d / TESTS[4.0] for d in sizes], "{:.1f}")} times the measured one on the grids
-of the table. The cracks of a face that bends decide by a hair: agreement on one grid is no proof of anything. Separate
-radial cracks would need cells of some mm in 3D.</li>
-<li>Other laws, without any fit ("Other laws", standard and fine): the result hangs on how damage by tension is counted,
-which the paper does not print.</li>
+of the table. It depends on cracks of the bending face that are only just broken or not: agreement on one grid proves
+nothing. Separate radial cracks would need cells of some mm in 3D.</li>
+<li>Other laws, without any fit ("Other laws", standard and fine): the result depends on how tensile damage is counted,
+which the paper does not state.</li>
 <li>Energy: the drift of the {what} runs on cells of {cell:g} mm is {span(drifts, "{:+.1f}")} %.</li>
 </ul>"""
 
@@ -582,7 +585,7 @@ def run(variants, resolution, target):
                  and all(a <= b for a, b in zip(diameters, diameters[1:])))
     spread = ", ".join(f"{1e3 * d:.0f} mm at {1e3 * t:.2f} ms" for t, d in zip(times[-3:], diameters[-3:]))
     acceptance = acceptance_of(main, what)
-    acceptance.append((f"back face, 4 kg, {what}: the damage spreads from the centre outwards, alike in all directions",
+    acceptance.append((f"back face, 4 kg, {what}: the damage spreads outwards from the centre, equally in all directions",
                        f"disc of {spread}; reach along the diagonal / along the edge {round_by:.2f}",
                        "a growing disc around the centre, round to 10 %, until a quarter of the face is broken",
                        bool(spreading and abs(round_by - 1.0) <= 0.1)))
@@ -606,14 +609,14 @@ def run(variants, resolution, target):
               ("figure", "slab3d_size.png", "Diameter of the zone over the height of the charge, as [Cui14] Fig. 15"),
               ("figure", "slab3d_damage.png",
                f"4 kg, {what}: damage of the front and the back face and in a section, as [Cui14] Fig. 14"
-               + (" (axisymmetric: turned around the axis)" if not solid else "")),
+               + (" (axisymmetric: rotated around the axis)" if not solid else "")),
               growth_block(main),
-              ("figure", "slab3d_history.png", "Zone with damage 1 around the centre of the front face; the band holds "
+              ("figure", "slab3d_history.png", "Zone with damage 1 around the centre of the front face; the band spans "
                f"the diameters of Eq. (67) from {MASSES[0]:g} to {MASSES[-1]:g} kg"),
               crushing_block(main),
               ("text", on_thresholds(variants, floors)),
-              ("figure", "slab3d_load.png", "The load of the four charges on a rigid floor. A law that breaks what is "
-               "loaded above a threshold, a horizontal line, cannot have its edges at the squares"),
+              ("figure", "slab3d_load.png", "The load of the four charges on a rigid floor. A law with a threshold of "
+               "the load, a horizontal line, cannot have its edges at the squares"),
               load_block(floors),
               fitted_block(main, floors),
               ("table", "4 kg: the grid and, axisymmetric, the crack band, at 1 ms",
@@ -625,8 +628,8 @@ def run(variants, resolution, target):
                f"{1e-3 * kb[1]:.2f} kPa s",
                ["cell mm", "peak MPa", "impulse kPa s"], floor),
               ("text", on_the_interface(first)),
-              ("table", "Stress of the outermost points of an elastic solid over that four cells deeper, at five times "
-               "behind a shock of gas",
-               ["shape function", "the face lies", "first", "second", "third", "fourth"], interface),
+              ("table", "Stress of the outermost particles of an elastic solid over that four cells deeper, at five "
+               "times behind a gas shock",
+               ["shape function", "position of the face", "first", "second", "third", "fourth"], interface),
               ("text", discussion(what, main, floors, sizes))]
     return {"acceptance": acceptance, "blocks": blocks}

@@ -1,4 +1,4 @@
-"""Example 5.1: Sod's shock tube in gas cells and in material points, against the exact solution."""
+"""Example 5.1: Sod's shock tube with gas cells and with material points, compared with the exact solution."""
 import re
 
 import matplotlib.pyplot as plt
@@ -9,19 +9,19 @@ from points import sod_exact, sod_profile
 TITLE = "Sod's shock tube: gas cells and material points"
 TIME = 0.143
 CELLS = {"quick": (125, 250, 500), "standard": (125, 250, 500, 1000, 2000), "fine": (125, 250, 500, 1000, 2000, 4000)}
-ASKED_RATIO = 1.5  # of the orders of gas cells and GIMP: what [Cui14] Fig. 7 shows
+ASKED_RATIO = 1.5  # target of the ratio of the orders of gas cells and GIMP, as in [Cui14] Fig. 7
 PAPER_SECONDS = {"fdm": 46, "mpm": 52, "ugimp": 78, "cpgimp": 78}  # of computing, [Cui14] 5.1
 PAPER_COST = {m: s / PAPER_SECONDS["fdm"] for m, s in PAPER_SECONDS.items()}
 PAPER_COST_TEXT = " : ".join(f"{PAPER_COST[m]:.1f}" for m in ("fdm", "mpm", "cpgimp"))
 REPEATS = {"quick": 1, "standard": 5, "fine": 5}
-# How the points stand at the start, points per cell on the left and on the right, and their Courant numbers.
+# Initial arrangements of the particles, per cell on the left and on the right, and their Courant numbers.
 EQUAL_VOLUMES, DENSE, EQUAL_MASSES = (2, 2), (4, 4), (8, 1)
 COURANT = 0.4  # the program's default
 VARIATIONS = {"quick": (((8, 1), 0.4),),
               "standard": tuple((p, c) for c in (0.4, 0.1, 0.02) for p in (EQUAL_VOLUMES, DENSE, EQUAL_MASSES))}
 VARIATIONS["fine"] = VARIATIONS["standard"]
 GAS, POINTS = "paper_sod_1d", "sod_points_1d"
-# name: (label, case, what is changed, colour)
+# name: (label, case, changes, colour)
 METHODS = {
     "fdm": ("FDM, Lax-Wendroff", GAS, {"scheme": "lax-wendroff"}, COLOURS[3]),
     "muscl": ("FDM, MUSCL-Hancock", GAS, {"scheme": "muscl-hancock"}, COLOURS[1]),
@@ -35,7 +35,7 @@ NOT_COMPUTING = ("output", "checkpoints", "gauges")  # of the timings of a run
 
 
 def calculate(variants, method, cells, start=EQUAL_VOLUMES, courant=COURANT, repeat=""):
-    """A run; None where it fails. `start`: points per cell on the left and on the right."""
+    """A run; None if it fails. `start`: particles per cell on the left and on the right."""
     _, case, changes, _ = METHODS[method]
     changes = changes | {"cell": f"={1.0 / cells!r}"}
     if case == GAS:
@@ -51,7 +51,7 @@ def calculate(variants, method, cells, start=EQUAL_VOLUMES, courant=COURANT, rep
 
 
 def profile(result):
-    """Positions, (density, velocity, pressure) and the length that each value stands for."""
+    """Positions, (density, velocity, pressure) and the length that each value represents."""
     if "points" in result.log:
         x, values, volume, _ = sod_profile(result)
         return x, values, volume
@@ -148,7 +148,7 @@ def run(variants, resolution, target):
             errors[m, start, courant] = [norms(r) for r in results]
             shown[m, start, courant] = results[cells.index(reference)]
     seconds = {m: [] for m in timed}
-    for k in range(repeats):  # in turn, so that a slow minute of the machine meets all of them
+    for k in range(repeats):  # in turn, so that a slow minute of the machine affects all of them
         for m in timed:
             result = calculate(variants, m, reference, repeat=f"-timed-{k}")
             if result is not None:
@@ -168,17 +168,17 @@ def run(variants, resolution, target):
     with_gas = {"fdm": default["fdm", reference]}
     drawn = ("mpm", "ugimp", "cpgimp")
     profiles_figure([
-        (f"2 points per cell, Courant {COURANT:g}", {m: default[m, reference] for m in drawn} | with_gas),
-        (f"points of equal mass, Courant {masses[1]:g}", {m: shown[m, *masses] for m in drawn} | with_gas)],
+        (f"2 particles per cell, Courant {COURANT:g}", {m: default[m, reference] for m in drawn} | with_gas),
+        (f"particles of equal mass, Courant {masses[1]:g}", {m: shown[m, *masses] for m in drawn} | with_gas)],
         target / "profiles.png")
     gas = {m: errors[m, EQUAL_VOLUMES, COURANT] for m in ("fdm", "muscl")}
     convergence_figure(cells, [
-        ("2 points per cell", gas | {m: errors[m, EQUAL_VOLUMES, COURANT] for m in of_points}),
-        ("Points of equal mass", gas | {m: errors[m, EQUAL_MASSES, COURANT] for m in of_points})],
+        ("2 particles per cell", gas | {m: errors[m, EQUAL_VOLUMES, COURANT] for m in of_points}),
+        ("Particles of equal mass", gas | {m: errors[m, EQUAL_MASSES, COURANT] for m in of_points})],
         target / "convergence.png")
 
     acceptance = []
-    starts = ((EQUAL_VOLUMES, "2 points per cell"), (EQUAL_MASSES, "points of equal mass"))
+    starts = ((EQUAL_VOLUMES, "2 particles per cell"), (EQUAL_MASSES, "particles of equal mass"))
     ratios = {}
     for start, words in starts:
         for norm in NORMS:
@@ -203,11 +203,11 @@ def run(variants, resolution, target):
         e = values(method, "L1", start)
         return [METHODS[method][0], per_cell, *(f"{v:.2e}" for v in e), f"{order(cells, e):.2f}",
                 f"{order_of(method, 'L2', start):.2f}", f"{error_at(reference, method, 'L2', start):.2e}"]
-    header = ["method", "points per cell, left / right", *(f"L1, {n} cells" for n in cells),
+    header = ["method", "particles per cell, left / right", *(f"L1, {n} cells" for n in cells),
               "order L1", "order L2", f"L2, {reference} cells"]
     body = [cells_of_row(method, start) for method, start, courant in errors if courant == COURANT]
     courants = sorted({c for _, _, c in errors}, reverse=True)
-    steps_header = ["method", "points per cell, left / right", *(f"error, Courant {c:g}" for c in courants),
+    steps_header = ["method", "particles per cell, left / right", *(f"error, Courant {c:g}" for c in courants),
                     *(f"order, {c:g}" for c in courants)]
     steps_body = [[METHODS[m][0], "{} / {}".format(*start),
                    *(f"{error_at(reference, m, 'L1', start, c):.2e}" for c in courants),
@@ -219,17 +219,17 @@ def run(variants, resolution, target):
             for m in timed]
     blocks = [
         ("text", SETUP.format(reference=reference)),
-        ("figure", "profiles.png", f"The state at {TIME:g} ms on {reference} cells, values of all cells and points "
-                                   "([Cui14] Fig. 6)"),
-        ("figure", "convergence.png", f"Error norms of the pressure against the cell ([Cui14] Fig. 7), Courant number "
-                                      f"{COURANT:g} for points, 0.8 for cells"),
-        ("table", f"Error norms of the pressure [MPa] over the tube of 1 mm, Courant number {COURANT:g} for points, "
-                  "0.8 for cells; orders: fitted over all grids", header, body),
+        ("figure", "profiles.png", f"The state at {TIME:g} ms on {reference} cells, values of all cells and "
+                                   "particles ([Cui14] Fig. 6)"),
+        ("figure", "convergence.png", f"Error norms of the pressure against the cell size ([Cui14] Fig. 7), Courant "
+                                      f"number {COURANT:g} for particles, 0.8 for cells"),
+        ("table", f"Error norms of the pressure [MPa] over the tube of 1 mm, Courant number {COURANT:g} for "
+                  "particles, 0.8 for cells; orders: fitted over all grids", header, body),
         *([("table", f"Shorter steps: L1 norm of the pressure [MPa] on {reference} cells, and its order", steps_header,
             steps_body)] if steps_body else []),
-        ("table", f"Computing time on {reference} cells without output, one thread, 2 points per cell, shortest of "
-                  f"{repeats} runs taken in turn",
-         ["method", "ours [ms]", "steps", "over FDM", "paper [s] (over FDM)"], cost),
+        ("table", f"Computing time on {reference} cells without output, one thread, 2 particles per cell, shortest of "
+                  f"{repeats} runs made in turn",
+         ["method", "here [ms]", "steps", "relative to FDM", "paper [s] (relative to FDM)"], cost),
         ("text", discussion(errors, cells, reference, ratios, s, steps)),
     ]
     return {"acceptance": acceptance, "blocks": blocks, "costs": costs(variants.costs)}
@@ -247,23 +247,22 @@ def costs(rows):
 
 
 SETUP = """
-<p>A closed tube of 1 mm, parted at its middle: density 1 and 0.125 g/mm³, pressure 1 and 0.1 MPa, at rest, γ = 1.4;
+<p>A closed tube of 1 mm, divided at its middle: density 1 and 0.125 g/mm³, pressure 1 and 0.1 MPa, at rest, γ = 1.4;
 the state at 0.143 ms is compared with the exact solution. FDM is the scheme of the paper, Lax-Wendroff with adaptive
-viscosity in its corrected, conservative form; the program's default, MUSCL-Hancock, stands beside it. MPM is the
-method with linear shape functions. The paper tells neither the points per cell nor the time step nor which GIMP: here
-GIMP is calculated with points of constant size and with points that stretch with the material, and the points stand
-in two ways, 2 per cell everywhere (points of equal volume) and 8 per cell left and 1 right (of equal mass). The first
-is the likelier: so stand the points in the public one-dimensional examples of MPM3D, the paper's program ([MPM3D],
-<code>Data/Deto1k.mpm</code>), and in this program's deck.
-Acceptance lines take the better GIMP, that of stretching points where orders are compared. Decks:
-<code>cases/paper_sod_1d</code>,
-<code>cases/sod_points_1d</code>; {reference} cells where nothing else is said.</p>
+viscosity in its corrected, conservative form; the program's default, MUSCL-Hancock, is shown for comparison. MPM is the
+method with linear shape functions. The paper states neither the number of material points (particles) per cell nor the
+time step nor the variant of GIMP. Here GIMP is run with particles of constant size and with particles that stretch with
+the material, in two initial arrangements: 2 per cell everywhere (equal volumes), and 8 per cell on the left and 1 on
+the right (equal masses). The first is more likely: it is that of the public one-dimensional examples of MPM3D, the
+paper's program ([MPM3D], <code>Data/Deto1k.mpm</code>), and of this program's deck. Acceptance lines use the better
+GIMP, the one with stretching particles where orders are compared. Decks: <code>cases/paper_sod_1d</code>,
+<code>cases/sod_points_1d</code>; {reference} cells unless stated otherwise.</p>
 """
 
 
 def discussion(errors, cells, reference, ratios, seconds, steps):
     """What the runs show. `errors`: {(method, start, Courant number): norms on all grids}; `ratios`: orders of the gas
-    over those of the points by start and norm; the last two by method."""
+    over those of the particles by start and norm; the last two by method."""
     def error(n, method, start=EQUAL_VOLUMES, courant=COURANT):
         return errors[method, start, courant][cells.index(n)]["L1"]
 
@@ -282,29 +281,29 @@ def discussion(errors, cells, reference, ratios, seconds, steps):
     steps_help = ""
     if short < COURANT:
         ratio = error(reference, "mpm", EQUAL_MASSES, short) / error(reference, "mpm")
-        steps_help = (f"At a Courant number of {short:g} and with points of equal mass the error of MPM on {reference} "
-                      f"cells is {ratio:.2g} times that of 2 points per cell at the default step. ")
+        steps_help = (f"At a Courant number of {short:g} and with particles of equal mass the error of MPM on "
+                      f"{reference} cells is {ratio:.2g} times that with 2 particles per cell at the default step. ")
     cost = " : ".join(f"{seconds[m] / seconds['fdm']:.1f}" for m in ("fdm", "mpm", "cpgimp"))
     ordered = "is" if seconds["fdm"] < seconds["mpm"] < seconds["cpgimp"] else "is not"
     return f"""
 <h3>What it shows</h3>
 <ul>
-<li><b>The gas cells.</b> Their order is {orders}: a shock and a contact that are spread over some cells each allow no
-more than 1 in L1, in any scheme. The paper does not tell which norm it plots.</li>
-<li><b>The ratio of the orders depends on how the points stand at the start.</b> With 2 points per cell it is {same}.
-The points that meet the step of pressure at the start then differ eightfold in mass; a spike stays at the contact and
-the points ring towards the shock, errors that fall slowly with the cell. With points of equal mass (8 and 1 per cell)
-<b>the ratio is {other}</b>, and the lines that ask for {ASKED_RATIO:g} {asked} it. What is left between the gas cells
-and GIMP with stretching points or B-splines is a factor of {span(left, "{:.1f}")} in L1 on {reference} cells. The
-paper's other statement, that half as many cells of gas are about as good as GIMP: {half} cells of gas have
-{by_start[0]:.2g} times the error with points of equal mass and {by_start[1]:.2g} times with 2 per cell; we do not know
-which the paper had.</li>
+<li><b>The gas cells.</b> Their order is {orders}: a shock and a contact that are each spread over some cells allow no
+more than 1 in L1, in any scheme. The paper does not state which norm it plots.</li>
+<li><b>The ratio of the orders depends on the initial arrangement of the particles.</b> With 2 particles per cell it is
+{same}. The particles on the two sides of the initial pressure step then differ eightfold in mass; a spike remains at
+the contact and the particles ring towards the shock, and these errors fall slowly with the cell size. With particles of
+equal mass (8 and 1 per cell) <b>the ratio is {other}</b>, and the lines that require {ASKED_RATIO:g} {asked} it. The
+remaining difference between the gas cells and GIMP with stretching particles or B-splines is a factor of
+{span(left, "{:.1f}")} in L1 on {reference} cells. The paper also states that half as many gas cells are about as good
+as GIMP: {half} gas cells have {by_start[0]:.2g} times the error with particles of equal mass and {by_start[1]:.2g}
+times with 2 per cell; we do not know which arrangement the paper had.</li>
 <li><b>MPM.</b> Linear shape functions ring as the paper says. {finer}The page on material points
-(<code>docs/validation/points.md</code>) tells why: the density that the points carry drifts from the one that they
-have in space. {steps_help}The tables of <code>docs/validation/points.md</code> add the other orders of the update,
+(<code>docs/validation/points.md</code>) explains why: the density that the particles carry drifts away from their
+density in space. {steps_help}The tables of <code>docs/validation/points.md</code> add the other orders of the update,
 transfers and viscosities.</li>
 <li><b>Cost.</b> The order FDM, MPM, GIMP {ordered} that of the paper: {cost}, in the paper {PAPER_COST_TEXT}. MPM takes
-{steps["mpm"] / steps["fdm"]:.1f} times the steps of the gas cells, and a gas cell in one direction costs this program a
-fraction of what two points and their nodes cost.</li>
+{steps["mpm"] / steps["fdm"]:.1f} times the steps of the gas cells, and in one dimension a gas cell costs this program a
+fraction of the cost of two particles and their nodes.</li>
 </ul>
 """
