@@ -1,4 +1,4 @@
-"""The report's figures. Each function returns an image as HTML, or None where the run has nothing to show."""
+"""The report's figures. Each function returns an image as HTML, or None if the run has nothing to show."""
 import base64
 import io
 
@@ -38,12 +38,12 @@ SLICE_COUNT = 6
 
 
 def image(figure, kind="svg", alt=""):
-    """The figure as an <img> element that holds its own data."""
+    """The figure as an <img> element that contains its data."""
     buffer = io.BytesIO()
     metadata = {"Date": None} if kind == "svg" else {}
     figure.savefig(buffer, format=kind, dpi=PNG_DPI, bbox_inches="tight", facecolor="white", metadata=metadata)
     mime = "image/svg+xml" if kind == "svg" else "image/png"
-    # A PNG holds its width in pixels in bytes 16-19; on the page it shall have the size that it was laid out for.
+    # A PNG has its width in pixels in bytes 16-19; the page shows it in the size that it was laid out for.
     width = f' width="{int.from_bytes(buffer.getvalue()[16:20], "big") * 96 // PNG_DPI}"' if kind == "png" else ""
     data = base64.b64encode(buffer.getvalue()).decode()
     return f'<img alt="{alt}"{width} src="data:{mime};base64,{data}">'
@@ -55,19 +55,20 @@ def plain(value):
 
 
 def chosen(count, most):
-    """At most `most` of `count` indices, evenly spread, the first and the last among them."""
+    """At most `most` of `count` indices, evenly spread, including the first and the last."""
     if count <= most:
         return list(range(count))
     return sorted({int(round(i)) for i in np.linspace(0, count - 1, most)})
 
 
 def later_dumps(run):
-    """The dumps to show: the state before anything happened only where there is little else."""
+    """The dumps to show; the initial state only if there are few others."""
     return run.dumps[1:] if len(run.dumps) > 2 else run.dumps
 
 
 def pressure_of(dump):
-    """Name of the field to take pressures from, and what to subtract for overpressure (a factor of ambient)."""
+    """Name of the field with the pressures, and what to subtract for the overpressure (as a multiple of the ambient
+    pressure)."""
     for name, ambient in (("overpressure", 0.0), ("pressure", 1.0)):
         if name in dump.fields:
             return name, ambient
@@ -77,7 +78,7 @@ def pressure_of(dump):
 # --- gauges
 
 def gauge_histories(run):
-    """Overpressure and running impulse at the gauges that a shock reached; of many gauges a dozen at all distances."""
+    """Overpressure and running impulse at the gauges that a shock reached; of many gauges, a dozen at all distances."""
     gauges = [gauge for gauge in run.summary["gauges"]
               if gauge["arrival_time"] is not None and run.histories[gauge["name"]]]
     if not gauges:
@@ -136,7 +137,7 @@ def history_panel(panel, gauge, history):
 
 
 def align_zeros(*panels):
-    """Gives all panels (each with the headroom it wants, as a factor) the same relative height of zero."""
+    """Gives all panels (each with the headroom that it needs, as a factor) the same relative height of zero."""
     limits = [panel.get_ylim() for panel, _ in panels]
     below = min(1.0, max(max(-low, 0.0) / max(high, 1e-12) for low, high in limits))
     for (panel, headroom), (_, high) in zip(panels, limits):
@@ -155,7 +156,7 @@ def scaled_distance(run):
     same_root = all(abs(g["distance"] / g["scaled_distance"] - root) < 1e-9 * root for g in gauges)
     quantities = [("peak_overpressure", 1e-3, "peak overpressure [kPa]", 1.0)]
     if same_root:
-        # Without a gauge whose positive phase is complete there is no impulse to show.
+        # If no gauge has a complete positive phase there is no impulse to show.
         complete = any(g["positive_phase_complete"] for g in gauges)
         quantities += [("positive_impulse", 1.0, "scaled impulse [Pa s / kg$^{1/3}$]", 1.0 / root)][:complete]
         quantities += [("arrival_time", 1e3, "scaled arrival [ms / kg$^{1/3}$]", 1.0 / root)]
@@ -195,7 +196,7 @@ def readable_log_axis(axis):
 # --- fields
 
 def main_position(run):
-    """The point that the slices go through: the first charge's centre, or the middle of the domain."""
+    """The point through which the slices pass: the first charge's centre, or the middle of the domain."""
     charges = run.log["charges"]
     if charges and "centre" in charges[0]:
         return charges[0]["centre"]
@@ -227,7 +228,7 @@ class Cut:
         return f"plane {self.axes[self.normal]} = {self.position:.4g} m"
 
     def look_at(self, dump):
-        """Bodies move: what blocks the view is that of one dump."""
+        """Sets the solid cells to those of one dump, since bodies move."""
         if "solid" in dump.fields:
             solid = dump.plane("solid", self.normal, self.index) > 0.5
             self.blocked = solid if self.fixed is None else solid | self.fixed
@@ -340,7 +341,7 @@ def overpressure_norm(planes, ambient):
 
 
 def peak_map(run):
-    """The largest overpressure that each place has seen, with labelled contours."""
+    """The largest overpressure at each place during the run, with labelled contours."""
     if run.dimensions == 1 or not run.dumps or "peak_overpressure" not in run.dumps[-1].fields:
         return None
     dump = run.dumps[-1]
@@ -419,7 +420,7 @@ def peak_profile(run):
         ("peak_overpressure", 1e-3, "peak overpressure [kPa]", "peak_overpressure"),
         ("impulse", 1.0, "impulse [Pa s]", "positive_impulse")) if n in dump.fields]
     figure = Figure(figsize=(10.2, 3.5), layout="constrained")
-    # What no wave has reached is left out, and so is the charge itself, whose pressures would take the whole scale.
+    # Places that no wave has reached are left out, and so is the charge, whose pressures would dominate the scale.
     nearest = 0.0 if run.curve is None else run.curve["distance"].min()
     seen = (dump.values("peak_overpressure") > 1e-5 * run.ambient_pressure) & (distance > nearest)
     for panel, (name, factor, label, key) in zip(np.atleast_1d(figure.subplots(1, len(quantities))), quantities):
@@ -441,7 +442,7 @@ def peak_profile(run):
 
 
 def timings(run):
-    """Where the wall-clock time went."""
+    """Wall-clock time by phase."""
     phases = sorted(((s or 0.0, name) for name, s in run.log["timings"].items()), reverse=True)
     if not phases or phases[0][0] <= 0.0:
         return None

@@ -1,4 +1,5 @@
-"""Figures of runs of material points. Each function returns images as HTML, or None where there is nothing to show."""
+"""Figures of runs of material points (particles). Each function returns images as HTML, or None if there is nothing to
+show."""
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
@@ -10,7 +11,7 @@ from brisance.figures import BLUE, INK, MUTED, ORANGE, TIME_COLOURS, chosen, ima
 
 GREEN = "#2f8a57"
 DIRECTIONS = (BLUE, ORANGE, GREEN)
-# Points at rest and without stress are light grey, not white: they must stand out from the page.
+# Particles at rest and without stress are light grey, not white: they must stand out from the page.
 RISING = LinearSegmentedColormap.from_list("rising", [
     (0.0, "#dde3ea"), (0.2, "#a9c6dd"), (0.4, "#5b9bc4"), (0.55, "#f3d27a"), (0.75, "#e0702f"), (0.9, "#a81e2b"),
     (1.0, "#4a0716")])
@@ -19,12 +20,12 @@ BALANCED = LinearSegmentedColormap.from_list("balanced", [
     (1.0, "#6d0b1d")])
 BODIES = ListedColormap(["#4f7fae", "#d08a3f", "#5fa37a", "#9c6ba8", "#b8544f", "#8a8f45", "#4aa3ad", "#7d6b5a"])
 
-# Field, factor, label, does it have a sign?
+# Field, factor, label, whether it has a sign.
 QUANTITIES = (("mises", 1e-6, "Mises stress [MPa]", False),
               ("plastic_strain", 1.0, "plastic strain [-]", False),
               ("pressure", 1e-6, "pressure [MPa]", True),
               ("velocity", 1.0, "speed [m/s]", False))
-LARGEST_SQUARE_COUNT = 40000   # beyond it points are drawn as an image
+LARGEST_SQUARE_COUNT = 40000   # above it particles are drawn as an image
 LARGEST_GAUGE_COUNT = 10
 LARGEST_BODY_COUNT = 6
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
@@ -44,12 +45,12 @@ def time_title(run, time):
 
 
 def spacing(run):
-    """Smallest distance of the points at the start [m]."""
+    """Smallest initial distance between particles [m]."""
     return run.log["domain"]["cell_size"] / max(body["points_per_direction"] for body in run.points["bodies"])
 
 
 def available(run):
-    """The quantities that the dumps hold and that are not zero everywhere."""
+    """The quantities in the dumps that are not zero everywhere."""
     out = []
     for quantity in QUANTITIES:
         if quantity[0] in run.point_dumps[-1].fields and any(
@@ -68,7 +69,7 @@ def scalar(dump, field, factor):
 
 
 def scale(planes, signed):
-    """Colour scale for all times. The highest do not take all colours."""
+    """Colour scale for all times. The few highest values do not use up the colours."""
     everything = np.concatenate(planes)
     top = float(np.quantile(np.abs(everything), 0.99 if signed else 0.998))
     if top <= 0.0:
@@ -80,7 +81,7 @@ def scale(planes, signed):
 # --- pictures of the points
 
 class Flat:
-    """Points drawn in a plane: all of them in 2D, the layer next to a plane in 3D."""
+    """Particles drawn in a plane: all of them in 2D, the layer next to a plane in 3D."""
 
     def __init__(self, run, normal=2):
         self.run = run
@@ -104,7 +105,7 @@ class Flat:
         self.low, self.high = low - margin, high + margin
 
     def _plane(self):
-        """A symmetry plane at the low face is shown, otherwise the one with half of the last points on either side."""
+        """A symmetry plane at the low face if there is one, otherwise the plane that halves the last particles."""
         domain = self.run.log["domain"]
         if domain["boundary"][2 * self.normal] == "symmetry":
             return domain["lower"][self.normal] + 0.5 * self.size
@@ -144,7 +145,7 @@ class Flat:
         if len(x) > LARGEST_SQUARE_COUNT:
             drawn = self._image(panel, x, values, norm, colours)
         else:
-            # Larger squares below: where the material has stretched, no paper shows between its points.
+            # Larger squares below: where the material has stretched, the page does not show between its particles.
             for half in (1.1, 0.53):
                 corners = half * self.size * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
                 drawn = PolyCollection((x[:, None, :] + corners[None]) * factor, array=values, norm=norm, cmap=colours,
@@ -159,7 +160,7 @@ class Flat:
         return drawn
 
     def _image(self, panel, x, values, norm, colours):
-        """Mean of the points in each pixel; a pixel is as wide as the points are apart, or wider."""
+        """Mean of the particles in each pixel; a pixel is at least as wide as the particle spacing."""
         pixel = max(1.02 * self.size, (self.high - self.low).max() / 900)
         counts = np.ceil((self.high - self.low) / pixel).astype(int)
         at = np.clip(((x - self.low) / pixel).astype(int), 0, counts - 1)
@@ -218,7 +219,7 @@ def sheet(run, flat, dumps, planes, norm, colours, label, kinds=None):
 
 
 def shown_dumps(run, flat):
-    """First, middle and last dump; of slender bodies, which leave room, some more."""
+    """First, middle and last dump; for slender bodies, which leave room, some more."""
     dumps = filled(run)
     most = 6 if flat.aspect > 1.9 else 4 if flat.aspect > 1.4 else 3
     return [dumps[i] for i in chosen(len(dumps), most)]
@@ -231,7 +232,7 @@ def planes_of(run):
 
 
 def pictures(run):
-    """The points of two- and three-dimensional runs, coloured by the main quantities."""
+    """The particles of two- and three-dimensional runs, coloured by the main quantities."""
     if run.dimensions == 1 or not filled(run):
         return None
     out = []
@@ -278,7 +279,7 @@ def smoothed(depth, inside, times):
 
 
 def splat(points, values, size, low, high, axes):
-    """Each point as a ball seen along the third axis: the visible values and the brightness of each pixel."""
+    """Each particle as a ball seen along the third axis: the visible values and the brightness of each pixel."""
     right, up, eye = axes
     radius = 0.95 * size
     pixel = max(size / 2.5, (high - low).max() / 520)
@@ -298,7 +299,7 @@ def splat(points, values, size, low, high, axes):
             inside = (at_column >= 0) & (at_column < shape[0]) & (at_row >= 0) & (at_row < shape[1])
             at = at_row[inside] * shape[0] + at_column[inside]
             mine = w[order][inside] + np.sqrt(rest)
-            # The points come from the farthest to the nearest: of equal pixels the last assignment stays.
+            # The particles are ordered from the farthest to the nearest: in a pixel the last assignment remains.
             top = np.full(depth.size, -np.inf)
             who = np.full(depth.size, -1)
             top[at] = mine
@@ -355,7 +356,7 @@ def outer_view(run):
 
 
 def triad(panel, axes):
-    """The directions, small, in the lower left corner."""
+    """The directions, drawn small in the lower left corner."""
     for d, name in enumerate("xyz"):
         along = np.array([axes[0][d], axes[1][d]]) * 22
         panel.annotate("", xy=(16 + along[0], 16 + along[1]), xytext=(16, 16), xycoords="axes points",
@@ -368,7 +369,7 @@ def triad(panel, axes):
 # --- lines
 
 def profiles(run):
-    """One-dimensional runs: what the points carry over their positions, at several times."""
+    """One-dimensional runs: the particles' values over their positions, at several times."""
     if run.dimensions != 1 or not filled(run):
         return None
     dumps = [filled(run)[i] for i in chosen(len(filled(run)), 8)]
@@ -420,7 +421,7 @@ def components(panel, run, history, name, unit):
 
 
 def gauge_histories(run):
-    """Displacement, velocity and equivalent stress of the points that gauges ride on, one row each."""
+    """Displacement, velocity and equivalent stress of the particles that gauges follow, one row each."""
     gauges = [g for g in run.point_gauges if run.histories.get(g["name"]) is not None
               and len(run.histories[g["name"]]["time"]) > 1]
     if not gauges:

@@ -12,10 +12,10 @@ from pathlib import Path
 GEOMETRIES = {"cartesian3d": "3D", "planar2d": "planar 2D", "axisymmetric2d": "axisymmetric 2D",
               "planar1d": "planar 1D", "cylindrical1d": "cylindrical 1D", "spherical1d": "spherical 1D"}
 ROUND_OFF = 1e-10
-# Energy of material points: what the better shape functions reach, and from where on a run does not balance unless its
-# deck says otherwise.
+# Energy of material points: the drift that the better shape functions reach, and the one from which a run does not
+# balance unless its deck says otherwise.
 FINE_DRIFT = 1e-3
-CLIPPED = 0.05  # part of a peak that the cells cut off, from which on the report marks it
+CLIPPED = 0.05  # fraction of a peak cut off by the cells from which the report marks it
 USUAL_WARN = 5e-3
 KB_TITLE = "Kingery-Bulmash"
 
@@ -25,7 +25,7 @@ def text(value):
 
 
 def number(value, digits=4, padded=False):
-    """A number for people: no exponent where it can be avoided, a dash where there is none.
+    """A number for readers: without exponent where possible, a dash for None.
 
     `padded` keeps trailing zeros, so that the numbers of a column have equal precision.
     """
@@ -89,12 +89,12 @@ def status_badge(log):
 
 
 def is_unbalanced(log):
-    """Results of older versions do not say."""
+    """Whether the audit found the run unbalanced; results of older versions do not say."""
     return log["audit"].get("balanced") is False
 
 
 def balance_words(log):
-    """What the audit says, and why."""
+    """The verdict of the audit with its reasons."""
     audit = log["audit"]
     if "balanced" not in audit:
         return ""
@@ -223,7 +223,7 @@ def body_section(run):
 
 
 def broken_zones(zones):
-    """Concrete that is broken, seen from the faces of its bodies; nothing where nothing is."""
+    """Zones of broken concrete, as seen from the faces of its bodies; empty where nothing is broken."""
     rows = []
     for zone in zones:
         faces = [f for f in zone["faces"] if f["crushed_depth"] or f["cracked_depth"] or f["spall_depth"] is not None]
@@ -293,7 +293,7 @@ def drift_verdict(energy, log=None):
 
 
 def dissipation_words(energy):
-    """Kinetic energy of the points that was lost and is counted."""
+    """Kinetic energy that the particles lost and that is counted."""
     held, filtered = energy.get("lost_at_held_nodes") or 0.0, energy.get("filtered") or 0.0
     friction, apic = energy.get("friction") or 0.0, energy.get("apic") or 0.0
     lifted = energy.get("lifted") or 0.0
@@ -347,7 +347,7 @@ def charge_section(log):
 
 
 def start_table(log):
-    """What the remaps of the charges' bursts kept."""
+    """What the remaps of the charges' bursts conserved."""
     if not log.get("starts"):
         return ""
     rows = []
@@ -391,7 +391,7 @@ def gauge_table(run):
             else:
                 row.append(number(value, 4, True) + mark)
             if with_reference:
-                # The curves' peak is one of the front: it was read from records in the same way.
+                # The peak of the curves is that at the front: it was read from records in the same way.
                 known = key if key != "front_overpressure" else "peak_overpressure"
                 reference, ratio = gauge["kingery_bulmash"][known], gauge["ratio"][key]
                 row.append(number(None if reference is None else reference * factor, 4, True))
@@ -411,7 +411,7 @@ def clipped(gauge):
 
 
 def record_table(gauges):
-    """What the whole record holds, beyond the first positive phase; nothing where the results are older than that."""
+    """Values of the whole record, beyond the first positive phase; empty for results of older versions."""
     if not any("largest_impulse" in g for g in gauges):
         return ""
     rows = []
@@ -467,7 +467,7 @@ def audit_section(log):
     names = ("mass of the ambient fluid", "mass of the second fluid")
     for (initial, outflow, current, error), name in zip(masses, names):
         if initial or outflow or current:
-            # The guards' mass is one figure for both fluids; it stands with the first.
+            # The guards' mass is one figure for both fluids; it is shown with the first.
             guards = audit["guard_mass"] if name.endswith("ambient fluid") else None
             account(name, "kg", initial, outflow, guards, current, error)
     if not log.get("mpm_region"):
@@ -499,7 +499,7 @@ def audit_section(log):
 
 
 def panel_words(panels, audit):
-    """What became of the panels, and what came with their cells."""
+    """When the panels opened, and the mass and energy of the cells that they freed."""
     if not panels:
         return ""
     rows = [[("text", html.escape(p["name"])), number(1e-3 * p["fails_at"], 4),
@@ -515,7 +515,7 @@ def panel_words(panels, audit):
 
 
 def region_section(run):
-    """What crossed the bridge, and the energy of gas and points together."""
+    """What crossed the bridge, and the energy of gas and particles together."""
     region = run.log["mpm_region"]
     if region["awake_since"] is None:
         return "<p>No wave came near the region: its points slept.</p>"
@@ -546,7 +546,7 @@ def deck_section(deck):
 
 
 def gas_sections(run, figures):
-    """What a run of the gas has to show."""
+    """Sections of a run of the gas."""
     log = run.log
     if log["charges"]:
         yield "Charge", charge_section(log)
@@ -577,7 +577,7 @@ def gas_sections(run, figures):
 
 
 def point_sections(run, figures):
-    """What a run of material points has to show."""
+    """Sections of a run of material points."""
     yield "Bodies", body_section(run)
     pictures = figures.pictures(run)
     mirrored = " Mirrored at the axis." if run.geometry == "axisymmetric2d" else ""
@@ -666,7 +666,7 @@ def main(arguments):
         content = page(results.Run(folder), figures, point_figures)
         temporary = folder / "report.html.part"
         temporary.unlink(missing_ok=True)
-        with open(temporary, "x", encoding="utf-8") as file:  # a new file: not through a link that stands there
+        with open(temporary, "x", encoding="utf-8") as file:  # a new file: not through an existing link
             file.write(content)
         os.replace(temporary, folder / "report.html")
     except OSError as problem:

@@ -1,6 +1,6 @@
-"""The output folder of a run: the one reader of it, for the report, the validation and users, in SI units.
+"""Reader of the output folder of a run, for the report, the validation and users, in SI units.
 
-docs/output.md, "Reading results in Python", shows how it is used.
+docs/output.md, "Reading results in Python", shows how to use it.
 """
 import csv
 import functools
@@ -18,19 +18,19 @@ AXES = {"axisymmetric2d": ("r", "z", ""), "cylindrical1d": ("r", "", ""), "spher
 
 
 def text(attribute):
-    """A text that HDF5 may hold as bytes."""
+    """A text that HDF5 may store as bytes."""
     return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
 
 
 def nearest(dumps, time):
-    """The dump next to a time [s]."""
+    """The dump nearest to a time [s]."""
     if not dumps:
         raise ValueError("there is no dump: the run has written none yet, or was not asked for any")
     return min(dumps, key=lambda dump: abs(dump.time - time))
 
 
 class Dump:
-    """One field dump. Values are read when they are asked for, and only the part that is needed."""
+    """One field dump. Values are read on demand, and only as far as needed."""
 
     def __init__(self, path):
         self.path = path
@@ -44,7 +44,7 @@ class Dump:
             self.fields = sorted(file["cells"])
 
     def values(self, field):
-        """All values of a field, [k, j, i] with k along z, without the directions that the run does not resolve; of a
+        """All values of a field, [k, j, i] with k along z, without the directions that the run does not resolve; for a
         vector the last index is the component."""
         with h5py.File(self.path, "r") as file:
             values = file["cells"][field][...].astype(float)
@@ -53,7 +53,7 @@ class Dump:
     def plane(self, field, normal, index):
         """Values of a scalar field in the layer `index` of cells across direction `normal` (0: x, 1: y, 2: z).
 
-        The result's last direction is the lower of the two that remain.
+        The last index of the result belongs to the lower of the two remaining directions.
         """
         where = [slice(None)] * 3
         where[2 - normal] = index
@@ -69,13 +69,13 @@ class Dump:
         return self.origin[direction] + np.arange(self.cells[direction] + 1) * self.spacing
 
     def layer(self, direction, position):
-        """Index of the layer of cells that holds a position, clamped to the domain."""
+        """Index of the layer of cells that contains a position, clamped to the domain."""
         index = int(np.floor((position - self.origin[direction]) / self.spacing))
         return min(max(index, 0), self.cells[direction] - 1)
 
 
 class PointDump:
-    """One dump of the material points. Values are read when they are asked for."""
+    """One dump of the material points. Values are read on demand."""
 
     def __init__(self, path):
         self.path = path
@@ -97,8 +97,8 @@ class PointDump:
 
 
 class Profile:
-    """The state of a burst in one or two dimensions, with which a run begins or ended: `values` by component, and the
-    `ambient` state around it. Components are "pressure" and those that `components` lists."""
+    """The state of a burst in one or two dimensions at the start or end of a run: `values` by component, and the
+    `ambient` state around it. Components are "pressure" and those listed in `components`."""
 
     def __init__(self, path):
         self.path = path
@@ -123,12 +123,12 @@ class Profile:
         return self._ambient[component]
 
     def radii(self):
-        """Of the centres of the cells [m]."""
+        """Radii of the cell centres [m]."""
         return (np.arange(self.cells[0]) + 0.5) * self.spacing
 
 
 class Run:
-    """A run's folder. What is not asked for is not read."""
+    """The folder of a run. Files are read on demand."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -139,12 +139,12 @@ class Run:
 
     @functools.cached_property
     def summary(self):
-        """What summary.json holds; of a run that is not done, no gauges."""
+        """The contents of summary.json; no gauges if the run is not done."""
         return self._json("summary.json") or {"gauges": [], "burst": "none"}
 
     @property
     def gauges(self):
-        """Summaries of the gauges of the gas by their names."""
+        """Summaries of the gas gauges by name."""
         return {gauge["name"]: gauge for gauge in self.summary["gauges"]}
 
     @property
@@ -153,17 +153,17 @@ class Run:
 
     @property
     def bodies(self):
-        """Summaries of the bodies, those of the gauges that watch one among them."""
+        """Summaries of the bodies, including those of gauges that watch a body."""
         return self.summary.get("bodies", [])
 
     @functools.cached_property
     def histories(self):
-        """All histories by the names of their gauges; None where the file is missing."""
+        """All histories by gauge name; None where the file is missing."""
         return {name: self._table(file) for name, file in self._gauge_files.items()}
 
     def gauge(self, name):
-        """The history of one gauge: columns by their names without units."""
-        # A run that is not done has no summary yet, which tells the files.
+        """The history of one gauge: columns by name, without units."""
+        # A run that is not done has no summary yet, which names the files.
         file = self._gauge_files.get(name) or f"gauges/{file_name(name)}.csv"
         history = self._table(file)
         if history is None:
@@ -183,12 +183,12 @@ class Run:
 
     @functools.cached_property
     def profiles(self):
-        """Profiles by the names of their files: start_1, start_2, ..., end."""
+        """Profiles by file name: start_1, start_2, ..., end."""
         return {path.stem: Profile(path) for path in sorted(self.folder.glob("profiles/*.h5"))}
 
     @functools.cached_property
     def energies(self):
-        """Columns of energies.csv, of every body three; None without material points."""
+        """Columns of energies.csv, three per body; None without material points."""
         return self._table("energies.csv")
 
     def total_energies(self):
@@ -232,16 +232,16 @@ class Run:
 
     @functools.cached_property
     def _gauge_files(self):
-        """Files of the histories by the names of the gauges."""
+        """Files of the histories by gauge name."""
         entries = [*self.summary["gauges"], *self.point_gauges, *self.bodies]
         return {entry["name"]: entry["file"] for entry in entries if entry["name"] and entry.get("file")}
 
     def _table(self, name):
-        """Columns of a CSV file by their names without units; None where it is missing or has no head yet."""
+        """Columns of a CSV file by name, without units; None if it is missing or has no header yet."""
         path = self.folder / name
         if not path.exists():
             return None
-        # A run that goes on or was killed may leave a last line that is cut off, even within its last number.
+        # A run in progress or killed may leave an incomplete last line, even within its last number.
         whole = path.read_bytes().decode("utf-8").rpartition("\n")[0]
         rows = csv.reader(io.StringIO(whole, newline=""))
         names = [column.split(" [")[0] for column in next(rows, [])]
@@ -253,6 +253,6 @@ class Run:
 
 
 def file_name(gauge):
-    """What a gauge's name becomes in the name of its file (`sanitised` in src/output/gauges.cpp)."""
+    """A gauge's name as it appears in its file name (`sanitised` in src/output/gauges.cpp)."""
     name = re.sub(rb"[^A-Za-z0-9_.-]", b"_", gauge.encode()).decode()
     return f"_{name}" if not name or name.startswith(".") else name

@@ -585,7 +585,7 @@ def run(variants, resolution, target):
                  and all(a <= b for a, b in zip(diameters, diameters[1:])))
     spread = ", ".join(f"{1e3 * d:.0f} mm at {1e3 * t:.2f} ms" for t, d in zip(times[-3:], diameters[-3:]))
     acceptance = acceptance_of(main, what)
-    acceptance.append((f"back face, 4 kg, {what}: the damage spreads outwards from the centre, equally in all directions",
+    acceptance.append((f"back face, 4 kg, {what}: the damage spreads from the centre in all directions alike",
                        f"disc of {spread}; reach along the diagonal / along the edge {round_by:.2f}",
                        "a growing disc around the centre, round to 10 %, until a quarter of the face is broken",
                        bool(spreading and abs(round_by - 1.0) <= 0.1)))
