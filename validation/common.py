@@ -187,7 +187,7 @@ class Variants:
         self.number, self.expected = 0, number
 
     def __call__(self, case, name, changes=None, added="", may_fail=False, text=None):
-        """Returns the results, or None where the run failed and may. `text` stands for the case's deck."""
+        """Returns the results, or None if the run failed and `may_fail`. `text` replaces the case's deck."""
         text = varied(text or (ROOT / "cases" / case / "deck.toml").read_text(), changes or {}) + added
         folder = self.work / f"{case}-{name}"
         self.number += 1

@@ -1,5 +1,5 @@
-"""Runs the decks of tests/hostile: each must be refused with place and remedy, come out right, or end with a true
-message. What a deck expects stands in the comments at its head, one `# key: value` a line:
+"""Runs the decks of tests/hostile: each must be refused with place and remedy, give the right result, or end with a
+true message. What a deck expects is in the comments at its head, one `# key: value` per line:
 
   hostile: what it tries (needed)
   exit: 2              allowed exit codes, one or several

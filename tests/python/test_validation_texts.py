@@ -1,8 +1,8 @@
 """No page of the validation holds a measured number that was typed by hand.
 
-The texts stand in the strings of validation/*.py and validation/paper/*.py and in the templates validation/*.md.in.
-What the runs measure comes into them as {values} and @values@. Every other number must be known to typed_numbers.toml,
-which tells of each what it is: a setting, what was asked for, an identity or a reference with its key.
+The texts are in the strings of validation/*.py and validation/paper/*.py and in the templates validation/*.md.in.
+Measurements enter them as {values} and @values@. Every other number must be listed in typed_numbers.toml with its kind:
+a setting, a target set beforehand, an identity or a reference with its key.
 """
 import ast
 import re
