@@ -12,7 +12,7 @@ namespace brisance::bridge {
 using mpm::Field;
 
 Bridge::Bridge(gas::Gas& gas, mpm::Mpm& points, int gas_body, Region region, Options const& options,
-               gas::MixtureState const& ambient)
+               gas::Primitive const& ambient)
     : gas_(&gas),
       points_(&points),
       gas_body_(gas_body),
@@ -134,7 +134,7 @@ void Bridge::take_leavers() {
         move[d] = set.field(Field::move_x + d)[q];
       }
       int const face = faces_.crossed(x, move);
-      Account const load = gas_points_.carried(set, q);
+      Amounts const load = gas_points_.carried(set, q);
       ++traffic_.left;
       if (faces_[face].open) {
         traffic_.outflow.add(options_.transport == Transport::ledger ? gas_points_.handed_over(set, q) : load);

@@ -120,21 +120,28 @@ void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive 
     }
     double const old = std::max(rest, 0.0);
     double const held = before + alpha;  // by charges
-    bool const two = gas.components() > gas::single_fluid_components;
+    constexpr int products = gas::products_fluid;
     gas::Components u{};
     for (int c = 0; c < gas.components(); ++c) u[c] = gas.fields().at(cell.block, c)[cell.offset];
     if (before > 0.0) {
       // Back to what was there before the charges.
-      u[gas::second_density] -= before * explosive.density();
-      u[gas::volume_fraction] -= before;
+      u[gas::partial_density(products)] -= before * explosive.density();
+      u[gas::volume_fraction(products)] -= before;
       u[gas::energy] -= before * explosive.energy;
       double const scale = before < 1.0 ? 1.0 / (1.0 - before) : 0.0;
       for (int c = 0; c < gas.components(); ++c) u[c] *= scale;
     }
-    gas.set_conserved(
-        cell, old * u[gas::density], (two ? old * u[gas::second_density] : 0.0) + held * explosive.density(),
-        {old * u[gas::momentum_x], old * u[gas::momentum_y], old * u[gas::momentum_z]},
-        held * explosive.energy + old * u[gas::energy], (two ? old * u[gas::volume_fraction] : 0.0) + held);
+    gas::Amounts per_volume;
+    gas::Fractions fractions;
+    for (int k = 0; k < gas.fluids().count; ++k) {
+      per_volume.mass[k] = old * u[gas::partial_density(k)];
+      if (k > 0) fractions.set(k, old * u[gas::volume_fraction(k)]);
+    }
+    for (int d = 0; d < 3; ++d) per_volume.momentum[d] = old * u[gas::momentum_x + d];
+    per_volume.mass[products] += held * explosive.density();
+    per_volume.energy = held * explosive.energy + old * u[gas::energy];
+    fractions.set(products, fractions[products] + held);
+    gas.set(cell, per_volume, fractions);
     before = held;
   }
 }
@@ -286,7 +293,7 @@ void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charge
   // The energy of a trace is a few times what the air beside it has at the ambient pressure.
   constexpr double few = 3.0;
   material::Fluids const& fluids = gas.fluids();
-  double const trace = few * fluids.ambient_pressure / (material::gruneisen(fluids.ambient) * explosive.energy);
+  double const trace = few * fluids.ambient_pressure / (material::gruneisen(fluids.ambient()) * explosive.energy);
   gas.set_burn(detonation_speed, last, trace);
 }
 

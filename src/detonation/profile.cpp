@@ -52,20 +52,20 @@ double Profile::sum(int c) const {
 }
 
 std::vector<Constant> constants_of(material::Explosive const& explosive, gas::Fluids const& fluids,
-                                   gas::MixtureState const& ambient) {
+                                   gas::Primitive const& ambient) {
   std::vector<Constant> constants{{"explosive energy", explosive.energy},
                                   {"explosive detonation_speed", explosive.detonation_speed}};
-  add_constants(constants, "products", fluids.second);
-  add_constants(constants, "ambient", fluids.ambient);
+  add_constants(constants, "products", fluids.eos[gas::products_fluid]);
+  add_constants(constants, "ambient", fluids.ambient());
   constants.push_back({"ambient pressure", ambient.pressure});
-  constants.push_back({"ambient density", ambient.ambient_density});
+  constants.push_back({"ambient density", ambient.density});
   return constants;
 }
 
-Profile profile_of(gas::Gas const& gas, gas::MixtureState const& ambient, Vec3 const& centre, double time) {
+Profile profile_of(gas::Gas const& gas, gas::Primitive const& ambient, Vec3 const& centre, double time) {
   grid::Domain const& domain = gas.grid().domain();
   if (gas.burning()) throw InputError("the explosive still burns: the profile would hold unburnt explosive");
-  auto const quiet = gas.conserved(ambient);
+  auto const quiet = gas::conserved_of(gas.fluids(), ambient);
   Index3 first = domain.cells;
   Index3 last{-1, -1, 0};
   for (grid::Block const& block : gas.grid().blocks()) {

@@ -26,27 +26,14 @@ grid::ExchangeRules exchange_rules(Components const& quiescent, std::array<Compo
 }
 
 int component_count(Fluids const& fluids, Options const& options) {
-  if (!fluids.two) return single_fluid_components;
-  return options.afterburn && options.afterburn->carried() ? afterburn_components : two_fluid_components;
-}
-
-Components conserved_of(Fluids const& fluids, MixtureState const& s) {
-  Components u{};
-  double const alpha = fluids.two ? s.volume_fraction : 0.0;
-  u[density] = (1.0 - alpha) * s.ambient_density;
-  u[second_density] = alpha * s.second_density;
-  u[volume_fraction] = alpha;
-  double const rho = u[density] + u[second_density];
-  for (int d = 0; d < 3; ++d) u[momentum_x + d] = rho * s.velocity[d];
-  u[energy] =
-      mixture(fluids, u[density], u[second_density], alpha).rho_e(s.pressure) + 0.5 * rho * dot(s.velocity, s.velocity);
-  return u;
+  bool const carried = fluids.mixed() && options.afterburn && options.afterburn->carried();
+  return carried ? most_components : components_of(fluids.count);
 }
 
 }  // namespace
 
-Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, MixtureState const& quiescent,
-         std::array<MixtureState, 6> const& inflow)
+Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, Primitive const& quiescent,
+         std::array<Primitive, 6> const& inflow)
     : grid_(&grid),
       fluids_(fluids),
       options_(options),
@@ -61,30 +48,24 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, M
       open_faces_(grid, fluids, fields_.components()),
       awake_(static_cast<std::size_t>(grid.block_count()), 1),
       blocks_(static_cast<std::size_t>(grid.block_count())) {
-  auto const u = conserved(quiescent);
+  auto const u = conserved_of(fluids, quiescent);
   for (int b = 0; b < grid.block_count(); ++b) {
     for (int c = 0; c < components(); ++c) std::fill_n(fields_.at(b, c), grid.blocks()[b].cell_count(), u[c]);
     if (options_.peak_fields) peaks_.emplace_back(static_cast<std::size_t>(grid.blocks()[b].cell_count()) * peak_count);
   }
 }
 
-Components Gas::conserved(MixtureState const& state) const { return conserved_of(fluids_, state); }
-
-void Gas::set(grid::Cell const& cell, MixtureState const& state) {
-  auto const u = conserved(state);
+void Gas::set(grid::Cell const& cell, Primitive const& state) {
+  auto const u = conserved_of(fluids_, state);
   for (int c = 0; c < components(); ++c) fields_.at(cell.block, c)[cell.offset] = u[c];
 }
 
-void Gas::set_conserved(grid::Cell const& cell, double ambient, double second, Vec3 const& momentum,
-                        double total_energy, double fraction) {
+void Gas::set(grid::Cell const& cell, Amounts const& per_volume, Fractions const& fraction) {
   auto const [block, offset] = std::pair{cell.block, cell.offset};
-  fields_.at(block, density)[offset] = ambient;
-  for (int d = 0; d < 3; ++d) fields_.at(block, momentum_x + d)[offset] = momentum[d];
-  fields_.at(block, energy)[offset] = total_energy;
-  if (fluids_.two) {
-    fields_.at(block, second_density)[offset] = second;
-    fields_.at(block, volume_fraction)[offset] = fraction;
-  }
+  for (int k = 0; k < fluids_.count; ++k) fields_.at(block, partial_density(k))[offset] = per_volume.mass[k];
+  for (int d = 0; d < 3; ++d) fields_.at(block, momentum_x + d)[offset] = per_volume.momentum[d];
+  fields_.at(block, energy)[offset] = per_volume.energy;
+  for (int k = 1; k < fluids_.count; ++k) fields_.at(block, volume_fraction(k))[offset] = fraction[k];
   if (components() > progress) fields_.at(block, progress)[offset] = 0.0;
 }
 
@@ -145,11 +126,7 @@ double Gas::next_burst() const {
   return next;
 }
 
-double Gas::most_H() const {
-  bool const tension =
-      material::bears_tension(fluids_.ambient) || (fluids_.two && material::bears_tension(fluids_.second));
-  return tension ? std::numeric_limits<double>::infinity() : 0.0;
-}
+double Gas::most_H() const { return fluids_.any_bears_tension() ? std::numeric_limits<double>::infinity() : 0.0; }
 
 double Gas::burn_fraction_of(BurnTime const& times) const {
   double const t = time_at_step_end_;
@@ -161,7 +138,7 @@ double Gas::burn_fraction_of(BurnTime const& times) const {
 bool Gas::is_trace(double alpha) const { return std::abs(alpha) <= trace_; }
 
 double Gas::unlit_compression(double unburnt_density) const {
-  if (!fluids_.two || !burning()) return 0.0;
+  if (!fluids_.mixed() || !burning()) return 0.0;
   constexpr double ahead = 6.0;  // cells that the detonation runs meanwhile: its own foot compresses what is nearer
   constexpr double a_good_part = 0.1;
   double most = 0.0;
@@ -171,10 +148,11 @@ double Gas::unlit_compression(double unburnt_density) const {
     double const soonest = time_ + ahead * block.h() / detonation_speed_;
     grid::CellRange const box = block.with_ghosts();
     for_each_cell(block, [&](grid::Cell const& cell) {
-      double const alpha = fields_.at(b, volume_fraction)[cell.offset];
+      double const alpha = fields_.at(b, volume_fraction(products_fluid))[cell.offset];
       bool const soon = blocks_[b].burn_times[box.offset(cell.within())].begin < soonest;
       if (soon || alpha < a_good_part || !is_own(cell)) return;
-      most = std::max(most, fields_.at(b, second_density)[cell.offset] / (alpha * unburnt_density) - 1.0);
+      double const partial = fields_.at(b, partial_density(products_fluid))[cell.offset];
+      most = std::max(most, partial / (alpha * unburnt_density) - 1.0);
     });
   }
   return most;
@@ -183,13 +161,13 @@ double Gas::unlit_compression(double unburnt_density) const {
 double Gas::burn_fraction(grid::Cell const& cell) const {
   auto const& times = blocks_[cell.block].burn_times;
   if (times.empty() || !burning()) return 1.0;
-  if (is_trace(fields_.at(cell.block, volume_fraction)[cell.offset])) return 1.0;
+  if (is_trace(fields_.at(cell.block, volume_fraction(products_fluid))[cell.offset])) return 1.0;
   return burn_fraction_of(times[grid_->block(cell).with_ghosts().offset(cell.within())]);
 }
 
 double Gas::afterburn_progress(grid::Cell const& cell) const {
-  if (!fluids_.two || !options_.afterburn) return 0.0;
-  double const products = fields_.at(cell.block, second_density)[cell.offset];
+  if (!fluids_.mixed() || !options_.afterburn) return 0.0;
+  double const products = fields_.at(cell.block, partial_density(products_fluid))[cell.offset];
   if (!(products > 0.0)) return 0.0;
   if (auto const* constant = std::get_if<material::ConstantRateAfterburn>(&options_.afterburn->rate)) {
     return constant->progress(time_);
@@ -200,7 +178,7 @@ double Gas::afterburn_progress(grid::Cell const& cell) const {
 void Gas::start(double time) {
   time_ = time;
   time_at_step_end_ = time;
-  auto const quiet = conserved(quiescent_);
+  auto const quiet = conserved_of(fluids_, quiescent_);
   parallel_for(grid_->block_count(), [&](int b, int) {
     bool quiescent = options_.sleep;
     for (int c = 0; c < components() && quiescent; ++c) {
@@ -213,7 +191,8 @@ void Gas::start(double time) {
   open_faces_.start(fields_, quiet, [this](grid::Cell const& cell) {
     // Explosive that the boundary cuts through burns away; what lies beyond it does not.
     auto const& times = blocks_[cell.block].burn_times;
-    if (!fluids_.two || times.empty() || !(fields_.at(cell.block, volume_fraction)[cell.offset] > 0.0)) return false;
+    if (!fluids_.mixed() || times.empty()) return false;
+    if (!(fields_.at(cell.block, volume_fraction(products_fluid))[cell.offset] > 0.0)) return false;
     return std::isfinite(times[grid_->block(cell).with_ghosts().offset(cell.within())].end);
   });
   prepare_workspaces();
@@ -239,24 +218,10 @@ void Gas::prepare_workspaces() {
   for (int t = 0; t < threads(); ++t) workspaces_.emplace_back(array_count, capacity, width);
 }
 
-Primitive Gas::to_primitive(double const* u, double F) const {
-  double const rho1 = fluids_.two ? u[second_density] : 0.0;
-  double const alpha = fluids_.two ? u[volume_fraction] : 0.0;
-  Mixture const m = mixture(fluids_, u[density], rho1, alpha, F);
-  Primitive w;
-  w.density = u[density] + rho1;
-  for (int d = 0; d < 3; ++d) w.velocity[d] = u[momentum_x + d] / w.density;
-  w.pressure = m.pressure(u[energy] - 0.5 * w.density * dot(w.velocity, w.velocity));
-  w.volume_fraction = alpha;
-  w.mass_fraction = rho1 / w.density;
-  w.sound_speed = std::sqrt(std::max(0.0, m.bulk_modulus(w.pressure)) / w.density);
-  return w;
-}
-
 Primitive Gas::primitive(grid::Cell const& cell) const {
   Components u{};
   for (int c = 0; c < components(); ++c) u[c] = fields_.at(cell.block, c)[cell.offset];
-  return to_primitive(u.data(), burn_fraction(cell));
+  return primitive_of(fluids_, u.data(), burn_fraction(cell));
 }
 
 std::vector<Primitive> Gas::gather(std::vector<Index3> const& cells) const {
@@ -264,7 +229,7 @@ std::vector<Primitive> Gas::gather(std::vector<Index3> const& cells) const {
   std::vector<Primitive> result;
   result.reserve(cells.size());
   for (std::size_t n = 0; n < cells.size(); ++n) {
-    result.push_back(to_primitive(values.data() + n * components(), burn_fraction(grid_->locate(cells[n]))));
+    result.push_back(primitive_of(fluids_, values.data() + n * components(), burn_fraction(grid_->locate(cells[n]))));
   }
   return result;
 }
@@ -284,13 +249,13 @@ double const* Gas::peak_impulse(int block) const {
 Account Gas::account() const {
   Account sum;
   for (BlockData const& block : blocks_) {
-    for (int c = 0; c < afterburn_components; ++c) sum.outflow[c] += block.account.outflow[c];
+    for (int c = 0; c < most_components; ++c) sum.outflow[c] += block.account.outflow[c];
     sum.guarded_cells += block.account.guarded_cells;
     sum.fallback_faces += block.account.fallback_faces;
     sum.guard_mass += block.account.guard_mass;
     sum.guard_energy += block.account.guard_energy;
     sum.afterburn_energy += block.account.afterburn_energy;
-    for (int c = 0; c < afterburn_components; ++c) sum.opened[c] += block.account.opened[c];
+    for (int c = 0; c < most_components; ++c) sum.opened[c] += block.account.opened[c];
   }
   return sum;
 }
@@ -319,7 +284,7 @@ SweepContext Gas::sweep_context(int direction, double dt) const {
       options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && grid_->domain().dimensions() > 1;
   context.progress = components() > progress;
   context.most_H = most_H();
-  context.bounded_phase = fluids_.two && std::holds_alternative<material::IdealGas>(fluids_.ambient);
+  context.bounded_phase = fluids_.mixed() && std::holds_alternative<material::IdealGas>(fluids_.ambient());
   context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
   return context;
 }

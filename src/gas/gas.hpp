@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "gas/closure.hpp"
+#include "gas/cell_state.hpp"
 #include "gas/kernels.hpp"
 #include "gas/open_faces.hpp"
 #include "grid/exchange.hpp"
@@ -37,28 +37,9 @@ struct Options {
   double viscosity = 0.0;                        ///< lax_wendroff: constant eta; 0: [Cui14] Eq. (5)
   bool sleep = true;                             ///< skip quiescent blocks
   bool peak_fields = false;                      ///< keep peak overpressure and impulse per cell
-  std::optional<material::Afterburn> afterburn;  ///< of the second fluid
+  std::optional<material::Afterburn> afterburn;  ///< of the products
   Index3 sweep_order{0, 1, 2};  ///< directions in the order of the forward step; those not resolved are skipped
   int bundle_cells = 320;  ///< cells that a sweep works on at a time; their arrays should stay in the nearest caches
-};
-
-/// State of a cell as people think of it.
-struct Primitive {
-  double density = 0.0;          ///< of the mixture [kg/m3]
-  Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s]
-  double pressure = 0.0;         ///< [Pa]
-  double volume_fraction = 0.0;  ///< of the second fluid
-  double mass_fraction = 0.0;    ///< of the second fluid
-  double sound_speed = 0.0;      ///< [m/s]
-};
-
-/// A mixture given by its primitive state; the fluids' own densities are free.
-struct MixtureState {
-  double ambient_density = 1.225;  ///< density of the ambient fluid itself [kg/m3]
-  double second_density = 0.0;     ///< density of the second fluid itself [kg/m3]
-  double volume_fraction = 0.0;    ///< of the second fluid
-  Vec3 velocity{0.0, 0.0, 0.0};
-  double pressure = 101325.0;
 };
 
 /// Guards and boundary flows since the start, summed over blocks in fixed order.
@@ -81,12 +62,9 @@ enum class Role : std::uint8_t {
 
 /// What went through one face, integrated over time, per area; positive along the direction.
 struct FaceFlux {
-  std::array<double, 2> mass{0.0, 0.0};  ///< of the two fluids [kg/m2]
-  Vec3 momentum{0.0, 0.0, 0.0};          ///< carried along with the mass [kg/(m s)]
-  double energy = 0.0;                   ///< carried along with the mass [J/m2]
-  double impulse = 0.0;                  ///< of the pressure [Pa s]
-  double work = 0.0;                     ///< of the pressure [J/m2]
-  double volume = 0.0;                   ///< of gas that crossed, per area [m]
+  Amounts carried;       ///< mass, what goes along with it, and the volume of the gas [kg/m2, kg/(m s), J/m2, m]
+  double impulse = 0.0;  ///< of the pressure [Pa s]
+  double work = 0.0;     ///< of the pressure [J/m2]
 };
 
 /// When a cell's explosive begins to burn and when all of it is burnt [s]: the burn fraction F grows evenly between,
@@ -99,8 +77,8 @@ struct BurnTime {
 class Gas {
  public:
   /// All cells are filled with `quiescent` (the ambient state). `inflow` gives the state outside each inflow face.
-  Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, MixtureState const& quiescent,
-      std::array<MixtureState, 6> const& inflow = {});
+  Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, Primitive const& quiescent,
+      std::array<Primitive, 6> const& inflow = {});
 
   [[nodiscard]] int components() const { return fields_.components(); }
   [[nodiscard]] Fluids const& fluids() const { return fluids_; }
@@ -111,12 +89,9 @@ class Gas {
   [[nodiscard]] grid::Fields const& fields() const { return fields_; }
 
   /// Sets one cell.
-  void set(grid::Cell const& cell, MixtureState const& state);
-  /// Sets one cell from conserved quantities per volume: partial densities, momentum, total energy, volume fraction.
-  void set_conserved(grid::Cell const& cell, double ambient, double second, Vec3 const& momentum, double total_energy,
-                     double volume_fraction);
-  /// Conserved components of a state, in component order.
-  [[nodiscard]] Components conserved(MixtureState const& state) const;
+  void set(grid::Cell const& cell, Primitive const& state);
+  /// Sets one cell from amounts per volume, total energy among them. Its shock sensor stays.
+  void set(grid::Cell const& cell, Amounts const& per_volume, Fractions const& volume_fraction);
 
   /// Marks obstacle cells of a block (1: solid), over `Block::with_ghosts`.
   void set_obstacles(int block, std::vector<std::uint8_t> solid);
@@ -161,7 +136,7 @@ class Gas {
   [[nodiscard]] bool bursting() const;
   /// When the next burst begins [s]; infinite: there is none to come.
   [[nodiscard]] double next_burst() const;
-  /// Largest compression, the second fluid's own density over the unburnt one less 1, in cells that hold a good
+  /// Largest compression, the products' own density over the unburnt one less 1, in cells that hold a good
   /// part of explosive that will not burn for some cells' time yet; 0: none is compressed. Nothing but a blow from
   /// elsewhere compresses it, and programmed burn leaves it no strength but the ambient pressure.
   [[nodiscard]] double unlit_compression(double unburnt_density) const;
@@ -256,14 +231,13 @@ class Gas {
   /// Infinite where a fluid bears tension, else 0, see `margin`.
   [[nodiscard]] double most_H() const;
   [[noreturn]] void report_not_a_number(int block, int direction) const;
-  [[nodiscard]] Primitive to_primitive(double const* components, double F) const;
   [[nodiscard]] double burn_fraction_of(BurnTime const& times) const;
   [[nodiscard]] bool is_trace(double alpha) const;
 
   grid::Grid const* grid_;
   Fluids fluids_;
   Options options_;
-  MixtureState quiescent_;
+  Primitive quiescent_;
   grid::Fields fields_;
   grid::Exchange exchange_;
   OpenFaces open_faces_;

@@ -15,7 +15,7 @@ void archive(Archive& a, Account& account) {
 }
 
 void archive(Archive& a, FaceFlux& flux) {
-  a(flux.mass, flux.momentum, flux.energy, flux.impulse, flux.work, flux.volume);
+  a(flux.carried.mass, flux.carried.momentum, flux.carried.energy, flux.impulse, flux.work, flux.carried.volume);
 }
 
 }  // namespace

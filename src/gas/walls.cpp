@@ -161,7 +161,7 @@ void Gas::fill_opened(Index3 const& cell, Index3 const& from) {
     square += u[momentum_x + d] * u[momentum_x + d];
     u[momentum_x + d] = 0.0;
   }
-  u[energy] -= 0.5 * square / (u[density] + u[second_density]);
+  u[energy] -= 0.5 * square / mixture_density(fluids_.count, u);
   u[shock] = 0.0;
   double const volume = grid_->block(to).volume(to);
   for (int c = 0; c < components(); ++c) {

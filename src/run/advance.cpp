@@ -34,7 +34,9 @@ double stable_gas_step(World const& w) {
     courant = std::min(opening * w.setup.numerics.courant, bursting_courant);
     // A charge that burns releases its pressure within a step, and the products that break out of it run ahead of the
     // detonation at up to 1.3 D with the sound on top: twice D bounds both.
-    if (gas.burning()) signal = std::max(signal, 2.0 * w.setup.charges.front().explosive.detonation_speed);
+    for (Charge const& charge : w.setup.charges) {
+      if (gas.burning()) signal = std::max(signal, 2.0 * charge.explosive.detonation_speed);
+    }
   }
   double const step = courant * w.grid.smallest_cell() / signal;
   // No step leads from quiet air into the burst of a charge with a delay.

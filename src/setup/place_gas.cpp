@@ -33,7 +33,7 @@ gas::Options options_of(Case const& c) {
 }
 
 void place_obstacles(Case const& c, std::vector<std::uint8_t> const& flags, grid::Grid const& grid, gas::Gas& gas,
-                     gas::MixtureState const& ambient) {
+                     gas::Primitive const& ambient) {
   grid::Domain const& domain = grid.domain();
   grid::CellRange const all = domain.all_cells();
   if (c.obstacles.empty()) return;
@@ -107,7 +107,8 @@ detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
       double mass = 0.0;
       for (Index3 const& index : filled.cells) {
         grid::Cell const cell = grid.locate(index);
-        mass += gas.fields().at(cell.block, gas::second_density)[cell.offset] * grid.block(cell).volume(cell);
+        mass += gas.fields().at(cell.block, gas::partial_density(charge.fluid))[cell.offset] *
+                grid.block(cell).volume(cell);
       }
       return mass;
     };
@@ -136,14 +137,11 @@ detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
 
 void place_gas(run::World& w) {
   Case const& setup = w.setup;
-  std::array<gas::MixtureState, 6> inflow;
-  for (int face = 0; face < 6; ++face) inflow[face] = ambient_mixture(setup.inflow[face]);
-  w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), ambient_mixture(setup.ambient.state),
-                                     inflow);
+  w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), setup.ambient.state, setup.inflow);
   gas::Gas& gas = *w.gas;
   gas.set_wave_sources(wave_sources(setup));
   grid::Grid const& grid = w.grid;
-  gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
+  gas::Primitive const& ambient = setup.ambient.state;
   RegionPlacing regions(setup);
   regions.fill(gas);
   SolidCells const solid(setup.domain, setup.obstacles);

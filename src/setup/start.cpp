@@ -35,7 +35,7 @@ constexpr double most_start_cells = 1e6;
 /// Follows the outermost cell of a 1D gas that is not ambient.
 class Front {
  public:
-  explicit Front(run::World const& world) : quiet_(world.gas->conserved(ambient_mixture(world.setup.ambient.state))) {}
+  explicit Front(run::World const& world) : quiet_(gas::conserved_of(world.gas->fluids(), world.setup.ambient.state)) {}
   double find(run::World const& world) {
     // Blocks of a 1D grid follow each other.
     while (block_ < world.grid.block_count()) {
@@ -282,7 +282,7 @@ void place_start(run::World& w) {
     run::ChargeReport realised;
     realised.explosive = charge.explosive.name;
     realised.asked_mass = charge.mass;
-    realised.realised_mass = report.remap.after.mass[1] * images;
+    realised.realised_mass = report.remap.after.mass[gas::products_fluid] * images;
     realised.realised_energy = realised.realised_mass * charge.explosive.specific_energy();
     realised.cells_per_radius = profile.charge.radius / profile.domain.h;
     w.charges.push_back(realised);

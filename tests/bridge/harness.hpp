@@ -96,7 +96,7 @@ struct Deviation {
   }
 };
 
-inline Deviation deviation_of(run::World const& w, run::FluidState const& uniform) {
+inline Deviation deviation_of(run::World const& w, material::Primitive const& uniform) {
   Deviation d;
   for_each_own_cell(w, [&](gas::Primitive const& s, Index3 const&) {
     d.see(norm(s.velocity - uniform.velocity), std::abs(s.pressure / uniform.pressure - 1.0),
@@ -120,8 +120,10 @@ struct Balance {
 inline Balance balance_of(run::World& w, run::Totals const& before) {
   w.audit.initial = before;
   w.update_audit();
-  auto const [first, second, energy] = w.audit.relative_error();
-  return {std::max(before.mass[0] > 0.0 ? first : 0.0, before.mass[1] > 0.0 ? second : 0.0), energy};
+  auto const error = w.audit.relative_error();
+  double mass = 0.0;
+  for (int k = 0; k < material::most_fluids; ++k) mass = std::max(mass, before.mass[k] > 0.0 ? error.mass[k] : 0.0);
+  return {mass, error.energy};
 }
 
 inline constexpr double mass_tolerance = 1e-13;

@@ -56,7 +56,7 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
       }
     });
   }
-  for (bridge::Account const& account : w.bridge->accounts()) {
+  for (bridge::Amounts const& account : w.bridge->accounts()) {
     all.insert(all.end(),
                {account.mass[0], account.momentum[0], account.momentum[1], account.momentum[2], account.energy});
   }

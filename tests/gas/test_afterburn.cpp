@@ -19,9 +19,9 @@ constexpr double density = 20.0;   // of the products in the box [kg/m3]
 constexpr double pressure0 = 4e7;  // [Pa]
 constexpr double round_off = 1e-12;
 
-gas::MixtureState products(double rho, double p) {
-  gas::MixtureState s;
-  s.second_density = rho;
+Mixed products(double rho, double p) {
+  Mixed s;
+  s.products_density = rho;
   s.volume_fraction = 1.0;
   s.pressure = p;
   return s;
@@ -30,8 +30,8 @@ gas::MixtureState products(double rho, double p) {
 /// A closed box full of products at rest.
 Problem closed_box(std::optional<Afterburn> const& afterburn, grid::Geometry geometry = grid::Geometry::cartesian3d) {
   Problem p;
-  p.fluids.second = material::Jwl{};
-  p.fluids.two = true;
+  p.fluids.eos[1] = material::Jwl{};
+  p.fluids.count = 2;
   p.options.afterburn = afterburn;
   p.box(geometry, 6, 0.06, grid::Boundary::wall);
   p.fill([](Vec3 const&) { return products(density, pressure0); });
@@ -48,7 +48,7 @@ TEST(Afterburn, AtAConstantRateTheBoxFollowsItsClosedForm) {
     ConstantRateAfterburn const rate{2e-6, 12e-6};
     Problem p = closed_box(Afterburn{Q, rate}, geometry);
     double const energy = p.total(gas::energy);
-    double const mass = p.total(gas::second_density);
+    double const mass = p.total(gas::partial_density(1));
     for (double const t : {1e-6, 3e-6, 8e-6, 12e-6, 15e-6}) {
       p.run_to(t);
       double const lambda = std::clamp((t - 2e-6) / 10e-6, 0.0, 1.0);
@@ -58,7 +58,7 @@ TEST(Afterburn, AtAConstantRateTheBoxFollowsItsClosedForm) {
       EXPECT_NEAR(released, Q * mass * lambda, round_off * Q * mass) << t;
       EXPECT_NEAR((p.total(gas::energy) - energy - released) / energy, 0.0, round_off) << t;
     }
-    EXPECT_EQ(p.gas->components(), gas::two_fluid_components) << "a constant rate needs no component of its own";
+    EXPECT_EQ(p.gas->components(), gas::components_of(2)) << "a constant rate needs no component of its own";
   }
 }
 
@@ -67,7 +67,7 @@ TEST(Afterburn, MillersLawWithoutPressureFollowsItsClosedForm) {
   MillerAfterburn miller{2e5, 1e5, 0.5, 0.0, 0.0};
   Problem p = closed_box(Afterburn{Q, miller});
   double const energy = p.total(gas::energy);
-  double const mass = p.total(gas::second_density);
+  double const mass = p.total(gas::partial_density(1));
   for (double const t : {0.5e-6, 4e-6, 9.9e-6, 12e-6}) {
     p.run_to(t);
     double const lambda = 1.0 - std::pow(std::max(0.0, 1.0 - 0.5 * 2e5 * t), 2.0);
@@ -112,7 +112,7 @@ TEST(Afterburn, MillersLawFollowsItsOdeAtFirstOrder) {
     p.run_to(t);
     errors.push_back(std::abs(p.gas->afterburn_progress(p.grid->locate(Index3{0, 0, 0})) - exact));
     // Energy and lambda belong together whatever the error of the rate is.
-    double const mass = p.total(gas::second_density);
+    double const mass = p.total(gas::partial_density(1));
     EXPECT_NEAR(p.gas->account().afterburn_energy, Q * p.total(gas::progress), round_off * Q * mass);
   }
   EXPECT_LT(errors[0], 0.005);
@@ -149,14 +149,14 @@ TEST(Afterburn, UnburntExplosiveWaits) {
 template <class Lambda>
 Problem slug(int n, double alpha_inside, Lambda&& lambda, gas::Scheme scheme = gas::Scheme::muscl_hancock) {
   Problem p;
-  p.fluids.second = material::Jwl{};
-  p.fluids.two = true;
+  p.fluids.eos[1] = material::Jwl{};
+  p.fluids.count = 2;
   p.options.scheme = scheme;
   // A rate that does nothing in the time of the test.
   p.options.afterburn = Afterburn{0.0, MillerAfterburn{1e-6, 1e13, 0.5, 1.0, 1e12}};
   p.box(grid::Geometry::planar1d, n, 1.0, grid::Boundary::periodic);
   p.fill([&](Vec3 const& x) {
-    gas::MixtureState s = products(3.0, 1e5);
+    Mixed s = products(3.0, 1e5);
     s.ambient_density = 1.0;
     s.velocity = {500.0, 0.0, 0.0};
     s.volume_fraction = x[0] > 0.25 && x[0] < 0.75 ? alpha_inside : alpha_inside < 1.0 ? 0.0 : 1.0;
@@ -164,7 +164,7 @@ Problem slug(int n, double alpha_inside, Lambda&& lambda, gas::Scheme scheme = g
   });
   p.for_each_cell([&](int b, int at, Index3 const& cell) {
     p.gas->fields().at(b, gas::progress)[at] =
-        p.gas->fields().at(b, gas::second_density)[at] * lambda(p.domain.centre(cell)[0]);
+        p.gas->fields().at(b, gas::partial_density(1))[at] * lambda(p.domain.centre(cell)[0]);
   });
   p.gas->start();
   return p;
@@ -233,14 +233,14 @@ TEST(Afterburn, LambdaComesFromWhereTheProductsComeFrom) {
                 1e5 * (1.0 + 0.2 * unit(random)), unit(random), products};
       }
       Problem p;
-      p.fluids.second = material::IdealGas{1.3};
-      p.fluids.two = true;
+      p.fluids.eos[1] = material::IdealGas{1.3};
+      p.fluids.count = 2;
       p.options.carbuncle_cure = false;
       p.options.afterburn = Afterburn{0.0, MillerAfterburn{1e-6, 1e13, 0.5, 1.0, 1e12}};
       line_of_cells(p, line.geometry, line.direction, n);
       p.fill([&](Vec3 const& x) {
         Cell const& c = w[static_cast<int>(x[line.direction] * n)];
-        gas::MixtureState s = products(c.rho, c.p);
+        Mixed s = products(c.rho, c.p);
         s.ambient_density = c.rho;
         s.velocity[line.direction] = c.u;
         s.volume_fraction = c.products ? 1.0 : 0.0;
@@ -248,7 +248,7 @@ TEST(Afterburn, LambdaComesFromWhereTheProductsComeFrom) {
       });
       p.for_each_cell([&](int b, int at, Index3 const& cell) {
         p.gas->fields().at(b, gas::progress)[at] =
-            p.gas->fields().at(b, gas::second_density)[at] * w[cell[line.direction]].lambda;
+            p.gas->fields().at(b, gas::partial_density(1))[at] * w[cell[line.direction]].lambda;
       });
       std::vector<int> faces;  // at the high side of each cell but the last
       for (int i = 0; i + 1 < n; ++i) {
@@ -259,7 +259,7 @@ TEST(Afterburn, LambdaComesFromWhereTheProductsComeFrom) {
       p.gas->start();
       double const dt = 0.4 * p.domain.h / p.gas->fastest_signal();
       p.gas->advance(dt, false);
-      auto const mass = [&](int face) { return p.gas->watched()[faces[face]].mass[1]; };
+      auto const mass = [&](int face) { return p.gas->watched()[faces[face]].carried.mass[1]; };
       auto const lambda_at = [&](int face) {
         Cell const& left = w[face];
         Cell const& right = w[face + 1];
@@ -302,12 +302,12 @@ TEST(Afterburn, LambdaMovesAlikeInAllDirections) {
       for (double const sign : {1.0, -1.0}) {
         Problem p;
         p.courant = courant;
-        p.fluids.second = material::Jwl{};
-        p.fluids.two = true;
+        p.fluids.eos[1] = material::Jwl{};
+        p.fluids.count = 2;
         p.options.afterburn = Afterburn{0.0, MillerAfterburn{1e-6, 1e13, 0.5, 1.0, 1e12}};
         line_of_cells(p, line.geometry, line.direction, n);
         p.fill([&](Vec3 const&) {
-          gas::MixtureState s = products(3.0, 1e5);
+          Mixed s = products(3.0, 1e5);
           s.velocity[line.direction] = sign * 500.0;
           return s;
         });
@@ -349,7 +349,7 @@ TEST(Afterburn, AUniformLambdaStaysUniformAtTheEdgeOfTheProducts) {
     int cells = 0;
     p.for_each_cell([&](int b, int at, Index3 const& cell) {
       // Round-off of the 300 steps, 1e-13 kg/m3, is 1e-9 of a partial density of 1e-4.
-      if (p.gas->fields().at(b, gas::second_density)[at] < 1e-4) return;
+      if (p.gas->fields().at(b, gas::partial_density(1))[at] < 1e-4) return;
       EXPECT_NEAR(p.gas->afterburn_progress(p.grid->locate(cell)), 0.3, 1e-9);
       ++cells;
     });
@@ -358,13 +358,13 @@ TEST(Afterburn, AUniformLambdaStaysUniformAtTheEdgeOfTheProducts) {
 }
 
 TEST(Afterburn, WithoutItAGasHasNoMoreComponentsThanBefore) {
-  EXPECT_EQ(closed_box({}).gas->components(), gas::two_fluid_components);
-  EXPECT_EQ(closed_box(Afterburn{Q, MillerAfterburn{}}).gas->components(), gas::afterburn_components);
+  EXPECT_EQ(closed_box({}).gas->components(), gas::components_of(2));
+  EXPECT_EQ(closed_box(Afterburn{Q, MillerAfterburn{}}).gas->components(), gas::most_components);
   Problem air;
   air.options.afterburn = Afterburn{Q, MillerAfterburn{}};
   air.box(grid::Geometry::planar1d, 8, 1.0, grid::Boundary::wall);
   air.fill([](Vec3 const&) { return state(1.2, 0.0, 1e5); });
-  EXPECT_EQ(air.gas->components(), gas::single_fluid_components);
+  EXPECT_EQ(air.gas->components(), gas::components_of(1));
 }
 
 }  // namespace

@@ -65,15 +65,15 @@ Outcome outcome(Setting const& s, bool sleep) {
   problem.options.peak_fields = true;
   problem.options.density_floor = 1e-6;
   problem.options.pressure_floor = 1.0;
-  problem.fluids.two = true;
-  problem.fluids.second = material::Jwl{};
+  problem.fluids.count = 2;
+  problem.fluids.eos[1] = material::Jwl{};
   problem.fluids.ambient_pressure = 101325.0;
   problem.quiescent = state(1.225, 0.0, 101325.0);
   problem.quiescent.velocity = s.wind;
   problem.inflow.fill(state(1.3, 0.0, 103000.0));
   int const middle = problem.domain.cells[0] / 4;
   problem.fill([&](Vec3 const& x) {
-    gas::MixtureState inside = problem.quiescent;
+    Mixed inside = problem.quiescent;
     if (s.inside != Inside::burst || std::abs(x[0] - middle * problem.domain.h) > 0.05) return inside;
     inside.pressure *= 1.5;
     return inside;
@@ -173,7 +173,7 @@ TEST_P(Noh, ReachesTheDensityBehindTheShock) {
   problem.domain.boundary[0] = Boundary::symmetry;
   problem.block_cells = 50;
   problem.options.sleep = sleep;
-  problem.fluids.ambient = material::IdealGas{5.0 / 3.0};
+  problem.fluids.eos[0] = material::IdealGas{5.0 / 3.0};
   problem.quiescent = state(1.0, -1.0, 1e-6);
   problem.fill([&](Vec3 const&) { return problem.quiescent; });
   EXPECT_EQ(problem.gas->awake(0), true);

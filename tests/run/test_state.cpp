@@ -78,14 +78,15 @@ std::vector<double> bits_of(observe::Watched& world) {
     bits.insert(bits.end(), {world.bridge->awake() ? 1.0 : 0.0, double(world.clock.gas_steps),
                              double(world.clock.point_steps), double(world.bridge->traffic().born),
                              double(world.bridge->traffic().left), world.bridge->traffic().pressure_work});
-    for (bridge::Account const& l : world.bridge->accounts()) {
+    for (bridge::Amounts const& l : world.bridge->accounts()) {
       bits.insert(bits.end(), {l.mass[0], l.mass[1], l.momentum[0], l.momentum[1], l.momentum[2], l.energy});
     }
-    for (gas::FaceFlux const& flux : world.gas->watched()) bits.insert(bits.end(), {flux.mass[0], flux.energy});
+    for (gas::FaceFlux const& flux : world.gas->watched())
+      bits.insert(bits.end(), {flux.carried.mass[0], flux.carried.energy});
   }
   if (world.panels != nullptr) {
     bits.insert(bits.end(),
-                {double(world.panels->last_opening()), world.audit.panel_mass[0], world.audit.panel_energy});
+                {double(world.panels->last_opening()), world.audit.panels.mass[0], world.audit.panels.energy});
     for (PanelReport const& p : world.panels->reports()) {
       bits.insert(bits.end(), {p.released.value_or(-1.0), p.opened.value_or(-1.0), p.largest, p.difference, p.travel,
                                p.speed, double(p.open_rings)});
