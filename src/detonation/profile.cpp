@@ -64,14 +64,15 @@ std::vector<Constant> constants_of(material::Explosive const& explosive, gas::Fl
 
 Profile profile_of(gas::Gas const& gas, gas::Primitive const& ambient, Vec3 const& centre, double time) {
   grid::Domain const& domain = gas.grid().domain();
-  if (gas.burning()) throw InputError("the explosive still burns: the profile would hold unburnt explosive");
+  if (gas.burn.burning()) throw InputError("the explosive still burns: the profile would hold unburnt explosive");
   auto const quiet = gas::conserved_of(gas.fluids(), ambient);
   Index3 first = domain.cells;
   Index3 last{-1, -1, 0};
   for (grid::Block const& block : gas.grid().blocks()) {
     for_each_cell(block, [&](grid::Cell const& cell) {
       bool same = true;
-      for (int c = 0; c < gas.components() && same; ++c) same = gas.fields().at(cell.block, c)[cell.offset] == quiet[c];
+      for (int c = 0; c < gas.fields().components() && same; ++c)
+        same = gas.fields().at(cell.block, c)[cell.offset] == quiet[c];
       if (same) return;
       Index3 const index = block.index(cell);
       for (int d = 0; d < 2; ++d) {
@@ -97,7 +98,7 @@ Profile profile_of(gas::Gas const& gas, gas::Primitive const& ambient, Vec3 cons
     p.domain.lower[d] = domain.face(d, first[d]) - (d > 0 ? centre[d] : 0.0);
     p.domain.cells[d] = last[d] - first[d] + 1;
   }
-  p.components = gas.components();
+  p.components = gas.fields().components();
   p.ambient.assign(quiet.begin(), quiet.begin() + p.components);
   p.ambient_pressure = ambient.pressure;
   p.state.resize(p.cell_count() * p.components);

@@ -298,7 +298,7 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
       Touched const t{
           b, n, volume, sums.whole ? 1.0 : std::min(1.0, sums.volume / volume),
           sums.pressure / volume + (sums.whole ? 0.0 : 1.0 - sums.volume / volume) * profile.ambient_pressure};
-      for (int c = 0; c < gas.components(); ++c) {
+      for (int c = 0; c < gas.fields().components(); ++c) {
         double& value = gas.fields().at(b, c)[n];
         if (value != profile.ambient[c]) taken[b] = 1;
         value = (1.0 - t.part) * profile.ambient[c] + sums.component[c] / volume;
@@ -349,7 +349,7 @@ Target target_of(gas::Gas const& gas, Profile const& profile, Placing const& pla
   grid::CellRange const of_profile = profile.domain.all_cells();
   for_each_cell(of_profile, [&](Index3 const& cell) { filled.add(profile.domain.cell_volume(cell[0])); });
   double const rest = touched.value() - t.share * filled.value();
-  for (int c = 0; c < gas.components(); ++c) {
+  for (int c = 0; c < gas.fields().components(); ++c) {
     if (!is_momentum(c)) t.sum[c] = t.share * profile.sum(c) + profile.ambient[c] * rest;
   }
   // Means of the components of a unit vector over the part of the sphere or circle that the mirrors leave.
@@ -389,7 +389,7 @@ Target target_of(gas::Gas const& gas, Profile const& profile, Placing const& pla
 double correct(gas::Gas& gas, Target const& target, std::vector<Touched> const& cells) {
   double worst = 0.0;
   for (int pass = 0; pass < 3; ++pass) {  // the later ones take the round-off of the first
-    for (int c = 0; c < gas.components(); ++c) {
+    for (int c = 0; c < gas.fields().components(); ++c) {
       if (is_free(c) || (is_momentum(c) && c - gas::momentum_x >= gas.grid().domain().dimensions())) continue;
       double const difference = target.sum[c] - sum_over(gas, cells, c, false);
       double const scale = is_momentum(c) ? target.radial_momentum : std::abs(target.sum[c]);
@@ -494,11 +494,11 @@ void check_fit(gas::Gas const& gas, Profile const& profile) {
   if (!fits) {
     throw InputError(fmt::format("a profile of {} does not fit {}", word_of(from), word_of(to)));
   }
-  if (profile.components != gas.components() || profile.components > most_components) {
+  if (profile.components != gas.fields().components() || profile.components > most_components) {
     throw InputError(
         fmt::format("the profile has {} components and the gas has {}: was it calculated with another afterburn, or "
                     "written by another program?",
-                    profile.components, gas.components()));
+                    profile.components, gas.fields().components()));
   }
 }
 

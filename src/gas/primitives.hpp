@@ -69,6 +69,23 @@ void closure_row(SweepContext const& s, int n, std::array<double const*, N> cons
   }
 }
 
+/// Closure of one state of N fluids; F: burn fraction.
+template <int N>
+[[nodiscard]] Mixture closure_of(Fluids const& fluids, PerFluid const& partial, PerFluid const& alpha, double F) {
+  Mixture m;
+  double rest = 1.0;
+  for_fluids<1, N>([&](int k) { rest -= alpha[k]; });
+  std::visit([&](auto const& eos) { add_fluid(eos, rest, phase_density(partial[0], rest), m); }, fluids.ambient());
+  for_fluids<1, N>([&](int k) {
+    std::visit(
+        [&](auto const& eos) {
+          add_burning_fluid(eos, alpha[k], phase_density(partial[k], alpha[k]), F, fluids.ambient_pressure, m);
+        },
+        fluids.eos[k]);
+  });
+  return m;
+}
+
 /// Is cell q of the bundle one of the block's own (and not a ghost cell)?
 inline bool is_own(BundleLayout const& b, int q) {
   constexpr int g = grid::ghost_layers;

@@ -65,7 +65,7 @@ void Gas::wake_where_wind_changes() {
     exchange_.fill(fields_, direction, everything);
     SweepContext const context = sweep_context(direction, dt);
     parallel_for(grid_->block_count(), [&](int b, int thread) {
-      if (slept[b] != 0 || blocks_[b].all_held) return;
+      if (slept[b] != 0 || coupling.all_held(b)) return;
       Account const before = blocks_[b].account;
       sweep_block(b, context, false, workspaces_[thread]);
       blocks_[b].account = before;
@@ -84,7 +84,7 @@ void Gas::wake_where_wind_changes() {
         std::fill_n(fields_.at(b, component), grid_->blocks()[b].cell_count(), quiet[component]);
     }
   }
-  clear_watched();
+  coupling.clear_watched();
 }
 
 void Gas::account_asleep(int b, SweepContext const& s, Components const& flux) {
@@ -101,7 +101,7 @@ void Gas::account_asleep(int b, SweepContext const& s, Components const& flux) {
       double const sign = side == 0 ? -1.0 : 1.0;
       for (int line = 0; line < layout.lines(); ++line) {
         grid::Cell const cell = layout.end_cell(block, side, line);
-        if (!is_own(cell)) continue;
+        if (!coupling.is_own(cell)) continue;
         double const area = block.face_area(s.direction, side, cell);
         for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * s.dt * flux[c];
       }

@@ -17,16 +17,14 @@ void Gas::load_burn(int b, BundleLayout const& layout, BundleArrays& a) const {
   grid::Block const& block = grid_->blocks()[b];
   double* const F = a[a_burn];
   load_with_ghosts(
-      layout, block, blocks_[b].burn_times.data(), [this](BurnTime const& times) { return burn_fraction_of(times); },
-      F);
+      layout, block, burn.times(b).data(), [this](BurnTime const& times) { return burn.fraction(times); }, F);
   // A row without products is calculated without their burn, and so are cells that hold none of them.
   double const* const alpha = a[volume_fraction(products_fluid)];
-  for (int q = 0; q < layout.total; ++q) F[q] = is_trace(alpha[q]) ? 1.0 : F[q];
+  for (int q = 0; q < layout.total; ++q) F[q] = burn.is_trace(alpha[q]) ? 1.0 : F[q];
 }
 
 void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, BundleArrays& a) const {
   grid::Block const& block = grid_->blocks()[b];
-  BlockData const& data = blocks_[b];
   int const slab = block.cell_count() / block.n[s.direction] * grid::ghost_layers;
   double const* low = exchange_.ghosts(b, 0);
   double const* high = exchange_.ghosts(b, 1);
@@ -46,12 +44,13 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
   for (int k = 1; k < s.present; ++k) load_component(partial_density(k));
   s.progress = s.progress && s.present > products_fluid;
   if (s.progress) load_component(progress);
-  s.solid = !data.solid.empty();
+  auto const& solid = obstacles.solid(b);
+  s.solid = !solid.empty();
   if (s.solid) {
     load_with_ghosts(
-        layout, block, data.solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; }, a[a_solid]);
+        layout, block, solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; }, a[a_solid]);
   }
-  s.burning = s.present > products_fluid && !data.burn_times.empty() && burning();
+  s.burning = s.present > products_fluid && burn.burning_in(b);
   if (s.burning) {
     load_burn(b, layout, a);
   }
@@ -161,7 +160,7 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
       int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
       q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
       grid::Cell const cell = layout.end_cell(block, side, line);
-      if (!is_own(cell)) continue;
+      if (!coupling.is_own(cell)) continue;
       double const area = block.face_area(s.direction, side, cell);
       auto& outflow = blocks_[b].account.outflow;
       for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
@@ -176,9 +175,9 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
 
 void Gas::account_watched(int b, int bundle, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
   grid::Block const& block = grid_->blocks()[b];
-  for (WatchedFace const& face : blocks_[b].watched[s.direction][bundle]) {
+  for (Coupling::WatchedFace const& face : coupling.faces(b, s.direction, bundle)) {
     int const q = layout.place(block, face.cell);
-    FaceFlux& sum = watched_[face.number];
+    FaceFlux& sum = coupling.flux(face.number);
     auto const flux_of = [&](int c) { return a[a_flux + c][q]; };
     double const speed = a[a_face_speed][q];
     // What the pressure does is told from what the mass carries by the speed of the face: the flux of momentum is
@@ -196,7 +195,7 @@ void Gas::account_watched(int b, int bundle, BundleLayout const& layout, SweepCo
 }
 
 void Gas::restore_held(int b, BundleLayout const& layout, BundleArrays& a) const {
-  std::vector<Role> const& roles = blocks_[b].roles;
+  std::vector<Role> const& roles = coupling.roles(b);
   for_each_run(layout, grid_->blocks()[b], [&](int q, int offset, int count) {
     for (int n = 0; n < count; ++n) {
       if (roles[offset + n] != Role::held) continue;
@@ -245,23 +244,7 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
       blocks_[b].signal = std::max(blocks_[b].signal, factor * a[momentum_x][q] / rho);
     });
   }
-  if (!options_.peak_fields || s.dt <= 0.0) return;
-  int const cells = block.cell_count();
-  double* const peak = peaks_[b].data() + static_cast<std::ptrdiff_t>(peak_pressure) * cells;
-  double* const running = peaks_[b].data() + static_cast<std::ptrdiff_t>(running_impulse) * cells;
-  double* const largest = peaks_[b].data() + static_cast<std::ptrdiff_t>(largest_impulse) * cells;
-  double const ambient = quiet_pressure_;
-  double const* const p = a[a_p];
-  double const dt = s.dt;
-  for_each_run(layout, block, [&](int q, int offset, int count) {
-    BRISANCE_VECTOR_LOOP
-    for (int n = 0; n < count; ++n) {
-      double const over = p[q + n] - ambient;
-      peak[offset + n] = std::max(peak[offset + n], over);
-      running[offset + n] += over * dt;
-      largest[offset + n] = std::max(largest[offset + n], running[offset + n]);
-    }
-  });
+  if (s.dt > 0.0) peaks_.follow(b, layout, a[a_p], quiet_pressure_, s.dt);
 }
 
 void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays& a) {
@@ -276,8 +259,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     s.h = block.h();
     load_bundle(b, layout, s, a);
     GuardCount guards;
-    auto const& near_walls = data.near_walls[sweep.direction];
-    s.near_walls = near_walls.empty() || near_walls[index].empty() ? nullptr : &near_walls[index];
+    s.near_walls = obstacles.near_walls(b, s.direction, index);
     bool const checked = with_fluids(s.present, [&]<int N>() {
       primitives<N>(s, layout, a, guards);
       if (options_.scheme == Scheme::muscl_hancock) return muscl_hancock<N>(s, layout, a, guards);
@@ -286,10 +268,10 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     });
     if (s.progress) progress_fluxes(s, layout, a);
     if (at_boundary) account_boundaries(b, layout, s, a);
-    if (!data.watched[s.direction].empty()) account_watched(b, index, layout, s, a);
+    account_watched(b, index, layout, s, a);
     update(layout, s, a);
     if (checked && s.present > products_fluid) expand_cold_products(s, layout, a);
-    if (!data.roles.empty()) restore_held(b, layout, a);
+    if (!coupling.roles(b).empty()) restore_held(b, layout, a);
     if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a);
     if (last) measure(b, layout, s, a, guards);
     store(b, layout, s, a);
@@ -298,7 +280,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
       for_each_run(layout, block, [&](int q, int offset, int count) {
         if (lift.q < q || lift.q >= q + count) return;
         int const at = offset + lift.q - q;
-        if (role(b, at) != Role::own && lift.finite) return;
+        if (coupling.role(b, at) != Role::own && lift.finite) return;
         double const volume = block.volume(block.column(at));
         ++data.account.guarded_cells;
         data.account.guard_mass += lift.mass * volume;
@@ -323,7 +305,7 @@ void Gas::measure_all() {
       SweepContext s = context;
       s.h = block.h();
       s.present = fluids_.count;
-      s.burning = s.present > products_fluid && !blocks_[b].burn_times.empty() && burning();
+      s.burning = s.present > products_fluid && burn.burning_in(b);
       for_each_run(layout, block, [&](int q, int offset, int count) {
         for (int c = 0; c < components(); ++c) std::copy_n(fields_.at(b, c) + offset, count, a[state_array(c)] + q);
       });

@@ -51,7 +51,7 @@ std::optional<gas::Primitive> GasView::at(Index3 const& cell) const {
     return world_->bridge->primitive(sums);
   }
   grid::Cell const at = world_->grid.locate(cell);
-  if (world_->gas->is_obstacle(at)) return std::nullopt;
+  if (world_->gas->obstacles.contain(at)) return std::nullopt;
   return world_->gas->primitive(at);
 }
 

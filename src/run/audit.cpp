@@ -153,7 +153,7 @@ Totals World::gas_totals() const {
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
     grid::add_cells(block, parts[b], [&](grid::Cell const& cell, Totals& row) {
-      if (!gas->is_own(cell)) return;
+      if (!gas->coupling.is_own(cell)) return;
       int const at = cell.offset;
       double const volume = block.volume(cell);
       auto const component = [&](int c) { return gas->fields().at(b, c)[at]; };
@@ -178,7 +178,7 @@ double World::gas_rest_energy() const {
   double volume = 0.0;
   for (grid::Block const& block : grid.blocks()) {
     for_each_cell(block, [&](grid::Cell const& cell) {
-      if (gas->is_own(cell)) volume += block.volume(cell);
+      if (gas->coupling.is_own(cell)) volume += block.volume(cell);
     });
   }
   for (int b = 0; bridge != nullptr && b < points->grid().block_count(); ++b) {
@@ -259,8 +259,8 @@ bool World::audit_is_due() const {
 void World::follow_audit() {
   AuditMemory& memory = audit.memory;
   bool const due = points != nullptr && audit_is_due();
-  if (gas != nullptr && !setup.charges.empty() && gas->burning() && audit_is_due()) {
-    memory.unlit = std::max(memory.unlit, gas->unlit_compression(setup.explosive_of(gas::products_fluid)->density()));
+  if (gas != nullptr && gas->burn.burning() && audit_is_due()) {
+    memory.unlit = std::max(memory.unlit, gas::unlit_compression(*gas));
   }
   if (due) {
     PhaseTimer const timer(timings["audit"]);

@@ -100,7 +100,7 @@ void RegionPlacing::fill(gas::Gas& gas) {
       for (Share const& s : shares) rest -= s.part;
       grid::for_each_cell(r, [&](Index3 const& index) {
         grid::Cell const cell = grid.locate(index);
-        for (int c = 0; c < gas.components(); ++c) {
+        for (int c = 0; c < gas.fields().components(); ++c) {
           double& u = gas.fields().at(b, c)[cell.offset];
           if (shares.size() == 1 && shares.front().part >= 1.0) {
             u = states[static_cast<std::size_t>(shares.front().shape)][c];

@@ -167,11 +167,11 @@ void check_neighbours(run::World const& w) {
   bridge::Region const& region = w.bridge->region();
   auto const check = [&](Index3 const& index) {
     grid::Cell const cell = w.grid.locate(index);
-    if (w.gas->is_obstacle(cell)) {
+    if (w.gas->obstacles.contain(cell)) {
       throw InputError(
           "an obstacle lies in the MPM region or within 3 cells of it: make it a body, or move one of them");
     }
-    if (w.gas->burning() && w.gas->burn_fraction(cell) < 1.0) {
+    if (w.gas->burn.burning() && gas::burn_fraction(*w.gas, cell) < 1.0) {
       throw InputError(
           "a charge lies in the MPM region or within 3 cells of it: make the region smaller, or the charge a body");
     }

@@ -47,7 +47,7 @@ class Front {
       bool found = false;
       for_each_cell(cells, [&](Index3 const& index) {
         int const at = world.grid.locate(index).offset;
-        for (int c = 0; c < world.gas->components(); ++c) {
+        for (int c = 0; c < world.gas->fields().components(); ++c) {
           if (world.gas->fields().at(block_, c)[at] == quiet_[c]) continue;
           cells_ = index[0] + 1;
           found = true;
@@ -125,7 +125,7 @@ std::shared_ptr<detonation::Profile const> burst(Case const& setup, std::size_t 
     run::advance(world, world.setup.end.time);
     double const now = front.find(world);
     // A charge that still burns is surrounded by the faint sound of its surface, see `smallest_burn_fraction`.
-    bool const inside = now <= plan.radius && world.gas->burning();
+    bool const inside = now <= plan.radius && world.gas->burn.burning();
     if (now + step_layers * plan.cell > plan.radius && !inside) {
       if (until && !world.finished()) too_far(world.clock.time);
       break;
@@ -133,7 +133,7 @@ std::shared_ptr<detonation::Profile const> burst(Case const& setup, std::size_t 
     if (!go_on(now, world.clock.time, world.clock.step)) return nullptr;
   }
   if (!until && world.finished()) too_late();
-  if (world.gas->burning()) {
+  if (world.gas->burn.burning()) {
     refuse(setup,
            fmt::format("at {:.6g} s, when {} has come to {:.6g} m (near {}), the explosive still burns: move that "
                        "away from the charge, give a later time or a larger radius where that is possible, or "

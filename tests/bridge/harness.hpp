@@ -71,7 +71,7 @@ template <class Visit>
 void for_each_own_cell(run::World const& w, Visit&& visit) {
   for_each_cell(w, [&](int, int, Index3 const& cell) {
     grid::Cell const at = w.grid.locate(cell);
-    if (w.gas->is_own(at)) visit(w.gas->primitive(at), cell);
+    if (w.gas->coupling.is_own(at)) visit(w.gas->primitive(at), cell);
   });
 }
 
@@ -132,7 +132,7 @@ inline constexpr double mass_tolerance = 1e-13;
 inline std::vector<double> pressure_line(run::World const& w, int row = 0) {
   std::vector<Index3> cells;
   for (int i = 0; i < w.grid.domain().cells[0]; ++i) cells.push_back({i, row, 0});
-  auto const states = w.gas->gather(cells);
+  auto const states = gas::gather(*w.gas, cells);
   std::vector<double> p;
   for (gas::Primitive const& s : states) p.push_back(s.pressure);
   if (w.bridge == nullptr) return p;

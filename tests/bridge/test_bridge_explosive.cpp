@@ -172,7 +172,7 @@ TEST(Products, LeaveTheRegionAsGas) {
 std::vector<double> everything(run::World const& w) {
   std::vector<double> all{w.clock.time};
   for_each_cell(w, [&](int block, int offset, Index3 const&) {
-    for (int k = 0; k < w.gas->components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
+    for (int k = 0; k < w.gas->fields().components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
   });
   for (int body = 0; body < static_cast<int>(w.points->bodies().size()); ++body) {
     for_each_point(w, body, [&](mpm::PointSet const& set, int q) {

@@ -133,7 +133,7 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
   for (int i = 0; i < n; ++i) {
     double const x = (i + 0.5) / n;
     exact::State const e = at(x);
-    gas::Primitive const s = alone.gas->gather({{i, 0, 0}})[0];
+    gas::Primitive const s = gas::gather(*alone.gas, {{i, 0, 0}})[0];
     bool const inside = w.bridge->region().inside({i, 0, 0});
     add(inside ? r.points_alone : r.alone, 1.0, s.density - e.rho, s.velocity[0] - e.u, s.pressure - e.p);
     if (inside) add(scale_inside, 1.0, e.rho, e.u, e.p);

@@ -91,13 +91,13 @@ struct Problem {
     }
   }
 
-  [[nodiscard]] gas::Primitive at(Index3 const& cell) const { return gas->gather({cell}).front(); }
+  [[nodiscard]] gas::Primitive at(Index3 const& cell) const { return gas::gather(*gas, {cell}).front(); }
 
   /// Cells along x at j = k = 0.
   [[nodiscard]] std::vector<gas::Primitive> line() const {
     std::vector<Index3> cells;
     for (int i = 0; i < domain.cells[0]; ++i) cells.push_back({i, 0, 0});
-    return gas->gather(cells);
+    return gas::gather(*gas, cells);
   }
 
   /// Sum of a conserved component over all cells, times their volume; in extended precision, for a sum of many cells

@@ -52,13 +52,13 @@ TEST(Afterburn, AtAConstantRateTheBoxFollowsItsClosedForm) {
     for (double const t : {1e-6, 3e-6, 8e-6, 12e-6, 15e-6}) {
       p.run_to(t);
       double const lambda = std::clamp((t - 2e-6) / 10e-6, 0.0, 1.0);
-      EXPECT_NEAR(p.gas->afterburn_progress(p.grid->locate(Index3{0, 0, 0})), lambda, round_off) << t;
+      EXPECT_NEAR(gas::afterburn_progress(*p.gas, p.grid->locate(Index3{0, 0, 0})), lambda, round_off) << t;
       EXPECT_NEAR(p.at({0, 0, 0}).pressure / pressure_at(lambda), 1.0, round_off) << t;
       double const released = p.gas->account().afterburn_energy;
       EXPECT_NEAR(released, Q * mass * lambda, round_off * Q * mass) << t;
       EXPECT_NEAR((p.total(gas::energy) - energy - released) / energy, 0.0, round_off) << t;
     }
-    EXPECT_EQ(p.gas->components(), gas::components_of(2)) << "a constant rate needs no component of its own";
+    EXPECT_EQ(p.gas->fields().components(), gas::components_of(2)) << "a constant rate needs no component of its own";
   }
 }
 
@@ -71,7 +71,7 @@ TEST(Afterburn, MillersLawWithoutPressureFollowsItsClosedForm) {
   for (double const t : {0.5e-6, 4e-6, 9.9e-6, 12e-6}) {
     p.run_to(t);
     double const lambda = 1.0 - std::pow(std::max(0.0, 1.0 - 0.5 * 2e5 * t), 2.0);
-    EXPECT_NEAR(p.gas->afterburn_progress(p.grid->locate(Index3{0, 0, 0})), lambda, round_off) << t;
+    EXPECT_NEAR(gas::afterburn_progress(*p.gas, p.grid->locate(Index3{0, 0, 0})), lambda, round_off) << t;
     EXPECT_NEAR(p.at({0, 0, 0}).pressure / pressure_at(lambda), 1.0, round_off) << t;
     EXPECT_NEAR(p.gas->account().afterburn_energy, Q * mass * lambda, round_off * Q * mass) << t;
     EXPECT_NEAR((p.total(gas::energy) - energy - p.gas->account().afterburn_energy) / energy, 0.0, round_off) << t;
@@ -110,7 +110,7 @@ TEST(Afterburn, MillersLawFollowsItsOdeAtFirstOrder) {
     Problem p = closed_box(Afterburn{Q, miller});
     p.courant = courant;
     p.run_to(t);
-    errors.push_back(std::abs(p.gas->afterburn_progress(p.grid->locate(Index3{0, 0, 0})) - exact));
+    errors.push_back(std::abs(gas::afterburn_progress(*p.gas, p.grid->locate(Index3{0, 0, 0})) - exact));
     // Energy and lambda belong together whatever the error of the rate is.
     double const mass = p.total(gas::partial_density(1));
     EXPECT_NEAR(p.gas->account().afterburn_energy, Q * p.total(gas::progress), round_off * Q * mass);
@@ -125,7 +125,7 @@ TEST(Afterburn, NothingBurnsBelowTheMinimumPressure) {
   Problem p = closed_box(Afterburn{Q, MillerAfterburn{1e6, 1e5, 0.5, 0.2, 1.01 * pressure0}});
   p.run_to(5e-6);
   EXPECT_EQ(p.gas->account().afterburn_energy, 0.0);
-  EXPECT_EQ(p.gas->afterburn_progress(p.grid->locate(Index3{0, 0, 0})), 0.0);
+  EXPECT_EQ(gas::afterburn_progress(*p.gas, p.grid->locate(Index3{0, 0, 0})), 0.0);
 }
 
 TEST(Afterburn, UnburntExplosiveWaits) {
@@ -135,8 +135,8 @@ TEST(Afterburn, UnburntExplosiveWaits) {
     // Lit at 1 us at D = 6930 m/s; the cell of 10 mm takes 2.2 us to burn.
     std::size_t const cells = p.grid->blocks()[0].with_ghosts().count();
     gas::BurnTime const burn{1e-6, 1e-6 + 1.5 * p.domain.h / 6930.0};
-    p.gas->set_burn_times(0, std::vector<gas::BurnTime>(cells, burn));
-    p.gas->set_burn(6930.0, burn.end, 0.0);
+    p.gas->burn.set_times(0, std::vector<gas::BurnTime>(cells, burn), {});
+    p.gas->burn.set_end(burn.end, 0.0);
     p.gas->start();
     p.run_to(3e-6);
     EXPECT_EQ(p.gas->account().afterburn_energy, 0.0);
@@ -182,7 +182,7 @@ TEST(Afterburn, LambdaMovesWithTheProducts) {
     EXPECT_NEAR(p.total(gas::progress) / before, 1.0, round_off);
     double error = 0.0;
     p.for_each_cell([&](int, int, Index3 const& cell) {
-      error += std::abs(p.gas->afterburn_progress(p.grid->locate(cell)) - wave(p.domain.centre(cell)[0])) / n;
+      error += std::abs(gas::afterburn_progress(*p.gas, p.grid->locate(cell)) - wave(p.domain.centre(cell)[0])) / n;
     });
     errors.push_back(error);
   }
@@ -254,12 +254,12 @@ TEST(Afterburn, LambdaComesFromWhereTheProductsComeFrom) {
       for (int i = 0; i + 1 < n; ++i) {
         Index3 cell{0, 0, 0};
         cell[line.direction] = i;
-        faces.push_back(p.gas->watch(cell, line.direction));
+        faces.push_back(p.gas->coupling.watch(cell, line.direction));
       }
       p.gas->start();
       double const dt = 0.4 * p.domain.h / p.gas->fastest_signal();
       p.gas->advance(dt, false);
-      auto const mass = [&](int face) { return p.gas->watched()[faces[face]].carried.mass[1]; };
+      auto const mass = [&](int face) { return p.gas->coupling.watched()[faces[face]].carried.mass[1]; };
       auto const lambda_at = [&](int face) {
         Cell const& left = w[face];
         Cell const& right = w[face + 1];
@@ -320,7 +320,7 @@ TEST(Afterburn, LambdaMovesAlikeInAllDirections) {
         std::vector<double> lambda(n);
         p.for_each_cell([&](int, int, Index3 const& cell) {
           int const i = sign > 0.0 ? cell[line.direction] : n - 1 - cell[line.direction];
-          lambda[i] = p.gas->afterburn_progress(p.grid->locate(cell));
+          lambda[i] = gas::afterburn_progress(*p.gas, p.grid->locate(cell));
         });
         if (along_x.empty()) along_x = lambda;
         double error = 0.0;
@@ -350,7 +350,7 @@ TEST(Afterburn, AUniformLambdaStaysUniformAtTheEdgeOfTheProducts) {
     p.for_each_cell([&](int b, int at, Index3 const& cell) {
       // Round-off of the 300 steps, 1e-13 kg/m3, is 1e-9 of a partial density of 1e-4.
       if (p.gas->fields().at(b, gas::partial_density(1))[at] < 1e-4) return;
-      EXPECT_NEAR(p.gas->afterburn_progress(p.grid->locate(cell)), 0.3, 1e-9);
+      EXPECT_NEAR(gas::afterburn_progress(*p.gas, p.grid->locate(cell)), 0.3, 1e-9);
       ++cells;
     });
     EXPECT_GT(cells, 50);
@@ -358,13 +358,13 @@ TEST(Afterburn, AUniformLambdaStaysUniformAtTheEdgeOfTheProducts) {
 }
 
 TEST(Afterburn, WithoutItAGasHasNoMoreComponentsThanBefore) {
-  EXPECT_EQ(closed_box({}).gas->components(), gas::components_of(2));
-  EXPECT_EQ(closed_box(Afterburn{Q, MillerAfterburn{}}).gas->components(), gas::most_components);
+  EXPECT_EQ(closed_box({}).gas->fields().components(), gas::components_of(2));
+  EXPECT_EQ(closed_box(Afterburn{Q, MillerAfterburn{}}).gas->fields().components(), gas::most_components);
   Problem air;
   air.options.afterburn = Afterburn{Q, MillerAfterburn{}};
   air.box(grid::Geometry::planar1d, 8, 1.0, grid::Boundary::wall);
   air.fill([](Vec3 const&) { return state(1.2, 0.0, 1e5); });
-  EXPECT_EQ(air.gas->components(), gas::components_of(1));
+  EXPECT_EQ(air.gas->fields().components(), gas::components_of(1));
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ TEST_P(Closed, MassAndEnergyAreConserved) {
         bool const inside = cell[0] > n / 2 && cell[0] < n / 2 + 4 && (dims < 2 || (cell[1] > 2 && cell[1] < n / 2));
         solid[box.offset(within)] = inside ? 1 : 0;
       });
-      problem.gas->set_obstacles(b, std::move(solid));
+      problem.gas->obstacles.set(b, std::move(solid));
     }
     problem.gas->start();
   }

@@ -42,6 +42,7 @@ std::unique_ptr<Problem> burst(Blast const& b) {
   problem->block_cells = b.block_cells;
   problem->courant = 0.7;
   problem->quiescent = state(1.225, 0.0, ambient_pressure);
+  problem->options.wave_sources = {gas::WaveSource{}};
   int const dims = problem->domain.dimensions();
   problem->fill([&](Vec3 const& x) {
     double r = 0.0;
@@ -50,8 +51,6 @@ std::unique_ptr<Problem> burst(Blast const& b) {
     if (r < b.ball * b.ball) s.pressure *= b.pressure_ratio;
     return s;
   });
-  problem->gas->set_wave_sources({gas::WaveSource{}});
-  problem->gas->start();
   return problem;
 }
 
@@ -64,7 +63,7 @@ std::vector<Record> records(Blast const& b, std::vector<Index3> const& gauges) {
     double const dt = ramp * problem->courant * b.h / problem->gas->fastest_signal();
     problem->gas->advance(dt, problem->steps % 2 == 1);
     ++problem->steps;
-    auto const states = problem->gas->gather(gauges);
+    auto const states = gas::gather(*problem->gas, gauges);
     for (std::size_t g = 0; g < gauges.size(); ++g)
       histories[g].emplace_back(problem->gas->time() - before, states[g].pressure - ambient_pressure);
   }
@@ -284,6 +283,7 @@ TEST(Outflow, LetsAWindSettleRoundAnObstacle) {
     problem.box(Geometry::planar2d, 60, 6.0, boundary);
     problem.quiescent = state(1.225, 100.0, ambient_pressure);
     problem.block_cells = 20;
+    problem.options.wave_sources = {gas::WaveSource{{3.0, 3.0, 0.05}, {}}};
     problem.fill([&](Vec3 const&) { return problem.quiescent; });
     for (int b = 0; b < problem.grid->block_count(); ++b) {
       grid::Block const& block = problem.grid->blocks()[b];
@@ -293,9 +293,8 @@ TEST(Outflow, LetsAWindSettleRoundAnObstacle) {
         auto const [x, y, z] = block.index(within);
         solid[box.offset(within)] = x >= 27 && x < 33 && y >= 27 && y < 33 ? 1 : 0;
       });
-      problem.gas->set_obstacles(b, std::move(solid));
+      problem.gas->obstacles.set(b, std::move(solid));
     }
-    problem.gas->set_wave_sources({gas::WaveSource{{3.0, 3.0, 0.05}, {}}});
     problem.gas->start();
     std::vector<double> means;
     for (double until : {0.2, 0.4}) {

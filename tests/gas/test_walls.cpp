@@ -74,7 +74,7 @@ Reading reflect(double mach, double courant, grid::Geometry geometry, int direct
         int const s = towards_high ? cell[direction] : n - 1 - cell[direction];
         solid[box.offset(within)] = s >= n - thick ? 1 : 0;
       });
-      problem.gas->set_obstacles(b, std::move(solid));
+      problem.gas->obstacles.set(b, std::move(solid));
     }
     problem.gas->start();
   }

@@ -58,7 +58,7 @@ Outcome run_case(Case const& c, int thread_count) {
   out.steps = world.clock.step;
   for (int b = 0; b < world.grid.block_count(); ++b) {
     int const count = world.grid.blocks()[b].cell_count();
-    for (int component = 0; component < world.gas->components(); ++component) {
+    for (int component = 0; component < world.gas->fields().components(); ++component) {
       double const* values = world.gas->fields().at(b, component);
       out.fields.insert(out.fields.end(), values, values + count);
     }

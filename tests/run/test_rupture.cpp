@@ -66,7 +66,7 @@ double gas_beyond(World const& w, double x) {
   for (int b = 0; b < w.grid.block_count(); ++b) {
     grid::Block const& block = w.grid.blocks()[b];
     for_each_cell(block, [&](grid::Cell const& cell) {
-      if (block.centre(cell)[0] < x || !w.gas->is_own(cell)) return;
+      if (block.centre(cell)[0] < x || !w.gas->coupling.is_own(cell)) return;
       mass += w.gas->fields().at(b, gas::partial_density(0))[cell.offset] * block.volume(cell);
     });
   }

@@ -138,7 +138,7 @@ TEST(PlacedRegions, FilledCellsAreThoseOfTheStateToTheBit) {
       material::Primitive const& s = second ? c.regions[1].state : i < 7 ? c.regions[0].state : c.ambient.state;
       auto const u = gas::conserved_of(world.gas->fluids(), s);
       grid::Cell const cell = world.grid.locate(Index3{i, j, 0});
-      for (int k = 0; k < world.gas->components(); ++k) {
+      for (int k = 0; k < world.gas->fields().components(); ++k) {
         EXPECT_EQ(world.gas->fields().at(cell.block, k)[cell.offset], u[k]);
       }
     }
@@ -243,13 +243,13 @@ TEST(PlacedObstacles, AreSolidFromHalfACellOn) {
     EXPECT_EQ(world.obstacles[0].cells, cells) << upper;
     EXPECT_NEAR(world.obstacles[0].asked_volume, upper - 0.5, 1e-12);
     EXPECT_NEAR(world.obstacles[0].volume, 0.1 * cells, 1e-12);
-    EXPECT_FALSE(world.gas->is_obstacle(Index3{4, 0, 0}));
-    EXPECT_TRUE(world.gas->is_obstacle(Index3{5, 0, 0}));
-    EXPECT_EQ(world.gas->is_obstacle(Index3{10, 0, 0}), cells == 6);
+    EXPECT_FALSE(world.gas->obstacles.contain(Index3{4, 0, 0}));
+    EXPECT_TRUE(world.gas->obstacles.contain(Index3{5, 0, 0}));
+    EXPECT_EQ(world.gas->obstacles.contain(Index3{10, 0, 0}), cells == 6);
   }
   // Two that fill it together.
   c.obstacles = {{"a", Box{{0.5, -0.5, -0.5}, {1.03, 0.5, 0.5}}}, {"b", Box{{1.07, -0.5, -0.5}, {1.5, 0.5, 0.5}}}};
-  EXPECT_TRUE(build(c).gas->is_obstacle(Index3{10, 0, 0}));
+  EXPECT_TRUE(build(c).gas->obstacles.contain(Index3{10, 0, 0}));
 }
 
 TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
@@ -257,7 +257,7 @@ TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
   c.charges = {tnt_charge(Cylinder{{0.41, 0.52, 0.0}, 0.11, 1.0, along_z}, c.domain.geometry)};
   c.obstacles = {{"wall", Box{{0.52, 0.0, -0.5}, {0.8, 1.0, 0.5}}}};  // 0.6 of the cell that the charge ends in
   World const world = setup::build(c);
-  EXPECT_TRUE(world.gas->is_obstacle(Index3{10, 10, 0}));
+  EXPECT_TRUE(world.gas->obstacles.contain(Index3{10, 10, 0}));
   EXPECT_EQ(world.gas->primitive(world.grid.locate(Index3{10, 10, 0})).mass_fraction[1], 0.0);
   EXPECT_NEAR(world.totals().mass[1] / c.charges[0].mass, 1.0, 1e-12);
   EXPECT_NEAR(world.charges[0].realised_mass / c.charges[0].mass, 1.0, 1e-12);

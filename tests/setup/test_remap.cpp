@@ -182,7 +182,7 @@ void expect_conservation(Case const& c, std::string const& what) {
       }
       if (near2 < report.radius * report.radius) continue;
       ++outside;
-      for (int q = 0; q < world.gas->components(); ++q) ASSERT_EQ(world.gas->fields().at(b, q)[n], quiet[q]);
+      for (int q = 0; q < world.gas->fields().components(); ++q) ASSERT_EQ(world.gas->fields().at(b, q)[n], quiet[q]);
     }
   }
   EXPECT_GT(outside, 10);
@@ -242,7 +242,7 @@ detonation::Profile cylinder_burst(double ground, double burst, double mass_fact
       tnt_charge(Cylinder{{0.0, ground * scale, 0.0}, 0.8 * radius * scale, 2.4 * radius * scale, {0.0, 1.0, 0.0}},
                  Geometry::axisymmetric2d)};
   World world = setup::build(c);
-  while (world.gas->burning() || profile_of(world).reach() < burst * scale) advance(world, 1.0);
+  while (world.gas->burn.burning() || profile_of(world).reach() < burst * scale) advance(world, 1.0);
   return profile_of(world);
 }
 
@@ -378,7 +378,7 @@ TEST_F(Remap, IsTheSameForAnyNumberOfThreads) {
     for (int step = 0; step < 3; ++step) advance(world, 1.0);
     std::vector<double> all{world.clock.time};
     for (int b = 0; b < world.grid.block_count(); ++b) {
-      for (int q = 0; q < world.gas->components(); ++q) {
+      for (int q = 0; q < world.gas->fields().components(); ++q) {
         double const* values = world.gas->fields().at(b, q);
         all.insert(all.end(), values, values + world.grid.blocks()[b].cell_count());
       }

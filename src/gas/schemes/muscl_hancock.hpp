@@ -455,7 +455,7 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
       L_c[q] = std::sqrt((L_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * L_partial[0][q]));
       R_c[q] = std::sqrt((R_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * R_partial[0][q]));
     }
-    // The slope of B, as with two fluids: a face between a row that has the second fluid and one that has not gets the
+    // The slope of B, as with several fluids: a face between a row that has them and one that has not gets the
     // same flux from both sides.
     if (curved) {
       BRISANCE_VECTOR_LOOP

@@ -267,7 +267,7 @@ class FluxLimiter {
     for_fluids<1, N>([&](int f) { possible = possible && !(alpha[f] < -round_off || alpha[f] > 1.0 + round_off); });
     if (!possible) return Margins::of_nothing();
     double const rho_e = E - 0.5 * (mu * mu + mv * mv + mw * mw) / rho;
-    Mixture const m = mixture(*s_.fluids, partial, fractions(alpha), x.burn);
+    Mixture const m = closure_of<N>(*s_.fluids, partial, alpha, x.burn);
     Margins const result{margin(m.pressure(rho_e), m.xi, m.H, s_.most_H), heat(partial, alpha, rho_e)};
     return result.pressure == result.pressure ? result : Margins::of_nothing();
   }
@@ -276,21 +276,19 @@ class FluxLimiter {
   /// states of products with little thermal energy the pressure may be negative. Without limit where tension is borne.
   [[nodiscard]] double heat(PerFluid const& partial, PerFluid const& alpha, double rho_e) const {
     if (s_.most_H > 0.0) return -Margins::unsound;
-    Fractions const part = fractions(alpha);
     double left = rho_e;
-    for_fluids<0, N>([&](int k) {
-      left -= partial[k] * material::cold_energy(s_.fluids->eos[k], phase_density(partial[k], part[k]));
-    });
+    auto const take_off = [&](int k, double part) {
+      left -= partial[k] * material::cold_energy(s_.fluids->eos[k], phase_density(partial[k], part));
+    };
+    double rest = 1.0;
+    for_fluids<1, N>([&](int k) { rest -= alpha[k]; });
+    take_off(0, rest);
+    for_fluids<1, N>([&](int k) { take_off(k, alpha[k]); });
     return left;
   }
 
   [[nodiscard]] static double density(PerFluid const& partial) {
     return sum_of_fluids<N>([&](int k) { return partial[k]; });
-  }
-  [[nodiscard]] static Fractions fractions(PerFluid const& alpha) {
-    Fractions part;
-    for_fluids<1, N>([&](int k) { part.set(k, alpha[k]); });
-    return part;
   }
 
   [[nodiscard]] double least(Side const& x) const { return s_.floors.pressure * (x.xi + 1.0); }
