@@ -50,8 +50,8 @@ struct Primitive {
   double density = 1.225;      ///< of the mixture [kg/m3]
   double pressure = 101325.0;  ///< [Pa]
   Vec3 velocity{0.0, 0.0, 0.0};
-  Fractions mass_fraction;
-  Fractions volume_fraction;
+  Fractions mass_fraction{};
+  Fractions volume_fraction{};
   double sound_speed = 0.0;  ///< frozen [m/s]; where it was read from a cell or points
   double energy = 0.0;       ///< total, per volume [J/m3]; likewise
 };

@@ -11,6 +11,7 @@
 #include "gas/layout.hpp"
 #include "grid/partition.hpp"
 #include "observe/gauges.hpp"
+#include "setup/fluids.hpp"
 
 namespace brisance::session {
 
