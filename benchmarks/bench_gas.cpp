@@ -23,20 +23,23 @@ constexpr int n = 128;
 
 enum Content { one_fluid, mixed_everywhere, mixed_thin, products_in_a_corner };
 
-gas::MixtureState content_at(Content content, Vec3 const& x) {
-  gas::MixtureState s;
+material::Primitive content_at(Content content, Vec3 const& x) {
+  material::Primitive s;
   s.pressure = 101325.0 * (1.0 + 0.1 * (std::sin(10.0 * x[0]) + std::sin(7.0 * x[1]) + std::sin(8.0 * x[2])));
   s.velocity = {30.0 * std::sin(9.0 * x[1]), 20.0 * std::cos(5.0 * x[2]), 10.0};
   double const r = norm(x);
+  double const air = s.density;
+  auto const add_products = [&](double fraction, double density) {
+    s.density = (1.0 - fraction) * air + fraction * density;
+    s.mass_fraction.set(material::products_fluid, fraction * density / s.density);
+    s.volume_fraction.set(material::products_fluid, fraction);
+  };
   if (content == mixed_everywhere) {
-    s.volume_fraction = 0.5 + 0.4 * std::sin(20.0 * r);
-    s.second_density = 100.0;
+    add_products(0.5 + 0.4 * std::sin(20.0 * r), 100.0);
   } else if (content == mixed_thin) {
-    s.volume_fraction = 0.5 + 0.4 * std::sin(20.0 * r);
-    s.second_density = 20.0;
+    add_products(0.5 + 0.4 * std::sin(20.0 * r), 20.0);
   } else if (content == products_in_a_corner && r < 0.46) {
-    s.volume_fraction = 0.999;
-    s.second_density = r < 0.1 ? 200.0 : 2.0;
+    add_products(0.999, r < 0.1 ? 200.0 : 2.0);
     s.pressure *= r < 0.1 ? 10.0 : 1.0;
   }
   return s;
@@ -53,9 +56,9 @@ void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int 
   domain.boundary.fill(grid::Boundary::symmetry);
   grid::Grid const grid(domain, block_cells);
   gas::Fluids fluids;
-  fluids.ambient = material::IdealGas{1.4};
-  fluids.second = material::Jwl{};
-  fluids.two = content != one_fluid;
+  fluids.eos[0] = material::IdealGas{1.4};
+  fluids.eos[1] = material::Jwl{};
+  fluids.count = content == one_fluid ? 1 : 2;
   fluids.ambient_pressure = 101325.0;
   gas::Options options;
   options.scheme = scheme;

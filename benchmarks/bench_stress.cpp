@@ -30,7 +30,7 @@ Cloud plain(Fluid const& fluid) {
 
 /// Air with products; every `every`-th point mixes with volume fraction alpha, the others are air.
 Cloud mixed(double alpha, int every) {
-  Fluids const fluids{IdealGas{1.4}, Jwl{}, true, 101325.0};
+  Fluids const fluids{{IdealGas{1.4}, Jwl{}}, 2, 101325.0};
   Cloud cloud;
   cloud.solid = gas_of(fluids, 10.0, p);
   for (int i = 0; i < points; ++i) {
@@ -39,7 +39,7 @@ Cloud mixed(double alpha, int every) {
     double const second = own * 500.0;
     double const rho = first + second;
     cloud.density.push_back(rho);
-    cloud.energy.push_back(mixture(fluids, first, second, own).rho_e(p) / rho);
+    cloud.energy.push_back(mixture(fluids, {first, second}, Fractions::of(1, own)).rho_e(p) / rho);
     cloud.mass_fraction.push_back(second / rho);
     cloud.volume_fraction.push_back(own);
   }

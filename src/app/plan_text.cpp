@@ -39,8 +39,8 @@ std::vector<MaterialLine> materials_of(run::Case const& setup) {
         std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == body.solid.name; });
     if (!known) lines.push_back({body.solid.name, "body", body.solid.source});
   }
-  if (setup.second_fluid && setup.charges.empty())
-    lines.push_back({setup.second_fluid->name, "second fluid", setup.second_fluid->source});
+  for (int k = 1; setup.charges.empty() && setup.other_fluid(k) != nullptr; ++k)
+    lines.push_back({setup.other_fluid(k)->name, "second fluid", setup.other_fluid(k)->source});
   for (run::Charge const& charge : setup.charges) {
     bool const known =
         std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == charge.explosive.name; });
@@ -170,7 +170,7 @@ std::string scheme_text(run::Case const& setup, session::Plan const& p) {
   if (has_gas(p)) {
     out += line(has_points(p) ? "" : "scheme",
                 fmt::format("{}, Courant number {:g}, {}", word_of(setup.numerics.scheme), setup.numerics.courant,
-                            session::two_fluids(setup) ? "two fluids" : "one fluid"));
+                            session::gas_fluids(setup) > 1 ? "two fluids" : "one fluid"));
   }
   return out;
 }

@@ -36,24 +36,30 @@ void print_panels(run::World const& world) {
   }
   if (panels.size() > most_rows) print(stdout, "... and {} more panels in summary.json\n", panels.size() - most_rows);
   auto const& a = world.audit;
-  double const mass = a.panel_mass[0] + a.panel_mass[1];
-  if (mass == 0.0 && a.panel_energy == 0.0) return;
+  double const mass = a.panels.total();
+  if (mass == 0.0 && a.panels.energy == 0.0) return;
   print(stdout, "panels: {:+.3g} kg and {} came with the cells that opened, which had counted as gas of the ambient\n",
-        mass, quantity(a.panel_energy, "J", 3));
+        mass, quantity(a.panels.energy, "J", 3));
+}
+
+/// Errors of the masses of the fluids beside the ambient one.
+std::string other_errors(run::World const& world) {
+  auto const error = world.audit.relative_error();
+  std::string text;
+  for (int k = 1; k < world.gas->fluids().count; ++k) text += fmt::format(", second fluid {:.1e}", error.mass[k]);
+  return text;
 }
 
 void print_audit(run::World const& world) {
   auto const error = world.audit.relative_error();
-  bool const two = world.gas->fluids().two;
-  std::string const products = two ? fmt::format(", second fluid {:.1e}", error[1]) : "";
   print(stdout, "\naudit: {} (relative error of the mass: {} {:.1e}{}; of the energy {:.1e})\n{}",
-        verdict_word(world.verdict()), world.setup.ambient.fluid.name, error[0], products, error[2],
+        verdict_word(world.verdict()), world.setup.ambient.fluid.name, error.mass[0], other_errors(world), error.energy,
         verdict_reasons(world.verdict(), world.for_comparison()));
   auto const& a = world.audit;
   print_guards(a);
   if (world.setup.afterburn) {
     print(stdout, "afterburn: the products released {}, of {} in all\n", quantity(a.afterburn_energy, "J"),
-          quantity(world.setup.afterburn->energy * a.initial.mass[1], "J"));
+          quantity(world.setup.afterburn->energy * a.initial.mass[gas::products_fluid], "J"));
   }
   if (a.fallback_faces > 0)
     print(stdout, "fluxes: {} blended with first-order ones, so that density and pressure stay positive\n",
@@ -140,7 +146,7 @@ void print_point_audit(run::World const& world) {
   auto const& a = world.audit;
   auto const energy = world.energy_balance();
   print(stdout, "\naudit: {} (relative error of the mass {:.1e}; energy {} to {}{}, drift {:+.3g} % of {} at work)\n{}",
-        verdict_word(world.verdict()), a.relative_error()[0], quantity(energy.initial, "J"),
+        verdict_word(world.verdict()), a.relative_error().mass[0], quantity(energy.initial, "J"),
         quantity(energy.current + energy.lost, "J"),
         energy.work != 0.0 ? fmt::format(" by the work {} of outer forces", quantity(energy.work, "J")) : "",
         100.0 * energy.drift(), quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
@@ -155,15 +161,13 @@ void print_point_audit(run::World const& world) {
 
 void print_region_audit(run::World const& world) {
   auto const error = world.audit.relative_error();
-  bool const two = world.gas->fluids().two;
-  bridge::Account const ledger = world.bridge->ledger();
+  bridge::Amounts const ledger = world.bridge->ledger();
   auto const energy = world.energy_balance();
   print(stdout,
         "\naudit: {} (relative error of the mass: {} {:.1e}{}; energy {} to {}, drift {:+.3g} % of {} at work)\n{}",
-        verdict_word(world.verdict()), world.setup.ambient.fluid.name, error[0],
-        two ? fmt::format(", second fluid {:.1e}", error[1]) : "", quantity(energy.initial, "J"),
-        quantity(energy.current + energy.lost, "J"), 100.0 * energy.drift(), quantity(energy.scale, "J"),
-        verdict_reasons(world.verdict(), world.for_comparison()));
+        verdict_word(world.verdict()), world.setup.ambient.fluid.name, error.mass[0], other_errors(world),
+        quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"), 100.0 * energy.drift(),
+        quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
   print_lifted(*world.points);
   print_guards(world.audit);
@@ -223,8 +227,9 @@ void print_starts(run::World const& world) {
           r.cells_per_radius, report.by.empty() ? "" : ", near " + report.by);
     print(stdout,
           "remap: {} {:.8g} kg, products {:.8g} kg and {} became {:.8g} kg, {:.8g} kg and {}; relative error {:.1e}\n",
-          world.setup.ambient.fluid.name, r.before.mass[0], r.before.mass[1], quantity(r.before.energy, "J", 6),
-          r.after.mass[0], r.after.mass[1], quantity(r.after.energy, "J", 6), r.error());
+          world.setup.ambient.fluid.name, r.before.mass[0], r.before.mass[gas::products_fluid],
+          quantity(r.before.energy, "J", 6), r.after.mass[0], r.after.mass[gas::products_fluid],
+          quantity(r.after.energy, "J", 6), r.error());
   }
 }
 

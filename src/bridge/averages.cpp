@@ -97,8 +97,8 @@ void Averages::add_points(mpm::Mpm const& points, int body, BlockPart& part) con
   double const* const mass = set.field(Field::mass);
   double const* const density = set.field(Field::density);
   double const* const energy = set.field(Field::energy);
-  double const* const second_mass = set.field(Field::mass_fraction);
-  double const* const second_volume = set.field(Field::volume_fraction);
+  double const* const mass_fraction = set.field(Field::mass_fraction);
+  double const* const volume_fraction = set.field(Field::volume_fraction);
   for (int q = 0; q < set.size(); ++q) {
     std::array<std::array<double, 3>, 3> w{{{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}};
     Index3 own = cells.lower;
@@ -115,11 +115,12 @@ void Averages::add_points(mpm::Mpm const& points, int body, BlockPart& part) con
     if (part.wanted[part.box.offset(own)] == 0) continue;
     double const m = mass[q];
     double const volume = m / density[q];
-    double const m1 = second_mass == nullptr ? 0.0 : m * second_mass[q];
+    double const other = mass_fraction == nullptr ? 0.0 : m * mass_fraction[q];
+    static_assert(most_fluids == 2, "points hold one fluid beside the ambient one");
     std::array<double, values> const value{volume,
-                                           second_volume == nullptr ? 0.0 : volume * second_volume[q],
-                                           m - m1,
-                                           m1,
+                                           volume_fraction == nullptr ? 0.0 : volume * volume_fraction[q],
+                                           m - other,
+                                           other,
                                            m * energy[q],
                                            m * set.field(Field::velocity_x)[q],
                                            m * set.field(Field::velocity_y)[q],
@@ -148,11 +149,16 @@ void Averages::compute(mpm::Mpm const& points, int body) {
         Source const& source = sources_[s];
         double const* value = parts_[source.slot].values.data() + static_cast<std::size_t>(values) * source.offset;
         for (int v = 0; v < values; ++v) {
-          bool const turned = v >= 5 && ((source.flip >> (v - 5)) & 1) != 0;
+          bool const turned = v >= first_momentum && ((source.flip >> (v - first_momentum)) & 1) != 0;
           sum[v] += turned ? -value[v] : value[v];
         }
       }
-      sums_[n] = {sum[0], sum[1], {sum[2], sum[3]}, sum[4], {sum[5], sum[6], sum[7]}};
+      CellSums& s = sums_[n];
+      s.volume = sum[0];
+      for (int k = 1; k < most_fluids; ++k) s.fluid_volume[k] = sum[k];
+      for (int k = 0; k < most_fluids; ++k) s.mass[k] = sum[first_mass + k];
+      s.energy = sum[first_momentum - 1];
+      for (int d = 0; d < 3; ++d) s.momentum[d] = sum[first_momentum + d];
     }
   });
 }

@@ -5,18 +5,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "bridge/traffic.hpp"
 #include "grid/geometry.hpp"
 #include "mpm/mpm.hpp"
 
 namespace brisance::bridge {
 
-/// Sums over the gas points around the centre of a cell, each with its weight.
-struct CellSums {
-  double volume = 0.0;           ///< [m3]
-  double volume_second = 0.0;    ///< of the second fluid [m3]
-  std::array<double, 2> mass{};  ///< of the two fluids [kg]
-  double energy = 0.0;           ///< internal [J]
-  Vec3 momentum{0.0, 0.0, 0.0};  ///< [kg m/s]
+/// Sums over the gas points around the centre of a cell, each with its weight. The energy is the internal one.
+struct CellSums : Amounts {
+  PerFluid fluid_volume{};  ///< of it, of each fluid beside the ambient one [m3]
 };
 
 /// Weighted sums of the points of one body around the centres of chosen cells.
@@ -35,7 +32,10 @@ class Averages {
   [[nodiscard]] std::vector<CellSums> const& sums() const { return sums_; }
 
  private:
-  static constexpr int values = 8;
+  /// Order of the values of a point: its volume, those of the fluids from number 1 on, masses, energy, momentum.
+  static constexpr int first_mass = most_fluids;
+  static constexpr int first_momentum = first_mass + most_fluids + 1;
+  static constexpr int values = first_momentum + 3;
   struct Source {
     int slot;           ///< of the block
     int offset;         ///< of the cell in the block's box

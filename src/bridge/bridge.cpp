@@ -12,7 +12,7 @@ namespace brisance::bridge {
 using mpm::Field;
 
 Bridge::Bridge(gas::Gas& gas, mpm::Mpm& points, int gas_body, Region region, Options const& options,
-               gas::MixtureState const& ambient)
+               gas::Primitive const& ambient)
     : gas_(&gas),
       points_(&points),
       gas_body_(gas_body),
@@ -38,13 +38,13 @@ void Bridge::set_roles() {
     std::vector<gas::Role> roles;
     roles.reserve(block.cell_count());
     for_each_cell(block.in_domain(), [&](Index3 const& cell) { roles.push_back(region_.role(cell)); });
-    gas_->set_roles(b, std::move(roles));
+    gas_->coupling.set_roles(b, std::move(roles));
   }
 }
 
 void Bridge::watch_faces() {
   for (Face& face : region_.faces()) {
-    if (!face.open) face.watch = gas_->watch(face.side == 0 ? face.outside() : face.inside, face.direction);
+    if (!face.open) face.watch = gas_->coupling.watch(face.side == 0 ? face.outside() : face.inside, face.direction);
   }
 }
 
@@ -60,8 +60,8 @@ bool Bridge::wake() {
     if (std::abs(p - ambient_.pressure) > options_.activation) {
       awake_ = true;
       // What crossed the faces meanwhile belongs to the points; what the gas at rest pushed there, they have not felt.
-      if (options_.transport == Transport::ledger) ledger_.add_fluxes(gas_->watched(), 1.0);
-      gas_->clear_watched();
+      if (options_.transport == Transport::ledger) ledger_.add_fluxes(gas_->coupling.watched(), 1.0);
+      gas_->coupling.clear_watched();
       points_->set_time(gas_->time());
       return true;
     }
@@ -106,13 +106,13 @@ void Bridge::exchange(double share, double dt) {
   ledger_.begin_step();
   take_leavers();
   count_pressure(share);
-  ledger_.find_directions(gas_->watched(), share);
+  ledger_.find_directions(gas_->coupling.watched(), share);
   std::optional<double> reference;
   if (options_.transport == Transport::ledger) reference = points_->bodies()[gas_body_].reference_pressure;
   ledger_.add_inflow(dt, reference, traffic_.outflow);
   if (options_.transport == Transport::ledger) {
-    ledger_.add_fluxes(gas_->watched(), share);
-    ledger_.add_pressure(gas_->watched(), share, dt, points_->bodies()[gas_body_].reference_pressure,
+    ledger_.add_fluxes(gas_->coupling.watched(), share);
+    ledger_.add_pressure(gas_->coupling.watched(), share, dt, points_->bodies()[gas_body_].reference_pressure,
                          ambient_.pressure);
     ledger_.take_gifts(*points_, proxies_.blocks(), traffic_.outflow);
     ledger_.follow_volumes(dt);
@@ -134,7 +134,7 @@ void Bridge::take_leavers() {
         move[d] = set.field(Field::move_x + d)[q];
       }
       int const face = faces_.crossed(x, move);
-      Account const load = gas_points_.carried(set, q);
+      Amounts const load = gas_points_.carried(set, q);
       ++traffic_.left;
       if (faces_[face].open) {
         traffic_.outflow.add(options_.transport == Transport::ledger ? gas_points_.handed_over(set, q) : load);
@@ -152,7 +152,7 @@ void Bridge::count_pressure(double share) {
   for (int f = 0; f < faces_.count(); ++f) {
     Face const& face = faces_[f];
     if (face.open) continue;
-    gas::FaceFlux const& flux = gas_->watched()[face.watch];
+    gas::FaceFlux const& flux = gas_->coupling.watched()[face.watch];
     if (flux.impulse == 0.0) continue;  // both sides sleep
     double const sign = face.side == 0 ? share : -share;
     double area = 0.0;

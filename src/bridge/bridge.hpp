@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "bridge/account.hpp"
 #include "bridge/faces.hpp"
 #include "bridge/forbidden_cells.hpp"
 #include "bridge/gas_points.hpp"
@@ -20,6 +19,7 @@
 #include "bridge/proxies.hpp"
 #include "bridge/region.hpp"
 #include "bridge/shared_gas.hpp"
+#include "bridge/traffic.hpp"
 #include "gas/gas.hpp"
 #include "mpm/mpm.hpp"
 
@@ -53,7 +53,7 @@ class Bridge {
   /// Gives the gas cells of the region their roles and watches its faces. `gas_body` is the body of the gas points.
   /// Keeps references to both.
   Bridge(gas::Gas& gas, mpm::Mpm& points, int gas_body, Region region, Options const& options,
-         gas::MixtureState const& ambient);
+         gas::Primitive const& ambient);
   // Its parts keep references to each other.
   Bridge(Bridge const&) = delete;
   Bridge& operator=(Bridge const&) = delete;
@@ -82,9 +82,9 @@ class Bridge {
   [[nodiscard]] std::string intruder() const { return forbidden_cells_.intruder(); }
 
   /// Sum over all faces, in their order.
-  [[nodiscard]] Account ledger() const { return ledger_.sum(); }
+  [[nodiscard]] Amounts ledger() const { return ledger_.sum(); }
   /// The accounts, face by face, lane by lane.
-  [[nodiscard]] std::vector<Account> const& accounts() const { return ledger_.accounts(); }
+  [[nodiscard]] std::vector<Amounts> const& accounts() const { return ledger_.accounts(); }
   [[nodiscard]] Traffic const& traffic() const { return traffic_; }
   /// Sum of the sizes of the masses in the accounts [kg].
   [[nodiscard]] double content() const { return ledger_.content(); }
@@ -113,7 +113,7 @@ class Bridge {
   int gas_body_;
   Region region_;
   Options options_;
-  gas::MixtureState ambient_;
+  gas::Primitive ambient_;
   bool awake_ = false;
   double last_step_ = 0.0;  ///< of the points [s]
   Traffic traffic_;

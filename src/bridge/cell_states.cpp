@@ -19,15 +19,17 @@ double limited(double below, double above) {
   return std::copysign(least, below);
 }
 
-/// Sum of the states with weights, member by member.
-GasState blended(GasState const& a, GasState const& b, GasState const& c, std::array<double, 3> const& w) {
+/// Sum of the states with weights, member by member, but for what follows from the rest.
+Primitive blended(Primitive const& a, Primitive const& b, Primitive const& c, std::array<double, 3> const& w) {
   auto const mix = [&w](double x, double y, double z) { return w[0] * x + w[1] * y + w[2] * z; };
-  GasState s;
+  Primitive s;
   s.density = mix(a.density, b.density, c.density);
   for (int d = 0; d < 3; ++d) s.velocity[d] = mix(a.velocity[d], b.velocity[d], c.velocity[d]);
   s.pressure = mix(a.pressure, b.pressure, c.pressure);
-  s.mass_fraction = mix(a.mass_fraction, b.mass_fraction, c.mass_fraction);
-  s.volume_fraction = mix(a.volume_fraction, b.volume_fraction, c.volume_fraction);
+  for (int k = 1; k < most_fluids; ++k) {
+    s.mass_fraction.set(k, mix(a.mass_fraction[k], b.mass_fraction[k], c.mass_fraction[k]));
+    s.volume_fraction.set(k, mix(a.volume_fraction[k], b.volume_fraction[k], c.volume_fraction[k]));
+  }
   return s;
 }
 
@@ -35,8 +37,8 @@ constexpr double steep = 0.1;  ///< relative change between two times that is to
 
 }  // namespace
 
-GasState at_offset(GasState const& centre, GasSlopes const& slopes, Vec3 const& offset) {
-  GasState s = centre;
+Primitive at_offset(Primitive const& centre, GasSlopes const& slopes, Vec3 const& offset) {
+  Primitive s = centre;
   for (int d = 0; d < 3; ++d) {
     s.density += offset[d] * slopes.density[d];
     s.pressure += offset[d] * slopes.pressure[d];
@@ -87,8 +89,7 @@ void CellStates::read(gas::Gas const& gas) {
   parallel_for((count + group - 1) / group, [&](int g, int) {
     double fastest = 0.0;
     for (int n = g * group; n < std::min(count, (g + 1) * group); ++n) {
-      gas::Primitive const w = gas.primitive(places_[n]);
-      later_[n] = {w.density, w.velocity, w.pressure, w.mass_fraction, w.volume_fraction};
+      Primitive const& w = later_[n] = gas.primitive(places_[n]);
       fastest = std::max(fastest, norm(w.velocity) + w.sound_speed);
     }
     signals_[g] = fastest;
@@ -101,23 +102,23 @@ double CellStates::fastest_signal() const {
   return fastest;
 }
 
-void CellStates::at(int n, double part, GasState& state, GasSlopes& slopes) const {
+void CellStates::at(int n, double part, Primitive& state, GasSlopes& slopes) const {
   // Lagrange's weights for the three times, in units of the last step.
   double const back = levels_ < 3 ? 1.0 : (times_[1] - times_[0]) / (times_[2] - times_[1]);
   std::array<double, 3> const parabola{part * (part - 1.0) / (back * (back + 1.0)), (part + back) * (1.0 - part) / back,
                                        part * (part + back) / (1.0 + back)};
   std::array<double, 3> const line{0.0, 1.0 - part, part};
   auto const value = [&](int index) {
-    GasState const& a = before_[index];
-    GasState const& b = earlier_[index];
-    GasState const& c = later_[index];
+    Primitive const& a = before_[index];
+    Primitive const& b = earlier_[index];
+    Primitive const& c = later_[index];
     bool const smooth = levels_ == 3 && !is_jump(a, b, steep) && !is_jump(b, c, steep);
     return blended(a, b, c, smooth ? parabola : line);
   };
   state = value(n);
   slopes = {};
   for (int d = 0; d < dims_; ++d) {
-    std::array<GasState, 2> next{state, state};
+    std::array<Primitive, 2> next{state, state};
     for (int side = 0; side < 2; ++side) {
       Neighbour const& neighbour = neighbours_[n][2 * d + side];
       next[side] = value(neighbour.index);
@@ -136,7 +137,7 @@ void CellStates::archive(Archive& a) {
   a(levels_, times_);
   a.require(levels_ >= 0 && levels_ <= static_cast<int>(times_.size()), "the number of times beside the region");
   for (auto* states : {&earlier_, &later_}) {
-    for (GasState& s : *states) a(s.density, s.velocity, s.pressure, s.mass_fraction, s.volume_fraction);
+    for (Primitive& s : *states) a(s.density, s.velocity, s.pressure, s.mass_fraction, s.volume_fraction);
   }
 }
 

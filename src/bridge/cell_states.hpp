@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "bridge/traffic.hpp"
 #include "gas/gas.hpp"
 #include "grid/grid.hpp"
 
@@ -16,20 +17,11 @@ class Archive;
 
 namespace brisance::bridge {
 
-/// A gas state at a place.
-struct GasState {
-  double density = 0.0;  ///< of the mixture [kg/m3]
-  Vec3 velocity{0.0, 0.0, 0.0};
-  double pressure = 0.0;         ///< [Pa]
-  double mass_fraction = 0.0;    ///< of the second fluid
-  double volume_fraction = 0.0;  ///< of the second fluid
-};
-
 /// Do two positive values differ by more than this part of the smaller one?
 [[nodiscard]] inline bool differ(double a, double b, double part) { return std::abs(a - b) > part * std::min(a, b); }
 
 /// Do pressure or density jump by more than this part between two states?
-[[nodiscard]] inline bool is_jump(GasState const& a, GasState const& b, double part) {
+[[nodiscard]] inline bool is_jump(Primitive const& a, Primitive const& b, double part) {
   return differ(a.pressure, b.pressure, part) || differ(a.density, b.density, part);
 }
 
@@ -41,7 +33,7 @@ struct GasSlopes {
 };
 
 /// The state at a place in a cell; `offset` from its centre in cells.
-[[nodiscard]] GasState at_offset(GasState const& centre, GasSlopes const& slopes, Vec3 const& offset);
+[[nodiscard]] Primitive at_offset(Primitive const& centre, GasSlopes const& slopes, Vec3 const& offset);
 
 class CellStates {
  public:
@@ -55,10 +47,10 @@ class CellStates {
   /// State and slopes of the nth of the cells at a part of the way from the earlier to the later time, -1/2 to 1:
   /// parabolas through three times where the flow is smooth, else straight lines. Straight ones alone would take as
   /// much as 1 % of sound of 20 cells, and reflect it.
-  void at(int n, double part, GasState& state, GasSlopes& slopes) const;
+  void at(int n, double part, Primitive& state, GasSlopes& slopes) const;
   /// Largest |u| + c of all cells at the later time [m/s].
   [[nodiscard]] double fastest_signal() const;
-  [[nodiscard]] GasState const& later(int n) const { return later_[n]; }
+  [[nodiscard]] Primitive const& later(int n) const { return later_[n]; }
   void archive(Archive& a);  ///< in a checkpoint
 
  private:
@@ -71,9 +63,9 @@ class CellStates {
   int dims_;
   int levels_ = 0;                              ///< how many of the three times have been read
   std::array<double, 3> times_{0.0, 0.0, 0.0};  ///< [s]
-  std::vector<GasState> before_;                ///< at the first of them
-  std::vector<GasState> earlier_;
-  std::vector<GasState> later_;
+  std::vector<Primitive> before_;               ///< at the first of them
+  std::vector<Primitive> earlier_;
+  std::vector<Primitive> later_;
   std::vector<double> signals_;  ///< per group of cells
 };
 

@@ -23,7 +23,7 @@ GasPoints::GasPoints(mpm::Mpm& points, int body, material::Fluids const& fluids,
   for (std::size_t n = 0; n < outer_blocks_.size(); ++n) leavers_.push_back(empty_set());
 }
 
-void GasPoints::append(int face, int lane, double depth, double mass, GasState const& s, GasSlopes const& slopes,
+void GasPoints::append(int face, int lane, double depth, double mass, Primitive const& s, GasSlopes const& slopes,
                        mpm::PointSet& to) const {
   Face const& f = (*faces_)[face];
   grid::Metric const& cells = faces_->region().metric();
@@ -49,16 +49,16 @@ void GasPoints::append(int face, int lane, double depth, double mass, GasState c
   to.field(Field::density)[q] = s.density;
   to.field(Field::pressure)[q] = s.pressure;
   to.field(Field::energy)[q] = specific_energy(*fluids_, s);
-  if (double* Y = to.field(Field::mass_fraction)) Y[q] = s.mass_fraction;
-  if (double* alpha = to.field(Field::volume_fraction)) alpha[q] = s.volume_fraction;
+  if (double* Y = to.field(Field::mass_fraction)) Y[q] = s.mass_fraction[1];
+  if (double* alpha = to.field(Field::volume_fraction)) alpha[q] = s.volume_fraction[1];
 }
 
-Account GasPoints::carried(mpm::PointSet const& set, int q) const {
+Amounts GasPoints::carried(mpm::PointSet const& set, int q) const {
   double const m = set.field(Field::mass)[q];
-  double const* second = set.field(Field::mass_fraction);
-  double const m1 = second == nullptr ? 0.0 : m * second[q];
-  Account l;
-  l.mass = {m - m1, m1};
+  double const* fraction = set.field(Field::mass_fraction);
+  double const other = fraction == nullptr ? 0.0 : m * fraction[q];
+  Amounts l;
+  l.mass = {m - other, other};
   double square = 0.0;
   for (int d = 0; d < 3; ++d) {
     double const v = set.field(Field::velocity_x + d)[q];
@@ -72,8 +72,8 @@ Account GasPoints::carried(mpm::PointSet const& set, int q) const {
   return l;
 }
 
-Account GasPoints::handed_over(mpm::PointSet const& set, int q) const {
-  Account l = carried(set, q);
+Amounts GasPoints::handed_over(mpm::PointSet const& set, int q) const {
+  Amounts l = carried(set, q);
   l.energy += points_->bodies()[body_].reference_pressure * l.volume;
   return l;
 }

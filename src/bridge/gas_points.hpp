@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "bridge/account.hpp"
 #include "bridge/cell_states.hpp"
 #include "bridge/faces.hpp"
+#include "bridge/traffic.hpp"
 #include "mpm/mpm.hpp"
 
 namespace brisance::bridge {
@@ -22,16 +22,16 @@ class GasPoints {
 
   [[nodiscard]] mpm::PointSet empty_set() const { return mpm::PointSet(points_->fields(body_)); }
   /// Appends a point that comes in through a lane at a depth [m] from its face; `mass` [kg].
-  void append(int face, int lane, double depth, double mass, GasState const& state, GasSlopes const& slopes,
+  void append(int face, int lane, double depth, double mass, Primitive const& state, GasSlopes const& slopes,
               mpm::PointSet& to) const;
   /// Puts new points among those of the gas.
   void add(mpm::PointSet const& set) { points_->add(body_, set); }
   /// What a point carries, its own velocity gradient's energy included.
-  [[nodiscard]] Account carried(mpm::PointSet const& set, int q) const;
+  [[nodiscard]] Amounts carried(mpm::PointSet const& set, int q) const;
   /// The same with the work that the reference pressure does when a point comes or goes: the points in the region feel
   /// nothing of it, but as they stretch to fill the space left they give it away. Through open faces
   /// nothing of that is booked.
-  [[nodiscard]] Account handed_over(mpm::PointSet const& set, int q) const;
+  [[nodiscard]] Amounts handed_over(mpm::PointSet const& set, int q) const;
 
   /// Takes out the points that have left the region; they stay in the sets, one per outer block, until the next call.
   std::vector<mpm::PointSet> const& take_leavers();

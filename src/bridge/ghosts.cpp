@@ -44,26 +44,32 @@ void Ghosts::fill_cell(int n, double last_step) {
   double const enough = 0.1 * cells.cell_volume(cell[0]);
   // Next to solids a ghost cell of the ghost cells may hold hardly any gas: it keeps what it has.
   if (sums[n].volume < enough) return;
-  GasState const own = state_of(fluids, sums[n]);
-  GasState s = own;
+  Primitive const own = primitive(fluids, sums[n]);
+  Primitive s = own;
   for (int d = 0; d < cells.dimensions(); ++d) {
     int const low = neighbours_[n][2 * d];
     int const high = neighbours_[n][2 * d + 1];
     if (low < 0 || high < 0 || sums[low].volume < enough || sums[high].volume < enough) continue;
-    GasState const below = state_of(fluids, sums[low]);
-    GasState const above = state_of(fluids, sums[high]);
+    Primitive const below = primitive(fluids, sums[low]);
+    Primitive const above = primitive(fluids, sums[high]);
     if (is_jump(own, below, steep) || is_jump(own, above, steep)) continue;
-    auto const second = [](double a, double b, double c) { return a - 2.0 * b + c; };
-    s.density -= sharpening * second(below.density, own.density, above.density);
-    s.pressure -= sharpening * second(below.pressure, own.pressure, above.pressure);
+    auto const bend = [](double a, double b, double c) { return a - 2.0 * b + c; };
+    s.density -= sharpening * bend(below.density, own.density, above.density);
+    s.pressure -= sharpening * bend(below.pressure, own.pressure, above.pressure);
     for (int c = 0; c < 3; ++c) {
-      s.velocity[c] -= sharpening * second(below.velocity[c], own.velocity[c], above.velocity[c]);
+      s.velocity[c] -= sharpening * bend(below.velocity[c], own.velocity[c], above.velocity[c]);
     }
     s.velocity[d] -= 0.5 * last_step * (above.pressure - below.pressure) / (2.0 * cells.h * own.density);
   }
-  double const second_density = s.density * s.mass_fraction;
-  gas_->set_conserved(gas_->grid().locate(cell), s.density - second_density, second_density, s.density * s.velocity,
-                      s.density * (specific_energy(fluids, s) + 0.5 * dot(s.velocity, s.velocity)), s.volume_fraction);
+  Amounts per_volume;
+  per_volume.mass[0] = s.density;
+  for (int k = 1; k < most_fluids; ++k) {
+    per_volume.mass[k] = s.density * s.mass_fraction[k];
+    per_volume.mass[0] -= per_volume.mass[k];
+  }
+  per_volume.momentum = s.density * s.velocity;
+  per_volume.energy = s.density * (specific_energy(fluids, s) + 0.5 * dot(s.velocity, s.velocity));
+  gas_->set(gas_->grid().locate(cell), per_volume, s.volume_fraction);
 }
 
 void Ghosts::fill(double last_step) {

@@ -20,6 +20,35 @@ double near_mass(double usual, double wanted, double own_density, double volume)
   return std::clamp(wanted, usual / (1.0 + most), usual + most * own_density * volume);
 }
 
+/// Sum of the sizes of the masses [kg].
+double size_of(Amounts const& amounts) {
+  double sum = 0.0;
+  for (double const mass : amounts.mass) sum += std::abs(mass);
+  return sum;
+}
+
+/// Do the compositions of two states differ by more than this mass fraction?
+bool is_contact(Primitive const& a, Primitive const& b, double part) {
+  for (int k = 1; k < most_fluids; ++k) {
+    if (std::abs(a.mass_fraction[k] - b.mass_fraction[k]) > part) return true;
+  }
+  return false;
+}
+
+/// The composition of a state that holds masses [kg] of a sum. Where all fluids are there they keep the ratio of their
+/// own densities, and so the pressure.
+void set_composition(PerFluid const& masses, double sum, PerFluid const& own_density, Primitive& state) {
+  for (int k = 1; k < most_fluids; ++k) state.mass_fraction.set(k, masses[k] / sum);
+  if (std::any_of(own_density.begin(), own_density.end(), [](double rho) { return !(rho > 0.0); })) return;
+  PerFluid filled{};
+  double all = 0.0;
+  for (int k = 0; k < most_fluids; ++k) {
+    filled[k] = masses[k] / own_density[k];
+    all += filled[k];
+  }
+  for (int k = 1; k < most_fluids; ++k) state.volume_fraction.set(k, filled[k] / all);
+}
+
 constexpr double least_fraction = 1e-6;
 constexpr int most_births = 16;  // of one lane in one step: more is not met within the Courant limit
 
@@ -28,9 +57,9 @@ constexpr int most_births = 16;  // of one lane in one step: more is not met wit
 Ledger::Ledger(Faces const& faces, SharedGas const& shared)
     : faces_(&faces), shared_(&shared), accounts_(faces.lane_count()), shares_(faces), outwards_(faces.count(), 0) {}
 
-Account Ledger::sum() const {
-  Account sum;
-  for (Account const& account : accounts_) sum.add(account);
+Amounts Ledger::sum() const {
+  Amounts sum;
+  for (Amounts const& account : accounts_) sum.add(account);
   return sum;
 }
 
@@ -42,7 +71,7 @@ double Ledger::reach(int face, Vec3 const& x) const {
 
 double Ledger::content() const {
   double sum = 0.0;
-  for (Account const& account : accounts_) sum += std::abs(account.mass[0]) + std::abs(account.mass[1]);
+  for (Amounts const& account : accounts_) sum += size_of(account);
   return sum;
 }
 
@@ -53,9 +82,9 @@ double Ledger::surplus() const {
     if (faces[f].open) continue;  // through open faces gas leaves at once
     double const density = std::max(shared_->outside(f).density, shared_->inside(f).density);
     for (int lane = 0; lane < faces.lanes(); ++lane) {
-      Account const& account = accounts_[faces.number(f, lane)];
+      Amounts const& account = accounts_[faces.number(f, lane)];
       double const point = density * faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
-      sum += std::max(0.0, std::abs(account.mass[0]) + std::abs(account.mass[1]) - 2.0 * point);
+      sum += std::max(0.0, size_of(account) - 2.0 * point);
     }
   }
   return sum;
@@ -68,7 +97,7 @@ void Ledger::find_directions(Fluxes const& watched, double share) {
     gas::FaceFlux const& flux = watched[face.watch];
     if (flux.impulse == 0.0) continue;  // both sides sleep
     double const sign = face.side == 0 ? share : -share;
-    outwards_[f] = sign * (flux.mass[0] + flux.mass[1]) < 0.0 ? 1 : 0;
+    outwards_[f] = sign * flux.carried.total() < 0.0 ? 1 : 0;
   }
 }
 
@@ -79,9 +108,8 @@ void Ledger::add_fluxes(Fluxes const& watched, double share) {
     gas::FaceFlux const& flux = watched[face.watch];
     if (flux.impulse == 0.0) continue;
     double const sign = face.side == 0 ? share : -share;
-    Account const per_area{flux.mass, flux.momentum, flux.energy, flux.volume};
     for (int lane = 0; lane < faces_->lanes(); ++lane) {
-      at(f, lane).add(per_area, sign * faces_->lane_area(f, lane));
+      at(f, lane).add(flux.carried, sign * faces_->lane_area(f, lane));
     }
   }
 }
@@ -103,8 +131,8 @@ void Ledger::add_pressure(Fluxes const& watched, double share, double dt, double
   }
 }
 
-void Ledger::take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks, Account& outflow) {
-  gifts_.assign(faces_->count(), Account{});
+void Ledger::take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks, Amounts& outflow) {
+  gifts_.assign(faces_->count(), Amounts{});
   int const dims = faces_->region().domain().dimensions();
   for (int const block : blocks) {
     for (mpm::NodeGift const& gift : points.gifts(block)) {
@@ -131,26 +159,25 @@ void Ledger::take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks, 
   }
 }
 
-void Ledger::add_inflow(double dt, std::optional<double> reference, Account& outflow) {
+void Ledger::add_inflow(double dt, std::optional<double> reference, Amounts& outflow) {
   Faces const& faces = *faces_;
   for (int f = 0; f < faces.count(); ++f) {
     if (!faces[f].open) continue;
     if (shared_->solid_at(f)) continue;
     CellSums const& sums = shared_->sums_at(f);
     if (sums.volume < 0.1 * faces.region().metric().cell_volume(faces[f].inside[0])) continue;
-    GasState const s = state_of(shared_->fluids(), sums);
+    Primitive const s = primitive(shared_->fluids(), sums);
     double const inward = faces[f].inward(s.velocity);
     double const e = specific_energy(shared_->fluids(), s) + 0.5 * dot(s.velocity, s.velocity);
-    // Without its volume, which is added apart.
-    Account const per_mass{{1.0 - s.mass_fraction, s.mass_fraction}, s.velocity, e};
+    Amounts const gas_per_mass = per_mass(s, e);
     for (int lane = 0; lane < faces.lanes(); ++lane) {
       double const volume = faces.lane_area(f, lane) * dt * inward;
       if (!reference) outflow.energy -= volume * s.pressure;
       if (inward <= 0.0) continue;
       double const mass = volume * s.density;
-      at(f, lane).add(per_mass, mass);
+      at(f, lane).add(gas_per_mass, mass);
       at(f, lane).volume += volume;
-      outflow.add(per_mass, -mass);
+      outflow.add(gas_per_mass, -mass);
       outflow.volume -= volume;
       outflow.energy -= volume * reference.value_or(0.0);
     }
@@ -166,8 +193,8 @@ void Ledger::follow_volumes(double dt) {
   double const h = faces.region().metric().h;
   for (int f = 0; f < faces.count(); ++f) {
     if (faces[f].open) continue;
-    GasState const& outside = shared_->outside(f);
-    GasState const& inside = shared_->inside(f);
+    Primitive const& outside = shared_->outside(f);
+    Primitive const& inside = shared_->inside(f);
     GasSlopes const slopes = shared_->slopes_outside(f);
     double divergence = faces[f].inward(inside.velocity - outside.velocity) / h;
     for (int d = 0; d < dims; ++d) {
@@ -176,9 +203,9 @@ void Ledger::follow_volumes(double dt) {
     double const stretch = std::exp(dt * divergence);
     bool const contact = differ(inside.density, outside.density, 0.1);
     for (int lane = 0; lane < faces.lanes(); ++lane) {
-      Account& account = at(f, lane);
+      Amounts& account = at(f, lane);
       if (outwards_[f] != 0 && !contact) {
-        Account const& before = before_[faces.number(f, lane)];
+        Amounts const& before = before_[faces.number(f, lane)];
         account.volume = before.volume + (account.total() - before.total()) / outside.density;
       }
       account.volume *= stretch;
@@ -217,38 +244,35 @@ long Ledger::give_birth(GasPoints& points) {
   parallel_for(groups, [&](int g, int) {
     for (int f = g * group; f < std::min(count, (g + 1) * group); ++f) {
       for (int lane = 0; lane < faces.lanes(); ++lane) {
-        Account& account = at(f, lane);
+        Amounts& account = at(f, lane);
         if (account.volume <= 0.0) continue;
         if (faces[f].open && shared_->sums_at(f).volume <= 0.0) continue;
         GasSlopes slopes;
-        GasState const donor = shared_->donor(f, lane, slopes);
+        Primitive const donor = shared_->donor(f, lane, slopes);
         if (faces[f].inward(donor.velocity) <= 0.0) continue;
         double const volume = faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
-        std::array<double, 2> const usual{(1.0 - donor.mass_fraction) * donor.density * volume,
-                                          donor.mass_fraction * donor.density * volume};
-        std::array<double, 2> const fraction{1.0 - donor.volume_fraction, donor.volume_fraction};
-        std::array<double, 2> own_density{0.0, 0.0};  // of a fluid that is not there nothing is known
-        for (int k = 0; k < 2; ++k) {
-          if (fraction[k] > least_fraction) own_density[k] = usual[k] / (fraction[k] * volume);
+        PerFluid usual{};
+        PerFluid own_density{};  // of a fluid that is not there nothing is known
+        for (int k = 0; k < most_fluids; ++k) {
+          usual[k] = donor.mass_fraction[k] * donor.density * volume;
+          double const fraction = donor.volume_fraction[k];
+          if (fraction > least_fraction) own_density[k] = usual[k] / (fraction * volume);
         }
         for (int n = 0; n < most_births && account.volume >= 0.5 * volume; ++n) {
           // What is left of the ledger after the birth is to have the donor's partial densities.
           double const left = account.volume / volume - 1.0;
-          std::array<double, 2> mass{};
-          for (int k = 0; k < 2; ++k) {
-            mass[k] = near_mass(usual[k], account.mass[k] - left * usual[k], own_density[k], volume);
+          PerFluid masses{};
+          double mass = 0.0;
+          for (int k = 0; k < most_fluids; ++k) {
+            masses[k] = near_mass(usual[k], account.mass[k] - left * usual[k], own_density[k], volume);
+            mass += masses[k];
           }
-          GasState state = donor;
-          state.density = (mass[0] + mass[1]) / volume;
-          state.mass_fraction = mass[1] / (mass[0] + mass[1]);
-          // Both fluids keep the ratio of their own densities, and so the pressure.
-          if (own_density[0] > 0.0 && own_density[1] > 0.0) {
-            double const second = mass[1] / own_density[1];
-            state.volume_fraction = second / (mass[0] / own_density[0] + second);
-          }
+          Primitive state = donor;
+          state.density = mass / volume;
+          set_composition(masses, mass, own_density, state);
           double const depth = (account.volume / volume - 0.5) * spacing;
           if (born[g].fields().size() == 0) born[g] = points.empty_set();
-          points.append(f, lane, depth, mass[0] + mass[1], state, slopes, born[g]);
+          points.append(f, lane, depth, mass, state, slopes, born[g]);
           int const last = born[g].size() - 1;
           account.add(faces[f].open ? points.carried(born[g], last) : points.handed_over(born[g], last), -1.0);
         }
@@ -278,26 +302,26 @@ void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
   double const usual = std::min(0.5, dt * shared_->states().fastest_signal() / (length * cells.h));
   for (int f = 0; f < faces.count(); ++f) {
     if (faces[f].open) continue;
-    GasState const& outside = shared_->outside(f);
-    GasState const& inside = shared_->inside(f);
+    Primitive const& outside = shared_->outside(f);
+    Primitive const& inside = shared_->inside(f);
     // While a contact stands at the face nobody can tell what belongs in the account.
-    if (std::abs(inside.mass_fraction - outside.mass_fraction) > 0.1) continue;
-    GasState const& own = outwards_[f] != 0 ? inside : outside;
+    if (is_contact(inside, outside, 0.1)) continue;
+    Primitive const& own = outwards_[f] != 0 ? inside : outside;
     double const heat_outside = specific_energy(fluids, outside);
     double const energy =
         specific_energy(fluids, own) + 0.5 * dot(own.velocity, own.velocity) + reference / own.density;
-    Account const gas_per_mass{{1.0 - own.mass_fraction, own.mass_fraction}, own.velocity, energy, 0.0};
+    Amounts const gas_per_mass = per_mass(own, energy);
     double const strain = std::abs(faces[f].inward(inside.velocity - outside.velocity)) / cells.h * dt;
     // Rows of points cross a face at once, the fluxes do so evenly: what is under way in uniform flow belongs there,
     // and sound should pass undisturbed. Errors come with strain; where it is 0.5 % in a step or more all goes back.
     double const part = usual * std::min(1.0, bleed * strain);
     double const cell = std::abs(cells.cell_volume(faces[f].outside()[0])) / faces.lanes();
-    Account given_by_face;
-    given_.assign(faces.lanes(), Account{});
+    Amounts given_by_face;
+    given_.assign(faces.lanes(), Amounts{});
     for (int lane = 0; lane < faces.lanes(); ++lane) {
-      Account& account = at(f, lane);
+      Amounts& account = at(f, lane);
       double const volume = faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
-      Account rest = account;
+      Amounts rest = account;
       rest.volume = 0.0;
       rest.add(gas_per_mass, -own.density * std::clamp(account.volume, -volume, volume));
       double const mass = cell * outside.density;
@@ -305,9 +329,8 @@ void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
       auto const limited = [&](double wanted, double scale) {
         return std::clamp(part * wanted, -most * scale, most * scale);
       };
-      Account& given = given_[lane];
-      given.mass[0] = limited(rest.mass[0], mass * (1.0 - outside.mass_fraction));
-      given.mass[1] = limited(rest.mass[1], mass * outside.mass_fraction);
+      Amounts& given = given_[lane];
+      for (int k = 0; k < most_fluids; ++k) given.mass[k] = limited(rest.mass[k], mass * outside.mass_fraction[k]);
       for (int d = 0; d < dims; ++d) given.momentum[d] = limited(rest.momentum[d], std::sqrt(mass * heat));
       given.energy = limited(rest.energy, heat);
       given_by_face.add(given);

@@ -16,11 +16,11 @@
 #include <optional>
 #include <vector>
 
-#include "bridge/account.hpp"
 #include "bridge/faces.hpp"
 #include "bridge/gas_points.hpp"
 #include "bridge/node_shares.hpp"
 #include "bridge/shared_gas.hpp"
+#include "bridge/traffic.hpp"
 #include "gas/gas.hpp"
 
 namespace brisance {
@@ -36,9 +36,9 @@ class Ledger {
   /// Keeps references to both.
   Ledger(Faces const& faces, SharedGas const& shared);
 
-  [[nodiscard]] std::vector<Account> const& accounts() const { return accounts_; }
+  [[nodiscard]] std::vector<Amounts> const& accounts() const { return accounts_; }
   /// Sum over all faces, in their order.
-  [[nodiscard]] Account sum() const;
+  [[nodiscard]] Amounts sum() const;
   /// How far the gas in an account reaches along its lane, as a step along the axis from the face into the region [m];
   /// out of it where gas lacks. The lane is that of the face that a place [m] lies in.
   [[nodiscard]] double reach(int face, Vec3 const& x) const;
@@ -52,19 +52,19 @@ class Ledger {
   /// Remembers the accounts as they are before the step.
   void begin_step() { before_ = accounts_; }
   /// Adds what a point carried out through a lane.
-  void add_leaver(int face, int lane, Account const& load) { at(face, lane).add(load); }
+  void add_leaver(int face, int lane, Amounts const& load) { at(face, lane).add(load); }
   /// Finds the faces through which the gas flows out of the region.
   void find_directions(Fluxes const& watched, double share);
   /// Lets gas in through open faces, at the state of the region's gas there; it is taken off `outflow`. Absent
   /// `reference`, the reference pressure: so is the work of the gas's pressure, which `take_gifts` does not tell then.
-  void add_inflow(double dt, std::optional<double> reference, Account& outflow);
+  void add_inflow(double dt, std::optional<double> reference, Amounts& outflow);
   /// Adds what the gas carried through the faces.
   void add_fluxes(Fluxes const& watched, double share);
   /// Adds what the pressure of the gas did there, less the part of the reference pressure, which the points do not
   /// feel; `resting`: the pressure where both sides of a face sleep [Pa].
   void add_pressure(Fluxes const& watched, double share, double dt, double reference, double resting);
   /// Takes off what the cells outside gave at the nodes, block by block; at open faces the energy of it off `outflow`.
-  void take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks, Account& outflow);
+  void take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks, Amounts& outflow);
   /// Lets the volumes of the accounts follow the gas.
   void follow_volumes(double dt);
   /// Evens out neighbouring accounts where gas flows out.
@@ -77,15 +77,15 @@ class Ledger {
   void archive(Archive& a);  ///< in a checkpoint
 
  private:
-  [[nodiscard]] Account& at(int face, int lane) { return accounts_[faces_->number(face, lane)]; }
+  [[nodiscard]] Amounts& at(int face, int lane) { return accounts_[faces_->number(face, lane)]; }
 
   Faces const* faces_;
   SharedGas const* shared_;
-  std::vector<Account> accounts_;  ///< by `Faces::number`
+  std::vector<Amounts> accounts_;  ///< by `Faces::number`
   NodeShares shares_;
-  std::vector<Account> gifts_;   ///< scratch, per face
-  std::vector<Account> given_;   ///< scratch, per lane of a face
-  std::vector<Account> before_;  ///< scratch: the accounts before the step, or before they are levelled
+  std::vector<Amounts> gifts_;   ///< scratch, per face
+  std::vector<Amounts> given_;   ///< scratch, per lane of a face
+  std::vector<Amounts> before_;  ///< scratch: the accounts before the step, or before they are levelled
   std::vector<char> outwards_;   ///< per face: the gas flowed out of the region in the last step
 };
 

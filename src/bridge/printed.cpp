@@ -9,8 +9,8 @@ long give_birth_as_printed(Faces const& faces, SharedGas const& shared, GasPoint
   mpm::PointSet born = points.empty_set();
   for (int f = 0; f < faces.count(); ++f) {
     if (faces[f].open) continue;
-    GasState const& outside = shared.outside(f);
-    GasState const& inside = shared.inside(f);
+    Primitive const& outside = shared.outside(f);
+    Primitive const& inside = shared.inside(f);
     double const density = 0.5 * (outside.density + inside.density);                   // (40)
     double const speed = faces[f].inward(0.5 * (outside.velocity + inside.velocity));  // (41)
     if (speed <= 0.0) continue;

@@ -2,10 +2,10 @@
 /// docs/theory: once by the fluxes of the gas and once by the points.
 #pragma once
 
-#include "bridge/account.hpp"
 #include "bridge/faces.hpp"
 #include "bridge/gas_points.hpp"
 #include "bridge/shared_gas.hpp"
+#include "bridge/traffic.hpp"
 #include "gas/gas.hpp"
 
 namespace brisance::bridge {

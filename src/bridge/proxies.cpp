@@ -42,15 +42,15 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger c
                         mpm::PointSet& set) const {
   Region const& region = faces_->region();
   CellStates const& states = shared_->states();
-  GasState centre;
+  Primitive centre;
   GasSlopes slopes;
-  GasState next;
+  Primitive next;
   GasSlopes next_slopes;
   if (lent.state >= 0) {
     // Pressure and density at the beginning; the velocity, as that of the points, half a step behind it.
     double const half_step = 0.5 * (end - begin);
     states.at(lent.state, begin, centre, slopes);
-    GasState before;
+    Primitive before;
     GasSlopes slopes_before;
     states.at(lent.state, begin - half_step, before, slopes_before);
     centre.velocity = before.velocity;
@@ -59,7 +59,7 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger c
   } else {
     CellSums const& s = shared_->sums()[lent.average];
     if (s.volume < 0.1 * region.metric().cell_volume(region.clamped(lent.cell)[0])) return;  // a solid lies there
-    centre = bridge::state_of(shared_->fluids(), s);
+    centre = bridge::primitive(shared_->fluids(), s);
     next = centre;
   }
   // Copies, which the calls below cannot change.
@@ -82,8 +82,8 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger c
       x[d] += shift;
       offset[d] += shift / cells.h;
     }
-    GasState const s = at_offset(centre, slopes, offset);
-    GasState const later = at_offset(next, next_slopes, offset);
+    Primitive const s = at_offset(centre, slopes, offset);
+    Primitive const later = at_offset(next, next_slopes, offset);
     int const q = set.append();
     for (int d = 0; d < 3; ++d) {
       set.field(Field::position_x + d)[q] = x[d];

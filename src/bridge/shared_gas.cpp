@@ -107,17 +107,17 @@ bool SharedGas::solid_at(int face) const {
 }
 
 GasSlopes SharedGas::slopes_outside(int face) const {
-  GasState centre;
+  Primitive centre;
   GasSlopes slopes;
   states_.at(beside_[face].outside, 1.0, centre, slopes);
   return slopes;
 }
 
-GasState SharedGas::donor(int face, int lane, GasSlopes& slopes) const {
+Primitive SharedGas::donor(int face, int lane, GasSlopes& slopes) const {
   slopes = {};
   Face const& f = (*faces_)[face];
-  if (f.open) return bridge::state_of(fluids(), sums_at(face));
-  GasState centre;
+  if (f.open) return bridge::primitive(fluids(), sums_at(face));
+  Primitive centre;
   states_.at(beside_[face].outside, 1.0, centre, slopes);
   Index3 const sub = faces_->sub_cell(face, lane);
   Vec3 offset{0.0, 0.0, 0.0};

@@ -38,12 +38,12 @@ class SharedGas {
   /// Do solids fill most of the inside cell? What gas there is among them is none to take the gas beyond for.
   [[nodiscard]] bool solid_at(int face) const;
   /// Other faces: the states on both sides at the later time.
-  [[nodiscard]] GasState const& outside(int face) const { return states_.later(beside_[face].outside); }
-  [[nodiscard]] GasState const& inside(int face) const { return states_.later(beside_[face].inside); }
+  [[nodiscard]] Primitive const& outside(int face) const { return states_.later(beside_[face].outside); }
+  [[nodiscard]] Primitive const& inside(int face) const { return states_.later(beside_[face].inside); }
   /// Changes over the outside cell at the later time.
   [[nodiscard]] GasSlopes slopes_outside(int face) const;
   /// The gas outside at a lane of a face.
-  [[nodiscard]] GasState donor(int face, int lane, GasSlopes& slopes) const;
+  [[nodiscard]] Primitive donor(int face, int lane, GasSlopes& slopes) const;
 
  private:
   void find_solids();

@@ -9,13 +9,13 @@ namespace brisance::bridge {
 
 namespace {
 
-void archive(Archive& a, Account& l) { a(l.mass, l.momentum, l.energy, l.volume); }
+void archive(Archive& a, Amounts& l) { a(l.mass, l.momentum, l.energy, l.volume); }
 
 }  // namespace
 
 void Ledger::archive(Archive& a) {
   a.sized(outwards_, "the number of faces of the region");
-  for (Account& account : accounts_) bridge::archive(a, account);
+  for (Amounts& account : accounts_) bridge::archive(a, account);
 }
 
 void Bridge::archive(Archive& a) {

@@ -2,6 +2,7 @@
 /// it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -22,24 +23,19 @@
 
 namespace brisance::cases {
 
-/// State of a fluid at rest or in uniform motion.
-struct FluidState {
-  double density = 1.225;      ///< [kg/m3]
-  double pressure = 101325.0;  ///< [Pa]
-  Vec3 velocity{0.0, 0.0, 0.0};
-};
+using material::Primitive;
 
 struct Ambient {
   material::Fluid fluid;
-  FluidState state;
+  Primitive state;
 };
 
-/// A region filled with another state, and optionally with the second fluid, at the start. Later regions overwrite
+/// A region filled with another state, and optionally with another fluid, at the start. Later regions overwrite
 /// earlier ones.
 struct Region {
   shape::Shape shape;
-  FluidState state;
-  bool second_fluid = false;  ///< filled with `Case::second_fluid` instead of the ambient fluid
+  Primitive state;
+  int fluid = 0;  ///< number of the fluid that fills it, see `Case::other_fluids`
   /// Set when the region is filled with an explosive's products or another named fluid.
   std::string fluid_name;
 };
@@ -55,6 +51,7 @@ using detonation::InitiationPoint;
 /// domain.
 struct Charge {
   material::Explosive explosive;
+  int fluid = material::products_fluid;  ///< that its products are
   shape::Shape shape;
   double mass = 0.0;  ///< [kg]
   Detonation detonation = Detonation::programmed;
@@ -229,11 +226,12 @@ struct Case {
   std::string deck_path;  ///< as given
   std::string deck_text;  ///< as read
   grid::Domain domain;
-  std::array<FluidState, 6> inflow;  ///< used on faces whose boundary is inflow
+  std::array<Primitive, 6> inflow;  ///< used on faces whose boundary is inflow
   Ambient ambient;
-  /// The second fluid: products of the charges' explosive, or the fluid of a region. Absent: single-fluid run.
-  std::optional<material::Fluid> second_fluid;
-  std::optional<material::Afterburn> afterburn;  ///< of the second fluid
+  /// Fluids beside the ambient one, in the order of their numbers from 1 on: products of the charges' explosive, or the
+  /// fluid of a region.
+  std::vector<material::Fluid> other_fluids;
+  std::optional<material::Afterburn> afterburn;  ///< of the products
   std::vector<Region> regions;
   std::vector<Charge> charges;
   std::vector<Gauge> gauges;
@@ -247,6 +245,16 @@ struct Case {
   Checkpoint checkpoint;
   AuditLimits audit;
   Burst burst = Burst::none;
+
+  /// Fluid `number`, from 1 on; null where there is none.
+  [[nodiscard]] material::Fluid const* other_fluid(int number) const {
+    return number <= static_cast<int>(other_fluids.size()) ? &other_fluids[number - 1] : nullptr;
+  }
+  /// The explosive whose products fluid `number` is; null where no charge makes it.
+  [[nodiscard]] material::Explosive const* explosive_of(int number) const {
+    auto const found = std::find_if(charges.begin(), charges.end(), [&](Charge const& c) { return c.fluid == number; });
+    return found == charges.end() ? nullptr : &found->explosive;
+  }
 };
 
 }  // namespace brisance::cases

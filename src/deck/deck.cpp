@@ -41,9 +41,10 @@ std::vector<MaterialNumbers> materials_of(Draft const& draft) {
   };
   if (draft.has_gas) {
     add(draft.materials.fluid(built.ambient.fluid.name), "fluids", true);
-    if (built.second_fluid && built.charges.empty()) {
-      add(draft.materials.fluid(built.second_fluid->name), "fluids", true);
-      add(draft.materials.explosive(built.second_fluid->name), "explosives", true);
+    for (auto const& fluid : built.other_fluids) {
+      if (!built.charges.empty()) break;  // they are these fluids
+      add(draft.materials.fluid(fluid.name), "fluids", true);
+      add(draft.materials.explosive(fluid.name), "explosives", true);
     }
     for (auto const& charge : built.charges) add(draft.materials.explosive(charge.explosive.name), "explosives", true);
   }

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "core/error.hpp"
 
@@ -120,21 +122,28 @@ void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive 
     }
     double const old = std::max(rest, 0.0);
     double const held = before + alpha;  // by charges
-    bool const two = gas.components() > gas::single_fluid_components;
+    constexpr int products = gas::products_fluid;
     gas::Components u{};
-    for (int c = 0; c < gas.components(); ++c) u[c] = gas.fields().at(cell.block, c)[cell.offset];
+    for (int c = 0; c < gas.fields().components(); ++c) u[c] = gas.fields().at(cell.block, c)[cell.offset];
     if (before > 0.0) {
       // Back to what was there before the charges.
-      u[gas::second_density] -= before * explosive.density();
-      u[gas::volume_fraction] -= before;
+      u[gas::partial_density(products)] -= before * explosive.density();
+      u[gas::volume_fraction(products)] -= before;
       u[gas::energy] -= before * explosive.energy;
       double const scale = before < 1.0 ? 1.0 / (1.0 - before) : 0.0;
-      for (int c = 0; c < gas.components(); ++c) u[c] *= scale;
+      for (int c = 0; c < gas.fields().components(); ++c) u[c] *= scale;
     }
-    gas.set_conserved(
-        cell, old * u[gas::density], (two ? old * u[gas::second_density] : 0.0) + held * explosive.density(),
-        {old * u[gas::momentum_x], old * u[gas::momentum_y], old * u[gas::momentum_z]},
-        held * explosive.energy + old * u[gas::energy], (two ? old * u[gas::volume_fraction] : 0.0) + held);
+    gas::Amounts per_volume;
+    gas::Fractions fractions;
+    for (int k = 0; k < gas.fluids().count; ++k) {
+      per_volume.mass[k] = old * u[gas::partial_density(k)];
+      if (k > 0) fractions.set(k, old * u[gas::volume_fraction(k)]);
+    }
+    for (int d = 0; d < 3; ++d) per_volume.momentum[d] = old * u[gas::momentum_x + d];
+    per_volume.mass[products] += held * explosive.density();
+    per_volume.energy = held * explosive.energy + old * u[gas::energy];
+    fractions.set(products, fractions[products] + held);
+    gas.set(cell, per_volume, fractions);
     before = held;
   }
 }
@@ -204,7 +213,8 @@ Vec3 middle_of_part(shape::Shape const& shape, grid::Grid const& grid, grid::Cel
   return inside > 0 ? (1.0 / inside) * sum : centre;
 }
 
-BurningCells burning_cells(BurningCharge const& charge, grid::Grid const& grid, double detonation_speed) {
+BurningCells burning_cells(BurningCharge const& charge, grid::Grid const& grid) {
+  double const detonation_speed = charge.explosive.detonation_speed;
   grid::Domain const& domain = grid.domain();
   int const dims = domain.dimensions();
   grid::CellRange const own = cells_of(charge.shape, grid);
@@ -249,45 +259,56 @@ void expect_instantaneous_burst(gas::Gas& gas, shape::Shape const& shape, double
   for (int d = 0; d < gas.grid().domain().dimensions(); ++d) {
     radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
   }
-  gas.expect_burst(gas.time(), gas.time() + (1.0 + break_out) * radius / detonation_speed);
+  gas.burn.expect_burst(gas.time(), gas.time() + (1.0 + break_out) * radius / detonation_speed);
 }
 
-void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charges,
-                         material::Explosive const& explosive) {
-  double const detonation_speed = explosive.detonation_speed;
+void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charges) {
   grid::Domain const& domain = gas.grid().domain();
   std::vector<BurningCells> of_charges;
+  std::vector<gas::LitCharge> lit;
   double last = 0.0;
   for (BurningCharge const& charge : charges) {
-    of_charges.push_back(burning_cells(charge, gas.grid(), detonation_speed));
+    of_charges.push_back(burning_cells(charge, gas.grid()));
+    lit.push_back({charge.explosive.detonation_speed, charge.explosive.density()});
     double const begin = of_charges.back().begin;
     double const end = of_charges.back().end;
-    gas.expect_burst(begin, end + break_out * (end - begin));
+    gas.burn.expect_burst(begin, end + break_out * (end - begin));
     last = std::max(last, end);
   }
   for (int b = 0; b < gas.grid().block_count(); ++b) {
     grid::Block const& block = gas.grid().blocks()[b];
     grid::CellRange const box = block.with_ghosts();
     std::vector<gas::BurnTime> times(box.count());
+    std::vector<std::uint16_t> charge_of(box.count(), 0);
     bool any = false;
     for_each_cell(box, [&](Index3 const& within) {
       Index3 const cell = grid::image_cell(domain, block.index(within));
       Burn burn;
-      for (BurningCells const& charge : of_charges) {
-        if (Burn const here = charge.at(cell); !burn.goes_before(here)) burn = here;
+      std::size_t number = 0;
+      for (std::size_t n = 0; n < of_charges.size(); ++n) {
+        Burn const here = of_charges[n].at(cell);
+        if (burn.goes_before(here)) continue;
+        burn = here;
+        number = n;
       }
       if (burn.distance == far_away) return;
       times[box.offset(within)] = burn.times;
+      charge_of[box.offset(within)] = static_cast<std::uint16_t>(number);
       last = std::max(last, burn.times.end);
       any = true;
     });
-    if (any) gas.set_burn_times(b, std::move(times));
+    if (any) gas.burn.set_times(b, std::move(times), std::move(charge_of));
   }
   // The energy of a trace is a few times what the air beside it has at the ambient pressure.
   constexpr double few = 3.0;
   material::Fluids const& fluids = gas.fluids();
-  double const trace = few * fluids.ambient_pressure / (material::gruneisen(fluids.ambient) * explosive.energy);
-  gas.set_burn(detonation_speed, last, trace);
+  double trace = 0.0;
+  for (BurningCharge const& charge : charges) {
+    double const cold = material::gruneisen(fluids.ambient()) * charge.explosive.energy;
+    trace = std::max(trace, few * fluids.ambient_pressure / cold);
+  }
+  gas.burn.set_charges(std::move(lit));
+  gas.burn.set_end(last, trace);
 }
 
 }  // namespace brisance::detonation

@@ -51,12 +51,12 @@ void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive 
 struct BurningCharge {
   shape::Shape shape;
   std::vector<InitiationPoint> initiation;
+  material::Explosive explosive;
 };
 
 /// Gives the gas the lighting times of all cells that hold explosive and of those beside them, the end of the burn, and
 /// when each charge bursts: while it burns, and three times as long again while its products break out.
-void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charges,
-                         material::Explosive const& explosive);
+void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charges);
 
 /// The same of a charge that is all products from the start: it bursts as long as if it had burnt from its centre.
 void expect_instantaneous_burst(gas::Gas& gas, shape::Shape const& shape, double detonation_speed);

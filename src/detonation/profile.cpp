@@ -52,26 +52,27 @@ double Profile::sum(int c) const {
 }
 
 std::vector<Constant> constants_of(material::Explosive const& explosive, gas::Fluids const& fluids,
-                                   gas::MixtureState const& ambient) {
+                                   gas::Primitive const& ambient) {
   std::vector<Constant> constants{{"explosive energy", explosive.energy},
                                   {"explosive detonation_speed", explosive.detonation_speed}};
-  add_constants(constants, "products", fluids.second);
-  add_constants(constants, "ambient", fluids.ambient);
+  add_constants(constants, "products", fluids.eos[gas::products_fluid]);
+  add_constants(constants, "ambient", fluids.ambient());
   constants.push_back({"ambient pressure", ambient.pressure});
-  constants.push_back({"ambient density", ambient.ambient_density});
+  constants.push_back({"ambient density", ambient.density});
   return constants;
 }
 
-Profile profile_of(gas::Gas const& gas, gas::MixtureState const& ambient, Vec3 const& centre, double time) {
+Profile profile_of(gas::Gas const& gas, gas::Primitive const& ambient, Vec3 const& centre, double time) {
   grid::Domain const& domain = gas.grid().domain();
-  if (gas.burning()) throw InputError("the explosive still burns: the profile would hold unburnt explosive");
-  auto const quiet = gas.conserved(ambient);
+  if (gas.burn.burning()) throw InputError("the explosive still burns: the profile would hold unburnt explosive");
+  auto const quiet = gas::conserved_of(gas.fluids(), ambient);
   Index3 first = domain.cells;
   Index3 last{-1, -1, 0};
   for (grid::Block const& block : gas.grid().blocks()) {
     for_each_cell(block, [&](grid::Cell const& cell) {
       bool same = true;
-      for (int c = 0; c < gas.components() && same; ++c) same = gas.fields().at(cell.block, c)[cell.offset] == quiet[c];
+      for (int c = 0; c < gas.fields().components() && same; ++c)
+        same = gas.fields().at(cell.block, c)[cell.offset] == quiet[c];
       if (same) return;
       Index3 const index = block.index(cell);
       for (int d = 0; d < 2; ++d) {
@@ -97,7 +98,7 @@ Profile profile_of(gas::Gas const& gas, gas::MixtureState const& ambient, Vec3 c
     p.domain.lower[d] = domain.face(d, first[d]) - (d > 0 ? centre[d] : 0.0);
     p.domain.cells[d] = last[d] - first[d] + 1;
   }
-  p.components = gas.components();
+  p.components = gas.fields().components();
   p.ambient.assign(quiet.begin(), quiet.begin() + p.components);
   p.ambient_pressure = ambient.pressure;
   p.state.resize(p.cell_count() * p.components);

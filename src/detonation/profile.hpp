@@ -36,7 +36,7 @@ struct Profile {
   /// y the axis. The spherical and cylindrical ones begin at radius 0.
   grid::Domain domain;
   double time = 0.0;             ///< since the start of the calculation [s]
-  int components = 0;            ///< conserved components, in the order of gas/components.hpp
+  int components = 0;            ///< conserved components, in the order of gas/layout.hpp
   std::vector<double> state;     ///< per component and cell, x fastest; the momentum along x is the radial one
   std::vector<double> pressure;  ///< per cell [Pa]
   std::vector<double> ambient;   ///< components of the gas around
@@ -60,13 +60,12 @@ struct Profile {
 
 /// The explosive, its products and the ambient gas as a list of constants.
 [[nodiscard]] std::vector<Constant> constants_of(material::Explosive const& explosive, gas::Fluids const& fluids,
-                                                 gas::MixtureState const& ambient);
+                                                 gas::Primitive const& ambient);
 
 /// The part of a calculation that differs from its ambient state. `centre` is that of the charge. The charge and the
 /// constants are left to the caller. Throws InputError where the burst has reached a face of the domain that is no
 /// mirror, or where explosive still burns.
-[[nodiscard]] Profile profile_of(gas::Gas const& gas, gas::MixtureState const& ambient, Vec3 const& centre,
-                                 double time);
+[[nodiscard]] Profile profile_of(gas::Gas const& gas, gas::Primitive const& ambient, Vec3 const& centre, double time);
 
 /// The burst of a charge of another mass, [Hopkinson15]: lengths and times change by the cube root of the ratio of the
 /// masses (by the square root in the plane), states stay.

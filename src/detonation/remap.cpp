@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "core/archive.hpp"
@@ -58,7 +59,7 @@ class Sum {
 
 bool is_momentum(int c) { return c >= gas::momentum_x && c <= gas::momentum_z; }
 /// Components that are no densities of anything conserved.
-bool is_free(int c) { return c == gas::shock || c == gas::volume_fraction; }
+bool is_free(int c) { return c == gas::shock || gas::is_volume_fraction(c); }
 
 /// Low corner of a cell relative to the centre.
 Vec3 corner(grid::Metric const& metric, Index3 const& cell, Vec3 const& centre) {
@@ -135,12 +136,13 @@ class RadialSource {
 
  private:
   [[nodiscard]] bool is_sharp() const {
-    double const* const mass = profile_->component(gas::density);
-    double const* const second = profile_->component(gas::second_density);
+    // A burst has products in it, whatever the number of its fluids.
+    double const* const mass = profile_->component(gas::partial_density(0));
+    double const* const products = profile_->component(gas::partial_density(gas::products_fluid));
     std::array<double, 2> least{1e300, 1e300};
     std::array<double, 2> most{0.0, 0.0};
     for (int i = lines_.first(); i < lines_.last(); ++i) {
-      std::array<double, 2> const values{mass[i] + second[i], profile_->pressure[i]};
+      std::array<double, 2> const values{mass[i] + products[i], profile_->pressure[i]};
       for (int q = 0; q < 2; ++q) {
         least[q] = std::min(least[q], values[q]);
         most[q] = std::max(most[q], values[q]);
@@ -296,7 +298,7 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
       Touched const t{
           b, n, volume, sums.whole ? 1.0 : std::min(1.0, sums.volume / volume),
           sums.pressure / volume + (sums.whole ? 0.0 : 1.0 - sums.volume / volume) * profile.ambient_pressure};
-      for (int c = 0; c < gas.components(); ++c) {
+      for (int c = 0; c < gas.fields().components(); ++c) {
         double& value = gas.fields().at(b, c)[n];
         if (value != profile.ambient[c]) taken[b] = 1;
         value = (1.0 - t.part) * profile.ambient[c] + sums.component[c] / volume;
@@ -347,7 +349,7 @@ Target target_of(gas::Gas const& gas, Profile const& profile, Placing const& pla
   grid::CellRange const of_profile = profile.domain.all_cells();
   for_each_cell(of_profile, [&](Index3 const& cell) { filled.add(profile.domain.cell_volume(cell[0])); });
   double const rest = touched.value() - t.share * filled.value();
-  for (int c = 0; c < gas.components(); ++c) {
+  for (int c = 0; c < gas.fields().components(); ++c) {
     if (!is_momentum(c)) t.sum[c] = t.share * profile.sum(c) + profile.ambient[c] * rest;
   }
   // Means of the components of a unit vector over the part of the sphere or circle that the mirrors leave.
@@ -387,18 +389,19 @@ Target target_of(gas::Gas const& gas, Profile const& profile, Placing const& pla
 double correct(gas::Gas& gas, Target const& target, std::vector<Touched> const& cells) {
   double worst = 0.0;
   for (int pass = 0; pass < 3; ++pass) {  // the later ones take the round-off of the first
-    for (int c = 0; c < gas.components(); ++c) {
+    for (int c = 0; c < gas.fields().components(); ++c) {
       if (is_free(c) || (is_momentum(c) && c - gas::momentum_x >= gas.grid().domain().dimensions())) continue;
       double const difference = target.sum[c] - sum_over(gas, cells, c, false);
       double const scale = is_momentum(c) ? target.radial_momentum : std::abs(target.sum[c]);
       if (pass == 0 && scale > 0.0) worst = std::max(worst, std::abs(difference) / scale);
       if (is_momentum(c) && !target.halved[c - gas::momentum_x]) {
         // A velocity for all.
-        double const mass = sum_over(gas, cells, gas::density, true) +
-                            (gas.fluids().two ? sum_over(gas, cells, gas::second_density, true) : 0.0);
+        int const fluids = gas.fluids().count;
+        double const mass =
+            gas::mixture_density(fluids, [&](int component) { return sum_over(gas, cells, component, true); });
         for (Touched const& t : cells) {
-          double rho = gas.fields().at(t.block, gas::density)[t.offset];
-          if (gas.fluids().two) rho += gas.fields().at(t.block, gas::second_density)[t.offset];
+          double const rho = gas::mixture_density(
+              fluids, [&](int component) { return gas.fields().at(t.block, component)[t.offset]; });
           gas.fields().at(t.block, c)[t.offset] += t.part * rho * (difference / mass);
         }
         continue;
@@ -411,11 +414,16 @@ double correct(gas::Gas& gas, Target const& target, std::vector<Touched> const& 
   return worst;
 }
 
-/// The volume fraction of a cell that gives it the wanted pressure, between half and one and a half of the way to the
-/// nearer of 0 and 1; where none does, the one there that comes nearest.
-double fitted_fraction(gas::Fluids const& fluids, double rho0, double rho1, double rho_e, double averaged,
+/// Volume fractions of products and ambient gas.
+gas::Fractions products_fill(double alpha) { return gas::Fractions::of(gas::products_fluid, alpha); }
+
+/// The volume fraction of the products in a cell that gives it the wanted pressure, between half and one and a half of
+/// the way to the nearer of 0 and 1; where none does, the one there that comes nearest.
+double fitted_fraction(gas::Fluids const& fluids, gas::PerFluid const& partial, double rho_e, double averaged,
                        double wanted) {
-  auto const excess = [&](double alpha) { return gas::mixture(fluids, rho0, rho1, alpha).pressure(rho_e) - wanted; };
+  auto const excess = [&](double alpha) {
+    return gas::mixture(fluids, partial, products_fill(alpha)).pressure(rho_e) - wanted;
+  };
   double const room = 0.5 * std::min(averaged, 1.0 - averaged);
   double const here = excess(averaged);
   double best = averaged;
@@ -444,28 +452,30 @@ double fitted_fraction(gas::Fluids const& fluids, double rho0, double rho1, doub
 }
 
 void fit_pressures(gas::Gas& gas, std::vector<Touched> const& cells, RemapReport& report) {
-  if (!gas.fluids().two) return;
+  if (!gas.fluids().mixed()) return;
   constexpr double trace = 1e-6;  // volume fractions that no pressure depends on
   Sum averaged;
   Sum fitted;
   long mixed = 0;
   for (Touched const& t : cells) {
-    double& alpha = gas.fields().at(t.block, gas::volume_fraction)[t.offset];
+    double& alpha = gas.fields().at(t.block, gas::volume_fraction(gas::products_fluid))[t.offset];
     if (alpha < trace || alpha > 1.0 - trace) continue;
-    double const rho0 = gas.fields().at(t.block, gas::density)[t.offset];
-    double const rho1 = gas.fields().at(t.block, gas::second_density)[t.offset];
+    gas::PerFluid partial{};
+    for (int k = 0; k < gas.fluids().count; ++k)
+      partial[k] = gas.fields().at(t.block, gas::partial_density(k))[t.offset];
+    double const rho = std::accumulate(partial.begin(), partial.end(), 0.0);
     double momentum2 = 0.0;
     for (int d = 0; d < 3; ++d) {
       double const m = gas.fields().at(t.block, gas::momentum_x + d)[t.offset];
       momentum2 += m * m;
     }
-    double const rho_e = gas.fields().at(t.block, gas::energy)[t.offset] - 0.5 * momentum2 / (rho0 + rho1);
+    double const rho_e = gas.fields().at(t.block, gas::energy)[t.offset] - 0.5 * momentum2 / rho;
     auto const error = [&](double a) {
-      double const p = gas::mixture(gas.fluids(), rho0, rho1, a).pressure(rho_e);
+      double const p = gas::mixture(gas.fluids(), partial, products_fill(a)).pressure(rho_e);
       return (p / t.pressure - 1.0) * (p / t.pressure - 1.0);
     };
     averaged.add(error(alpha));
-    alpha = fitted_fraction(gas.fluids(), rho0, rho1, rho_e, alpha, t.pressure);
+    alpha = fitted_fraction(gas.fluids(), partial, rho_e, alpha, t.pressure);
     fitted.add(error(alpha));
     ++mixed;
   }
@@ -484,11 +494,11 @@ void check_fit(gas::Gas const& gas, Profile const& profile) {
   if (!fits) {
     throw InputError(fmt::format("a profile of {} does not fit {}", word_of(from), word_of(to)));
   }
-  if (profile.components != gas.components() || profile.components > most_components) {
+  if (profile.components != gas.fields().components() || profile.components > most_components) {
     throw InputError(
         fmt::format("the profile has {} components and the gas has {}: was it calculated with another afterburn, or "
                     "written by another program?",
-                    profile.components, gas.components()));
+                    profile.components, gas.fields().components()));
   }
 }
 
@@ -497,14 +507,15 @@ void check_fit(gas::Gas const& gas, Profile const& profile) {
 double RemapReport::error() const {
   auto const relative = [](double a, double b, double scale) { return scale > 0.0 ? std::abs(a - b) / scale : 0.0; };
   double worst = relative(after.energy, before.energy, std::abs(before.energy));
-  for (int f = 0; f < 2; ++f) worst = std::max(worst, relative(after.mass[f], before.mass[f], before.mass[f]));
+  for (int f = 0; f < gas::most_fluids; ++f)
+    worst = std::max(worst, relative(after.mass[f], before.mass[f], before.mass[f]));
   for (int d = 0; d < 3; ++d) worst = std::max(worst, relative(after.momentum[d], before.momentum[d], radial_momentum));
   return worst;
 }
 
 void archive(Archive& a, RemapReport& r) {
   a(r.time, r.radius, r.cells_per_radius, r.share);
-  for (BurstSums* sums : {&r.before, &r.after}) a(sums->mass, sums->energy, sums->momentum);
+  for (gas::Amounts* sums : {&r.before, &r.after}) a(sums->mass, sums->energy, sums->momentum);
   a(r.radial_momentum, r.quadrature_error, r.pressure_error_averaged, r.pressure_error);
 }
 
@@ -540,9 +551,8 @@ RemapReport remap(gas::Gas& gas, Profile const& profile, Placing const& placing)
   fit_pressures(gas, cells, report);
 
   // What the cells hold beyond the burst is ambient gas.
-  auto const set = [&](BurstSums& sums, auto&& sum) {
-    sums.mass[0] = sum(gas::density);
-    if (gas.fluids().two) sums.mass[1] = sum(gas::second_density);
+  auto const set = [&](gas::Amounts& sums, auto&& sum) {
+    for (int k = 0; k < gas.fluids().count; ++k) sums.mass[k] = sum(gas::partial_density(k));
     sums.energy = sum(gas::energy);
     for (int d = 0; d < domain.dimensions(); ++d) sums.momentum[d] = sum(gas::momentum_x + d);
   };

@@ -16,20 +16,13 @@ struct Placing {
   double sense = 1.0;          ///< 1 or -1: which way it points
 };
 
-/// Sums over the part of the burst that lies in the domain.
-struct BurstSums {
-  std::array<double, 2> mass{0.0, 0.0};  ///< ambient fluid, products [kg]
-  double energy = 0.0;                   ///< [J]
-  Vec3 momentum{0.0, 0.0, 0.0};          ///< [kg m/s]
-};
-
 struct RemapReport {
   double time = 0.0;    ///< of the profile [s]
   double radius = 0.0;  ///< of the burst [m]
   double cells_per_radius = 0.0;
   double share = 1.0;            ///< part of the burst that lies in the domain: the planes through its centre halve it
-  BurstSums before;              ///< of that part, in the profile
-  BurstSums after;               ///< on the grid
+  gas::Amounts before;           ///< of that part, in the profile
+  gas::Amounts after;            ///< on the grid
   double radial_momentum = 0.0;  ///< of that part: integral of the size of the momentum [kg m/s]
   /// Largest relative error of these sums before they were corrected: that of the quadrature in cut cells.
   double quadrature_error = 0.0;

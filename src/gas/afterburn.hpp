@@ -11,15 +11,15 @@
 
 namespace brisance::gas {
 
-/// Flux of the progress through every face: the mass flux of the second fluid, which the scheme has found, times lambda
+/// Flux of the progress through every face: the mass flux of the products, which the scheme has found, times lambda
 /// of the side that it comes from, linear in the cell and half a step ahead. Whatever the scheme: lambda thus moves
 /// with the mass, and stays in its range.
 inline void progress_fluxes(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   int const st = b.stride;
   double const* const carried = a[a_progress];
-  double const* const products = a[second_density];
+  double const* const products = a[partial_density(products_fluid)];
   double const* const u = a[a_u];
-  double const* const mass = a[a_flux + second_density];
+  double const* const mass = a[a_flux + partial_density(products_fluid)];
   double* const lambda = a[a_lambda];
   double* const flux = a[a_progress_flux];
   double const ahead = s.dt / s.h;
@@ -55,7 +55,7 @@ inline void progress_fluxes(SweepContext const& s, BundleLayout const& b, Bundle
 /// Adds the energy `per_mass` [J/kg] of burnt products to every cell of the bundle. What is booked is the difference
 /// that the sum really made. The burn fraction must stand in `a_burn`.
 inline void release_at_once(BundleLayout const& b, double per_mass, BundleArrays& a) {
-  double const* const products = a[second_density];
+  double const* const products = a[partial_density(products_fluid)];
   double const* const F = a[a_burn];
   double* const E = a[energy];
   double* const release = a[a_release];
@@ -77,7 +77,7 @@ inline void release_at_once(BundleLayout const& b, double per_mass, BundleArrays
 /// progress from 0 to 1.
 inline void release_after_miller(BundleLayout const& b, double dt, double energy_per_mass,
                                  material::MillerAfterburn const model, BundleArrays& a) {
-  double const* const products = a[second_density];
+  double const* const products = a[partial_density(products_fluid)];
   double const* const F = a[a_burn];
   double const* const p = a[a_p];
   double* const carried = a[a_progress];

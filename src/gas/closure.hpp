@@ -1,8 +1,8 @@
-/// The mixture closure under the names of the gas region; it stands in material/mixture.hpp.
+/// The mixture closure under the names of the gas region; it stands in material/fluids.hpp.
 #pragma once
 
-#include "gas/components.hpp"
-#include "material/mixture.hpp"
+#include "gas/layout.hpp"
+#include "material/fluids.hpp"
 
 namespace brisance::gas {
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -26,28 +25,18 @@ grid::ExchangeRules exchange_rules(Components const& quiescent, std::array<Compo
 }
 
 int component_count(Fluids const& fluids, Options const& options) {
-  if (!fluids.two) return single_fluid_components;
-  return options.afterburn && options.afterburn->carried() ? afterburn_components : two_fluid_components;
-}
-
-Components conserved_of(Fluids const& fluids, MixtureState const& s) {
-  Components u{};
-  double const alpha = fluids.two ? s.volume_fraction : 0.0;
-  u[density] = (1.0 - alpha) * s.ambient_density;
-  u[second_density] = alpha * s.second_density;
-  u[volume_fraction] = alpha;
-  double const rho = u[density] + u[second_density];
-  for (int d = 0; d < 3; ++d) u[momentum_x + d] = rho * s.velocity[d];
-  u[energy] =
-      mixture(fluids, u[density], u[second_density], alpha).rho_e(s.pressure) + 0.5 * rho * dot(s.velocity, s.velocity);
-  return u;
+  bool const carried = fluids.mixed() && options.afterburn && options.afterburn->carried();
+  return carried ? most_components : components_of(fluids.count);
 }
 
 }  // namespace
 
-Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, MixtureState const& quiescent,
-         std::array<MixtureState, 6> const& inflow)
-    : grid_(&grid),
+Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, Primitive const& quiescent,
+         std::array<Primitive, 6> const& inflow)
+    : obstacles(grid, options.bundle_cells),
+      burn(grid),
+      coupling(grid, options.bundle_cells),
+      grid_(&grid),
       fluids_(fluids),
       options_(options),
       quiescent_(quiescent),
@@ -60,147 +49,57 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, M
                 }()),
       open_faces_(grid, fluids, fields_.components()),
       awake_(static_cast<std::size_t>(grid.block_count()), 1),
-      blocks_(static_cast<std::size_t>(grid.block_count())) {
-  auto const u = conserved(quiescent);
+      blocks_(static_cast<std::size_t>(grid.block_count())),
+      peaks_(grid, options.peak_fields) {
+  auto const u = conserved_of(fluids, quiescent);
+  open_faces_.set_sources(options.wave_sources);
   for (int b = 0; b < grid.block_count(); ++b) {
     for (int c = 0; c < components(); ++c) std::fill_n(fields_.at(b, c), grid.blocks()[b].cell_count(), u[c]);
-    if (options_.peak_fields) peaks_.emplace_back(static_cast<std::size_t>(grid.blocks()[b].cell_count()) * peak_count);
   }
 }
 
-Components Gas::conserved(MixtureState const& state) const { return conserved_of(fluids_, state); }
-
-void Gas::set(grid::Cell const& cell, MixtureState const& state) {
-  auto const u = conserved(state);
+void Gas::set(grid::Cell const& cell, Primitive const& state) {
+  auto const u = conserved_of(fluids_, state);
   for (int c = 0; c < components(); ++c) fields_.at(cell.block, c)[cell.offset] = u[c];
 }
 
-void Gas::set_conserved(grid::Cell const& cell, double ambient, double second, Vec3 const& momentum,
-                        double total_energy, double fraction) {
+void Gas::set(grid::Cell const& cell, Amounts const& per_volume, Fractions const& fraction) {
   auto const [block, offset] = std::pair{cell.block, cell.offset};
-  fields_.at(block, density)[offset] = ambient;
-  for (int d = 0; d < 3; ++d) fields_.at(block, momentum_x + d)[offset] = momentum[d];
-  fields_.at(block, energy)[offset] = total_energy;
-  if (fluids_.two) {
-    fields_.at(block, second_density)[offset] = second;
-    fields_.at(block, volume_fraction)[offset] = fraction;
-  }
+  for (int k = 0; k < fluids_.count; ++k) fields_.at(block, partial_density(k))[offset] = per_volume.mass[k];
+  for (int d = 0; d < 3; ++d) fields_.at(block, momentum_x + d)[offset] = per_volume.momentum[d];
+  fields_.at(block, energy)[offset] = per_volume.energy;
+  for (int k = 1; k < fluids_.count; ++k) fields_.at(block, volume_fraction(k))[offset] = fraction[k];
   if (components() > progress) fields_.at(block, progress)[offset] = 0.0;
 }
 
-void Gas::set_obstacles(int block, std::vector<std::uint8_t> solid) { blocks_[block].solid = std::move(solid); }
-
-bool Gas::is_obstacle(grid::Cell const& cell) const {
-  auto const& solid = blocks_[cell.block].solid;
-  return !solid.empty() && solid[grid_->block(cell).with_ghosts().offset(cell.within())] != 0;
-}
-
-void Gas::set_roles(int block, std::vector<Role> roles) {
-  BlockData& data = blocks_[block];
-  data.all_held = std::all_of(roles.begin(), roles.end(), [](Role r) { return r == Role::held; });
-  bool const all_own = std::all_of(roles.begin(), roles.end(), [](Role r) { return r == Role::own; });
-  data.roles = all_own ? std::vector<Role>{} : std::move(roles);
-}
-
-int Gas::watch(Index3 const& cell, int direction) {
-  WatchedFace const face{grid_->locate(cell), static_cast<int>(watched_.size())};
-  grid::Bundles const bundles(grid_->block(face.cell), direction, options_.bundle_cells);
-  auto& faces = blocks_[face.cell.block].watched[direction];
-  faces.resize(bundles.count());
-  faces[bundles.index_of(face.cell)].push_back(face);
-  watched_.emplace_back();
-  return face.number;
-}
-
-void Gas::set_burn_times(int block, std::vector<BurnTime> times) { blocks_[block].burn_times = std::move(times); }
-
-void Gas::set_burn(double detonation_speed, double end_time, double trace) {
-  detonation_speed_ = detonation_speed;
-  burn_end_ = end_time;
-  trace_ = std::max(trace, vanishing_fraction);
-}
-
-namespace {
-
-/// Charges that are lit together begin at times that differ by rounding, and no step is that short: what is about to
-/// begin within this part of a burst's duration has begun.
-constexpr double at_once = 1e-3;
-
-bool begun(std::array<double, 2> const& burst, double time) {
-  return time >= burst[0] - at_once * (burst[1] - burst[0]);
-}
-
-}  // namespace
-
-bool Gas::bursting() const {
-  return std::any_of(bursts_.begin(), bursts_.end(),
-                     [this](auto const& burst) { return begun(burst, time_) && time_ < burst[1]; });
-}
-
-double Gas::next_burst() const {
-  double next = std::numeric_limits<double>::infinity();
-  for (auto const& burst : bursts_) {
-    if (!begun(burst, time_)) next = std::min(next, burst[0]);
+void Gas::fill_opened(Index3 const& cell, Index3 const& from) {
+  grid::Cell const to = grid_->locate(cell);
+  grid::Cell const donor = grid_->locate(from);
+  if (burn_fraction(*this, donor) < 1.0) return;
+  Components u{};
+  for (int c = 0; c < components(); ++c) u[c] = fields_.at(donor.block, c)[donor.offset];
+  double square = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    square += u[momentum_x + d] * u[momentum_x + d];
+    u[momentum_x + d] = 0.0;
   }
-  return next;
-}
-
-double Gas::most_H() const {
-  bool const tension =
-      material::bears_tension(fluids_.ambient) || (fluids_.two && material::bears_tension(fluids_.second));
-  return tension ? std::numeric_limits<double>::infinity() : 0.0;
-}
-
-double Gas::burn_fraction_of(BurnTime const& times) const {
-  double const t = time_at_step_end_;
-  if (t >= times.end) return 1.0;
-  return t > times.begin ? std::max((t - times.begin) / (times.end - times.begin), smallest_burn_fraction)
-                         : smallest_burn_fraction;
-}
-
-bool Gas::is_trace(double alpha) const { return std::abs(alpha) <= trace_; }
-
-double Gas::unlit_compression(double unburnt_density) const {
-  if (!fluids_.two || !burning()) return 0.0;
-  constexpr double ahead = 6.0;  // cells that the detonation runs meanwhile: its own foot compresses what is nearer
-  constexpr double a_good_part = 0.1;
-  double most = 0.0;
-  for (grid::Block const& block : grid_->blocks()) {
-    int const b = block.number;
-    if (blocks_[b].burn_times.empty()) continue;
-    double const soonest = time_ + ahead * block.h() / detonation_speed_;
-    grid::CellRange const box = block.with_ghosts();
-    for_each_cell(block, [&](grid::Cell const& cell) {
-      double const alpha = fields_.at(b, volume_fraction)[cell.offset];
-      bool const soon = blocks_[b].burn_times[box.offset(cell.within())].begin < soonest;
-      if (soon || alpha < a_good_part || !is_own(cell)) return;
-      most = std::max(most, fields_.at(b, second_density)[cell.offset] / (alpha * unburnt_density) - 1.0);
-    });
+  u[energy] -= 0.5 * square / mixture_density(fluids_.count, u);
+  u[shock] = 0.0;
+  double const volume = grid_->block(to).volume(to);
+  for (int c = 0; c < components(); ++c) {
+    double& value = fields_.at(to.block, c)[to.offset];
+    blocks_[to.block].account.opened[c] += volume * (u[c] - value);
+    value = u[c];
   }
-  return most;
 }
 
-double Gas::burn_fraction(grid::Cell const& cell) const {
-  auto const& times = blocks_[cell.block].burn_times;
-  if (times.empty() || !burning()) return 1.0;
-  if (is_trace(fields_.at(cell.block, volume_fraction)[cell.offset])) return 1.0;
-  return burn_fraction_of(times[grid_->block(cell).with_ghosts().offset(cell.within())]);
-}
-
-double Gas::afterburn_progress(grid::Cell const& cell) const {
-  if (!fluids_.two || !options_.afterburn) return 0.0;
-  double const products = fields_.at(cell.block, second_density)[cell.offset];
-  if (!(products > 0.0)) return 0.0;
-  if (auto const* constant = std::get_if<material::ConstantRateAfterburn>(&options_.afterburn->rate)) {
-    return constant->progress(time_);
-  }
-  return std::clamp(fields_.at(cell.block, progress)[cell.offset] / products, 0.0, 1.0);
-}
+double Gas::most_H() const { return fluids_.any_bears_tension() ? std::numeric_limits<double>::infinity() : 0.0; }
 
 void Gas::start(double time) {
   time_ = time;
   time_at_step_end_ = time;
-  auto const quiet = conserved(quiescent_);
+  burn.follow(time_, time_at_step_end_);
+  auto const quiet = conserved_of(fluids_, quiescent_);
   parallel_for(grid_->block_count(), [&](int b, int) {
     bool quiescent = options_.sleep;
     for (int c = 0; c < components() && quiescent; ++c) {
@@ -212,14 +111,13 @@ void Gas::start(double time) {
   });
   open_faces_.start(fields_, quiet, [this](grid::Cell const& cell) {
     // Explosive that the boundary cuts through burns away; what lies beyond it does not.
-    auto const& times = blocks_[cell.block].burn_times;
-    if (!fluids_.two || times.empty() || !(fields_.at(cell.block, volume_fraction)[cell.offset] > 0.0)) return false;
+    auto const& times = burn.times(cell.block);
+    if (!fluids_.mixed() || times.empty()) return false;
+    if (!(fields_.at(cell.block, volume_fraction(products_fluid))[cell.offset] > 0.0)) return false;
     return std::isfinite(times[grid_->block(cell).with_ghosts().offset(cell.within())].end);
   });
   prepare_workspaces();
-  std::vector<int> all(blocks_.size());
-  std::iota(all.begin(), all.end(), 0);
-  find_near_walls(all);
+  obstacles.find_near_walls();
   quiet_pressure_ = quiescent_pressure();
   if (quiet[momentum_x] != 0.0 || quiet[momentum_y] != 0.0 || quiet[momentum_z] != 0.0) wake_where_wind_changes();
   measure_all();
@@ -239,58 +137,29 @@ void Gas::prepare_workspaces() {
   for (int t = 0; t < threads(); ++t) workspaces_.emplace_back(array_count, capacity, width);
 }
 
-Primitive Gas::to_primitive(double const* u, double F) const {
-  double const rho1 = fluids_.two ? u[second_density] : 0.0;
-  double const alpha = fluids_.two ? u[volume_fraction] : 0.0;
-  Mixture const m = mixture(fluids_, u[density], rho1, alpha, F);
-  Primitive w;
-  w.density = u[density] + rho1;
-  for (int d = 0; d < 3; ++d) w.velocity[d] = u[momentum_x + d] / w.density;
-  w.pressure = m.pressure(u[energy] - 0.5 * w.density * dot(w.velocity, w.velocity));
-  w.volume_fraction = alpha;
-  w.mass_fraction = rho1 / w.density;
-  w.sound_speed = std::sqrt(std::max(0.0, m.bulk_modulus(w.pressure)) / w.density);
-  return w;
-}
-
 Primitive Gas::primitive(grid::Cell const& cell) const {
   Components u{};
   for (int c = 0; c < components(); ++c) u[c] = fields_.at(cell.block, c)[cell.offset];
-  return to_primitive(u.data(), burn_fraction(cell));
+  return primitive_of(fluids_, u.data(), burn_fraction(*this, cell));
 }
 
-std::vector<Primitive> Gas::gather(std::vector<Index3> const& cells) const {
-  std::vector<double> const values = exchange_.gather(fields_, cells);
-  std::vector<Primitive> result;
-  result.reserve(cells.size());
-  for (std::size_t n = 0; n < cells.size(); ++n) {
-    result.push_back(to_primitive(values.data() + n * components(), burn_fraction(grid_->locate(cells[n]))));
-  }
-  return result;
-}
-
-double const* Gas::peak_overpressure(int block) const {
-  return options_.peak_fields
-             ? peaks_[block].data() + static_cast<std::size_t>(peak_pressure) * grid_->blocks()[block].cell_count()
-             : nullptr;
-}
-
-double const* Gas::peak_impulse(int block) const {
-  return options_.peak_fields
-             ? peaks_[block].data() + static_cast<std::size_t>(largest_impulse) * grid_->blocks()[block].cell_count()
-             : nullptr;
+std::vector<Primitive> gather(Gas const& gas, std::vector<Index3> const& cells) {
+  std::vector<Primitive> states;
+  states.reserve(cells.size());
+  for (Index3 const& cell : cells) states.push_back(gas.primitive(gas.grid().locate(cell)));
+  return states;
 }
 
 Account Gas::account() const {
   Account sum;
   for (BlockData const& block : blocks_) {
-    for (int c = 0; c < afterburn_components; ++c) sum.outflow[c] += block.account.outflow[c];
+    for (int c = 0; c < most_components; ++c) sum.outflow[c] += block.account.outflow[c];
     sum.guarded_cells += block.account.guarded_cells;
     sum.fallback_faces += block.account.fallback_faces;
     sum.guard_mass += block.account.guard_mass;
     sum.guard_energy += block.account.guard_energy;
     sum.afterburn_energy += block.account.afterburn_energy;
-    for (int c = 0; c < afterburn_components; ++c) sum.opened[c] += block.account.opened[c];
+    for (int c = 0; c < most_components; ++c) sum.opened[c] += block.account.opened[c];
   }
   return sum;
 }
@@ -319,7 +188,7 @@ SweepContext Gas::sweep_context(int direction, double dt) const {
       options_.carbuncle_cure && options_.scheme == Scheme::muscl_hancock && grid_->domain().dimensions() > 1;
   context.progress = components() > progress;
   context.most_H = most_H();
-  context.bounded_phase = fluids_.two && std::holds_alternative<material::IdealGas>(fluids_.ambient);
+  context.bounded_phase = fluids_.mixed() && std::holds_alternative<material::IdealGas>(fluids_.ambient());
   context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
   return context;
 }
@@ -327,6 +196,7 @@ SweepContext Gas::sweep_context(int direction, double dt) const {
 void Gas::advance(double dt, bool reverse) {
   int const dims = grid_->domain().dimensions();
   time_at_step_end_ = time_ + dt;
+  burn.follow(time_, time_at_step_end_);
   if (static_cast<int>(workspaces_.size()) < threads()) prepare_workspaces();  // more threads than at the start
   std::vector<int> order;
   for (int direction : options_.sweep_order) {
@@ -340,7 +210,7 @@ void Gas::advance(double dt, bool reverse) {
       exchange_.fill(fields_, direction, awake_);
       parallel_for(grid_->block_count(), [&](int b, int) {
         if (!awake_[b] || !open_faces_.at(b, direction)) return;
-        open_faces_.fill(fields_, b, direction, dt, !blocks_[b].burn_times.empty() && burning(), exchange_);
+        open_faces_.fill(fields_, b, direction, dt, burn.burning_in(b), exchange_);
       });
     }
     PhaseTimer const timer(timings_["sweeps"]);
@@ -348,7 +218,7 @@ void Gas::advance(double dt, bool reverse) {
     bool const all_awake = std::all_of(awake_.begin(), awake_.end(), [](std::uint8_t awake) { return awake != 0; });
     Components const quiet_flux = all_awake ? Components{} : quiescent_flux(context);
     parallel_for(grid_->block_count(), [&](int b, int thread) {
-      if (blocks_[b].all_held) return;
+      if (coupling.all_held(b)) return;
       if (awake_[b])
         sweep_block(b, context, last, workspaces_[thread]);
       else
@@ -359,6 +229,7 @@ void Gas::advance(double dt, bool reverse) {
     }
   }
   time_ += dt;
+  burn.follow(time_, time_at_step_end_);
   fastest_signal_ = 0.0;
   for (int b = 0; b < grid_->block_count(); ++b)
     fastest_signal_ = std::max({fastest_signal_, blocks_[b].signal, open_faces_.fastest_signal(b)});

@@ -1,10 +1,11 @@
 /// What the sweep kernels share: the arrays of a bundle and the constants of a sweep.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "gas/closure.hpp"
-#include "gas/components.hpp"
+#include "gas/layout.hpp"
 #include "grid/bundle.hpp"
 
 namespace brisance::gas {
@@ -12,25 +13,41 @@ namespace brisance::gas {
 using grid::BundleArrays;
 using grid::BundleLayout;
 
+/// Order within a_left and a_right: the face values of a cell.
+inline constexpr int f_u = 1;
+inline constexpr int f_v = 2;
+inline constexpr int f_w = 3;
+inline constexpr int f_p = 4;
+inline constexpr int f_rho_e = 5;
+inline constexpr int f_c = 6;
+/// alpha_k rho_k.
+[[nodiscard]] constexpr int f_partial(int fluid) { return fluid == 0 ? 0 : f_c + 1 + 2 * (fluid - 1); }
+/// alpha_k of a fluid from number 1 on.
+[[nodiscard]] constexpr int f_alpha(int fluid) { return f_partial(fluid) + 1; }
+/// Values of a cell with so many fluids.
+[[nodiscard]] constexpr int face_values(int fluids) { return f_c + 1 + 2 * (fluids - 1); }
+
 /// Names of the arrays of a bundle.
-inline constexpr int a_state = 0;  ///< the conserved components, in component order
-inline constexpr int a_u = 8;      ///< velocity along the sweep [m/s]
-inline constexpr int a_v = 9;      ///< transverse velocities
-inline constexpr int a_w = 10;
-inline constexpr int a_p = 11;   ///< pressure [Pa]
-inline constexpr int a_xi = 12;  ///< closure sums, see closure.hpp
-inline constexpr int a_B = 13;
-inline constexpr int a_H = 14;
-inline constexpr int a_burn = 15;       ///< burn fraction F; only while something burns
-inline constexpr int a_solid = 16;      ///< 1 in obstacle cells; only in blocks with obstacles
-inline constexpr int a_area_high = 17;  ///< dt A/V at the high and low face; only along a radius
-inline constexpr int a_area_low = 18;
-inline constexpr int a_expansion = 19;      ///< dt/2 (A_high - A_low)/V, signed like the radius
-inline constexpr int a_p_half = 20;         ///< cell pressure at half time; only along a radius
-inline constexpr int a_left = 21;           ///< state at the cell's high face, the left one of that face; nine values
-inline constexpr int a_right = a_left + 9;  ///< state at the cell's low face, the right one of that face
-inline constexpr int a_flux = a_right + 9;  ///< fluxes through the cell's high face, in component order
-inline constexpr int a_face_speed = a_flux + 8;
+inline constexpr int a_state = 0;                       ///< the conserved components, in component order
+inline constexpr int a_u = components_of(most_fluids);  ///< velocity along the sweep [m/s]
+inline constexpr int a_v = a_u + 1;                     ///< transverse velocities
+inline constexpr int a_w = a_u + 2;
+inline constexpr int a_p = a_u + 3;   ///< pressure [Pa]
+inline constexpr int a_xi = a_u + 4;  ///< closure sums, see closure.hpp
+inline constexpr int a_B = a_u + 5;
+inline constexpr int a_H = a_u + 6;
+inline constexpr int a_burn = a_u + 7;       ///< burn fraction F; only while something burns
+inline constexpr int a_solid = a_u + 8;      ///< 1 in obstacle cells; only in blocks with obstacles
+inline constexpr int a_area_high = a_u + 9;  ///< dt A/V at the high and low face; only along a radius
+inline constexpr int a_area_low = a_u + 10;
+inline constexpr int a_expansion = a_u + 11;  ///< dt/2 (A_high - A_low)/V, signed like the radius
+inline constexpr int a_p_half = a_u + 12;     ///< cell pressure at half time; only along a radius
+inline constexpr int a_left = a_u + 13;       ///< state at the cell's high face, the left one of that face
+/// State at the cell's low face, the right one of that face.
+inline constexpr int a_right = a_left + face_values(most_fluids);
+/// Fluxes through the cell's high face, in component order.
+inline constexpr int a_flux = a_right + face_values(most_fluids);
+inline constexpr int a_face_speed = a_flux + components_of(most_fluids);
 inline constexpr int a_sensor = a_face_speed + 1;  ///< the shock sensor's new value
 inline constexpr int a_signal = a_sensor + 1;      ///< |u| + c
 inline constexpr int a_theta = a_signal + 1;       ///< lax-wendroff: theta of [Cui14] Eq. (4)
@@ -43,29 +60,95 @@ inline constexpr int a_viscosity = a_slope;    ///< lax-wendroff, in the place o
 inline constexpr int a_half_u = a_slope + 1;   ///< velocity and pressure at half time per face
 inline constexpr int a_half_p = a_slope + 2;
 // The progress of the afterburn stands apart from the other components, so that without one nothing is moved.
-inline constexpr int a_progress = a_slope + 9;  ///< alpha_1 rho_1 lambda
+inline constexpr int a_progress = a_slope + face_values(most_fluids);  ///< alpha rho lambda of the products
 inline constexpr int a_progress_flux = a_progress + 1;
 inline constexpr int a_lambda = a_progress + 2;   ///< lambda
 inline constexpr int a_release = a_progress + 3;  ///< energy that the afterburn released in the step [J/m3]
 inline constexpr int a_risk = a_progress + 4;     ///< 1 where the fluxes beside the cell are checked for positivity
 inline constexpr int a_share = a_progress + 5;    ///< of the slopes that a shock near a wall keeps
-inline constexpr int a_uneven = a_progress + 6;   ///< 1 where the second fluid's own density is bounded
-inline constexpr int array_count = a_progress + 7;
+/// 1 where the own density of a fluid from number 1 on is bounded.
+[[nodiscard]] constexpr int a_uneven(int fluid) { return a_progress + 5 + fluid; }
+inline constexpr int array_count = a_uneven(most_fluids - 1) + 1;
 
 /// The arrays of a conserved component and of its flux.
 inline constexpr int state_array(int component) { return component == progress ? a_progress : a_state + component; }
 inline constexpr int flux_array(int component) { return component == progress ? a_progress_flux : a_flux + component; }
 
-/// Order within a_left and a_right.
-inline constexpr int f_density = 0;
-inline constexpr int f_u = 1;
-inline constexpr int f_v = 2;
-inline constexpr int f_w = 3;
-inline constexpr int f_p = 4;
-inline constexpr int f_rho_e = 5;
-inline constexpr int f_c = 6;
-inline constexpr int f_second = 7;
-inline constexpr int f_alpha = 8;
+/// Calls `use(k)` for the fluids from First to N - 1. Written out when compiled: loops over cells that are full of it
+/// stay simple enough to be vectorised.
+template <int First, int N, class Use>
+constexpr void for_fluids(Use const& use) {
+  if constexpr (First < N) {
+    use(First);
+    for_fluids<First + 1, N>(use);
+  }
+}
+/// Sum of a quantity over N fluids, in their order.
+template <int N, class Of>
+[[nodiscard]] constexpr double sum_of_fluids(Of const& of) {
+  if constexpr (N == 1)
+    return of(0);
+  else
+    return sum_of_fluids<N - 1>(of) + of(N - 1);
+}
+
+/// Calls use.operator()<N>() with the number of fluids that a row holds.
+template <int N = 1, class Use>
+decltype(auto) with_fluids(int fluids, Use const& use) {
+  if constexpr (N == most_fluids) {
+    return use.template operator()<N>();
+  } else {
+    return fluids == N ? use.template operator()<N>() : with_fluids<N + 1>(fluids, use);
+  }
+}
+
+/// An array for each of N fluids, to be read or to be written.
+template <int N>
+using FluidRows = std::array<double const*, N>;
+template <int N>
+using FluidArrays = std::array<double*, N>;
+
+/// Partial densities and volume fractions of the cells from `begin` on; the ambient fluid's volume fraction is null.
+template <int N>
+[[nodiscard]] FluidRows<N> rows_of_fluids(BundleArrays& a, int begin) {
+  FluidRows<N> rows{};
+  for_fluids<0, N>([&](int k) { rows[k] = a[a_state + partial_density(k)] + begin; });
+  return rows;
+}
+template <int N>
+[[nodiscard]] FluidRows<N> volume_fraction_rows(BundleArrays& a, int begin) {
+  FluidRows<N> rows{};
+  for_fluids<1, N>([&](int k) { rows[k] = a[a_state + volume_fraction(k)] + begin; });
+  return rows;
+}
+
+/// The same of the face values `first` on: `a_left`, `a_right` or `a_slope`.
+template <int N>
+[[nodiscard]] FluidArrays<N> face_densities(BundleArrays& a, int first) {
+  FluidArrays<N> arrays{};
+  for_fluids<0, N>([&](int k) { arrays[k] = a[first + f_partial(k)]; });
+  return arrays;
+}
+template <int N>
+[[nodiscard]] FluidArrays<N> face_fractions(BundleArrays& a, int first) {
+  FluidArrays<N> arrays{};
+  for_fluids<1, N>([&](int k) { arrays[k] = a[first + f_alpha(k)]; });
+  return arrays;
+}
+
+/// The same of the fluxes.
+template <int N>
+[[nodiscard]] FluidArrays<N> density_fluxes(BundleArrays& a) {
+  FluidArrays<N> arrays{};
+  for_fluids<0, N>([&](int k) { arrays[k] = a[a_flux + partial_density(k)]; });
+  return arrays;
+}
+template <int N>
+[[nodiscard]] FluidArrays<N> fraction_fluxes(BundleArrays& a) {
+  FluidArrays<N> arrays{};
+  for_fluids<1, N>([&](int k) { arrays[k] = a[a_flux + volume_fraction(k)]; });
+  return arrays;
+}
 
 /// Where the guards begin.
 struct Floors {
@@ -96,11 +179,11 @@ struct SweepContext {
   Floors floors;
   double viscosity = 0.0;  ///< lax-wendroff eta; 0: [Cui14] Eq. (5)
   bool shock_sensor = false;
-  bool two = false;  ///< kernels for two fluids
+  int present = 1;  ///< fluids of the row: the first so many of all
   bool radial = false;
   bool solid = false;
   bool burning = false;
-  bool progress = false;                             ///< the second fluid carries a progress of its afterburn
+  bool progress = false;                             ///< the products carry a progress of their afterburn
   bool bounded_phase = false;                        ///< see `bound_phase_density` and `bound_reference_energy`
   double most_H = 0.0;                               ///< infinite where a fluid bears tension, else 0: see `margin`
   std::vector<WallRun> const* near_walls = nullptr;  ///< cells of the bundle near rigid surfaces
@@ -109,6 +192,22 @@ struct SweepContext {
   [[nodiscard]] int transverse1() const { return momentum_x + (direction + 1) % 3; }
   [[nodiscard]] int transverse2() const { return momentum_x + (direction + 2) % 3; }
 };
+
+/// Density of the mixture in a cell.
+[[nodiscard]] inline double mixture_density(SweepContext const& s, BundleArrays& a, int q) {
+  return mixture_density(s.present, [&](int c) { return a[c][q]; });
+}
+
+/// Closure of a cell in which all is burnt.
+[[nodiscard]] inline Mixture mixture_at(SweepContext const& s, BundleArrays& a, int q) {
+  PerFluid partial{};
+  Fractions alpha;
+  for (int k = 0; k < s.present; ++k) {
+    partial[k] = a[partial_density(k)][q];
+    if (k > 0) alpha.set(k, a[volume_fraction(k)][q]);
+  }
+  return mixture(*s.fluids, partial, alpha);
+}
 
 /// One cell that a guard had to lift; densities, per volume.
 struct Lift {

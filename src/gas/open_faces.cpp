@@ -40,13 +40,22 @@ void remember(double dt, double source, double fading, double drift, OpenFaces::
   for (int k = 0; k < OpenFaces::poles; ++k) memory[k] += dt * (source - (rates[k] * fading + drift) * memory[k]);
 }
 
-/// Closure of a cell; where the second fluid is absent its equation of state need not be asked.
-Mixture closure(Fluids const& fluids, double first, double second, double alpha) {
-  if (fluids.two && alpha > vanishing_fraction) return mixture(fluids, first, second, alpha);
+/// Closure of a cell; where the ambient fluid is alone no other equation of state need be asked.
+Mixture closure(Fluids const& fluids, Components const& u) {
+  PerFluid const partial = partial_densities(fluids.count, u.data());
+  for (int k = 1; k < fluids.count; ++k) {
+    if (u[volume_fraction(k)] > vanishing_fraction)
+      return mixture(fluids, partial, volume_fractions(fluids.count, u.data()));
+  }
   Mixture m;
-  std::visit([&](auto const& eos) { material::add_fluid(eos, 1.0, material::phase_density(first, 1.0), m); },
-             fluids.ambient);
+  std::visit([&](auto const& eos) { material::add_fluid(eos, 1.0, material::phase_density(partial[0], 1.0), m); },
+             fluids.ambient());
   return m;
+}
+
+/// All fluids of a state compressed alike.
+void compress(Fluids const& fluids, double scale, Components& u) {
+  for (int k = 0; k < fluids.count; ++k) u[partial_density(k)] *= scale;
 }
 
 }  // namespace
@@ -66,9 +75,8 @@ OpenFaces::OpenFaces(grid::Grid const& grid, Fluids const& fluids, int component
 OpenFaces::Beyond OpenFaces::beyond(Components const& u) const {
   Beyond a;
   a.conserved = u;
-  double const second = fluids_.two ? u[second_density] : 0.0;
-  Mixture const m = closure(fluids_, u[density], second, fluids_.two ? u[volume_fraction] : 0.0);
-  a.density = u[density] + second;
+  Mixture const m = closure(fluids_, u);
+  a.density = mixture_density(fluids_.count, u);
   for (int d = 0; d < 3; ++d) a.velocity[d] = u[momentum_x + d] / a.density;
   a.pressure = m.pressure(u[energy] - 0.5 * a.density * dot(a.velocity, a.velocity));
   a.modulus = m.bulk_modulus(a.pressure);
@@ -176,11 +184,9 @@ void OpenFaces::start(grid::Fields const& fields, Components const& ambient,
 bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, int side, double h, double dt,
                               Memory& memory, double& signal, Components& u) const {
   double const normal = side == 0 ? -1.0 : 1.0;
-  double const second = fluids_.two ? u[second_density] : 0.0;
-  double const alpha = fluids_.two ? u[volume_fraction] : 0.0;
-  double const rho = u[density] + second;
+  double const rho = mixture_density(fluids_.count, u);
   Vec3 velocity{u[momentum_x] / rho, u[momentum_y] / rho, u[momentum_z] / rho};
-  Mixture m = closure(fluids_, u[density], second, alpha);
+  Mixture m = closure(fluids_, u);
   double const p = m.pressure(u[energy] - 0.5 * rho * dot(velocity, velocity));
   double const modulus = m.bulk_modulus(p);
   if (!(rho > 0.0) || !(modulus > 0.0)) return false;
@@ -221,22 +227,19 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
   remember(dt, d + 0.25 * a.nonlinearity * a.density * alone * alone, ray.fading, ray.drift, memory);
   if (face_w >= 0.0) {
     double const scale = std::clamp(1.0 + (face_p - p) / modulus, 0.1, 10.0);
-    u[density] *= scale;
-    if (fluids_.two) u[second_density] *= scale;
+    compress(fluids_, scale, u);
     if (components_ > progress) u[progress] *= scale;
   } else {
     double const scale = std::clamp(1.0 + d / a.modulus, 0.1, 10.0);
     double const shocked = u[shock];
     u = a.conserved;
     u[shock] = shocked;
-    u[density] *= scale;
-    if (fluids_.two) u[second_density] *= scale;
+    compress(fluids_, scale, u);
     velocity = a.velocity + (rise / ray.cosine) * ray.direction;
   }
   velocity[direction] = normal * face_w;
-  double const rho1 = fluids_.two ? u[second_density] : 0.0;
-  double const face_rho = u[density] + rho1;
-  m = closure(fluids_, u[density], rho1, fluids_.two ? u[volume_fraction] : 0.0);
+  double const face_rho = mixture_density(fluids_.count, u);
+  m = closure(fluids_, u);
   for (int c = 0; c < 3; ++c) u[momentum_x + c] = face_rho * velocity[c];
   u[energy] = m.rho_e(face_p) + 0.5 * face_rho * dot(velocity, velocity);
   double const face_modulus = m.bulk_modulus(face_p);
@@ -270,7 +273,7 @@ void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt
       for (int c = 0; c < components_; ++c) u[c] = fields.at(b, c)[cell.offset];
       // What has not been disturbed stays as it is to the last bit: blocks there may sleep.
       if (face.memory[n] == Memory{} && u == beyond.conserved) return;
-      if (burning && u[volume_fraction] > 0.0) return;
+      if (burning && u[volume_fraction(products_fluid)] > 0.0) return;
       if (!outside_state(beyond, ray, direction, side, block.h(), dt, face.memory[n], face.signal, u)) return;
       Index3 lowest = cell.within();
       lowest[direction] = 0;

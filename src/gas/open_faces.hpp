@@ -57,7 +57,7 @@ class OpenFaces {
     return number_[6 * block + 2 * direction] >= 0 || number_[6 * block + 2 * direction + 1] >= 0;
   }
   /// Fills the ghost cells of a block beyond its faces in `direction`, which hold copies of the cells next to them, for
-  /// a sweep of length dt. Where the block's second fluid is `burning` they stay copies of it.
+  /// a sweep of length dt. Where products are `burning` in the block they stay copies of them.
   void fill(grid::Fields const& fields, int block, int direction, double dt, bool burning, grid::Exchange& exchange);
 
   /// Largest |u| + c beyond a block's faces, as last filled [m/s]: gas that flows back into a burst which has all but

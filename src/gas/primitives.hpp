@@ -8,30 +8,9 @@
 
 namespace brisance::gas {
 
-/// Closure sums of `n` cells.
-inline void closure_row(SweepContext const& s, int n, double const* rho0, double const* rho1, double const* alpha,
-                        double const* F, double* xi, double* B, double* H) {
-  if (auto const* ideal = std::get_if<material::IdealGas>(&s.fluids->ambient)) {
-    double const x = 1.0 / ideal->gruneisen();
-    BRISANCE_VECTOR_LOOP
-    for (int q = 0; q < n; ++q) xi[q] = (1.0 - alpha[q]) * x;
-    std::fill_n(B, n, 0.0);
-    std::fill_n(H, n, 0.0);
-  } else {
-    std::fill_n(xi, n, 0.0);
-    std::fill_n(B, n, 0.0);
-    std::fill_n(H, n, 0.0);
-    std::visit([&](auto const& eos) { add_fluid_row<true>(eos, n, alpha, rho0, nullptr, 0.0, xi, B, H); },
-               s.fluids->ambient);
-  }
-  std::visit(
-      [&](auto const& eos) { add_fluid_row<false>(eos, n, alpha, rho1, F, s.fluids->ambient_pressure, xi, B, H); },
-      s.fluids->second);
-}
-
 /// Closure sums where the ambient fluid is alone.
 inline void closure_row_single(SweepContext const& s, int n, double const* rho, double* xi, double* B, double* H) {
-  if (auto const* ideal = std::get_if<material::IdealGas>(&s.fluids->ambient)) {
+  if (auto const* ideal = std::get_if<material::IdealGas>(&s.fluids->ambient())) {
     // The same in every cell: what the last bundle has left often still stands there.
     double const x = 1.0 / ideal->gruneisen();
     long other = 0;
@@ -54,7 +33,57 @@ inline void closure_row_single(SweepContext const& s, int n, double const* rho, 
           H[q] = x * (eos.rho_d_reference(rho[q]) - f);
         }
       },
-      s.fluids->ambient);
+      s.fluids->ambient());
+}
+
+/// Closure sums of `n` cells with the given partial densities and, of the fluids beside the ambient one, volume
+/// fractions. `F`: burn fraction; null where all is burnt.
+template <int N>
+void closure_row(SweepContext const& s, int n, std::array<double const*, N> const& partial,
+                 std::array<double const*, N> const& alpha, double const* F, double* xi, double* B, double* H) {
+  if constexpr (N > 1) {
+    material::Rest<N - 1> rest{};
+    for_fluids<1, N>([&](int k) { rest.alpha[k - 1] = alpha[k]; });
+    if (auto const* ideal = std::get_if<material::IdealGas>(&s.fluids->ambient())) {
+      double const x = 1.0 / ideal->gruneisen();
+      BRISANCE_VECTOR_LOOP
+      for (int q = 0; q < n; ++q) xi[q] = rest(q) * x;
+      std::fill_n(B, n, 0.0);
+      std::fill_n(H, n, 0.0);
+    } else {
+      std::fill_n(xi, n, 0.0);
+      std::fill_n(B, n, 0.0);
+      std::fill_n(H, n, 0.0);
+      std::visit([&](auto const& eos) { add_fluid_row(eos, n, rest, partial[0], nullptr, 0.0, xi, B, H); },
+                 s.fluids->ambient());
+    }
+    for (int k = 1; k < N; ++k) {
+      std::visit(
+          [&](auto const& eos) {
+            add_fluid_row(eos, n, material::Own{alpha[k]}, partial[k], F, s.fluids->ambient_pressure, xi, B, H);
+          },
+          s.fluids->eos[k]);
+    }
+  } else {
+    closure_row_single(s, n, partial[0], xi, B, H);
+  }
+}
+
+/// Closure of one state of N fluids; F: burn fraction.
+template <int N>
+[[nodiscard]] Mixture closure_of(Fluids const& fluids, PerFluid const& partial, PerFluid const& alpha, double F) {
+  Mixture m;
+  double rest = 1.0;
+  for_fluids<1, N>([&](int k) { rest -= alpha[k]; });
+  std::visit([&](auto const& eos) { add_fluid(eos, rest, phase_density(partial[0], rest), m); }, fluids.ambient());
+  for_fluids<1, N>([&](int k) {
+    std::visit(
+        [&](auto const& eos) {
+          add_burning_fluid(eos, alpha[k], phase_density(partial[k], alpha[k]), F, fluids.ambient_pressure, m);
+        },
+        fluids.eos[k]);
+  });
+  return m;
 }
 
 /// Is cell q of the bundle one of the block's own (and not a ghost cell)?
@@ -80,7 +109,7 @@ inline bool is_own(BundleLayout const& b, int q) {
 inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
   Floors const floors = s.floors;
   Lift lift{q};
-  double rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
+  double rho = mixture_density(s, a, q);
   double const E = a[energy][q];
   double const mx = a[momentum_x][q];
   double const my = a[momentum_y][q];
@@ -89,7 +118,7 @@ inline Lift lift_cell(SweepContext const& s, BundleArrays& a, int q) {
   if (!lift.finite) return lift;
   if (rho < floors.density) {
     lift.mass = floors.density - rho;
-    a[density][q] += lift.mass;
+    a[partial_density(0)][q] += lift.mass;
     rho = floors.density;
   }
   double const xi = a[a_xi][q];
@@ -112,21 +141,19 @@ inline void lift_cells(SweepContext const& s, BundleLayout const& b, BundleArray
                        GuardCount& guards) {
   Floors const floors = s.floors;
   for (int q = begin; q < begin + n; ++q) {
-    double const rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
+    double const rho = mixture_density(s, a, q);
     if (is_sound(floors, s.most_H, rho, a[a_p][q], a[a_xi][q], a[a_H][q])) continue;
     Lift const lift = lift_cell(s, a, q);
     if (is_own(b, q)) guards.lifts.push_back(lift);
   }
 }
 
-template <bool Two>
+template <int N>
 void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   int const n = b.total;
   Floors const floors = s.floors;
   double const most_H = s.most_H;
-  double* const rho0 = a[density];
-  double* const rho1 = a[second_density];
-  double* const alpha = a[volume_fraction];
+  auto const partial = rows_of_fluids<N>(a, 0);
   double* const E = a[energy];
   double const* const mu = a[s.normal()];
   double const* const mv = a[s.transverse1()];
@@ -140,17 +167,13 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
   double* const H = a[a_H];
   double* const inverse = a[a_inverse];
 
-  if constexpr (Two) {
-    closure_row(s, n, rho0, rho1, alpha, s.burning ? a[a_burn] : nullptr, xi, B, H);
-  } else {
-    closure_row_single(s, n, rho0, xi, B, H);
-  }
+  closure_row<N>(s, n, partial, volume_fraction_rows<N>(a, 0), s.burning ? a[a_burn] : nullptr, xi, B, H);
 
   for (bool lifted = false;; lifted = true) {
     long unsound = 0;
     BRISANCE_VECTOR_LOOP
     for (int q = 0; q < n; ++q) {
-      double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
+      double const rho = sum_of_fluids<N>([&](int k) { return partial[k][q]; });
       double const r = 1.0 / rho;
       inverse[q] = r;
       u[q] = mu[q] * r;
@@ -183,11 +206,10 @@ void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, G
 
 /// Pressure and |u| + c of the cells [begin, begin + n) after an update, with the guards: the step may not end with a
 /// cell below the floors either, for gauges and dumps would show it. Returns the largest signal [m/s].
-template <bool Two>
+template <int N>
 double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int begin, int n, int dimensions,
                GuardCount& guards) {
-  double const* const rho0 = a[density] + begin;
-  double const* const rho1 = a[second_density] + begin;
+  auto const partial = rows_of_fluids<N>(a, begin);
   double const* const E = a[energy] + begin;
   double const* const mx = a[momentum_x] + begin;
   double const* const my = a[momentum_y] + begin;
@@ -197,11 +219,7 @@ double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, in
   double* const H = a[a_H] + begin;
   double* const p = a[a_p] + begin;
   double* const signal = a[a_signal] + begin;
-  if constexpr (Two) {
-    closure_row(s, n, rho0, rho1, a[volume_fraction] + begin, s.burning ? a[a_burn] + begin : nullptr, xi, B, H);
-  } else {
-    closure_row_single(s, n, rho0, xi, B, H);
-  }
+  closure_row<N>(s, n, partial, volume_fraction_rows<N>(a, begin), s.burning ? a[a_burn] + begin : nullptr, xi, B, H);
   Floors const floors = s.floors;
   double const most_H = s.most_H;
   double const use_y = dimensions > 1 ? 1.0 : 0.0;
@@ -210,7 +228,7 @@ double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, in
     long unsound = 0;
     BRISANCE_VECTOR_LOOP
     for (int q = 0; q < n; ++q) {
-      double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
+      double const rho = sum_of_fluids<N>([&](int k) { return partial[k][q]; });
       double const inverse = 1.0 / rho;
       double const rho_e = E[q] - 0.5 * (mx[q] * mx[q] + my[q] * my[q] + mz[q] * mz[q]) * inverse;
       p[q] = (rho_e - B[q]) / xi[q];

@@ -34,30 +34,30 @@ BundleArrays row_of(Components const& quiet, BundleLayout const& layout) {
 Components Gas::quiescent_flux(SweepContext s) const {
   s.radial = false;
   BundleLayout const layout = row_layout(s.direction);
-  BundleArrays a = row_of(conserved(quiescent_), layout);
+  BundleArrays a = row_of(conserved_of(fluids_, quiescent_), layout);
   GuardCount guards;
-  primitives<false>(s, layout, a, guards);
+  primitives<1>(s, layout, a, guards);
   if (options_.scheme == Scheme::muscl_hancock)
-    muscl_hancock<false>(s, layout, a, guards);
+    muscl_hancock<1>(s, layout, a, guards);
   else
-    lax_wendroff<false>(s, layout, a, guards);
+    lax_wendroff<1>(s, layout, a, guards);
   Components flux{};
-  for (int c = density; c <= energy; ++c) flux[c] = a[a_flux + c][layout.begin(0) + row_cells / 2];
+  for (int c = 0; c <= energy; ++c) flux[c] = a[a_flux + c][layout.begin(0) + row_cells / 2];
   return flux;
 }
 
 double Gas::quiescent_pressure() const {
   BundleLayout const layout = row_layout(0);
-  BundleArrays a = row_of(conserved(quiescent_), layout);
+  BundleArrays a = row_of(conserved_of(fluids_, quiescent_), layout);
   GuardCount guards;
-  signals<false>(sweep_context(0, 0.0), layout, a, layout.begin(0), row_cells, grid_->domain().dimensions(), guards);
+  signals<1>(sweep_context(0, 0.0), layout, a, layout.begin(0), row_cells, grid_->domain().dimensions(), guards);
   return a[a_p][layout.begin(0) + row_cells / 2];
 }
 
 void Gas::wake_where_wind_changes() {
-  auto const quiet = conserved(quiescent_);
-  double const rho = quiet[density];
-  double const c = std::sqrt(std::max(0.0, mixture(fluids_, rho, 0.0, 0.0).bulk_modulus(quiescent_.pressure)) / rho);
+  auto const quiet = conserved_of(fluids_, quiescent_);
+  double const rho = quiet[partial_density(0)];
+  double const c = std::sqrt(std::max(0.0, mixture(fluids_, {rho}, {}).bulk_modulus(quiescent_.pressure)) / rho);
   double const dt = 0.1 * grid_->smallest_cell() / (norm(quiescent_.velocity) + c);
   std::vector<std::uint8_t> everything(awake_.size(), 1);
   std::vector<std::uint8_t> const slept = awake_;
@@ -65,7 +65,7 @@ void Gas::wake_where_wind_changes() {
     exchange_.fill(fields_, direction, everything);
     SweepContext const context = sweep_context(direction, dt);
     parallel_for(grid_->block_count(), [&](int b, int thread) {
-      if (slept[b] != 0 || blocks_[b].all_held) return;
+      if (slept[b] != 0 || coupling.all_held(b)) return;
       Account const before = blocks_[b].account;
       sweep_block(b, context, false, workspaces_[thread]);
       blocks_[b].account = before;
@@ -84,7 +84,7 @@ void Gas::wake_where_wind_changes() {
         std::fill_n(fields_.at(b, component), grid_->blocks()[b].cell_count(), quiet[component]);
     }
   }
-  clear_watched();
+  coupling.clear_watched();
 }
 
 void Gas::account_asleep(int b, SweepContext const& s, Components const& flux) {
@@ -101,9 +101,9 @@ void Gas::account_asleep(int b, SweepContext const& s, Components const& flux) {
       double const sign = side == 0 ? -1.0 : 1.0;
       for (int line = 0; line < layout.lines(); ++line) {
         grid::Cell const cell = layout.end_cell(block, side, line);
-        if (!is_own(cell)) continue;
+        if (!coupling.is_own(cell)) continue;
         double const area = block.face_area(s.direction, side, cell);
-        for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * flux[c];
+        for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * s.dt * flux[c];
       }
     }
   }

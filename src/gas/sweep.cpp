@@ -17,16 +17,14 @@ void Gas::load_burn(int b, BundleLayout const& layout, BundleArrays& a) const {
   grid::Block const& block = grid_->blocks()[b];
   double* const F = a[a_burn];
   load_with_ghosts(
-      layout, block, blocks_[b].burn_times.data(), [this](BurnTime const& times) { return burn_fraction_of(times); },
-      F);
-  // A row without the second fluid is calculated without its burn, and so are cells that hold none of it.
-  double const* const alpha = a[volume_fraction];
-  for (int q = 0; q < layout.total; ++q) F[q] = is_trace(alpha[q]) ? 1.0 : F[q];
+      layout, block, burn.times(b).data(), [this](BurnTime const& times) { return burn.fraction(times); }, F);
+  // A row without products is calculated without their burn, and so are cells that hold none of them.
+  double const* const alpha = a[volume_fraction(products_fluid)];
+  for (int q = 0; q < layout.total; ++q) F[q] = burn.is_trace(alpha[q]) ? 1.0 : F[q];
 }
 
 void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, BundleArrays& a) const {
   grid::Block const& block = grid_->blocks()[b];
-  BlockData const& data = blocks_[b];
   int const slab = block.cell_count() / block.n[s.direction] * grid::ghost_layers;
   double const* low = exchange_.ghosts(b, 0);
   double const* high = exchange_.ghosts(b, 1);
@@ -34,23 +32,25 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
     grid::load(layout, block, fields_.at(b, c), low + static_cast<std::size_t>(c) * slab,
                high + static_cast<std::size_t>(c) * slab, a[state_array(c)]);
   };
-  for (int c = density; c <= energy; ++c) load_component(c);
+  for (int c = 0; c <= energy; ++c) load_component(c);
   if (s.shock_sensor) load_component(shock);
-  s.two = fluids_.two;
-  if (s.two) {
-    load_component(volume_fraction);
-    // Rows without the second fluid cost what a single fluid costs. Faces of such a row carry none of it, also seen
-    // from the other side.
-    s.two = count_beyond(a[volume_fraction], layout.total, vanishing_fraction) > 0;
-    if (s.two) load_component(second_density);
-    if (s.two && s.progress) load_component(progress);
+  // Rows of the ambient fluid alone cost what a single fluid costs. Faces of such a row carry no other, also seen from
+  // the other side.
+  s.present = 1;
+  for (int k = 1; k < fluids_.count; ++k) {
+    load_component(volume_fraction(k));
+    if (count_beyond(a[volume_fraction(k)], layout.total, vanishing_fraction) > 0) s.present = fluids_.count;
   }
-  s.solid = !data.solid.empty();
+  for (int k = 1; k < s.present; ++k) load_component(partial_density(k));
+  s.progress = s.progress && s.present > products_fluid;
+  if (s.progress) load_component(progress);
+  auto const& solid = obstacles.solid(b);
+  s.solid = !solid.empty();
   if (s.solid) {
     load_with_ghosts(
-        layout, block, data.solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; }, a[a_solid]);
+        layout, block, solid.data(), [](std::uint8_t x) { return x ? 1.0 : 0.0; }, a[a_solid]);
   }
-  s.burning = s.two && !data.burn_times.empty() && burning();
+  s.burning = s.present > products_fluid && burn.burning_in(b);
   if (s.burning) {
     load_burn(b, layout, a);
   }
@@ -108,11 +108,11 @@ void Gas::update(BundleLayout const& layout, SweepContext const& s, BundleArrays
       }
     }
   };
-  if (s.two) {
+  for (int k = 1; k < s.present; ++k) {
     // d(alpha)/dt + u d(alpha)/dx = 0, as a flux minus alpha times the divergence of the face velocities
     // [JohnsenColonius06].
-    double* const alpha = a[volume_fraction];
-    double const* const flux = a[a_flux + volume_fraction];
+    double* const alpha = a[volume_fraction(k)];
+    double const* const flux = a[a_flux + volume_fraction(k)];
     double const* const speed = a[a_face_speed];
     double const* const high = a[a_area_high];
     double const* const low = a[a_area_low];
@@ -128,10 +128,10 @@ void Gas::update(BundleLayout const& layout, SweepContext const& s, BundleArrays
             fluid * (above * (flux[q] - alpha[q] * speed[q]) - below * (flux[q - st] - alpha[q] * speed[q - st]));
       }
     }
-    advance_component(second_density);
-    if (s.progress) advance_component(progress);
+    advance_component(partial_density(k));
   }
-  for (int c = density; c <= energy; ++c) advance_component(c);
+  if (s.progress) advance_component(progress);
+  for (int c = 0; c <= energy; ++c) advance_component(c);
 }
 
 void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
@@ -141,13 +141,13 @@ void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, Bundle
     double* to = fields_.at(b, c);
     for_each_run(layout, block, [=](int q, int offset, int count) { grid::copy_run(from + q, count, to + offset); });
   };
-  for (int c = density; c <= energy; ++c) store_component(a_state + c, c);
+  for (int c = 0; c <= energy; ++c) store_component(a_state + c, c);
   if (s.shock_sensor) store_component(a_sensor, shock);
-  if (s.two) {
-    store_component(second_density, second_density);
-    store_component(volume_fraction, volume_fraction);
-    if (s.progress) store_component(a_progress, progress);
+  for (int k = 1; k < s.present; ++k) {
+    store_component(a_state + partial_density(k), partial_density(k));
+    store_component(a_state + volume_fraction(k), volume_fraction(k));
   }
+  if (s.progress) store_component(a_progress, progress);
 }
 
 void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
@@ -160,40 +160,42 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
       int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
       q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
       grid::Cell const cell = layout.end_cell(block, side, line);
-      if (!is_own(cell)) continue;
+      if (!coupling.is_own(cell)) continue;
       double const area = block.face_area(s.direction, side, cell);
       auto& outflow = blocks_[b].account.outflow;
-      for (int c = density; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
-      if (s.two) outflow[second_density] += sign * area * s.dt * a[a_flux + second_density][q];
-      if (s.two && s.progress) outflow[progress] += sign * area * s.dt * a[a_progress_flux][q];
+      for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
+      for (int k = 1; k < s.present; ++k) {
+        int const c = partial_density(k);
+        outflow[c] += sign * area * s.dt * a[a_flux + c][q];
+      }
+      if (s.progress) outflow[progress] += sign * area * s.dt * a[a_progress_flux][q];
     }
   }
 }
 
 void Gas::account_watched(int b, int bundle, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
   grid::Block const& block = grid_->blocks()[b];
-  for (WatchedFace const& face : blocks_[b].watched[s.direction][bundle]) {
+  for (Coupling::WatchedFace const& face : coupling.faces(b, s.direction, bundle)) {
     int const q = layout.place(block, face.cell);
-    FaceFlux& sum = watched_[face.number];
-    double const first = a[a_flux + density][q];
-    double const second = s.two ? a[a_flux + second_density][q] : 0.0;
+    FaceFlux& sum = coupling.flux(face.number);
+    auto const flux_of = [&](int c) { return a[a_flux + c][q]; };
     double const speed = a[a_face_speed][q];
     // What the pressure does is told from what the mass carries by the speed of the face: the flux of momentum is
     // mass flux * speed + pressure.
-    double const pressure = a[a_flux + s.normal()][q] - (first + second) * speed;
-    sum.mass[0] += s.dt * first;
-    sum.mass[1] += s.dt * second;
-    for (int d = 0; d < 3; ++d) sum.momentum[d] += s.dt * a[a_flux + momentum_x + d][q];
-    sum.momentum[s.direction] -= s.dt * pressure;
-    sum.energy += s.dt * (a[a_flux + energy][q] - pressure * speed);
+    double const pressure = a[a_flux + s.normal()][q] - mixture_density(s.present, flux_of) * speed;
+    Amounts& carried = sum.carried;
+    for (int k = 0; k < s.present; ++k) carried.mass[k] += s.dt * flux_of(partial_density(k));
+    for (int d = 0; d < 3; ++d) carried.momentum[d] += s.dt * flux_of(momentum_x + d);
+    carried.momentum[s.direction] -= s.dt * pressure;
+    carried.energy += s.dt * (flux_of(energy) - pressure * speed);
+    carried.volume += s.dt * speed;
     sum.impulse += s.dt * pressure;
     sum.work += s.dt * pressure * speed;
-    sum.volume += s.dt * speed;
   }
 }
 
 void Gas::restore_held(int b, BundleLayout const& layout, BundleArrays& a) const {
-  std::vector<Role> const& roles = blocks_[b].roles;
+  std::vector<Role> const& roles = coupling.roles(b);
   for_each_run(layout, grid_->blocks()[b], [&](int q, int offset, int count) {
     for (int n = 0; n < count; ++n) {
       if (roles[offset + n] != Role::held) continue;
@@ -229,8 +231,8 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
   grid::Block const& block = grid_->blocks()[b];
   int const dims = grid_->domain().dimensions();
   for (int r = 0; r < layout.rows; ++r) {
-    double const fastest = s.two ? signals<true>(s, layout, a, layout.begin(r), layout.count(), dims, guards)
-                                 : signals<false>(s, layout, a, layout.begin(r), layout.count(), dims, guards);
+    double const fastest = with_fluids(
+        s.present, [&]<int N>() { return signals<N>(s, layout, a, layout.begin(r), layout.count(), dims, guards); });
     blocks_[b].signal = std::max(blocks_[b].signal, fastest);
   }
   if (grid::radial_exponent(grid_->domain().geometry) > 0 && block.in_domain().lower[0] == 0) {
@@ -238,27 +240,11 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
     grid::Shell const inmost = grid_->shell(block, 0);
     double const factor = (inmost.high_area - inmost.low_area) * block.h() / inmost.volume;
     for_each_row_begin(layout, block, [&](int q) {
-      double const rho = a[density][q] + (s.two ? a[second_density][q] : 0.0);
+      double const rho = mixture_density(s, a, q);
       blocks_[b].signal = std::max(blocks_[b].signal, factor * a[momentum_x][q] / rho);
     });
   }
-  if (!options_.peak_fields || s.dt <= 0.0) return;
-  int const cells = block.cell_count();
-  double* const peak = peaks_[b].data() + static_cast<std::ptrdiff_t>(peak_pressure) * cells;
-  double* const running = peaks_[b].data() + static_cast<std::ptrdiff_t>(running_impulse) * cells;
-  double* const largest = peaks_[b].data() + static_cast<std::ptrdiff_t>(largest_impulse) * cells;
-  double const ambient = quiet_pressure_;
-  double const* const p = a[a_p];
-  double const dt = s.dt;
-  for_each_run(layout, block, [&](int q, int offset, int count) {
-    BRISANCE_VECTOR_LOOP
-    for (int n = 0; n < count; ++n) {
-      double const over = p[q + n] - ambient;
-      peak[offset + n] = std::max(peak[offset + n], over);
-      running[offset + n] += over * dt;
-      largest[offset + n] = std::max(largest[offset + n], running[offset + n]);
-    }
-  });
+  if (s.dt > 0.0) peaks_.follow(b, layout, a[a_p], quiet_pressure_, s.dt);
 }
 
 void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays& a) {
@@ -273,28 +259,20 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     s.h = block.h();
     load_bundle(b, layout, s, a);
     GuardCount guards;
-    auto const& near_walls = data.near_walls[sweep.direction];
-    s.near_walls = near_walls.empty() || near_walls[index].empty() ? nullptr : &near_walls[index];
-    if (s.two)
-      primitives<true>(s, layout, a, guards);
-    else
-      primitives<false>(s, layout, a, guards);
-    bool checked = false;
-    if (options_.scheme == Scheme::muscl_hancock) {
-      checked = s.two ? muscl_hancock<true>(s, layout, a, guards) : muscl_hancock<false>(s, layout, a, guards);
-    } else {
-      if (s.two)
-        lax_wendroff<true>(s, layout, a, guards);
-      else
-        lax_wendroff<false>(s, layout, a, guards);
-    }
-    if (s.two && s.progress) progress_fluxes(s, layout, a);
+    s.near_walls = obstacles.near_walls(b, s.direction, index);
+    bool const checked = with_fluids(s.present, [&]<int N>() {
+      primitives<N>(s, layout, a, guards);
+      if (options_.scheme == Scheme::muscl_hancock) return muscl_hancock<N>(s, layout, a, guards);
+      lax_wendroff<N>(s, layout, a, guards);
+      return false;
+    });
+    if (s.progress) progress_fluxes(s, layout, a);
     if (at_boundary) account_boundaries(b, layout, s, a);
-    if (!data.watched[s.direction].empty()) account_watched(b, index, layout, s, a);
+    account_watched(b, index, layout, s, a);
     update(layout, s, a);
-    if (checked && s.two) expand_cold_products(s, layout, a);
-    if (!data.roles.empty()) restore_held(b, layout, a);
-    if (last && s.two && options_.afterburn) burn_on(b, layout, s, a);
+    if (checked && s.present > products_fluid) expand_cold_products(s, layout, a);
+    if (!coupling.roles(b).empty()) restore_held(b, layout, a);
+    if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a);
     if (last) measure(b, layout, s, a, guards);
     store(b, layout, s, a);
     data.account.fallback_faces += guards.fallback_faces;
@@ -302,7 +280,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
       for_each_run(layout, block, [&](int q, int offset, int count) {
         if (lift.q < q || lift.q >= q + count) return;
         int const at = offset + lift.q - q;
-        if (role(b, at) != Role::own && lift.finite) return;
+        if (coupling.role(b, at) != Role::own && lift.finite) return;
         double const volume = block.volume(block.column(at));
         ++data.account.guarded_cells;
         data.account.guard_mass += lift.mass * volume;
@@ -326,8 +304,8 @@ void Gas::measure_all() {
       BundleLayout const layout = bundles.layout(index);
       SweepContext s = context;
       s.h = block.h();
-      s.two = fluids_.two;
-      s.burning = s.two && !blocks_[b].burn_times.empty() && burning();
+      s.present = fluids_.count;
+      s.burning = s.present > products_fluid && burn.burning_in(b);
       for_each_run(layout, block, [&](int q, int offset, int count) {
         for (int c = 0; c < components(); ++c) std::copy_n(fields_.at(b, c) + offset, count, a[state_array(c)] + q);
       });

@@ -14,7 +14,7 @@
 #include "material/eos/linear.hpp"
 #include "material/explosive.hpp"
 #include "material/failure/failure.hpp"
-#include "material/mixture.hpp"
+#include "material/fluids.hpp"
 #include "material/strength/strength.hpp"
 
 namespace brisance::material {
@@ -48,7 +48,7 @@ struct Solid {
   std::string source;       ///< literature source of the constants
   double density = 7850.0;  ///< at the start, rho0 [kg/m3]
   PointEos eos;
-  /// Points that mix these two fluids, each with a composition of its own; stands in for `eos`.
+  /// Points that mix these fluids, each with a composition of its own; stands in for `eos`.
   std::optional<Fluids> mixture;
   Strength strength;
   Failure failure;
@@ -89,24 +89,29 @@ struct Solid {
     };
     if (has_deviator()) return false;
     if (!mixes()) return gas(eos);
-    return gas(mixture->ambient) && (!mixture->two || gas(mixture->second));
+    return std::all_of(mixture->eos.begin(), mixture->eos.begin() + mixture->count, gas);
   }
-  /// Does it mix two fluids?
+  /// Does it mix fluids?
   [[nodiscard]] bool mixes() const { return mixture.has_value(); }
 };
 
+/// Closure of points that mix: they hold one fluid beside the ambient one, with these fractions of mass and volume.
+[[nodiscard]] inline Mixture mixture_of(Solid const& solid, double rho, double Y, double alpha) {
+  return mixture_of(*solid.mixture, rho, Fractions::of(1, Y), Fractions::of(1, alpha));
+}
+
 /// Pressure [Pa] of a solid from density [kg/m3] and specific internal energy [J/kg]. Where it mixes, Y and alpha are
-/// the mass fraction and the volume fraction of the second fluid.
+/// the fractions of mass and volume of the fluid beside the ambient one.
 [[nodiscard]] inline double pressure(Solid const& solid, double rho, double e, double Y = 0.0, double alpha = 0.0) {
   if (!solid.mixes()) return pressure(solid.eos, rho, e);
-  if (std::abs(alpha) <= vanishing_fraction) return pressure(solid.mixture->ambient, rho, e);
-  return mixture_of(*solid.mixture, rho, Y, alpha).pressure(rho * e);
+  if (std::abs(alpha) <= vanishing_fraction) return pressure(solid.mixture->ambient(), rho, e);
+  return mixture_of(solid, rho, Y, alpha).pressure(rho * e);
 }
 /// rho c^2 [Pa], c the bulk sound speed.
 [[nodiscard]] inline double bulk_modulus(Solid const& solid, double rho, double p, double Y = 0.0, double alpha = 0.0) {
   if (!solid.mixes()) return bulk_modulus(solid.eos, rho, p);
-  if (std::abs(alpha) <= vanishing_fraction) return bulk_modulus(solid.mixture->ambient, rho, p);
-  return mixture_of(*solid.mixture, rho, Y, alpha).bulk_modulus(p);
+  if (std::abs(alpha) <= vanishing_fraction) return bulk_modulus(solid.mixture->ambient(), rho, p);
+  return mixture_of(solid, rho, Y, alpha).bulk_modulus(p);
 }
 
 /// Pressure [Pa] at the start: nothing is burnt, the tension cut-off holds.
@@ -169,16 +174,16 @@ struct Solid {
   return solid;
 }
 
-/// The points of a gas that may mix two fluids; the solid's own state is the ambient fluid alone with this density
+/// The points of a gas that may mix fluids; the solid's own state is the ambient fluid alone with this density
 /// [kg/m3] and pressure [Pa]. A gas carries no tension.
 [[nodiscard]] inline Solid gas_of(Fluids const& fluids, double density, double pressure) {
   Solid solid;
   solid.name = "gas";
   solid.density = density;
-  solid.eos = std::visit([](auto const& model) { return PointEos{model}; }, fluids.ambient);
+  solid.eos = std::visit([](auto const& model) { return PointEos{model}; }, fluids.ambient());
   solid.mixture = fluids;
   solid.minimum_pressure = 0.0;
-  solid.specific_energy = internal_energy(fluids.ambient, density, pressure);
+  solid.specific_energy = internal_energy(fluids.ambient(), density, pressure);
   return solid;
 }
 

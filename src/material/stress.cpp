@@ -7,7 +7,7 @@
 
 #include "core/loops.hpp"
 #include "core/math.hpp"
-#include "material/mixture.hpp"
+#include "material/fluids.hpp"
 #include "material/stress_stages.hpp"
 
 namespace brisance::material {
@@ -305,9 +305,9 @@ struct OwnEos {
   [[nodiscard]] double rho_d_reference(int k, double /*rho*/) const { return df[k]; }
 };
 
-/// Is the second fluid anywhere in the chunk?
+/// Is anything but the ambient fluid in the chunk?
 [[nodiscard]] bool mixes_anywhere(Fluids const& fluids, PointArrays const& a) {
-  if (!fluids.two || a.mass_fraction == nullptr || a.volume_fraction == nullptr) return false;
+  if (!fluids.mixed() || a.mass_fraction == nullptr || a.volume_fraction == nullptr) return false;
   return count_beyond(a.volume_fraction, a.n, vanishing_fraction) > 0;
 }
 
@@ -319,39 +319,39 @@ void blend(Fluids const& fluids, PointArrays const& a, Blend& m) {
   double const* const density = a.density;
   double const* const Y = a.mass_fraction;
   double const* const alpha = a.volume_fraction;
-  double* const first = m.first;
-  double* const second = m.second;
+  double* const ambient = m.partial[0];
+  double* const other = m.partial[1];
   double* const G = m.G;
   double* const f = m.f;
   double* const df = m.df;
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) {
-    double const rho1 = density[k] / volume_ratio(volumetric[k]);
-    first[k] = (1.0 - Y[k]) * rho1;
-    second[k] = Y[k] * rho1;
+    double const rho = density[k] / volume_ratio(volumetric[k]);
+    ambient[k] = (1.0 - Y[k]) * rho;
+    other[k] = Y[k] * rho;
   }
   fill(G, n, 0.0);
   fill(f, n, 0.0);
   fill(df, n, 0.0);
-  std::visit([&](auto const& eos) { add_fluid_sums<true>(eos, n, alpha, first, nullptr, 0.0, G, f, df); },
-             fluids.ambient);
-  std::visit([&](auto const& eos) { add_fluid_sums<false>(eos, n, alpha, second, nullptr, 0.0, G, f, df); },
-             fluids.second);
+  std::visit([&](auto const& eos) { add_fluid_sums(eos, n, Rest<1>{{alpha}}, ambient, nullptr, 0.0, G, f, df); },
+             fluids.ambient());
+  std::visit([&](auto const& eos) { add_fluid_sums(eos, n, Own{alpha}, other, nullptr, 0.0, G, f, df); },
+             fluids.eos[1]);
   std::visit(
       [=](auto const eos) {
         BRISANCE_VECTOR_LOOP
         for (int k = 0; k < n; ++k) {
-          double const rho1 = density[k] / volume_ratio(volumetric[k]);
+          double const rho = density[k] / volume_ratio(volumetric[k]);
           double const per_xi = 1.0 / G[k];
           double const B = f[k];
           double const H = df[k];
           bool const mixes = std::abs(alpha[k]) > vanishing_fraction;
           G[k] = mixes ? per_xi : eos.gruneisen();
-          f[k] = mixes ? -B * per_xi : eos.reference(rho1);
-          df[k] = mixes ? (H - B) * per_xi : eos.rho_d_reference(rho1);
+          f[k] = mixes ? -B * per_xi : eos.reference(rho);
+          df[k] = mixes ? (H - B) * per_xi : eos.rho_d_reference(rho);
         }
       },
-      fluids.ambient);
+      fluids.ambient());
 }
 
 /// The pressure of an equation of state, linear in the energy. `slowest` [m/s] bounds the sound speed of what is not
@@ -419,7 +419,7 @@ void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step
   if (!solid.mixes()) {
     std::visit(with_common, solid.eos);
   } else if (!mixes_anywhere(*solid.mixture, a)) {
-    std::visit(with_common, solid.mixture->ambient);
+    std::visit(with_common, solid.mixture->ambient());
   } else {
     blend(*solid.mixture, a, t.blend);
     with(OwnEos{t.blend.G, t.blend.f, t.blend.df});

@@ -18,8 +18,8 @@ struct PointArrays {
   double const* volumetric = nullptr;
   double const* burn = nullptr;  ///< burn fraction at the end of the step; null: 1
   /// Composition of points that mix; they keep it. Null: the ambient fluid alone.
-  double const* mass_fraction = nullptr;    ///< Y of the second fluid
-  double const* volume_fraction = nullptr;  ///< alpha of the second fluid
+  double const* mass_fraction = nullptr;    ///< Y of the fluid beside the ambient one
+  double const* volume_fraction = nullptr;  ///< its alpha
   double* deviator[6] = {};                 ///< deviator of the Cauchy stress [Pa], components as for `strain`
   double* pressure = nullptr;               ///< p [Pa]
   double* viscosity = nullptr;              ///< out: bulk viscosity q [Pa]
@@ -64,7 +64,7 @@ struct StepData {
 ///   about 1e-3 of the yield stress; without it the balance would not close;
 /// - cut-off: p1 is not below the solid's minimum pressure nor, where damage is 1, below 0; e1 then follows from the
 ///   pressure that really acts.
-/// Points that mix two fluids obey the closure of gas cells (material/mixture.hpp). Along a point the mass fraction Y
+/// Points that mix fluids obey the closure of gas cells (material/fluids.hpp). Along a point the mass fraction Y
 /// and, in the five-equation model [Allaire02], the volume fraction alpha stay constant: D alpha/Dt = 0. The fluids'
 /// own densities are then (1 - Y) rho/(1 - alpha) and Y rho/alpha, and the mixture has a constant G and an f(rho) of
 /// its own:

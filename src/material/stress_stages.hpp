@@ -30,11 +30,10 @@ struct Yielding {
 
 /// The equation of state of each point of a chunk that mixes, at the end of the step.
 struct Blend {
-  alignas(64) double first[chunk];   ///< partial density of the ambient fluid [kg/m3]
-  alignas(64) double second[chunk];  ///< partial density of the second fluid [kg/m3]
-  alignas(64) double G[chunk];       ///< first the sum xi of the closure
-  alignas(64) double f[chunk];       ///< [Pa]; first the sum B
-  alignas(64) double df[chunk];      ///< rho f' [Pa]; first the sum H
+  alignas(64) double partial[most_fluids][chunk];  ///< densities of the fluids [kg/m3]
+  alignas(64) double G[chunk];                     ///< first the sum xi of the closure
+  alignas(64) double f[chunk];                     ///< [Pa]; first the sum B
+  alignas(64) double df[chunk];                    ///< rho f' [Pa]; first the sum H
 };
 
 /// What passes between the stages of a chunk.

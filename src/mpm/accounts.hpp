@@ -6,6 +6,7 @@
 #include "core/archive.hpp"
 #include "core/vec.hpp"
 #include "grid/grid.hpp"
+#include "material/primitive.hpp"
 
 namespace brisance::mpm {
 
@@ -13,9 +14,9 @@ namespace brisance::mpm {
 struct BodySums {
   long points = 0;
   double mass = 0.0;  ///< [kg]
-  /// Of it, of the ambient and of the second fluid: gas. Each is summed by itself: of products and a little air the
+  /// Of it, of each fluid: gas. Each is summed by itself: of products and a little air the
   /// difference of two sums would lose three digits of the air.
-  std::array<double, 2> fluid_mass{0.0, 0.0};
+  material::PerFluid fluid_mass{};
   Vec3 momentum{0.0, 0.0, 0.0};  ///< [kg m/s]
   Vec3 centre{0.0, 0.0, 0.0};    ///< of mass [m]
   double kinetic_energy = 0.0;   ///< [J]

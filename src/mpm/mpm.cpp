@@ -55,7 +55,7 @@ FieldList fields_of(Body const& body, Options const& options, int dimensions) {
     for (Field const scalar : {Field::crushing, Field::cracking, Field::compression}) fields.add(scalar);
   }
   if (solid.burns()) fields.add(Field::lighting_time);
-  if (solid.mixes() && solid.mixture->two) {
+  if (solid.mixes() && solid.mixture->mixed()) {
     fields.add(Field::mass_fraction);
     fields.add(Field::volume_fraction);
   }
@@ -71,7 +71,7 @@ void check_composition(Body const& body, Filling const& filling) {
         "points of body \"{}\": the mass fraction {:.6g} and the volume fraction {:.6g} lie between 0 and 1", body.name,
         Y, alpha));
   }
-  bool const mixes = body.solid.mixes() && body.solid.mixture->two;
+  bool const mixes = body.solid.mixes() && body.solid.mixture->mixed();
   if (!mixes && (Y > 0.0 || alpha > 0.0)) {
     throw InputError(fmt::format(
         "points of body \"{}\" cannot hold a second fluid (mass fraction {:.6g}, volume fraction {:.6g}): its "

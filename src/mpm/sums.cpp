@@ -27,10 +27,10 @@ BodySums Mpm::sums(int body) const {
     for (int q = 0; q < set.size(); ++q) {
       double const m = set.field(Field::mass)[q];
       s.mass += m;
-      double const* second = set.field(Field::mass_fraction);
-      double const m1 = second == nullptr ? 0.0 : m * second[q];
-      s.fluid_mass[0] += m - m1;
-      s.fluid_mass[1] += m1;
+      double const* fraction = set.field(Field::mass_fraction);
+      double const other = fraction == nullptr ? 0.0 : m * fraction[q];
+      s.fluid_mass[0] += m - other;
+      s.fluid_mass[1] += other;
       double square = 0.0;
       double moved = 0.0;
       for (int d = 0; d < 3; ++d) {

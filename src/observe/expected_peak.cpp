@@ -96,7 +96,8 @@ double friedlander_half_width(double peak, double impulse, double duration) {
   return half_of_friedlander(low) * duration;
 }
 
-double decay_time(material::Eos const& eos, run::FluidState const& air, FrontCurve const& overpressure, double radius) {
+double decay_time(material::Eos const& eos, material::Primitive const& air, FrontCurve const& overpressure,
+                  double radius) {
   auto const at = [&](double r) {
     return material::shocked(eos, air.density, air.pressure, air.pressure + overpressure(r));
   };

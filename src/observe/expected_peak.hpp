@@ -29,8 +29,8 @@ using FrontCurve = std::function<double(double)>;
 /// Time in which the overpressure behind such a shock begins to fall, p / (-dp/dt) at the front [s]. It follows from
 /// the curve alone: the Euler equations and the derivatives along the front of what the Rankine-Hugoniot relations say
 /// there are four equations for the four derivatives of pressure and velocity. Infinite where the pressure rises.
-[[nodiscard]] double decay_time(material::Eos const& eos, run::FluidState const& air, FrontCurve const& overpressure,
-                                double radius);
+[[nodiscard]] double decay_time(material::Eos const& eos, material::Primitive const& air,
+                                FrontCurve const& overpressure, double radius);
 
 /// From the charge whose wave is the strongest at x: its mass of TNT (by its energy where its equivalent is not known)
 /// in the open, or on the ground where it touches a wall. Nothing where the curves do not tell: no charge, planar and

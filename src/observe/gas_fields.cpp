@@ -22,8 +22,8 @@ struct CellOf {
 };
 
 /// Of the gas in a cell, by cells or points.
-using OfGas = double (*)(GasInCell const& gas, run::World const& world);
-using VectorOfGas = Vec3 (*)(GasInCell const& gas, run::World const& world);
+using OfGas = double (*)(gas::Primitive const& gas, run::World const& world);
+using VectorOfGas = Vec3 (*)(gas::Primitive const& gas, run::World const& world);
 /// Of the cell itself.
 using OfCell = double (*)(CellOf const& c);
 
@@ -49,37 +49,44 @@ double peak(CellOf const& c, double const* values) {
 
 double ambient_pressure(run::World const& w) { return w.setup.ambient.state.pressure; }
 
+/// Part of a mixture that is not ambient fluid.
+double beside_ambient(gas::Fractions const& parts) {
+  double sum = parts[1];
+  for (int k = 2; k < gas::most_fluids; ++k) sum += parts[k];
+  return sum;
+}
+
 std::vector<GasField> const& gas_fields() {
   static std::vector<GasField> const fields{
       {{"pressure", "Pa", 1, "absolute pressure"},
-       OfGas{[](GasInCell const& g, run::World const&) { return g.state.pressure; }},
+       OfGas{[](gas::Primitive const& g, run::World const&) { return g.pressure; }},
        ambient_pressure},
       {{"overpressure", "Pa", 1, "pressure above ambient"},
-       OfGas{[](GasInCell const& g, run::World const& w) { return g.state.pressure - ambient_pressure(w); }}},
+       OfGas{[](gas::Primitive const& g, run::World const& w) { return g.pressure - ambient_pressure(w); }}},
       {{"density", "kg/m3", 1, "density of the mixture"},
-       OfGas{[](GasInCell const& g, run::World const&) { return g.state.density; }}},
+       OfGas{[](gas::Primitive const& g, run::World const&) { return g.density; }}},
       {{"velocity", "m/s", 3, "velocity"},
-       VectorOfGas{[](GasInCell const& g, run::World const&) { return g.state.velocity; }}},
+       VectorOfGas{[](gas::Primitive const& g, run::World const&) { return g.velocity; }}},
       {{"energy", "J/m3", 1, "total energy per volume"},
-       OfGas{[](GasInCell const& g, run::World const&) { return g.energy; }}},
+       OfGas{[](gas::Primitive const& g, run::World const&) { return g.energy; }}},
       {{"sound_speed", "m/s", 1, "frozen sound speed of the mixture"},
-       OfGas{[](GasInCell const& g, run::World const&) { return g.state.sound_speed; }}},
+       OfGas{[](gas::Primitive const& g, run::World const&) { return g.sound_speed; }}},
       {{"mach", "1", 1, "Mach number"},
-       OfGas{[](GasInCell const& g, run::World const&) { return norm(g.state.velocity) / g.state.sound_speed; }}},
+       OfGas{[](gas::Primitive const& g, run::World const&) { return norm(g.velocity) / g.sound_speed; }}},
       {{"products", "1", 1, "mass fraction of the second fluid (detonation products)"},
-       OfGas{[](GasInCell const& g, run::World const&) { return g.state.mass_fraction; }}},
+       OfGas{[](gas::Primitive const& g, run::World const&) { return beside_ambient(g.mass_fraction); }}},
       {{"volume_fraction", "1", 1, "volume fraction of the second fluid"},
-       OfGas{[](GasInCell const& g, run::World const&) { return g.state.volume_fraction; }}},
+       OfGas{[](gas::Primitive const& g, run::World const&) { return beside_ambient(g.volume_fraction); }}},
       {{"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
-       OfCell{[](CellOf const& c) { return c.world.gas->burn_fraction(c.at); }}},
+       OfCell{[](CellOf const& c) { return gas::burn_fraction(*c.world.gas, c.at); }}},
       {{"afterburn", "1", 1, "progress of the products' afterburn, 0 to 1"},
-       OfCell{[](CellOf const& c) { return c.world.gas->afterburn_progress(c.at); }}},
+       OfCell{[](CellOf const& c) { return gas::afterburn_progress(*c.world.gas, c.at); }}},
       {{"peak_overpressure", "Pa", 1, "largest overpressure so far"},
-       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peak_overpressure(c.at.block)); }}},
+       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peaks().overpressure(c.at.block)); }}},
       {{"impulse", "Pa s", 1, "largest running overpressure impulse so far"},
-       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peak_impulse(c.at.block)); }}},
+       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peaks().impulse(c.at.block)); }}},
       {{"obstacle", "1", 1, "1 in rigid obstacles"},
-       OfCell{[](CellOf const& c) { return c.world.gas->is_obstacle(c.at) ? 1.0 : 0.0; }}},
+       OfCell{[](CellOf const& c) { return c.world.gas->obstacles.contain(c.at) ? 1.0 : 0.0; }}},
       {{"region", "1", 1, "0: gas cells, 1: bridge of the MPM region, 2: points"}, OfCell{part_of_region}},
       {{"solid", "1", 1, "part of the cell that bodies of the MPM region fill"},
        OfCell{[](CellOf const& c) { return c.view == nullptr ? 0.0 : c.view->solid_at(c.cell); }}},
@@ -88,10 +95,10 @@ std::vector<GasField> const& gas_fields() {
 }
 
 /// The gas of a cell; obstacles show what their cells hold.
-std::optional<GasInCell> gas_in(CellOf const& c) {
+std::optional<gas::Primitive> gas_in(CellOf const& c) {
   if (c.view != nullptr && c.view->in_points(c.cell)) return c.view->at(c.cell);
   gas::Gas const& gas = *c.world.gas;
-  return GasInCell{gas.primitive(c.at), gas.fields().at(c.at.block, gas::energy)[c.at.offset]};
+  return gas.primitive(c.at);
 }
 
 }  // namespace

@@ -43,18 +43,16 @@ bool GasView::in_points(Index3 const& cell) const {
   return region.layer(cell) > region.width();
 }
 
-std::optional<GasInCell> GasView::at(Index3 const& cell) const {
+std::optional<gas::Primitive> GasView::at(Index3 const& cell) const {
   if (in_points(cell)) {
     bridge::Region const& region = world_->bridge->region();
     bridge::CellSums const& sums = averages_->sums()[number_[number_in_points_grid(region, cell)]];
     if (sums.volume < least_part * region.metric().cell_volume(cell[0])) return std::nullopt;
-    GasInCell gas{world_->bridge->primitive(sums), 0.0};
-    gas.energy = sums.energy / sums.volume + 0.5 * gas.state.density * dot(gas.state.velocity, gas.state.velocity);
-    return gas;
+    return world_->bridge->primitive(sums);
   }
   grid::Cell const at = world_->grid.locate(cell);
-  if (world_->gas->is_obstacle(at)) return std::nullopt;
-  return GasInCell{world_->gas->primitive(at), world_->gas->fields().at(at.block, gas::energy)[at.offset]};
+  if (world_->gas->obstacles.contain(at)) return std::nullopt;
+  return world_->gas->primitive(at);
 }
 
 double GasView::solid_at(Index3 const& cell) const {

@@ -15,12 +15,6 @@ class World;
 
 namespace brisance::observe {
 
-/// The gas in a cell.
-struct GasInCell {
-  gas::Primitive state;
-  double energy = 0.0;  ///< total, per volume [J/m3]
-};
-
 class GasView {
  public:
   /// Of the cells that will be asked for, those that points hold are prepared. Keeps a reference to the world.
@@ -32,7 +26,7 @@ class GasView {
   /// Does the cell lie deeper in the MPM region than its bridge?
   [[nodiscard]] bool in_points(Index3 const& cell) const;
   /// The gas in a cell; nothing in obstacles, and where solids leave the gas less than a tenth of the cell.
-  [[nodiscard]] std::optional<GasInCell> at(Index3 const& cell) const;
+  [[nodiscard]] std::optional<gas::Primitive> at(Index3 const& cell) const;
   /// Part of a cell that solids fill, 0 to 1. Each point counts where its box lies, which has the size that it had at
   /// the start.
   [[nodiscard]] double solid_at(Index3 const& cell) const;

@@ -80,7 +80,7 @@ Gauges::Gauges(run::World const& world) {
   Case const& setup = world.setup;
   if (world.gas != nullptr) {
     for (Gauge const& gauge : setup.gauges) gas.push_back({gauge, {}});
-    FluidState const& quiet = setup.ambient.state;
+    Primitive const& quiet = setup.ambient.state;
     for (GaugeHistory& history : gas) {
       if (!setup.start.remap || setup.start.from_checkpoint) break;
       history.records.push_back({0.0, quiet.pressure, quiet.density, quiet.velocity});
@@ -124,9 +124,9 @@ void Gauges::sample_gas(run::World const& world) {
       if (!seen) continue;
       double const weight = s.weights[n];
       sum += weight;
-      record.pressure += weight * seen->state.pressure;
-      record.density += weight * seen->state.density;
-      record.velocity = record.velocity + weight * seen->state.velocity;
+      record.pressure += weight * seen->pressure;
+      record.density += weight * seen->density;
+      record.velocity = record.velocity + weight * seen->velocity;
     }
     if (sum > 0.0) {
       record.pressure /= sum;

@@ -10,7 +10,7 @@ namespace {
 double gas_energy(run::World const& w) {
   // One sum per block, then over blocks in order: the same bits for any number of threads.
   std::vector<double> parts(static_cast<std::size_t>(w.grid.block_count()), 0.0);
-  bool const two = w.gas->fluids().two;
+  int const fluids = w.gas->fluids().count;
   parallel_for(w.grid.block_count(), [&](int b, int) {
     grid::Block const& block = w.grid.blocks()[b];
     auto const& fields = w.gas->fields();
@@ -18,9 +18,9 @@ double gas_energy(run::World const& w) {
       double row = 0.0;
       for (int i = 0; i < block.n[0]; ++i) {
         grid::Cell const cell = block.cell(i, first.j, first.k);
-        if (!w.gas->is_own(cell)) continue;
+        if (!w.gas->coupling.is_own(cell)) continue;
         int const at = cell.offset;
-        double const density = fields.at(b, gas::density)[at] + (two ? fields.at(b, gas::second_density)[at] : 0.0);
+        double const density = gas::mixture_density(fluids, [&](int c) { return fields.at(b, c)[at]; });
         double square = 0.0;
         for (int d = 0; d < 3; ++d) {
           double const m = fields.at(b, gas::momentum_x + d)[at];

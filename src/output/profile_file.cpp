@@ -27,7 +27,7 @@ constexpr long most_components = 32;
 constexpr std::size_t most_constants = 1000;
 constexpr std::size_t most_points = 100000;  // of initiation
 
-constexpr std::array<char const*, gas::two_fluid_components> component_names{
+constexpr std::array<char const*, gas::components_of(gas::most_fluids)> component_names{
     "density", "momentum_x", "momentum_y", "momentum_z", "energy", "shock", "second_density", "volume_fraction"};
 
 std::uint32_t checksum_of(detonation::Profile profile) {

@@ -33,17 +33,23 @@ std::string processor_model() {
   return "unknown";
 }
 
-json totals(run::Totals const& t) {
-  return {{"mass", {json_or_null(t.mass[0]), json_or_null(t.mass[1])}},
+json masses(material::PerFluid const& of_fluids) {
+  json values = json::array();
+  for (double const mass : of_fluids) values.push_back(json_or_null(mass));
+  return values;
+}
+
+/// What is kept of gas: masses, momentum and energy.
+json amounts(material::Amounts const& t) {
+  return {{"mass", masses(t.mass)},
           {"momentum", {json_or_null(t.momentum[0]), json_or_null(t.momentum[1]), json_or_null(t.momentum[2])}},
           {"energy", json_or_null(t.energy)}};
 }
 
-char const* key_of(run::AuditFinding::Kind kind) {
+std::string key_of(run::AuditFinding const& finding) {
   using Kind = run::AuditFinding::Kind;
-  switch (kind) {
-    case Kind::first_mass: return "mass";
-    case Kind::second_mass: return "mass_of_second_fluid";
+  switch (finding.kind) {
+    case Kind::mass: return finding.fluid == 0 ? "mass" : "mass_of_second_fluid";
     case Kind::gas_energy: return "energy";
     case Kind::guard_energy: return "guard_energy";
     case Kind::guard_mass: return "guard_mass";
@@ -60,23 +66,23 @@ json audit(run::World const& world) {
   auto const verdict = world.verdict();
   json findings = json::object();
   for (run::AuditFinding const& f : world.audit_findings()) {
-    findings[key_of(f.kind)] = {{"amount", json_or_null(f.amount)},
-                                {"scale", json_or_null(f.scale)},
-                                {"share", json_or_null(f.share())},
-                                {"warn", f.warn},
-                                {"fail", f.fail},
-                                {"told", f.tells()}};
+    findings[key_of(f)] = {{"amount", json_or_null(f.amount)},
+                           {"scale", json_or_null(f.scale)},
+                           {"share", json_or_null(f.share())},
+                           {"warn", f.warn},
+                           {"fail", f.fail},
+                           {"told", f.tells()}};
   }
   return {{"balanced", verdict.balanced},
           {"reasons", verdict.reasons},
           {"drift_judged", verdict.drift_judged},
           {"for_comparison", world.for_comparison()},
           {"findings", std::move(findings)},
-          {"initial", totals(a.initial)},
-          {"current", totals(a.current)},
-          {"outflow", totals(a.outflow)},
+          {"initial", amounts(a.initial)},
+          {"current", amounts(a.current)},
+          {"outflow", amounts(a.outflow)},
           {"ledger",
-           {{"mass", {json_or_null(a.ledger.mass[0]), json_or_null(a.ledger.mass[1])}},
+           {{"mass", masses(a.ledger.mass)},
             {"energy", json_or_null(a.ledger.energy)},
             {"largest_content", json_or_null(a.memory.content)},
             {"largest_surplus", json_or_null(a.memory.surplus)}}},
@@ -85,11 +91,8 @@ json audit(run::World const& world) {
           {"guard_mass", json_or_null(a.guard_mass)},
           {"guard_energy", json_or_null(a.guard_energy)},
           {"afterburn_energy", json_or_null(a.afterburn_energy)},
-          {"panels",
-           {{"mass", {json_or_null(a.panel_mass[0]), json_or_null(a.panel_mass[1])}},
-            {"energy", json_or_null(a.panel_energy)}}},
-          {"relative_error",
-           {{"mass", {json_or_null(error[0]), json_or_null(error[1])}}, {"energy", json_or_null(error[2])}}}};
+          {"panels", {{"mass", masses(a.panels.mass)}, {"energy", json_or_null(a.panels.energy)}}},
+          {"relative_error", {{"mass", masses(error.mass)}, {"energy", json_or_null(error.energy)}}}};
 }
 
 json charges(run::World const& world) {
@@ -135,12 +138,6 @@ json domain_of(grid::Domain const& d) {
   return {{"geometry", word_of(d.geometry)}, {"lower", d.lower}, {"upper", {d.upper(0), d.upper(1), d.upper(2)}},
           {"cell_size", d.smallest_cell()},  {"cells", d.cells}, {"cell_count", d.cell_count()},
           {"boundary", std::move(boundary)}};
-}
-
-json sums(detonation::BurstSums const& s) {
-  return {{"mass", {json_or_null(s.mass[0]), json_or_null(s.mass[1])}},
-          {"energy", json_or_null(s.energy)},
-          {"momentum", {json_or_null(s.momentum[0]), json_or_null(s.momentum[1]), json_or_null(s.momentum[2])}}};
 }
 
 /// The largest drift so far, of the energy at work.
@@ -224,7 +221,7 @@ json points(run::World const& world, double wall_seconds) {
              {{"initial", json_or_null(a.initial.mass[0])},
               {"current", json_or_null(a.current.mass[0])},
               {"lost", json_or_null(a.outflow.mass[0])},
-              {"relative_error", json_or_null(a.relative_error()[0])}}},
+              {"relative_error", json_or_null(a.relative_error().mass[0])}}},
             {"momentum",
              {{"initial", a.initial.momentum},
               {"current", a.current.momentum},
@@ -232,12 +229,6 @@ json points(run::World const& world, double wall_seconds) {
               {"constraint_impulse", impulse}}},
             {"energy", energy_of_points(world, "lost")},
             {"lost_points", p.losses().points}}}};
-}
-
-json ledger(bridge::Account const& l) {
-  return {{"mass", {json_or_null(l.mass[0]), json_or_null(l.mass[1])}},
-          {"momentum", {json_or_null(l.momentum[0]), json_or_null(l.momentum[1]), json_or_null(l.momentum[2])}},
-          {"energy", json_or_null(l.energy)}};
 }
 
 /// What a run of gas and points together has beside both.
@@ -264,7 +255,7 @@ json mpm_region(run::World const& world, double wall_seconds) {
           {"point_steps", world.clock.point_steps},
           {"points_born", bridge.traffic().born},
           {"points_left", bridge.traffic().left},
-          {"ledger", ledger(bridge.ledger())},
+          {"ledger", amounts(bridge.ledger())},
           {"bridge_seconds", seconds},
           {"bridge_share", wall_seconds > 0.0 ? seconds / wall_seconds : 0.0},
           {"energy", energy_of_points(world, "outflow")}};
@@ -291,8 +282,8 @@ json starts(run::World const& world) {
                    {"radius", json_or_null(r.radius)},
                    {"cells_per_radius", json_or_null(r.cells_per_radius)},
                    {"share", json_or_null(r.share)},
-                   {"before", sums(r.before)},
-                   {"after", sums(r.after)},
+                   {"before", amounts(r.before)},
+                   {"after", amounts(r.after)},
                    {"radial_momentum", json_or_null(r.radial_momentum)},
                    {"relative_error", json_or_null(r.error())},
                    {"quadrature_error", json_or_null(r.quadrature_error)},

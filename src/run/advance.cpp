@@ -29,16 +29,16 @@ double stable_gas_step(World const& w) {
   double const opening =
       w.panels == nullptr || w.panels->last_opening() == 0 ? 1.0 : ramp_since(w, w.panels->last_opening());
   double courant = std::min(ramp(w), opening) * w.setup.numerics.courant;
-  if (gas.bursting()) {
+  if (gas.burn.bursting()) {
     // Gentle enough at the start too; and whatever Courant number is asked for, the burst has the same steps.
     courant = std::min(opening * w.setup.numerics.courant, bursting_courant);
     // A charge that burns releases its pressure within a step, and the products that break out of it run ahead of the
     // detonation at up to 1.3 D with the sound on top: twice D bounds both.
-    if (gas.burning()) signal = std::max(signal, 2.0 * w.setup.charges.front().explosive.detonation_speed);
+    if (gas.burn.burning()) signal = std::max(signal, 2.0 * gas.burn.fastest());
   }
   double const step = courant * w.grid.smallest_cell() / signal;
   // No step leads from quiet air into the burst of a charge with a delay.
-  return std::min(step, gas.next_burst() - gas.time());
+  return std::min(step, gas.burn.next_burst() - gas.time());
 }
 
 /// A shock that is about to enter the region bounds the step of the points as those do that are in it.
@@ -103,7 +103,7 @@ void advance_coupled(World& w, double dt) {
         int const interval = w.setup.mpm_region->population_interval;
         if (interval > 0 && w.clock.point_steps % interval == 0) w.points->control_population(bridge.gas_body());
       });
-  w.gas->clear_watched();
+  w.gas->coupling.clear_watched();
   PhaseTimer const timer(w.timings["bridge"]);
   bridge.read_cells();  // with what the ledger gave back
   // Only now: in the midst of a step the mass is not balanced.

@@ -52,8 +52,10 @@ double rest_energy(Case const& setup, Body const& body) {
 
 /// Energy of the charges, of cells and of bodies, as far as they lie in the domain [J].
 double charge_energy(World const& w) {
-  double sum =
-      w.setup.charges.empty() ? 0.0 : w.audit.initial.mass[1] * w.setup.charges.front().explosive.specific_energy();
+  double sum = 0.0;
+  for (int k = 1; k < material::most_fluids; ++k) {
+    if (auto const* explosive = w.setup.explosive_of(k)) sum += w.audit.initial.mass[k] * explosive->specific_energy();
+  }
   for (std::size_t b = 0; b < w.setup.points.bodies.size(); ++b) {
     Body const& body = w.setup.points.bodies[b];
     if (burns(body)) sum += w.bodies[b].mass * body.specific_energy.value_or(body.solid.specific_energy);
@@ -81,14 +83,19 @@ double larger_size(double a, double b) { return std::abs(b) > std::abs(a) ? b : 
 
 }  // namespace
 
-std::array<double, 3> Audit::relative_error() const {
+Audit::Error Audit::relative_error() const {
   auto const error = [](double before, double out, double added, double now) {
     double const scale = std::max({std::abs(before), std::abs(out), std::abs(now), 1e-300});
     return std::abs(before - out + added - now) / scale;
   };
-  return {error(initial.mass[0], outflow.mass[0], guard_mass + panel_mass[0], current.mass[0]),
-          error(initial.mass[1], outflow.mass[1], panel_mass[1], current.mass[1]),
-          error(initial.energy, outflow.energy, guard_energy + afterburn_energy + panel_energy, current.energy)};
+  Error relative;
+  for (int k = 0; k < material::most_fluids; ++k) {
+    double const lifted = k == 0 ? guard_mass : 0.0;  // the guards add ambient fluid
+    relative.mass[k] = error(initial.mass[k], outflow.mass[k], lifted + panels.mass[k], current.mass[k]);
+  }
+  relative.energy =
+      error(initial.energy, outflow.energy, guard_energy + afterburn_energy + panels.energy, current.energy);
+  return relative;
 }
 
 double AuditFinding::share() const {
@@ -104,7 +111,7 @@ bool AuditFinding::stops() const {
   return fail > 0.0 && !(std::abs(amount) <= std::max(fail * scale + fresh, smallest));
 }
 
-/// Without gas the mass is that of all bodies, with gas that of the two fluids in the gas points.
+/// Without gas the mass is that of all bodies, with gas that of the fluids in the gas points.
 Totals World::point_totals() const {
   Totals total;
   int const gas_body = this->gas_body();
@@ -115,11 +122,10 @@ Totals World::point_totals() const {
     total.kinetic_energy += sums.kinetic_energy;
     if (body != gas_body) total.rest_energy += sums.mass * rest_energy(setup, setup.points.bodies[body]);
     if (gas_body >= 0 && body != gas_body) {
-      // Its products will be the second fluid of the gas.
-      if (becomes_gas(setup, setup.points.bodies[body])) total.mass[1] += sums.mass;
+      if (int const fluid = products_of(setup, setup.points.bodies[body])) total.mass[fluid] += sums.mass;
       continue;
     }
-    for (int f = 0; f < 2; ++f) total.mass[f] += sums.fluid_mass[f];
+    for (int k = 0; k < material::most_fluids; ++k) total.mass[k] += sums.fluid_mass[k];
   }
   return total;
 }
@@ -137,32 +143,29 @@ Totals World::totals() const {
 
 Totals World::ledger_totals() const {
   if (bridge == nullptr) return {};
-  bridge::Account const ledger = bridge->ledger();
-  return {ledger.mass, ledger.momentum, ledger.energy};
+  return {bridge->ledger()};
 }
 
 Totals World::gas_totals() const {
   // One sum per block, then over blocks in order: the same bits for any number of threads.
   std::vector<Totals> parts(static_cast<std::size_t>(grid.block_count()));
-  bool const two = gas->fluids().two;
+  int const fluids = gas->fluids().count;
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
     grid::add_cells(block, parts[b], [&](grid::Cell const& cell, Totals& row) {
-      if (!gas->is_own(cell)) return;
+      if (!gas->coupling.is_own(cell)) return;
       int const at = cell.offset;
       double const volume = block.volume(cell);
-      double const density = gas->fields().at(b, gas::density)[at];
-      double const second = two ? gas->fields().at(b, gas::second_density)[at] : 0.0;
+      auto const component = [&](int c) { return gas->fields().at(b, c)[at]; };
       double square = 0.0;
       for (int d = 0; d < 3; ++d) {
-        double const momentum = gas->fields().at(b, gas::momentum_x + d)[at];
+        double const momentum = component(gas::momentum_x + d);
         row.momentum[d] += volume * momentum;
         square += momentum * momentum;
       }
-      row.mass[0] += volume * density;
-      row.mass[1] += volume * second;
-      row.energy += volume * gas->fields().at(b, gas::energy)[at];
-      row.kinetic_energy += 0.5 * volume * square / (density + second);
+      for (int k = 0; k < fluids; ++k) row.mass[k] += volume * component(gas::partial_density(k));
+      row.energy += volume * component(gas::energy);
+      row.kinetic_energy += 0.5 * volume * square / gas::mixture_density(fluids, component);
     });
   });
   Totals total;
@@ -175,15 +178,16 @@ double World::gas_rest_energy() const {
   double volume = 0.0;
   for (grid::Block const& block : grid.blocks()) {
     for_each_cell(block, [&](grid::Cell const& cell) {
-      if (gas->is_own(cell)) volume += block.volume(cell);
+      if (gas->coupling.is_own(cell)) volume += block.volume(cell);
     });
   }
   for (int b = 0; bridge != nullptr && b < points->grid().block_count(); ++b) {
     mpm::PointSet const& set = points->points(b, gas_body());
     for (int q = 0; q < set.size(); ++q) volume += set.field(mpm::Field::mass)[q] / set.field(mpm::Field::density)[q];
   }
-  FluidState const& ambient = setup.ambient.state;
-  return volume * ambient.density * material::internal_energy(gas->fluids().ambient, ambient.density, ambient.pressure);
+  Primitive const& ambient = setup.ambient.state;
+  return volume * ambient.density *
+         material::internal_energy(gas->fluids().ambient(), ambient.density, ambient.pressure);
 }
 
 void World::start_audit() {
@@ -205,21 +209,16 @@ void World::take_account() {
   }
   if (gas == nullptr) return;
   if (bridge != nullptr) {
-    bridge::Account const& out = bridge->traffic().outflow;
-    audit.outflow += {out.mass, out.momentum, out.energy};
+    audit.outflow += {bridge->traffic().outflow};
   }
   gas::Account const account = gas->account();
-  Vec3 momentum{0.0, 0.0, 0.0};
-  for (int d = 0; d < 3; ++d) momentum[d] = account.outflow[gas::momentum_x + d];
-  audit.outflow +=
-      {{account.outflow[gas::density], account.outflow[gas::second_density]}, momentum, account.outflow[gas::energy]};
+  audit.outflow += {gas::amounts_of(account.outflow)};
   audit.guarded_cells = account.guarded_cells;
   audit.fallback_faces = account.fallback_faces;
   audit.guard_mass = account.guard_mass;
   audit.guard_energy = account.guard_energy;
   audit.afterburn_energy = account.afterburn_energy;
-  audit.panel_mass = {account.opened[gas::density], account.opened[gas::second_density]};
-  audit.panel_energy = account.opened[gas::energy];
+  audit.panels = gas::amounts_of(account.opened);
 }
 
 void World::update_audit() {
@@ -232,7 +231,7 @@ void World::update_audit() {
 double World::energy_at_work() const {
   if (points != nullptr) return energy_above(audit.current) + std::abs(points->outer_work());
   return std::abs(audit.initial.energy - audit.initial.rest_energy - audit.outflow.energy + audit.afterburn_energy +
-                  audit.panel_energy);
+                  audit.panels.energy);
 }
 
 EnergyBalance World::energy_balance() const {
@@ -241,7 +240,7 @@ EnergyBalance World::energy_balance() const {
   balance.current = audit.current.energy;
   balance.lost = audit.outflow.energy;
   balance.released = audit.afterburn_energy;
-  balance.opened = audit.panel_energy;
+  balance.opened = audit.panels.energy;
   if (points != nullptr) {
     balance.work = points->outer_work();
     balance.dissipated = points->dissipation();
@@ -260,8 +259,8 @@ bool World::audit_is_due() const {
 void World::follow_audit() {
   AuditMemory& memory = audit.memory;
   bool const due = points != nullptr && audit_is_due();
-  if (gas != nullptr && !setup.charges.empty() && gas->burning() && audit_is_due()) {
-    memory.unlit = std::max(memory.unlit, gas->unlit_compression(setup.charges.front().explosive.density()));
+  if (gas != nullptr && gas->burn.burning() && audit_is_due()) {
+    memory.unlit = std::max(memory.unlit, gas::unlit_compression(*gas));
   }
   if (due) {
     PhaseTimer const timer(timings["audit"]);
@@ -301,19 +300,21 @@ std::vector<AuditFinding> World::audit_findings() const {
   EnergyBalance const energy = energy_balance();
   std::vector<AuditFinding> found;
   auto const relative = audit.relative_error();
-  bool const two = gas != nullptr && gas->fluids().two;
-  found.push_back({Kind::first_mass, relative[0], 1.0, round_off});
-  if (two) found.push_back({Kind::second_mass, relative[1], 1.0, round_off});
-  if (points == nullptr) found.push_back({Kind::gas_energy, relative[2], 1.0, round_off});
+  int const fluids = gas == nullptr ? 1 : gas->fluids().count;
+  for (int k = 0; k < fluids; ++k) {
+    found.push_back({Kind::mass, relative.mass[k], 1.0, round_off});
+    found.back().fluid = k;
+  }
+  if (points == nullptr) found.push_back({Kind::gas_energy, relative.energy, 1.0, round_off});
   if (gas != nullptr) {
     double const of_charges = charge_energy(*this);
     double const fail = limits.fail > 0.0 ? guards_fail : 0.0;
     double const added = audit.guard_energy + (points == nullptr ? 0.0 : points->floored().energy);
     found.push_back({Kind::guard_energy, added, of_charges > 0.0 ? of_charges : energy.scale, guards_warn, fail,
                      of_charges > 0.0 ? 0.0 : drift_round_off * energy.all});
-    double const mass = two && !setup.charges.empty() ? audit.initial.mass[1] : audit.initial.mass[0];
+    double const mass = setup.charges.empty() ? audit.initial.mass[0] : audit.initial.mass[gas::products_fluid];
     found.push_back({Kind::guard_mass, audit.guard_mass, mass, guards_warn, fail});
-    if (two && !setup.charges.empty()) found.push_back({Kind::unlit, audit.memory.unlit, 1.0, unlit_warn});
+    if (!setup.charges.empty()) found.push_back({Kind::unlit, audit.memory.unlit, 1.0, unlit_warn});
   }
   if (points == nullptr) return found;
   if (gas == nullptr) {
@@ -338,17 +339,16 @@ std::vector<AuditFinding> World::audit_findings() const {
 std::string World::in_words(AuditFinding const& f) const {
   double const percent = 100.0 * f.share();
   switch (f.kind) {
-    case Kind::first_mass:
+    case Kind::mass:
       return fmt::format("the mass of {} is wrong by {:.2g} of itself",
-                         gas == nullptr ? "the points" : setup.ambient.fluid.name, f.amount);
-    case Kind::second_mass: return fmt::format("the mass of the second fluid is wrong by {:.2g} of itself", f.amount);
+                         gas == nullptr ? "the points" : fluid_in_words(setup, f.fluid), f.amount);
     case Kind::gas_energy: return fmt::format("the energy is wrong by {:.2g} of itself", f.amount);
     case Kind::guard_energy:
       return fmt::format("guards added {:.3g} J, {:.3g} % of {}", f.amount, percent,
                          charge_energy(*this) > 0.0 ? "the charges' energy" : "the energy at work");
     case Kind::guard_mass:
       return fmt::format("guards added {:.3g} kg, {:.3g} % of {}", f.amount, percent,
-                         gas->fluids().two && !setup.charges.empty() ? "the charges' mass" : "the gas");
+                         !setup.charges.empty() ? "the charges' mass" : "the gas");
     case Kind::drift:
       return fmt::format("the energy has drifted by {:+.3g} J, {:+.3g} % of the energy at work", f.amount, percent);
     case Kind::ledger:

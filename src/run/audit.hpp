@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/vec.hpp"
+#include "material/amounts.hpp"
 #include "mpm/mpm.hpp"
 
 namespace brisance {
@@ -15,17 +16,15 @@ class Archive;
 
 namespace brisance::run {
 
-/// Sums over the domain. Planar geometries count per metre of each unresolved direction.
-struct Totals {
-  std::array<double, 2> mass{0.0, 0.0};  ///< ambient fluid, second fluid [kg]
-  Vec3 momentum{0.0, 0.0, 0.0};          ///< [kg m/s]
-  double energy = 0.0;                   ///< internal + kinetic, chemical energy of unburnt explosive included [J]
-  double kinetic_energy = 0.0;           ///< of it [J]
+/// Sums over the domain, without their volume. The energy is internal + kinetic, chemical energy of unburnt explosive
+/// included. Planar geometries count per metre of each unresolved direction.
+struct Totals : material::Amounts {
+  double kinetic_energy = 0.0;  ///< of the energy [J]
   /// Energy that all of this would have in the start's ambient state and at rest [J].
   double rest_energy = 0.0;
 
   Totals& operator+=(Totals const& other) {
-    for (int fluid = 0; fluid < 2; ++fluid) mass[fluid] += other.mass[fluid];
+    for (int k = 0; k < material::most_fluids; ++k) mass[k] += other.mass[k];
     momentum = momentum + other.momentum;
     energy += other.energy;
     kinetic_energy += other.kinetic_energy;
@@ -61,13 +60,15 @@ struct Audit {
   double guard_energy = 0.0;      ///< energy that the guards added [J]
   double afterburn_energy = 0.0;  ///< energy that the products released after the detonation [J]
   /// What the cells of panels hold more since they opened: ambient gas was counted there before [kg, J].
-  std::array<double, 2> panel_mass{0.0, 0.0};
-  double panel_energy = 0.0;
+  material::Amounts panels;
   AuditMemory memory;
 
-  /// |initial - outflow + guards + afterburn + panels - current| relative to the largest of the terms; index 0, 1:
-  /// fluids, 2: energy.
-  [[nodiscard]] std::array<double, 3> relative_error() const;
+  /// |initial - outflow + guards + afterburn + panels - current| relative to the largest of the terms.
+  struct Error {
+    material::PerFluid mass{};
+    double energy = 0.0;
+  };
+  [[nodiscard]] Error relative_error() const;
 };
 
 /// Where the energy stands that is not conserved by construction: of material points, alone or together with gas.
@@ -94,8 +95,7 @@ struct EnergyBalance {
 /// Something that the audit has looked at.
 struct AuditFinding {
   enum class Kind {
-    first_mass,
-    second_mass,
+    mass,          ///< of a fluid, or of the points
     gas_energy,    ///< of gas alone
     guard_energy,  ///< that the guards added
     guard_mass,
@@ -110,6 +110,7 @@ struct AuditFinding {
   double fail = 0.0;      ///< from which on it stops; 0: never
   double smallest = 0.0;  ///< amounts up to this are none [J or kg]
   double fresh = 0.0;     ///< what the limits leave on top, see `World::audit_findings` [J]
+  int fluid = 0;          ///< of a mass
 
   [[nodiscard]] double share() const;  ///< of the scale; infinite where that is none
   [[nodiscard]] bool tells() const;

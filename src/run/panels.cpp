@@ -25,7 +25,7 @@ double difference_of(gas::Gas const& gas, PanelReport const& panel) {
     if (c.ring < panel.open_rings) continue;
     for (int side = 0; side < 2; ++side) {
       Index3 const cell = side == 0 ? below(c, direction) : above(c, direction);
-      if (gas.is_obstacle(cell)) continue;  // another panel
+      if (gas.obstacles.contain(cell)) continue;  // another panel
       double const part = area_of(domain, c, direction, side == 1);
       force[side] += part * pressure_of(gas, cell);
       area[side] += part;
@@ -50,15 +50,15 @@ void open_up_to(gas::Gas& gas, PanelReport& panel, int ring) {
     if (c.ring < panel.open_rings || c.ring >= ring) continue;
     Index3 const low = below(c, direction);
     Index3 const high = above(c, direction);
-    bool const gas_below = !gas.is_obstacle(low);
-    bool const gas_above = !gas.is_obstacle(high);
+    bool const gas_below = !gas.obstacles.contain(low);
+    bool const gas_above = !gas.obstacles.contain(high);
     if (!gas_below && !gas_above) continue;
     bool const from_below = gas_below && (!gas_above || pressure_of(gas, low) <= pressure_of(gas, high));
     for (int n = 0; n < c.count; ++n) gas.fill_opened(moved(c.first, direction, n), from_below ? low : high);
   }
   std::vector<Index3> cells;
   collect(panel, panel.open_rings, ring, cells);
-  gas.open_obstacles(cells);
+  for (int const block : gas.obstacles.open(cells)) gas.wake(block);
   panel.open_rings = ring;
 }
 
@@ -134,7 +134,7 @@ void Panels::archive(Archive& a, gas::Gas& gas) {
     panel.opened = opened ? std::optional<double>(when_opened) : std::nullopt;
     std::vector<Index3> cells;
     collect(panel, 0, rings, cells);
-    gas.open_obstacles(cells);
+    for (int const block : gas.obstacles.open(cells)) gas.wake(block);
     panel.open_rings = rings;
   }
 }

@@ -1,16 +1,30 @@
 #include "run/products.hpp"
 
+#include <fmt/format.h>
+
+#include <array>
+
 namespace brisance::run {
 
-bool becomes_gas(Case const& c, Body const& body) {
-  if (!c.mpm_region || !body.solid.burns()) return false;
-  if (!c.charges.empty()) return c.charges.front().explosive.name == body.solid.name;
-  return c.second_fluid && c.second_fluid->name == body.solid.name;
+int products_of(Case const& c, Body const& body) {
+  if (!c.mpm_region || !body.solid.burns()) return 0;
+  for (int k = 1; k < material::most_fluids; ++k) {
+    material::Explosive const* explosive = c.explosive_of(k);
+    material::Fluid const* fluid = c.other_fluid(k);
+    if (explosive != nullptr ? explosive->name == body.solid.name : fluid != nullptr && fluid->name == body.solid.name)
+      return k;
+  }
+  return 0;
+}
+
+std::string fluid_in_words(Case const& c, int fluid) {
+  constexpr std::array<char const*, 3> numbers{"first", "second", "third"};
+  return fluid == 0 ? c.ambient.fluid.name : fmt::format("the {} fluid", numbers.at(fluid));
 }
 
 void hand_over_products(Case const& setup, mpm::Mpm& points, int gas_body) {
   for (std::size_t n = 0; n < setup.points.bodies.size(); ++n) {
-    if (becomes_gas(setup, setup.points.bodies[n])) points.hand_over_burnt(static_cast<int>(n), gas_body);
+    if (products_of(setup, setup.points.bodies[n]) > 0) points.hand_over_burnt(static_cast<int>(n), gas_body);
   }
 }
 

@@ -1,12 +1,17 @@
 /// Explosives of bodies whose products are gas of the MPM region.
 #pragma once
 
+#include <string>
+
 #include "case/case.hpp"
 
 namespace brisance::run {
 
-/// Do the products of a body become gas as it burns? Those of an explosive in an MPM region whose gas knows them.
-[[nodiscard]] bool becomes_gas(Case const& setup, Body const& body);
+/// Number of the fluid that the products of a body become as it burns: an explosive in an MPM region whose gas knows
+/// them. 0: they become none.
+[[nodiscard]] int products_of(Case const& setup, Body const& body);
+/// A fluid of the gas in messages.
+[[nodiscard]] std::string fluid_in_words(Case const& setup, int fluid);
 /// What has burnt of the explosives in the MPM region becomes gas.
 void hand_over_products(Case const& setup, mpm::Mpm& points, int gas_body);
 

@@ -35,7 +35,7 @@ bool is_past_positive_phase(observe::GaugeSummary const& gauge, double ambient_p
 
 /// Has everything been lit that will burn?
 bool has_been_lit(run::World const& world) {
-  if (world.gas != nullptr && world.gas->burning()) return false;
+  if (world.gas != nullptr && world.gas->burn.burning()) return false;
   for (auto const& body : world.setup.points.bodies) {
     for (auto const& point : body.initiation)
       if (world.clock.time <= point.delay) return false;

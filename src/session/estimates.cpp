@@ -8,9 +8,10 @@
 #include <fstream>
 
 #include "core/parallel.hpp"
-#include "gas/components.hpp"
+#include "gas/layout.hpp"
 #include "grid/partition.hpp"
 #include "observe/gauges.hpp"
+#include "setup/fluids.hpp"
 
 namespace brisance::session {
 
@@ -22,7 +23,7 @@ constexpr double bytes_per_node = 160.0;        // mass, momentum, force and vel
 
 // Rates of docs/benchmarks.md: cells of a 3D step, or points, per second on one thread.
 constexpr double one_fluid_rate = 14e6;
-constexpr double two_fluid_rate = 12e6;    // products in a part of the domain
+constexpr double mixed_rate = 12e6;        // products in a part of the domain
 constexpr double afterburn_share = 0.84;   // of the rate, where the afterburn's progress is carried
 constexpr double linear_point_rate = 8e6;  // of linear shape functions
 constexpr double point_rate = 5e6;
@@ -55,7 +56,7 @@ double ghost_cells(grid::Domain const& domain, Index3 const& parts) {
   return sum;
 }
 
-double signal(material::Eos const& eos, run::FluidState const& state) {
+double signal(material::Eos const& eos, material::Primitive const& state) {
   double speed = 0.0;
   for (double const u : state.velocity) speed = std::max(speed, std::abs(u));
   return speed + material::sound_speed(eos, state.density, state.pressure);
@@ -82,11 +83,12 @@ double machine_memory() {
   return memory;
 }
 
-bool two_fluids(run::Case const& setup) { return !setup.charges.empty() || setup.second_fluid.has_value(); }
+int gas_fluids(run::Case const& setup) { return setup::fluids_of(setup).count; }
 
 int gas_components(run::Case const& setup) {
-  if (!two_fluids(setup)) return gas::single_fluid_components;
-  return setup.afterburn && setup.afterburn->carried() ? gas::afterburn_components : gas::two_fluid_components;
+  int const fluids = gas_fluids(setup);
+  bool const carried = fluids > 1 && setup.afterburn && setup.afterburn->carried();
+  return carried ? gas::most_components : gas::components_of(fluids);
 }
 
 void add_gas_memory(run::Case const& setup, Index3 const& parts, Plan& p) {
@@ -114,8 +116,8 @@ void sum_memory(Plan& p) {
 double estimated_steps(run::Case const& setup) {
   double quiet = signal(setup.ambient.fluid.eos, setup.ambient.state);
   for (run::Region const& region : setup.regions) {
-    bool const second = region.second_fluid && setup.second_fluid;
-    quiet = std::max(quiet, signal(second ? setup.second_fluid->eos : setup.ambient.fluid.eos, region.state));
+    material::Fluid const* other = region.fluid > 0 ? setup.other_fluid(region.fluid) : nullptr;
+    quiet = std::max(quiet, signal(other != nullptr ? other->eos : setup.ambient.fluid.eos, region.state));
   }
   for (int face = 0; face < 6; ++face) {
     if (setup.domain.boundary[face] == grid::Boundary::inflow)
@@ -172,8 +174,8 @@ double estimated_seconds(run::Case const& setup, Plan const& p) {
   bool const gas = !setup.points.any() || setup.mpm_region;
   double seconds = 0.0;
   if (gas) {
-    double per_second = two_fluids(setup) ? two_fluid_rate : one_fluid_rate;
-    if (gas_components(setup) == gas::afterburn_components) per_second *= afterburn_share;
+    double per_second = gas_fluids(setup) > 1 ? mixed_rate : one_fluid_rate;
+    if (gas_components(setup) == gas::most_components) per_second *= afterburn_share;
     // A step has one sweep per direction, and the rates are those of three.
     double const sweeps = setup.domain.dimensions() / 3.0;
     seconds += p.cells * (p.region ? p.region->gas_steps : p.steps) * sweeps / per_second;

@@ -13,7 +13,7 @@ inline constexpr double bytes_per_point_record = 200.0;
 
 /// What this machine has, or the limit set on this process [byte].
 [[nodiscard]] double machine_memory();
-[[nodiscard]] bool two_fluids(run::Case const& setup);
+[[nodiscard]] int gas_fluids(run::Case const& setup);
 /// Values per cell.
 [[nodiscard]] int gas_components(run::Case const& setup);
 

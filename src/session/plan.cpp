@@ -8,7 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/text.hpp"
-#include "gas/components.hpp"
+#include "gas/layout.hpp"
 #include "grid/partition.hpp"
 #include "observe/point_fields.hpp"
 #include "output/writer.hpp"
@@ -86,7 +86,7 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
   if (number < setup.start.profiles.size()) {
     detonation::Profile const& profile = *setup.start.profiles[number];
     bool const half = profile.mirrored && std::abs(profile.domain.lower[1]) < 1e-6 * profile.domain.h;
-    realised = share * (half ? 2.0 : 1.0) * profile.sum(gas::second_density);
+    realised = share * (half ? 2.0 : 1.0) * profile.sum(gas::partial_density(charge.fluid));
     report.cells_per_radius = profile.charge.radius / profile.domain.h;
     reach = profile.reach();
     p.starts.push_back(fmt::format("profile \"{}\" of {}, time {}, the burst has a radius of {}, {:.3g} cells",

@@ -8,7 +8,5 @@ namespace brisance::setup {
 
 /// The fluids of the gas of a case.
 [[nodiscard]] gas::Fluids fluids_of(Case const& setup);
-/// The ambient fluid in a state.
-[[nodiscard]] gas::MixtureState ambient_mixture(FluidState const& state);
 
 }  // namespace brisance::setup

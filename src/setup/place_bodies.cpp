@@ -34,7 +34,7 @@ void place_bodies(run::World& w, grid::Domain const& domain, std::vector<mpm::Bo
     if (b.rigid) body.rigid_velocity = b.velocity;
     body.slips = w.setup.mpm_region && w.setup.mpm_region->slip && !b.rigid && !b.solid.has_deviator();
     body.books_work = w.setup.mpm_region || !p.contacts.empty() || p.options.transfer == mpm::Transfer::apic;
-    if (run::becomes_gas(w.setup, b)) calculate_as_gas(*w.setup.mpm_region, body);
+    if (run::products_of(w.setup, b) > 0) calculate_as_gas(*w.setup.mpm_region, body);
     bodies.push_back(std::move(body));
   }
   bodies.insert(bodies.end(), others.begin(), others.end());

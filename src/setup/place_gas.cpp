@@ -18,22 +18,8 @@ namespace brisance::setup {
 
 namespace {
 
-gas::Options options_of(Case const& c) {
-  gas::Options o;
-  o.scheme = c.numerics.scheme;
-  o.beta = c.numerics.limiter_beta;
-  o.carbuncle_cure = c.numerics.carbuncle_cure;
-  o.density_floor = c.numerics.density_floor;
-  o.pressure_floor = c.numerics.pressure_floor;
-  o.viscosity = c.numerics.viscosity;
-  o.sleep = c.numerics.sleep;
-  o.peak_fields = c.output.peak_fields;
-  o.afterburn = c.afterburn;
-  return o;
-}
-
 void place_obstacles(Case const& c, std::vector<std::uint8_t> const& flags, grid::Grid const& grid, gas::Gas& gas,
-                     gas::MixtureState const& ambient) {
+                     gas::Primitive const& ambient) {
   grid::Domain const& domain = grid.domain();
   grid::CellRange const all = domain.all_cells();
   if (c.obstacles.empty()) return;
@@ -47,7 +33,7 @@ void place_obstacles(Case const& c, std::vector<std::uint8_t> const& flags, grid
       any = true;
       if (block.interior().contains(within)) gas.set(block.cell(within), ambient);
     });
-    if (any) gas.set_obstacles(block.number, std::move(solid));
+    if (any) gas.obstacles.set(block.number, std::move(solid));
   }
 }
 
@@ -87,6 +73,21 @@ std::vector<gas::WaveSource> wave_sources(Case const& c) {
   return sources;
 }
 
+gas::Options options_of(Case const& c) {
+  gas::Options o;
+  o.scheme = c.numerics.scheme;
+  o.beta = c.numerics.limiter_beta;
+  o.carbuncle_cure = c.numerics.carbuncle_cure;
+  o.density_floor = c.numerics.density_floor;
+  o.pressure_floor = c.numerics.pressure_floor;
+  o.viscosity = c.numerics.viscosity;
+  o.sleep = c.numerics.sleep;
+  o.peak_fields = c.output.peak_fields;
+  o.afterburn = c.afterburn;
+  o.wave_sources = wave_sources(c);
+  return o;
+}
+
 detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
   Case const& setup = w.setup;
   gas::Gas& gas = *w.gas;
@@ -107,14 +108,15 @@ detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
       double mass = 0.0;
       for (Index3 const& index : filled.cells) {
         grid::Cell const cell = grid.locate(index);
-        mass += gas.fields().at(cell.block, gas::second_density)[cell.offset] * grid.block(cell).volume(cell);
+        mass += gas.fields().at(cell.block, gas::partial_density(charge.fluid))[cell.offset] *
+                grid.block(cell).volume(cell);
       }
       return mass;
     };
     double const before = products();
     detonation::place_charge(gas, filled, charge.explosive, taken);
     if (charge.detonation == Detonation::programmed) {
-      burning.push_back({charge.shape, charge.initiation});
+      burning.push_back({charge.shape, charge.initiation, charge.explosive});
     } else {
       detonation::expect_instantaneous_burst(gas, charge.shape, charge.explosive.detonation_speed);
     }
@@ -128,7 +130,7 @@ detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
         shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / grid.smallest_cell();
     w.charges.push_back(report);
   }
-  if (!burning.empty()) detonation::set_programmed_burn(gas, burning, setup.charges.front().explosive);
+  if (!burning.empty()) detonation::set_programmed_burn(gas, burning);
   return taken;
 }
 
@@ -136,14 +138,10 @@ detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
 
 void place_gas(run::World& w) {
   Case const& setup = w.setup;
-  std::array<gas::MixtureState, 6> inflow;
-  for (int face = 0; face < 6; ++face) inflow[face] = ambient_mixture(setup.inflow[face]);
-  w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), ambient_mixture(setup.ambient.state),
-                                     inflow);
+  w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), setup.ambient.state, setup.inflow);
   gas::Gas& gas = *w.gas;
-  gas.set_wave_sources(wave_sources(setup));
   grid::Grid const& grid = w.grid;
-  gas::MixtureState const ambient = ambient_mixture(setup.ambient.state);
+  gas::Primitive const& ambient = setup.ambient.state;
   RegionPlacing regions(setup);
   regions.fill(gas);
   SolidCells const solid(setup.domain, setup.obstacles);

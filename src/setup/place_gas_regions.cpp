@@ -18,18 +18,9 @@ namespace {
 using shape::CellRange;
 using shape::Share;
 
-gas::MixtureState state_of(Case const& setup, Region const& region) {
-  gas::MixtureState state = ambient_mixture(region.state);
-  if (region.second_fluid) {
-    state.volume_fraction = 1.0;
-    state.second_density = region.state.density;
-    state.ambient_density = setup.ambient.state.density;
-  }
-  return state;
-}
-
 material::Fluid const& fluid_of(Case const& setup, Region const& region) {
-  return region.second_fluid && setup.second_fluid ? *setup.second_fluid : setup.ambient.fluid;
+  material::Fluid const* other = region.fluid > 0 ? setup.other_fluid(region.fluid) : nullptr;
+  return other != nullptr ? *other : setup.ambient.fluid;
 }
 
 }  // namespace
@@ -99,7 +90,8 @@ void RegionPlacing::fill(gas::Gas& gas) {
   if (regions_.empty()) return;
   measure(std::numeric_limits<long>::max());
   std::vector<gas::Components> states;
-  for (Region const& region : setup_->regions) states.push_back(gas.conserved(state_of(*setup_, region)));
+  for (Region const& region : setup_->regions)
+    states.push_back(gas::conserved_of(gas.fluids(), material::only(region.fluid, region.state)));
   grid::Grid const& grid = gas.grid();
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
@@ -108,7 +100,7 @@ void RegionPlacing::fill(gas::Gas& gas) {
       for (Share const& s : shares) rest -= s.part;
       grid::for_each_cell(r, [&](Index3 const& index) {
         grid::Cell const cell = grid.locate(index);
-        for (int c = 0; c < gas.components(); ++c) {
+        for (int c = 0; c < gas.fields().components(); ++c) {
           double& u = gas.fields().at(b, c)[cell.offset];
           if (shares.size() == 1 && shares.front().part >= 1.0) {
             u = states[static_cast<std::size_t>(shares.front().shape)][c];
@@ -145,7 +137,7 @@ std::vector<run::RegionReport> RegionPlacing::reports() const {
   std::vector<run::RegionReport> all;
   for (std::size_t n = 0; n < regions_.size(); ++n) {
     Region const& region = setup_->regions[n];
-    FluidState const& s = region.state;
+    Primitive const& s = region.state;
     material::Fluid const& fluid = fluid_of(*setup_, region);
     double const energy =
         s.density * (material::internal_energy(fluid.eos, s.density, s.pressure) + 0.5 * dot(s.velocity, s.velocity));

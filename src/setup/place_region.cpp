@@ -133,7 +133,6 @@ void fill_gas(run::World& w, int body, std::vector<bridge::CellBox> const& boxes
     Vec3 const& x = placement.positions[n];
     grid::Cell const cell = w.grid.locate(x);
     gas::Primitive const s = w.gas->primitive(cell);
-    double const total = w.gas->fields().at(cell.block, gas::energy)[cell.offset];
     int const q = set.append();
     for (int d = 0; d < 3; ++d) {
       set.field(Field::position_x + d)[q] = x[d];
@@ -143,9 +142,9 @@ void fill_gas(run::World& w, int body, std::vector<bridge::CellBox> const& boxes
     set.field(Field::mass)[q] = s.density * placement.volumes[n];
     set.field(Field::density)[q] = s.density;
     set.field(Field::pressure)[q] = s.pressure;
-    set.field(Field::energy)[q] = total / s.density - 0.5 * dot(s.velocity, s.velocity);
-    if (double* Y = set.field(Field::mass_fraction)) Y[q] = s.mass_fraction;
-    if (double* alpha = set.field(Field::volume_fraction)) alpha[q] = s.volume_fraction;
+    set.field(Field::energy)[q] = s.energy / s.density - 0.5 * dot(s.velocity, s.velocity);
+    if (double* Y = set.field(Field::mass_fraction)) Y[q] = s.mass_fraction[1];
+    if (double* alpha = set.field(Field::volume_fraction)) alpha[q] = s.volume_fraction[1];
   }
   w.points->add(body, set);
   w.points->update_signals();
@@ -168,11 +167,11 @@ void check_neighbours(run::World const& w) {
   bridge::Region const& region = w.bridge->region();
   auto const check = [&](Index3 const& index) {
     grid::Cell const cell = w.grid.locate(index);
-    if (w.gas->is_obstacle(cell)) {
+    if (w.gas->obstacles.contain(cell)) {
       throw InputError(
           "an obstacle lies in the MPM region or within 3 cells of it: make it a body, or move one of them");
     }
-    if (w.gas->burning() && w.gas->burn_fraction(cell) < 1.0) {
+    if (w.gas->burn.burning() && gas::burn_fraction(*w.gas, cell) < 1.0) {
       throw InputError(
           "a charge lies in the MPM region or within 3 cells of it: make the region smaller, or the charge a body");
     }
@@ -217,7 +216,7 @@ bridge::Region region_of(Case const& setup) {
 void place_region(run::World& w) {
   MpmRegion const& settings = *w.setup.mpm_region;
   bridge::Region region = region_of(w.setup);
-  FluidState const& ambient = w.setup.ambient.state;
+  Primitive const& ambient = w.setup.ambient.state;
 
   mpm::Body gas;
   gas.name = "gas";
@@ -239,10 +238,6 @@ void place_region(run::World& w) {
   options.points_per_direction = settings.gas_points(w.setup.domain.dimensions());
   options.reference_pressure = settings.reference_pressure;
   options.activation = settings.activation.value_or(1e-3 * ambient.pressure);
-  gas::MixtureState quiet;
-  quiet.pressure = ambient.pressure;
-  quiet.velocity = ambient.velocity;
-  quiet.ambient_density = ambient.density;
   // A region whose gas differs from the ambient one anywhere does not sleep either.
   bool still = !moves(w.setup);
   for (Index3 const& cell : region.cells()) {
@@ -251,7 +246,7 @@ void place_region(run::World& w) {
     still = std::abs(s.pressure - ambient.pressure) <= options.activation && norm(s.velocity) == 0.0;
   }
   options.awake = !still;
-  w.bridge = std::make_unique<bridge::Bridge>(*w.gas, *w.points, gas_body, std::move(region), options, quiet);
+  w.bridge = std::make_unique<bridge::Bridge>(*w.gas, *w.points, gas_body, std::move(region), options, ambient);
   check_neighbours(w);
   run::hand_over_products(w.setup, *w.points, gas_body);
   std::string const intruder = w.bridge->intruder();

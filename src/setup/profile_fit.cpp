@@ -42,7 +42,7 @@ void check_kind(Case const& setup, Charge const& charge, detonation::Profile con
 /// The equations of state.
 void check_constants(Case const& setup, Charge const& charge, detonation::Profile const& given) {
   gas::Fluids const fluids = fluids_of(setup);
-  auto const own = detonation::constants_of(charge.explosive, fluids, ambient_mixture(setup.ambient.state));
+  auto const own = detonation::constants_of(charge.explosive, fluids, setup.ambient.state);
   for (std::size_t n = 0; n < std::max(own.size(), given.constants.size()); ++n) {
     if (n < own.size() && n < given.constants.size() && own[n].name == given.constants[n].name) {
       double const a = given.constants[n].value;
@@ -163,7 +163,7 @@ detonation::Profile profile_of(run::World const& w) {
     throw InputError("a profile is the burst of one charge, without bodies, obstacles and regions");
   }
   Vec3 const centre = shape::centre(w.setup.charges.front().shape);
-  detonation::Profile p = detonation::profile_of(*w.gas, ambient_mixture(w.setup.ambient.state), centre, w.clock.time);
+  detonation::Profile p = detonation::profile_of(*w.gas, w.setup.ambient.state, centre, w.clock.time);
   describe_charge(w.setup, w.gas->fluids(), p);
   return p;
 }
@@ -195,7 +195,7 @@ void describe_charge(Case const& setup, gas::Fluids const& fluids, detonation::P
     Vec3 const off = point.position - centre;
     p.charge.initiation.push_back({{off[0], geometry == Geometry::axisymmetric2d ? off[1] : 0.0, 0.0}, point.delay});
   }
-  p.constants = detonation::constants_of(charge.explosive, fluids, ambient_mixture(setup.ambient.state));
+  p.constants = detonation::constants_of(charge.explosive, fluids, setup.ambient.state);
 }
 
 }  // namespace brisance::setup

@@ -35,7 +35,7 @@ constexpr double most_start_cells = 1e6;
 /// Follows the outermost cell of a 1D gas that is not ambient.
 class Front {
  public:
-  explicit Front(run::World const& world) : quiet_(world.gas->conserved(ambient_mixture(world.setup.ambient.state))) {}
+  explicit Front(run::World const& world) : quiet_(gas::conserved_of(world.gas->fluids(), world.setup.ambient.state)) {}
   double find(run::World const& world) {
     // Blocks of a 1D grid follow each other.
     while (block_ < world.grid.block_count()) {
@@ -47,7 +47,7 @@ class Front {
       bool found = false;
       for_each_cell(cells, [&](Index3 const& index) {
         int const at = world.grid.locate(index).offset;
-        for (int c = 0; c < world.gas->components(); ++c) {
+        for (int c = 0; c < world.gas->fields().components(); ++c) {
           if (world.gas->fields().at(block_, c)[at] == quiet_[c]) continue;
           cells_ = index[0] + 1;
           found = true;
@@ -125,7 +125,7 @@ std::shared_ptr<detonation::Profile const> burst(Case const& setup, std::size_t 
     run::advance(world, world.setup.end.time);
     double const now = front.find(world);
     // A charge that still burns is surrounded by the faint sound of its surface, see `smallest_burn_fraction`.
-    bool const inside = now <= plan.radius && world.gas->burning();
+    bool const inside = now <= plan.radius && world.gas->burn.burning();
     if (now + step_layers * plan.cell > plan.radius && !inside) {
       if (until && !world.finished()) too_far(world.clock.time);
       break;
@@ -133,7 +133,7 @@ std::shared_ptr<detonation::Profile const> burst(Case const& setup, std::size_t 
     if (!go_on(now, world.clock.time, world.clock.step)) return nullptr;
   }
   if (!until && world.finished()) too_late();
-  if (world.gas->burning()) {
+  if (world.gas->burn.burning()) {
     refuse(setup,
            fmt::format("at {:.6g} s, when {} has come to {:.6g} m (near {}), the explosive still burns: move that "
                        "away from the charge, give a later time or a larger radius where that is possible, or "
@@ -282,7 +282,7 @@ void place_start(run::World& w) {
     run::ChargeReport realised;
     realised.explosive = charge.explosive.name;
     realised.asked_mass = charge.mass;
-    realised.realised_mass = report.remap.after.mass[1] * images;
+    realised.realised_mass = report.remap.after.mass[gas::products_fluid] * images;
     realised.realised_energy = realised.realised_mass * charge.explosive.specific_energy();
     realised.cells_per_radius = profile.charge.radius / profile.domain.h;
     w.charges.push_back(realised);

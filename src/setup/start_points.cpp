@@ -88,17 +88,17 @@ std::vector<double> edges_of(std::vector<Shell> const& shells, grid::Domain cons
   return edges;
 }
 
-constexpr int components = gas::two_fluid_components;
+constexpr int components = gas::components_of(gas::products_fluid + 1);
 
 /// What the cells get of the shells.
-struct CellSums {
+struct CellContents {
   std::vector<std::array<double, components>> state;  ///< mass, momentum, energy; volume of the products
   std::vector<double> volume;
 };
 
-CellSums spread(std::vector<Shell> const& shells, grid::Domain const& domain) {
+CellContents spread(std::vector<Shell> const& shells, grid::Domain const& domain) {
   int const cells = domain.cells[0];
-  CellSums sums;
+  CellContents sums;
   sums.state.resize(static_cast<std::size_t>(cells));
   sums.volume.assign(static_cast<std::size_t>(cells), 0.0);
   std::vector<double> const edges = edges_of(shells, domain);
@@ -117,10 +117,10 @@ CellSums spread(std::vector<Shell> const& shells, grid::Domain const& domain) {
       double const part = high > low ? inside / (high - low) : 1.0;
       if (part <= 0.0) continue;
       auto& sum = sums.state[i];
-      sum[shell.body == products ? gas::second_density : gas::density] += part * shell.mass;
+      sum[gas::partial_density(shell.body == products ? gas::products_fluid : 0)] += part * shell.mass;
       sum[gas::momentum_x] += part * shell.momentum;
       sum[gas::energy] += part * shell.energy;
-      if (shell.body == products) sum[gas::volume_fraction] += part * (high - low);
+      if (shell.body == products) sum[gas::volume_fraction(gas::products_fluid)] += part * (high - low);
       sums.volume[i] += part * (high - low);
     }
   }
@@ -162,7 +162,7 @@ PointsBurst::PointsBurst(Case const& one) : one_(one) {
     points_->fill(body, filling);
   };
   fill(products, charge.shape, charge.explosive.density(), charge.explosive.specific_energy());
-  FluidState const& ambient = one_.ambient.state;
+  Primitive const& ambient = one_.ambient.state;
   double const far = 2.0 * domain.upper(0);
   shape::Shape const all = domain.geometry == grid::Geometry::spherical1d
                                ? shape::Shape(shape::Sphere{{0.0, 0.0, 0.0}, far})
@@ -220,7 +220,7 @@ detonation::Profile PointsBurst::profile() const {
 
   int const cells = domain.cells[0];
   gas::Fluids const fluids = fluids_of(one_);
-  gas::MixtureState const ambient = ambient_mixture(one_.ambient.state);
+  Primitive const& ambient = one_.ambient.state;
   auto [sums, volume] = spread(shells_of(*points_), domain);
 
   detonation::Profile p;
@@ -228,27 +228,28 @@ detonation::Profile PointsBurst::profile() const {
   p.domain = domain;
   p.domain.boundary.fill(grid::Boundary::symmetry);
   p.components = components;
-  std::array<double, components> quiet{};
-  quiet[gas::density] = ambient.ambient_density;
-  quiet[gas::energy] = gas::mixture(fluids, ambient.ambient_density, 0.0, 0.0).rho_e(ambient.pressure);
-  p.ambient.assign(quiet.begin(), quiet.end());
+  gas::Components quiet{};
+  quiet[gas::partial_density(0)] = ambient.density;
+  quiet[gas::energy] = gas::mixture(fluids, {ambient.density}, {}).rho_e(ambient.pressure);
+  p.ambient.assign(quiet.begin(), quiet.begin() + components);
   p.ambient_pressure = ambient.pressure;
   std::vector<double> pressure(static_cast<std::size_t>(cells), ambient.pressure);
   int used = 0;
   for (int i = 0; i < cells; ++i) {
     auto& u = sums[i];
     double const cell = domain.cell_volume(i);
-    for (int c = 0; c < components; ++c) u[c] /= c == gas::volume_fraction ? std::max(volume[i], 1e-300) : cell;
-    double const rho = u[gas::density] + u[gas::second_density];
+    for (int c = 0; c < components; ++c) u[c] /= gas::is_volume_fraction(c) ? std::max(volume[i], 1e-300) : cell;
+    double const rho = gas::mixture_density(fluids.count, [&](int c) { return u[c]; });
     if (!(rho > 0.0)) {
       throw NumericalError(fmt::format("the points of the 1D calculation left a gap at the radius {:.6g} m",
                                        domain.centre({i, 0, 0})[0]));
     }
     double const rho_e = u[gas::energy] - 0.5 * u[gas::momentum_x] * u[gas::momentum_x] / rho;
-    pressure[i] =
-        gas::mixture(fluids, u[gas::density], u[gas::second_density], u[gas::volume_fraction]).pressure(rho_e);
-    if (std::abs(pressure[i] - ambient.pressure) > disturbed * ambient.pressure || u[gas::second_density] > 0.0)
-      used = i + 1;
+    pressure[i] = gas::mixture(fluids, gas::partial_densities(fluids.count, u.data()),
+                               gas::volume_fractions(fluids.count, u.data()))
+                      .pressure(rho_e);
+    bool const holds_products = u[gas::partial_density(gas::products_fluid)] > 0.0;
+    if (std::abs(pressure[i] - ambient.pressure) > disturbed * ambient.pressure || holds_products) used = i + 1;
   }
   p.domain.cells[0] = std::min(cells, used + foot);
   p.state.resize(p.cell_count() * components);

@@ -160,7 +160,7 @@ TEST(Plan, TellsTimeAndDisk) {
   EXPECT_EQ(json["estimated_seconds"], p.seconds);
   EXPECT_EQ(json["disk_bytes"], p.disk_bytes);
   setup.charges.clear();
-  setup.second_fluid.reset();
+  setup.other_fluids.clear();
   EXPECT_NEAR(plan(setup).seconds * 14e6 / (plan(setup).steps * 1000.0 / 3.0), 1.0, 1e-12);
 }
 
@@ -192,7 +192,7 @@ TEST(Plan, OfACaseThatNoMachineHoldsTakesNoTime) {
 TEST(Plan, CountsTheGhostLayersOfUnequalBlocks) {
   auto setup = small_case("[end]\ntime = \"0.2 ms\"\n");
   setup.charges.clear();
-  setup.second_fluid.reset();
+  setup.other_fluids.clear();
   setup.domain.geometry = grid::Geometry::cartesian3d;
   setup.domain.cells = {33, 70, 50};
   grid::Grid const grid(setup.domain);

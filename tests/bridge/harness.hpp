@@ -71,7 +71,7 @@ template <class Visit>
 void for_each_own_cell(run::World const& w, Visit&& visit) {
   for_each_cell(w, [&](int, int, Index3 const& cell) {
     grid::Cell const at = w.grid.locate(cell);
-    if (w.gas->is_own(at)) visit(w.gas->primitive(at), cell);
+    if (w.gas->coupling.is_own(at)) visit(w.gas->primitive(at), cell);
   });
 }
 
@@ -96,7 +96,7 @@ struct Deviation {
   }
 };
 
-inline Deviation deviation_of(run::World const& w, run::FluidState const& uniform) {
+inline Deviation deviation_of(run::World const& w, material::Primitive const& uniform) {
   Deviation d;
   for_each_own_cell(w, [&](gas::Primitive const& s, Index3 const&) {
     d.see(norm(s.velocity - uniform.velocity), std::abs(s.pressure / uniform.pressure - 1.0),
@@ -120,8 +120,10 @@ struct Balance {
 inline Balance balance_of(run::World& w, run::Totals const& before) {
   w.audit.initial = before;
   w.update_audit();
-  auto const [first, second, energy] = w.audit.relative_error();
-  return {std::max(before.mass[0] > 0.0 ? first : 0.0, before.mass[1] > 0.0 ? second : 0.0), energy};
+  auto const error = w.audit.relative_error();
+  double mass = 0.0;
+  for (int k = 0; k < material::most_fluids; ++k) mass = std::max(mass, before.mass[k] > 0.0 ? error.mass[k] : 0.0);
+  return {mass, error.energy};
 }
 
 inline constexpr double mass_tolerance = 1e-13;
@@ -130,7 +132,7 @@ inline constexpr double mass_tolerance = 1e-13;
 inline std::vector<double> pressure_line(run::World const& w, int row = 0) {
   std::vector<Index3> cells;
   for (int i = 0; i < w.grid.domain().cells[0]; ++i) cells.push_back({i, row, 0});
-  auto const states = w.gas->gather(cells);
+  auto const states = gas::gather(*w.gas, cells);
   std::vector<double> p;
   for (gas::Primitive const& s : states) p.push_back(s.pressure);
   if (w.bridge == nullptr) return p;

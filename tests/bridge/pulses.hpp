@@ -129,8 +129,8 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
     w->clock.step = 10;  // no gentle start: the points' first step is as long as all others
     for_each_cell(*w, [&](int, int, Index3 const& cell) {
       Packet::Value const s = packet.at((cell[0] + 0.5) * h, (cell[1] + 0.5) * h, 0.0);
-      gas::MixtureState m;
-      m.ambient_density = 1.4 * std::pow(1.0 + s.p, 1.0 / 1.4);
+      material::Primitive m;
+      m.density = 1.4 * std::pow(1.0 + s.p, 1.0 / 1.4);
       m.pressure = 1.0 + s.p;
       m.velocity = {s.u, s.v, 0.0};
       w->gas->set(w->grid.locate(cell), m);

@@ -31,7 +31,7 @@ double fullest_account(run::World const& w) {
   std::size_t const lanes = bridge.accounts().size() / bridge.region().faces().size();
   for (std::size_t n = 0; n < bridge.accounts().size(); ++n) {
     bridge::Face const& face = bridge.region().faces()[n / lanes];
-    double const density = w.gas->gather({face.outside()})[0].density;
+    double const density = gas::gather(*w.gas, {face.outside()})[0].density;
     double const point = density * w.grid.domain().h / w.setup.mpm_region->gas_points(1);
     most = std::max(most, std::abs(bridge.accounts()[n].total()) / point);
   }

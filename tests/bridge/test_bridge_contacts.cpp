@@ -29,9 +29,9 @@ Worst carry(Moving const& m) {
   auto c = coupled_case(grid::Geometry::planar1d, {n, 1, 1}, grid::Boundary::outflow);
   set_region(c, {m.into_region ? 100 : 0, 0, 0}, {m.into_region ? n : 100, 1, 1});
   double const air = 10.0;  // at 1 MPa and 350 K
-  c.second_fluid.emplace();
-  c.second_fluid->name = "products";
-  c.second_fluid->eos = material::Jwl{};
+  c.other_fluids.emplace_back();
+  c.other_fluids[0].name = "products";
+  c.other_fluids[0].eos = material::Jwl{};
   c.ambient.state = {air, m.pressure, {m.speed, 0.0, 0.0}};
   c.mpm_region->reference_pressure = m.reference;
   double const contact = 0.4;  // 20 cells before the face
@@ -39,7 +39,7 @@ Worst carry(Moving const& m) {
   filled.shape = m.products_ahead ? shape::Box{{contact, -1.0, -1.0}, {2.0, 1.0, 1.0}}
                                   : shape::Box{{-1.0, -1.0, -1.0}, {contact, 1.0, 1.0}};
   filled.state = {m.products, m.pressure, {m.speed, 0.0, 0.0}};
-  filled.second_fluid = true;
+  filled.fluid = 1;
   c.regions = {filled};
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
@@ -56,7 +56,7 @@ Worst carry(Moving const& m) {
   worst.mass = b.mass;
   double products = 0.0;  // in the gas cells outside
   for_each_own_cell(
-      w, [&](gas::Primitive const& s, Index3 const&) { products += s.density * s.mass_fraction * c.domain.h; });
+      w, [&](gas::Primitive const& s, Index3 const&) { products += s.density * s.mass_fraction[1] * c.domain.h; });
   double const end = contact + 0.2;
   double const wanted = m.into_region ? (m.products_ahead ? 0.0 : 0.5) : (m.products_ahead ? 1.0 - end : end - 0.5);
   double const exact = m.products * wanted;
@@ -115,14 +115,14 @@ TEST(Contact, CrossesTheBridgeBehindAShock) {
     bool const into = face == 200;
     auto c = coupled_case(grid::Geometry::planar1d, {n, 1, 1}, grid::Boundary::outflow);
     set_region(c, {into ? face : 0, 0, 0}, {into ? n : face, 1, 1});
-    c.second_fluid.emplace();
-    c.second_fluid->name = "products";
-    c.second_fluid->eos = jwl;
+    c.other_fluids.emplace_back();
+    c.other_fluids[0].name = "products";
+    c.other_fluids[0].eos = jwl;
     c.ambient.state = {right.rho, right.p, {0.0, 0.0, 0.0}};
     run::Region filled;
     filled.shape = shape::Box{{-1.0, -1.0, -1.0}, {x0, 1.0, 1.0}};
     filled.state = {left.rho, left.p, {left.u, 0.0, 0.0}};
-    filled.second_fluid = true;
+    filled.fluid = 1;
     c.regions = {filled};
     c.numerics.density_floor = 1e-6;
     c.numerics.pressure_floor = 1.0;

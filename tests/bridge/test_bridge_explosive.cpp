@@ -28,7 +28,7 @@ run::Case air_and_tnt(Geometry geometry, Index3 const& cells, double h) {
   c.ambient.fluid.name = "air";
   c.ambient.fluid.eos = material::IdealGas{1.4};
   c.ambient.state = {1.225, 101325.0, {0.0, 0.0, 0.0}};
-  c.second_fluid = material::Fluid{"TNT", "", material::Jwl{}, 1630.0, 1e10};
+  c.other_fluids = {material::Fluid{"TNT", "", material::Jwl{}, 1630.0, 1e10}};
   c.output.peak_fields = false;
   c.end.time = 1.0;
   c.mpm_region.emplace();
@@ -161,7 +161,7 @@ TEST(Products, LeaveTheRegionAsGas) {
   EXPECT_EQ(w.points->sums(0).points, 0);
   double outside = 0.0;
   for_each_own_cell(w, [&](gas::Primitive const& s, Index3 const& cell) {
-    outside += s.mass_fraction * s.density * w.setup.domain.cell_volume(cell[0]);
+    outside += s.mass_fraction[1] * s.density * w.setup.domain.cell_volume(cell[0]);
   });
   EXPECT_GT(outside, 0.2 * mass);
   EXPECT_LT(drift.mass, 1e-12);
@@ -172,7 +172,7 @@ TEST(Products, LeaveTheRegionAsGas) {
 std::vector<double> everything(run::World const& w) {
   std::vector<double> all{w.clock.time};
   for_each_cell(w, [&](int block, int offset, Index3 const&) {
-    for (int k = 0; k < w.gas->components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
+    for (int k = 0; k < w.gas->fields().components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
   });
   for (int body = 0; body < static_cast<int>(w.points->bodies().size()); ++body) {
     for_each_point(w, body, [&](mpm::PointSet const& set, int q) {
@@ -247,7 +247,7 @@ double thrown(double pressure) {
   add_soil(c, shape::Everywhere{});
   bodies[0].solid = c.points.bodies[0].solid;
   material::Fluids fluids;
-  fluids.ambient = material::IdealGas{1.4};
+  fluids.eos[0] = material::IdealGas{1.4};
   bodies[1].name = "gas";
   bodies[1].solid = material::gas_of(fluids, 1.2, pressure);
   bodies[1].slips = true;

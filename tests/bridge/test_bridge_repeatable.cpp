@@ -47,7 +47,7 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
   EXPECT_NE(now - at_start, w.bridge->traffic().born - w.bridge->traffic().left);
   std::vector<double> all{w.clock.time, static_cast<double>(now), static_cast<double>(w.bridge->traffic().born)};
   for_each_cell(w, [&](int block, int offset, Index3 const&) {
-    for (int k = 0; k < w.gas->components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
+    for (int k = 0; k < w.gas->fields().components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
   });
   for (int b = 0; b < 2; ++b) {
     for_each_point(w, b, [&](mpm::PointSet const& set, int q) {
@@ -56,7 +56,7 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
       }
     });
   }
-  for (bridge::Account const& account : w.bridge->accounts()) {
+  for (bridge::Amounts const& account : w.bridge->accounts()) {
     all.insert(all.end(),
                {account.mass[0], account.momentum[0], account.momentum[1], account.momentum[2], account.energy});
   }

@@ -42,7 +42,7 @@ run::Case case_of(Geometry geometry, ShapeFunction shape, Boundary boundary) {
 /// gas pushes is what the nodes take of the cells outside, lane by lane, beside edges, mirrors and the axis too.
 double largest_account(run::World const& w) {
   double most = 0.0;
-  for (bridge::Account const& account : w.bridge->accounts()) most = std::max(most, norm(account.momentum));
+  for (bridge::Amounts const& account : w.bridge->accounts()) most = std::max(most, norm(account.momentum));
   int const dims = w.grid.domain().dimensions();
   return most / (w.clock.dt * std::pow(w.grid.domain().h / w.setup.mpm_region->gas_points(dims), dims - 1));
 }

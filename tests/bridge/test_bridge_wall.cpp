@@ -5,12 +5,12 @@ namespace brisance::test {
 namespace {
 
 constexpr double gamma = 1.4;
-constexpr run::FluidState ambient{1.225, 101325.0, {0.0, 0.0, 0.0}};
+constexpr material::Primitive ambient{1.225, 101325.0, {0.0, 0.0, 0.0}};
 
 /// State behind a shock of a Mach number into the ambient air, [Anderson03] Eqs. (3.53)-(3.57), and the pressure behind
 /// its reflection at a rigid wall, from the shock that brings the air behind to rest.
 struct Shock {
-  run::FluidState behind;
+  material::Primitive behind;
   double speed = 0.0;      ///< [m/s]
   double reflected = 0.0;  ///< pressure [Pa]
   double back = 0.0;       ///< speed of the reflected shock [m/s]

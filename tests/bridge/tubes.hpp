@@ -74,7 +74,7 @@ inline constexpr int smeared = 6;
 inline TubeResult run_tube(Tube const& t, run::Case const& c) {
   run::World w = setup::build(c);
   int const n = c.domain.cells[0];
-  material::Eos const left_eos = c.second_fluid ? c.second_fluid->eos : c.ambient.fluid.eos;
+  material::Eos const left_eos = !c.other_fluids.empty() ? c.other_fluids[0].eos : c.ambient.fluid.eos;
   exact::Riemann const exact(left_eos, t.left, c.ambient.fluid.eos, t.right);
   auto const at = [&](double x) { return exact.at((x - t.diaphragm) / t.end).s; };
   auto const excess = [&](double x, double p) {
@@ -133,7 +133,7 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
   for (int i = 0; i < n; ++i) {
     double const x = (i + 0.5) / n;
     exact::State const e = at(x);
-    gas::Primitive const s = alone.gas->gather({{i, 0, 0}})[0];
+    gas::Primitive const s = gas::gather(*alone.gas, {{i, 0, 0}})[0];
     bool const inside = w.bridge->region().inside({i, 0, 0});
     add(inside ? r.points_alone : r.alone, 1.0, s.density - e.rho, s.velocity[0] - e.u, s.pressure - e.p);
     if (inside) add(scale_inside, 1.0, e.rho, e.u, e.p);
@@ -183,10 +183,10 @@ inline Tube const products_and_air{"products and air", {200.0, 0.0, 5e7}, {1.225
 
 inline run::Case two_fluid_case(Where const& where) {
   run::Case c = tube_case(products_and_air, where);
-  c.second_fluid.emplace();
-  c.second_fluid->name = "products";
-  c.second_fluid->eos = material::Jwl{};
-  c.regions[0].second_fluid = true;
+  c.other_fluids.emplace_back();
+  c.other_fluids[0].name = "products";
+  c.other_fluids[0].eos = material::Jwl{};
+  c.regions[0].fluid = 1;
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
   return c;

@@ -206,8 +206,8 @@ TEST(GoodDecks, DefaultsOfTheShortestDeck) {
   ASSERT_EQ(c.charges[0].initiation.size(), 1U);
   EXPECT_EQ(c.charges[0].initiation[0].position, (Vec3{1.0, 1.0, 1.0}));
   EXPECT_EQ(c.charges[0].initiation[0].delay, 0.0);
-  ASSERT_TRUE(c.second_fluid);
-  EXPECT_EQ(c.second_fluid->name, "TNT");
+  ASSERT_EQ(c.other_fluids.size(), 1U);
+  EXPECT_EQ(c.other_fluids[0].name, "TNT");
   EXPECT_EQ(c.numerics.scheme, standard.numerics.scheme);
   EXPECT_EQ(c.numerics.courant, standard.numerics.courant);
   EXPECT_EQ(c.output.fields, standard.output.fields);
@@ -272,10 +272,10 @@ TEST(GoodDecks, EveryKeyArrives) {
   EXPECT_DOUBLE_EQ(c.obstacles[1].release->pressure, 1e4);
   EXPECT_DOUBLE_EQ(c.obstacles[1].release->areal_mass, 10.0);
   ASSERT_EQ(c.regions.size(), 2U);
-  EXPECT_FALSE(c.regions[0].second_fluid);
+  EXPECT_EQ(c.regions[0].fluid, 0);
   EXPECT_DOUBLE_EQ(c.regions[0].state.density, 2.0);
   EXPECT_DOUBLE_EQ(c.regions[0].state.pressure, 2e5);
-  EXPECT_TRUE(c.regions[1].second_fluid);
+  EXPECT_EQ(c.regions[1].fluid, 1);
   EXPECT_EQ(c.regions[1].fluid_name, "mine");
   EXPECT_DOUBLE_EQ(c.regions[1].state.density, 1630.0);
 
@@ -373,7 +373,7 @@ TEST(GoodDecks, OneDimensionMayDoWithoutBrackets) {
   EXPECT_EQ(c.domain.cells, (Index3{1000, 1, 1}));
   EXPECT_EQ(c.ambient.fluid.name, "tube");
   EXPECT_DOUBLE_EQ(c.ambient.state.pressure, 0.1);
-  EXPECT_FALSE(c.second_fluid);
+  EXPECT_TRUE(c.other_fluids.empty());
   ASSERT_EQ(c.regions.size(), 1U);
   auto const& box = std::get<Box>(c.regions[0].shape);
   EXPECT_DOUBLE_EQ(box.lower[0], 0.0);

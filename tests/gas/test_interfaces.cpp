@@ -17,20 +17,20 @@ Deviation advect(Problem& problem, double p, double rho0, double rho1, double u,
                  grid::Geometry geometry) {
   int const cells = geometry == grid::Geometry::planar1d ? 200 : 24;
   problem.box(geometry, cells, 1.0, grid::Boundary::periodic);
-  problem.fluids.two = true;
+  problem.fluids.count = 2;
   problem.fluids.ambient_pressure = p;
   problem.options.scheme = scheme;
   problem.options.pressure_floor = 1e-6 * p;
   int const dims = problem.domain.dimensions();
   problem.fill([&](Vec3 const& x) {
-    gas::MixtureState s = state(rho0, u, p);
+    Mixed s = state(rho0, u, p);
     for (int d = 1; d < dims; ++d) s.velocity[d] = 0.5 * d * u;
-    s.second_density = rho1;
+    s.products_density = rho1;
     Vec3 centre{0.5, dims > 1 ? 0.5 : x[1], dims > 2 ? 0.5 : x[2]};
     s.volume_fraction = norm(x - centre) < 0.25 ? 1.0 : 0.0;
     return s;
   });
-  double const mass = problem.total(gas::second_density);
+  double const mass = problem.total(gas::partial_density(1));
   problem.run_to(1.0 / u);
   Deviation worst;
   problem.for_each_cell([&](int, int, Index3 const& cell) {
@@ -40,7 +40,7 @@ Deviation advect(Problem& problem, double p, double rho0, double rho1, double u,
       worst.velocity = std::max(worst.velocity, std::abs(w.velocity[d] - (d == 0 ? u : 0.5 * d * u)) / u);
     }
   });
-  EXPECT_NEAR(problem.total(gas::second_density) / mass, 1.0, 1e-12);
+  EXPECT_NEAR(problem.total(gas::partial_density(1)) / mass, 1.0, 1e-12);
   EXPECT_EQ(problem.gas->account().guarded_cells, 0);
   return worst;
 }
@@ -55,7 +55,7 @@ class Interface : public testing::TestWithParam<std::tuple<gas::Scheme, grid::Ge
 
 TEST_P(Interface, IdealInIdealStaysUniform) {
   Problem problem;
-  problem.fluids.second = material::IdealGas{1.667};
+  problem.fluids.eos[1] = material::IdealGas{1.667};
   auto const [scheme, geometry] = GetParam();
   Deviation const d = advect(problem, 1e5, 1.2, 0.16, 100.0, scheme, geometry);
   expect_uniform("ideal/ideal", d, problem.steps);
@@ -64,7 +64,7 @@ TEST_P(Interface, IdealInIdealStaysUniform) {
 // Products expanded to a fifth of their initial density at 5 MPa: both exponentials of the JWL matter.
 TEST_P(Interface, JwlInAirStaysUniform) {
   Problem problem;
-  problem.fluids.second = material::Jwl{};
+  problem.fluids.eos[1] = material::Jwl{};
   auto const [scheme, geometry] = GetParam();
   Deviation const d = advect(problem, 5e6, 50.0, 326.0, 1000.0, scheme, geometry);
   expect_uniform("JWL/air", d, problem.steps);
@@ -72,7 +72,7 @@ TEST_P(Interface, JwlInAirStaysUniform) {
 
 TEST_P(Interface, WaterInAirStaysUniform) {
   Problem problem;
-  problem.fluids.second = material::StiffenedGas{4.4, 6e8};
+  problem.fluids.eos[1] = material::StiffenedGas{4.4, 6e8};
   auto const [scheme, geometry] = GetParam();
   Deviation const d = advect(problem, 1e7, 50.0, 1000.0, 500.0, scheme, geometry);
   expect_uniform("water/air", d, problem.steps);

@@ -41,15 +41,15 @@ double deviation(Way const& way, bool layer, double rate, bool afterburn) {
   p.domain.boundary.fill(grid::Boundary::periodic);
   p.domain.boundary[2 * way.direction + way.side] = grid::Boundary::symmetry;
   p.domain.boundary[2 * way.direction + 1 - way.side] = grid::Boundary::outflow;
-  p.fluids.two = true;
-  p.fluids.second = material::IdealGas{1.4};
+  p.fluids.count = 2;
+  p.fluids.eos[1] = material::IdealGas{1.4};
   p.options.sleep = false;
   // Releases nothing before its start, but the density of products that burn on is bounded at the faces of cells.
   if (afterburn) p.options.afterburn = material::Afterburn{1.0, material::ConstantRateAfterburn{2.0, 3.0}};
   auto const away = [&](Vec3 const& x) { return way.side == 0 ? x[way.direction] : 1.0 - x[way.direction]; };
   p.fill([&](Vec3 const& x) {
-    gas::MixtureState s = state(air_density, 0.0, pressure);
-    s.second_density = products_density;
+    Mixed s = state(air_density, 0.0, pressure);
+    s.products_density = products_density;
     s.velocity[way.direction] = (way.side == 0 ? -rate : rate) * away(x);
     s.volume_fraction = !layer || (away(x) > 0.15 && away(x) < 0.45) ? 1.0 : 0.0;
     return s;
@@ -62,10 +62,10 @@ double deviation(Way const& way, bool layer, double rate, bool afterburn) {
     double const x = away(p.domain.centre(cell));
     if (!layer && (x < 0.1 || x > 0.5)) return;  // signals run 0.374 m and less; at a centre the volumes are coarse
     if (x > 0.55) return;
-    double const alpha = p.gas->fields().at(b, gas::volume_fraction)[at];
+    double const alpha = p.gas->fields().at(b, gas::volume_fraction(1))[at];
     if (alpha < 1e-3) return;
     mixed += alpha < 0.999 ? 1 : 0;
-    worst = std::max(worst, std::abs(p.gas->fields().at(b, gas::second_density)[at] / alpha / exact - 1.0));
+    worst = std::max(worst, std::abs(p.gas->fields().at(b, gas::partial_density(1))[at] / alpha / exact - 1.0));
   });
   EXPECT_EQ(mixed > 0, layer);
   EXPECT_EQ(p.gas->account().guarded_cells, 0);

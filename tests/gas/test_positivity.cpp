@@ -23,19 +23,19 @@ Problem burst(material::Jwl const& products, double pressure, grid::Geometry geo
   Problem problem;
   problem.options.density_floor = 1e-6;
   problem.options.pressure_floor = 1e-3;
-  problem.fluids.ambient = material::IdealGas{gas.gamma};
-  problem.fluids.second = products;
-  problem.fluids.two = true;
+  problem.fluids.eos[0] = material::IdealGas{gas.gamma};
+  problem.fluids.eos[1] = products;
+  problem.fluids.count = 2;
   problem.block_cells = block_cells;
   problem.box(geometry, 4 * cells_per_radius, 4.0 * radius, grid::Boundary::wall);
   problem.quiescent = state(gas.rho, 0.0, gas.p);
   int const dims = problem.domain.dimensions();
   problem.fill([&](Vec3 const& x) {
-    gas::MixtureState s = problem.quiescent;
+    Mixed s = problem.quiescent;
     double r = 0.0;
     for (int d = 0; d < dims; ++d) r += x[d] * x[d];
     s.volume_fraction = r < radius * radius ? 1.0 : 0.0;
-    s.second_density = products.rho0;
+    s.products_density = products.rho0;
     if (s.volume_fraction > 0.0) s.pressure = pressure;
     return s;
   });
@@ -59,7 +59,7 @@ TEST(ProductsThatBreakOut, NeedNoGuardWhateverSurroundsThem) {
         for (bool const strong : {false, true}) {
           Problem problem = burst(strong ? petn : tnt, strong ? petn_pressure : tnt_pressure, geometry, cells, gas, 0);
           double const energy = problem.total(gas::energy);
-          double const products = problem.total(gas::second_density);
+          double const products = problem.total(gas::partial_density(1));
           // While products break out steps are short, as run/advance.cpp takes them.
           problem.courant = 0.2;
           problem.run_to(14e-6);
@@ -70,7 +70,7 @@ TEST(ProductsThatBreakOut, NeedNoGuardWhateverSurroundsThem) {
           EXPECT_EQ(problem.gas->account().guarded_cells, 0) << where;
           EXPECT_EQ(problem.gas->account().guard_energy, 0.0) << where;
           EXPECT_NEAR(problem.total(gas::energy) / energy, 1.0, 1e-12) << where;
-          EXPECT_NEAR(problem.total(gas::second_density) / products, 1.0, 1e-12) << where;
+          EXPECT_NEAR(problem.total(gas::partial_density(1)) / products, 1.0, 1e-12) << where;
           // Steps that shrink to nothing would be the other way of failing. Products leave with 8 to 12 km/s, and air
           // that they drive has sound half as fast on top.
           EXPECT_LT(problem.gas->fastest_signal(), 6e4) << where;
@@ -87,12 +87,12 @@ TEST(LimitedFluxes, LoseNothingBetweenBlocks) {
   for (auto const geometry : {grid::Geometry::planar2d, grid::Geometry::axisymmetric2d, grid::Geometry::cartesian3d}) {
     Problem problem = burst(petn, petn_pressure, geometry, 6, helium, 4);
     double const energy = problem.total(gas::energy);
-    double const products = problem.total(gas::second_density);
+    double const products = problem.total(gas::partial_density(1));
     problem.run_to(15e-6);
     gas::Account const account = problem.gas->account();
     ASSERT_GT(account.fallback_faces, 0) << "nothing was limited: the test proves nothing";
     EXPECT_NEAR((problem.total(gas::energy) - account.guard_energy) / energy, 1.0, 1e-12);
-    EXPECT_NEAR(problem.total(gas::second_density) / products, 1.0, 1e-12);
+    EXPECT_NEAR(problem.total(gas::partial_density(1)) / products, 1.0, 1e-12);
   }
 }
 
@@ -122,7 +122,7 @@ TEST(ColdStream, KeepsItsPressureWithoutGuards) {
     problem.quiescent = state(1.0, 0.0, 1.0);
     problem.fill([&](Vec3 const& x) {
       bool const dense = std::abs(x[0] - 0.5) < 0.2 && std::abs(x[1] - 0.5) < 0.2;
-      gas::MixtureState s = state(dense ? ratio : 1.0, speed, 1.0);
+      Mixed s = state(dense ? ratio : 1.0, speed, 1.0);
       s.velocity[1] = 0.37 * speed;
       return s;
     });

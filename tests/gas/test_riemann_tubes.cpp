@@ -34,7 +34,7 @@ Errors run(Tube const& tube, gas::Scheme scheme, int cells, Problem& problem) {
     return state(s.rho, s.u, s.p);
   });
   problem.run_to(tube.time);
-  exact::Riemann const solution(problem.fluids.ambient, tube.left, problem.fluids.ambient, tube.right);
+  exact::Riemann const solution(problem.fluids.ambient(), tube.left, problem.fluids.ambient(), tube.right);
   Errors e;
   double norm = 0.0;
   double highest = std::max({tube.left.rho, tube.right.rho, solution.rho_star_l, solution.rho_star_r});
@@ -117,16 +117,16 @@ struct TwoMaterialErrors {
 TwoMaterialErrors run_two(Problem& problem, exact::State const& left, exact::State const& right, double time,
                           int cells) {
   problem.box(grid::Geometry::planar1d, cells, 1.0, grid::Boundary::outflow);
-  problem.fluids.two = true;
+  problem.fluids.count = 2;
   problem.fluids.ambient_pressure = right.p;
   problem.fill([&](Vec3 const& x) {
-    gas::MixtureState s = state(right.rho, x[0] < 0.5 ? left.u : right.u, x[0] < 0.5 ? left.p : right.p);
+    Mixed s = state(right.rho, x[0] < 0.5 ? left.u : right.u, x[0] < 0.5 ? left.p : right.p);
     s.volume_fraction = x[0] < 0.5 ? 1.0 : 0.0;
-    s.second_density = left.rho;
+    s.products_density = left.rho;
     return s;
   });
   problem.run_to(time);
-  exact::Riemann const solution(problem.fluids.second, left, problem.fluids.ambient, right);
+  exact::Riemann const solution(problem.fluids.eos[1], left, problem.fluids.ambient(), right);
   TwoMaterialErrors e{};
   double rho_max = 0.0;
   double u_max = 0.0;
@@ -151,10 +151,10 @@ TEST(TwoMaterials, JwlAgainstAir) {
     std::array<TwoMaterialErrors, 2> e{};
     for (int level = 0; level < 2; ++level) {
       Problem problem;
-      problem.fluids.second = material::Jwl{};
+      problem.fluids.eos[1] = material::Jwl{};
       problem.options.scheme = scheme;
       problem.options.pressure_floor = 1.0;
-      double const p = material::pressure(problem.fluids.second, 1630.0, 6.993e9 / 1630.0);
+      double const p = material::pressure(problem.fluids.eos[1], 1630.0, 6.993e9 / 1630.0);
       e[level] = run_two(problem, {1630.0, 0.0, p}, {1.225, 0.0, 101325.0}, 4e-5, level == 0 ? 500 : 2000);
       std::printf("JWL/air, %-14s %d cells: relative L1 rho %.2e u %.2e p %.2e, guarded %ld\n", name(scheme),
                   level == 0 ? 500 : 2000, e[level].density, e[level].velocity, e[level].pressure,
@@ -173,7 +173,7 @@ TEST(TwoMaterials, WaterAgainstAir) {
     std::array<TwoMaterialErrors, 2> e{};
     for (int level = 0; level < 2; ++level) {
       Problem problem;
-      problem.fluids.second = material::StiffenedGas{4.4, 6e8};
+      problem.fluids.eos[1] = material::StiffenedGas{4.4, 6e8};
       problem.options.scheme = scheme;
       problem.options.pressure_floor = 1.0;
       e[level] = run_two(problem, {1000.0, 0.0, 1e9}, {50.0, 0.0, 1e5}, 2.4e-4, level == 0 ? 250 : 1000);

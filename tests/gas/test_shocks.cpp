@@ -36,7 +36,7 @@ double transverse_velocity(bool cure) {
   double worst = 0.0;
   problem.for_each_cell([&](int b, int offset, Index3 const&) {
     worst = std::max(worst, std::abs(problem.gas->fields().at(b, gas::momentum_y)[offset] /
-                                     problem.gas->fields().at(b, gas::density)[offset]));
+                                     problem.gas->fields().at(b, gas::partial_density(0))[offset]));
   });
   return worst / std::sqrt(g * p / rho);  // of the shocked gas
 }
@@ -145,7 +145,7 @@ TEST(Sedov, FrontIsWhereItShouldBe) {
   }
   double asymmetry = 0.0;
   problem.for_each_cell([&](int b, int offset, Index3 const& cell) {
-    double const rho = problem.gas->fields().at(b, gas::density)[offset];
+    double const rho = problem.gas->fields().at(b, gas::partial_density(0))[offset];
     if (cell[0] < cell[2])
       asymmetry = std::max(asymmetry, std::abs(rho - problem.at({cell[2], cell[1], cell[0]}).density));
   });
@@ -168,7 +168,7 @@ TEST(Sedov, SweepsAreAlike) {
   }
   double worst = 0.0;
   straight.for_each_cell([&](int b, int offset, Index3 const& cell) {
-    double const rho = straight.gas->fields().at(b, gas::density)[offset];
+    double const rho = straight.gas->fields().at(b, gas::partial_density(0))[offset];
     worst = std::max(worst, std::abs(rho - turned.at({cell[2], cell[0], cell[1]}).density) / rho);
   });
   std::printf("Sedov, sweeps y z x against x y z after 60 steps: largest relative difference in density %.1e\n", worst);

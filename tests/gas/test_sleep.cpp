@@ -46,7 +46,7 @@ void place_obstacle(Problem& problem) {
       solid[box.offset(within)] = inside ? 1 : 0;
       any = any || inside;
     });
-    if (any) problem.gas->set_obstacles(b, std::move(solid));
+    if (any) problem.gas->obstacles.set(b, std::move(solid));
   }
 }
 
@@ -65,15 +65,15 @@ Outcome outcome(Setting const& s, bool sleep) {
   problem.options.peak_fields = true;
   problem.options.density_floor = 1e-6;
   problem.options.pressure_floor = 1.0;
-  problem.fluids.two = true;
-  problem.fluids.second = material::Jwl{};
+  problem.fluids.count = 2;
+  problem.fluids.eos[1] = material::Jwl{};
   problem.fluids.ambient_pressure = 101325.0;
   problem.quiescent = state(1.225, 0.0, 101325.0);
   problem.quiescent.velocity = s.wind;
   problem.inflow.fill(state(1.3, 0.0, 103000.0));
   int const middle = problem.domain.cells[0] / 4;
   problem.fill([&](Vec3 const& x) {
-    gas::MixtureState inside = problem.quiescent;
+    Mixed inside = problem.quiescent;
     if (s.inside != Inside::burst || std::abs(x[0] - middle * problem.domain.h) > 0.05) return inside;
     inside.pressure *= 1.5;
     return inside;
@@ -84,7 +84,7 @@ Outcome outcome(Setting const& s, bool sleep) {
       grid::Block const& block = problem.grid->blocks()[b];
       std::vector<gas::Role> roles(block.cell_count(), gas::Role::own);
       if (block.origin[0] == block.n[0]) std::fill_n(roles.begin(), roles.size() / 2, gas::Role::held);
-      problem.gas->set_roles(b, std::move(roles));
+      problem.gas->coupling.set_roles(b, std::move(roles));
     }
   }
   problem.gas->start();
@@ -96,11 +96,11 @@ Outcome outcome(Setting const& s, bool sleep) {
   for (int b = 0; b < problem.grid->block_count(); ++b) {
     out.asleep_in_the_end += problem.gas->awake(b) ? 0 : 1;
     int const count = problem.grid->blocks()[b].cell_count();
-    for (int c = 0; c < problem.gas->components(); ++c) {
+    for (int c = 0; c < problem.gas->fields().components(); ++c) {
       double const* u = problem.gas->fields().at(b, c);
       out.values.insert(out.values.end(), u, u + count);
     }
-    for (double const* peak : {problem.gas->peak_overpressure(b), problem.gas->peak_impulse(b)})
+    for (double const* peak : {problem.gas->peaks().overpressure(b), problem.gas->peaks().impulse(b)})
       out.values.insert(out.values.end(), peak, peak + count);
   }
   gas::Account const account = problem.gas->account();
@@ -173,7 +173,7 @@ TEST_P(Noh, ReachesTheDensityBehindTheShock) {
   problem.domain.boundary[0] = Boundary::symmetry;
   problem.block_cells = 50;
   problem.options.sleep = sleep;
-  problem.fluids.ambient = material::IdealGas{5.0 / 3.0};
+  problem.fluids.eos[0] = material::IdealGas{5.0 / 3.0};
   problem.quiescent = state(1.0, -1.0, 1e-6);
   problem.fill([&](Vec3 const&) { return problem.quiescent; });
   EXPECT_EQ(problem.gas->awake(0), true);

@@ -55,7 +55,7 @@ Reading reflect(double mach, double courant, grid::Geometry geometry, int direct
   problem.domain.boundary[end] = surface == Surface::wall ? grid::Boundary::wall : grid::Boundary::symmetry;
   problem.domain.boundary[end ^ 1] = grid::Boundary::inflow;
   double const sign = towards_high ? 1.0 : -1.0;
-  gas::MixtureState behind = state(shock.rho, 0.0, shock.p);
+  Mixed behind = state(shock.rho, 0.0, shock.p);
   behind.velocity[direction] = sign * shock.u;
   problem.inflow.fill(behind);
   problem.quiescent = state(rho0, 0.0, p0);
@@ -74,7 +74,7 @@ Reading reflect(double mach, double courant, grid::Geometry geometry, int direct
         int const s = towards_high ? cell[direction] : n - 1 - cell[direction];
         solid[box.offset(within)] = s >= n - thick ? 1 : 0;
       });
-      problem.gas->set_obstacles(b, std::move(solid));
+      problem.gas->obstacles.set(b, std::move(solid));
     }
     problem.gas->start();
   }
@@ -186,7 +186,7 @@ Reading foot(double mach, double angle, double courant, int cells) {
   problem.domain.cells = {3 * cells, cells, 1};
   problem.domain.boundary.fill(grid::Boundary::zero_gradient);
   problem.domain.boundary[2] = grid::Boundary::wall;
-  gas::MixtureState behind = state(shock.rho, 0.0, shock.p);
+  Mixed behind = state(shock.rho, 0.0, shock.p);
   behind.velocity = {shock.u * std::sin(angle), -shock.u * std::cos(angle), 0.0};
   problem.quiescent = state(rho0, 0.0, p0);
   constexpr double start = 0.2;

@@ -19,7 +19,7 @@ using namespace brisance::material;
 constexpr double p_air = 101325.0;
 constexpr double rho_air = 1.225;
 
-Fluids air_and(Eos const& second, Eos const& ambient = IdealGas{1.4}) { return {ambient, second, true, p_air}; }
+Fluids air_and(Eos const& second, Eos const& ambient = IdealGas{1.4}) { return {{ambient, second}, 2, p_air}; }
 
 /// State of a point: the fluids' own densities [kg/m3], the volume fraction of the second, the pressure [Pa].
 struct Blend {
@@ -41,7 +41,7 @@ Points points_of(Fluids const& fluids, std::vector<Blend> const& states) {
     points.volume_fraction.push_back(s.alpha);
     points.density[i] = rho;
     points.pressure[i] = s.pressure;
-    points.energy[i] = mixture(fluids, first, second, s.alpha).rho_e(s.pressure) / rho;
+    points.energy[i] = mixture(fluids, {first, second}, Fractions::of(1, s.alpha)).rho_e(s.pressure) / rho;
   }
   return points;
 }
@@ -49,7 +49,8 @@ Points points_of(Fluids const& fluids, std::vector<Blend> const& states) {
 /// The closure of point i as a gas cell would have it.
 Mixture cell_of(Points const& points, int i) {
   double const second = points.mass_fraction[i] * points.density[i];
-  return mixture(*points.solid.mixture, points.density[i] - second, second, points.volume_fraction[i]);
+  return mixture(*points.solid.mixture, {points.density[i] - second, second},
+                 Fractions::of(1, points.volume_fraction[i]));
 }
 
 /// Pairs of fluids with a state in which they mix; the volume fraction is still free.
@@ -126,7 +127,7 @@ double isentrope(Points const& start, double ratio) {
   double const alpha = start.volume_fraction[0];
   auto const slope = [&](double log_V, double e) {
     double const V = std::exp(log_V);
-    return -V * mixture(fluids, (1.0 - Y) / V, Y / V, alpha).pressure(e / V);
+    return -V * mixture(fluids, {(1.0 - Y) / V, Y / V}, Fractions::of(1, alpha)).pressure(e / V);
   };
   int const steps = 4000;
   double const h = std::log(ratio) / steps;
@@ -150,7 +151,8 @@ TEST(MixedPoint, IsentropeOfProductsInAir) {
       double const e = isentrope(start, ratio);
       double const rho = start.density[0] / ratio;
       double const Y = start.mass_fraction[0];
-      double const p = mixture(*start.solid.mixture, (1.0 - Y) * rho, Y * rho, alpha).pressure(rho * e);
+      double const p =
+          mixture(*start.solid.mixture, {(1.0 - Y) * rho, Y * rho}, Fractions::of(1, alpha)).pressure(rho * e);
       auto const error = [&](int steps) {
         Points point = start;
         for (int k = 0; k < steps; ++k) point.step(swell(std::pow(ratio, 1.0 / steps)));
@@ -203,9 +205,9 @@ void expect_same(Points const& a, int i, Points const& b, int j) {
 TEST(MixedPoint, AmbientFluidAloneIsThePlainFluid) {
   // Bit for bit: among its like, with no composition at all, with no second fluid, and beside a point that mixes.
   for (auto const& [fluids, blend] : pairs()) {
-    Solid const plain = of(Fluid{"ambient", "", fluids.ambient, blend.first, blend.pressure});
+    Solid const plain = of(Fluid{"ambient", "", fluids.ambient(), blend.first, blend.pressure});
     Fluids single = fluids;
-    single.two = false;
+    single.count = 1;
     Blend mixed = blend;
     mixed.alpha = 0.4;
     Points reference(plain, 9);
@@ -254,7 +256,7 @@ TEST(MixedPoint, SecondFluidAloneIsThePlainFluid) {
     Blend state = blend;
     state.alpha = 1.0;
     Points point = points_of(fluids, {state});
-    Points plain(of(Fluid{"second", "", fluids.second, blend.second, blend.pressure}));
+    Points plain(of(Fluid{"second", "", fluids.eos[1], blend.second, blend.pressure}));
     EXPECT_EQ(point.mass_fraction[0], 1.0);
     for (Points* points : {&point, &plain}) {
       points->data = {1e-7, 1e-3};

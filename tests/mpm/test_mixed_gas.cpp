@@ -13,7 +13,7 @@ using material::Fluids;
 
 constexpr double p_air = 101325.0;
 
-Fluids air_and(material::Eos const& second) { return {material::IdealGas{1.4}, second, true, p_air}; }
+Fluids air_and(material::Eos const& second) { return {{material::IdealGas{1.4}, second}, 2, p_air}; }
 
 /// State of a gas that mixes: the fluids' own densities [kg/m3], the volume fraction of the second, pressure [Pa].
 struct Blend {
@@ -43,7 +43,9 @@ struct Tube : Problem {
     filling.volumes = placed.volumes;
     filling.velocity = {u, 0.0, 0.0};
     filling.density = first + second;
-    filling.specific_energy = material::mixture(fluids, first, second, s.alpha).rho_e(s.pressure) / (first + second);
+    filling.specific_energy =
+        material::mixture(fluids, {first, second}, material::Fractions::of(1, s.alpha)).rho_e(s.pressure) /
+        (first + second);
     filling.mass_fraction = second / (first + second);
     filling.volume_fraction = s.alpha;
     mpm->fill(body, filling);
@@ -195,7 +197,7 @@ TEST(MixedGas, RefusesCompositionsThatCannotBe) {
   };
   material::Solid const mixing = material::gas_of(air_and(material::Jwl{}), 1.225, p_air);
   Fluids one = air_and(material::Jwl{});
-  one.two = false;
+  one.count = 1;
   EXPECT_EQ(message(mixing, 0.2, 0.1), "");
   EXPECT_NE(message(mixing, 1.2, 0.1).find("body 0"), std::string::npos);
   EXPECT_NE(message(mixing, 1.2, 0.1).find("1.2"), std::string::npos);

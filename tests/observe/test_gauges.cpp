@@ -18,9 +18,9 @@ void fill_linearly(Watched& world) {
     for_each_cell(block, [&](grid::Cell const& cell) {
       Vec3 x = block.centre(cell);
       for (int d = world.setup.domain.dimensions(); d < 3; ++d) x[d] = 0.0;
-      gas::MixtureState state;
+      material::Primitive state;
       state.pressure = linear_pressure(x);
-      state.ambient_density = linear_density(x);
+      state.density = linear_density(x);
       state.velocity = linear_velocity(x);
       world.gas->set(cell, state);
     });

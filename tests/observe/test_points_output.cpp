@@ -173,7 +173,7 @@ TEST(PointGauges, KeepTheirLastRecordWhenThePointLeaves) {
   EXPECT_EQ(w.points->point_count(), 0);
   EXPECT_TRUE(field(w, "stress").empty());
   w.update_audit();
-  EXPECT_LT(w.audit.relative_error()[0], 1e-12);
+  EXPECT_LT(w.audit.relative_error().mass[0], 1e-12);
   auto const energy = w.energy_balance();
   EXPECT_NEAR(energy.lost / energy.initial, 1.0, 1e-3);
   EXPECT_NEAR(energy.drift(), 0.0, 1e-3);

@@ -26,7 +26,7 @@ detonation::Profile made_up() {
   p.domain.cells = {3, 4, 1};
   p.domain.boundary.fill(grid::Boundary::symmetry);
   p.time = 1.0 / 7.0;
-  p.components = gas::two_fluid_components;
+  p.components = gas::components_of(2);
   for (std::size_t n = 0; n < p.cell_count() * p.components; ++n)
     p.state.push_back(1.0 / (1.0 + static_cast<double>(n)));
   for (std::size_t n = 0; n < p.cell_count(); ++n) p.pressure.push_back(1e5 / 3.0 * static_cast<double>(n));

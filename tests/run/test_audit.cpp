@@ -83,7 +83,7 @@ TEST(Verdict, GuardsAreAnErrorOfTheChargesEnergy) {
 
 TEST(Verdict, WithoutChargesGuardsCompareWithTheEnergyAboveTheAmbientState) {
   Case c = air_case(grid::Geometry::planar1d, {200, 1, 1}, 0.01, grid::Boundary::wall);
-  FluidState const ambient = c.ambient.state;
+  material::Primitive const ambient = c.ambient.state;
   c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}}, {3.0, 5.0 * ambient.pressure, {}}, false, ""}};
   observe::Watched w(c);
   w.update_audit();

@@ -56,7 +56,7 @@ TEST(Bursts, TheAirWaitsForTheDetonation) {
       for (int j = 0; j < world.setup.domain.cells[1]; ++j) {
         for (int i = 0; i < world.setup.domain.cells[0]; ++i) {
           if (norm(world.setup.domain.centre({i, j, 0})) < radius + h) continue;
-          most = std::max(most, world.gas->gather({{i, j, 0}})[0].pressure);
+          most = std::max(most, gas::gather(*world.gas, {{i, j, 0}})[0].pressure);
         }
       }
       // Traces burn at once; they raise the pressure by three times that of the air at most.

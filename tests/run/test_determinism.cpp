@@ -58,7 +58,7 @@ Outcome run_case(Case const& c, int thread_count) {
   out.steps = world.clock.step;
   for (int b = 0; b < world.grid.block_count(); ++b) {
     int const count = world.grid.blocks()[b].cell_count();
-    for (int component = 0; component < world.gas->components(); ++component) {
+    for (int component = 0; component < world.gas->fields().components(); ++component) {
       double const* values = world.gas->fields().at(b, component);
       out.fields.insert(out.fields.end(), values, values + count);
     }
@@ -74,7 +74,8 @@ Outcome run_case(Case const& c, int thread_count) {
     }
   }
   world.update_audit();
-  out.audit_error = world.audit.relative_error();
+  auto const error = world.audit.relative_error();
+  out.audit_error = {error.mass[0], error.mass[1], error.energy};
   Totals const& lost = world.audit.outflow;
   out.outflow = {lost.mass[0], lost.mass[1], lost.momentum[0], lost.momentum[1], lost.momentum[2], lost.energy};
   out.afterburn_energy = world.audit.afterburn_energy;
@@ -101,7 +102,7 @@ Case in_the_wind(Scheme scheme, bool sleep) {
   c.ambient.state.velocity = {60.0, 0.0, 0.0};
   c.inflow.fill(c.ambient.state);
   c.charges.front().initiation = {{{0.17, 0.0, 0.21}, 40e-6}};
-  c.regions = {{shape::Box{{0.7, 0.3, 0.3}, {0.8, 0.4, 0.4}}, c.ambient.state, false, ""}};
+  c.regions = {{shape::Box{{0.7, 0.3, 0.3}, {0.8, 0.4, 0.4}}, c.ambient.state, 0, ""}};
   c.regions.front().state.velocity = {0.0, 0.0, 0.0};
   return c;
 }

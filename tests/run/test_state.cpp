@@ -60,9 +60,9 @@ std::vector<double> bits_of(observe::Watched& world) {
                            world.audit.afterburn_energy};
   for (int b = 0; world.gas != nullptr && b < world.grid.block_count(); ++b) {
     int const cells = world.grid.blocks()[b].cell_count();
-    for (int c = 0; c < world.gas->components(); ++c) append(bits, world.gas->fields().at(b, c), cells);
-    append(bits, world.gas->peak_overpressure(b), cells);
-    append(bits, world.gas->peak_impulse(b), cells);
+    for (int c = 0; c < world.gas->fields().components(); ++c) append(bits, world.gas->fields().at(b, c), cells);
+    append(bits, world.gas->peaks().overpressure(b), cells);
+    append(bits, world.gas->peaks().impulse(b), cells);
     bits.push_back(world.gas->awake(b) ? 1.0 : 0.0);
     // While a charge burns, the pressure depends on the time as well.
     std::vector<double> pressure;
@@ -78,14 +78,15 @@ std::vector<double> bits_of(observe::Watched& world) {
     bits.insert(bits.end(), {world.bridge->awake() ? 1.0 : 0.0, double(world.clock.gas_steps),
                              double(world.clock.point_steps), double(world.bridge->traffic().born),
                              double(world.bridge->traffic().left), world.bridge->traffic().pressure_work});
-    for (bridge::Account const& l : world.bridge->accounts()) {
+    for (bridge::Amounts const& l : world.bridge->accounts()) {
       bits.insert(bits.end(), {l.mass[0], l.mass[1], l.momentum[0], l.momentum[1], l.momentum[2], l.energy});
     }
-    for (gas::FaceFlux const& flux : world.gas->watched()) bits.insert(bits.end(), {flux.mass[0], flux.energy});
+    for (gas::FaceFlux const& flux : world.gas->coupling.watched())
+      bits.insert(bits.end(), {flux.carried.mass[0], flux.carried.energy});
   }
   if (world.panels != nullptr) {
     bits.insert(bits.end(),
-                {double(world.panels->last_opening()), world.audit.panel_mass[0], world.audit.panel_energy});
+                {double(world.panels->last_opening()), world.audit.panels.mass[0], world.audit.panels.energy});
     for (PanelReport const& p : world.panels->reports()) {
       bits.insert(bits.end(), {p.released.value_or(-1.0), p.opened.value_or(-1.0), p.largest, p.difference, p.travel,
                                p.speed, double(p.open_rings)});

@@ -11,7 +11,7 @@
 #include "../observe/watched.hpp"
 #include "../run/points_case.hpp"
 #include "core/parallel.hpp"
-#include "gas/components.hpp"
+#include "gas/layout.hpp"
 #include "observe/kinetic_energy.hpp"
 #include "output/checkpoint.hpp"
 #include "output/gauges.hpp"

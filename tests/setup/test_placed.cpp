@@ -34,7 +34,9 @@ Region region_of(Shape const& shape, double density, double pressure, Vec3 const
 }
 
 /// Energy per volume of air.
-double energy_of(FluidState const& s) { return s.pressure / 0.4 + 0.5 * s.density * dot(s.velocity, s.velocity); }
+double energy_of(material::Primitive const& s) {
+  return s.pressure / 0.4 + 0.5 * s.density * dot(s.velocity, s.velocity);
+}
 
 /// The air that a case holds without its regions, and its volume.
 struct Quiet {
@@ -133,10 +135,10 @@ TEST(PlacedRegions, FilledCellsAreThoseOfTheStateToTheBit) {
   for (int j = 0; j < 10; ++j) {
     for (int i = 0; i < 20; ++i) {
       bool const second = i >= 3 && i < 12 && j >= 2 && j < 9;
-      FluidState const& s = second ? c.regions[1].state : i < 7 ? c.regions[0].state : c.ambient.state;
-      auto const u = world.gas->conserved(ambient_mixture(s));
+      material::Primitive const& s = second ? c.regions[1].state : i < 7 ? c.regions[0].state : c.ambient.state;
+      auto const u = gas::conserved_of(world.gas->fluids(), s);
       grid::Cell const cell = world.grid.locate(Index3{i, j, 0});
-      for (int k = 0; k < world.gas->components(); ++k) {
+      for (int k = 0; k < world.gas->fields().components(); ++k) {
         EXPECT_EQ(world.gas->fields().at(cell.block, k)[cell.offset], u[k]);
       }
     }
@@ -170,14 +172,14 @@ TEST(PlacedRegions, LaterOnesOverwriteEarlierOnesByVolume) {
 
 TEST(PlacedRegions, OfTheSecondFluidHoldItsMass) {
   Case c = air_case(Geometry::cartesian3d, {14, 13, 12}, h, Boundary::outflow);
-  c.second_fluid = *deck::library().fluid("helium");
+  c.other_fluids = {*deck::library().fluid("helium")};
   double const R = 3.1 * h;
-  Region region = region_of(Sphere{{0.1143, 0.1117, 0.1038}, R}, c.second_fluid->density, 101325.0);
-  region.second_fluid = true;
+  Region region = region_of(Sphere{{0.1143, 0.1117, 0.1038}, R}, c.other_fluids[0].density, 101325.0);
+  region.fluid = 1;
   c.regions = {region};
   World const world = setup::build(c);
   double const volume = 4.0 / 3.0 * pi * R * R * R;
-  EXPECT_NEAR(world.totals().mass[1] / (volume * c.second_fluid->density), 1.0, 1e-11);
+  EXPECT_NEAR(world.totals().mass[1] / (volume * c.other_fluids[0].density), 1.0, 1e-11);
   double const all = h * h * h * static_cast<double>(c.domain.cell_count());
   EXPECT_NEAR(world.totals().mass[0] / ((all - volume) * c.ambient.state.density), 1.0, 1e-12);
   // One pressure everywhere: a mixed cell is at rest with its neighbours.
@@ -241,13 +243,13 @@ TEST(PlacedObstacles, AreSolidFromHalfACellOn) {
     EXPECT_EQ(world.obstacles[0].cells, cells) << upper;
     EXPECT_NEAR(world.obstacles[0].asked_volume, upper - 0.5, 1e-12);
     EXPECT_NEAR(world.obstacles[0].volume, 0.1 * cells, 1e-12);
-    EXPECT_FALSE(world.gas->is_obstacle(Index3{4, 0, 0}));
-    EXPECT_TRUE(world.gas->is_obstacle(Index3{5, 0, 0}));
-    EXPECT_EQ(world.gas->is_obstacle(Index3{10, 0, 0}), cells == 6);
+    EXPECT_FALSE(world.gas->obstacles.contain(Index3{4, 0, 0}));
+    EXPECT_TRUE(world.gas->obstacles.contain(Index3{5, 0, 0}));
+    EXPECT_EQ(world.gas->obstacles.contain(Index3{10, 0, 0}), cells == 6);
   }
   // Two that fill it together.
   c.obstacles = {{"a", Box{{0.5, -0.5, -0.5}, {1.03, 0.5, 0.5}}}, {"b", Box{{1.07, -0.5, -0.5}, {1.5, 0.5, 0.5}}}};
-  EXPECT_TRUE(build(c).gas->is_obstacle(Index3{10, 0, 0}));
+  EXPECT_TRUE(build(c).gas->obstacles.contain(Index3{10, 0, 0}));
 }
 
 TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
@@ -255,8 +257,8 @@ TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
   c.charges = {tnt_charge(Cylinder{{0.41, 0.52, 0.0}, 0.11, 1.0, along_z}, c.domain.geometry)};
   c.obstacles = {{"wall", Box{{0.52, 0.0, -0.5}, {0.8, 1.0, 0.5}}}};  // 0.6 of the cell that the charge ends in
   World const world = setup::build(c);
-  EXPECT_TRUE(world.gas->is_obstacle(Index3{10, 10, 0}));
-  EXPECT_EQ(world.gas->primitive(world.grid.locate(Index3{10, 10, 0})).mass_fraction, 0.0);
+  EXPECT_TRUE(world.gas->obstacles.contain(Index3{10, 10, 0}));
+  EXPECT_EQ(world.gas->primitive(world.grid.locate(Index3{10, 10, 0})).mass_fraction[1], 0.0);
   EXPECT_NEAR(world.totals().mass[1] / c.charges[0].mass, 1.0, 1e-12);
   EXPECT_NEAR(world.charges[0].realised_mass / c.charges[0].mass, 1.0, 1e-12);
   // Where all others are full, or there are none, it does not fit.

@@ -97,9 +97,10 @@ void build_afterburn(Draft& draft) {
     return;
   }
   if (!draft.products_known || draft.deck.broken("charge")) return;
-  material::Explosive const* products = draft.out.charges.empty() ? nullptr : &draft.out.charges.front().explosive;
+  material::Explosive const* products = draft.out.explosive_of(material::products_fluid);
   for (run::Region const& region : draft.out.regions) {
-    if (products == nullptr && region.second_fluid && draft.materials.fluid(region.fluid_name) == nullptr) {
+    if (products == nullptr && region.fluid == material::products_fluid &&
+        draft.materials.fluid(region.fluid_name) == nullptr) {
       products = draft.materials.explosive(region.fluid_name);
     }
   }

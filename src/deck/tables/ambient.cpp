@@ -43,7 +43,7 @@ namespace {
 constexpr double gas_temperature = 288.15;  ///< at which a gas has the density of its table [K]
 
 /// Pressure and density of the standard atmosphere; false after an error.
-bool altitude(Draft const& draft, Section const& section, material::Fluid const& fluid, run::FluidState& state) {
+bool altitude(Draft const& draft, Section const& section, material::Fluid const& fluid, material::Primitive& state) {
   auto const height = section.number("altitude");
   if (!height) return false;
   for (auto const* key : {"pressure", "density", "temperature"}) {
@@ -66,8 +66,8 @@ bool altitude(Draft const& draft, Section const& section, material::Fluid const&
 
 }  // namespace
 
-std::optional<run::FluidState> fluid_state(Draft const& draft, Section const& section, material::Fluid const& of,
-                                           run::FluidState defaults, std::string_view blamed) {
+std::optional<material::Primitive> fluid_state(Draft const& draft, Section const& section, material::Fluid const& of,
+                                               material::Primitive defaults, std::string_view blamed) {
   if (draft.geometry_known && section.given("velocity")) {
     auto const velocity = draft.point(section, "velocity");
     if (!velocity) return std::nullopt;
@@ -102,7 +102,7 @@ void build_ambient(Draft& draft) {
   draft.out.ambient.fluid = *found;
   draft.out.ambient.state = {found->density, found->pressure, {0.0, 0.0, 0.0}};
   draft.ambient_known = true;
-  run::FluidState defaults{found->density, found->pressure, {0.0, 0.0, 0.0}};
+  material::Primitive defaults{found->density, found->pressure, {0.0, 0.0, 0.0}};
   if (section.given("temperature")) {
     auto const temperature = section.number("temperature");
     if (section.given("density")) {

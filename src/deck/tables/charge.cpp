@@ -160,7 +160,7 @@ void charge(Draft& draft, Section const& section, std::string& first_explosive,
     draft.products_known = false;
   } else if (first_explosive.empty()) {
     first_explosive = found->name;
-    draft.out.second_fluid = products(*found);
+    draft.out.other_fluids = {products(*found)};
   } else if (first_explosive != found->name) {
     draft.error(
         section, "explosive",

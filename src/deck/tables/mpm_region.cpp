@@ -132,21 +132,22 @@ void warn_if_only_gauges(Draft const& draft) {
       "... to measure on a body alone, or [mpm_region] where this is meant");
 }
 
-/// The products of explosives in the region are the second fluid of the gas.
+/// The products of explosives in the region are the fluid beside the ambient one.
 void products_of_bodies(Draft& draft) {
   auto const* const sections = draft.deck.sections("body");
   if (sections == nullptr || sections->size() != draft.out.points.bodies.size()) return;  // there were errors
   for (std::size_t n = 0; n < sections->size(); ++n) {
     run::Body const& body = draft.out.points.bodies[n];
     if (!body.solid.burns()) continue;
-    if (!draft.out.second_fluid) {
-      draft.out.second_fluid = products(*draft.materials.explosive(body.solid.name));
-    } else if (draft.out.second_fluid->name != body.solid.name) {
+    material::Fluid const* other = draft.out.other_fluid(1);
+    if (other == nullptr) {
+      draft.out.other_fluids = {products(*draft.materials.explosive(body.solid.name))};
+    } else if (other->name != body.solid.name) {
       draft.error(
           (*sections)[n], "material",
           fmt::format("the products of \"{}\" would be a third fluid beside \"{}\" and \"{}\"; a calculation has at "
                       "most two: use one explosive for all, or convert the mass by its TNT equivalent",
-                      body.solid.name, draft.out.ambient.fluid.name, draft.out.second_fluid->name));
+                      body.solid.name, draft.out.ambient.fluid.name, other->name));
     }
   }
 }

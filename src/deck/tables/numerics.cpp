@@ -63,7 +63,7 @@ void cut_over(Draft& draft, double volume) {
     }
   };
   for (auto& charge : draft.out.charges) charge.explosive.products.ideal_beyond = volume;
-  if (draft.out.second_fluid) set(draft.out.second_fluid->eos);
+  for (auto& fluid : draft.out.other_fluids) set(fluid.eos);
   for (auto& body : draft.out.points.bodies) set(body.solid.eos);
   if (found || !draft.out.charges.empty()) return;
   Section const& section = *draft.deck.section("numerics");

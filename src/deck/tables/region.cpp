@@ -65,7 +65,7 @@ void build_regions(Draft& draft) {
     if (section.broken("fluid")) return;
     auto const name = section.text("fluid");
     material::Fluid own = draft.out.ambient.fluid;
-    run::FluidState defaults = draft.out.ambient.state;
+    material::Primitive defaults = draft.out.ambient.state;
     if (name) {
       auto const* found = draft.materials.fluid(*name);
       auto const* charged = found == nullptr ? draft.materials.explosive(*name) : nullptr;
@@ -75,17 +75,17 @@ void build_regions(Draft& draft) {
       }
       own = found != nullptr ? *found : products(*charged);
       if (!draft.ambient_known || own.name != draft.out.ambient.fluid.name) {
-        if (draft.ambient_known && draft.products_known && draft.out.second_fluid &&
-            draft.out.second_fluid->name != own.name) {
+        material::Fluid const* other = draft.out.other_fluid(1);
+        if (draft.ambient_known && draft.products_known && other != nullptr && other->name != own.name) {
           draft.error(
               section, "fluid",
               fmt::format("\"{}\" would be a third fluid beside \"{}\" and \"{}\"; a calculation has at most two: use "
                           "one of these",
-                          *name, draft.out.ambient.fluid.name, draft.out.second_fluid->name));
+                          *name, draft.out.ambient.fluid.name, other->name));
           return;
         }
-        if (draft.products_known) draft.out.second_fluid = own;
-        region.second_fluid = true;
+        if (draft.products_known) draft.out.other_fluids = {own};
+        region.fluid = 1;
         region.fluid_name = own.name;
         defaults.density = own.density;
       }

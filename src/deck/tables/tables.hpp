@@ -35,9 +35,9 @@ void build_inflow(Draft& draft, Section const* boundaries);
 [[nodiscard]] Table const& ambient_table();
 void build_ambient(Draft& draft);
 /// Density, pressure and velocity of a table, with defaults.
-[[nodiscard]] std::optional<run::FluidState> fluid_state(Draft const& draft, Section const& section,
-                                                         material::Fluid const& of, run::FluidState defaults,
-                                                         std::string_view blamed);
+[[nodiscard]] std::optional<material::Primitive> fluid_state(Draft const& draft, Section const& section,
+                                                             material::Fluid const& of, material::Primitive defaults,
+                                                             std::string_view blamed);
 [[nodiscard]] Table const& charge_table();
 void build_charges(Draft& draft);
 [[nodiscard]] Table const& initiation_table();

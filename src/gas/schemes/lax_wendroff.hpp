@@ -74,14 +74,13 @@ void face_flux(BundleLayout const& b, BundleArrays& a, double const* x, double c
   }
 }
 
-template <bool Two, bool Radial>
+template <int N, bool Radial>
 void lax_wendroff_faces(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   int const st = b.stride;
   int const n = b.total;
   double const lambda = s.dt / s.h;
-  double const* const rho0 = a[density];
-  double const* const rho1 = a[second_density];
-  double const* const alpha = a[volume_fraction];
+  auto const partial = rows_of_fluids<N>(a, 0);
+  auto const alpha = volume_fraction_rows<N>(a, 0);
   double const* const u = a[a_u];
   double const* const p = a[a_p];
   double const* const xi = a[a_xi];
@@ -102,9 +101,9 @@ void lax_wendroff_faces(SweepContext const& s, BundleLayout const& b, BundleArra
   // theta of Eq. (4) with its outer absolute value.
   BRISANCE_VECTOR_LOOP
   for (int q = st; q < n - st; ++q) {
-    double const low = Two ? rho0[q - st] + rho1[q - st] : rho0[q - st];
-    double const mid = Two ? rho0[q] + rho1[q] : rho0[q];
-    double const high = Two ? rho0[q + st] + rho1[q + st] : rho0[q + st];
+    double const low = sum_of_fluids<N>([&](int k) { return partial[k][q - st]; });
+    double const mid = sum_of_fluids<N>([&](int k) { return partial[k][q]; });
+    double const high = sum_of_fluids<N>([&](int k) { return partial[k][q + st]; });
     double const forth = std::abs(high - mid);
     double const back = std::abs(mid - low);
     double const sum = forth + back;
@@ -126,34 +125,36 @@ void lax_wendroff_faces(SweepContext const& s, BundleLayout const& b, BundleArra
     viscosity[q] = scale * eta * std::max(theta[q], theta[q + st]);
   }
 
-  half_time<PressurePart::none, Radial>(b, a, lambda, rho0, half(density));
+  half_time<PressurePart::none, Radial>(b, a, lambda, partial[0], half(partial_density(0)));
   half_time<PressurePart::force, Radial>(b, a, lambda, a[s.normal()], half(s.normal()));
   half_time<PressurePart::none, Radial>(b, a, lambda, a[s.transverse1()], half(s.transverse1()));
   half_time<PressurePart::none, Radial>(b, a, lambda, a[s.transverse2()], half(s.transverse2()));
   half_time<PressurePart::work, Radial>(b, a, lambda, a[energy], half(energy));
   int const faces = n - 3 * st;
   if (faces <= 0) return;
-  if constexpr (Two) {
-    half_time<PressurePart::none, Radial>(b, a, lambda, rho1, half(second_density));
-    double* const h_alpha = half(volume_fraction);
+  for (int k = 1; k < N; ++k) {
+    half_time<PressurePart::none, Radial>(b, a, lambda, partial[k], half(partial_density(k)));
+    double const* const own = alpha[k];
+    double* const h_alpha = half(volume_fraction(k));
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < n - 2 * st; ++q) {
       int const r = q + st;
-      h_alpha[q] = 0.5 * (alpha[q] + alpha[r]) - 0.25 * lambda * (u[q] + u[r]) * (alpha[r] - alpha[q]);
+      h_alpha[q] = 0.5 * (own[q] + own[r]) - 0.25 * lambda * (u[q] + u[r]) * (own[r] - own[q]);
     }
-    if (s.burning) {
-      for (int q = st; q < n - 2 * st; ++q) h_burn[q] = std::min(a[a_burn][q], a[a_burn][q + st]);
-    }
-    closure_row(s, faces, half(density) + st, half(second_density) + st, h_alpha + st,
-                s.burning ? h_burn + st : nullptr, h_xi + st, h_B + st, h_H + st);
-  } else {
-    closure_row_single(s, faces, half(density) + st, h_xi + st, h_B + st, h_H + st);
   }
+  if (N > 1 && s.burning) {
+    for (int q = st; q < n - 2 * st; ++q) h_burn[q] = std::min(a[a_burn][q], a[a_burn][q + st]);
+  }
+  FluidRows<N> h_partial{};
+  FluidRows<N> h_fractions{};
+  for_fluids<0, N>([&](int k) { h_partial[k] = half(partial_density(k)) + st; });
+  for_fluids<1, N>([&](int k) { h_fractions[k] = half(volume_fraction(k)) + st; });
+  closure_row<N>(s, faces, h_partial, h_fractions, s.burning ? h_burn + st : nullptr, h_xi + st, h_B + st, h_H + st);
 
   // Velocity and pressure at half time; Rusanov's viscosity where that state is not physical.
   {
-    double const* const h_rho0 = half(density);
-    double const* const h_rho1 = half(second_density);
+    FluidRows<N> h_rho{};
+    for_fluids<0, N>([&](int k) { h_rho[k] = half(partial_density(k)); });
     double const* const h_mu = half(s.normal());
     double const* const h_mv = half(s.transverse1());
     double const* const h_mw = half(s.transverse2());
@@ -165,7 +166,7 @@ void lax_wendroff_faces(SweepContext const& s, BundleLayout const& b, BundleArra
     long fallbacks = 0;
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < n - 2 * st; ++q) {
-      double const rho = Two ? h_rho0[q] + h_rho1[q] : h_rho0[q];
+      double const rho = sum_of_fluids<N>([&](int k) { return h_rho[k][q]; });
       double const r = 1.0 / std::max(rho, least);
       double const velocity = h_mu[q] * r;
       double const kinetic = 0.5 * (h_mu[q] * h_mu[q] + h_mv[q] * h_mv[q] + h_mw[q] * h_mw[q]) * r;
@@ -185,14 +186,14 @@ void lax_wendroff_faces(SweepContext const& s, BundleLayout const& b, BundleArra
     }
   }
   auto const flux = [&](int c) { return a[a_flux + c]; };
-  face_flux<PressurePart::none>(b, a, rho0, half(density), flux(density));
   face_flux<PressurePart::force>(b, a, a[s.normal()], half(s.normal()), flux(s.normal()));
   face_flux<PressurePart::none>(b, a, a[s.transverse1()], half(s.transverse1()), flux(s.transverse1()));
   face_flux<PressurePart::none>(b, a, a[s.transverse2()], half(s.transverse2()), flux(s.transverse2()));
   face_flux<PressurePart::work>(b, a, a[energy], half(energy), flux(energy));
-  if constexpr (Two) {
-    face_flux<PressurePart::none>(b, a, rho1, half(second_density), flux(second_density));
-    face_flux<PressurePart::none>(b, a, alpha, half(volume_fraction), flux(volume_fraction));
+  for (int k = 0; k < N; ++k) {
+    int const c = partial_density(k);
+    face_flux<PressurePart::none>(b, a, partial[k], half(c), flux(c));
+    if (k > 0) face_flux<PressurePart::none>(b, a, alpha[k], half(volume_fraction(k)), flux(volume_fraction(k)));
   }
 }
 
@@ -208,18 +209,18 @@ inline void obstacle_faces(SweepContext const& s, BundleLayout const& b, BundleA
     double const u = a[a_u][f];
     double const c = a[a_signal][f] - std::abs(u);
     double const stopped = a[a_p][f] + (behind ? 1.0 : -1.0) * c * u / a[a_inverse][f];
-    for (int x = 0; x < 8; ++x) a[a_flux + x][q] = 0.0;
+    for (int x = 0; x < components_of(most_fluids); ++x) a[a_flux + x][q] = 0.0;
     a[a_flux + s.normal()][q] = std::max(stopped, 0.0);
     a[a_face_speed][q] = 0.0;
   }
 }
 
-template <bool Two>
+template <int N>
 void lax_wendroff(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   if (s.radial) {
-    lax_wendroff_faces<Two, true>(s, b, a, guards);
+    lax_wendroff_faces<N, true>(s, b, a, guards);
   } else {
-    lax_wendroff_faces<Two, false>(s, b, a, guards);
+    lax_wendroff_faces<N, false>(s, b, a, guards);
   }
   if (s.solid) obstacle_faces(s, b, a);
 }

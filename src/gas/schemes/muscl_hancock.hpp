@@ -1,10 +1,10 @@
 /// MUSCL-Hancock [VanLeer84] with HLLC [Toro94]: piecewise-linear primitive variables, limited, evolved half a step,
 /// one Riemann problem per face. Second order in smooth flow, total-variation bounded at jumps.
 ///
-/// Two fluids: besides the volume fraction the closure sum B is reconstructed and evolved, dB/dt = -u dB/dx + (H - B)
-/// du/dx, so that the energy at a face follows from p, alpha and B without a new evaluation of the equations of state.
-/// A contact with uniform p and u, and uniform density of each fluid, stays uniform: B is then linear in alpha, and the
-/// limiter commutes with that.
+/// Several fluids: besides the volume fractions the closure sum B is reconstructed and evolved, dB/dt = -u dB/dx + (H -
+/// B) du/dx, so that the energy at a face follows from p, alpha and B without a new evaluation of the equations of
+/// state. A contact with uniform p and u, and uniform density of each fluid, stays uniform: B is then linear in alpha,
+/// and the limiter commutes with that.
 #pragma once
 
 #include <algorithm>
@@ -65,12 +65,11 @@ void differences(SweepContext const& s, BundleLayout const& b, BundleArrays& a, 
 ///
 /// Marks the risks too: cells beside which a high-order flux may leave an unsound state, see positivity.hpp. Returns
 /// how many there are.
-template <bool Two>
+template <int N>
 long find_contacts_and_risks(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   int const st = b.stride;
   double const most_H = s.most_H;
-  double const* const rho0 = a[density];
-  double const* const rho1 = a[second_density];
+  auto const partial = rows_of_fluids<N>(a, 0);
   double const* const p = a[a_p];
   double const* const E = a[energy];
   double const* const xi = a[a_xi];
@@ -84,8 +83,8 @@ long find_contacts_and_risks(SweepContext const& s, BundleLayout const& b, Bundl
   auto const mark = [&](auto const& is_cold) {
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < b.total - st; ++q) {
-      double const back = Two ? rho0[q - st] + rho1[q - st] : rho0[q - st];
-      double const forth = Two ? rho0[q + st] + rho1[q + st] : rho0[q + st];
+      double const back = sum_of_fluids<N>([&](int k) { return partial[k][q - st]; });
+      double const forth = sum_of_fluids<N>([&](int k) { return partial[k][q + st]; });
       double const least = std::min(p[q], std::min(p[q - st], p[q + st]));
       double const most = std::max(p[q], std::max(p[q - st], p[q + st]));
       bool const found = (std::abs(forth - back) > 0.1 * std::min(back, forth)) & (most - least < 0.05 * least);
@@ -95,7 +94,7 @@ long find_contacts_and_risks(SweepContext const& s, BundleLayout const& b, Bundl
       risks += risky ? 1 : 0;
     }
   };
-  auto const* ideal = Two ? nullptr : std::get_if<material::IdealGas>(&s.fluids->ambient);
+  auto const* ideal = N > 1 ? nullptr : std::get_if<material::IdealGas>(&s.fluids->ambient());
   if (ideal != nullptr) {
     double const x = 1.0 / ideal->gruneisen();
     double const factor = x + cold_flow * (x + 1.0) / x;
@@ -139,16 +138,16 @@ void carried_to_faces(BundleLayout const& b, BundleArrays& a, double half_lambda
   }
 }
 
-/// Marks the cells where the second fluid's own density is to be bounded: where that fluid is the lesser part and its
+/// Marks the cells where a fluid's own density is to be bounded: where that fluid is the lesser part and its
 /// density differs from that of the neighbours that hold some of it, in all by more than 1 %. Returns how many there
 /// are.
-inline long find_uneven_phase(BundleLayout const& b, BundleArrays& a) {
+inline long find_uneven_phase(BundleLayout const& b, BundleArrays& a, int fluid) {
   constexpr double lesser_part = 0.5;
   constexpr double even = 0.01;
   int const st = b.stride;
-  double const* const partial = a[second_density];
-  double const* const alpha = a[volume_fraction];
-  double* const uneven = a[a_uneven];
+  double const* const partial = a[partial_density(fluid)];
+  double const* const alpha = a[volume_fraction(fluid)];
+  double* const uneven = a[a_uneven(fluid)];
   long count = 0;
   BRISANCE_VECTOR_LOOP
   for (int q = st; q < b.total - st; ++q) {
@@ -170,15 +169,16 @@ inline long find_uneven_phase(BundleLayout const& b, BundleArrays& a) {
   return count;
 }
 
-/// Least and largest of a quantity of the second fluid in a cell and the neighbours that hold some of that fluid.
+/// Least and largest of a quantity of a fluid in a cell and the neighbours that hold some of that fluid.
 struct PhaseRange {
   double least, most;
 
   template <class Quantity>
-  PhaseRange(BundleLayout const& b, BundleArrays& a, int q, Quantity const& quantity)
+  PhaseRange(BundleLayout const& b, BundleArrays& a, int fluid, int q, Quantity const& quantity)
       : least(quantity(q)), most(least) {
     for (int const neighbour : {q - b.stride, q + b.stride}) {
-      if (a[volume_fraction][neighbour] <= vanishing_fraction || a[second_density][neighbour] <= 0.0) continue;
+      if (a[volume_fraction(fluid)][neighbour] <= vanishing_fraction || a[partial_density(fluid)][neighbour] <= 0.0)
+        continue;
       double const x = quantity(neighbour);
       least = std::min(least, x);
       most = std::max(most, x);
@@ -186,24 +186,24 @@ struct PhaseRange {
   }
 };
 
-/// Keeps the second fluid's own density, partial density over volume fraction, at the faces of a cell between those of
+/// Keeps a fluid's own density, partial density over volume fraction, at the faces of a cell between those of
 /// the cell and its neighbours, compressed by the half step, where `find_uneven_phase` says so. The two are limited
 /// independently, and where both fade out their ratio would drift away: a thousandth of the products then stands in the
 /// air at more than the density of the explosive, where its reference curve has no meaning, and the air beside it gets
 /// hot enough to run ahead of the shock. With fine cells and short steps it drifts farthest.
-inline void bound_phase_density(BundleLayout const& b, BundleArrays& a) {
+inline void bound_phase_density(BundleLayout const& b, BundleArrays& a, int fluid) {
   double const* const keep = a[a_keep];
   double const* const squeeze = a[a_squeeze];
-  double const* const partial = a[second_density];
-  double const* const alpha = a[volume_fraction];
-  double const* const L_alpha = a[a_left + f_alpha];
-  double const* const R_alpha = a[a_right + f_alpha];
-  double* const L_partial = a[a_left + f_second];
-  double* const R_partial = a[a_right + f_second];
-  double const* const uneven = a[a_uneven];
+  double const* const partial = a[partial_density(fluid)];
+  double const* const alpha = a[volume_fraction(fluid)];
+  double const* const L_alpha = a[a_left + f_alpha(fluid)];
+  double const* const R_alpha = a[a_right + f_alpha(fluid)];
+  double* const L_partial = a[a_left + f_partial(fluid)];
+  double* const R_partial = a[a_right + f_partial(fluid)];
+  double const* const uneven = a[a_uneven(fluid)];
   for (int q = b.stride; q < b.total - b.stride; ++q) {
     if (uneven[q] < 0.5) continue;
-    PhaseRange const own(b, a, q, [=](int n) { return partial[n] / alpha[n]; });
+    PhaseRange const own(b, a, fluid, q, [=](int n) { return partial[n] / alpha[n]; });
     double const compressed = 1.0 - keep[q] * squeeze[q];
     double const least = own.least * compressed;
     double const most = own.most * compressed;
@@ -216,7 +216,7 @@ inline void bound_phase_density(BundleLayout const& b, BundleArrays& a) {
 /// with full slopes a shock that is being reflected leaves a pressure that is 7 to 22 % too high at the surface for
 /// tens of steps, and the peak at a wall is what is asked for. First order in the two cells at the surface, full slopes
 /// from `near_wall_cells` on. A shock that leaves a plane of symmetry with gas at rest ahead of it keeps its slopes.
-template <bool Two, bool Solid>
+template <int N, bool Solid>
 void flatten_near_walls(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   constexpr double strong = 0.1;   // least pressure jump over a cell, of the pressure
   constexpr double towards = 0.1;  // least velocity ahead of it, of the velocity's jump
@@ -253,8 +253,8 @@ void flatten_near_walls(SweepContext const& s, BundleLayout const& b, BundleArra
       shocked += found ? 1 : 0;
     }
     if (shocked == 0) continue;
-    for (int f = 0; f < 9; ++f) {
-      if (f == f_c || (!Two && (f == f_rho_e || f > f_c))) continue;
+    for (int f = 0; f < face_values(N); ++f) {
+      if (f == f_c || (N == 1 && f == f_rho_e)) continue;
       double* const slope = a[a_slope + f] + run.q;
       BRISANCE_VECTOR_LOOP
       for (int n = 0; n < run.count; ++n) slope[n] *= share[n];
@@ -262,76 +262,75 @@ void flatten_near_walls(SweepContext const& s, BundleLayout const& b, BundleArra
   }
 }
 
-/// Energy at the faces where the second fluid's own density is bounded: the closure sum B, the energy of that fluid's
+/// Energy at the faces where a fluid's own density is bounded: the closure sum B, the energy of that fluid's
 /// reference curve, goes with its density, and bounded alone the two would not fit each other and leave a thin hot
-/// layer with every step. Per mass of the second fluid B stays between that of the cell and its neighbours, compressed
-/// by the half step. The ambient fluid must be one without a reference curve.
-inline void bound_reference_energy(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
+/// layer with every step. Per mass of the fluid B stays between that of the cell and its neighbours, compressed
+/// by the half step. No other fluid may have a reference curve.
+inline void bound_reference_energy(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int fluid) {
+  static_assert(most_fluids == 2, "what B is of each of several fluids would have to be known");
   double const half_lambda = 0.5 * s.dt / s.h;
-  double const* const rho1 = a[second_density];
+  double const* const partial = a[partial_density(fluid)];
   double const* const B = a[a_B];
   double const* const H = a[a_H];
   double const* const u = a[a_u];
   double const* const keep = a[a_keep];
   double const* const squeeze = a[a_squeeze];
   double const* const d_B = a[a_slope + f_rho_e];
-  double const* const d_rho1 = a[a_slope + f_second];
-  double const* const L_rho1 = a[a_left + f_second];
-  double const* const R_rho1 = a[a_right + f_second];
+  double const* const d_partial = a[a_slope + f_partial(fluid)];
+  double const* const L_partial = a[a_left + f_partial(fluid)];
+  double const* const R_partial = a[a_right + f_partial(fluid)];
   double* const L_e = a[a_left + f_rho_e];
   double* const R_e = a[a_right + f_rho_e];
-  double const* const uneven = a[a_uneven];
+  double const* const uneven = a[a_uneven(fluid)];
   for (int q = b.stride; q < b.total - b.stride; ++q) {
     if (uneven[q] < 0.5) continue;
     double const k = keep[q];
-    double const m_rho1 = rho1[q] + k * (-half_lambda * u[q] * d_rho1[q] - rho1[q] * squeeze[q]);
-    if (m_rho1 <= 0.0) continue;
-    PhaseRange const own(b, a, q, [=](int n) { return B[n] / rho1[n]; });
-    double const shift = k * H[q] / rho1[q] * squeeze[q];
+    double const middle = partial[q] + k * (-half_lambda * u[q] * d_partial[q] - partial[q] * squeeze[q]);
+    if (middle <= 0.0) continue;
+    PhaseRange const own(b, a, fluid, q, [=](int n) { return B[n] / partial[n]; });
+    double const shift = k * H[q] / partial[q] * squeeze[q];
     double const least = own.least + shift;
     double const most = own.most + shift;
     double const m_B = B[q] + k * (-half_lambda * u[q] * d_B[q] + (H[q] - B[q]) * squeeze[q]);
     double const B_left = m_B + 0.5 * k * d_B[q];
     double const B_right = m_B - 0.5 * k * d_B[q];
-    L_e[q] += std::min(std::max(B_left, L_rho1[q] * least), L_rho1[q] * most) - B_left;
-    R_e[q] += std::min(std::max(B_right, R_rho1[q] * least), R_rho1[q] * most) - B_right;
+    L_e[q] += std::min(std::max(B_left, L_partial[q] * least), L_partial[q] * most) - B_left;
+    R_e[q] += std::min(std::max(B_right, R_partial[q] * least), R_partial[q] * most) - B_right;
   }
 }
 
 /// Face states of every cell from its own and its two neighbours' values. In small loops: the compiler then keeps what
 /// each needs in registers.
-template <bool Two, bool Radial, bool Solid>
+template <int N, bool Radial, bool Solid>
 void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   int const st = b.stride;
   int const end = b.total - st;
   double const half_lambda = 0.5 * s.dt / s.h;
-  differences<Solid, true, 1>(s, b, a, a[density], a[a_slope + f_density]);
+  differences<Solid, true, 1>(s, b, a, a[partial_density(0)], a[a_slope + f_partial(0)]);
   differences<Solid, false, -1>(s, b, a, a[a_u], a[a_slope + f_u]);
   differences<Solid, false, 1>(s, b, a, a[a_v], a[a_slope + f_v]);
   differences<Solid, false, 1>(s, b, a, a[a_w], a[a_slope + f_w]);
   differences<Solid, false, 1>(s, b, a, a[a_p], a[a_slope + f_p]);
-  bool const curved = Two || material::follows_density(s.fluids->ambient);  // does B have a slope?
+  bool const curved = N > 1 || material::follows_density(s.fluids->ambient());  // does B have a slope?
   if (curved) differences<Solid, true, 1>(s, b, a, a[a_B], a[a_slope + f_rho_e]);
-  if constexpr (Two) {
-    differences<Solid, true, 1>(s, b, a, a[second_density], a[a_slope + f_second]);
-    differences<Solid, true, 1>(s, b, a, a[volume_fraction], a[a_slope + f_alpha]);
+  for (int k = 1; k < N; ++k) {
+    differences<Solid, true, 1>(s, b, a, a[partial_density(k)], a[a_slope + f_partial(k)]);
+    differences<Solid, true, 1>(s, b, a, a[volume_fraction(k)], a[a_slope + f_alpha(k)]);
   }
-  if (s.near_walls != nullptr) flatten_near_walls<Two, Solid>(s, b, a);
+  if (s.near_walls != nullptr) flatten_near_walls<N, Solid>(s, b, a);
 
-  double const* const rho0 = a[density];
-  double const* const rho1 = a[second_density];
+  auto const partial = rows_of_fluids<N>(a, 0);
   double const* const u = a[a_u];
   double const* const p = a[a_p];
   double const* const xi = a[a_xi];
   double const* const B = a[a_B];
   double const* const H = a[a_H];
   double const* const inverse = a[a_inverse];
-  double const* const d_rho0 = a[a_slope + f_density];
-  double const* const d_rho1 = a[a_slope + f_second];
+  auto const d_partial = face_densities<N>(a, a_slope);
   double const* const d_u = a[a_slope + f_u];
   double const* const d_p = a[a_slope + f_p];
   double const* const d_B = a[a_slope + f_rho_e];
-  double const* const d_alpha = a[a_slope + f_alpha];
+  auto const d_alpha = face_fractions<N>(a, a_slope);
   double* const keep = a[a_keep];
   double* const squeeze = a[a_squeeze];
   double* const L_p = a[a_left + f_p];
@@ -340,10 +339,11 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
   double* const R_u = a[a_right + f_u];
   double* const L_e = a[a_left + f_rho_e];
   double* const R_e = a[a_right + f_rho_e];
-  // What the volume fraction changes in xi; the cell's own xi covers the burn fraction.
-  double xi_slope = 0.0;
-  if constexpr (Two)
-    xi_slope = 1.0 / material::gruneisen(s.fluids->second) - 1.0 / material::gruneisen(s.fluids->ambient);
+  // What the volume fractions change in xi; the cell's own xi covers the burn fraction.
+  std::array<double, N> xi_slope{};
+  for_fluids<1, N>([&](int k) {
+    xi_slope[k] = 1.0 / material::gruneisen(s.fluids->eos[k]) - 1.0 / material::gruneisen(s.fluids->ambient());
+  });
 
   // Half a step of pressure and velocity, and where a cell must fall back to its own state at its faces: where a face
   // would be left without density or stiffness, and where explosive burns, for there the pressure is no function of the
@@ -360,8 +360,8 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
       for (int q = st; q < end; ++q) {
         double const advance_u = half_lambda * u[q];
         double const div = half_lambda * d_u[q] + (Radial ? expansion[q] * u[q] : 0.0);
-        double const rho = Two ? rho0[q] + rho1[q] : rho0[q];
-        double const d_rho = Two ? d_rho0[q] + d_rho1[q] : d_rho0[q];
+        double const rho = sum_of_fluids<N>([&](int k) { return partial[k][q]; });
+        double const d_rho = sum_of_fluids<N>([&](int k) { return d_partial[k][q]; });
         double const modulus = p[q] + (p[q] + H[q]) / xi[q];
         double const t_rho = -advance_u * d_rho - rho * div;
         double const t_p = -advance_u * d_p[q] - modulus * div;
@@ -371,16 +371,18 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
         double const lowest_p = p[q] + t_p - drop_p;
         bool good = (rho + t_rho - 0.5 * std::abs(d_rho) > lowest_density) &
                     (margin(lowest_p, xi[q], H[q], most_H) > lowest_pressure * (xi[q] + 1.0));
-        if constexpr (Two) {
-          double const most_xi =
-              xi[q] + std::abs(xi_slope) * (0.5 + half_lambda * std::abs(u[q])) * std::abs(d_alpha[q]);
+        if constexpr (N > 1) {
+          double most_xi = xi[q];
+          for_fluids<1, N>([&](int k) {
+            most_xi += std::abs(xi_slope[k]) * (0.5 + half_lambda * std::abs(u[q])) * std::abs(d_alpha[k][q]);
+          });
           good = good & (margin(lowest_p, most_xi, H[q], most_H) > lowest_pressure * (most_xi + 1.0));
           if constexpr (Burning) good = good & (F[q] >= 1.0);
           double const round_off = -1e-13 * rho;
-          double const t_rho0 = -advance_u * d_rho0[q] - rho0[q] * div;
-          double const t_rho1 = -advance_u * d_rho1[q] - rho1[q] * div;
-          good = good & (rho0[q] + t_rho0 - 0.5 * std::abs(d_rho0[q]) >= round_off) &
-                 (rho1[q] + t_rho1 - 0.5 * std::abs(d_rho1[q]) >= round_off);
+          for_fluids<0, N>([&](int k) {
+            double const t_partial = -advance_u * d_partial[k][q] - partial[k][q] * div;
+            good = good & (partial[k][q] + t_partial - 0.5 * std::abs(d_partial[k][q]) >= round_off);
+          });
         }
         double const k = good ? 1.0 : 0.0;
         keep[q] = k;
@@ -395,57 +397,65 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
       }
     };
     // A condition within the loop would keep it from being vectorised.
-    if (Two && s.burning)
+    if (N > 1 && s.burning)
       advance_half.template operator()<true>();
     else
       advance_half.template operator()<false>();
   }
-  carried_to_faces<true>(b, a, half_lambda, rho0, f_density);
+  carried_to_faces<true>(b, a, half_lambda, partial[0], f_partial(0));
   carried_to_faces<false>(b, a, half_lambda, a[a_v], f_v);
   carried_to_faces<false>(b, a, half_lambda, a[a_w], f_w);
 
-  double const* const L_rho0 = a[a_left + f_density];
-  double const* const R_rho0 = a[a_right + f_density];
+  auto const L_partial = face_densities<N>(a, a_left);
+  auto const R_partial = face_densities<N>(a, a_right);
   double* const L_c = a[a_left + f_c];
   double* const R_c = a[a_right + f_c];
-  if constexpr (Two) {
-    carried_to_faces<true>(b, a, half_lambda, rho1, f_second);
-    carried_to_faces<false>(b, a, half_lambda, a[volume_fraction], f_alpha);
-    double const* const alpha = a[volume_fraction];
-    double* const L_rho1 = a[a_left + f_second];
-    double* const R_rho1 = a[a_right + f_second];
-    double* const L_alpha = a[a_left + f_alpha];
-    double* const R_alpha = a[a_right + f_alpha];
-    if (s.bounded_phase) bound_phase_density(b, a);
+  if constexpr (N > 1) {
+    auto const alpha = volume_fraction_rows<N>(a, 0);
+    auto const L_alpha = face_fractions<N>(a, a_left);
+    auto const R_alpha = face_fractions<N>(a, a_right);
+    for (int k = 1; k < N; ++k) {
+      carried_to_faces<true>(b, a, half_lambda, partial[k], f_partial(k));
+      carried_to_faces<false>(b, a, half_lambda, alpha[k], f_alpha(k));
+      if (s.bounded_phase) bound_phase_density(b, a, k);
+    }
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < end; ++q) {
       double const k = keep[q];
       double const m_B = B[q] + k * (-half_lambda * u[q] * d_B[q] + (H[q] - B[q]) * squeeze[q]);
-      double const xiL = xi[q] + (L_alpha[q] - alpha[q]) * xi_slope;
-      double const xiR = xi[q] + (R_alpha[q] - alpha[q]) * xi_slope;
+      double xiL = xi[q];
+      double xiR = xi[q];
+      for_fluids<1, N>([&](int f) {
+        xiL += (L_alpha[f][q] - alpha[f][q]) * xi_slope[f];
+        xiR += (R_alpha[f][q] - alpha[f][q]) * xi_slope[f];
+      });
       L_e[q] = L_p[q] * xiL + (m_B + 0.5 * k * d_B[q]);
       R_e[q] = R_p[q] * xiR + (m_B - 0.5 * k * d_B[q]);
       // A fluid that all but vanished is not carried on: the diffuse interface ends here.
-      bool const presentL = L_alpha[q] > vanishing_fraction;
-      bool const presentR = R_alpha[q] > vanishing_fraction;
-      L_alpha[q] = presentL ? L_alpha[q] : 0.0;
-      R_alpha[q] = presentR ? R_alpha[q] : 0.0;
-      L_rho1[q] = presentL ? L_rho1[q] : 0.0;
-      R_rho1[q] = presentR ? R_rho1[q] : 0.0;
-      L_c[q] = std::sqrt((L_p[q] * (xiL + 1.0) + H[q]) / (xiL * (L_rho0[q] + L_rho1[q])));
-      R_c[q] = std::sqrt((R_p[q] * (xiR + 1.0) + H[q]) / (xiR * (R_rho0[q] + R_rho1[q])));
+      for_fluids<1, N>([&](int f) {
+        bool const presentL = L_alpha[f][q] > vanishing_fraction;
+        bool const presentR = R_alpha[f][q] > vanishing_fraction;
+        L_alpha[f][q] = presentL ? L_alpha[f][q] : 0.0;
+        R_alpha[f][q] = presentR ? R_alpha[f][q] : 0.0;
+        L_partial[f][q] = presentL ? L_partial[f][q] : 0.0;
+        R_partial[f][q] = presentR ? R_partial[f][q] : 0.0;
+      });
+      double const rhoL = sum_of_fluids<N>([&](int f) { return L_partial[f][q]; });
+      double const rhoR = sum_of_fluids<N>([&](int f) { return R_partial[f][q]; });
+      L_c[q] = std::sqrt((L_p[q] * (xiL + 1.0) + H[q]) / (xiL * rhoL));
+      R_c[q] = std::sqrt((R_p[q] * (xiR + 1.0) + H[q]) / (xiR * rhoR));
     }
-    if (s.bounded_phase) bound_reference_energy(s, b, a);
+    for (int k = 1; s.bounded_phase && k < N; ++k) bound_reference_energy(s, b, a, k);
   } else {
     BRISANCE_VECTOR_LOOP
     for (int q = st; q < end; ++q) {
       double const m_B = B[q] + keep[q] * (H[q] - B[q]) * squeeze[q];
       L_e[q] = L_p[q] * xi[q] + m_B;
       R_e[q] = R_p[q] * xi[q] + m_B;
-      L_c[q] = std::sqrt((L_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * L_rho0[q]));
-      R_c[q] = std::sqrt((R_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * R_rho0[q]));
+      L_c[q] = std::sqrt((L_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * L_partial[0][q]));
+      R_c[q] = std::sqrt((R_p[q] * (xi[q] + 1.0) + H[q]) / (xi[q] * R_partial[0][q]));
     }
-    // The slope of B, as with two fluids: a face between a row that has the second fluid and one that has not gets the
+    // The slope of B, as with several fluids: a face between a row that has them and one that has not gets the
     // same flux from both sides.
     if (curved) {
       BRISANCE_VECTOR_LOOP
@@ -463,7 +473,7 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
     for (int q = st; q < b.total - 2 * st; ++q) {
       bool const behind = solid[q + st] > 0.5;
       if ((solid[q] > 0.5) == behind) continue;
-      for (int f = 0; f < 9; ++f) {
+      for (int f = 0; f < face_values(most_fluids); ++f) {
         double* const left = a[a_left + f];
         double* const right = a[a_right + f];
         double const sign = f == f_u ? -1.0 : 1.0;
@@ -483,55 +493,51 @@ void reconstruct(SweepContext const& s, BundleLayout const& b, BundleArrays& a) 
 
 /// Beside an obstacle that is one cell thick both faces of the solid cell need a state of their own, so the Riemann
 /// problems read the left state from q and the right state from q + stride: they never collide.
-template <bool Two>
+template <int N>
 void riemann(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
-  double const* const L_rho0 = a[a_left + f_density];
+  auto const L_partial = face_densities<N>(a, a_left);
+  auto const L_alpha = face_fractions<N>(a, a_left);
   double const* const L_u = a[a_left + f_u];
   double const* const L_v = a[a_left + f_v];
   double const* const L_w = a[a_left + f_w];
   double const* const L_p = a[a_left + f_p];
   double const* const L_e = a[a_left + f_rho_e];
   double const* const L_c = a[a_left + f_c];
-  double const* const L_rho1 = a[a_left + f_second];
-  double const* const L_alpha = a[a_left + f_alpha];
   int const st = b.stride;
-  double const* const R_rho0 = a[a_right + f_density] + st;
+  auto R_partial = face_densities<N>(a, a_right);
+  auto R_alpha = face_fractions<N>(a, a_right);
+  for_fluids<0, N>([&](int k) { R_partial[k] += st; });
+  for_fluids<1, N>([&](int k) { R_alpha[k] += st; });
   double const* const R_u = a[a_right + f_u] + st;
   double const* const R_v = a[a_right + f_v] + st;
   double const* const R_w = a[a_right + f_w] + st;
   double const* const R_p = a[a_right + f_p] + st;
   double const* const R_e = a[a_right + f_rho_e] + st;
   double const* const R_c = a[a_right + f_c] + st;
-  double const* const R_rho1 = a[a_right + f_second] + st;
-  double const* const R_alpha = a[a_right + f_alpha] + st;
-  double* const flux_rho0 = a[a_flux + density];
+  auto const flux_partial = density_fluxes<N>(a);
+  auto const flux_alpha = fraction_fluxes<N>(a);
   double* const flux_u = a[a_flux + s.normal()];
   double* const flux_v = a[a_flux + s.transverse1()];
   double* const flux_w = a[a_flux + s.transverse2()];
   double* const flux_E = a[a_flux + energy];
-  double* const flux_rho1 = a[a_flux + second_density];
-  double* const flux_alpha = a[a_flux + volume_fraction];
   double* const face_speed = a[a_face_speed];
 
   BRISANCE_VECTOR_LOOP
   for (int q = st; q < b.total - 2 * st; ++q) {
-    double const rhoL = Two ? L_rho0[q] + L_rho1[q] : L_rho0[q];
-    double const rhoR = Two ? R_rho0[q] + R_rho1[q] : R_rho0[q];
+    double const rhoL = sum_of_fluids<N>([&](int k) { return L_partial[k][q]; });
+    double const rhoR = sum_of_fluids<N>([&](int k) { return R_partial[k][q]; });
     FaceSide const L = face_side(rhoL, L_u[q], L_v[q], L_w[q], L_p[q], L_e[q], L_c[q]);
     FaceSide const R = face_side(rhoR, R_u[q], R_v[q], R_w[q], R_p[q], R_e[q], R_c[q]);
     HllcFlux const f = hllc(L, R);
     // Loads stand outside the selections: a load under a condition would keep the loop from being vectorised.
     auto const upwind = [left = f.from_left](double l, double r) { return left ? l : r; };
     double const mass = f.speed * upwind(L.rho, R.rho);
-    flux_rho0[q] = f.speed * upwind(L_rho0[q], R_rho0[q]);
+    for_fluids<0, N>([&](int k) { flux_partial[k][q] = f.speed * upwind(L_partial[k][q], R_partial[k][q]); });
+    for_fluids<1, N>([&](int k) { flux_alpha[k][q] = f.speed * upwind(L_alpha[k][q], R_alpha[k][q]); });
     flux_u[q] = f.momentum;
     flux_v[q] = mass * upwind(L_v[q], R_v[q]);
     flux_w[q] = mass * upwind(L_w[q], R_w[q]);
     flux_E[q] = f.energy;
-    if constexpr (Two) {
-      flux_rho1[q] = f.speed * upwind(L_rho1[q], R_rho1[q]);
-      flux_alpha[q] = f.speed * upwind(L_alpha[q], R_alpha[q]);
-    }
     face_speed[q] = f.speed;
   }
 
@@ -540,43 +546,45 @@ void riemann(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
   if (count_above(sensor, b.total, 0.2) == 0) return;
   for (int q = st; q < b.total - 2 * st; ++q) {
     if (std::max(sensor[q], sensor[q + st]) <= 0.2) continue;
-    double const rhoL = Two ? L_rho0[q] + L_rho1[q] : L_rho0[q];
-    double const rhoR = Two ? R_rho0[q] + R_rho1[q] : R_rho0[q];
+    double const rhoL = sum_of_fluids<N>([&](int k) { return L_partial[k][q]; });
+    double const rhoR = sum_of_fluids<N>([&](int k) { return R_partial[k][q]; });
     FaceSide const L = face_side(rhoL, L_u[q], L_v[q], L_w[q], L_p[q], L_e[q], L_c[q]);
     FaceSide const R = face_side(rhoR, R_u[q], R_v[q], R_w[q], R_p[q], R_e[q], R_c[q]);
     HllFlux const f = hll(L, R);
-    flux_rho0[q] = f.from_left * L_rho0[q] + f.from_right * R_rho0[q];
+    for_fluids<0, N>(
+        [&](int k) { flux_partial[k][q] = f.from_left * L_partial[k][q] + f.from_right * R_partial[k][q]; });
+    for_fluids<1, N>([&](int k) { flux_alpha[k][q] = f.from_left * L_alpha[k][q] + f.from_right * R_alpha[k][q]; });
     flux_u[q] = f.from_left * L.rho * L.u + f.from_right * R.rho * R.u + f.pressure;
     flux_v[q] = f.from_left * L.rho * L_v[q] + f.from_right * R.rho * R_v[q];
     flux_w[q] = f.from_left * L.rho * L_w[q] + f.from_right * R.rho * R_w[q];
     flux_E[q] = f.from_left * L.E + f.from_right * R.E + f.work;
-    if constexpr (Two) {
-      flux_rho1[q] = f.from_left * L_rho1[q] + f.from_right * R_rho1[q];
-      flux_alpha[q] = f.from_left * L_alpha[q] + f.from_right * R_alpha[q];
-    }
     face_speed[q] = f.from_left + f.from_right;
   }
 }
 
 /// Returns whether fluxes were checked for positivity.
-template <bool Two>
+template <int N>
 bool muscl_hancock(SweepContext const& sweep, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   SweepContext s = sweep;
-  long const risks = find_contacts_and_risks<Two>(s, b, a);
-  if constexpr (Two) s.bounded_phase = s.bounded_phase && find_uneven_phase(b, a) > 0;
+  long const risks = find_contacts_and_risks<N>(s, b, a);
+  if (s.bounded_phase) {
+    long uneven = 0;
+    for (int k = 1; k < N; ++k) uneven += find_uneven_phase(b, a, k);
+    s.bounded_phase = uneven > 0;
+  }
   if (s.radial) {
     if (s.solid)
-      reconstruct<Two, true, true>(s, b, a);
+      reconstruct<N, true, true>(s, b, a);
     else
-      reconstruct<Two, true, false>(s, b, a);
+      reconstruct<N, true, false>(s, b, a);
   } else {
     if (s.solid)
-      reconstruct<Two, false, true>(s, b, a);
+      reconstruct<N, false, true>(s, b, a);
     else
-      reconstruct<Two, false, false>(s, b, a);
+      reconstruct<N, false, false>(s, b, a);
   }
-  riemann<Two>(s, b, a);
-  if (risks > 0) limit_fluxes<Two>(s, b, a, guards);
+  riemann<N>(s, b, a);
+  if (risks > 0) limit_fluxes<N>(s, b, a, guards);
   return risks > 0;
 }
 

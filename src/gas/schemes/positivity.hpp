@@ -30,11 +30,13 @@ inline constexpr double cold_flow = 30.0;
 
 /// A state of a cell, or a flux, in the directions of the sweep.
 struct Flow {
-  double rho0, rho1, alpha, mu, mv, mw, E, speed;
+  PerFluid partial{};
+  PerFluid alpha{};  ///< of the fluids from number 1 on
+  double mu, mv, mw, E, speed;
 };
 
 /// The limiter of one bundle.
-template <bool Two>
+template <int N>
 class FluxLimiter {
  public:
   FluxLimiter(SweepContext const& s, BundleLayout const& b, BundleArrays& a) : s_(s), st_(b.stride), a_(a) {}
@@ -139,28 +141,25 @@ class FluxLimiter {
   Side side(int q, bool mirrored) {
     double const sign = mirrored ? -1.0 : 1.0;
     Side x;
-    double const rho1 = Two ? a_[second_density][q] : 0.0;
-    x.U = {a_[density][q],
-           rho1,
-           Two ? a_[volume_fraction][q] : 0.0,
-           sign * a_[s_.normal()][q],
-           a_[s_.transverse1()][q],
-           a_[s_.transverse2()][q],
-           a_[energy][q],
-           0.0};
+    for_fluids<0, N>([&](int k) { x.U.partial[k] = a_[partial_density(k)][q]; });
+    for_fluids<1, N>([&](int k) { x.U.alpha[k] = a_[volume_fraction(k)][q]; });
+    x.U.mu = sign * a_[s_.normal()][q];
+    x.U.mv = a_[s_.transverse1()][q];
+    x.U.mw = a_[s_.transverse2()][q];
+    x.U.E = a_[energy][q];
+    x.U.speed = 0.0;
     x.u = sign * a_[a_u][q];
     x.p = a_[a_p][q];
     x.xi = a_[a_xi][q];
     x.burn = s_.burning ? a_[a_burn][q] : 1.0;
     double const H = a_[a_H][q];
     x.margins.pressure = margin(x.p, x.xi, H, s_.most_H);
-    x.margins.heat = heat(x.U.rho0, rho1, x.U.alpha, x.p * x.xi + a_[a_B][q]);
-    x.c = std::sqrt(std::max(0.0, (x.p * (x.xi + 1.0) + H) / (x.xi * (x.U.rho0 + rho1))));
+    x.margins.heat = heat(x.U.partial, x.U.alpha, x.p * x.xi + a_[a_B][q]);
+    x.c = std::sqrt(std::max(0.0, (x.p * (x.xi + 1.0) + H) / (x.xi * density(x.U.partial))));
     x.spread = x.U;
     if (s_.radial) {
       double const k = -(a_[a_area_high][q] - a_[a_area_low][q]) * a_[a_u][q];
-      x.spread.rho0 += k * x.U.rho0;
-      x.spread.rho1 += k * x.U.rho1;
+      for_fluids<0, N>([&](int f) { x.spread.partial[f] += k * x.U.partial[f]; });
       x.spread.mu += k * x.U.mu;
       x.spread.mv += k * x.U.mv;
       x.spread.mw += k * x.U.mw;
@@ -172,8 +171,8 @@ class FluxLimiter {
   /// Bounds of the waves between two states: those of [Davis88], and the shock that the pressure drives into the
   /// lighter side, with the velocity of the contact from the acoustic impedances.
   static Speeds waves(Side const& L, Side const& R) {
-    double const zL = (L.U.rho0 + L.U.rho1) * L.c;
-    double const zR = (R.U.rho0 + R.U.rho1) * R.c;
+    double const zL = density(L.U.partial) * L.c;
+    double const zR = density(R.U.partial) * R.c;
     double const contact = (zL * L.u + zR * R.u + (L.p - R.p)) / (zL + zR);
     constexpr double slope = 0.6;  // (gamma + 1) / 4 of air
     double const forth = slope * std::max(0.0, contact - R.u);
@@ -202,21 +201,19 @@ class FluxLimiter {
   }
 
   Flow given(int q) {
-    return {a_[a_flux + density][q],
-            Two ? a_[a_flux + second_density][q] : 0.0,
-            Two ? a_[a_flux + volume_fraction][q] : 0.0,
-            a_[a_flux + s_.normal()][q],
-            a_[a_flux + s_.transverse1()][q],
-            a_[a_flux + s_.transverse2()][q],
-            a_[a_flux + energy][q],
-            a_[a_face_speed][q]};
+    Flow f{};
+    for_fluids<0, N>([&](int k) { f.partial[k] = a_[a_flux + partial_density(k)][q]; });
+    for_fluids<1, N>([&](int k) { f.alpha[k] = a_[a_flux + volume_fraction(k)][q]; });
+    f.mu = a_[a_flux + s_.normal()][q];
+    f.mv = a_[a_flux + s_.transverse1()][q];
+    f.mw = a_[a_flux + s_.transverse2()][q];
+    f.E = a_[a_flux + energy][q];
+    f.speed = a_[a_face_speed][q];
+    return f;
   }
   void put(int q, Flow const& f) {
-    a_[a_flux + density][q] = f.rho0;
-    if constexpr (Two) {
-      a_[a_flux + second_density][q] = f.rho1;
-      a_[a_flux + volume_fraction][q] = f.alpha;
-    }
+    for_fluids<0, N>([&](int k) { a_[a_flux + partial_density(k)][q] = f.partial[k]; });
+    for_fluids<1, N>([&](int k) { a_[a_flux + volume_fraction(k)][q] = f.alpha[k]; });
     a_[a_flux + s_.normal()][q] = f.mu;
     a_[a_flux + s_.transverse1()][q] = f.mv;
     a_[a_flux + s_.transverse2()][q] = f.mw;
@@ -227,49 +224,71 @@ class FluxLimiter {
   static Flow hll_flux(Side const& L, Side const& R, Speeds const& s) {
     HllFlux const h = hll({0.0, L.u, L.p, 0.0, L.c}, {0.0, R.u, R.p, 0.0, R.c}, s.low, s.high);
     auto const carried = [&h](double left, double right) { return h.from_left * left + h.from_right * right; };
-    return {carried(L.U.rho0, R.U.rho0),          carried(L.U.rho1, R.U.rho1), carried(L.U.alpha, R.U.alpha),
-            carried(L.U.mu, R.U.mu) + h.pressure, carried(L.U.mv, R.U.mv),     carried(L.U.mw, R.U.mw),
-            carried(L.U.E, R.U.E) + h.work,       h.from_left + h.from_right};
+    Flow f{};
+    for_fluids<0, N>([&](int k) { f.partial[k] = carried(L.U.partial[k], R.U.partial[k]); });
+    for_fluids<1, N>([&](int k) { f.alpha[k] = carried(L.U.alpha[k], R.U.alpha[k]); });
+    f.mu = carried(L.U.mu, R.U.mu) + h.pressure;
+    f.mv = carried(L.U.mv, R.U.mv);
+    f.mw = carried(L.U.mw, R.U.mw);
+    f.E = carried(L.U.E, R.U.E) + h.work;
+    f.speed = h.from_left + h.from_right;
+    return f;
   }
 
   static Flow blend(Flow const& first, Flow const& high, double theta) {
     auto const mean = [theta](double x, double y) { return x + theta * (y - x); };
-    return {mean(first.rho0, high.rho0), mean(first.rho1, high.rho1),  mean(first.alpha, high.alpha),
-            mean(first.mu, high.mu),     mean(first.mv, high.mv),      mean(first.mw, high.mw),
-            mean(first.E, high.E),       mean(first.speed, high.speed)};
+    Flow f{};
+    for_fluids<0, N>([&](int k) { f.partial[k] = mean(first.partial[k], high.partial[k]); });
+    for_fluids<1, N>([&](int k) { f.alpha[k] = mean(first.alpha[k], high.alpha[k]); });
+    f.mu = mean(first.mu, high.mu);
+    f.mv = mean(first.mv, high.mv);
+    f.mw = mean(first.mw, high.mw);
+    f.E = mean(first.E, high.E);
+    f.speed = mean(first.speed, high.speed);
+    return f;
   }
 
   /// The margins of U + S + k (F - f(U)).
   [[nodiscard]] Margins half_update(Side const& x, Flow const& F, double k) const {
     Flow const& U = x.U;
     Flow const& base = x.spread;
-    double const rho0 = base.rho0 + k * (F.rho0 - U.rho0 * x.u);
-    double const rho1 = base.rho1 + k * (F.rho1 - U.rho1 * x.u);
-    double const alpha = U.alpha + k * (F.alpha - U.alpha * F.speed);
+    PerFluid partial{};
+    PerFluid alpha{};
+    for_fluids<0, N>([&](int f) { partial[f] = base.partial[f] + k * (F.partial[f] - U.partial[f] * x.u); });
+    for_fluids<1, N>([&](int f) { alpha[f] = U.alpha[f] + k * (F.alpha[f] - U.alpha[f] * F.speed); });
     double const mu = base.mu + k * (F.mu - (U.mu * x.u + x.p));
     double const mv = base.mv + k * (F.mv - U.mv * x.u);
     double const mw = base.mw + k * (F.mw - U.mw * x.u);
     double const E = base.E + k * (F.E - (U.E + x.p) * x.u);
-    double const rho = rho0 + rho1;
+    double const rho = density(partial);
     constexpr double round_off = 1e-13;
-    if (!(rho > 0.0) || rho0 < -round_off * rho || rho1 < -round_off * rho || alpha < -round_off ||
-        alpha > 1.0 + round_off) {
-      return Margins::of_nothing();
-    }
+    bool possible = rho > 0.0;
+    for_fluids<0, N>([&](int f) { possible = possible && !(partial[f] < -round_off * rho); });
+    for_fluids<1, N>([&](int f) { possible = possible && !(alpha[f] < -round_off || alpha[f] > 1.0 + round_off); });
+    if (!possible) return Margins::of_nothing();
     double const rho_e = E - 0.5 * (mu * mu + mv * mv + mw * mw) / rho;
-    Mixture const m = mixture(*s_.fluids, rho0, rho1, alpha, x.burn);
-    Margins const result{margin(m.pressure(rho_e), m.xi, m.H, s_.most_H), heat(rho0, rho1, alpha, rho_e)};
+    Mixture const m = closure_of<N>(*s_.fluids, partial, alpha, x.burn);
+    Margins const result{margin(m.pressure(rho_e), m.xi, m.H, s_.most_H), heat(partial, alpha, rho_e)};
     return result.pressure == result.pressure ? result : Margins::of_nothing();
   }
 
   /// Energy above that of the cold fluids: unlike the pressure a concave function of the state, for in the mean of two
   /// states of products with little thermal energy the pressure may be negative. Without limit where tension is borne.
-  [[nodiscard]] double heat(double rho0, double rho1, double alpha, double rho_e) const {
+  [[nodiscard]] double heat(PerFluid const& partial, PerFluid const& alpha, double rho_e) const {
     if (s_.most_H > 0.0) return -Margins::unsound;
-    Fluids const& fluids = *s_.fluids;
-    double const cold0 = rho0 * material::cold_energy(fluids.ambient, phase_density(rho0, 1.0 - alpha));
-    double const cold1 = Two ? rho1 * material::cold_energy(fluids.second, phase_density(rho1, alpha)) : 0.0;
-    return rho_e - cold0 - cold1;
+    double left = rho_e;
+    auto const take_off = [&](int k, double part) {
+      left -= partial[k] * material::cold_energy(s_.fluids->eos[k], phase_density(partial[k], part));
+    };
+    double rest = 1.0;
+    for_fluids<1, N>([&](int k) { rest -= alpha[k]; });
+    take_off(0, rest);
+    for_fluids<1, N>([&](int k) { take_off(k, alpha[k]); });
+    return left;
+  }
+
+  [[nodiscard]] static double density(PerFluid const& partial) {
+    return sum_of_fluids<N>([&](int k) { return partial[k]; });
   }
 
   [[nodiscard]] double least(Side const& x) const { return s_.floors.pressure * (x.xi + 1.0); }
@@ -280,11 +299,11 @@ class FluxLimiter {
 };
 
 /// Limits the fluxes beside the cells that `find_contacts_and_risks` marked.
-template <bool Two>
+template <int N>
 void limit_fluxes(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   int const st = b.stride;
   double const* const risk = a[a_risk];
-  FluxLimiter<Two> limiter(s, b, a);
+  FluxLimiter<N> limiter(s, b, a);
   for (int q = st; q < b.total - 2 * st; ++q) {
     if (std::max(risk[q], risk[q + st]) < 0.5) continue;
     if (limiter.limit(q) && is_own(b, q)) ++guards.fallback_faces;

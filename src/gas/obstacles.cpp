@@ -1,13 +1,14 @@
-/// The cells near rigid surfaces: obstacles, walls and planes of symmetry that face a sweep. They change only where an
-/// obstacle gives way.
+#include "gas/obstacles.hpp"
+
 #include <algorithm>
 #include <cstdlib>
+#include <numeric>
 #include <set>
 #include <tuple>
 #include <vector>
 
 #include "core/parallel.hpp"
-#include "gas/gas.hpp"
+#include "grid/bundle.hpp"
 
 namespace brisance::gas {
 
@@ -33,11 +34,30 @@ void add_cell(std::vector<WallRun>& runs, int q, int distance, bool above) {
 
 }  // namespace
 
-void Gas::find_near_walls(std::vector<int> const& blocks) {
+Obstacles::Obstacles(grid::Grid const& grid, int bundle_cells)
+    : grid_(&grid), bundle_cells_(bundle_cells), blocks_(grid.blocks().size()) {}
+
+bool Obstacles::contain(grid::Cell const& cell) const {
+  auto const& solid = blocks_[cell.block].solid;
+  return !solid.empty() && solid[grid_->block(cell).with_ghosts().offset(cell.within())] != 0;
+}
+
+std::vector<WallRun> const* Obstacles::near_walls(int block, int direction, int bundle) const {
+  auto const& of_bundles = blocks_[block].near_walls[direction];
+  return of_bundles.empty() || of_bundles[bundle].empty() ? nullptr : &of_bundles[bundle];
+}
+
+void Obstacles::find_near_walls() {
+  std::vector<int> all(blocks_.size());
+  std::iota(all.begin(), all.end(), 0);
+  find_near_walls(all);
+}
+
+void Obstacles::find_near_walls(std::vector<int> const& blocks) {
   grid::Domain const& domain = grid_->domain();
   bool const any_obstacle =
-      std::any_of(blocks_.begin(), blocks_.end(), [](BlockData const& data) { return !data.solid.empty(); });
-  auto const is_solid = [&](Index3 const& outside) { return is_obstacle(grid::image_cell(domain, outside)); };
+      std::any_of(blocks_.begin(), blocks_.end(), [](OfBlock const& data) { return !data.solid.empty(); });
+  auto const is_solid = [&](Index3 const& outside) { return contain(grid::image_cell(domain, outside)); };
   // A face of the domain that reflects; the axis and the centre do not.
   auto const is_rigid_face = [&](int direction, int side) {
     int const face = 2 * direction + side;
@@ -56,7 +76,7 @@ void Gas::find_near_walls(std::vector<int> const& blocks) {
       bool const low_face = is_rigid_face(d, 0) && first <= near_wall_cells;
       bool const high_face = is_rigid_face(d, 1) && beyond >= domain.cells[d] - near_wall_cells;
       if (!any_obstacle && !low_face && !high_face) continue;
-      grid::Bundles const bundles(block, d, options_.bundle_cells);
+      grid::Bundles const bundles(block, d, bundle_cells_);
       of_bundles.resize(bundles.count());
       // Distances of the block's cells and one ghost cell at each end along a line, in the cells ahead of a surface
       // below and above: places of the line begin at the cell `reach` before the block.
@@ -107,7 +127,7 @@ void Gas::find_near_walls(std::vector<int> const& blocks) {
   });
 }
 
-std::vector<int> Gas::blocks_near(std::vector<Index3> const& cells, int layers) const {
+std::vector<int> Obstacles::blocks_near(std::vector<Index3> const& cells, int layers) const {
   grid::Domain const& domain = grid_->domain();
   Index3 lower = cells.front();
   Index3 upper = cells.front();
@@ -131,8 +151,9 @@ std::vector<int> Gas::blocks_near(std::vector<Index3> const& cells, int layers) 
   return near;
 }
 
-void Gas::open_obstacles(std::vector<Index3> const& cells) {
-  if (cells.empty()) return;
+std::vector<int> Obstacles::open(std::vector<Index3> const& cells) {
+  std::vector<int> changed;
+  if (cells.empty()) return changed;
   grid::Domain const& domain = grid_->domain();
   std::set<Index3> const opened(cells.begin(), cells.end());
   for (int const b : blocks_near(cells, grid::ghost_layers)) {
@@ -140,35 +161,17 @@ void Gas::open_obstacles(std::vector<Index3> const& cells) {
     if (solid.empty()) continue;
     grid::Block const& block = grid_->blocks()[b];
     grid::CellRange const box = block.with_ghosts();
+    bool sees = false;
     for_each_cell(box, [&](Index3 const& within) {
       std::uint8_t& flag = solid[box.offset(within)];
       if (flag == 0 || !opened.contains(grid::image_cell(domain, block.index(within)))) return;
       flag = 0;
-      awake_[b] = 1;
+      sees = true;
     });
+    if (sees) changed.push_back(b);
   }
   find_near_walls(blocks_near(cells, near_wall_cells + 1));
-}
-
-void Gas::fill_opened(Index3 const& cell, Index3 const& from) {
-  grid::Cell const to = grid_->locate(cell);
-  grid::Cell const donor = grid_->locate(from);
-  if (burn_fraction(donor) < 1.0) return;
-  Components u{};
-  for (int c = 0; c < components(); ++c) u[c] = fields_.at(donor.block, c)[donor.offset];
-  double square = 0.0;
-  for (int d = 0; d < 3; ++d) {
-    square += u[momentum_x + d] * u[momentum_x + d];
-    u[momentum_x + d] = 0.0;
-  }
-  u[energy] -= 0.5 * square / (u[density] + u[second_density]);
-  u[shock] = 0.0;
-  double const volume = grid_->block(to).volume(to);
-  for (int c = 0; c < components(); ++c) {
-    double& value = fields_.at(to.block, c)[to.offset];
-    blocks_[to.block].account.opened[c] += volume * (u[c] - value);
-    value = u[c];
-  }
+  return changed;
 }
 
 }  // namespace brisance::gas

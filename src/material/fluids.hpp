@@ -5,26 +5,36 @@
 ///     rho c^2 = p + (p + H)/xi,   H = sum alpha_k xi_k (rho_k f_k' - f_k),
 /// where c follows from xi rho c^2 = sum alpha_k xi_k rho_k c_k^2.
 ///
-/// Programmed burn, [Cui14] Eq. (52): the second fluid's pressure is p_0 + F (p_E - p_0), F the burn fraction. The
+/// Programmed burn, [Cui14] Eq. (52): the pressure of the products is p_0 + F (p_E - p_0), F the burn fraction. The
 /// offset by the ambient pressure p_0 keeps unburnt explosive at rest in air at rest; it is 1e-5 of the detonation
 /// pressure. In the form above:
 ///     G_1 -> F G_1,   f_1 -> F f_1 + (1 - F) p_0.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <variant>
 
 #include "core/loops.hpp"
 #include "material/eos/eos.hpp"
+#include "material/primitive.hpp"
 
 namespace brisance::material {
 
-/// The fluids of a run.
+/// The fluids of a run. Number 0 is the ambient one, which fills what the others leave; the others carry a partial
+/// density and a volume fraction each.
 struct Fluids {
-  Eos ambient;
-  Eos second;
-  bool two = false;               ///< is there a second fluid?
+  std::array<Eos, most_fluids> eos;
+  int count = 1;
   double ambient_pressure = 0.0;  ///< p_0 of unburnt explosive [Pa]
+
+  [[nodiscard]] Eos const& ambient() const { return eos[0]; }
+  /// Can a cell hold more than the ambient fluid?
+  [[nodiscard]] bool mixed() const { return count > 1; }
+  [[nodiscard]] bool any_bears_tension() const {
+    return std::any_of(eos.begin(), eos.begin() + count, [](Eos const& of) { return bears_tension(of); });
+  }
 };
 
 /// Volume fractions below this are treated as zero in the closure; cells stop carrying them through faces, so that the
@@ -65,7 +75,7 @@ inline void add_fluid(E const& eos, double alpha, double rho, Mixture& m) {
   m.H += alpha * xi * (eos.rho_d_reference(rho) - f);
 }
 
-/// Adds the second fluid's part with burn fraction F.
+/// Adds the part of a fluid with burn fraction F.
 template <class E>
 inline void add_burning_fluid(E const& eos, double alpha, double rho, double F, double p0, Mixture& m) {
   double const xi = 1.0 / (F * eos.gruneisen());
@@ -75,35 +85,63 @@ inline void add_burning_fluid(E const& eos, double alpha, double rho, double F, 
   m.H += alpha * xi * (F * eos.rho_d_reference(rho) - f);
 }
 
-/// Closure of one cell; `rho0`, `rho1` are partial densities, F the burn fraction (1: burnt).
-[[nodiscard]] inline Mixture mixture(Fluids const& fluids, double rho0, double rho1, double alpha1, double F = 1.0) {
+/// Closure of one cell; `partial` are partial densities, F the burn fraction (1: burnt) of the fluids beside the
+/// ambient one. Without such fluids the volume fractions must be 0.
+[[nodiscard]] inline Mixture mixture(Fluids const& fluids, PerFluid const& partial, Fractions const& alpha,
+                                     double F = 1.0) {
   Mixture m;
-  double const alpha0 = fluids.two ? 1.0 - alpha1 : 1.0;
-  std::visit([&](auto const& eos) { add_fluid(eos, alpha0, phase_density(rho0, alpha0), m); }, fluids.ambient);
-  if (fluids.two) {
+  double const alpha0 = alpha[0];
+  std::visit([&](auto const& eos) { add_fluid(eos, alpha0, phase_density(partial[0], alpha0), m); }, fluids.eos[0]);
+  for (int k = 1; k < fluids.count; ++k) {
     std::visit(
         [&](auto const& eos) {
-          add_burning_fluid(eos, alpha1, phase_density(rho1, alpha1), F, fluids.ambient_pressure, m);
+          add_burning_fluid(eos, alpha[k], phase_density(partial[k], alpha[k]), F, fluids.ambient_pressure, m);
         },
-        fluids.second);
+        fluids.eos[k]);
   }
   return m;
 }
 
-/// Closure of a mixture of density rho with mass fraction Y and volume fraction alpha1 of the second fluid.
-[[nodiscard]] inline Mixture mixture_of(Fluids const& fluids, double rho, double Y, double alpha1) {
-  return mixture(fluids, (1.0 - Y) * rho, Y * rho, alpha1);
+/// Closure of a mixture of density rho with mass fractions Y and volume fractions alpha.
+[[nodiscard]] inline Mixture mixture_of(Fluids const& fluids, double rho, Fractions const& Y, Fractions const& alpha) {
+  PerFluid partial{};
+  for (int k = 0; k < most_fluids; ++k) partial[k] = Y[k] * rho;
+  return mixture(fluids, partial, alpha);
 }
+[[nodiscard]] inline Mixture mixture_of(Fluids const& fluids, Primitive const& s) {
+  return mixture_of(fluids, s.density, s.mass_fraction, s.volume_fraction);
+}
+
+/// Volume fractions of a fluid along a row of cells or points: those that stand there, or, of the ambient fluid, what
+/// those of the others leave.
+struct Own {
+  double const* alpha;
+  [[nodiscard]] double operator()(int q) const { return alpha[q]; }
+};
+template <int Others>
+struct Rest {
+  std::array<double const*, Others> alpha;
+  [[nodiscard]] double operator()(int q) const { return after<Others>(q); }
+
+ private:
+  template <int Count>
+  [[nodiscard]] double after(int q) const {
+    if constexpr (Count == 1)
+      return 1.0 - alpha[0][q];
+    else
+      return after<Count - 1>(q) - alpha[Count - 1][q];
+  }
+};
 
 /// The same for rows of cells or points: adds one fluid to xi, B, H of n of them. `F` is null where everything is
 /// burnt. The model comes by value: its constants then stay in registers, for no store to the rows can change them.
-template <bool Complement, class E>
-void add_fluid_sums(E const eos, int n, double const* alpha, double const* partial, double const* F, double p0,
+template <class Alpha, class E>
+void add_fluid_sums(E const eos, int n, Alpha const alpha, double const* partial, double const* F, double p0,
                     double* xi, double* B, double* H) {
   if (F == nullptr) {
     BRISANCE_VECTOR_LOOP
     for (int q = 0; q < n; ++q) {
-      double const a = Complement ? 1.0 - alpha[q] : alpha[q];
+      double const a = alpha(q);
       Mixture m{xi[q], B[q], H[q]};
       add_fluid(eos, a, phase_density(partial[q], a), m);
       xi[q] = m.xi;
@@ -113,7 +151,7 @@ void add_fluid_sums(E const eos, int n, double const* alpha, double const* parti
   } else {
     BRISANCE_VECTOR_LOOP
     for (int q = 0; q < n; ++q) {
-      double const a = Complement ? 1.0 - alpha[q] : alpha[q];
+      double const a = alpha(q);
       Mixture m{xi[q], B[q], H[q]};
       add_burning_fluid(eos, a, phase_density(partial[q], a), F[q], p0, m);
       xi[q] = m.xi;
@@ -124,9 +162,9 @@ void add_fluid_sums(E const eos, int n, double const* alpha, double const* parti
 }
 
 /// The same, quicker where the fluid is thin everywhere.
-template <bool Complement, class E>
-void add_fluid_row(E const eos, int n, double const* alpha, double const* partial, double const* F, double p0,
-                   double* xi, double* B, double* H) {
+template <class Alpha, class E>
+void add_fluid_row(E const eos, int n, Alpha const alpha, double const* partial, double const* F, double p0, double* xi,
+                   double* B, double* H) {
   if constexpr (requires { eos.negligible_below(); }) {
     // The reference curve of a thin fluid vanishes in double precision: it is an ideal gas.
     if (F == nullptr) {
@@ -134,18 +172,18 @@ void add_fluid_row(E const eos, int n, double const* alpha, double const* partia
       long dense = 0;
       BRISANCE_VECTOR_LOOP
       for (int q = 0; q < n; ++q) {
-        double const a = Complement ? 1.0 - alpha[q] : alpha[q];
+        double const a = alpha(q);
         dense += phase_density(partial[q], a) > bound ? 1 : 0;
       }
       if (dense == 0) {
         double const x = 1.0 / eos.gruneisen();
         BRISANCE_VECTOR_LOOP
-        for (int q = 0; q < n; ++q) xi[q] += (Complement ? 1.0 - alpha[q] : alpha[q]) * x;
+        for (int q = 0; q < n; ++q) xi[q] += alpha(q) * x;
         return;
       }
     }
   }
-  add_fluid_sums<Complement>(eos, n, alpha, partial, F, p0, xi, B, H);
+  add_fluid_sums(eos, n, alpha, partial, F, p0, xi, B, H);
 }
 
 }  // namespace brisance::material

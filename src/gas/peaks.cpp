@@ -1,0 +1,44 @@
+#include "gas/peaks.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/archive.hpp"
+#include "core/loops.hpp"
+
+namespace brisance::gas {
+
+Peaks::Peaks(grid::Grid const& grid, bool wanted) : grid_(&grid) {
+  if (!wanted) return;
+  for (grid::Block const& block : grid.blocks())
+    blocks_.emplace_back(static_cast<std::size_t>(block.cell_count()) * peak_count);
+}
+
+double const* Peaks::of(int block, Peak peak) const {
+  if (blocks_.empty()) return nullptr;
+  return blocks_[block].data() + static_cast<std::size_t>(peak) * grid_->blocks()[block].cell_count();
+}
+
+void Peaks::follow(int b, grid::BundleLayout const& layout, double const* const p, double ambient, double dt) {
+  if (blocks_.empty()) return;
+  grid::Block const& block = grid_->blocks()[b];
+  int const cells = block.cell_count();
+  double* const peak = blocks_[b].data() + static_cast<std::ptrdiff_t>(peak_pressure) * cells;
+  double* const running = blocks_[b].data() + static_cast<std::ptrdiff_t>(running_impulse) * cells;
+  double* const largest = blocks_[b].data() + static_cast<std::ptrdiff_t>(largest_impulse) * cells;
+  for_each_run(layout, block, [&](int q, int offset, int count) {
+    BRISANCE_VECTOR_LOOP
+    for (int n = 0; n < count; ++n) {
+      double const over = p[q + n] - ambient;
+      peak[offset + n] = std::max(peak[offset + n], over);
+      running[offset + n] += over * dt;
+      largest[offset + n] = std::max(largest[offset + n], running[offset + n]);
+    }
+  });
+}
+
+void Peaks::archive(Archive& a, int block) {
+  if (!blocks_.empty()) a.numbers(blocks_[block].data(), blocks_[block].size());
+}
+
+}  // namespace brisance::gas

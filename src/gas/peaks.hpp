@@ -1,0 +1,37 @@
+/// Peak fields of the gas: largest overpressure and largest running impulse of every cell.
+#pragma once
+
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "grid/bundle.hpp"
+
+namespace brisance {
+class Archive;
+}
+
+namespace brisance::gas {
+
+class Peaks {
+ public:
+  /// Keeps nothing unless `wanted`.
+  Peaks(grid::Grid const& grid, bool wanted);
+
+  /// Of a block, x fastest: peak overpressure [Pa], largest running impulse [Pa s]. Null where nothing is kept.
+  [[nodiscard]] double const* overpressure(int block) const { return of(block, peak_pressure); }
+  [[nodiscard]] double const* impulse(int block) const { return of(block, largest_impulse); }
+
+  /// Takes in the pressures [Pa] of a bundle's own cells after a step dt [s]; `ambient`: of quiescent gas [Pa].
+  void follow(int block, grid::BundleLayout const& layout, double const* pressure, double ambient, double dt);
+  /// A block's fields in a checkpoint.
+  void archive(Archive& a, int block);
+
+ private:
+  enum Peak : int { peak_pressure, running_impulse, largest_impulse, peak_count };
+  [[nodiscard]] double const* of(int block, Peak peak) const;
+
+  grid::Grid const* grid_;
+  std::vector<Buffer> blocks_;  ///< empty: nothing is kept
+};
+
+}  // namespace brisance::gas
