@@ -10,7 +10,7 @@ bool becomes_gas(Case const& c, Body const& body) {
 
 void hand_over_products(Case const& setup, mpm::Mpm& points, int gas_body) {
   for (std::size_t n = 0; n < setup.points.bodies.size(); ++n) {
-    if (becomes_gas(setup, setup.points.bodies[n])) points.hand_over_burnt(static_cast<int>(n), gas_body);
+    if (becomes_gas(setup, setup.points.bodies[n])) mpm::hand_over_burnt(points, static_cast<int>(n), gas_body);
   }
 }
 
