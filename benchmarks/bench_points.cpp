@@ -73,9 +73,10 @@ void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int p
     points.advance(points.stable_step());
     ++steps;
   }
-  auto const updates = static_cast<double>(points.point_count()) * static_cast<double>(steps);
+  auto const updates = static_cast<double>(mpm::point_count(points)) * static_cast<double>(steps);
   state.counters["points/s"] = benchmark::Counter(updates, benchmark::Counter::kIsRate);
-  state.counters["bytes/point"] = static_cast<double>(points.bytes()) / static_cast<double>(points.point_count());
+  state.counters["bytes/point"] =
+      static_cast<double>(mpm::bytes(points)) / static_cast<double>(mpm::point_count(points));
   for (auto const& [phase, seconds] : points.timings()) {
     auto const earlier = before.find(phase);
     double const spent = seconds - (earlier == before.end() ? 0.0 : earlier->second);

@@ -55,6 +55,65 @@ ExitCode guarded(Command const& command) {
   }
 }
 
+// Each command keeps references to its arguments and to the exit code.
+
+void add_run(CLI::App& app, brisance::app::RunArguments& arguments, ExitCode& code) {
+  auto* run = app.add_subcommand("run", "Run a deck");
+  run->add_option("DECK", arguments.deck, "the case, a TOML file")->required();
+  run->add_option("--output", arguments.output,
+                  "folder for the results; without it NAME-results in the working directory");
+  run->add_option("--threads", arguments.threads, "number of threads; without it all cores")
+      ->check(CLI::Range(1, 1024));
+  auto* force = run->add_flag("--force", arguments.force, "replace the results of an earlier run");
+  run->add_flag("--resume", arguments.resume, "go on from the newest checkpoint of an earlier run")->excludes(force);
+  run->add_flag("--quiet", arguments.quiet, "say nothing but errors and warnings of the deck");
+  run->add_flag("!--no-progress", arguments.progress, "no progress line");
+  run->footer(
+      "Ctrl-C ends the step, writes what there is and a checkpoint and exits with 3; a second Ctrl-C ends at once.\n"
+      "Example: brisance run cases/hemisphere_3d/deck.toml --output burst --threads 2");
+  run->callback([&arguments, &code] { code = guarded([&] { return run_deck(arguments); }); });
+}
+
+void add_check(CLI::App& app, brisance::app::CheckArguments& arguments, ExitCode& code) {
+  auto* check = app.add_subcommand("check", "Validate a deck and say what it will compute");
+  check->add_option("DECK", arguments.deck, "the case, a TOML file")->required();
+  check->add_flag("--json", arguments.json, "answer in JSON");
+  check->footer("Example: brisance check cases/hemisphere_3d/deck.toml");
+  check->callback([&arguments, &code] { code = guarded([&] { return check_deck(arguments); }); });
+}
+
+void add_info(CLI::App& app, brisance::app::InfoArguments& arguments, ExitCode& code) {
+  auto* info = app.add_subcommand("info", "List materials and models, or all about one material");
+  info->add_option("NAME", arguments.name, "an explosive or a fluid");
+  info->add_flag("--deck-reference", arguments.deck_reference, "print the reference manual of decks in Markdown");
+  info->add_flag("--json-schema", arguments.json_schema, "print the JSON Schema of decks for editors");
+  info->footer("Example: brisance info TNT");
+  info->callback([&arguments, &code] { code = guarded([&] { return brisance::app::info(arguments); }); });
+}
+
+void add_report(CLI::App& app, std::string& folder, ExitCode& code) {
+  auto* report = app.add_subcommand("report", "Write the HTML report of a run and print its path");
+  report->add_option("DIR", folder, "the results of a run")->required();
+  report->footer("Example: brisance report burst");
+  report->callback([&folder, &code] { code = guarded([&] { return brisance::app::report(folder); }); });
+}
+
+void add_kb(CLI::App& app, brisance::app::KbArguments& arguments, ExitCode& code) {
+  auto* kb = app.add_subcommand("kb", "Blast parameters after Kingery and Bulmash");
+  kb->add_option("--charge", arguments.charge, "mass of the charge with its unit; a bare number is in kg")->required();
+  kb->add_option("--distance", arguments.distance, "distance from its centre with its unit; a bare number is in m")
+      ->required();
+  kb->add_option("--burst", arguments.burst, "hemispherical: on the ground; spherical: in free air")
+      ->required()
+      ->check(CLI::IsMember({"hemispherical", "spherical"}));
+  kb->add_option("--explosive", arguments.explosive, "an explosive of `brisance info`; without it TNT");
+  kb->add_option("--altitude", arguments.altitude,
+                 "height above the sea in the standard atmosphere, scaled after Sachs; a bare number is in m");
+  kb->add_flag("--json", arguments.json, "answer in JSON, SI units");
+  kb->footer("Example: brisance kb --charge \"10 kg\" --distance \"5 m\" --burst hemispherical");
+  kb->callback([&arguments, &code] { code = guarded([&] { return brisance::app::kb(arguments); }); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -67,60 +126,16 @@ int main(int argc, char** argv) {
   app.get_formatter()->column_width(34);
 
   ExitCode code = ExitCode::done;
-
-  brisance::app::RunArguments run_arguments;
-  auto* run = app.add_subcommand("run", "Run a deck");
-  run->add_option("DECK", run_arguments.deck, "the case, a TOML file")->required();
-  run->add_option("--output", run_arguments.output,
-                  "folder for the results; without it NAME-results in the working directory");
-  run->add_option("--threads", run_arguments.threads, "number of threads; without it all cores")
-      ->check(CLI::Range(1, 1024));
-  auto* force = run->add_flag("--force", run_arguments.force, "replace the results of an earlier run");
-  run->add_flag("--resume", run_arguments.resume, "go on from the newest checkpoint of an earlier run")
-      ->excludes(force);
-  run->add_flag("--quiet", run_arguments.quiet, "say nothing but errors and warnings of the deck");
-  run->add_flag("!--no-progress", run_arguments.progress, "no progress line");
-  run->footer(
-      "Ctrl-C ends the step, writes what there is and a checkpoint and exits with 3; a second Ctrl-C ends at once.\n"
-      "Example: brisance run cases/hemisphere_3d/deck.toml --output burst --threads 2");
-  run->callback([&] { code = guarded([&] { return run_deck(run_arguments); }); });
-
-  brisance::app::CheckArguments check_arguments;
-  auto* check = app.add_subcommand("check", "Validate a deck and say what it will compute");
-  check->add_option("DECK", check_arguments.deck, "the case, a TOML file")->required();
-  check->add_flag("--json", check_arguments.json, "answer in JSON");
-  check->footer("Example: brisance check cases/hemisphere_3d/deck.toml");
-  check->callback([&] { code = guarded([&] { return check_deck(check_arguments); }); });
-
-  brisance::app::InfoArguments info_arguments;
-  auto* info = app.add_subcommand("info", "List materials and models, or all about one material");
-  info->add_option("NAME", info_arguments.name, "an explosive or a fluid");
-  info->add_flag("--deck-reference", info_arguments.deck_reference, "print the reference manual of decks in Markdown");
-  info->add_flag("--json-schema", info_arguments.json_schema, "print the JSON Schema of decks for editors");
-  info->footer("Example: brisance info TNT");
-  info->callback([&] { code = guarded([&] { return brisance::app::info(info_arguments); }); });
-
-  std::string report_folder;
-  auto* report = app.add_subcommand("report", "Write the HTML report of a run and print its path");
-  report->add_option("DIR", report_folder, "the results of a run")->required();
-  report->footer("Example: brisance report burst");
-  report->callback([&] { code = guarded([&] { return brisance::app::report(report_folder); }); });
-
-  brisance::app::KbArguments kb_arguments;
-  auto* kb = app.add_subcommand("kb", "Blast parameters after Kingery and Bulmash");
-  kb->add_option("--charge", kb_arguments.charge, "mass of the charge with its unit; a bare number is in kg")
-      ->required();
-  kb->add_option("--distance", kb_arguments.distance, "distance from its centre with its unit; a bare number is in m")
-      ->required();
-  kb->add_option("--burst", kb_arguments.burst, "hemispherical: on the ground; spherical: in free air")
-      ->required()
-      ->check(CLI::IsMember({"hemispherical", "spherical"}));
-  kb->add_option("--explosive", kb_arguments.explosive, "an explosive of `brisance info`; without it TNT");
-  kb->add_option("--altitude", kb_arguments.altitude,
-                 "height above the sea in the standard atmosphere, scaled after Sachs; a bare number is in m");
-  kb->add_flag("--json", kb_arguments.json, "answer in JSON, SI units");
-  kb->footer("Example: brisance kb --charge \"10 kg\" --distance \"5 m\" --burst hemispherical");
-  kb->callback([&] { code = guarded([&] { return brisance::app::kb(kb_arguments); }); });
+  brisance::app::RunArguments run;
+  brisance::app::CheckArguments check;
+  brisance::app::InfoArguments info;
+  std::string report;
+  brisance::app::KbArguments kb;
+  add_run(app, run, code);
+  add_check(app, check, code);
+  add_info(app, info, code);
+  add_report(app, report, code);
+  add_kb(app, kb, code);
 
   try {
     app.parse(argc, argv);

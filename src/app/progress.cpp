@@ -62,7 +62,7 @@ void Progress::step(run::World const& world) {
   ++steps_;
   bool const both = world.bridge != nullptr;
   bool const points = world.points != nullptr && !both;
-  active_updates_ += static_cast<double>(points ? world.points->point_count() : world.active_cells());
+  active_updates_ += static_cast<double>(points ? mpm::point_count(*world.points) : world.active_cells());
   auto const now = Clock::now();
   double const done = part_done(world);
   if (!due(done, now)) return;
@@ -83,7 +83,7 @@ void Progress::step(run::World const& world) {
   }
   if (both) {
     speed += world.bridge->awake()
-                 ? fmt::format("  {} points", large_count(static_cast<double>(world.points->point_count())))
+                 ? fmt::format("  {} points", large_count(static_cast<double>(mpm::point_count(*world.points))))
                  : "  points asleep";
   }
   show(fmt::format("{}{}  {}", place, speed, remaining(done, done_, seconds)));

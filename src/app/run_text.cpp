@@ -137,9 +137,9 @@ void print_dissipation(run::EnergyBalance const& energy) {
 
 /// Energy that gas points were given because they had less than none.
 void print_lifted(mpm::Mpm const& points) {
-  if (points.floored().points == 0) return;
+  if (points.accounts().floored.points == 0) return;
   print(stdout, "guards: {} updates of gas points lifted to no pressure; they added {:.3g} J\n",
-        points.floored().points, points.floored().energy);
+        points.accounts().floored.points, points.accounts().floored.energy);
 }
 
 void print_point_audit(run::World const& world) {
@@ -152,7 +152,7 @@ void print_point_audit(run::World const& world) {
         100.0 * energy.drift(), quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
   print_lifted(*world.points);
-  auto const& lost = world.points->losses();
+  auto const& lost = world.points->accounts().losses;
   if (lost.points > 0) {
     print(stdout, "{} points left the domain with {:.4g} kg and {}\n", lost.points, lost.mass,
           quantity(lost.energy, "J"));

@@ -92,8 +92,8 @@ void Bridge::lend_cells_to_nodes(double begin, double end) {
 /// the sums over points, which is proportional to what is left. It must not exceed the lowest pressure of the gas:
 /// points under negative pressure attract each other and gather in clumps.
 void Bridge::take_reference_off() {
-  double reference =
-      options_.reference_pressure.value_or(std::clamp(points_->lowest_pressure(gas_body_), 0.0, ambient_.pressure));
+  double reference = options_.reference_pressure.value_or(
+      std::clamp(mpm::lowest_pressure(*points_, gas_body_), 0.0, ambient_.pressure));
   for (int body = 0; body < static_cast<int>(points_->bodies().size()); ++body) {
     // The stress of solids counts from the ambient pressure.
     bool const is_gas = body == gas_body_;
@@ -114,7 +114,7 @@ void Bridge::exchange(double share, double dt) {
     ledger_.add_fluxes(gas_->coupling.watched(), share);
     ledger_.add_pressure(gas_->coupling.watched(), share, dt, points_->bodies()[gas_body_].reference_pressure,
                          ambient_.pressure);
-    ledger_.take_gifts(*points_, proxies_.blocks(), traffic_.outflow);
+    ledger_.take_gifts(points_->loans(), proxies_.blocks(), traffic_.outflow);
     ledger_.follow_volumes(dt);
     ledger_.level();
     traffic_.born += ledger_.give_birth(gas_points_);

@@ -19,7 +19,12 @@ void set_gradient(mpm::PointSet& set, int q, GasSlopes const& slopes, int dimens
 
 GasPoints::GasPoints(mpm::Mpm& points, int body, material::Fluids const& fluids, Faces const& faces,
                      std::vector<int> outer_blocks)
-    : points_(&points), body_(body), fluids_(&fluids), faces_(&faces), outer_blocks_(std::move(outer_blocks)) {
+    : points_(&points),
+      body_(body),
+      has_gradient_energy_(mpm::rules_of(points.bodies()[body], points.options()).has_gradient_energy),
+      fluids_(&fluids),
+      faces_(&faces),
+      outer_blocks_(std::move(outer_blocks)) {
   for (std::size_t n = 0; n < outer_blocks_.size(); ++n) leavers_.push_back(empty_set());
 }
 
@@ -67,8 +72,7 @@ Amounts GasPoints::carried(mpm::PointSet const& set, int q) const {
   }
   l.energy = m * (set.field(Field::energy)[q] + 0.5 * square);
   l.volume = m / set.field(Field::density)[q];
-  if (points_->rules(body_).has_gradient_energy)
-    l.energy += m * mpm::affine_energy(set, q, faces_->region().metric().h);
+  if (has_gradient_energy_) l.energy += m * mpm::affine_energy(set, q, faces_->region().metric().h);
   return l;
 }
 
@@ -82,8 +86,8 @@ std::vector<mpm::PointSet> const& GasPoints::take_leavers() {
   Region const& region = faces_->region();
   parallel_for(static_cast<int>(outer_blocks_.size()), [&](int n, int) {
     leavers_[n].reorder({});
-    points_->take_out(
-        outer_blocks_[n], body_,
+    mpm::take_out(
+        points_->points(outer_blocks_[n], body_),
         [&](mpm::PointSet const& set, int q) {
           Vec3 const x{set.field(Field::position_x)[q], set.field(Field::position_y)[q],
                        set.field(Field::position_z)[q]};

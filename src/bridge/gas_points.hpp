@@ -20,7 +20,7 @@ class GasPoints {
   GasPoints(mpm::Mpm& points, int body, material::Fluids const& fluids, Faces const& faces,
             std::vector<int> outer_blocks);
 
-  [[nodiscard]] mpm::PointSet empty_set() const { return mpm::PointSet(points_->fields(body_)); }
+  [[nodiscard]] mpm::PointSet empty_set() const { return mpm::PointSet(mpm::fields(*points_, body_)); }
   /// Appends a point that comes in through a lane at a depth [m] from its face; `mass` [kg].
   void append(int face, int lane, double depth, double mass, Primitive const& state, GasSlopes const& slopes,
               mpm::PointSet& to) const;
@@ -39,6 +39,7 @@ class GasPoints {
  private:
   mpm::Mpm* points_;
   int body_;
+  bool has_gradient_energy_;  ///< see `mpm::BodyRules`
   material::Fluids const* fluids_;
   Faces const* faces_;
   std::vector<int> outer_blocks_;

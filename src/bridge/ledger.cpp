@@ -131,11 +131,11 @@ void Ledger::add_pressure(Fluxes const& watched, double share, double dt, double
   }
 }
 
-void Ledger::take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks, Amounts& outflow) {
+void Ledger::take_gifts(mpm::Loans& loans, std::vector<int> const& blocks, Amounts& outflow) {
   gifts_.assign(faces_->count(), Amounts{});
   int const dims = faces_->region().domain().dimensions();
   for (int const block : blocks) {
-    for (mpm::NodeGift const& gift : points.gifts(block)) {
+    for (mpm::NodeGift const& gift : loans.gifts(block)) {
       for (NodeShares::Share const& s : shares_.around(gift.node)) {
         for (int d = 0; d < dims; ++d) gifts_[s.face].momentum[d] += s.part * gift.momentum[d];
         gifts_[s.face].energy += s.part * gift.energy;

@@ -64,7 +64,7 @@ class Ledger {
   /// feel; `resting`: the pressure where both sides of a face sleep [Pa].
   void add_pressure(Fluxes const& watched, double share, double dt, double reference, double resting);
   /// Takes off what the cells outside gave at the nodes, block by block; at open faces the energy of it off `outflow`.
-  void take_gifts(mpm::Mpm const& points, std::vector<int> const& blocks, Amounts& outflow);
+  void take_gifts(mpm::Loans& loans, std::vector<int> const& blocks, Amounts& outflow);
   /// Lets the volumes of the accounts follow the gas.
   void follow_volumes(double dt);
   /// Evens out neighbouring accounts where gas flows out.

@@ -14,7 +14,7 @@ using mpm::Field;
 
 Proxies::Proxies(mpm::Mpm& points, int gas_body, Faces const& faces, SharedGas const& shared)
     : points_(&points), faces_(&faces), shared_(&shared) {
-  points.lend_as(gas_body);
+  points.loans().belong_to(gas_body);
   Region const& region = faces.region();
   std::map<int, std::vector<LentCell>> by_block;
   for (Index3 const& cell : region.lent()) {
@@ -101,11 +101,10 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger c
 
 void Proxies::lend(double begin, double end, Ledger const& ledger) {
   parallel_for(static_cast<int>(blocks_.size()), [&](int n, int) {
-    mpm::PointSet& set = points_->lent(blocks_[n].block);
+    mpm::PointSet& set = points_->loans().points(blocks_[n].block);
     set.reorder({});
     for (LentCell const& cell : blocks_[n].cells) lend_cell(cell, begin, end, ledger, set);
   });
-  points_->lending_done();
 }
 
 }  // namespace brisance::bridge

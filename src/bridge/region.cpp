@@ -58,40 +58,53 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
     : domain_(domain), width_(width) {
   if (boxes.empty()) throw InputError("an MPM region needs at least one box");
   if (width < 1) throw InputError("the bridge needs a width of at least 1 cell");
-  int const dims = domain.dimensions();
-  Index3 low = boxes.front().lower;
-  Index3 high = boxes.front().upper;
+  CellBox hull = boxes.front();
   for (CellBox const& box : boxes) {
     check_box(domain, box);
-    for (int d = 0; d < dims; ++d) {
-      low[d] = std::min(low[d], box.lower[d]);
-      high[d] = std::max(high[d], box.upper[d]);
+    for (int d = 0; d < domain.dimensions(); ++d) {
+      hull.lower[d] = std::min(hull.lower[d], box.lower[d]);
+      hull.upper[d] = std::max(hull.upper[d], box.upper[d]);
     }
   }
+  frame(hull, lent_layers);
+  find_layers(boxes);
+  int const deepest = list_cells();
+  if (std::any_of(faces_.begin(), faces_.end(), [](Face const& f) { return !f.open; }) && deepest < width + 3) {
+    throw InputError(fmt::format(
+        "the MPM region is too thin: with a bridge of {} cells it needs at least {} cells between two bridges "
+        "and {} between a bridge and a boundary",
+        width, 2 * width + 5, width + 3));
+  }
+  list_lent(lent_layers);
+}
 
-  // The background grid of the points.
-  points_domain_ = domain;
-  for (int d = 0; d < dims; ++d) {
+/// The background grid of the points.
+void Region::frame(CellBox const& hull, int lent_layers) {
+  points_domain_ = domain_;
+  for (int d = 0; d < domain_.dimensions(); ++d) {
     std::array<int, 2> margin{};
     for (int side = 0; side < 2; ++side) {
-      bool const at_boundary = side == 0 ? low[d] == 0 : high[d] == domain.cells[d];
-      bool const closed = at_boundary && grid::has_images(domain.boundary[2 * d + side]);
+      bool const at_boundary = side == 0 ? hull.lower[d] == 0 : hull.upper[d] == domain_.cells[d];
+      bool const closed = at_boundary && grid::has_images(domain_.boundary[2 * d + side]);
       margin[side] = closed ? 0 : lent_layers;
       if (!closed) points_domain_.boundary[2 * d + side] = grid::Boundary::outflow;
     }
-    space_.lower[d] = low[d] - margin[0];
-    space_.upper[d] = high[d] + margin[1];
+    space_.lower[d] = hull.lower[d] - margin[0];
+    space_.upper[d] = hull.upper[d] + margin[1];
     shift_[d] = -space_.lower[d];
-    points_domain_.lower[d] = domain.face(d, space_.lower[d]);
+    points_domain_.lower[d] = domain_.face(d, space_.lower[d]);
     points_domain_.cells[d] = space_.n(d);
   }
+}
 
-  // Layers by Chebyshev distance from the cells outside.
-  std::uint8_t const deep = static_cast<std::uint8_t>(width + 5);
+/// Layers by Chebyshev distance from the cells outside.
+void Region::find_layers(std::vector<CellBox> const& boxes) {
+  int const dims = domain_.dimensions();
+  std::uint8_t const deep = static_cast<std::uint8_t>(width_ + 5);
   layers_.assign(space_.count(), 0);
   for (CellBox const& box : boxes) for_each_cell(box, [&](Index3 const& cell) { layers_[at(cell)] = deep; });
   auto const any_around = [&](Index3 const& cell, auto&& test) {
-    return any_cell(grid::around(cell, 1, dims), [&](Index3 const& c) { return domain.contains(c) && test(c); });
+    return any_cell(grid::around(cell, 1, dims), [&](Index3 const& c) { return domain_.contains(c) && test(c); });
   };
   // Within a box, away from its faces, all around is region.
   auto const in_the_open = [&](Index3 const& cell) {
@@ -103,7 +116,7 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
     if (any_around(cell, [&](Index3 const& c) { return layer(c) == 0; })) front.push_back(cell);
   });
   // Each layer from the one before: what is deep is not looked through again.
-  for (int level = 1; level <= width + 4; ++level) {
+  for (int level = 1; level <= width_ + 4; ++level) {
     for (Index3 const& cell : front) layers_[at(cell)] = static_cast<std::uint8_t>(level);
     std::vector<Index3> next;
     for (Index3 const& cell : front) {
@@ -117,34 +130,37 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
     for (Index3 const& cell : next) layers_[at(cell)] = deep;
     front = std::move(next);
   }
+}
 
+/// Lists the region's cells, its ghosts and faces; returns its deepest layer.
+int Region::list_cells() {
   int deepest = 0;
-  std::vector<std::uint8_t> near(layers_.size(), 0);  // number of steps that lead to the region
   for_each_cell(space_, [&](Index3 const& cell) {
     int const l = layers_[at(cell)];
     deepest = std::max(deepest, l);
     if (l == 0) return;
     cells_.push_back(cell);
-    if (l > width && l <= width + 4) ghosts_.push_back(cell);
-    for (int d = 0; d < dims; ++d) {
+    if (l > width_ && l <= width_ + 4) ghosts_.push_back(cell);
+    for (int d = 0; d < domain_.dimensions(); ++d) {
       for (int side = 0; side < 2; ++side) {
         Face face{cell, d, side};
         Index3 const outside = face.outside();
         if (inside(outside)) continue;
-        if (!domain.contains(outside)) {
-          if (grid::has_images(domain.boundary[2 * d + side])) continue;
+        if (!domain_.contains(outside)) {
+          if (grid::has_images(domain_.boundary[2 * d + side])) continue;
           face.open = true;
         }
         faces_.push_back(face);
       }
     }
   });
-  if (std::any_of(faces_.begin(), faces_.end(), [](Face const& f) { return !f.open; }) && deepest < width + 3) {
-    throw InputError(fmt::format(
-        "the MPM region is too thin: with a bridge of {} cells it needs at least {} cells between two bridges "
-        "and {} between a bridge and a boundary",
-        width, 2 * width + 5, width + 3));
-  }
+  return deepest;
+}
+
+/// Lists the cells outside, so many layers of them, that act as points.
+void Region::list_lent(int lent_layers) {
+  int const dims = domain_.dimensions();
+  std::vector<std::uint8_t> near(layers_.size(), 0);  // number of steps that lead to the region
   for (int step = 1; step <= lent_layers; ++step) {
     std::vector<std::size_t> found;
     for_each_cell(space_, [&](Index3 const& cell) {
@@ -164,8 +180,8 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
     bool real = true;
     for (int d = 0; d < dims; ++d) {
       for (int side = 0; side < 2; ++side) {
-        bool const beyond = side == 0 ? cell[d] < 0 : cell[d] >= domain.cells[d];
-        if (beyond && grid::has_images(domain.boundary[2 * d + side])) real = false;
+        bool const beyond = side == 0 ? cell[d] < 0 : cell[d] >= domain_.cells[d];
+        if (beyond && grid::has_images(domain_.boundary[2 * d + side])) real = false;
       }
     }
     if (real) lent_.push_back(cell);

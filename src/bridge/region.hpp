@@ -78,6 +78,10 @@ class Region {
 
  private:
   [[nodiscard]] std::size_t at(Index3 const& cell) const { return space_.offset(cell); }
+  void frame(CellBox const& hull, int lent_layers);
+  void find_layers(std::vector<CellBox> const& boxes);
+  int list_cells();
+  void list_lent(int lent_layers);
 
   grid::Domain domain_;
   int width_;

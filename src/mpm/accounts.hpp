@@ -80,6 +80,18 @@ struct ConductionCount {
   }
 };
 
+/// What was booked since the start.
+struct Accounts {
+  Losses losses;
+  /// Momentum that constraints and rigid bodies gave to the points [kg m/s].
+  Vec3 constraint_impulse{0.0, 0.0, 0.0};
+  /// Work that constraints, rigid bodies, surface pressures and the body force did on the points [J].
+  double outer_work = 0.0;
+  Dissipation dissipation;    ///< what held nodes and filters took, of bodies with FLIP and XPIC
+  FloorCount floored;         ///< energy that gas was given because it had less than none
+  ConductionCount conducted;  ///< heat that went from points to others in shocks
+};
+
 /// What lent points gave to a node in a step, in the directions of the axes: what they lost of it themselves, forces
 /// included. Summed over all nodes it is what the other points gained. The part of the reference pressure is left out.
 struct NodeGift {

@@ -13,12 +13,11 @@ void Mpm::conduct() {
   PhaseTimer const timer(timings_["heat in shocks"]);
   Workspace& w = *work_;
   int const bodies = static_cast<int>(bodies_.size());
-  double const h = grid_.domain().h;
   auto const each_set = [&](int block, auto&& work) {
     for (int body = 0; body < bodies; ++body) {
       PointSet& set = points(block, body);
       if (set.empty() || bodies_[body].shock_conduction <= 0.0) continue;
-      SetView const view{&set, &bodies_[body], &w.patches[block], h};
+      SetView const view{&set, &bodies_[body], &w.patches[block], w.patches[block].h};
       with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) { work(body, view, kernels); });
     }
   };

@@ -7,6 +7,6 @@
 namespace brisance::mpm {
 
 /// Is a node in the region or on its surface?
-[[nodiscard]] bool holds_node(shape::Shape const& region, grid::Domain const& domain, Vec3 const& x);
+[[nodiscard]] bool holds_node(shape::Shape const& region, grid::Metric const& cells, Vec3 const& x);
 
 }  // namespace brisance::mpm

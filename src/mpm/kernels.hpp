@@ -110,15 +110,16 @@ inline __attribute__((always_inline)) void for_rows(Patch const& patch, Weights<
   if constexpr (D == 1) {
     visit(first, 1.0, 0.0, 0.0, 0, 0);
   } else if constexpr (D == 2) {
-    for (int b = 0; b < S::support; ++b) visit(first + b * patch.n[0], k.w[1][b][q], k.g[1][b][q], 0.0, b, 0);
+    for (int b = 0; b < S::support; ++b) visit(first + b * patch.stride(1), k.w[1][b][q], k.g[1][b][q], 0.0, b, 0);
   } else {
-    int const plane = patch.n[0] * patch.n[1];
+    int const row = patch.stride(1);
+    int const plane = patch.stride(2);
     for (int c = 0; c < S::support; ++c) {
       double const wz = k.w[2][c][q];
       double const gz = k.g[2][c][q];
       for (int b = 0; b < S::support; ++b) {
         double const wy = k.w[1][b][q];
-        visit(first + b * patch.n[0] + c * plane, wy * wz, k.g[1][b][q] * wz, wy * gz, b, c);
+        visit(first + b * row + c * plane, wy * wz, k.g[1][b][q] * wz, wy * gz, b, c);
       }
     }
   }
@@ -258,7 +259,7 @@ inline __attribute__((always_inline)) void value_and_gradient(Patch const& patch
   constexpr int planes = D > 2 ? S::support : 1;
   for (int c = 0; c < planes; ++c) {
     for (int b = 0; b < rows; ++b) {
-      Node const* row = first + b * patch.n[0] + c * patch.n[0] * patch.n[1];
+      Node const* row = first + b * patch.stride(1) + c * patch.stride(2);
       Lanes4 r = k.w[0][0][q] * part(row[0]);
       Lanes4 s = g[0][0][q] * part(row[0]);
       for (int i = 1; i < S::support; ++i) {

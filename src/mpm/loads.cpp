@@ -23,6 +23,91 @@ double amplitude(ActiveLoad const& load, double time) {
   return load.pressures.back();
 }
 
+/// The points of a body by the cells of the grid, to find those around a place.
+class PointsByCell {
+ public:
+  struct Near {
+    std::size_t cell = 0;  ///< place in arrays over the domain
+    int block = 0;
+    int point = 0;
+    Vec3 x{0.0, 0.0, 0.0};
+    double volume = 0.0;
+  };
+  struct Weighted {
+    Near const* point;
+    double weight;
+  };
+
+  PointsByCell(Mpm const& mpm, int body) : domain_(&mpm.grid().domain()) {
+    for (int b = 0; b < mpm.grid().block_count(); ++b) {
+      PointSet const& set = mpm.points(b, body);
+      for (int q = 0; q < set.size(); ++q) {
+        Near near{0, b, q, {0.0, 0.0, 0.0}, set.field(Field::mass)[q] / set.field(Field::density)[q]};
+        for (int d = 0; d < domain_->dimensions(); ++d) near.x[d] = set.field(Field::position_x + d)[q];
+        near.cell = domain_->all_cells().offset(mpm.grid().cell_at(near.x));
+        all_.push_back(near);
+      }
+    }
+    std::stable_sort(all_.begin(), all_.end(), [](Near const& p, Near const& q) { return p.cell < q.cell; });
+  }
+
+  /// The points around a place, weighted with their volume and a tent of a half width. Returns the sum of the weights.
+  double weigh(Vec3 const& target, double reach, std::vector<Weighted>& around) const {
+    around.clear();
+    double sum = 0.0;
+    grid::CellRange const cells = cells_around(target, reach);
+    for_each_row(cells, [&](Index3 const& first) {
+      std::size_t const begin = domain_->all_cells().offset(first);
+      std::size_t const end = begin + static_cast<std::size_t>(cells.n(0));
+      auto at = std::lower_bound(all_.begin(), all_.end(), begin,
+                                 [](Near const& p, std::size_t cell) { return p.cell < cell; });
+      for (; at != all_.end() && at->cell < end; ++at) {
+        double weight = at->volume;
+        for (int d = 0; d < domain_->dimensions(); ++d)
+          weight *= std::max(0.0, 1.0 - std::abs(at->x[d] - target[d]) / reach);
+        if (weight <= 0.0) continue;
+        around.push_back({&*at, weight});
+        sum += weight;
+      }
+    });
+    return sum;
+  }
+
+ private:
+  [[nodiscard]] int cell(int d, double x) const {
+    return static_cast<int>(std::clamp(domain_->in_cells(d, x), 0.0, domain_->cells[d] - 1.0));
+  }
+  [[nodiscard]] grid::CellRange cells_around(Vec3 const& target, double reach) const {
+    grid::CellRange cells;
+    for (int d = 0; d < domain_->dimensions(); ++d) {
+      cells.lower[d] = cell(d, target[d] - reach);
+      cells.upper[d] = cell(d, target[d] + reach) + 1;
+    }
+    return cells;
+  }
+
+  grid::Domain const* domain_;
+  std::vector<Near> all_;
+};
+
+/// Moves the weights towards those whose mean place is the target, direction by direction.
+void centre_weights(std::vector<PointsByCell::Weighted>& around, Vec3 const& target, int dims) {
+  for (int d = 0; d < 2 * dims; ++d) {
+    auto const away = [&](PointsByCell::Weighted const& p) { return p.point->x[d % dims] - target[d % dims]; };
+    double first = 0.0;
+    double second = 0.0;
+    double most = 0.0;
+    for (auto const& p : around) {
+      first += p.weight * away(p);
+      second += p.weight * away(p) * away(p);
+    }
+    double const slope = second > 0.0 ? -first / second : 0.0;
+    for (auto const& p : around) most = std::max(most, -slope * away(p));
+    double const part = most > 0.75 ? 0.75 / most : 1.0;
+    for (auto& p : around) p.weight *= 1.0 + part * slope * away(p);
+  }
+}
+
 }  // namespace
 
 void Mpm::load(SurfacePressure const& pressure) {
@@ -85,96 +170,30 @@ void Mpm::load(SurfacePressure const& pressure) {
 /// Each piece of the surface pushes on the points around a place half a layer below it, with weights that keep its
 /// resultant, and its line of action as far as positive weights can.
 std::vector<std::vector<Vec3>> Mpm::pushes(SurfacePressure const& pressure) const {
-  grid::Domain const& domain = grid_.domain();
-  int const dims = domain.dimensions();
-  struct Near {
-    long cell = 0;
-    int block = 0;
-    int point = 0;
-    Vec3 x{0.0, 0.0, 0.0};
-    double volume = 0.0;
-  };
-  auto const number_of = [&](Index3 const& cell) {
-    return cell[0] + static_cast<long>(domain.cells[0]) * (cell[1] + static_cast<long>(domain.cells[1]) * cell[2]);
-  };
+  int const dims = grid_.domain().dimensions();
   std::vector<std::vector<Vec3>> forces(grid_.block_count());
-  std::vector<Near> all;
-  for (int b = 0; b < grid_.block_count(); ++b) {
-    PointSet const& set = points(b, pressure.body);
-    forces[b].assign(set.size(), Vec3{0.0, 0.0, 0.0});
-    for (int q = 0; q < set.size(); ++q) {
-      Near near{0, b, q, {0.0, 0.0, 0.0}, set.field(Field::mass)[q] / set.field(Field::density)[q]};
-      for (int d = 0; d < dims; ++d) near.x[d] = set.field(Field::position_x + d)[q];
-      near.cell = number_of(grid_.cell_at(near.x));
-      all.push_back(near);
-    }
-  }
-  std::stable_sort(all.begin(), all.end(), [](Near const& p, Near const& q) { return p.cell < q.cell; });
-  std::vector<Near const*> around;
-  std::vector<double> weights;
+  for (int b = 0; b < grid_.block_count(); ++b) forces[b].assign(points(b, pressure.body).size(), Vec3{0.0, 0.0, 0.0});
+  PointsByCell const by_cell(*this, pressure.body);
+  std::vector<PointsByCell::Weighted> around;
   for (shape::Facet const& facet : pressure.surface) {
     Vec3 const target = facet.x - (0.5 * pressure.thickness / norm(facet.area)) * facet.area;
     double sum = 0.0;
     // Measured on spheres, discs and oblique cylinders: a tent of one and a half layers finds two points or more in
     // each direction nearly everywhere.
-    for (double reach = 1.5 * pressure.thickness; sum == 0.0 && reach < 16.0 * pressure.thickness; reach *= 1.5) {
-      around.clear();
-      weights.clear();
-      Index3 low{0, 0, 0};
-      Index3 high{0, 0, 0};
-      for (int d = 0; d < dims; ++d) {
-        auto const cell = [&](double x) {
-          return static_cast<int>(std::clamp((x - domain.lower[d]) / domain.h, 0.0, domain.cells[d] - 1.0));
-        };
-        low[d] = cell(target[d] - reach);
-        high[d] = cell(target[d] + reach);
-      }
-      for (int k = low[2]; k <= high[2]; ++k) {
-        for (int j = low[1]; j <= high[1]; ++j) {
-          auto at = std::lower_bound(all.begin(), all.end(), number_of({low[0], j, k}),
-                                     [](Near const& p, long cell) { return p.cell < cell; });
-          for (long const end = number_of({high[0], j, k}); at != all.end() && at->cell <= end; ++at) {
-            double weight = at->volume;
-            for (int d = 0; d < dims; ++d) weight *= std::max(0.0, 1.0 - std::abs(at->x[d] - target[d]) / reach);
-            if (weight <= 0.0) continue;
-            around.push_back(&*at);
-            weights.push_back(weight);
-            sum += weight;
-          }
-        }
-      }
-    }
+    for (double reach = 1.5 * pressure.thickness; sum == 0.0 && reach < 16.0 * pressure.thickness; reach *= 1.5)
+      sum = by_cell.weigh(target, reach, around);
     if (!(sum > 0.0)) {
       throw InputError(fmt::format(
           "surface pressure on body \"{}\": no material point lies within 16 layers of its surface at ({:.6g}, {:.6g}, "
           "{:.6g}) m: the body is thinner there than points resolve; take smaller cells, or a region without that part",
           bodies_[pressure.body].name, facet.x[0], facet.x[1], facet.x[2]));
     }
-    std::size_t const count = around.size();
-    // Towards weights whose mean place is the target, direction by direction.
-    for (int d = 0; d < 2 * dims; ++d) {
-      double first = 0.0;
-      double second = 0.0;
-      double most = 0.0;
-      sum = 0.0;
-      for (std::size_t n = 0; n < count; ++n) {
-        double const away = around[n]->x[d % dims] - target[d % dims];
-        sum += weights[n];
-        first += weights[n] * away;
-        second += weights[n] * away * away;
-      }
-      double const slope = second > 0.0 ? -first / second : 0.0;
-      for (std::size_t n = 0; n < count; ++n)
-        most = std::max(most, -slope * (around[n]->x[d % dims] - target[d % dims]));
-      double const part = most > 0.75 ? 0.75 / most : 1.0;
-      for (std::size_t n = 0; n < count; ++n)
-        weights[n] *= 1.0 + part * slope * (around[n]->x[d % dims] - target[d % dims]);
-    }
+    centre_weights(around, target, dims);
     sum = 0.0;
-    for (double const weight : weights) sum += weight;
-    for (std::size_t n = 0; n < count; ++n) {
-      Vec3& force = forces[around[n]->block][around[n]->point];
-      force = force - (weights[n] / sum) * facet.area;
+    for (auto const& p : around) sum += p.weight;
+    for (auto const& p : around) {
+      Vec3& force = forces[p.point->block][p.point->point];
+      force = force - (p.weight / sum) * facet.area;
     }
   }
   return forces;

@@ -51,7 +51,7 @@ void Mpm::find_velocity(int block, double dt, Scratch& scratch) const {
 void Mpm::find_taken(int block, double dt, Scratch& scratch) const {
   Workspace const& w = *work_;
   int const count = w.patches[block].count();
-  double const h = grid_.domain().h;
+  double const h = w.patches[block].h;
   for (int f = 0; f < w.fields; ++f) {
     if (!scratch.of[f].present || w.affine[f] == 0) continue;
     NodeMotion const* nodes = scratch.of[f].motion.data();
@@ -87,13 +87,12 @@ void Mpm::find_taken(int block, double dt, Scratch& scratch) const {
 void Mpm::move_points(int block, double dt, Hoops const& hoops, OuterForces const& outer, Scratch& scratch) {
   Workspace& w = *work_;
   Patch const& patch = w.patches[block];
-  double const h = grid_.domain().h;
   if (w.maps_back) clear_velocity(block);
   for_sets(block, [&](PointSet& set, int body) {
     int const f = w.field_of[body];
     FieldScratch const& nodes = scratch.of[f];
-    SetView const view{&set, &bodies_[body], &patch, h};
-    bool const own = lent_body_ < 0 || &set != &lent_[block];
+    SetView const view{&set, &bodies_[body], &patch, patch.h};
+    bool const own = !loans_.owns(block, set);
     with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
       if (own) {
         if (rules_[body].books_work) {
@@ -133,7 +132,7 @@ void Mpm::integrate(double dt) {
     find_velocity(block, dt, scratch);
     constrain_motion(block, dt, scratch);
     share_momentum(block, scratch);
-    if (lent_body_ >= 0) collect_gifts(block, dt, scratch);
+    if (loans_.body() >= 0) collect_gifts(block, dt, scratch);
     if (w.counts_energy) find_taken(block, dt, scratch);
     if (w.books_work) note_changes(block, scratch);
     if (options_.order != StressOrder::usf) signals_[block] = 0.0;  // usf has found them already
@@ -207,43 +206,39 @@ void Mpm::note_changes(int block, Scratch& scratch) const {
 /// reach it is nothing. Nodes that are another's copy, behind a periodic face or a mirror, count for that one.
 void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
   Workspace const& w = *work_;
-  std::vector<NodeGift>& gifts = gifts_[block];
+  std::vector<NodeGift>& gifts = loans_.gifts(block);
   gifts.clear();
-  int const f = w.field_of[lent_body_];
-  if (lent_[block].empty() || !scratch.of[f].present) return;
-  double const h = grid_.domain().h;
+  int const f = w.field_of[loans_.body()];
+  if (!loans_.any(block) || !scratch.of[f].present) return;
   Patch const& patch = w.patches[block];
   NodeMotion const* nodes = scratch.of[f].motion.data();
   NodeSums const* lent = w.lent[block].data();
-  bool const takes_over = rules_[lent_body_].affine;
-  for (int k = 0; k < patch.n[2]; ++k) {
-    for (int j = 0; j < patch.n[1]; ++j) {
-      for (int i = 0; i < patch.n[0]; ++i) {
-        NodeSums const& l = lent[patch.index(i, j, k)];
-        NodeMotion const& n = nodes[patch.index(i, j, k)];
-        if (!(l.momentum[3] > w.mass_floor)) continue;
-        Index3 node{i, j, k};
-        for (int d = 0; d < patch.dimensions; ++d) node[d] += grid_.blocks()[block].origin[d] - patch.reach;
-        auto const [index, sign] = grid::image_node(grid_.domain(), node);
-        NodeGift gift;
-        gift.node = index;
-        // Kinetic energy of all points around per mass, with what the forces of the step add.
-        double all = n.change[3] / n.velocity[3];
-        for (int d = 0; d < 3; ++d) all += n.change[d] * (n.velocity[d] - 0.5 * n.change[d]);
-        if (!means_something(n, all, dt, h)) continue;
-        gift.energy = l.force[3] - l.momentum[3] * all;
-        for (int d = 0; d < 3; ++d) {
-          double const impulse = l.force[d] * dt;
-          gift.impulse[d] = sign[d] * impulse;
-          gift.work[d] = impulse * (n.velocity[d] - 0.5 * n.change[d]);
-          // Points of APIC take over the velocity of their nodes, all others add its change to their own.
-          double const kept = takes_over ? l.momentum[d] - l.momentum[3] * n.velocity[d] : -l.momentum[3] * n.change[d];
-          gift.momentum[d] = sign[d] * kept;
-        }
-        gifts.push_back(gift);
-      }
+  bool const takes_over = rules_[loans_.body()].affine;
+  // Index in the grid of the patch's first node.
+  Index3 const first = grid_.blocks()[block].in_domain().grown(patch.reach, patch.dimensions).lower;
+  for_each_cell(patch.all(), [&](Index3 const& within) {
+    NodeSums const& l = lent[patch.index(within)];
+    NodeMotion const& n = nodes[patch.index(within)];
+    if (!(l.momentum[3] > w.mass_floor)) return;
+    auto const [index, sign] =
+        grid::image_node(grid_.domain(), {first[0] + within[0], first[1] + within[1], first[2] + within[2]});
+    NodeGift gift;
+    gift.node = index;
+    // Kinetic energy of all points around per mass, with what the forces of the step add.
+    double all = n.change[3] / n.velocity[3];
+    for (int d = 0; d < 3; ++d) all += n.change[d] * (n.velocity[d] - 0.5 * n.change[d]);
+    if (!means_something(n, all, dt, patch.h)) return;
+    gift.energy = l.force[3] - l.momentum[3] * all;
+    for (int d = 0; d < 3; ++d) {
+      double const impulse = l.force[d] * dt;
+      gift.impulse[d] = sign[d] * impulse;
+      gift.work[d] = impulse * (n.velocity[d] - 0.5 * n.change[d]);
+      // Points of APIC take over the velocity of their nodes, all others add its change to their own.
+      double const kept = takes_over ? l.momentum[d] - l.momentum[3] * n.velocity[d] : -l.momentum[3] * n.change[d];
+      gift.momentum[d] = sign[d] * kept;
     }
-  }
+    gifts.push_back(gift);
+  });
 }
 
 /// Points of APIC take over the velocity of their nodes, all others add its change to their own. Where both share nodes

@@ -80,43 +80,19 @@ void check_composition(Body const& body, Filling const& filling) {
   }
 }
 
-/// Number of the 27 blocks around a block: offsets -1, 0, 1 per direction.
-int around_index(Index3 const& o) { return (o[0] + 1) + 3 * ((o[1] + 1) + 3 * (o[2] + 1)); }
-
-std::array<int, 27> blocks_around(grid::Grid const& grid, int block) {
-  std::array<int, 27> around{};
-  for (int k = -1; k <= 1; ++k) {
-    for (int j = -1; j <= 1; ++j) {
-      for (int i = -1; i <= 1; ++i) {
-        Index3 const offset{i, j, k};
-        int there = block;
-        for (int d = 0; d < 3 && there != grid::no_neighbour; ++d) {
-          if (offset[d] != 0) there = grid.blocks()[there].neighbour[2 * d + (offset[d] > 0 ? 1 : 0)];
-        }
-        around[around_index(offset)] = there;
-      }
-    }
-  }
-  return around;
-}
-
-std::vector<Hold> holds_of(grid::Grid const& grid, Patch const& patch, std::vector<Constraint> const& constraints,
+std::vector<Hold> holds_of(grid::Metric const& cells, Patch const& patch, std::vector<Constraint> const& constraints,
                            std::vector<int> const& field_of) {
   std::vector<Hold> holds;
   for (Constraint const& c : constraints) {
-    for (int k = 0; k < patch.n[2]; ++k) {
-      for (int j = 0; j < patch.n[1]; ++j) {
-        for (int i = 0; i < patch.n[0]; ++i) {
-          if (!holds_node(c.region, grid.domain(), patch.position({i, j, k}, grid.domain().h))) continue;
-          Hold hold;
-          hold.node = patch.index(i, j, k);
-          hold.field = c.body < 0 ? -1 : field_of[c.body];
-          hold.held = c.held;
-          hold.velocity = c.velocity;
-          holds.push_back(hold);
-        }
-      }
-    }
+    for_each_cell(patch.all(), [&](Index3 const& node) {
+      if (!holds_node(c.region, cells, patch.position(node))) return;
+      Hold hold;
+      hold.node = patch.index(node);
+      hold.field = c.body < 0 ? -1 : field_of[c.body];
+      hold.held = c.held;
+      hold.velocity = c.velocity;
+      holds.push_back(hold);
+    });
   }
   return holds;
 }
@@ -140,6 +116,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     : grid_(domain, block_cells_of(domain, options.block_cells)),
       options_(options),
       bodies_(std::move(bodies)),
+      loans_(sets_, grid_.block_count()),
       next_identity_(bodies_.size(), 0),
       signals_(grid_.blocks().size(), 0.0),
       work_(std::make_unique<Workspace>()) {
@@ -152,7 +129,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   int const blocks = grid_.block_count();
   w.patches = make_patches(grid_, options_.shape == ShapeFunction::linear ? Linear::reach : Gimp::reach);
   for (int b = 0; b < blocks; ++b) {
-    w.holds.push_back(holds_of(grid_, w.patches[b], constraints, w.field_of));
+    w.holds.push_back(holds_of(grid_.blocks()[b].metric, w.patches[b], constraints, w.field_of));
     w.has_hold.emplace_back();
     if (w.touches && !w.holds[b].empty()) {
       w.has_hold[b].assign(w.patches[b].count(), 0);
@@ -214,13 +191,14 @@ void Mpm::fill(int body, Filling const& filling) {
       throw InputError(
           fmt::format("a point of body \"{}\" lies outside the domain: {} = {:.6g} m", b.name, "xyz"[d], x[d]));
     }
-    PointSet& set = sets_[set_index(grid_.block_of(grid_.cell_at(x)), body)];
+    grid::Block const& block = grid_.blocks()[grid_.block_of(grid_.cell_at(x))];
+    PointSet& set = points(block.number, body);
     int const q = set.append();
     for (int d = 0; d < 3; ++d) {
       set.field(Field::position_x + d)[q] = x[d];
       set.field(Field::velocity_x + d)[q] = b.rigid_velocity ? (*b.rigid_velocity)[d] : filling.velocity[d];
       if (double* origin = set.field(Field::origin_x + d)) origin[q] = x[d];
-      if (double* half = set.field(Field::half_x + d)) half[q] = 0.5 * domain.h / b.points_per_direction;
+      if (double* half = set.field(Field::half_x + d)) half[q] = 0.5 * block.h() / b.points_per_direction;
     }
     set.field(Field::mass)[q] = density * filling.volumes[n];
     set.field(Field::density)[q] = density;
@@ -235,19 +213,5 @@ void Mpm::fill(int body, Filling const& filling) {
   find_active();
   update_signals();
 }
-
-void Mpm::set_lighting(int body, std::function<double(Vec3 const&)> const& lighting_time) {
-  for (int b = 0; b < grid_.block_count(); ++b) {
-    PointSet& set = sets_[set_index(b, body)];
-    double* lighting = set.field(Field::lighting_time);
-    if (lighting == nullptr) continue;
-    for (int q = 0; q < set.size(); ++q) {
-      lighting[q] = lighting_time(
-          {set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]});
-    }
-  }
-}
-
-void Mpm::set_time(double time) { time_ = time; }
 
 }  // namespace brisance::mpm

@@ -12,12 +12,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/lanes.hpp"
 #include "grid/grid.hpp"
 #include "mpm/accounts.hpp"
+#include "mpm/loans.hpp"
 #include "mpm/model.hpp"
 #include "mpm/points.hpp"
 #include "mpm/population.hpp"
@@ -29,7 +31,10 @@ struct Scratch;
 struct Meeting;
 struct Partner;
 struct Hoops;
+struct Mapping;
 struct OuterForces;
+struct FieldScratch;
+class WallStops;
 
 class Mpm {
  public:
@@ -47,37 +52,18 @@ class Mpm {
   /// Smears a bar over the points around its axis where they are now; points that have one already keep it. Throws
   /// InputError where the bar does not lie within the body.
   BarReport reinforce(Bar const& bar);
-  /// Gives the points of a burning body their lighting times [s].
-  void set_lighting(int body, std::function<double(Vec3 const&)> const& lighting_time);
   /// Tells where in time the calculation stands [s]; the burn and the loads depend on it.
-  void set_time(double time);
-
+  void set_time(double time) { time_ = time; }
   /// See `Body::reference_pressure`.
   void set_reference_pressure(int body, double pressure) { bodies_[body].reference_pressure = pressure; }
-  /// Lowest pressure of the points of a body, lent ones included [Pa]; infinite where it has none.
-  [[nodiscard]] double lowest_pressure(int body) const;
 
-  /// Points that are lent to a block for the next step: they give the nodes mass, momentum and force as all others do,
-  /// but their state belongs to somebody else, who also tells their velocity at the end of the step (field `next_x`).
-  [[nodiscard]] PointSet& lent(int block) { return lent_[block]; }
-  /// Which body the lent points belong to. To be called before `lent`.
-  void lend_as(int body);
-  /// To be called after the lent points have been changed, before the step.
-  void lending_done() { find_active(); }
-  /// What the points lent to a block gave at its nodes in the last step.
-  [[nodiscard]] std::vector<NodeGift> const& gifts(int block) const { return gifts_[block]; }
-  /// Adds copies of points with the fields of the body; they get new identities. Their signals do not yet count in
-  /// `stable_step`: `update_signals` or the next step sees to that.
-  void add(int body, PointSet const& points);
+  /// Points that somebody else lends to the blocks.
+  [[nodiscard]] Loans& loans() { return loans_; }
+  /// Adds copies of points with the fields of the body where they lie, or all to one block; they get new identities.
+  /// Their signals do not yet count in `stable_step`: `update_signals` or the next step sees to that.
+  void add(int body, PointSet const& points, std::optional<int> block = std::nullopt);
   /// Finds the fastest signal of the points anew.
   void update_signals();
-  /// Takes out the points of a block for which `outside(x)` holds, in their order, and appends them to `to`.
-  void take_out(int block, int body, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to);
-  /// Makes the points of an explosive that have burnt points of a gas, whose second fluid their products are. They get
-  /// new identities. Returns how many there were.
-  long hand_over_burnt(int explosive, int gas);
-  [[nodiscard]] BodyRules const& rules(int body) const { return rules_[body]; }
-  [[nodiscard]] FieldList const& fields(int body) const { return sets_[body].fields(); }
 
   /// Largest stable step [s] at the bodies' Courant numbers: the least of courant h / (sound speed + speed).
   [[nodiscard]] double stable_step() const;
@@ -93,34 +79,16 @@ class Mpm {
   [[nodiscard]] grid::Grid const& grid() const { return grid_; }
   [[nodiscard]] Options const& options() const { return options_; }
   [[nodiscard]] std::vector<Body> const& bodies() const { return bodies_; }
-  [[nodiscard]] long point_count() const;
   [[nodiscard]] PointSet const& points(int block, int body) const { return sets_[set_index(block, body)]; }
   [[nodiscard]] PointSet& points(int block, int body) { return sets_[set_index(block, body)]; }
-  /// Sums in a fixed order.
-  [[nodiscard]] BodySums sums(int body) const;
-  [[nodiscard]] Losses const& losses() const { return losses_; }
-  /// Momentum that constraints and rigid bodies gave to the points since the start [kg m/s].
-  [[nodiscard]] Vec3 const& constraint_impulse() const { return constraint_impulse_; }
-  /// Work that constraints, rigid bodies, surface pressures and the body force did on the points since the start [J].
-  [[nodiscard]] double outer_work() const { return outer_work_; }
-  /// Since the start; what held nodes and filters take, of bodies with FLIP and XPIC.
-  [[nodiscard]] Dissipation const& dissipation() const { return dissipation_; }
-  /// Since the start: energy that gas was given because it had less than none, see `FloorCount`.
-  [[nodiscard]] FloorCount const& floored() const { return floored_; }
-  /// Since the start: heat that went from points to others in shocks.
-  [[nodiscard]] ConductionCount const& conducted() const { return conducted_; }
-  /// The point of a body with the given identity; `hint` is where it was last.
-  [[nodiscard]] Place find(int body, long identity, Place hint = {}) const;
-  /// The point of a body nearest to x [m]: its identity, or -1 for an empty body.
-  [[nodiscard]] long nearest(int body, Vec3 const& x) const;
-  /// Bytes of points and nodes.
-  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] Accounts const& accounts() const { return accounts_; }  ///< what was booked since the start
   /// Wall-clock seconds per pass.
   [[nodiscard]] std::map<std::string, double> const& timings() const { return timings_; }
   void archive(Archive& a);  ///< in a checkpoint, see state.cpp
 
  private:
   struct Workspace;
+  friend std::size_t bytes(Mpm const& mpm);
 
   /// Forces of a unit of a pressure [m2] on the points of its body: per block and point.
   [[nodiscard]] std::vector<std::vector<Vec3>> pushes(SurfacePressure const& pressure) const;
@@ -137,13 +105,16 @@ class Mpm {
       PointSet& set = points(block, body);
       if (!set.empty()) work(set, body);
     }
-    if (lent_body_ >= 0 && !lent_[block].empty()) work(lent_[block], lent_body_);
+    if (loans_.any(block)) work(loans_.points(block), loans_.body());
   }
   [[nodiscard]] int set_index(int block, int body) const { return block * static_cast<int>(bodies_.size()) + body; }
   void find_active();
+  void take_loans();
   void carry(int body, Field first, int components);  ///< further fields, 0 at the start
   void collect_signals();
   void map_to_grid(bool with_mass, bool with_forces);
+  void map_set(int block, PointSet& set, int body, Mapping const& mapping, Scratch& scratch);
+  void map_surroundings(int block, PointSet& set, int body, Mapping const& mapping);
   [[nodiscard]] OuterForces outer_forces() const;
   void map_extents();
   void filter();
@@ -153,6 +124,9 @@ class Mpm {
   void conduct();
   void share_momentum(int block, Scratch& scratch) const;
   void migrate();
+  void send_off(int block, int body, std::vector<int>& stay);
+  void book_block(int block);
+  bool take_in();
   void sort(PointSet& set, int block, std::vector<int>& order) const;
 
   // One block at a time, in a thread's scratch.
@@ -177,19 +151,21 @@ class Mpm {
   void share_velocity(int block, Scratch& scratch, Given& given);
   void hold_nodes(int block, Scratch& scratch, Given& given);
   void note_rubbing(int count, Scratch& scratch) const;
-  // Walls, see walls.cpp.
+  // Walls, see wall_gaps.cpp, walls.cpp and wall_images.cpp.
   void map_gaps(int block);
   void gather_gaps(int block, int field, Scratch& scratch) const;
   void gather_gaps(int block, Scratch& scratch) const;
   void stop_at_walls(int block, double dt, Scratch& scratch, Given& given);
+  void stop_at_wall(int block, int field, std::size_t number, double dt, FieldScratch const& s, WallStops& stops);
   void stop_velocity_at_walls(int block, double dt, Scratch& scratch) const;
   void weigh_images(int block, Scratch& scratch, bool of_state) const;
   void mirror_fluids(int block, Scratch& scratch, bool of_state) const;
   void collect_gifts(int block, double dt, Scratch const& scratch);
-  // Contact, see contact.cpp.
+  // Contact, see meetings.cpp and contact.cpp.
   void find_meetings(int block, double dt, Scratch& scratch, bool from_sums) const;
   template <class Trial>
   void find_meetings(int block, double dt, Scratch& scratch, Trial&& trial) const;
+  void find_meeting(int block, double dt, int node, int a, int b, std::size_t first_here, Scratch& scratch) const;
   [[nodiscard]] Partner partner(int block, int field, int node, double dt, Scratch const& scratch) const;
   void clear_contacts(int block, Scratch& scratch) const;
   void weigh_meetings(int block, Scratch const& scratch) const;
@@ -208,16 +184,9 @@ class Mpm {
   std::vector<Body> bodies_;
   std::vector<BodyRules> rules_;  ///< body by body
   std::vector<PointSet> sets_;    ///< block by block, body by body
-  std::vector<PointSet> lent_;    ///< per block
-  int lent_body_ = -1;
-  std::vector<std::vector<NodeGift>> gifts_;  ///< per block
+  Loans loans_;
   std::vector<long> next_identity_;
-  Losses losses_;
-  Vec3 constraint_impulse_{0.0, 0.0, 0.0};
-  double outer_work_ = 0.0;
-  Dissipation dissipation_;
-  FloorCount floored_;
-  ConductionCount conducted_;
+  Accounts accounts_;
   double fastest_ = 0.0;  ///< fastest signal of all points, weighted [m/s]
   double time_ = 0.0;
   long step_ = 0;
@@ -226,5 +195,28 @@ class Mpm {
   std::vector<double> signals_;  ///< fastest signal per block, weighted [m/s]
   std::unique_ptr<Workspace> work_;
 };
+
+/// Which fields the points of a body carry.
+[[nodiscard]] inline FieldList const& fields(Mpm const& mpm, int body) { return mpm.points(0, body).fields(); }
+
+/// What the points of a body come to: sums in a fixed order.
+[[nodiscard]] BodySums sums(Mpm const& mpm, int body);
+[[nodiscard]] long point_count(Mpm const& mpm);
+/// Bytes of points and nodes.
+[[nodiscard]] std::size_t bytes(Mpm const& mpm);
+/// Lowest pressure of the points of a body, lent ones included [Pa]; infinite where it has none.
+[[nodiscard]] double lowest_pressure(Mpm& mpm, int body);
+/// The point of a body with the given identity; `hint` is where it was last.
+[[nodiscard]] Place find(Mpm const& mpm, int body, long identity, Place hint = {});
+/// The point of a body nearest to x [m]: its identity, or -1 for an empty body.
+[[nodiscard]] long nearest(Mpm const& mpm, int body, Vec3 const& x);
+
+/// Gives the points of a burning body their lighting times [s].
+void set_lighting(Mpm& mpm, int body, std::function<double(Vec3 const&)> const& lighting_time);
+/// Takes the points for which `outside(set, q)` holds out of a set, in their order, and appends them to `to`.
+void take_out(PointSet& set, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to);
+/// Makes the points of an explosive that have burnt points of a gas, whose second fluid their products are. They get
+/// new identities. Returns how many there were.
+long hand_over_burnt(Mpm& mpm, int explosive, int gas);
 
 }  // namespace brisance::mpm

@@ -1,6 +1,6 @@
 #include "mpm/patches.hpp"
 
-#include <algorithm>
+#include <optional>
 
 namespace brisance::mpm {
 
@@ -9,6 +9,18 @@ Side beyond(grid::Grid const& grid, int block, int d, int side) {
   if (neighbour != grid::no_neighbour) return {neighbour, false};
   grid::Boundary const boundary = grid.domain().boundary[2 * d + side];
   return grid::is_mirror(boundary) ? Side{block, true} : Side{};
+}
+
+std::array<int, 27> blocks_around(grid::Grid const& grid, int block) {
+  std::array<int, 27> around{};
+  for_each_cell(grid::around({0, 0, 0}, 1, 3), [&](Index3 const& offset) {
+    int there = block;
+    for (int d = 0; d < 3 && there != grid::no_neighbour; ++d) {
+      if (offset[d] != 0) there = grid.blocks()[there].neighbour[2 * d + (offset[d] > 0 ? 1 : 0)];
+    }
+    around[around_index(offset)] = there;
+  });
+  return around;
 }
 
 namespace {
@@ -34,60 +46,52 @@ Span span_of(int cells, int other_cells, int reach, int offset, bool mirror) {
   return {cells, last, 1, -cells};
 }
 
+grid::NodeBox nodes_of(grid::Block const& block, int reach) {
+  grid::NodeBox nodes;
+  for (int d = 0; d < block.metric.dimensions(); ++d) nodes.n[d] = block.n[d] + 1 + 2 * reach;
+  return nodes;
+}
+
+/// What a patch receives from what lies at an offset (-1, 0, 1 per direction) from its block, if anything does.
+std::optional<Link> link_to(grid::Grid const& grid, int block, Index3 const& offset, int reach) {
+  grid::Domain const& domain = grid.domain();
+  Link link;
+  link.source = block;
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    int const face = 2 * d + (offset[d] > 0 ? 1 : 0);
+    Side const side = offset[d] == 0 ? Side{link.source, false} : beyond(grid, link.source, d, face % 2);
+    if (side.block == grid::no_neighbour) return std::nullopt;
+    if (side.mirror && domain.boundary[face] == grid::Boundary::wall) link.wall = true;
+    link.source = side.block;
+    Span const span = span_of(grid.blocks()[block].n[d], grid.blocks()[side.block].n[d], reach, offset[d], side.mirror);
+    link.to.lower[d] = span.lower;
+    link.to.upper[d] = span.upper + 1;
+    link.flip[d] = span.flip;
+    link.shift[d] = span.shift;
+  }
+  link.nodes = nodes_of(grid.blocks()[link.source], reach);
+  return link;
+}
+
 }  // namespace
 
 std::vector<Patch> make_patches(grid::Grid const& grid, int reach) {
-  grid::Domain const& domain = grid.domain();
-  int const dims = domain.dimensions();
+  int const dims = grid.domain().dimensions();
   std::vector<Patch> patches(grid.blocks().size());
-  auto const nodes_of = [&](grid::Block const& block) {
-    Index3 n{1, 1, 1};
-    for (int d = 0; d < dims; ++d) n[d] = block.n[d] + 1 + 2 * reach;
-    return n;
-  };
   for (int b = 0; b < grid.block_count(); ++b) {
     grid::Block const& block = grid.blocks()[b];
     Patch& patch = patches[b];
+    static_cast<grid::NodeBox&>(patch) = nodes_of(block, reach);
+    patch.h = block.h();
     patch.reach = reach;
     patch.dimensions = dims;
-    patch.n = nodes_of(block);
     patch.cells = block.n;
-    for (int d = 0; d < 3; ++d) {
-      patch.first[d] = d < dims ? domain.lower[d] + block.origin[d] * domain.h : domain.centre({0, 0, 0})[d];
-    }
-    Index3 low{0, 0, 0};
-    Index3 high{0, 0, 0};
-    for (int d = 0; d < dims; ++d) {
-      low[d] = -1;
-      high[d] = 1;
-    }
-    for (int oz = low[2]; oz <= high[2]; ++oz) {
-      for (int oy = low[1]; oy <= high[1]; ++oy) {
-        for (int ox = low[0]; ox <= high[0]; ++ox) {
-          Index3 const offset{ox, oy, oz};
-          Link link;
-          link.source = b;
-          bool exists = true;
-          for (int d = 0; d < dims && exists; ++d) {
-            Side const side =
-                offset[d] == 0 ? Side{link.source, false} : beyond(grid, link.source, d, offset[d] > 0 ? 1 : 0);
-            exists = side.block != grid::no_neighbour;
-            if (!exists) break;
-            if (side.mirror && domain.boundary[2 * d + (offset[d] > 0 ? 1 : 0)] == grid::Boundary::wall)
-              link.wall = true;
-            link.source = side.block;
-            Span const span = span_of(block.n[d], grid.blocks()[side.block].n[d], reach, offset[d], side.mirror);
-            link.lower[d] = span.lower;
-            link.upper[d] = span.upper;
-            link.flip[d] = span.flip;
-            link.shift[d] = span.shift;
-          }
-          if (!exists) continue;
-          link.source_n = nodes_of(grid.blocks()[link.source]);
-          patch.links.push_back(link);
-        }
-      }
-    }
+    Vec3 const corner = block.metric.low_corner(block.in_domain().lower);
+    Vec3 const centre = block.metric.centre({0, 0, 0});
+    for (int d = 0; d < 3; ++d) patch.first[d] = d < dims ? corner[d] : centre[d];
+    for_each_cell(grid::around({0, 0, 0}, 1, dims), [&](Index3 const& offset) {
+      if (auto const link = link_to(grid, b, offset, reach)) patch.links.push_back(*link);
+    });
   }
   return patches;
 }

@@ -9,6 +9,7 @@
 #include "core/lanes.hpp"
 #include "core/vec.hpp"
 #include "grid/grid.hpp"
+#include "grid/nodes.hpp"
 
 namespace brisance::mpm {
 
@@ -17,16 +18,15 @@ namespace brisance::mpm {
 /// plane and the components along it change their sign.
 struct Link {
   int source = 0;
-  Index3 lower{0, 0, 0};  ///< box of receiving nodes, inclusive
-  Index3 upper{0, 0, 0};
+  grid::CellRange to;  ///< the nodes that receive
   Index3 flip{1, 1, 1};
   Index3 shift{0, 0, 0};
-  Index3 source_n{1, 1, 1};  ///< nodes of the source's patch
-  bool wall = false;         ///< the image is behind a `wall`: of bodies there is none
+  grid::NodeBox nodes;  ///< of the source's patch
+  bool wall = false;    ///< the image is behind a `wall`: of bodies there is none
 
-  /// Index of the source's node that stands for the patch's node (i, j, k).
-  [[nodiscard]] int source_index(int i, int j, int k) const {
-    return (flip[0] * i + shift[0]) + source_n[0] * ((flip[1] * j + shift[1]) + source_n[1] * (flip[2] * k + shift[2]));
+  /// Place of the source's node that stands for a node of the patch.
+  [[nodiscard]] int source_index(Index3 const& node) const {
+    return nodes.index(flip[0] * node[0] + shift[0], flip[1] * node[1] + shift[1], flip[2] * node[2] + shift[2]);
   }
 };
 
@@ -36,23 +36,18 @@ struct Side {
   bool mirror = false;
 };
 
-/// Shape of a block's patch.
-struct Patch {
-  Index3 n{1, 1, 1};          ///< nodes per direction
+/// Shape of a block's patch: its nodes, those beyond the block's faces included.
+struct Patch : grid::NodeBox {
+  double h = 1.0;             ///< size of the block's cells [m]
   Vec3 first{0.0, 0.0, 0.0};  ///< position of node (0, 0, 0) of the cells, that is without the reach [m]
   Index3 cells{1, 1, 1};
   int reach = 0;
   int dimensions = 3;
   std::vector<Link> links;  ///< of this block and all around it, in a fixed order
 
-  [[nodiscard]] int count() const { return n[0] * n[1] * n[2]; }
-  [[nodiscard]] int index(int i, int j, int k) const { return i + n[0] * (j + n[1] * k); }
-  /// How far apart neighbours along d stand among the nodes.
-  [[nodiscard]] int stride(int d) const { return d == 0 ? 1 : d == 1 ? n[0] : n[0] * n[1]; }
-  /// Storage index of a node along d.
-  [[nodiscard]] int along(int d, int node) const { return node / stride(d) % n[d]; }
+  [[nodiscard]] grid::CellRange cell_range() const { return {{0, 0, 0}, cells}; }
   /// Position of a node, by storage indices [m].
-  [[nodiscard]] Vec3 position(Index3 const& i, double h) const {
+  [[nodiscard]] Vec3 position(Index3 const& i) const {
     Vec3 x = first;
     for (int d = 0; d < dimensions; ++d) x[d] += (i[d] - reach) * h;
     return x;
@@ -64,6 +59,14 @@ struct Patch {
 
 /// What lies beyond a block's low (0) or high (1) side in direction d; symmetry planes and walls mirror.
 [[nodiscard]] Side beyond(grid::Grid const& grid, int block, int d, int side);
+
+/// Number of the 27 blocks around a block: offsets -1, 0, 1 per direction.
+[[nodiscard]] inline std::size_t around_index(Index3 const& offset) {
+  return grid::CellRange{{-1, -1, -1}, {2, 2, 2}}.offset(offset);
+}
+
+/// A block and those around it, by `around_index`; `grid::no_neighbour` where there is none.
+[[nodiscard]] std::array<int, 27> blocks_around(grid::Grid const& grid, int block);
 
 /// Three components of a vector and one scalar: momentum or velocity with the mass.
 using NodeVelocity = Lanes4;
@@ -112,19 +115,17 @@ void sum_links(Patch const& patch, Record* sum, Raw&& raw, bool scalars = false,
       for (int node = 0; node < patch.count(); ++node) sum[node] = Record{};
       first = false;
     }
-    int const width = link.upper[0] - link.lower[0] + 1;
-    for (int k = link.lower[2]; k <= link.upper[2]; ++k) {
-      for (int j = link.lower[1]; j <= link.upper[1]; ++j) {
-        Record* to = sum + patch.index(link.lower[0], j, k);
-        Record const* row = from + link.source_index(link.lower[0], j, k);
-        int const step = link.flip[0];
-        if (mirrored) {
-          for (int i = 0; i < width; ++i) add_to(to[i], sign, row[step * i]);
-        } else {
-          for (int i = 0; i < width; ++i) add_to(to[i], row[i]);
-        }
+    int const width = link.to.n(0);
+    int const step = link.flip[0];
+    grid::for_each_row(link.to, [&](Index3 const& node) {
+      Record* to = sum + patch.index(node);
+      Record const* row = from + link.source_index(node);
+      if (mirrored) {
+        for (int i = 0; i < width; ++i) add_to(to[i], sign, row[step * i]);
+      } else {
+        for (int i = 0; i < width; ++i) add_to(to[i], row[i]);
       }
-    }
+    });
   }
   if (first) {
     for (int node = 0; node < patch.count(); ++node) sum[node] = Record{};

@@ -100,7 +100,7 @@ PopulationCount split_points(PointSet& gas, PopulationPlace const& place, Popula
 PopulationCount merge_points(PointSet& gas, PopulationPlace const& place, PopulationOptions const& options,
                              PopulationScratch& scratch);
 
-/// Volume of a standard point at distance r from the axis or centre, in the convention of `Domain::cell_volume` [m3].
-[[nodiscard]] double standard_volume(grid::Domain const& domain, int points_per_direction, double r);
+/// Volume of a standard point at distance r from the axis or centre, in the convention of `Metric::cell_volume` [m3].
+[[nodiscard]] double standard_volume(grid::Metric const& metric, int points_per_direction, double r);
 
 }  // namespace brisance::mpm

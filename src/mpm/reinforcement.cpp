@@ -15,6 +15,10 @@ namespace brisance::mpm {
 
 namespace {
 
+Vec3 cross(Vec3 const& a, Vec3 const& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 /// How far x lies within the domain from a mirror plane; infinite for other faces.
 double depth(grid::Domain const& domain, int face, Vec3 const& x) {
   int const d = face / 2;
@@ -28,7 +32,7 @@ double share_of_axis(Bar const& bar, grid::Domain const& domain) {
   double begin = 0.0;
   double end = 1.0;
   double halves = 1.0;
-  double const near = 1e-9 * domain.h;
+  double const near = 1e-9 * domain.smallest_cell();
   for (int face = 0; face < 2 * domain.dimensions(); ++face) {
     double const from = depth(domain, face, bar.from);
     double const to = depth(domain, face, bar.to);
@@ -59,7 +63,7 @@ double share_of_tube(Bar const& bar, double radius, grid::Domain const& domain) 
   e1[least] = 1.0;
   e1 = e1 - dot(e1, n) * n;
   e1 = (1.0 / norm(e1)) * e1;
-  Vec3 const e2{n[1] * e1[2] - n[2] * e1[1], n[2] * e1[0] - n[0] * e1[2], n[0] * e1[1] - n[1] * e1[0]};
+  Vec3 const e2 = cross(n, e1);
   int within = 0;
   for (int k = 0; k < slices; ++k) {
     for (int j = 0; j < angles; ++j) {
@@ -107,7 +111,7 @@ BarReport Mpm::reinforce(Bar const& bar) {
   double const length = norm(axis);
   if (!(length > 0.0 && bar.diameter > 0.0)) throw InputError("a bar needs a length and a diameter");
   Vec3 const n = (1.0 / length) * axis;
-  double const radius = std::max(0.5 * bar.diameter, domain.h);
+  double const radius = std::max(0.5 * bar.diameter, domain.smallest_cell());
   double const share = share_of_axis(bar, domain);
   carry(bar.body, Field::bar_number, 7);  // all that are named bar_
   auto const around = [&](PointSet const& set, int q) {

@@ -11,32 +11,26 @@ namespace brisance::mpm {
 
 namespace {
 
-/// How far apart neighbours along d stand among a patch's nodes.
-int stride_of(Patch const& patch, int d) { return d == 0 ? 1 : d == 1 ? patch.n[0] : patch.n[0] * patch.n[1]; }
-
-/// Storage index along d of a patch's node.
-int index_along(Patch const& patch, int d, int node) { return node / stride_of(patch, d) % patch.n[d]; }
-
 /// Calls visit(d, side, face) for each of the `Options::ends` within reach of a block's nodes, with the index along d
 /// of the nodes on it.
 template <class Visit>
-void for_ends(Options const& options, Patch const& patch, double h, Visit&& visit) {
+void for_ends(Options const& options, Patch const& patch, Visit&& visit) {
   for (int d = 0; d < patch.dimensions; ++d) {
     for (int side = 0; side < 2; ++side) {
       std::optional<double> const& end = options.ends[2 * d + side];
       if (!end) continue;
-      int const face = patch.reach + static_cast<int>(std::lround((*end - patch.first[d]) / h));
+      int const face = patch.reach + static_cast<int>(std::lround((*end - patch.first[d]) / patch.h));
       if (face >= 0 && face < patch.n[d]) visit(d, side, face);
     }
   }
 }
 
 /// A body that goes on behind an end shows no area to it.
-void cut_at_ends(Options const& options, Patch const& patch, double h, NodeVelocity* area) {
-  for_ends(options, patch, h, [&](int d, int side, int face) {
+void cut_at_ends(Options const& options, Patch const& patch, NodeVelocity* area) {
+  for_ends(options, patch, [&](int d, int side, int face) {
     double const outwards = side == 0 ? -1.0 : 1.0;
     for (int node = 0; node < patch.count(); ++node) {
-      if (std::abs(index_along(patch, d, node) - face) > patch.reach || outwards * area[node][d] <= 0.0) continue;
+      if (std::abs(patch.along(d, node) - face) > patch.reach || outwards * area[node][d] <= 0.0) continue;
       area[node][d] = 0.0;
     }
   });
@@ -54,13 +48,12 @@ void Mpm::continue_behind_ends(int block) {
     int const slot = w.slot(block, f);
     if (w.slips[f] != 0 || w.present[slot] == 0) continue;
     NodeVelocity* filled = w.gradient[slot].data();
-    for_ends(options_, patch, grid_.domain().h, [&](int d, int, int face) {
+    for_ends(options_, patch, [&](int d, int, int face) {
       Lanes4 sign{1.0, 1.0, 1.0, 1.0};
       sign[d] = -1.0;
-      int const stride = stride_of(patch, d);
+      int const stride = patch.stride(d);
       int const width = std::min({patch.reach, face, patch.n[d] - 1 - face});
-      for (int node = 0; node < patch.count(); ++node) {
-        if (index_along(patch, d, node) != face) continue;
+      grid::for_each_node(patch, patch.plane(d, face), [&](int node) {
         filled[node] += sign * filled[node];
         for (int k = 1; k <= width; ++k) {
           NodeVelocity const before = filled[node - k * stride];
@@ -68,7 +61,7 @@ void Mpm::continue_behind_ends(int block) {
           filled[node - k * stride] = before + sign * behind;
           filled[node + k * stride] = behind + sign * before;
         }
-      }
+      });
     });
   }
 }
@@ -113,7 +106,7 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
     for (int f = 0; f < w.fields; ++f) {
       if (!w.slips_along(g, f) || !scratch.of[f].present) continue;
       if (!w.gather(w.area, w.area_present, block, f, scratch.of[f].area)) continue;
-      cut_at_ends(options_, w.patches[block], grid_.domain().h, scratch.of[f].area.data());
+      cut_at_ends(options_, w.patches[block], scratch.of[f].area.data());
       NodeVelocity const* area = scratch.of[f].area.data();
       NodeVelocity const* filled = scratch.of[f].gradient.data();
       NodeSums* body = scratch.of[f].sums.data();

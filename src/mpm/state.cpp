@@ -40,18 +40,17 @@ namespace {
 void check_points(Archive& a, PointSet const& set, grid::Grid const& grid, int block, Body const& body,
                   std::size_t loads) {
   if (!a.reading()) return;
-  grid::Domain const& domain = grid.domain();
-  grid::Block const& b = grid.blocks()[block];
+  grid::Metric const& metric = grid.blocks()[block].metric;
+  grid::CellRange const near = grid.blocks()[block].in_domain().grown(1, metric.dimensions());
   auto const named = [&](Field field, int q, std::size_t count) {
     double const* values = set.field(field);
     return values == nullptr || (values[q] >= 0.0 && values[q] <= static_cast<double>(count));
   };
   for (int q = 0; q < set.size(); ++q) {
     bool inside = true;
-    for (int d = 0; d < domain.dimensions(); ++d) {
-      double const low = domain.lower[d] + b.origin[d] * domain.h;
+    for (int d = 0; d < metric.dimensions(); ++d) {
       double const x = set.field(Field::position_x + d)[q];
-      inside = inside && x >= low - domain.h && x <= low + (b.n[d] + 1) * domain.h;
+      inside = inside && x >= metric.face(d, near.lower[d]) && x <= metric.face(d, near.upper[d]);
     }
     a.require(inside, fmt::format("the position of a point of body \"{}\"", body.name));
     constexpr double most_points = 9e15;  // whole numbers of a double
@@ -70,9 +69,11 @@ void Mpm::archive(Archive& a) {
   a.same(bodies_.size(), "the number of bodies");
   a.same(work_->loads.size(), "the number of surface pressures");
   a.sized(next_identity_, "the number of bodies");
-  a(losses_.mass, losses_.momentum, losses_.energy, losses_.points, constraint_impulse_, outer_work_);
-  a(dissipation_.held, dissipation_.filtered, dissipation_.apic, dissipation_.friction);
-  a(floored_.energy, floored_.points, conducted_.moved, conducted_.made);
+  Losses& lost = accounts_.losses;
+  Dissipation& dissipated = accounts_.dissipation;
+  a(lost.mass, lost.momentum, lost.energy, lost.points, accounts_.constraint_impulse, accounts_.outer_work);
+  a(dissipated.held, dissipated.filtered, dissipated.apic, dissipated.friction);
+  a(accounts_.floored.energy, accounts_.floored.points, accounts_.conducted.moved, accounts_.conducted.made);
   a(fastest_, time_, step_);
   a.require(fastest_ >= 0.0 && std::isfinite(time_) && step_ >= 0, "the time of the points");
   a.sized(signals_, "the number of blocks of points");
@@ -83,10 +84,11 @@ void Mpm::archive(Archive& a) {
     check_points(a, sets_[n], grid_, static_cast<int>(n / bodies_.size()), bodies_[n % bodies_.size()],
                  work_->loads.size());
   }
-  a.same(lent_.size(), "the number of blocks that points are lent to");
-  for (std::size_t block = 0; block < lent_.size(); ++block) {
-    lent_[block].archive(a);
-    check_points(a, lent_[block], grid_, static_cast<int>(block), bodies_[lent_body_], work_->loads.size());
+  a.same(loans_.size(), "the number of blocks that points are lent to");
+  for (std::size_t n = 0; n < loans_.size(); ++n) {
+    int const block = static_cast<int>(n);
+    loans_.points(block).archive(a);
+    check_points(a, loans_.points(block), grid_, block, bodies_[loans_.body()], work_->loads.size());
   }
   if (a.reading()) find_active();
 }

@@ -11,6 +11,7 @@
 namespace brisance::mpm {
 
 void Mpm::advance(double dt) {
+  take_loans();
   prepare_scratch();
   bool const first = options_.order == StressOrder::usf;
   // Eqs. (18)-(21). Where the stress comes first, what the forces of the old one do tells which nodes walls stop and
@@ -36,80 +37,35 @@ void Mpm::prepare_scratch() {
   for (Scratch& scratch : work_->scratch) scratch.of.resize(work_->fields);
 }
 
+/// What a pass from points to nodes writes, and what it needs for that.
+struct Mapping {
+  bool mass = false;  ///< and momentum
+  bool forces = false;
+  Hoops hoops;
+  OuterForces outer;
+};
+
 void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   PhaseTimer const timer(timings_["points to grid"]);
   Workspace& w = *work_;
-  double const h = grid_.domain().h;
-  Hoops const hoops = hoops_of(grid_.domain().geometry);
-  OuterForces const outer = outer_forces();
+  Mapping const mapping{with_mass, with_forces, hoops_of(grid_.domain().geometry), outer_forces()};
   bool const again = with_forces && !with_mass && (w.stops || w.touches);
-  if (with_mass) std::fill(w.present.begin(), w.present.end(), 0);
-  if (with_mass) std::fill(w.momentum_present.begin(), w.momentum_present.end(), 0);
+  if (with_mass) {
+    for (std::vector<char>* present : {&w.present, &w.momentum_present, &w.even_present, &w.filled_present})
+      std::fill(present->begin(), present->end(), 0);
+  }
   if (with_forces) std::fill(w.area_present.begin(), w.area_present.end(), 0);
-  if (with_mass) std::fill(w.even_present.begin(), w.even_present.end(), 0);
-  if (with_mass) std::fill(w.filled_present.begin(), w.filled_present.end(), 0);
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
-    Patch const& patch = w.patches[block];
     for (int f = 0; again && f < w.fields; ++f) {
       if (w.present[w.slot(block, f)] == 0) continue;
       NodeSums* nodes = w.state[w.slot(block, f)].data();
       // The scalar is the kinetic energy of APIC's points, which came with the mass.
-      for (int node = 0; node < patch.count(); ++node) nodes[node].force *= NodeVelocity{0.0, 0.0, 0.0, 1.0};
+      for (int node = 0; node < w.patches[block].count(); ++node) nodes[node].force *= NodeVelocity{0.0, 0.0, 0.0, 1.0};
     }
     for_sets(block, [&](PointSet& set, int body) {
-      int const slot = w.slot(block, w.field_of[body]);
-      NodeSums* nodes = w.state[slot].get(patch.count());
-      bool const surface = w.contact && w.slips[w.field_of[body]] == 0;
-      NodeVelocity* gradient = surface ? w.gradient[slot].get(patch.count()) : nullptr;
-      if (w.present[slot] == 0) {
-        std::fill(nodes, nodes + patch.count(), NodeSums{});
-        if (gradient != nullptr) std::fill(gradient, gradient + patch.count(), NodeVelocity{});
-        w.present[slot] = 1;
-      }
-      SetView const view{&set, &bodies_[body], &patch, h};
-      std::optional<CellMeans> means;
-      if (with_forces && options_.locking_control && bodies_[body].solid.has_deviator())
-        means = mean_pressures(view, w.scratch[thread]);
-      CellMeans const* mean = means ? &*means : nullptr;
-      with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
-        bool const lent = lent_body_ >= 0 && &set == &lent_[block];
-        if (with_mass && with_forces) {
-          kernels.template map_state<true, true>(view, hoops, outer, mean, nodes);
-        } else if (with_mass) {
-          kernels.template map_state<true, false>(view, hoops, outer, mean, nodes);
-        } else {
-          kernels.template map_state<false, true>(view, hoops, outer, mean, nodes);
-        }
-        if (lent && with_forces) {
-          // Once more alone: what they give to the others is booked.
-          NodeSums* alone = w.lent[block].get(patch.count());
-          std::fill(alone, alone + patch.count(), NodeSums{});
-          kernels.template map_state<true, true>(view, hoops, outer, mean, alone);
-        }
-        if (with_mass && !lent && evens_out(block, body)) {
-          int const at = set_index(block, body);
-          NodeVelocity* even = w.even[at].get(patch.count());
-          std::fill(even, even + patch.count(), NodeVelocity{});
-          w.even_present[at] = 1;
-          kernels.map_even(view, grid_.domain().geometry, even);
-        }
-        if (with_mass && w.filling >= 0) kernels.map_filled(view, grid_.domain().geometry, filled_nodes(block));
-        if (NodeVelocity* area = with_forces && w.slides ? area_nodes(block, body) : nullptr) {
-          if (w.slips[w.field_of[body]] != 0) {
-            kernels.map_pressure(view, area);
-          } else {
-            kernels.map_area(view, hoops, area);
-          }
-        }
-        if (with_mass && gradient != nullptr) kernels.map_gradient(view, grid_.domain().geometry, w.slides, gradient);
-        if (with_mass && w.shared[w.field_of[body]] != 0 && !rules_[body].affine) {
-          NodeVelocity* own = w.momentum[slot].get(patch.count());
-          if (w.momentum_present[slot] == 0) std::fill(own, own + patch.count(), NodeVelocity{});
-          w.momentum_present[slot] = 1;
-          kernels.map_velocity(view, Field::velocity_x, own);
-        }
-      });
+      map_set(block, set, body, mapping, w.scratch[thread]);
+      map_surroundings(block, set, body, mapping);
     });
     if (with_mass && w.slides) continue_behind_ends(block);
     if (with_mass) map_gaps(block);
@@ -118,14 +74,84 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
   if (with_mass && w.touches) map_extents();
 }
 
+/// Mass, momentum and forces of a set.
+void Mpm::map_set(int block, PointSet& set, int body, Mapping const& mapping, Scratch& scratch) {
+  Workspace& w = *work_;
+  Patch const& patch = w.patches[block];
+  int const f = w.field_of[body];
+  int const slot = w.slot(block, f);
+  NodeSums* nodes = w.state[slot].get(patch.count());
+  NodeVelocity* gradient = w.contact && w.slips[f] == 0 ? w.gradient[slot].get(patch.count()) : nullptr;
+  if (w.present[slot] == 0) {
+    std::fill(nodes, nodes + patch.count(), NodeSums{});
+    if (gradient != nullptr) std::fill(gradient, gradient + patch.count(), NodeVelocity{});
+    w.present[slot] = 1;
+  }
+  SetView const view{&set, &bodies_[body], &patch, patch.h};
+  std::optional<CellMeans> means;
+  if (mapping.forces && options_.locking_control && bodies_[body].solid.has_deviator())
+    means = mean_pressures(view, scratch);
+  CellMeans const* mean = means ? &*means : nullptr;
+  Hoops const& hoops = mapping.hoops;
+  OuterForces const& outer = mapping.outer;
+  with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
+    if (mapping.mass && mapping.forces) {
+      kernels.template map_state<true, true>(view, hoops, outer, mean, nodes);
+    } else if (mapping.mass) {
+      kernels.template map_state<true, false>(view, hoops, outer, mean, nodes);
+    } else {
+      kernels.template map_state<false, true>(view, hoops, outer, mean, nodes);
+    }
+    if (mapping.forces && loans_.owns(block, set)) {
+      // Once more alone: what they give to the others is booked.
+      NodeSums* alone = w.lent[block].get(patch.count());
+      std::fill(alone, alone + patch.count(), NodeSums{});
+      kernels.template map_state<true, true>(view, hoops, outer, mean, alone);
+    }
+    if (mapping.mass && w.shared[f] != 0 && !rules_[body].affine) {
+      NodeVelocity* own = w.momentum[slot].get(patch.count());
+      if (w.momentum_present[slot] == 0) std::fill(own, own + patch.count(), NodeVelocity{});
+      w.momentum_present[slot] = 1;
+      kernels.map_velocity(view, Field::velocity_x, own);
+    }
+  });
+}
+
+/// What the nodes around a set must know of it beside that: where it is, its surface, and the pressure on surfaces.
+void Mpm::map_surroundings(int block, PointSet& set, int body, Mapping const& mapping) {
+  Workspace& w = *work_;
+  Patch const& patch = w.patches[block];
+  int const f = w.field_of[body];
+  grid::Geometry const geometry = grid_.domain().geometry;
+  SetView const view{&set, &bodies_[body], &patch, patch.h};
+  with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
+    if (mapping.mass && !loans_.owns(block, set) && evens_out(block, body)) {
+      int const at = set_index(block, body);
+      NodeVelocity* even = w.even[at].get(patch.count());
+      std::fill(even, even + patch.count(), NodeVelocity{});
+      w.even_present[at] = 1;
+      kernels.map_even(view, geometry, even);
+    }
+    if (mapping.mass && w.filling >= 0) kernels.map_filled(view, geometry, filled_nodes(block));
+    if (NodeVelocity* area = mapping.forces && w.slides ? area_nodes(block, body) : nullptr) {
+      if (w.slips[f] != 0) {
+        kernels.map_pressure(view, area);
+      } else {
+        kernels.map_area(view, mapping.hoops, area);
+      }
+    }
+    if (mapping.mass && w.contact && w.slips[f] == 0)
+      kernels.map_gradient(view, geometry, w.slides, w.gradient[w.slot(block, f)].data());
+  });
+}
+
 void Mpm::filter() {
   PhaseTimer const timer(timings_["filter"]);
   Workspace& w = *work_;
-  double const h = grid_.domain().h;
   auto const each_set = [&](int block, auto&& work) {
     for_sets(block, [&](PointSet& set, int body) {
       if (!set.fields().has(Field::filtered_x)) return;
-      SetView const view{&set, &bodies_[body], &w.patches[block], h};
+      SetView const view{&set, &bodies_[body], &w.patches[block], w.patches[block].h};
       with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) { work(body, view, kernels); });
     });
   };

@@ -17,7 +17,7 @@ void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch
   if (bodies_[body].rigid_velocity) {
     fastest = norm(*bodies_[body].rigid_velocity);
   } else {
-    SetView const view{&set, &bodies_[body], &w.patches[block], grid_.domain().h};
+    SetView const view{&set, &bodies_[body], &w.patches[block], w.patches[block].h};
     NodeVelocity const* filled = nullptr;
     if (bodies_[body].fills_space && w.gather(w.filled, w.filled_present, block, w.filling, scratch.filled, true))
       filled = scratch.filled.data();

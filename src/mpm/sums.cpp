@@ -9,21 +9,36 @@
 
 namespace brisance::mpm {
 
-long Mpm::point_count() const {
+namespace {
+
+/// Calls visit(set) for the sets of a body, block by block.
+template <class Visit>
+void for_blocks(Mpm const& mpm, int body, Visit&& visit) {
+  for (int block = 0; block < mpm.grid().block_count(); ++block) visit(mpm.points(block, body));
+}
+
+}  // namespace
+
+long point_count(Mpm const& mpm) {
   long count = 0;
-  for (PointSet const& set : sets_) count += set.size();
+  for (std::size_t body = 0; body < mpm.bodies().size(); ++body) {
+    for_blocks(mpm, static_cast<int>(body), [&](PointSet const& set) { count += set.size(); });
+  }
   return count;
 }
 
-BodySums Mpm::sums(int body) const {
-  int const blocks = grid_.block_count();
+BodySums sums(Mpm const& mpm, int body) {
+  int const blocks = mpm.grid().block_count();
+  Body const& of = mpm.bodies()[body];
+  BodyRules const rules = rules_of(of, mpm.options());
   std::vector<BodySums> parts(blocks);
   parallel_for(blocks, [&](int block, int) {
-    PointSet const& set = points(block, body);
+    PointSet const& set = mpm.points(block, body);
+    double const h = mpm.grid().blocks()[block].h();
     BodySums& s = parts[block];
     s.points = set.size();
-    bool const affine = rules_[body].has_gradient_energy;
-    bool const books = rules_[body].books_work && !bodies_[body].solid.is_gas();
+    bool const affine = rules.has_gradient_energy;
+    bool const books = rules.books_work && !of.solid.is_gas();
     for (int q = 0; q < set.size(); ++q) {
       double const m = set.field(Field::mass)[q];
       s.mass += m;
@@ -42,7 +57,7 @@ BodySums Mpm::sums(int body) const {
         if (double const* origin = set.field(Field::origin_x + d)) moved += (x - origin[q]) * (x - origin[q]);
       }
       s.kinetic_energy += 0.5 * m * square;
-      if (affine) s.kinetic_energy += m * affine_energy(set, q, grid_.domain().h);
+      if (affine) s.kinetic_energy += m * affine_energy(set, q, h);
       s.internal_energy += m * set.field(Field::energy)[q];
       if (books) s.provisional_energy += m * set.field(Field::provisional)[q];
       if (double const* work = set.field(Field::plastic_work)) s.plastic_work += m * work[q];
@@ -68,10 +83,10 @@ BodySums Mpm::sums(int body) const {
   return total;
 }
 
-Place Mpm::find(int body, long identity, Place hint) const {
+Place find(Mpm const& mpm, int body, long identity, Place hint) {
   auto const wanted = static_cast<double>(identity);
   auto const look = [&](int block) -> Place {
-    PointSet const& set = points(block, body);
+    PointSet const& set = mpm.points(block, body);
     double const* identities = set.field(Field::identity);
     for (int q = 0; q < set.size(); ++q) {
       if (identities[q] == wanted) return {block, q};
@@ -79,27 +94,27 @@ Place Mpm::find(int body, long identity, Place hint) const {
     return {};
   };
   if (hint.block >= 0) {
-    PointSet const& set = points(hint.block, body);
+    PointSet const& set = mpm.points(hint.block, body);
     if (hint.index < set.size() && set.field(Field::identity)[hint.index] == wanted) return hint;
-    for (int const block : work_->around[hint.block]) {
+    for (int const block : blocks_around(mpm.grid(), hint.block)) {
       if (block == grid::no_neighbour) continue;
       Place const place = look(block);
       if (place.block >= 0) return place;
     }
   }
-  for (int block = 0; block < grid_.block_count(); ++block) {
+  for (int block = 0; block < mpm.grid().block_count(); ++block) {
     Place const place = look(block);
     if (place.block >= 0) return place;
   }
   return {};
 }
 
-long Mpm::nearest(int body, Vec3 const& x) const {
+long nearest(Mpm const& mpm, int body, Vec3 const& x) {
   double best = std::numeric_limits<double>::infinity();
   long identity = -1;
-  int const dims = grid_.domain().dimensions();
-  for (int block = 0; block < grid_.block_count(); ++block) {
-    PointSet const& set = points(block, body);
+  int const dims = mpm.grid().domain().dimensions();
+  for (int block = 0; block < mpm.grid().block_count(); ++block) {
+    PointSet const& set = mpm.points(block, body);
     for (int q = 0; q < set.size(); ++q) {
       double square = 0.0;
       for (int d = 0; d < dims; ++d) {
@@ -116,34 +131,46 @@ long Mpm::nearest(int body, Vec3 const& x) const {
   return identity;
 }
 
-double Mpm::lowest_pressure(int body) const {
-  std::vector<double> lowest(active_.size(), std::numeric_limits<double>::infinity());
-  parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
+double lowest_pressure(Mpm& mpm, int body) {
+  int const blocks = mpm.grid().block_count();
+  std::vector<double> lowest(blocks, std::numeric_limits<double>::infinity());
+  Loans const& loans = mpm.loans();
+  parallel_for(blocks, [&](int block, int) {
     auto const see = [&](PointSet const& set) {
       double const* p = set.field(Field::pressure);
-      double least = lowest[n];
+      double least = lowest[block];
       for (int q = 0; q < set.size(); ++q) least = p[q] < least ? p[q] : least;
-      lowest[n] = least;
+      lowest[block] = least;
     };
-    see(points(active_[n], body));
-    if (body == lent_body_) see(lent_[active_[n]]);
+    see(mpm.points(block, body));
+    if (body == loans.body()) see(loans.points(block));
   });
   double least = std::numeric_limits<double>::infinity();
   for (double const p : lowest) least = std::min(least, p);
   return least;
 }
 
-std::size_t Mpm::bytes() const {
+void set_lighting(Mpm& mpm, int body, std::function<double(Vec3 const&)> const& lighting_time) {
+  for (int b = 0; b < mpm.grid().block_count(); ++b) {
+    PointSet& set = mpm.points(b, body);
+    double* lighting = set.field(Field::lighting_time);
+    if (lighting == nullptr) continue;
+    for (int q = 0; q < set.size(); ++q) {
+      lighting[q] = lighting_time(
+          {set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]});
+    }
+  }
+}
+
+std::size_t bytes(Mpm const& mpm) {
+  Mpm::Workspace const& w = *mpm.work_;
   std::size_t total = 0;
-  for (PointSet const& set : sets_) total += set.bytes();
-  for (auto const& nodes : work_->state) total += nodes.bytes();
-  for (auto const& nodes : work_->velocity) total += nodes.bytes();
-  for (auto const& nodes : work_->gradient) total += nodes.bytes();
-  for (auto const& nodes : work_->area) total += nodes.bytes();
-  for (auto const* all : {&work_->even, &work_->even_again}) {
+  for (PointSet const& set : mpm.sets_) total += set.bytes();
+  for (auto const& nodes : w.state) total += nodes.bytes();
+  for (auto const* all : {&w.velocity, &w.gradient, &w.area, &w.even, &w.even_again}) {
     for (auto const& nodes : *all) total += nodes.bytes();
   }
-  for (auto const& nodes : work_->extent) total += nodes.bytes();
+  for (auto const& nodes : w.extent) total += nodes.bytes();
   return total;
 }
 
@@ -152,7 +179,7 @@ void Mpm::find_active() {
   for (int b = 0; b < grid_.block_count(); ++b) {
     bool any = false;
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) any = any || !points(b, body).empty();
-    any = any || (lent_body_ >= 0 && !lent_[b].empty());
+    any = any || loans_.any(b);
     if (any) active_.push_back(b);
   }
 }
@@ -188,6 +215,6 @@ void Mpm::collect_signals() {
   for (int const block : active_) fastest_ = std::max(fastest_, signals_[block]);
 }
 
-double Mpm::stable_step() const { return options_.courant * grid_.domain().h / fastest_; }
+double Mpm::stable_step() const { return options_.courant * grid_.smallest_cell() / fastest_; }
 
 }  // namespace brisance::mpm

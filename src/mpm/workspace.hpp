@@ -23,6 +23,9 @@ struct WallFace {
   int plane = 0;      ///< storage index along d of the nodes on it
 };
 
+/// Gap at nodes on a wall that no point touches [m].
+inline constexpr double no_gap = std::numeric_limits<double>::max();
+
 /// Records of nodes, allocated when they are first needed.
 template <class Record>
 class NodeArray {

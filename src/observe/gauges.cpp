@@ -90,7 +90,7 @@ Gauges::Gauges(run::World const& world) {
   for (PointGauge const& gauge : setup.points.gauges) {
     PointGaugeHistory history;
     history.gauge = gauge;
-    if (gauge.point) history.identity = world.points->nearest(gauge.body, *gauge.point);
+    if (gauge.point) history.identity = mpm::nearest(*world.points, gauge.body, *gauge.point);
     points.push_back(std::move(history));
   }
 }
@@ -149,7 +149,7 @@ void Gauges::sample_points(run::World const& world) {
   // The sums of a body are taken once, whoever asks for them.
   std::vector<std::optional<mpm::BodySums>> sums(bodies.size());
   auto const sums_of = [&](int body) -> mpm::BodySums const& {
-    if (!sums[body]) sums[body] = world.points->sums(body);
+    if (!sums[body]) sums[body] = mpm::sums(*world.points, body);
     return *sums[body];
   };
   for (int body = 0; due && body < count; ++body) bodies[body].push_back({now, sums_of(body)});
@@ -160,7 +160,7 @@ void Gauges::sample_points(run::World const& world) {
       continue;
     }
     if (history.lost) continue;
-    history.place = world.points->find(body, history.identity, history.place);
+    history.place = mpm::find(*world.points, body, history.identity, history.place);
     if (history.place.block < 0) {
       history.lost = true;
       continue;
@@ -175,7 +175,7 @@ void Gauges::sample_points(run::World const& world) {
 void Gauges::record_bodies(run::World const& world) {
   if (bodies.empty() || bodies[0].back().time >= world.clock.time) return;
   for (std::size_t body = 0; body < bodies.size(); ++body)
-    bodies[body].push_back({world.clock.time, world.points->sums(static_cast<int>(body))});
+    bodies[body].push_back({world.clock.time, mpm::sums(*world.points, static_cast<int>(body))});
 }
 
 void archive(Archive& a, GaugeRecord& r) { a(r.time, r.pressure, r.density, r.velocity); }

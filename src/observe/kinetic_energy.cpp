@@ -42,7 +42,7 @@ double kinetic_energy(run::World const& world) {
   double sum = world.gas == nullptr ? 0.0 : gas_energy(world);
   auto const& points = world.points;
   for (int body = 0; points != nullptr && body < static_cast<int>(points->bodies().size()); ++body)
-    sum += points->sums(body).kinetic_energy;
+    sum += mpm::sums(*points, body).kinetic_energy;
   return sum;
 }
 

@@ -20,7 +20,7 @@ BodySummary summary_of(run::World const& world, int body, std::string const& nam
   s.name = name;
   s.body = world.bodies[body].name;
   s.material = world.bodies[body].material;
-  s.end = world.points->sums(body);
+  s.end = mpm::sums(*world.points, body);
   s.start = records.empty() ? s.end : records.front().sums;
   for (BodyRecord const& r : records) {
     raise(s.displacement, r.sums.largest_displacement, r.time);

@@ -160,9 +160,9 @@ json energy_of_points(run::World const& world, char const* left) {
           {"filtered", json_or_null(energy.dissipated.filtered)},
           {"apic", json_or_null(energy.dissipated.apic)},
           {"friction", json_or_null(energy.dissipated.friction)},
-          {"lifted", json_or_null(points.floored().energy)},
-          {"lifted_points", points.floored().points},
-          {"conducted", json_or_null(points.conducted().moved)},
+          {"lifted", json_or_null(points.accounts().floored.energy)},
+          {"lifted_points", points.accounts().floored.points},
+          {"conducted", json_or_null(points.accounts().conducted.moved)},
           {"scale", json_or_null(energy.scale)},
           {"drift", json_or_null(energy.drift())},
           {"largest_drift", largest_drift(world)}};
@@ -194,11 +194,11 @@ json points(run::World const& world, double wall_seconds) {
                       {"bar_volume", json_or_null(report.bar_volume)}});
   }
   auto const& a = world.audit;
-  auto const& impulse = p.constraint_impulse();
-  double const count = static_cast<double>(p.point_count());
+  auto const& impulse = p.accounts().constraint_impulse;
+  double const count = static_cast<double>(mpm::point_count(p));
   double const updates = count * static_cast<double>(world.clock.point_steps);
-  return {{"count", p.point_count()},
-          {"bytes", p.bytes()},
+  return {{"count", mpm::point_count(p)},
+          {"bytes", mpm::bytes(p)},
           {"shape_function", word_of(o.shape)},
           {"order", word_of(o.order)},
           {"transfer", word_of(o.transfer)},
@@ -228,7 +228,7 @@ json points(run::World const& world, double wall_seconds) {
               {"lost", a.outflow.momentum},
               {"constraint_impulse", impulse}}},
             {"energy", energy_of_points(world, "lost")},
-            {"lost_points", p.losses().points}}}};
+            {"lost_points", p.accounts().losses.points}}}};
 }
 
 /// What a run of gas and points together has beside both.

@@ -116,7 +116,7 @@ Totals World::point_totals() const {
   Totals total;
   int const gas_body = this->gas_body();
   for (int body = 0; body < static_cast<int>(points->bodies().size()); ++body) {
-    mpm::BodySums const sums = points->sums(body);
+    mpm::BodySums const sums = mpm::sums(*points, body);
     total.momentum = total.momentum + sums.momentum;
     total.energy += sums.kinetic_energy + sums.internal_energy - sums.provisional_energy;
     total.kinetic_energy += sums.kinetic_energy;
@@ -202,7 +202,7 @@ void World::start_audit() {
 void World::take_account() {
   audit.outflow = {};
   if (points != nullptr) {
-    mpm::Losses const& lost = points->losses();
+    mpm::Losses const& lost = points->accounts().losses;
     if (gas == nullptr) audit.outflow.mass[0] = lost.mass;
     audit.outflow.momentum = lost.momentum;
     audit.outflow.energy = lost.energy;
@@ -229,7 +229,7 @@ void World::update_audit() {
 
 /// At present; see `EnergyBalance::scale`. The energy of gas alone follows from what went through its boundaries.
 double World::energy_at_work() const {
-  if (points != nullptr) return energy_above(audit.current) + std::abs(points->outer_work());
+  if (points != nullptr) return energy_above(audit.current) + std::abs(points->accounts().outer_work);
   return std::abs(audit.initial.energy - audit.initial.rest_energy - audit.outflow.energy + audit.afterburn_energy +
                   audit.panels.energy);
 }
@@ -242,8 +242,8 @@ EnergyBalance World::energy_balance() const {
   balance.released = audit.afterburn_energy;
   balance.opened = audit.panels.energy;
   if (points != nullptr) {
-    balance.work = points->outer_work();
-    balance.dissipated = points->dissipation();
+    balance.work = points->accounts().outer_work;
+    balance.dissipated = points->accounts().dissipation;
   }
   balance.scale = std::max(audit.memory.scale, energy_at_work());
   balance.all = std::max(audit.memory.all, energy_at_work() + std::abs(audit.current.rest_energy));
@@ -274,7 +274,7 @@ void World::follow_audit() {
     if (bridge != nullptr) {
       memory.content = std::max(memory.content, bridge->content());
       memory.surplus = std::max(memory.surplus, bridge->surplus());
-      memory.gas = std::max(memory.gas, points->sums(gas_body()).mass);
+      memory.gas = std::max(memory.gas, mpm::sums(*points, gas_body()).mass);
     }
   } else {
     take_account();
@@ -309,7 +309,7 @@ std::vector<AuditFinding> World::audit_findings() const {
   if (gas != nullptr) {
     double const of_charges = charge_energy(*this);
     double const fail = limits.fail > 0.0 ? guards_fail : 0.0;
-    double const added = audit.guard_energy + (points == nullptr ? 0.0 : points->floored().energy);
+    double const added = audit.guard_energy + (points == nullptr ? 0.0 : points->accounts().floored.energy);
     found.push_back({Kind::guard_energy, added, of_charges > 0.0 ? of_charges : energy.scale, guards_warn, fail,
                      of_charges > 0.0 ? 0.0 : drift_round_off * energy.all});
     double const mass = setup.charges.empty() ? audit.initial.mass[0] : audit.initial.mass[gas::products_fluid];
@@ -318,13 +318,13 @@ std::vector<AuditFinding> World::audit_findings() const {
   }
   if (points == nullptr) return found;
   if (gas == nullptr) {
-    found.push_back({Kind::guard_energy, points->floored().energy, energy.scale, guards_warn,
+    found.push_back({Kind::guard_energy, points->accounts().floored.energy, energy.scale, guards_warn,
                      limits.fail > 0.0 ? guards_fail : 0.0, drift_round_off * energy.all});
   }
   // Velocities stand half a step before positions and stress (a leapfrog): while loads set something in motion, the
   // energies of the same time do not add up. The work that they did since the look before bounds that; it is a small
   // part of the scale but in the first moments of a load.
-  double const work = points->outer_work();
+  double const work = points->accounts().outer_work;
   double const fresh = std::max(audit.memory.fresh, std::abs(work - audit.memory.work));
   double const drift = larger_size(audit.memory.drift, energy.error());
   double const smallest = std::max(drift_round_off * energy.all, noise * stiffness(*this));

@@ -24,7 +24,7 @@ std::string fluid_in_words(Case const& c, int fluid) {
 
 void hand_over_products(Case const& setup, mpm::Mpm& points, int gas_body) {
   for (std::size_t n = 0; n < setup.points.bodies.size(); ++n) {
-    if (products_of(setup, setup.points.bodies[n]) > 0) points.hand_over_burnt(static_cast<int>(n), gas_body);
+    if (products_of(setup, setup.points.bodies[n]) > 0) mpm::hand_over_burnt(points, static_cast<int>(n), gas_body);
   }
 }
 

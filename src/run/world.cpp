@@ -14,7 +14,7 @@ bool World::finished() const {
   return time_over || (setup.end.steps > 0 && clock.step >= setup.end.steps) || bodies_have_left();
 }
 
-bool World::bodies_have_left() const { return gas == nullptr && points->point_count() == 0; }
+bool World::bodies_have_left() const { return gas == nullptr && mpm::point_count(*points) == 0; }
 
 long World::active_cells() const {
   if (gas == nullptr) return 0;

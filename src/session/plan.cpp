@@ -85,9 +85,9 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
   for (int const plane : planes) share *= plane != 0 ? 0.5 : 1.0;
   if (number < setup.start.profiles.size()) {
     detonation::Profile const& profile = *setup.start.profiles[number];
-    bool const half = profile.mirrored && std::abs(profile.domain.lower[1]) < 1e-6 * profile.domain.h;
+    bool const half = profile.mirrored && std::abs(profile.domain.lower[1]) < 1e-6 * profile.domain.smallest_cell();
     realised = share * (half ? 2.0 : 1.0) * profile.sum(gas::partial_density(charge.fluid));
-    report.cells_per_radius = profile.charge.radius / profile.domain.h;
+    report.cells_per_radius = profile.charge.radius / profile.domain.smallest_cell();
     reach = profile.reach();
     p.starts.push_back(fmt::format("profile \"{}\" of {}, time {}, the burst has a radius of {}, {:.3g} cells",
                                    setup.start.profile, word_of(profile.domain.geometry), quantity(profile.time, "s"),

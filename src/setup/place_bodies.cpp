@@ -64,9 +64,10 @@ void place_bodies(run::World& w, grid::Domain const& domain, std::vector<mpm::Bo
     w.points->fill(number, filling);
     if (!b.initiation.empty()) {
       double const speed = b.solid.detonation_speed;
-      w.points->set_lighting(number, [&](Vec3 const& x) { return detonation::lighting_time(x, b.initiation, speed); });
+      mpm::set_lighting(*w.points, number,
+                        [&](Vec3 const& x) { return detonation::lighting_time(x, b.initiation, speed); });
     }
-    mpm::BodySums const sums = w.points->sums(number);
+    mpm::BodySums const sums = mpm::sums(*w.points, number);
     w.bodies.push_back(
         {b.name, b.solid.name, sums.points, sums.mass, placement.volume * b.density.value_or(b.solid.density)});
   }

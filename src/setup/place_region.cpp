@@ -127,7 +127,7 @@ void fill_gas(run::World& w, int body, std::vector<bridge::CellBox> const& boxes
   grid::Domain const& domain = w.setup.domain;
   int const parts = w.setup.mpm_region->gas_points(domain.dimensions());
   shape::Placement const placement = shape::place_particles(gas_space(w.setup, boxes), domain, parts);
-  mpm::PointSet set(w.points->fields(body));
+  mpm::PointSet set(mpm::fields(*w.points, body));
   double const half = 0.5 * domain.smallest_cell() / parts;
   for (std::size_t n = 0; n < placement.positions.size(); ++n) {
     Vec3 const& x = placement.positions[n];
@@ -229,7 +229,7 @@ void place_region(run::World& w) {
   place_bodies(w, region.points_domain(), {gas});
   int const gas_body = static_cast<int>(w.points->bodies().size()) - 1;
   fill_gas(w, gas_body, boxes_of(w.setup));
-  mpm::BodySums const sums = w.points->sums(gas_body);
+  mpm::BodySums const sums = mpm::sums(*w.points, gas_body);
   w.bodies.push_back({gas.name, gas.solid.name, sums.points, sums.mass, sums.mass});
 
   bridge::Options options;

@@ -172,7 +172,7 @@ PointsBurst::PointsBurst(Case const& one) : one_(one) {
   points_->set_reference_pressure(air, ambient.pressure);
   points_->set_reference_pressure(products, ambient.pressure);
   if (charge.detonation == Detonation::programmed) {
-    points_->set_lighting(products, [&](Vec3 const& x) {
+    mpm::set_lighting(*points_, products, [&](Vec3 const& x) {
       return detonation::lighting_time(x, charge.initiation, charge.explosive.detonation_speed);
     });
   }

@@ -5,144 +5,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numeric>
-#include <unordered_map>
 
 #include "core/error.hpp"
+#include "grid/cell.hpp"
+#include "shape/closed_surface.hpp"
 
 namespace brisance::shape {
 
 namespace {
-
-using Triangle = std::array<int, 3>;
 
 /// Where a line along x passes through the surface; `sign` is +1 where it enters.
 struct Crossing {
   double x = 0.0;
   int sign = 0;
 };
-
-/// Integer cell of a point in a lattice, as a key of a hash table. Two cells may share a key: a welder compares
-/// distances anyway.
-std::uint64_t lattice_key(std::int64_t i, std::int64_t j, std::int64_t k) {
-  return static_cast<std::uint64_t>(i) * 73856093U ^ static_cast<std::uint64_t>(j) * 19349663U ^
-         static_cast<std::uint64_t>(k) * 83492791U;
-}
-
-struct Surface {
-  std::vector<Vec3> vertices;
-  std::vector<Triangle> triangles;
-};
-
-/// Corners closer than `tolerance` become one vertex; triangles that lose a side vanish.
-Surface weld(std::vector<Vec3> const& corners, double tolerance) {
-  // An exact weld needs no lattice of a certain size, only equal keys of equal points.
-  std::vector<int> vertex_of(corners.size());
-  Surface surface;
-  if (tolerance <= 0.0) {
-    std::vector<int> order(corners.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
-      if (corners[a] != corners[b]) return corners[a] < corners[b];
-      return a < b;
-    });
-    for (std::size_t n = 0; n < order.size(); ++n) {
-      if (n == 0 || corners[order[n]] != corners[order[n - 1]]) surface.vertices.push_back(corners[order[n]]);
-      vertex_of[order[n]] = static_cast<int>(surface.vertices.size()) - 1;
-    }
-  } else {
-    // Lattice cells of four tolerances: a point looks into the neighbouring cell only where it is near its face.
-    double const pitch = 4.0 * tolerance;
-    std::unordered_map<std::uint64_t, std::vector<int>> table;
-    table.reserve(corners.size());
-    for (std::size_t n = 0; n < corners.size(); ++n) {
-      Vec3 const& x = corners[n];
-      std::array<std::int64_t, 3> low{};
-      std::array<std::int64_t, 3> high{};
-      for (int d = 0; d < 3; ++d) {
-        low[d] = static_cast<std::int64_t>(std::floor((x[d] - tolerance) / pitch));
-        high[d] = static_cast<std::int64_t>(std::floor((x[d] + tolerance) / pitch));
-      }
-      int found = -1;
-      for (std::int64_t k = low[2]; k <= high[2] && found < 0; ++k) {
-        for (std::int64_t j = low[1]; j <= high[1] && found < 0; ++j) {
-          for (std::int64_t i = low[0]; i <= high[0] && found < 0; ++i) {
-            auto const entry = table.find(lattice_key(i, j, k));
-            if (entry == table.end()) continue;
-            for (int const v : entry->second) {
-              if (norm(surface.vertices[v] - x) <= tolerance) {
-                found = v;
-                break;
-              }
-            }
-          }
-        }
-      }
-      if (found < 0) {
-        found = static_cast<int>(surface.vertices.size());
-        surface.vertices.push_back(x);
-        auto const cell = [&](int d) { return static_cast<std::int64_t>(std::floor(x[d] / pitch)); };
-        table[lattice_key(cell(0), cell(1), cell(2))].push_back(found);
-      }
-      vertex_of[n] = found;
-    }
-  }
-  for (std::size_t n = 0; n + 2 < corners.size(); n += 3) {
-    Triangle const t{vertex_of[n], vertex_of[n + 1], vertex_of[n + 2]};
-    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) surface.triangles.push_back(t);
-  }
-  return surface;
-}
-
-/// What is wrong with the edges of a surface.
-struct EdgeReport {
-  long open = 0;      ///< edges of one triangle
-  long against = 0;   ///< edges of two triangles that face against each other
-  long branched = 0;  ///< edges of three triangles or more
-  std::array<int, 2> first_open{};
-  std::array<int, 2> first_against{};
-  std::array<int, 2> first_branched{};
-};
-
-EdgeReport check_edges(Surface const& surface) {
-  struct Edge {
-    int a, b;
-    int direction;
-  };
-  std::vector<Edge> edges;
-  edges.reserve(3 * surface.triangles.size());
-  for (Triangle const& t : surface.triangles) {
-    for (int s = 0; s < 3; ++s) {
-      int const a = t[s];
-      int const b = t[(s + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](Edge const& p, Edge const& q) {
-    if (p.a != q.a) return p.a < q.a;
-    if (p.b != q.b) return p.b < q.b;
-    return p.direction < q.direction;
-  });
-  EdgeReport report;
-  for (std::size_t n = 0; n < edges.size();) {
-    std::size_t end = n;
-    int sum = 0;
-    while (end < edges.size() && edges[end].a == edges[n].a && edges[end].b == edges[n].b)
-      sum += edges[end++].direction;
-    std::array<int, 2> const edge{edges[n].a, edges[n].b};
-    if (end - n == 1) {
-      if (report.open++ == 0) report.first_open = edge;
-    } else if (end - n > 2) {
-      if (report.branched++ == 0) report.first_branched = edge;
-    } else if (sum != 0) {
-      if (report.against++ == 0) report.first_against = edge;
-    }
-    n = end;
-  }
-  return report;
-}
 
 /// Twice the signed area of (a, b, p) in the plane (y, z), antisymmetric in a and b to the last bit: the two triangles
 /// of an edge see opposite values, so that no line slips through between them.
@@ -165,8 +43,6 @@ int side_sign(std::vector<Vec3> const& vertices, int a, int b, double value) {
   return 0;
 }
 
-std::string place(Vec3 const& x) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", x[0], x[1], x[2]); }
-
 }  // namespace
 
 struct Mesh::Data {
@@ -177,21 +53,27 @@ struct Mesh::Data {
   std::array<std::vector<double>, 3> faces;
 
   // The triangles by the bins of the plane (y, z) that their boxes cover.
-  std::array<int, 2> bins{1, 1};
+  grid::CellRange bins;
   std::array<double, 2> bins_per_metre{};
   std::vector<std::size_t> bin_start;
   std::vector<int> bin_items;
 
   [[nodiscard]] int bin(int axis, double at) const {
     double const b = (at - lower[1 + axis]) * bins_per_metre[axis];
-    return std::clamp(static_cast<int>(std::clamp(b, -1.0, 1e9)), 0, bins[axis] - 1);
+    return std::clamp(static_cast<int>(std::clamp(b, -1.0, 1e9)), 0, bins.upper[axis] - 1);
   }
 
-  /// Ranges of bins that a triangle covers: low and high along y, low and high along z.
-  [[nodiscard]] std::array<int, 4> covered(Triangle const& t) const {
+  /// The bin of a line along x.
+  [[nodiscard]] std::size_t bin_of(double y, double z) const { return bins.offset({bin(0, y), bin(1, z), 0}); }
+  /// The bins between two lines.
+  [[nodiscard]] grid::CellRange bins_between(double y0, double y1, double z0, double z1) const {
+    return {{bin(0, y0), bin(1, z0), 0}, {bin(0, y1) + 1, bin(1, z1) + 1, 1}};
+  }
+  /// The bins that a triangle covers.
+  [[nodiscard]] grid::CellRange covered(Triangle const& t) const {
     auto const [y0, y1] = std::minmax({vertices[t[0]][1], vertices[t[1]][1], vertices[t[2]][1]});
     auto const [z0, z1] = std::minmax({vertices[t[0]][2], vertices[t[1]][2], vertices[t[2]][2]});
-    return {bin(0, y0), bin(0, y1), bin(1, z0), bin(1, z1)};
+    return bins_between(y0, y1, z0, z1);
   }
 
   void measure() {
@@ -241,23 +123,17 @@ struct Mesh::Data {
     for (;; per_side = std::max(1, per_side / 2)) {
       for (int axis = 0; axis < 2; ++axis) {
         double const extent = upper[1 + axis] - lower[1 + axis];
-        bins[axis] = extent > 0.0 ? per_side : 1;
-        bins_per_metre[axis] = extent > 0.0 ? bins[axis] / extent : 0.0;
+        bins.upper[axis] = extent > 0.0 ? per_side : 1;
+        bins_per_metre[axis] = extent > 0.0 ? per_side / extent : 0.0;
       }
       double entries = 0.0;
-      for (Triangle const& t : triangles) {
-        auto const c = covered(t);
-        entries += static_cast<double>(c[1] - c[0] + 1) * (c[3] - c[2] + 1);
-      }
+      for (Triangle const& t : triangles) entries += static_cast<double>(covered(t).count());
       if (entries <= 16.0 * count + 1000.0 || per_side == 1) break;
     }
-    bin_start.assign(static_cast<std::size_t>(bins[0]) * bins[1] + 1, 0);
+    bin_start.assign(bins.count() + 1, 0);
     auto const each = [&](auto const& use) {
       for (std::size_t n = 0; n < triangles.size(); ++n) {
-        auto const c = covered(triangles[n]);
-        for (int k = c[2]; k <= c[3]; ++k) {
-          for (int j = c[0]; j <= c[1]; ++j) use(static_cast<std::size_t>(k) * bins[0] + j, static_cast<int>(n));
-        }
+        for_each_cell(covered(triangles[n]), [&](Index3 const& b) { use(bins.offset(b), static_cast<int>(n)); });
       }
     };
     each([&](std::size_t b, int) { ++bin_start[b + 1]; });
@@ -270,7 +146,7 @@ struct Mesh::Data {
   /// The crossings of one line, unsorted. Their signs add up to 0 on a closed surface.
   [[nodiscard]] int collect(double y, double z, std::vector<Crossing>& crossings) const {
     crossings.clear();
-    std::size_t const b = static_cast<std::size_t>(bin(1, z)) * bins[0] + bin(0, y);
+    std::size_t const b = bin_of(y, z);
     int balance = 0;
     for (std::size_t n = bin_start[b]; n < bin_start[b + 1]; ++n) {
       Triangle const& t = triangles[bin_items[n]];
@@ -334,50 +210,7 @@ struct Mesh::Data {
 
 Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what) {
   auto const refuse = [&](std::string const& message) -> void { throw InputError(what + ": " + message); };
-  if (corners.size() < 3) refuse("there are no triangles in it; export the body as a closed surface of triangles");
-  if (corners.size() > 1'000'000'000) refuse("too many triangles; export the body with a coarser tolerance");
-  double largest = 0.0;
-  for (std::size_t n = 0; n < corners.size(); ++n) {
-    for (double const c : corners[n]) {
-      // The moments of the volume take the fourth power.
-      if (!(std::abs(c) <= 1e60)) {
-        refuse(
-            fmt::format("triangle {} has a coordinate that is not a number or beyond all measure; export the body "
-                        "again",
-                        n / 3 + 1));
-      }
-      largest = std::max(largest, std::abs(c));
-    }
-  }
-  Surface surface = weld(corners, 0.0);
-  EdgeReport edges = check_edges(surface);
-  if (edges.open > 0 && largest > 0.0) {
-    // Writers round each corner by itself: weld within a few units of single precision.
-    surface = weld(corners, 4.0 * std::numeric_limits<float>::epsilon() * largest);
-    edges = check_edges(surface);
-  }
-  if (surface.triangles.empty()) refuse("all triangles are points or lines; export the body again");
-  auto const middle = [&](std::array<int, 2> const& edge) {
-    return place(0.5 * (surface.vertices[edge[0]] + surface.vertices[edge[1]]));
-  };
-  if (edges.open > 0) {
-    refuse(
-        fmt::format("the surface is not closed: {} open edge{}, the first at {}; repair the mesh or export the body "
-                    "as a solid",
-                    edges.open, edges.open == 1 ? "" : "s", middle(edges.first_open)));
-  }
-  if (edges.branched > 0) {
-    refuse(
-        fmt::format("{} edge{} shared by more than two triangles, the first at {}; separate the touching shells or "
-                    "remove double triangles",
-                    edges.branched, edges.branched == 1 ? " is" : "s are", middle(edges.first_branched)));
-  }
-  if (edges.against > 0) {
-    refuse(
-        fmt::format("neighbouring triangles face against each other at {} edge{}, the first at {}; make the normals "
-                    "point outwards everywhere",
-                    edges.against, edges.against == 1 ? "" : "s", middle(edges.first_against)));
-  }
+  Surface surface = closed_surface(corners, what);
   auto data = std::make_shared<Data>();
   data->vertices = std::move(surface.vertices);
   data->triangles = std::move(surface.triangles);
@@ -454,21 +287,19 @@ bool Mesh::touches(Vec3 const& low, Vec3 const& high) const {
   for (int d = 0; d < 3; ++d) {
     if (low[d] > m.upper[d] || high[d] < m.lower[d]) return false;
   }
-  for (int k = m.bin(1, low[2]); k <= m.bin(1, high[2]); ++k) {
-    for (int j = m.bin(0, low[1]); j <= m.bin(0, high[1]); ++j) {
-      std::size_t const b = static_cast<std::size_t>(k) * m.bins[0] + j;
-      for (std::size_t n = m.bin_start[b]; n < m.bin_start[b + 1]; ++n) {
-        Triangle const& t = m.triangles[m.bin_items[n]];
-        bool reaches = true;
-        for (int d = 0; d < 3; ++d) {
-          auto const [from, to] = std::minmax({m.vertices[t[0]][d], m.vertices[t[1]][d], m.vertices[t[2]][d]});
-          reaches = reaches && from <= high[d] && to >= low[d];
-        }
-        if (reaches) return true;
+  return any_cell(m.bins_between(low[1], high[1], low[2], high[2]), [&](Index3 const& at) {
+    std::size_t const b = m.bins.offset(at);
+    for (std::size_t n = m.bin_start[b]; n < m.bin_start[b + 1]; ++n) {
+      Triangle const& t = m.triangles[m.bin_items[n]];
+      bool reaches = true;
+      for (int d = 0; d < 3; ++d) {
+        auto const [from, to] = std::minmax({m.vertices[t[0]][d], m.vertices[t[1]][d], m.vertices[t[2]][d]});
+        reaches = reaches && from <= high[d] && to >= low[d];
       }
+      if (reaches) return true;
     }
-  }
-  return false;
+    return false;
+  });
 }
 
 }  // namespace brisance::shape

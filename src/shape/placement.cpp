@@ -12,6 +12,8 @@
 
 namespace brisance::shape {
 
+using grid::CellRange;
+
 namespace {
 
 /// Smallest part of a sub-cell that becomes a particle of its own. Measured on spheres and cylinders of 5 cells radius
@@ -36,9 +38,8 @@ struct SubCells {
   Index3 count{};  ///< in each direction
   std::vector<double> filled;
 
-  [[nodiscard]] std::size_t index(int i, int j, int k) const {
-    return (static_cast<std::size_t>(k) * count[1] + j) * count[0] + i;
-  }
+  [[nodiscard]] CellRange all() const { return {{0, 0, 0}, count}; }
+  [[nodiscard]] std::size_t index(Index3 const& at) const { return all().offset(at); }
   /// Volume of sub-cells with first index i.
   [[nodiscard]] double volume(int i) const {
     double const across = dims == 3 ? size * size : dims == 2 ? size : 1.0;
@@ -53,7 +54,7 @@ SubCells sub_cells(Shape const& shape, grid::Domain const& domain, int per_direc
   SubCells cells;
   cells.geometry = domain.geometry;
   cells.dims = domain.dimensions();
-  cells.size = domain.h / per_direction;
+  cells.size = domain.smallest_cell() / per_direction;
   cells.corner = domain.lower;
   Box const box = bounds(shape);
   for (int d = 0; d < 3; ++d) {
@@ -98,7 +99,7 @@ void fill_row(SubCells const& cells, Span const& span, double share, double* row
 
 /// By lines along x.
 void fill_by_lines(Shape const& shape, SubCells& cells) {
-  cells.filled.assign(static_cast<std::size_t>(cells.count[0]) * cells.count[1] * cells.count[2], 0.0);
+  cells.filled.assign(cells.all().count(), 0.0);
   auto const across = [&](int d, int n) {
     if (d >= cells.dims) return std::vector<Station>{{0.0, 1.0}};
     double const from = cells.corner[d] + (cells.first[d] + n) * cells.size;
@@ -107,13 +108,14 @@ void fill_by_lines(Shape const& shape, SubCells& cells) {
   };
   std::vector<std::vector<Station>> ys(cells.count[1]);
   for (int j = 0; j < cells.count[1]; ++j) ys[j] = across(1, j);
-  parallel_for(cells.count[2] * cells.count[1], [&](int jk, int) {
-    int const j = jk % cells.count[1];
-    int const k = jk / cells.count[1];
-    double* const row = cells.filled.data() + cells.index(0, j, k);
+  CellRange rows = cells.all();
+  rows.upper[0] = 1;
+  parallel_for(static_cast<int>(rows.count()), [&](int n, int) {
+    Index3 const first = rows.at(static_cast<std::size_t>(n));
+    double* const row = cells.filled.data() + cells.index(first);
     std::vector<Span> inside;
-    for (Station const& z : across(2, k)) {
-      for (Station const& y : ys[j]) {
+    for (Station const& z : across(2, first[2])) {
+      for (Station const& y : ys[first[1]]) {
         spans(shape, cells.dims, y.at, z.at, inside);
         for (Span const& s : inside) fill_row(cells, s, y.share * z.share, row);
       }
@@ -136,14 +138,9 @@ void fill(Shape const& shape, SubCells& cells) {
         seen.count[e] = cells.count[axes[e]];
       }
       fill_by_lines(turned(shape, axes), seen);
-      for (int k = 0; k < cells.count[2]; ++k) {
-        for (int j = 0; j < cells.count[1]; ++j) {
-          for (int i = 0; i < cells.count[0]; ++i) {
-            Index3 const at{i, j, k};
-            cells.filled[cells.index(i, j, k)] += seen.filled[seen.index(at[axes[0]], at[axes[1]], at[axes[2]])];
-          }
-        }
-      }
+      for_each_cell(cells.all(), [&](Index3 const& at) {
+        cells.filled[cells.index(at)] += seen.filled[seen.index({at[axes[0]], at[axes[1]], at[axes[2]]})];
+      });
     }
     for (double& f : cells.filled) f /= cells.dims;
   }
@@ -158,39 +155,30 @@ enum class Fate : std::uint8_t { empty, full, part, remnant };
 /// Calls use(index, squared distance in sub-cells) for the neighbours of a sub-cell, corners included.
 template <typename Use>
 void for_neighbours(SubCells const& cells, Index3 const& at, Use const& use) {
-  auto const [i, j, k] = at;
-  for (int dk = -1; dk <= 1; ++dk) {
-    for (int dj = -1; dj <= 1; ++dj) {
-      for (int di = -1; di <= 1; ++di) {
-        int const distance = di * di + dj * dj + dk * dk;
-        bool const exists = i + di >= 0 && i + di < cells.count[0] && j + dj >= 0 && j + dj < cells.count[1] &&
-                            k + dk >= 0 && k + dk < cells.count[2];
-        if (distance > 0 && exists) use(cells.index(i + di, j + dj, k + dk), distance);
-      }
-    }
-  }
+  for_each_cell(common(grid::around(at, 1, 3), cells.all()), [&](Index3 const& other) {
+    int distance = 0;
+    for (int d = 0; d < 3; ++d) distance += (other[d] - at[d]) * (other[d] - at[d]);
+    if (distance > 0) use(cells.index(other), distance);
+  });
 }
 
+/// Calls use(index, place in `filled`) for all sub-cells.
 template <typename Use>
 void for_all(SubCells const& cells, Use const& use) {
-  for (int k = 0; k < cells.count[2]; ++k) {
-    for (int j = 0; j < cells.count[1]; ++j) {
-      for (int i = 0; i < cells.count[0]; ++i) use(i, j, k, cells.index(i, j, k));
-    }
-  }
+  for_each_cell(cells.all(), [&](Index3 const& at) { use(at, cells.index(at)); });
 }
 
 /// Which sub-cells become particles, and the volume of each.
 std::vector<Fate> share_out(SubCells const& cells, std::vector<double>& volumes) {
   std::vector<Fate> fate(cells.filled.size());
   std::vector<Index3> remnants;
-  for_all(cells, [&](int i, int j, int k, std::size_t n) {
+  for_all(cells, [&](Index3 const& at, std::size_t n) {
     double const f = cells.filled[n];
     fate[n] = f <= 0.0                       ? Fate::empty
               : f >= 1.0                     ? Fate::full
               : f > smallest_share + on_face ? Fate::part
                                              : Fate::remnant;
-    if (fate[n] == Fate::remnant) remnants.push_back({i, j, k});
+    if (fate[n] == Fate::remnant) remnants.push_back(at);
   });
   auto const is_particle = [&](std::size_t n) { return fate[n] == Fate::full || fate[n] == Fate::part; };
   // A sheet thinner than a quarter of a sub-cell has nothing but remnants: those that are not much smaller than all
@@ -203,16 +191,17 @@ std::vector<Fate> share_out(SubCells const& cells, std::vector<double>& volumes)
       alone = alone && !is_particle(n);
       most = std::max(most, cells.filled[n]);
     });
-    std::size_t const n = cells.index(at[0], at[1], at[2]);
+    std::size_t const n = cells.index(at);
     if (alone && cells.filled[n] >= 0.5 * most - on_face) stay.push_back(n);
   }
   for (std::size_t const n : stay) fate[n] = Fate::part;
   volumes.resize(cells.filled.size());
-  for_all(cells, [&](int i, int, int, std::size_t n) {
-    volumes[n] = fate[n] == Fate::full ? cells.volume(i) : is_particle(n) ? cells.filled[n] * cells.volume(i) : 0.0;
+  for_all(cells, [&](Index3 const& at, std::size_t n) {
+    double const whole = cells.volume(at[0]);
+    volumes[n] = fate[n] == Fate::full ? whole : is_particle(n) ? cells.filled[n] * whole : 0.0;
   });
   for (Index3 const& at : remnants) {
-    std::size_t const n = cells.index(at[0], at[1], at[2]);
+    std::size_t const n = cells.index(at);
     if (fate[n] != Fate::remnant) continue;
     double const left = cells.filled[n] * cells.volume(at[0]);
     int nearest = 4;
@@ -234,7 +223,7 @@ std::vector<Fate> share_out(SubCells const& cells, std::vector<double>& volumes)
 std::optional<double> closed_volume(Shape const& shape, grid::Domain const& domain) {
   grid::Geometry const g = domain.geometry;
   int const dims = domain.dimensions();
-  double const slack = on_face * domain.h;
+  double const slack = on_face * domain.smallest_cell();
   Box const box = bounds(shape);
   if (std::holds_alternative<Box>(shape) || std::holds_alternative<Everywhere>(shape)) {
     Box part = box;
@@ -303,7 +292,7 @@ Placement place_particles(Shape const& shape, grid::Domain const& domain, int pe
   if (cells.count[0] == 0 || cells.count[1] == 0 || cells.count[2] == 0) return placement;
   fill(shape, cells);
   double sampled = 0.0;
-  for_all(cells, [&](int i, int, int, std::size_t n) { sampled += cells.filled[n] * cells.volume(i); });
+  for_all(cells, [&](Index3 const& at, std::size_t n) { sampled += cells.filled[n] * cells.volume(at[0]); });
   std::vector<double> volumes;
   std::vector<Fate> const fate = share_out(cells, volumes);
   double const known = volume_inside(shape, domain);
@@ -313,49 +302,37 @@ Placement place_particles(Shape const& shape, grid::Domain const& domain, int pe
   double full = 0.0;
   double part = 0.0;
   auto const untouched = [&](int i, std::size_t n) { return fate[n] == Fate::full && volumes[n] == cells.volume(i); };
-  for_all(cells, [&](int i, int, int, std::size_t n) { (untouched(i, n) ? full : part) += volumes[n]; });
+  for_all(cells, [&](Index3 const& at, std::size_t n) { (untouched(at[0], n) ? full : part) += volumes[n]; });
   double const factor = part > 0.0 ? (placement.volume - full) / part : 1.0;
   // Bodies along the grid are exact as they are; where the parts cannot make it up, all are scaled.
   bool const exact = std::abs(full + part - placement.volume) <= 1e-12 * placement.volume;
   bool const by_parts = factor > 0.5 && factor < 2.0;
   double const whole = full + part > 0.0 ? placement.volume / (full + part) : 1.0;
 
-  int const p = per_direction;
-  auto const range = [&](int d) {
-    int const each = d < cells.dims ? p : 1;
-    return std::pair{cells.first[d] / each, (cells.first[d] + cells.count[d] - 1) / each};
-  };
-  auto const [i0, i1] = range(0);
-  auto const [j0, j1] = range(1);
-  auto const [k0, k1] = range(2);
-  auto const within = [&](int d, int cell) {
-    int const each = d < cells.dims ? p : 1;
-    return std::pair{std::max(0, cell * each - cells.first[d]),
-                     std::min(cells.count[d] - 1, (cell + 1) * each - 1 - cells.first[d])};
-  };
-  for (int ck = k0; ck <= k1; ++ck) {
-    for (int cj = j0; cj <= j1; ++cj) {
-      for (int ci = i0; ci <= i1; ++ci) {
-        auto const [ka, kb] = within(2, ck);
-        auto const [ja, jb] = within(1, cj);
-        auto const [ia, ib] = within(0, ci);
-        for (int k = ka; k <= kb; ++k) {
-          for (int j = ja; j <= jb; ++j) {
-            for (int i = ia; i <= ib; ++i) {
-              std::size_t const n = cells.index(i, j, k);
-              if (fate[n] != Fate::full && fate[n] != Fate::part) continue;
-              Vec3 x = domain.centre({ci, cj, ck});
-              Index3 const at{i, j, k};
-              for (int d = 0; d < cells.dims; ++d) x[d] = domain.lower[d] + (cells.first[d] + at[d] + 0.5) * cells.size;
-              double const scale = exact ? 1.0 : !by_parts ? whole : untouched(i, n) ? 1.0 : factor;
-              placement.positions.push_back(x);
-              placement.volumes.push_back(scale * volumes[n]);
-            }
-          }
-        }
-      }
-    }
+  // Cell by cell of the domain, sub-cell by sub-cell in each.
+  Index3 each{1, 1, 1};
+  CellRange touched;
+  for (int d = 0; d < 3; ++d) {
+    if (d < cells.dims) each[d] = per_direction;
+    touched.lower[d] = cells.first[d] / each[d];
+    touched.upper[d] = (cells.first[d] + cells.count[d] - 1) / each[d] + 1;
   }
+  for_each_cell(touched, [&](Index3 const& cell) {
+    CellRange within;
+    for (int d = 0; d < 3; ++d) {
+      within.lower[d] = cell[d] * each[d] - cells.first[d];
+      within.upper[d] = within.lower[d] + each[d];
+    }
+    for_each_cell(common(within, cells.all()), [&](Index3 const& at) {
+      std::size_t const n = cells.index(at);
+      if (fate[n] != Fate::full && fate[n] != Fate::part) return;
+      Vec3 x = domain.centre(cell);
+      for (int d = 0; d < cells.dims; ++d) x[d] = domain.lower[d] + (cells.first[d] + at[d] + 0.5) * cells.size;
+      double const scale = exact ? 1.0 : !by_parts ? whole : untouched(at[0], n) ? 1.0 : factor;
+      placement.positions.push_back(x);
+      placement.volumes.push_back(scale * volumes[n]);
+    });
+  });
   return placement;
 }
 

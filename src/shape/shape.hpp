@@ -65,8 +65,8 @@ struct Combination {
 /// Is the point x inside?
 [[nodiscard]] bool contains(Shape const& shape, Vec3 const& x);
 
-/// The same in a domain: directions that it does not resolve do not count.
-[[nodiscard]] bool contains(Shape const& shape, grid::Domain const& domain, Vec3 const& x);
+/// The same among the cells of a metric: directions that it does not resolve do not count.
+[[nodiscard]] bool contains(Shape const& shape, grid::Metric const& cells, Vec3 const& x);
 
 /// Volume [m3] of the shape in the given geometry (per metre of the unresolved directions; curvilinear: the whole
 /// body). The shape is taken whole, also where it reaches over a symmetry plane. Infinite for `Everywhere`. Exact for
@@ -93,8 +93,7 @@ enum class Cover { outside, cut, inside };
 /// Part of the cell's volume that lies in the shape, 0 to 1, by `samples` points per direction with the geometry's
 /// volume weight; exact for spheres and boxes in 1D, and along x for combinations and meshes. Cells fully inside or
 /// outside return exactly 1 or 0.
-[[nodiscard]] double fill_fraction(Shape const& shape, grid::Domain const& domain, Index3 const& cell,
-                                   int samples = 16);
+[[nodiscard]] double fill_fraction(Shape const& shape, grid::Metric const& cells, Index3 const& cell, int samples = 16);
 
 /// The stretches of the line along x through (y, z) that lie in the shape, disjoint and in order; of the given
 /// directions only the first `dimensions` count.

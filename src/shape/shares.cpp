@@ -15,22 +15,22 @@ int lines_through(int dimensions) { return dimensions == 3 ? 12 : 64; }
 
 /// What a box of cells sees of a shape. Boxes along the grid are told exactly, so that one whose faces lie between
 /// cells cuts none of them.
-Cover cover_of(Shape const& shape, grid::Domain const& domain, CellRange const& cells) {
-  int const dims = domain.dimensions();
-  Vec3 middle = domain.centre(cells.lower);
+Cover cover_of(Shape const& shape, grid::Metric const& metric, CellRange const& cells) {
+  int const dims = metric.dimensions();
+  Vec3 middle = metric.centre(cells.lower);
   double half = 0.0;
   for (int d = 0; d < dims; ++d) {
-    double const size = domain.h * (cells.upper[d] - cells.lower[d]);
-    middle[d] = domain.lower[d] + cells.lower[d] * domain.h + 0.5 * size;
+    double const size = metric.h * (cells.upper[d] - cells.lower[d]);
+    middle[d] = metric.face(d, cells.lower[d]) + 0.5 * size;
     half = std::max(half, 0.5 * size);
   }
   auto const* box = std::get_if<Box>(&shape);
   if (box == nullptr) return cover(shape, dims, middle, half);
-  double const slack = round_off * domain.h;
+  double const slack = round_off * metric.h;
   bool inside = true;
   for (int d = 0; d < dims; ++d) {
-    double const low = domain.lower[d] + cells.lower[d] * domain.h;
-    double const high = domain.lower[d] + cells.upper[d] * domain.h;
+    double const low = metric.face(d, cells.lower[d]);
+    double const high = metric.face(d, cells.upper[d]);
     if (box->lower[d] >= high - slack || box->upper[d] <= low + slack) return Cover::outside;
     inside = inside && box->lower[d] <= low + slack && box->upper[d] >= high - slack;
   }
@@ -43,11 +43,11 @@ struct Stack {
   bool cut = false;         ///< some surface may pass through the range
 };
 
-Stack stack_in(std::vector<Shape> const& shapes, std::vector<int> const& candidates, grid::Domain const& domain,
+Stack stack_in(std::vector<Shape> const& shapes, std::vector<int> const& candidates, grid::Metric const& metric,
                CellRange const& cells) {
   Stack stack;
   for (auto n = candidates.rbegin(); n != candidates.rend(); ++n) {
-    Cover const seen = cover_of(shapes[*n], domain, cells);
+    Cover const seen = cover_of(shapes[*n], metric, cells);
     if (seen == Cover::outside) continue;
     stack.shapes.push_back(*n);
     if (seen == Cover::inside) break;  // what lies below it does not show
@@ -60,8 +60,8 @@ Stack stack_in(std::vector<Shape> const& shapes, std::vector<int> const& candida
 /// A line along x through a cell, which shapes take from the last to the first.
 class Line {
  public:
-  Line(grid::Domain const& domain, Index3 const& cell)
-      : geometry_(domain.geometry), low_(domain.face_radius(cell[0])), high_(domain.face_radius(cell[0] + 1)) {}
+  Line(grid::Metric const& metric, Index3 const& cell)
+      : geometry_(metric.geometry), low_(metric.face_radius(cell[0])), high_(metric.face_radius(cell[0] + 1)) {}
 
   [[nodiscard]] double whole() const { return measure(low_, high_); }
   void begin() { free_.assign(1, {low_, high_}); }
@@ -97,9 +97,9 @@ class Line {
   std::vector<Span> spans_, free_, rest_;
 };
 
-std::vector<Share> cut_cell(std::vector<Shape> const& shapes, std::vector<int> const& stack, grid::Domain const& domain,
+std::vector<Share> cut_cell(std::vector<Shape> const& shapes, std::vector<int> const& stack, grid::Metric const& metric,
                             Index3 const& cell, int lines) {
-  int const dims = domain.dimensions();
+  int const dims = metric.dimensions();
   if (lines == 0) lines = lines_through(dims);
   // The section of a box does not change between its faces.
   bool const boxes = std::all_of(stack.begin(), stack.end(), [&](int n) {
@@ -107,13 +107,13 @@ std::vector<Share> cut_cell(std::vector<Shape> const& shapes, std::vector<int> c
   });
   auto const along = [&](int d) {
     if (d >= dims) return std::vector<Station>{{0.0, 1.0}};
-    double const from = domain.lower[d] + cell[d] * domain.h;
-    double const slack = round_off * domain.h;
+    double const from = metric.face(d, cell[d]);
+    double const slack = round_off * metric.h;
     std::vector<double> ends;
-    for (int const n : stack) breaks(shapes[n], d, from + slack, from + domain.h - slack, ends);
-    return stations(std::move(ends), from, from + domain.h, boxes ? 1 : lines, slack);
+    for (int const n : stack) breaks(shapes[n], d, from + slack, from + metric.h - slack, ends);
+    return stations(std::move(ends), from, from + metric.h, boxes ? 1 : lines, slack);
   };
-  Line line(domain, cell);
+  Line line(metric, cell);
   std::vector<double> parts(stack.size(), 0.0);
   auto const ys = along(1);
   for (Station const& z : along(2)) {
@@ -142,13 +142,13 @@ std::vector<Share> cut_cell(std::vector<Shape> const& shapes, std::vector<int> c
 
 using Visit = std::function<bool(CellRange const&, std::vector<Share> const&)>;
 
-bool descend(std::vector<Shape> const& shapes, std::vector<int> const& candidates, grid::Domain const& domain,
+bool descend(std::vector<Shape> const& shapes, std::vector<int> const& candidates, grid::Metric const& metric,
              CellRange const& range, Visit const& visit) {
-  Stack const stack = stack_in(shapes, candidates, domain, range);
+  Stack const stack = stack_in(shapes, candidates, metric, range);
   if (stack.shapes.empty()) return true;
   if (!stack.cut) return visit(range, {{stack.shapes.front(), 1.0}});
   if (range.single()) {
-    auto const shares = cut_cell(shapes, stack.shapes, domain, range.lower, 0);
+    auto const shares = cut_cell(shapes, stack.shapes, metric, range.lower, 0);
     return shares.empty() || visit(range, shares);
   }
   int longest = 0;
@@ -158,7 +158,7 @@ bool descend(std::vector<Shape> const& shapes, std::vector<int> const& candidate
   CellRange low = range;
   CellRange high = range;
   low.upper[longest] = high.lower[longest] = (range.lower[longest] + range.upper[longest]) / 2;
-  return descend(shapes, stack.shapes, domain, low, visit) && descend(shapes, stack.shapes, domain, high, visit);
+  return descend(shapes, stack.shapes, metric, low, visit) && descend(shapes, stack.shapes, metric, high, visit);
 }
 
 std::vector<int> all_of(std::vector<Shape> const& shapes) {
@@ -181,14 +181,14 @@ CellRange cells_around(Shape const& shape, grid::Domain const& domain) {
   return range;
 }
 
-double volume_of(CellRange const& cells, grid::Domain const& domain) {
+double volume_of(CellRange const& cells, grid::Metric const& metric) {
   double across = 1.0;
-  for (int d = 1; d < domain.dimensions(); ++d) across *= cells.upper[d] - cells.lower[d];
-  if (grid::radial_exponent(domain.geometry) == 0) {
-    return across * (cells.upper[0] - cells.lower[0]) * domain.cell_volume(cells.lower[0]);
+  for (int d = 1; d < metric.dimensions(); ++d) across *= cells.upper[d] - cells.lower[d];
+  if (grid::radial_exponent(metric.geometry) == 0) {
+    return across * (cells.upper[0] - cells.lower[0]) * metric.cell_volume(cells.lower[0]);
   }
   double sum = 0.0;
-  for (int i = cells.lower[0]; i < cells.upper[0]; ++i) sum += domain.cell_volume(i);
+  for (int i = cells.lower[0]; i < cells.upper[0]; ++i) sum += metric.cell_volume(i);
   return across * sum;
 }
 
@@ -198,19 +198,19 @@ double sum_of(std::vector<Share> const& shares) {
   return sum;
 }
 
-std::vector<Share> shares_of_cell(std::vector<Shape> const& shapes, grid::Domain const& domain, Index3 const& cell,
+std::vector<Share> shares_of_cell(std::vector<Shape> const& shapes, grid::Metric const& metric, Index3 const& cell,
                                   int lines) {
   CellRange const range = grid::around(cell, 0, 0);
-  Stack const stack = stack_in(shapes, all_of(shapes), domain, range);
+  Stack const stack = stack_in(shapes, all_of(shapes), metric, range);
   if (stack.shapes.empty()) return {};
   if (!stack.cut) return {{stack.shapes.front(), 1.0}};
-  return cut_cell(shapes, stack.shapes, domain, cell, lines);
+  return cut_cell(shapes, stack.shapes, metric, cell, lines);
 }
 
-void for_each_share(std::vector<Shape> const& shapes, grid::Domain const& domain, CellRange const& range,
+void for_each_share(std::vector<Shape> const& shapes, grid::Metric const& metric, CellRange const& range,
                     Visit const& visit) {
   if (range.empty()) return;
-  descend(shapes, all_of(shapes), domain, range, visit);
+  descend(shapes, all_of(shapes), metric, range, visit);
 }
 
 }  // namespace brisance::shape

@@ -211,7 +211,7 @@ class Pieces {
       double const from = std::max({s.lower[t], domain_.lower[t], box_.lower[t]});
       double const to = std::min({s.upper[t], domain_.upper(t), box_.upper[t]});
       if (!(to > from)) return;
-      double const slack = 1e-9 * domain_.h;
+      double const slack = 1e-9 * domain_.smallest_cell();
       std::vector<double> ends;
       for (Shape const* one : {&whole_, &region_}) breaks(*one, t, from + slack, to - slack, ends);
       double const step = std::max(spacing_, (to - from) / std::sqrt(most_facets));
@@ -247,7 +247,7 @@ void collect(Shape const& shape, std::vector<Shape>& primitives) {
 
 /// Lies the point in the domain, and not on a mirror plane that n (a unit vector) points to?
 bool counts(grid::Domain const& domain, Vec3 const& x, Vec3 const& n) {
-  double const slack = 1e-6 * domain.h;
+  double const slack = 1e-6 * domain.smallest_cell();
   for (int d = 0; d < domain.dimensions(); ++d) {
     for (int side = 0; side < 2; ++side) {
       double const before = side == 0 ? x[d] - domain.lower[d] : domain.upper(d) - x[d];

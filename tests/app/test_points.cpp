@@ -24,7 +24,7 @@ TEST(PointPlan, KnowsTheBodiesAsTheWorldWillFillThem) {
   Plan const p = plan(setup);
   observe::Watched const world{run::Case(setup)};
   ASSERT_EQ(p.bodies.size(), 3U);
-  EXPECT_EQ(p.points, static_cast<double>(world.points->point_count()));
+  EXPECT_EQ(p.points, static_cast<double>(mpm::point_count(*world.points)));
   for (int b = 0; b < 3; ++b) {
     EXPECT_EQ(p.bodies[b].points, world.bodies[b].points);
     // Two ways of summing the same points: round-off.

@@ -79,7 +79,7 @@ run::Case charge_and_soil(double height) {
 /// Largest drift of the energy between walls, as a part of that of the charge.
 class Drift {
  public:
-  explicit Drift(run::World& w) : before_(w.totals()) { charge_ = w.points->sums(0).internal_energy; }
+  explicit Drift(run::World& w) : before_(w.totals()) { charge_ = mpm::sums(*w.points, 0).internal_energy; }
   void see(run::World& w) {
     run::Totals const now = w.totals();
     last = std::abs(now.energy - before_.energy) / charge_;
@@ -149,16 +149,17 @@ TEST(Products, LeaveTheRegionAsGas) {
   c.mpm_region->subcycling = false;
   add_tnt(c, shape::Box{{0.45, -1.0, -1.0}, {0.55, 1.0, 1.0}}, {0.45, 0.0, 0.0});
   run::World w = setup::build(c);
-  double const mass = w.points->sums(0).mass;
+  double const mass = mpm::sums(*w.points, 0).mass;
   Drift drift(w);
   bool burning = false;
   run_to(w, 150e-6, [&](run::World& now) {
     drift.see(now);
-    burning = burning || (now.points->sums(0).points > 0 && now.points->sums(0).points < now.bodies[0].points);
+    burning =
+        burning || (mpm::sums(*now.points, 0).points > 0 && mpm::sums(*now.points, 0).points < now.bodies[0].points);
   });
   std::printf("drift %.2e, in the end %.2e, products %.1e\n", drift.worst, drift.last, drift.mass);
   EXPECT_TRUE(burning);
-  EXPECT_EQ(w.points->sums(0).points, 0);
+  EXPECT_EQ(mpm::sums(*w.points, 0).points, 0);
   double outside = 0.0;
   for_each_own_cell(w, [&](gas::Primitive const& s, Index3 const& cell) {
     outside += s.mass_fraction[1] * s.density * w.setup.domain.cell_volume(cell[0]);
@@ -203,8 +204,8 @@ TEST(Products, AreTheSameOnAnyNumberOfThreadsAndAfterARestart) {
   };
   auto const one = runs(1, 12);
   auto const three = runs(3, 12);
-  EXPECT_GT(one->points->sums(0).points, 0);  // it still burns
-  EXPECT_LT(one->points->sums(0).points, one->bodies[0].points);
+  EXPECT_GT(mpm::sums(*one->points, 0).points, 0);  // it still burns
+  EXPECT_LT(mpm::sums(*one->points, 0).points, one->bodies[0].points);
   EXPECT_TRUE(same(*one, *three));
   std::string saved;
   Archive writer([&](void const* from, std::size_t count) { saved.append(static_cast<char const*>(from), count); });
@@ -349,7 +350,7 @@ TEST(OpenFace, CountsWhatLeavesToTheWorkAtTheNodes) {
   set_region(c, {0, 0, 0}, {24, 24, 1});
   add_tnt(c, shape::Cylinder{{0.0, 0.0, 0.0}, 0.0308, 1.0, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0});
   run::World w = setup::build(c);
-  double const charge = w.points->sums(0).internal_energy;
+  double const charge = mpm::sums(*w.points, 0).internal_energy;
   double const before = w.totals().energy;
   run_to(w, 200e-6);
   w.update_audit();
@@ -369,7 +370,7 @@ TEST(OpenFace, LetsNoGasIntoSoil) {
   c.mpm_region->population_interval = 0;
   c.points.bodies[0].velocity = {1e-6, 0.0, 0.0};  // the region is awake
   run::World w = setup::build(c);
-  mpm::PointSet puff(w.points->fields(w.gas_body()));
+  mpm::PointSet puff(mpm::fields(*w.points, w.gas_body()));
   for (int n = 0; n < 4; ++n) {
     int const q = puff.append();
     puff.field(Field::position_x)[q] = 0.195;

@@ -38,12 +38,12 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
       shape::Box{{low, low, dims == 3 ? low : -1.0}, {low + 4 * h, low + 4 * h, dims == 3 ? low + 4 * h : 1.0}};
   c.points.bodies = {body};
   run::World w = setup::build(c);
-  long const at_start = w.points->sums(w.gas_body()).points;
+  long const at_start = mpm::sums(*w.points, w.gas_body()).points;
   for (int step = 0; step < 24; ++step) run::advance(w, 10.0);
   EXPECT_GT(w.bridge->traffic().born, 0);
   EXPECT_GT(w.bridge->traffic().left, 0);
   // Population control acted: the count changed by other than births and leavers.
-  long const now = w.points->sums(w.gas_body()).points;
+  long const now = mpm::sums(*w.points, w.gas_body()).points;
   EXPECT_NE(now - at_start, w.bridge->traffic().born - w.bridge->traffic().left);
   std::vector<double> all{w.clock.time, static_cast<double>(now), static_cast<double>(w.bridge->traffic().born)};
   for_each_cell(w, [&](int block, int offset, Index3 const&) {

@@ -116,10 +116,10 @@ TEST(SubCycling, WithSteelThePointsTakeMoreSteps) {
   EXPECT_LT(difference(with, without, 6e-4, "steel"), 0.02);
   EXPECT_GT(with.clock.point_steps, 3 * with.clock.gas_steps);
   EXPECT_EQ(without.clock.point_steps, without.clock.gas_steps);
-  double const v = with.points->sums(0).momentum[0];
+  double const v = mpm::sums(*with.points, 0).momentum[0];
   EXPECT_GT(v, 0.0);
   // The impulse counts from the shock's arrival, which its width shifts: as the pressure.
-  EXPECT_NEAR(without.points->sums(0).momentum[0] / v, 1.0, 0.02);
+  EXPECT_NEAR(mpm::sums(*without.points, 0).momentum[0] / v, 1.0, 0.02);
 }
 
 TEST(SubCycling, WithHotGasOutsideTheGasTakesMoreSteps) {
@@ -231,11 +231,11 @@ TEST(LongRun, KeepsTheNumberOfPoints) {
   c.regions = {wave};
   run::World w = setup::build(c);
   run::Totals const before = w.totals();
-  long const start = w.points->sums(w.gas_body()).points;
+  long const start = mpm::sums(*w.points, w.gas_body()).points;
   long least = start;
   long most = start;
   run_to(w, 10.0 * 0.4 / 0.6, [&](run::World& now) {
-    long const count = now.points->sums(now.gas_body()).points;
+    long const count = mpm::sums(*now.points, now.gas_body()).points;
     least = std::min(least, count);
     most = std::max(most, count);
   });

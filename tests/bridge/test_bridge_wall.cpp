@@ -84,7 +84,7 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
     });
     return sum / volume;
   };
-  auto const wall_momentum = [&] { return w.points->sums(0).momentum[0]; };
+  auto const wall_momentum = [&] { return mpm::sums(*w.points, 0).momentum[0]; };
   // From when the reflected shock is 12 cells before the wall; before that the shock's width matters.
   double const formed = arrival + 12.0 * c.domain.h / s.back;
   run_to(w, formed);
@@ -207,7 +207,7 @@ struct Burst {
     run::World w = setup::build(c);
     Burst burst;
     burst.run(w, 1, face);
-    burst.impulse = w.points->constraint_impulse()[1];
+    burst.impulse = w.points->accounts().constraint_impulse[1];
     return burst;
   }
 };

@@ -623,7 +623,7 @@ TEST(GoodDecks, SurfacePressurePushesWithItsForce) {
                "\"\npressure = 1e6\nregion = {shape = \"box\", lower = [0.3, 0.3, 0], upper = [0.6, 0.4, 1]}\n"));
       double const push = normal == "+z" ? -1.0 : 1.0;
       while (!world.finished()) run::advance(world, world.setup.end.time);
-      Vec3 const momentum = world.points->sums(0).momentum;
+      Vec3 const momentum = mpm::sums(*world.points, 0).momentum;
       // The force goes with the volume of the loaded points, which changes by 1 MPa / K = 1.5e-5 of itself.
       EXPECT_NEAR(momentum[2], push * 1e6 * 0.03 * 2e-5, 1.5e-5 * 0.6) << top << normal;
       EXPECT_NEAR(momentum[0], 0.0, 1e-9);

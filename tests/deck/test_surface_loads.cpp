@@ -209,7 +209,7 @@ TEST(SurfaceLoads, DriveABall) {
   run::World world = world_of(deck_of(
       "cartesian3d", space, "shape = \"sphere\"\nradius = 0.2\nposition = [0.5, 0.5, 0.5]\n", "normal = \"+z\""));
   while (!world.finished()) run::advance(world, world.setup.end.time);
-  Vec3 const momentum = world.points->sums(0).momentum;
+  Vec3 const momentum = mpm::sums(*world.points, 0).momentum;
   EXPECT_NEAR(momentum[2] / (-1e6 * pi * 0.04 * 1e-5), 1.0, 0.01);
   EXPECT_NEAR(momentum[0] / momentum[2], 0.0, 1e-6);
 }

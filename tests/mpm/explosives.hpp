@@ -48,7 +48,7 @@ class EnergyWatch {
   /// Call after every step: the centred energy is that of the step before.
   void look() {
     double const kinetic = problem_.kinetic_energy();
-    double const total = problem_.energy() + problem_.mpm->losses().energy;
+    double const total = problem_.energy() + problem_.mpm->accounts().losses.energy;
     centred = (total_ + 0.5 * (kinetic - kinetic_)) / start_ - 1.0;
     drift = total / start_ - 1.0;
     worst_centred = std::max(worst_centred, std::abs(centred));

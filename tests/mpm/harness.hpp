@@ -159,7 +159,7 @@ struct Problem {
 
   /// Values of a field in the order of the points' identities.
   std::vector<double> values(int body, Field field) {
-    std::vector<double> out(static_cast<std::size_t>(mpm->sums(body).points));
+    std::vector<double> out(static_cast<std::size_t>(mpm::sums(*mpm, body).points));
     for_each_point(body, [&](mpm::PointSet const& set, int q) {
       out.at(static_cast<std::size_t>(set.field(Field::identity)[q])) = set.field(field)[q];
     });
@@ -184,13 +184,13 @@ struct Problem {
 
   [[nodiscard]] double kinetic_energy() const {
     double total = 0.0;
-    for (std::size_t b = 0; b < bodies.size(); ++b) total += mpm->sums(static_cast<int>(b)).kinetic_energy;
+    for (std::size_t b = 0; b < bodies.size(); ++b) total += mpm::sums(*mpm, static_cast<int>(b)).kinetic_energy;
     return total;
   }
   [[nodiscard]] double energy() const {
     double total = kinetic_energy();
     for (std::size_t b = 0; b < bodies.size(); ++b) {
-      auto const sums = mpm->sums(static_cast<int>(b));
+      auto const sums = mpm::sums(*mpm, static_cast<int>(b));
       total += sums.internal_energy - sums.provisional_energy;
     }
     return total;
@@ -201,11 +201,11 @@ struct Problem {
   }
   /// Energy with all that left or is lost and counted, less the work of outer forces.
   [[nodiscard]] double accounted() const {
-    return energy() + mpm->losses().energy + mpm->dissipation().sum() - mpm->outer_work();
+    return energy() + mpm->accounts().losses.energy + mpm->accounts().dissipation.sum() - mpm->accounts().outer_work;
   }
   [[nodiscard]] Vec3 momentum() const {
     Vec3 total{0.0, 0.0, 0.0};
-    for (std::size_t b = 0; b < bodies.size(); ++b) total = total + mpm->sums(static_cast<int>(b)).momentum;
+    for (std::size_t b = 0; b < bodies.size(); ++b) total = total + mpm::sums(*mpm, static_cast<int>(b)).momentum;
     return total;
   }
 

@@ -36,7 +36,7 @@ TEST(ApicInSolids, LossIsCounted) {
       p.fill_block(body, {{4.3, 4.2, -1.0}, {13.3, 12.7, 1.0}});
       double const before = p.energy();
       p.run(40.0, 0.1);
-      double const lost = p.mpm->dissipation().apic / before;
+      double const lost = p.mpm->accounts().dissipation.apic / before;
       double const drift = p.accounted() / before - 1.0;
       std::printf("%s, %s: lost %.2f %%, drift %.3f %%\n", word_of(shape), word_of(order), 100.0 * lost, 100.0 * drift);
       EXPECT_GT(lost, 0.2);
@@ -64,8 +64,8 @@ TEST(ApicInSolids, LossOfDustIsCountedToRoundOff) {
         });
         double const before = p.energy();
         p.run(150.0, 0.25);
-        double const lost = before + p.mpm->outer_work() - p.energy() - p.mpm->losses().energy;
-        mpm::Dissipation const& d = p.mpm->dissipation();
+        double const lost = before + p.mpm->accounts().outer_work - p.energy() - p.mpm->accounts().losses.energy;
+        mpm::Dissipation const& d = p.mpm->accounts().dissipation;
         std::printf(
             "%s, %s, held at %g: of %.4g J %.4g J are lost, counted with an error of %.1e: held %.3g, APIC %.3g, "
             "friction %.3g\n",
@@ -109,12 +109,12 @@ TEST(EnergyFloor, IsCounted) {
   ASSERT_GT(wrong, 0);
   double const before = p.energy();
   p.mpm->advance(1e-6);  // so short that nothing else happens
-  EXPECT_EQ(p.mpm->floored().points, wrong);
-  EXPECT_NEAR(p.mpm->floored().energy, missing, 1e-5 * missing);
-  EXPECT_NEAR(p.energy() - before, p.mpm->floored().energy, 1e-9 * before);
+  EXPECT_EQ(p.mpm->accounts().floored.points, wrong);
+  EXPECT_NEAR(p.mpm->accounts().floored.energy, missing, 1e-5 * missing);
+  EXPECT_NEAR(p.energy() - before, p.mpm->accounts().floored.energy, 1e-9 * before);
   p.for_each_point(gas, [&](mpm::PointSet& set, int q) { EXPECT_GE(set.field(Field::energy)[q], -1e-15); });
   p.mpm->advance(1e-6);
-  EXPECT_EQ(p.mpm->floored().points, wrong) << "once is enough";
+  EXPECT_EQ(p.mpm->accounts().floored.points, wrong) << "once is enough";
 }
 
 // Water under tension has less energy than at no pressure, and is right.
@@ -141,9 +141,9 @@ TEST(HeatConduction, IsCountedAndMakesNoHeat) {
     return Vec3{x[0] < 30.0 ? 1.0 : -1.0, 0.0, 0.0};
   });
   p.run(10.0, 0.2);
-  std::printf("moved %.3g J, made %.1e J\n", p.mpm->conducted().moved, p.mpm->conducted().made);
-  EXPECT_GT(p.mpm->conducted().moved, 0.0);
-  EXPECT_LT(std::abs(p.mpm->conducted().made), 1e-12 * p.mpm->conducted().moved);
+  std::printf("moved %.3g J, made %.1e J\n", p.mpm->accounts().conducted.moved, p.mpm->accounts().conducted.made);
+  EXPECT_GT(p.mpm->accounts().conducted.moved, 0.0);
+  EXPECT_LT(std::abs(p.mpm->accounts().conducted.made), 1e-12 * p.mpm->accounts().conducted.moved);
 }
 
 }  // namespace

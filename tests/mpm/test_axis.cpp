@@ -33,7 +33,7 @@ Scatter rod(ShapeFunction shape, bool locking_control) {
     return Vec3{0.0, -30.0, 0.0};
   });
   auto const energy = [&] {
-    auto const sums = problem.mpm->sums(body);
+    auto const sums = mpm::sums(*problem.mpm, body);
     return sums.kinetic_energy + sums.internal_energy;
   };
   double const before = energy();
@@ -99,13 +99,13 @@ TEST(Axis, APlateGoesOnSwinging) {
     double const s = std::max(0.0, 1.0 - x[0] * x[0] / (R * R));
     return Vec3{0.0, -15.0 * s * s, 0.0};
   });
-  long const middle = problem.mpm->nearest(body, {0.0, 8.0 * h, 0.0});
+  long const middle = mpm::nearest(*problem.mpm, body, {0.0, 8.0 * h, 0.0});
   double const start = 8.0 * h;
   double first = 0.0;
   double last = 0.0;
   while (problem.mpm->time() < 2.5e-3) {
     problem.mpm->advance(problem.mpm->stable_step());
-    mpm::Place const place = problem.mpm->find(body, middle);
+    mpm::Place const place = mpm::find(*problem.mpm, body, middle);
     double const away = std::abs(problem.mpm->points(place.block, body).field(Field::position_y)[place.index] - start);
     if (problem.mpm->time() < 0.5e-3) first = std::max(first, away);
     if (problem.mpm->time() > 2.0e-3) last = std::max(last, away);

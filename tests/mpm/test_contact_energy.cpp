@@ -63,12 +63,12 @@ TEST(ContactEnergy, DiscsThatCollideKeepIt) {
           discs.run(span / 20.0, 0.33);
           worst = std::max(worst, std::abs(discs.accounted() / before - 1.0));
         }
-        double const back = -discs.mpm->sums(0).momentum[0] / (discs.mpm->sums(0).mass * speed);
+        double const back = -mpm::sums(*discs.mpm, 0).momentum[0] / (mpm::sums(*discs.mpm, 0).mass * speed);
         std::printf("%s, %s, speed %g: drift %.2g %% at most, at the end %.2g %%; back with %.3f\n", word_of(shape),
                     word_of(order), speed, 100.0 * worst, 100.0 * (discs.accounted() / before - 1.0), back);
         EXPECT_LT(worst, 1e-11);
         EXPECT_GT(back, offset == 0.0 ? 0.9 : 0.5) << "discs bounce";
-        EXPECT_EQ(discs.mpm->dissipation().friction, 0.0);
+        EXPECT_EQ(discs.mpm->accounts().dissipation.friction, 0.0);
       }
     }
   }
@@ -96,12 +96,12 @@ TEST(ContactEnergy, IsKeptWhereThreeBodiesMeet) {
       p.fill_lattice(3, {8.0, 13.1, 0.0}, {28, 4, 1}, 0.5, {0.0, -0.03, 0.0});
       double const before = p.energy();
       p.run(60.0, 0.1);
-      double const moved = rigid ? p.mpm->outer_work() : before;
+      double const moved = rigid ? p.mpm->accounts().outer_work : before;
       double const drift = (p.accounted() - before) / moved;
       std::printf("%s, %s: drift %.2g, friction %.3f, the bodies below have %.3f of the energy\n", word_of(shape),
-                  rigid ? "rigid" : "elastic", drift, p.mpm->dissipation().friction / moved,
-                  (p.mpm->sums(0).kinetic_energy + p.mpm->sums(1).kinetic_energy) / moved);
-      EXPECT_GT(p.mpm->dissipation().friction, 0.0);
+                  rigid ? "rigid" : "elastic", drift, p.mpm->accounts().dissipation.friction / moved,
+                  (mpm::sums(*p.mpm, 0).kinetic_energy + mpm::sums(*p.mpm, 1).kinetic_energy) / moved);
+      EXPECT_GT(p.mpm->accounts().dissipation.friction, 0.0);
       EXPECT_LT(std::abs(drift), 1e-11);
     }
   }
@@ -109,9 +109,10 @@ TEST(ContactEnergy, IsKeptWhereThreeBodiesMeet) {
 
 /// What of a calculation must not depend on how its axes are called.
 std::vector<double> picture(Collision const& c, Index3 const& axes) {
-  std::vector<double> out{c.kinetic_energy(), c.energy(), c.mpm->dissipation().held, c.mpm->dissipation().friction};
+  std::vector<double> out{c.kinetic_energy(), c.energy(), c.mpm->accounts().dissipation.held,
+                          c.mpm->accounts().dissipation.friction};
   for (int body = 0; body < 2; ++body) {
-    auto const sums = c.mpm->sums(body);
+    auto const sums = mpm::sums(*c.mpm, body);
     for (int d = 0; d < 3; ++d) out.push_back(sums.momentum[axes[d]]);
     for (int d = 0; d < 2; ++d) out.push_back(sums.centre[axes[d]]);
   }
@@ -196,7 +197,7 @@ TEST(ContactEnergy, WaterThatHitsMetalKeepsIt) {
       while (p.mpm->time() < 1e-4) p.mpm->advance(p.mpm->stable_step());
       drift[parts] = (p.accounted() - before) / moving;
       std::printf("%s, %s: drift %.2g %%, %ld points left\n", word_of(shape), parts == 1 ? "parts" : "glued",
-                  100.0 * drift[parts], p.mpm->losses().points);
+                  100.0 * drift[parts], p.mpm->accounts().losses.points);
     }
     EXPECT_LT(std::abs(drift[1]), 1e-10);  // two gases of the same energies sum no better
   }
@@ -234,7 +235,7 @@ struct Roller : Problem {
   }
   /// How fast the lowest point of the disc slides.
   double sliding() {
-    auto const sums = mpm->sums(1);
+    auto const sums = mpm::sums(*mpm, 1);
     Vec3 const v = (1.0 / sums.mass) * sums.momentum;
     double spin = 0.0;
     double inertia = 0.0;
@@ -261,8 +262,8 @@ TEST(ContactEnergy, DiscRollsAndSlipsDownASlope) {
         Way{ShapeFunction::gimp, 45.0, true}, Way{ShapeFunction::bspline, 60.0, true},
         Way{ShapeFunction::bspline, 60.0, false}}) {
     Roller roller(shape, degrees, 0.495, rigid);
-    double const from = roller.mpm->sums(1).centre[0];
-    double const mass = roller.mpm->sums(1).mass;
+    double const from = mpm::sums(*roller.mpm, 1).centre[0];
+    double const mass = mpm::sums(*roller.mpm, 1).mass;
     double const time = std::sqrt(2.0 * Roller::way / roller.acceleration());
     double rubbed = 0.0;
     double speed = 0.0;
@@ -270,15 +271,15 @@ TEST(ContactEnergy, DiscRollsAndSlipsDownASlope) {
       double const slid = roller.sliding();
       roller.run(time / 100.0, 0.35);
       // What gravity gives along the slope and the disc has not got is the impulse of the friction.
-      double const faster = roller.mpm->sums(1).momentum[0] / mass - speed;
+      double const faster = mpm::sums(*roller.mpm, 1).momentum[0] / mass - speed;
       speed += faster;
       double const impulse = mass * (Roller::gravity * std::sin(roller.slope) * time / 100.0 - faster);
       rubbed += 0.5 * (slid + roller.sliding()) * impulse;
     }
-    double const way = (roller.mpm->sums(1).centre[0] - from) / Roller::way;
-    double const work = roller.mpm->outer_work();
+    double const way = (mpm::sums(*roller.mpm, 1).centre[0] - from) / Roller::way;
+    double const work = roller.mpm->accounts().outer_work;
     double const drift = roller.accounted() / work;
-    double const heat = roller.mpm->dissipation().friction;
+    double const heat = roller.mpm->accounts().dissipation.friction;
     std::printf(
         "%s, %s ground, %s: %.4f of the way; drift %.2e of the work, friction took %.3f of it (its impulse times "
         "the slip %.3f)\n",
@@ -322,12 +323,13 @@ TEST(ContactEnergy, IsKeptWhereConstraintsHoldTheNodesThatMeet) {
         p.fill_lattice(1, {4.0, rigid ? 7.6 : 3.6, 0.0}, {20, 12, 1}, 0.5, {0.01, -0.02, 0.0});
         double const before = p.energy();
         p.run(60.0, 0.1);
-        mpm::Dissipation const& d = p.mpm->dissipation();
-        double const moved = rigid ? p.mpm->outer_work() : before;
+        mpm::Dissipation const& d = p.mpm->accounts().dissipation;
+        double const moved = rigid ? p.mpm->accounts().outer_work : before;
         double const drift = (p.accounted() - before) / moved;
         std::printf("%s, %s, %s, held at %g: drift %.2g %%, held %.2f %%, apic %.2f %%, friction %.2f %%, work %.3g\n",
                     word_of(shape), word_of(transfer), rigid ? "rigid" : "elastic", v, 100.0 * drift,
-                    100.0 * d.held / moved, 100.0 * d.apic / moved, 100.0 * d.friction / moved, p.mpm->outer_work());
+                    100.0 * d.held / moved, 100.0 * d.apic / moved, 100.0 * d.friction / moved,
+                    p.mpm->accounts().outer_work);
         EXPECT_GT(moved, 0.0);
         // What is heavier than round-off of masses has a velocity: nodes that a crushed body hardly reaches count for
         // little with APIC, but not for nothing.
@@ -362,8 +364,8 @@ TEST(ContactEnergy, IsKeptBetweenAWallAndABody) {
           p.fill_lattice(1, {4.0, cells + 0.2, 0.0}, {14, 12, 1}, 0.5, coming);
           double const before = p.energy();
           p.run(rigid ? 20.0 : 60.0, 0.08);
-          mpm::Dissipation const& d = p.mpm->dissipation();
-          double const moved = rigid ? p.mpm->outer_work() : before;
+          mpm::Dissipation const& d = p.mpm->accounts().dissipation;
+          double const moved = rigid ? p.mpm->accounts().outer_work : before;
           double const drift = (p.accounted() - before) / moved;
           std::printf("%d cells, %s, %s, %s: drift %.2g %%, held %.2f %%, friction %.2f %%\n", cells, word_of(shape),
                       word_of(order), rigid ? "pressed" : "hit", 100.0 * drift, 100.0 * d.held / moved,
@@ -399,13 +401,13 @@ TEST(ContactEnergy, PistonOnAWallGivesWhatTheBodyGets) {
       p.fill_lattice(body, {4.1, 0.0, 0.0}, {10, 6, 1}, 0.5, {0.0, 0.0, 0.0});
       double const before = p.energy();
       p.run(60.0, 0.1);
-      double const got = p.mpm->sums(body).momentum[0];
-      double const work = p.mpm->outer_work();
+      double const got = mpm::sums(*p.mpm, body).momentum[0];
+      double const work = p.mpm->accounts().outer_work;
       double const drift = (p.accounted() - before) / work;
       std::printf("%s: momentum wrong by %.1e; drift %.2g %% of the work\n", word_of(shape),
-                  p.mpm->constraint_impulse()[0] / got - 1.0, 100.0 * drift);
+                  p.mpm->accounts().constraint_impulse[0] / got - 1.0, 100.0 * drift);
       EXPECT_GT(got, 15.0 * v);  // 15 m2 of body
-      EXPECT_NEAR(p.mpm->constraint_impulse()[0] / got, 1.0, 1e-9);
+      EXPECT_NEAR(p.mpm->accounts().constraint_impulse[0] / got, 1.0, 1e-9);
       EXPECT_NEAR(work / (got * v), 1.0, 1e-9);
       EXPECT_LT(std::abs(drift), 1e-11);
     }

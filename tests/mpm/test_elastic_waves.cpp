@@ -75,7 +75,7 @@ double displacement_error(Wave const& wave, mpm::Options const& options, int n) 
     Vec3 const error = moved - phase * wave.mode(x0);
     return dot(error, error);
   });
-  return std::sqrt(square / static_cast<double>(problem.mpm->point_count())) / most;
+  return std::sqrt(square / static_cast<double>(mpm::point_count(*problem.mpm))) / most;
 }
 
 /// Prints errors and orders of three grids; returns the order between the finest two.

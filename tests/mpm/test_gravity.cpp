@@ -64,7 +64,7 @@ TEST_P(Gravity, IsThePullOnEveryPoint) {
           ASSERT_NEAR(a[q], b[q], 1e-12) << word_of(transfer) << " " << word_of(order) << " direction " << d;
         }
       }
-      EXPECT_NEAR(everywhere.mpm->outer_work() / one_by_one.mpm->outer_work(), 1.0, 1e-9);
+      EXPECT_NEAR(everywhere.mpm->accounts().outer_work / one_by_one.mpm->accounts().outer_work, 1.0, 1e-9);
     }
   }
 }
@@ -80,7 +80,7 @@ TEST_P(Gravity, SetsNothingInMotionThatStands) {
     heap.place();
     for (int n = 0; n < 200; ++n) {
       heap.run(1);
-      EXPECT_LE(heap.mpm->sums(0).kinetic_energy, heap.mpm->outer_work() * (1.0 + 1e-9) + 1e-12) << n;
+      EXPECT_LE(mpm::sums(*heap.mpm, 0).kinetic_energy, heap.mpm->accounts().outer_work * (1.0 + 1e-9) + 1e-12) << n;
     }
   }
 }

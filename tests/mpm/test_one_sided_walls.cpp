@@ -79,7 +79,7 @@ struct Block : Problem {
     return out;
   }
   [[nodiscard]] double velocity() const {
-    auto const s = mpm->sums(0);
+    auto const s = mpm::sums(*mpm, 0);
     return s.momentum[d] / s.mass;
   }
   /// Least distance of a point from the wall, in cells.
@@ -120,7 +120,7 @@ TEST_P(OneSidedWall, LetsABodyGoThatTouchesIt) {
         ASSERT_NEAR(after[q] - before[d][q], velocity[d] * block.mpm->time(), 1e-10) << words_of(way);
       }
     }
-    EXPECT_LT(norm(block.mpm->constraint_impulse()), 1e-12) << words_of(way);
+    EXPECT_LT(norm(block.mpm->accounts().constraint_impulse), 1e-12) << words_of(way);
   }
 }
 
@@ -162,13 +162,13 @@ TEST_P(OneSidedWall, SendsAnElasticBarBack) {
       ASSERT_LE(block.energy(), before * (1.0 + 1e-3)) << words_of(way);
     }
     double const after = block.energy();
-    double const left = (after + block.mpm->dissipation().sum()) / before;
+    double const left = (after + block.mpm->accounts().dissipation.sum()) / before;
     std::printf("%-10s %.3f, onset %.3f, nearest %.3f cells, energy %.3f, with what is booked %.3f\n",
                 words_of(way).c_str(), block.velocity() / speed, onset - gap / speed, least, after / before, left);
     EXPECT_GE(block.velocity(), 0.85 * speed) << words_of(way);
     EXPECT_NEAR(onset, gap / speed, 0.05) << words_of(way);  // a step: neither sooner nor later
     EXPECT_NEAR(least, 0.25, 0.01) << words_of(way);         // its surface is on the wall
-    EXPECT_NEAR(block.mpm->constraint_impulse()[block.d] / (block.momentum()[block.d] - momentum), 1.0, 1e-9);
+    EXPECT_NEAR(block.mpm->accounts().constraint_impulse[block.d] / (block.momentum()[block.d] - momentum), 1.0, 1e-9);
     // usl strains with the end of the step, not with its middle; APIC has lost by then what that would give back.
     EXPECT_NEAR(left, 1.0, way.order == StressOrder::usl && !affine ? 0.05 : 0.01) << words_of(way);
   }
@@ -186,16 +186,17 @@ TEST_P(OneSidedWall, BearsAWeightWithoutGivingEnergy) {
       double total = 0.0;
       for (int n = 0; n < 400; ++n) {
         block.step();
-        most = std::max(most, block.mpm->outer_work());
-        worst = std::max(worst, block.kinetic_energy() - block.mpm->outer_work());
-        total = std::max(total, block.energy() - block.mpm->outer_work());
+        most = std::max(most, block.mpm->accounts().outer_work);
+        worst = std::max(worst, block.kinetic_energy() - block.mpm->accounts().outer_work);
+        total = std::max(total, block.energy() - block.mpm->accounts().outer_work);
       }
       // At most what the transfers themselves give at the start of a sudden load; usf as much at a mirror (4.5 %).
       EXPECT_LE(worst, 0.01 * most) << words_of(way);
       EXPECT_LE(total, (way.order == StressOrder::usf ? 0.06 : 0.015) * most) << words_of(way);
       EXPECT_GT(block.nearest(), 0.2) << words_of(way);
-      double const weight = 2e-3 * block.mpm->sums(0).mass * block.mpm->time();
-      EXPECT_NEAR(block.mpm->constraint_impulse()[block.d] - weight - block.momentum()[block.d], 0.0, 1e-9 * weight);
+      double const weight = 2e-3 * mpm::sums(*block.mpm, 0).mass * block.mpm->time();
+      EXPECT_NEAR(block.mpm->accounts().constraint_impulse[block.d] - weight - block.momentum()[block.d], 0.0,
+                  1e-9 * weight);
     }
   }
 }
@@ -213,11 +214,11 @@ TEST_P(OneSidedWall, RubsByCoulombsLaw) {
     double const speed = 0.01;
     block.place(0.0, {0.0, speed, 0.0}, 1.0 * h);
     double const before = block.kinetic_energy();
-    auto const slide = [&block] { return block.mpm->sums(0).momentum[1] / block.mpm->sums(0).mass; };
+    auto const slide = [&block] { return mpm::sums(*block.mpm, 0).momentum[1] / mpm::sums(*block.mpm, 0).mass; };
     while (block.mpm->time() < 10.0) block.step();
     double const taken = (speed - slide()) / (friction * g * block.mpm->time());
-    double const lost = block.mpm->dissipation().friction;
-    double const kinetic = 0.5 * block.mpm->sums(0).mass * slide() * slide();
+    double const lost = block.mpm->accounts().dissipation.friction;
+    double const kinetic = 0.5 * mpm::sums(*block.mpm, 0).mass * slide() * slide();
     std::printf("%-10s slows by %.4f of what it must, %.4f of the loss is booked\n", words_of(way).c_str(), taken,
                 lost / (before - kinetic));
     EXPECT_NEAR(taken, 1.0, 0.03) << words_of(way);
@@ -260,8 +261,8 @@ std::vector<double> heap(ShapeFunction shape, Transfer transfer, int threads) {
       }
     });
   }
-  for (int d = 0; d < 3; ++d) all.push_back(p.mpm->constraint_impulse()[d]);
-  all.push_back(p.mpm->dissipation().sum());
+  for (int d = 0; d < 3; ++d) all.push_back(p.mpm->accounts().constraint_impulse[d]);
+  all.push_back(p.mpm->accounts().dissipation.sum());
   set_threads(1);
   return all;
 }

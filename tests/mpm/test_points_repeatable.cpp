@@ -57,8 +57,8 @@ std::vector<double> everything(ShapeFunction shape, Transfer transfer, double pi
         if (double const* values = set.field(static_cast<Field>(f))) all.push_back(values[q]);
       }
     });
-    all.push_back(problem.mpm->sums(body).kinetic_energy);
-    all.push_back(problem.mpm->sums(body).internal_energy);
+    all.push_back(mpm::sums(*problem.mpm, body).kinetic_energy);
+    all.push_back(mpm::sums(*problem.mpm, body).internal_energy);
   }
   all.push_back(problem.mpm->stable_step());
   set_threads(1);

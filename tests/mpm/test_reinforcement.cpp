@@ -153,7 +153,7 @@ TEST(Reinforcement, StretchedWithTheBodyItCarriesItsShare) {
     }
   }
   points->update_signals();
-  auto const start = points->sums(0);
+  auto const start = mpm::sums(*points, 0);
   for (int k = 0; k < 96; ++k) points->advance(0.25e-6);
   double const strain = rate * 24e-6;
   int seen = 0;
@@ -169,7 +169,7 @@ TEST(Reinforcement, StretchedWithTheBodyItCarriesItsShare) {
   // Energy: what the points lose in motion is in their strain and in the bar's. Velocities stand half a step behind:
   // the sum is off by dt / 2 times the power, with power ~ time dt / T = 1/96 of the energy gained; twice that is asked
   // for.
-  auto const end = points->sums(0);
+  auto const end = mpm::sums(*points, 0);
   double const lost = start.kinetic_energy - end.kinetic_energy;
   double const gained = end.internal_energy - start.internal_energy;
   EXPECT_GT(lost, 0.0);
@@ -186,7 +186,7 @@ TEST(Reinforcement, StretchedWithTheBodyItCarriesItsShare) {
   // Until the ends are felt the energies are those of uniform strain; here they are, at 3700 m/s, over a quarter of the
   // length on each side: of the bar's energy at least half and at most all of that.
   double const bar_energy = 0.5 * 200e9 * strain * strain * 0.25 * M_PI * 0.012 * 0.012 * 0.4;
-  double const more = gained - plain->sums(0).internal_energy;
+  double const more = gained - mpm::sums(*plain, 0).internal_energy;
   EXPECT_GT(more, 0.4 * bar_energy);
   EXPECT_LT(more, bar_energy);
 }
@@ -349,9 +349,9 @@ TEST(Reinforcement, GivesBackTheEnergyThatItTookAlongAnyAxis) {
     }
     cube.move(L);
     double bar_work = 0.0;
-    auto const start = cube.mpm->sums(0);
+    auto const start = mpm::sums(*cube.mpm, 0);
     for (int k = 0; k < steps; ++k) cube.mpm->advance(dt);
-    auto const end = cube.mpm->sums(0);
+    auto const end = mpm::sums(*cube.mpm, 0);
     double const lost = start.kinetic_energy - end.kinetic_energy;
     double const gained = end.internal_energy - start.internal_energy;
     cube.for_each_point([&](PointSet const& set, int q) {

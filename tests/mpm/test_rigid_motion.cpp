@@ -156,7 +156,7 @@ double off_turned(Problem& problem, std::vector<Tensor> const& before, Tensor co
 }
 
 std::vector<Tensor> all_stresses(Problem& problem) {
-  std::vector<Tensor> out(static_cast<std::size_t>(problem.mpm->point_count()));
+  std::vector<Tensor> out(static_cast<std::size_t>(mpm::point_count(*problem.mpm)));
   problem.for_each_point(0, [&](mpm::PointSet const& set, int q) {
     out[static_cast<std::size_t>(set.field(Field::identity)[q])] = tensor(Problem::stress(set, q));
   });
@@ -198,14 +198,14 @@ TEST_P(Motion, StressTurnsWithAGivenRotation) {
                            {0.01 * x[0], -0.02 + 0.01 * x[1], 0.013, 0.02, solid ? 0.01 : 0.0, solid ? -0.015 : 0.0});
       });
       auto const before = all_stresses(problem);
-      double const start = problem.mpm->sums(0).internal_energy;
+      double const start = mpm::sums(*problem.mpm, 0).internal_energy;
       double const per_step = 0.5 * pi / 100.0;
       double const dt = per_step / spin;
       for (double const turns : {0.25, 1.0}) {
         problem.run(turns * 2.0 * pi / spin - problem.mpm->time(), dt * (1.0 + 1e-9));
         double const off = off_turned(problem, before, rotation(axis, 2.0 * pi * turns));
-        double const energy =
-            std::abs(problem.mpm->sums(0).internal_energy - start) / (0.02 * 0.02 * problem.mpm->sums(0).mass);
+        double const energy = std::abs(mpm::sums(*problem.mpm, 0).internal_energy - start) /
+                              (0.02 * 0.02 * mpm::sums(*problem.mpm, 0).mass);
         if (order == StressOrder::musl) {
           std::printf("%s %s: %.2f turns, stress off by %.1e, energy by %.1e\n", word_of(geometry), word_of(GetParam()),
                       turns, off, energy);

@@ -23,7 +23,7 @@ std::vector<double> field(Watched const& w, std::string const& name) {
 
 TEST(PointFields, EveryKnownFieldHasItsComponentsForEveryPoint) {
   Watched const w(two_blocks());
-  auto const count = static_cast<std::size_t>(w.points->point_count());
+  auto const count = static_cast<std::size_t>(mpm::point_count(*w.points));
   for (auto const* list : {&known_point_fields(), &standing_point_fields()}) {
     for (FieldInfo const& info : *list) EXPECT_EQ(field(w, info.name).size(), count * info.components) << info.name;
   }
@@ -148,7 +148,7 @@ TEST(PointGauges, RideOnTheirPoint) {
 
   auto const& watched = w.gauges.points[1].bodies;
   ASSERT_EQ(watched.size(), 41U);
-  EXPECT_EQ(watched.back().sums.kinetic_energy, w.points->sums(1).kinetic_energy);
+  EXPECT_EQ(watched.back().sums.kinetic_energy, mpm::sums(*w.points, 1).kinetic_energy);
   EXPECT_GT(watched.back().sums.kinetic_energy, watched.front().sums.kinetic_energy);
 }
 
@@ -160,7 +160,7 @@ TEST(PointGauges, KeepTheirLastRecordWhenThePointLeaves) {
   c.domain.boundary[0] = grid::Boundary::outflow;
   Watched w(std::move(c));
   w.sample_gauges();
-  while (w.points->losses().points < 1600) {  // all 40 x 40
+  while (w.points->accounts().losses.points < 1600) {  // all 40 x 40
     advance(w, 1.0);
     w.sample_gauges();
     ASSERT_LT(w.clock.time, 2e-4) << "the block does not leave";
@@ -170,7 +170,7 @@ TEST(PointGauges, KeepTheirLastRecordWhenThePointLeaves) {
   ASSERT_GT(gauge.points.size(), 10U);
   EXPECT_LT(gauge.points.back().time, w.clock.time);
   EXPECT_LT(gauge.points.back().position[0], 3e-3);
-  EXPECT_EQ(w.points->point_count(), 0);
+  EXPECT_EQ(mpm::point_count(*w.points), 0);
   EXPECT_TRUE(field(w, "stress").empty());
   w.update_audit();
   EXPECT_LT(w.audit.relative_error().mass[0], 1e-12);

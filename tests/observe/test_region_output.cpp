@@ -119,8 +119,8 @@ TEST(RegionOutput, GasPointsAreDumpedWhenAskedFor) {
   Watched without(c);
   c.output.gas_points = true;
   Watched with(std::move(c));
-  EXPECT_EQ(dumped_points(without), without.points->sums(0).points);
-  EXPECT_EQ(dumped_points(with), with.points->point_count());
+  EXPECT_EQ(dumped_points(without), mpm::sums(*without.points, 0).points);
+  EXPECT_EQ(dumped_points(with), mpm::point_count(*with.points));
   EXPECT_GT(dumped_points(with), dumped_points(without));
   std::vector<double> body;
   point_field(without, "body", body);

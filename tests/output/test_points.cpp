@@ -277,7 +277,7 @@ TEST(Points, EmptyDomainIsWritten) {
   ScratchFolder folder;
   Writer writer(world, world.gauges, folder.path());
   writer.dump_fields(world);
-  while (world.points->point_count() > 0) {
+  while (mpm::point_count(*world.points) > 0) {
     run::advance(world, 1.0);
     world.sample_gauges();
     ASSERT_LT(world.clock.time, 1e-4);

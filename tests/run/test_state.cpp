@@ -100,10 +100,10 @@ std::vector<double> bits_of(observe::Watched& world) {
       for (int f = 0; f < mpm::field_count; ++f) append(bits, set.field(static_cast<mpm::Field>(f)), set.size());
     }
   }
-  for (double const p : world.points->constraint_impulse()) bits.push_back(p);
-  bits.push_back(world.points->outer_work());
-  bits.insert(bits.end(), {world.points->dissipation().held, world.points->dissipation().filtered,
-                           world.points->dissipation().apic, world.points->dissipation().friction});
+  for (double const p : world.points->accounts().constraint_impulse) bits.push_back(p);
+  bits.push_back(world.points->accounts().outer_work);
+  bits.insert(bits.end(), {world.points->accounts().dissipation.held, world.points->accounts().dissipation.filtered,
+                           world.points->accounts().dissipation.apic, world.points->accounts().dissipation.friction});
   AuditMemory const& memory = world.audit.memory;
   bits.insert(bits.end(),
               {memory.scale, memory.all, memory.drift, memory.content, memory.surplus, memory.gas, memory.unlit});
@@ -281,7 +281,7 @@ TEST(State, ReinforcedConcreteGoesOnAfterAnyStep) {
   c.points.pressures = {push};
   observe::Watched world(c);
   for (int n = 0; n < 40; ++n) step(world);
-  EXPECT_GT(world.points->sums(0).internal_energy, 0.0);
+  EXPECT_GT(mpm::sums(*world.points, 0).internal_energy, 0.0);
   expect_the_same_after_any_stop(c, 40, 8);
 }
 
@@ -299,10 +299,10 @@ TEST(State, TheCaseOfThePointsHoldsWhatItClaims) {
   observe::Watched world(everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl));
   world.sample_gauges();
   for (int n = 0; n < 60; ++n) step(world);
-  EXPECT_GT(world.points->losses().points, 0);
-  EXPECT_NE(world.points->outer_work(), 0.0);
-  EXPECT_NE(norm(world.points->constraint_impulse()), 0.0);
-  EXPECT_NE(world.points->dissipation().held, 0.0);
+  EXPECT_GT(world.points->accounts().losses.points, 0);
+  EXPECT_NE(world.points->accounts().outer_work, 0.0);
+  EXPECT_NE(norm(world.points->accounts().constraint_impulse), 0.0);
+  EXPECT_NE(world.points->accounts().dissipation.held, 0.0);
   EXPECT_GT(world.gauges.points[0].points.back().plastic_strain, 0.0);
 }
 

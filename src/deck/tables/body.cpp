@@ -287,9 +287,7 @@ void warn_of_fluids_in_empty_space(Draft const& draft) {
   // A closed box that bodies fill holds its fluids together.
   bool closed = true;
   for (int f = 0; f < 2 * draft.dims(); ++f) {
-    grid::Boundary const boundary = draft.out.domain.boundary[f];
-    closed = closed && (boundary == grid::Boundary::wall || boundary == grid::Boundary::symmetry ||
-                        boundary == grid::Boundary::periodic);
+    closed = closed && grid::has_images(draft.out.domain.boundary[f]);
   }
   double empty = closed ? shape::volume_inside(shape::Everywhere{}, draft.out.domain) : 0.0;
   double const whole = empty;

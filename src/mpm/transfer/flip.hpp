@@ -32,21 +32,8 @@ struct Flip {
           fresh[d][q] = velocity[d];
           change[d][q] = added[d];
         }
-        // What constraints, walls and friction take: each at the mean velocity, half of what they change together in
-        // it. The forces do their work with the stress, and share it with friction alone.
-        std::array<NodeVelocity const*, 3> const causes{halt, stop, rub};
-        std::array<Lanes4, 3> by{};
-        Lanes4 all{};
-        for (std::size_t c = 0; c < causes.size(); ++c) {
-          if (causes[c] == nullptr) continue;
-          velocity_at<S, D>(*v.patch, k, q, causes[c], by[c]);
-          all += by[c];
-        }
-        double const m = set.field(Field::mass)[begin + q];
-        for (int d = 0; d < 3; ++d) {
-          dissipated.held -= m * (by[0][d] + by[1][d]) * (u[d][q] + 0.5 * all[d]);
-          dissipated.friction -= m * by[2][d] * (u[d][q] + 0.5 * change[d][q]);
-        }
+        book(v, k, q, {halt, stop, rub}, set.field(Field::mass)[begin + q], {u[0][q], u[1][q], u[2][q]},
+             {change[0][q], change[1][q], change[2][q]}, dissipated);
         if (exchange == nullptr) continue;
         Lanes4 taken;
         velocity_at<S, D>(*v.patch, k, q, exchange, taken);
@@ -86,6 +73,24 @@ struct Flip {
       }
     });
     return dissipated;
+  }
+
+  /// What constraints, walls and friction take of a point: each at the mean velocity, half of what they change together
+  /// in it. The forces do their work with the stress, and share it with friction alone.
+  static inline __attribute__((always_inline)) void book(SetView const& v, Weights<S, D> const& k, int q,
+                                                         std::array<NodeVelocity const*, 3> const& causes, double m,
+                                                         Vec3 const& velocity, Vec3 const& change, Dissipation& taken) {
+    std::array<Lanes4, 3> by{};
+    Lanes4 all{};
+    for (std::size_t c = 0; c < causes.size(); ++c) {
+      if (causes[c] == nullptr) continue;
+      velocity_at<S, D>(*v.patch, k, q, causes[c], by[c]);
+      all += by[c];
+    }
+    for (int d = 0; d < 3; ++d) {
+      taken.held -= m * (by[0][d] + by[1][d]) * (velocity[d] + 0.5 * all[d]);
+      taken.friction -= m * by[2][d] * (velocity[d] + 0.5 * change[d]);
+    }
   }
 
   /// XPIC: takes from `filtered` what the nodes see of it.

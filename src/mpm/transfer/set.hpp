@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/loops.hpp"
+#include "mpm/cells.hpp"
 #include "mpm/kernels.hpp"
 #include "mpm/mpm.hpp"
 #include "mpm/workspace.hpp"
@@ -72,20 +73,8 @@ class CellMeans {
  public:
   /// Finds the cell of each point of a set.
   CellMeans(SetView const& v, Scratch& scratch) : scratch_(&scratch) {
-    PointSet const& set = *v.set;
-    Patch const& patch = *v.patch;
-    scratch.order.assign(set.size(), 0);
-    scratch.cell_sums.assign(static_cast<std::size_t>(patch.cells[0] * patch.cells[1] * patch.cells[2]) * 2, 0.0);
-    double const inverse_h = 1.0 / v.h;
-    int stride = 1;
-    for (int d = 0; d < patch.dimensions; ++d) {
-      double const* x = set.field(Field::position_x + d);
-      for (int q = 0; q < set.size(); ++q) {
-        int const i = static_cast<int>((x[q] - patch.first[d]) * inverse_h);
-        scratch.order[q] += stride * std::clamp(i, 0, patch.cells[d] - 1);
-      }
-      stride *= patch.cells[d];
-    }
+    scratch.cell_sums.assign(v.patch->cell_range().count() * 2, 0.0);
+    find_cells(*v.set, *v.patch, scratch.order);
   }
   void add(int point, double volume, double value) {
     double* sums = scratch_->cell_sums.data() + 2L * scratch_->order[point];

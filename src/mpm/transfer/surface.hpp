@@ -105,8 +105,7 @@ struct Surfaces {
               int const node = k.base[q] + patch.index(a, b, c);
               Vec3 const& normal = normals[node];
               if (normal[0] == 0.0 && normal[1] == 0.0 && normal[2] == 0.0) continue;
-              Index3 const i{node % patch.n[0], (node / patch.n[0]) % patch.n[1], node / (patch.n[0] * patch.n[1])};
-              Vec3 const at = patch.position(i, v.h);
+              Vec3 const at = patch.position(patch.at(node));
               double reach = half;
               for (int d = 0; d < D; ++d) reach += normal[d] * (set.field(Field::position_x + d)[begin + q] - at[d]);
               extents[node] = std::max(extents[node], reach);

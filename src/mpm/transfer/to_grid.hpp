@@ -76,12 +76,7 @@ struct ToGrid {
         if (heavy) {
           for (int d = 0; d < 3; ++d) b[d] += m * gravity[d];
         }
-        if (driven) {
-          Vec3 const x{set.field(Field::position_x)[begin + q], set.field(Field::position_y)[begin + q],
-                       set.field(Field::position_z)[begin + q]};
-          Vec3 const g = outer.acceleration(x, outer.time);
-          for (int d = 0; d < 3; ++d) b[d] += m * g[d];
-        }
+        if (driven) add_acceleration(set, begin + q, outer, b);
         if constexpr (!with_mass) {
           add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
         } else if (affine) {
@@ -95,6 +90,14 @@ struct ToGrid {
         }
       }
     });
+  }
+
+  /// Adds the force of the acceleration where a point is.
+  static void add_acceleration(PointSet const& set, int point, OuterForces const& outer, Lanes4& force) {
+    Vec3 const x{set.field(Field::position_x)[point], set.field(Field::position_y)[point],
+                 set.field(Field::position_z)[point]};
+    Vec3 const g = outer.acceleration(x, outer.time);
+    for (int d = 0; d < 3; ++d) force[d] += set.field(Field::mass)[point] * g[d];
   }
 
   /// Momentum and mass of a vector that the points carry: their velocity mapped back, [Cui14] Eq. (26).
