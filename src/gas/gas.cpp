@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/reduce.hpp"
 #include "core/timer.hpp"
 
 namespace brisance::gas {
@@ -164,10 +165,10 @@ double Gas::unlit_compression(double unburnt_density) const {
   if (!fluids_.two || !burning()) return 0.0;
   constexpr double ahead = 6.0;  // cells that the detonation runs meanwhile: its own foot compresses what is nearer
   constexpr double a_good_part = 0.1;
-  double most = 0.0;
-  for (grid::Block const& block : grid_->blocks()) {
-    int const b = block.number;
-    if (blocks_[b].burn_times.empty()) continue;
+  return largest_over(grid_->block_count(), 0.0, [&](int b) {
+    double most = 0.0;
+    if (blocks_[b].burn_times.empty()) return most;
+    grid::Block const& block = grid_->blocks()[b];
     double const soonest = time_ + ahead * block.h() / detonation_speed_;
     grid::CellRange const box = block.with_ghosts();
     for_each_cell(block, [&](grid::Cell const& cell) {
@@ -176,8 +177,8 @@ double Gas::unlit_compression(double unburnt_density) const {
       if (soon || alpha < a_good_part || !is_own(cell)) return;
       most = std::max(most, fields_.at(b, second_density)[cell.offset] / (alpha * unburnt_density) - 1.0);
     });
-  }
-  return most;
+    return most;
+  });
 }
 
 double Gas::burn_fraction(grid::Cell const& cell) const {
@@ -281,18 +282,19 @@ double const* Gas::peak_impulse(int block) const {
              : nullptr;
 }
 
+Account& Account::operator+=(Account const& other) {
+  for (int c = 0; c < afterburn_components; ++c) outflow[c] += other.outflow[c];
+  guarded_cells += other.guarded_cells;
+  fallback_faces += other.fallback_faces;
+  guard_mass += other.guard_mass;
+  guard_energy += other.guard_energy;
+  afterburn_energy += other.afterburn_energy;
+  for (int c = 0; c < afterburn_components; ++c) opened[c] += other.opened[c];
+  return *this;
+}
+
 Account Gas::account() const {
-  Account sum;
-  for (BlockData const& block : blocks_) {
-    for (int c = 0; c < afterburn_components; ++c) sum.outflow[c] += block.account.outflow[c];
-    sum.guarded_cells += block.account.guarded_cells;
-    sum.fallback_faces += block.account.fallback_faces;
-    sum.guard_mass += block.account.guard_mass;
-    sum.guard_energy += block.account.guard_energy;
-    sum.afterburn_energy += block.account.afterburn_energy;
-    for (int c = 0; c < afterburn_components; ++c) sum.opened[c] += block.account.opened[c];
-  }
-  return sum;
+  return sum_at_hand(grid_->block_count(), [this](int b) -> Account const& { return blocks_[b].account; });
 }
 
 void Gas::report_not_a_number(int b, int direction) const {
@@ -359,9 +361,8 @@ void Gas::advance(double dt, bool reverse) {
     }
   }
   time_ += dt;
-  fastest_signal_ = 0.0;
-  for (int b = 0; b < grid_->block_count(); ++b)
-    fastest_signal_ = std::max({fastest_signal_, blocks_[b].signal, open_faces_.fastest_signal(b)});
+  fastest_signal_ = largest_at_hand(
+      grid_->block_count(), 0.0, [this](int b) { return std::max(blocks_[b].signal, open_faces_.fastest_signal(b)); });
 }
 
 }  // namespace brisance::gas

@@ -70,6 +70,8 @@ struct Account {
   double guard_energy = 0.0;      ///< [J]
   double afterburn_energy = 0.0;  ///< released by the products after the detonation [J]
   Components opened{};            ///< of each component, what cells hold more since obstacles gave way [unit m3]
+
+  Account& operator+=(Account const& other);
 };
 
 /// What a cell is to the gas where another method calculates too.

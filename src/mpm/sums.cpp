@@ -4,23 +4,35 @@
 #include <limits>
 
 #include "core/parallel.hpp"
+#include "core/reduce.hpp"
 #include "mpm/mpm.hpp"
 #include "mpm/workspace.hpp"
 
 namespace brisance::mpm {
 
 long Mpm::point_count() const {
-  long count = 0;
-  for (PointSet const& set : sets_) count += set.size();
-  return count;
+  return sum_at_hand(static_cast<int>(sets_.size()), [this](int n) { return static_cast<long>(sets_[n].size()); });
+}
+
+BodySums& BodySums::operator+=(BodySums const& other) {
+  points += other.points;
+  mass += other.mass;
+  for (int f = 0; f < 2; ++f) fluid_mass[f] += other.fluid_mass[f];
+  momentum = momentum + other.momentum;
+  centre = centre + other.centre;
+  kinetic_energy += other.kinetic_energy;
+  internal_energy += other.internal_energy;
+  provisional_energy += other.provisional_energy;
+  plastic_work += other.plastic_work;
+  damaged_mass += other.damaged_mass;
+  largest_displacement = std::max(largest_displacement, other.largest_displacement);
+  return *this;
 }
 
 BodySums Mpm::sums(int body) const {
-  int const blocks = grid_.block_count();
-  std::vector<BodySums> parts(blocks);
-  parallel_for(blocks, [&](int block, int) {
+  BodySums total = sum_over(grid_.block_count(), [&](int block) {
     PointSet const& set = points(block, body);
-    BodySums& s = parts[block];
+    BodySums s;
     s.points = set.size();
     bool const affine = rules_[body].has_gradient_energy;
     bool const books = rules_[body].books_work && !bodies_[body].solid.is_gas();
@@ -49,21 +61,8 @@ BodySums Mpm::sums(int body) const {
       if (double const* damage = set.field(Field::damage)) s.damaged_mass += damage[q] >= 1.0 ? m : 0.0;
       s.largest_displacement = std::max(s.largest_displacement, std::sqrt(moved));
     }
+    return s;
   });
-  BodySums total;
-  for (BodySums const& s : parts) {
-    total.points += s.points;
-    total.mass += s.mass;
-    for (int f = 0; f < 2; ++f) total.fluid_mass[f] += s.fluid_mass[f];
-    total.momentum = total.momentum + s.momentum;
-    total.centre = total.centre + s.centre;
-    total.kinetic_energy += s.kinetic_energy;
-    total.internal_energy += s.internal_energy;
-    total.provisional_energy += s.provisional_energy;
-    total.plastic_work += s.plastic_work;
-    total.damaged_mass += s.damaged_mass;
-    total.largest_displacement = std::max(total.largest_displacement, s.largest_displacement);
-  }
   if (total.mass > 0.0) total.centre = (1.0 / total.mass) * total.centre;
   return total;
 }
@@ -117,20 +116,19 @@ long Mpm::nearest(int body, Vec3 const& x) const {
 }
 
 double Mpm::lowest_pressure(int body) const {
-  std::vector<double> lowest(active_.size(), std::numeric_limits<double>::infinity());
-  parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
+  auto const lower = [](double& least, double p) { least = p < least ? p : least; };
+  constexpr double none = std::numeric_limits<double>::infinity();
+  auto const of_block = [&](int n) {
+    double least = none;
     auto const see = [&](PointSet const& set) {
       double const* p = set.field(Field::pressure);
-      double least = lowest[n];
-      for (int q = 0; q < set.size(); ++q) least = p[q] < least ? p[q] : least;
-      lowest[n] = least;
+      for (int q = 0; q < set.size(); ++q) lower(least, p[q]);
     };
     see(points(active_[n], body));
     if (body == lent_body_) see(lent_[active_[n]]);
-  });
-  double least = std::numeric_limits<double>::infinity();
-  for (double const p : lowest) least = std::min(least, p);
-  return least;
+    return least;
+  };
+  return reduce(static_cast<int>(active_.size()), none, of_block, lower);
 }
 
 std::size_t Mpm::bytes() const {
@@ -184,8 +182,7 @@ void Mpm::update_signals() {
 }
 
 void Mpm::collect_signals() {
-  fastest_ = 0.0;
-  for (int const block : active_) fastest_ = std::max(fastest_, signals_[block]);
+  fastest_ = largest_at_hand(static_cast<int>(active_.size()), 0.0, [this](int n) { return signals_[active_[n]]; });
 }
 
 double Mpm::stable_step() const { return options_.courant * grid_.domain().h / fastest_; }
