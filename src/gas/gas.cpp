@@ -60,12 +60,14 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, M
                   return exchange_rules(conserved_of(fluids, quiescent), outside, component_count(fluids, options));
                 }()),
       open_faces_(grid, fluids, fields_.components()),
-      awake_(static_cast<std::size_t>(grid.block_count()), 1),
-      blocks_(static_cast<std::size_t>(grid.block_count())) {
+      awake_(grid, 1),
+      blocks_(grid),
+      peaks_(grid, [count = options.peak_fields ? peak_count : 0](grid::Block const& block) {
+        return Buffer(static_cast<std::size_t>(block.cell_count()) * count);
+      }) {
   auto const u = conserved(quiescent);
   for (int b = 0; b < grid.block_count(); ++b) {
     for (int c = 0; c < components(); ++c) std::fill_n(fields_.at(b, c), grid.blocks()[b].cell_count(), u[c]);
-    if (options_.peak_fields) peaks_.emplace_back(static_cast<std::size_t>(grid.blocks()[b].cell_count()) * peak_count);
   }
 }
 

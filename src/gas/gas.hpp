@@ -12,6 +12,7 @@
 #include "gas/closure.hpp"
 #include "gas/kernels.hpp"
 #include "gas/open_faces.hpp"
+#include "grid/block_store.hpp"
 #include "grid/exchange.hpp"
 #include "grid/fields.hpp"
 #include "grid/grid.hpp"
@@ -270,10 +271,10 @@ class Gas {
   grid::Exchange exchange_;
   OpenFaces open_faces_;
   double quiet_pressure_ = 0.0;  ///< of quiescent gas as `measure` finds it
-  std::vector<std::uint8_t> awake_;
-  std::vector<BlockData> blocks_;
+  grid::AwakeBlocks awake_;
+  grid::BlockStore<BlockData> blocks_;
   std::vector<FaceFlux> watched_;
-  std::vector<Buffer> peaks_;
+  grid::BlockStore<Buffer> peaks_;  ///< without `peak_fields` empty ones
   std::vector<BundleArrays> workspaces_;
   std::map<std::string, double> timings_;
   double time_ = 0.0;

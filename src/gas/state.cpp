@@ -26,7 +26,7 @@ void Gas::archive(Archive& a) {
   a.same(grid_->block_count(), "the number of gas blocks");
   a(time_, time_at_step_end_, fastest_signal_);
   a.require(std::isfinite(time_) && std::isfinite(time_at_step_end_) && fastest_signal_ >= 0.0, "the time of the gas");
-  a.sized(awake_, "the number of gas blocks");
+  awake_.sized(a, "the number of gas blocks");
   a(timings_);
   a.same(watched_.size(), "the number of faces between gas and points");
   for (FaceFlux& flux : watched_) gas::archive(a, flux);

@@ -272,7 +272,7 @@ TEST_P(Exchanged, GhostsAreTheImagesOfTheirCells) {
       for_each_cell(block, [&](Cell const& cell) { fields.at(b, c)[cell.offset] = tag(c, block.index(cell)); });
     }
   }
-  std::vector<std::uint8_t> awake(grid.block_count(), 1);
+  AwakeBlocks awake(grid, 1);
   for (int direction = 0; direction < 3; ++direction) {
     exchange.fill(fields, direction, awake);
     for (int b = 0; b < grid.block_count(); ++b) {
@@ -315,7 +315,7 @@ TEST(Exchange, WakesASleepingBlockThatSeesNews) {
   int const first = grid.block_of({0, 0, 0});
   int const second = grid.block_of({8, 0, 0});
   int const third = grid.block_of({16, 0, 0});
-  std::vector<std::uint8_t> awake(grid.block_count(), 0);
+  AwakeBlocks awake(grid, 0);
   awake[first] = 1;
   exchange.fill(fields, 0, awake);
   EXPECT_EQ(awake[second], 0);  // the neighbour is awake but brings nothing new
