@@ -24,6 +24,7 @@ void Gas::archive(Archive& a) {
   a.section("gas");
   a.same(components(), "the number of gas components");
   a.same(grid_->block_count(), "the number of gas blocks");
+  a.same(grid_->block_size(), "the size of the gas blocks");
   a(time_, time_at_step_end_, fastest_signal_);
   a.require(std::isfinite(time_) && std::isfinite(time_at_step_end_) && fastest_signal_ >= 0.0, "the time of the gas");
   awake_.sized(a, "the number of gas blocks");
