@@ -18,18 +18,15 @@ constexpr int default_block_cells(int dimensions) { return dimensions == 3 ? 32 
 /// of material points in the blocks on both sides meet.
 constexpr int minimum_cells = 4;
 
-/// Cells of a block along a direction with n cells: as many blocks as of `target` cells, as equal as can be; an even
-/// number where that is possible, so that each has two halves. The last block is left with `minimum_cells` or more; if
-/// no size up to the target does that, the next one above does.
+/// Cells of a block along a direction with n cells: as many blocks as of `target` cells, as equal as can be. The last
+/// block is left with `minimum_cells` or more; if no size up to the target does that, the next one above does.
 int block_size(int n, int target) {
   int const parts = n / target + (n % target != 0 ? 1 : 0);
   if (parts <= 1) return n;
   auto const fits = [n](int size) { return n % size == 0 || n % size >= minimum_cells; };
   int const equal = std::max(n / parts + (n % parts != 0 ? 1 : 0), minimum_cells);
-  for (int const step : {2, 1}) {
-    for (int size = (equal + step - 1) / step * step; size <= target; size += step) {
-      if (fits(size)) return size;
-    }
+  for (int size = equal; size <= target; ++size) {
+    if (fits(size)) return size;
   }
   for (int size = equal - 1; size >= minimum_cells; --size) {
     if (fits(size)) return size;

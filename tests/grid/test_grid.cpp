@@ -62,7 +62,7 @@ TEST(Grid, BlocksHaveOneSizeAndTheLastTheRest) {
       }
     }
   }
-  EXPECT_EQ(Grid(box({150, 80, 80}, Boundary::outflow)).block_size(), (Index3{30, 28, 28}));
+  EXPECT_EQ(Grid(box({150, 80, 80}, Boundary::outflow)).block_size(), (Index3{30, 27, 27}));
 }
 
 TEST(Grid, RefusesDirectionsThatAreTooThin) { EXPECT_THROW(Grid(box({3, 20, 20}, Boundary::outflow), 8), InputError); }
