@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/print.hpp"
+#include "core/reduce.hpp"
 #include "core/text.hpp"
 #include "run/world.hpp"
 
@@ -76,8 +77,7 @@ void Progress::step(run::World const& world) {
     speed = fmt::format("{:.3g} Mpoints/s", active_updates_ / seconds / 1e6);
   } else {
     double const all_updates = static_cast<double>(steps_) * static_cast<double>(world.setup.domain.cell_count());
-    int awake = 0;
-    for (int b = 0; b < world.grid.block_count(); ++b) awake += world.gas->awake(b) ? 1 : 0;
+    int const awake = sum_at_hand(world.grid.block_count(), [&](int b) { return world.gas->awake(b) ? 1 : 0; });
     speed = fmt::format("{:.1f} Mcells/s ({:.1f} with sleeping)  {} of {} blocks awake",
                         active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, world.grid.block_count());
   }

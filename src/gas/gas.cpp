@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/reduce.hpp"
 #include "core/timer.hpp"
 
 namespace brisance::gas {
@@ -48,8 +49,8 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
                   return exchange_rules(conserved_of(fluids, quiescent), outside, component_count(fluids, options));
                 }()),
       open_faces_(grid, fluids, fields_.components()),
-      awake_(static_cast<std::size_t>(grid.block_count()), 1),
-      blocks_(static_cast<std::size_t>(grid.block_count())),
+      awake_(grid, 1),
+      blocks_(grid),
       peaks_(grid, options.peak_fields) {
   auto const u = conserved_of(fluids, quiescent);
   open_faces_.set_sources(options.wave_sources);
@@ -150,18 +151,19 @@ std::vector<Primitive> gather(Gas const& gas, std::vector<Index3> const& cells) 
   return states;
 }
 
+Account& Account::operator+=(Account const& other) {
+  for (int c = 0; c < most_components; ++c) outflow[c] += other.outflow[c];
+  guarded_cells += other.guarded_cells;
+  fallback_faces += other.fallback_faces;
+  guard_mass += other.guard_mass;
+  guard_energy += other.guard_energy;
+  afterburn_energy += other.afterburn_energy;
+  for (int c = 0; c < most_components; ++c) opened[c] += other.opened[c];
+  return *this;
+}
+
 Account Gas::account() const {
-  Account sum;
-  for (BlockData const& block : blocks_) {
-    for (int c = 0; c < most_components; ++c) sum.outflow[c] += block.account.outflow[c];
-    sum.guarded_cells += block.account.guarded_cells;
-    sum.fallback_faces += block.account.fallback_faces;
-    sum.guard_mass += block.account.guard_mass;
-    sum.guard_energy += block.account.guard_energy;
-    sum.afterburn_energy += block.account.afterburn_energy;
-    for (int c = 0; c < most_components; ++c) sum.opened[c] += block.account.opened[c];
-  }
-  return sum;
+  return sum_at_hand(grid_->block_count(), [this](int b) -> Account const& { return blocks_[b].account; });
 }
 
 void Gas::report_not_a_number(int b, int direction) const {
@@ -230,9 +232,8 @@ void Gas::advance(double dt, bool reverse) {
   }
   time_ += dt;
   burn.follow(time_, time_at_step_end_);
-  fastest_signal_ = 0.0;
-  for (int b = 0; b < grid_->block_count(); ++b)
-    fastest_signal_ = std::max({fastest_signal_, blocks_[b].signal, open_faces_.fastest_signal(b)});
+  fastest_signal_ = largest_at_hand(
+      grid_->block_count(), 0.0, [this](int b) { return std::max(blocks_[b].signal, open_faces_.fastest_signal(b)); });
 }
 
 }  // namespace brisance::gas

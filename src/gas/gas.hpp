@@ -15,6 +15,7 @@
 #include "gas/obstacles.hpp"
 #include "gas/open_faces.hpp"
 #include "gas/peaks.hpp"
+#include "grid/block_store.hpp"
 #include "grid/exchange.hpp"
 #include "grid/fields.hpp"
 #include "grid/grid.hpp"
@@ -55,6 +56,8 @@ struct Account {
   double guard_energy = 0.0;      ///< [J]
   double afterburn_energy = 0.0;  ///< released by the products after the detonation [J]
   Components opened{};            ///< of each component, what cells hold more since obstacles gave way [unit m3]
+
+  Account& operator+=(Account const& other);
 };
 
 class Gas {
@@ -155,8 +158,8 @@ class Gas {
   grid::Exchange exchange_;
   OpenFaces open_faces_;
   double quiet_pressure_ = 0.0;  ///< of quiescent gas as `measure` finds it
-  std::vector<std::uint8_t> awake_;
-  std::vector<BlockData> blocks_;
+  grid::AwakeBlocks awake_;
+  grid::BlockStore<BlockData> blocks_;
   Peaks peaks_;
   std::vector<BundleArrays> workspaces_;
   std::map<std::string, double> timings_;

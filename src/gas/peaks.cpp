@@ -8,19 +8,18 @@
 
 namespace brisance::gas {
 
-Peaks::Peaks(grid::Grid const& grid, bool wanted) : grid_(&grid) {
-  if (!wanted) return;
-  for (grid::Block const& block : grid.blocks())
-    blocks_.emplace_back(static_cast<std::size_t>(block.cell_count()) * peak_count);
-}
+Peaks::Peaks(grid::Grid const& grid, bool wanted)
+    : grid_(&grid), wanted_(wanted), blocks_(grid, [wanted](grid::Block const& block) {
+        return Buffer(wanted ? static_cast<std::size_t>(block.cell_count()) * peak_count : 0);
+      }) {}
 
 double const* Peaks::of(int block, Peak peak) const {
-  if (blocks_.empty()) return nullptr;
+  if (!wanted_) return nullptr;
   return blocks_[block].data() + static_cast<std::size_t>(peak) * grid_->blocks()[block].cell_count();
 }
 
 void Peaks::follow(int b, grid::BundleLayout const& layout, double const* const p, double ambient, double dt) {
-  if (blocks_.empty()) return;
+  if (!wanted_) return;
   grid::Block const& block = grid_->blocks()[b];
   int const cells = block.cell_count();
   double* const peak = blocks_[b].data() + static_cast<std::ptrdiff_t>(peak_pressure) * cells;
@@ -38,7 +37,7 @@ void Peaks::follow(int b, grid::BundleLayout const& layout, double const* const 
 }
 
 void Peaks::archive(Archive& a, int block) {
-  if (!blocks_.empty()) a.numbers(blocks_[block].data(), blocks_[block].size());
+  if (wanted_) a.numbers(blocks_[block].data(), blocks_[block].size());
 }
 
 }  // namespace brisance::gas

@@ -1,9 +1,8 @@
 /// Peak fields of the gas: largest overpressure and largest running impulse of every cell.
 #pragma once
 
-#include <vector>
-
 #include "core/buffer.hpp"
+#include "grid/block_store.hpp"
 #include "grid/bundle.hpp"
 
 namespace brisance {
@@ -31,7 +30,8 @@ class Peaks {
   [[nodiscard]] double const* of(int block, Peak peak) const;
 
   grid::Grid const* grid_;
-  std::vector<Buffer> blocks_;  ///< empty: nothing is kept
+  bool wanted_;
+  grid::BlockStore<Buffer> blocks_;  ///< empty ones where nothing is kept
 };
 
 }  // namespace brisance::gas

@@ -59,8 +59,8 @@ void Gas::wake_where_wind_changes() {
   double const rho = quiet[partial_density(0)];
   double const c = std::sqrt(std::max(0.0, mixture(fluids_, {rho}, {}).bulk_modulus(quiescent_.pressure)) / rho);
   double const dt = 0.1 * grid_->smallest_cell() / (norm(quiescent_.velocity) + c);
-  std::vector<std::uint8_t> everything(awake_.size(), 1);
-  std::vector<std::uint8_t> const slept = awake_;
+  grid::AwakeBlocks everything(*grid_, 1);
+  grid::AwakeBlocks const slept = awake_;
   for (int direction = 0; direction < grid_->domain().dimensions(); ++direction) {
     exchange_.fill(fields_, direction, everything);
     SweepContext const context = sweep_context(direction, dt);

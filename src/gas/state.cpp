@@ -20,10 +20,11 @@ void Gas::archive(Archive& a) {
   a.section("gas");
   a.same(components(), "the number of gas components");
   a.same(grid_->block_count(), "the number of gas blocks");
+  a.same(grid_->block_size(), "the size of the gas blocks");
   a(time_, time_at_step_end_, fastest_signal_);
   burn.follow(time_, time_at_step_end_);
   a.require(std::isfinite(time_) && std::isfinite(time_at_step_end_) && fastest_signal_ >= 0.0, "the time of the gas");
-  a.sized(awake_, "the number of gas blocks");
+  awake_.sized(a, "the number of gas blocks");
   a(timings_);
   coupling.archive(a);
   open_faces_.archive(a);

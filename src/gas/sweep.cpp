@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/parallel.hpp"
+#include "core/reduce.hpp"
 #include "gas/afterburn.hpp"
 #include "gas/gas.hpp"
 #include "gas/primitives.hpp"
@@ -314,8 +315,7 @@ void Gas::measure_all() {
       measure(b, layout, s, a, ignored);
     }
   });
-  fastest_signal_ = 0.0;
-  for (BlockData const& block : blocks_) fastest_signal_ = std::max(fastest_signal_, block.signal);
+  fastest_signal_ = largest_at_hand(grid_->block_count(), 0.0, [this](int b) { return blocks_[b].signal; });
 }
 
 }  // namespace brisance::gas

@@ -3,10 +3,11 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "grid/block_store.hpp"
+#include "grid/exchange_plan.hpp"
 #include "grid/fields.hpp"
 #include "grid/grid.hpp"
 
@@ -27,31 +28,37 @@ class Exchange {
   Exchange(Grid const& grid, int components, ExchangeRules rules);
 
   /// Fills the ghost layers of every block that is awake on both faces of `direction`, and wakes the sleeping blocks
-  /// that get to see anything but quiescent cells. `awake` has one entry per block.
-  void fill(Fields const& fields, int direction, std::vector<std::uint8_t>& awake);
+  /// that get to see anything but quiescent cells.
+  void fill(Fields const& fields, int direction, AwakeBlocks& awake);
 
-  /// Ghost cells of a block beyond its low (side 0) or high (side 1) face, as last filled: per component an array like
-  /// the block's own, x fastest, with `ghost_layers` cells in the direction of the fill.
-  [[nodiscard]] double const* ghosts(int block, int side) const { return slabs_[2 * block + side].data(); }
+  /// Ghost cells of a block beyond its low (side 0) or high (side 1) face, as last filled: per component an array over
+  /// `ghost_box`, which is like the block but with `ghost_layers` cells in the direction of the fill.
+  [[nodiscard]] double const* ghosts(int block, int side) const { return slabs_[block][side].data(); }
   /// To overwrite them; beyond outflow boundaries they hold copies of the cells next to the face.
-  [[nodiscard]] double* ghosts(int block, int side) { return slabs_[2 * block + side].data(); }
+  [[nodiscard]] double* ghosts(int block, int side) { return slabs_[block][side].data(); }
+
+  /// When the grid's blocks have changed, see `BlockStore::rearrange`: makes the plan again. `fill` comes next.
+  void follow_blocks(std::vector<int> const& before);
 
   /// Values of all components in the given cells (domain indices), cell by cell.
   [[nodiscard]] std::vector<double> gather(Fields const& fields, std::vector<Index3> const& cells) const;
 
  private:
-  void fill_side(Fields const& fields, int block, int direction, int side);
+  using Slabs = std::array<Buffer, 2>;  ///< of a block's low and high side, for the direction with the largest faces
+
+  void execute(Transfer const& transfer, Fields const& fields, Block const& block);
   /// Could a sleeping block see anything but quiescent cells across its two faces of `direction`?
-  [[nodiscard]] bool anything_to_see(Block const& block, int direction) const;
+  [[nodiscard]] bool anything_to_see(int block, int direction) const;
   [[nodiscard]] bool slab_is_quiescent(int block, int direction, int side) const;
-  /// Does a quiescent block see anything but quiescent cells beyond this face of the domain?
-  [[nodiscard]] bool disturbs(int face) const;
+  /// Does a transfer make anything but quiescent cells for a block that is asleep?
+  [[nodiscard]] bool disturbs(Transfer const& transfer) const;
 
   Grid const* grid_;
   int components_;
   ExchangeRules rules_;
-  std::vector<Buffer> slabs_;
-  std::vector<std::uint8_t> was_awake_;
+  ExchangePlan plan_;
+  BlockStore<Slabs> slabs_;
+  AwakeBlocks was_awake_;
 };
 
 }  // namespace brisance::grid

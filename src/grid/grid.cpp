@@ -14,8 +14,27 @@ namespace {
 
 constexpr int default_block_cells(int dimensions) { return dimensions == 3 ? 32 : dimensions == 2 ? 64 : 1024; }
 
-/// Fewer cells than this in a resolved direction leave no room for the ghost layers of a neighbour.
+/// Fewer cells than this in a resolved direction leave no room for the ghost layers of a neighbour, and let the nodes
+/// of material points in the blocks on both sides meet.
 constexpr int minimum_cells = 4;
+
+/// Cells of a block along a direction with n cells: as many blocks as of `target` cells, as equal as can be. The last
+/// block is left with `minimum_cells` or more; if no size up to the target does that, the next one above does.
+int block_size(int n, int target) {
+  int const parts = n / target + (n % target != 0 ? 1 : 0);
+  if (parts <= 1) return n;
+  auto const fits = [n](int size) { return n % size == 0 || n % size >= minimum_cells; };
+  int const equal = std::max(n / parts + (n % parts != 0 ? 1 : 0), minimum_cells);
+  for (int size = equal; size <= target; ++size) {
+    if (fits(size)) return size;
+  }
+  for (int size = equal - 1; size >= minimum_cells; --size) {
+    if (fits(size)) return size;
+  }
+  int size = target + 1;
+  while (!fits(size)) ++size;
+  return size;
+}
 
 /// Morton key of a block position: neighbours in space stay near each other in the list.
 std::uint64_t morton(Index3 const& p) {
@@ -30,31 +49,29 @@ std::uint64_t morton(Index3 const& p) {
 
 }  // namespace
 
-Index3 parts_of(Domain const& domain, int block_cells) {
+Partition partition_of(Domain const& domain, int block_cells) {
   int const dims = domain.dimensions();
   int const target = std::max(block_cells > 0 ? block_cells : default_block_cells(dims), minimum_cells);
-  Index3 parts{1, 1, 1};
-  for (int d = 0; d < dims; ++d) parts[d] = domain.cells[d] / target + (domain.cells[d] % target != 0 ? 1 : 0);
-  return parts;
+  Partition p;
+  for (int d = 0; d < dims; ++d) {
+    int const n = domain.cells[d];
+    p.size[d] = block_size(n, target);
+    p.parts[d] = n / p.size[d] + (n % p.size[d] != 0 ? 1 : 0);
+  }
+  return p;
 }
 
-Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), parts_(parts_of(domain, block_cells)) {
+Grid::Grid(Domain const& domain, int block_cells) : domain_(domain) {
   int const dims = domain.dimensions();
-  std::array<std::vector<int>, 3> start;
-  for (int d = 0; d < 3; ++d) {
-    int const n = domain.cells[d];
-    if (d < dims && n < minimum_cells) {
-      throw InputError(
-          fmt::format("the domain has {} cell(s) in direction {}, at least {} are needed", n, "xyz"[d], minimum_cells));
-    }
-    int const parts = parts_[d];
-    part_of_cell_[d].resize(static_cast<std::size_t>(n));
-    start[d].resize(static_cast<std::size_t>(parts) + 1);
-    for (int part = 0; part <= parts; ++part) start[d][part] = static_cast<int>(static_cast<long>(n) * part / parts);
-    for (int part = 0; part < parts; ++part) {
-      std::fill(part_of_cell_[d].begin() + start[d][part], part_of_cell_[d].begin() + start[d][part + 1], part);
+  for (int d = 0; d < dims; ++d) {
+    if (domain.cells[d] < minimum_cells) {
+      throw InputError(fmt::format("the domain has {} cell(s) in direction {}, at least {} are needed", domain.cells[d],
+                                   "xyz"[d], minimum_cells));
     }
   }
+  Partition const partition = partition_of(domain, block_cells);
+  block_size_ = partition.size;
+  parts_ = partition.parts;
 
   std::vector<Index3> positions;
   CellRange const all{{0, 0, 0}, parts_};
@@ -72,8 +89,9 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), parts_(part
     block.number = b;
     block.metric = static_cast<Metric const&>(domain);
     for (int d = 0; d < 3; ++d) {
-      block.origin[d] = start[d][p[d]];
-      block.n[d] = start[d][p[d] + 1] - start[d][p[d]];
+      block.size[d] = partition.size[d];
+      block.origin[d] = p[d] * partition.size[d];
+      block.n[d] = std::min(partition.size[d], domain.cells[d] - block.origin[d]);
       for (int side = 0; side < 2; ++side) {
         int const face = 2 * d + side;
         Index3 q = beside(p, d, side);
@@ -92,7 +110,7 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), parts_(part
 
 int Grid::block_of(Index3 const& cell) const {
   Index3 p{};
-  for (int d = 0; d < 3; ++d) p[d] = part_of_cell_[d][cell[d]];
+  for (int d = 0; d < 3; ++d) p[d] = cell[d] / block_size_[d];
   return block_of_part_[CellRange{{0, 0, 0}, parts_}.offset(p)];
 }
 

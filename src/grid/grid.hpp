@@ -17,10 +17,15 @@ inline constexpr int ghost_layers = 2;
 
 /// A box of cells: the unit of work, of threads and of sleep. Cells are told by `Cell`, or by their index in the
 /// domain; what a cell measures is told by its block.
+///
+/// All blocks of a grid have one `size`. Where a block reaches beyond the domain, only `n` cells per direction are
+/// occupied: they are its cells. Arrays hold these and nothing else, densely, and loops, sweeps, exchange and output
+/// run over them, so that the rest of the block costs neither time nor memory.
 struct Block {
   int number = 0;          ///< in `Grid::blocks`
   Index3 origin{0, 0, 0};  ///< index of its first cell in the domain
   Index3 n{1, 1, 1};       ///< cells per direction
+  Index3 size{1, 1, 1};    ///< what `n` is in a block that lies in the domain as a whole
   /// Neighbouring block across each face (`Face` order; across a periodic face the one on the other side), or
   /// `no_neighbour`.
   std::array<int, 6> neighbour{};
@@ -120,15 +125,17 @@ struct Shell {
 
 class Grid {
  public:
-  /// Cuts the domain into blocks of at most `block_cells` per resolved direction, all of nearly equal size.
-  /// `block_cells` = 0 takes 32 in 3D, 64 in 2D, 1024 in 1D. Throws InputError when a resolved direction has fewer than
-  /// 4 cells.
+  /// Cuts the domain into blocks of one size, of at most `block_cells` per resolved direction, or a few more where the
+  /// last block of a direction would be left with fewer than 4. `block_cells` = 0 takes 32 in 3D, 64 in 2D, 1024 in 1D.
+  /// Throws InputError when a resolved direction has fewer than 4 cells.
   explicit Grid(Domain const& domain, int block_cells = 0);
 
   [[nodiscard]] Domain const& domain() const { return domain_; }
   [[nodiscard]] std::vector<Block> const& blocks() const { return blocks_; }
   [[nodiscard]] int block_count() const { return static_cast<int>(blocks_.size()); }
   [[nodiscard]] Block const& block(Cell const& cell) const { return blocks_[static_cast<std::size_t>(cell.block)]; }
+  /// Cells per direction of every block that lies in the domain as a whole.
+  [[nodiscard]] Index3 const& block_size() const { return block_size_; }
   /// Size of the smallest cells [m].
   [[nodiscard]] double smallest_cell() const { return domain_.smallest_cell(); }
 
@@ -149,7 +156,7 @@ class Grid {
  private:
   Domain domain_;
   std::vector<Block> blocks_;
-  std::array<std::vector<int>, 3> part_of_cell_;  ///< per direction: cell index -> part
+  Index3 block_size_{1, 1, 1};
   Index3 parts_{1, 1, 1};
   std::vector<int> block_of_part_;  ///< part (i, j, k) -> block
 };

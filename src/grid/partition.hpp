@@ -6,7 +6,18 @@
 
 namespace brisance::grid {
 
-/// Blocks along each direction. `block_cells` as in `Grid`.
-[[nodiscard]] Index3 parts_of(Domain const& domain, int block_cells);
+/// Blocks of one size, from the low corner of the domain on. The last ones of a direction may reach beyond the domain;
+/// what lies there is no part of them.
+struct Partition {
+  Index3 size{1, 1, 1};   ///< cells of a block along each direction
+  Index3 parts{1, 1, 1};  ///< blocks along each direction
+
+  [[nodiscard]] double count() const { return static_cast<double>(parts[0]) * parts[1] * parts[2]; }
+  /// Cells of the domain in the last block along a direction with so many cells.
+  [[nodiscard]] int rest(int d, int cells) const { return cells - (parts[d] - 1) * size[d]; }
+};
+
+/// The partition into blocks of `block_cells`, see `Grid`.
+[[nodiscard]] Partition partition_of(Domain const& domain, int block_cells);
 
 }  // namespace brisance::grid

@@ -27,6 +27,9 @@ struct BodySums {
   double plastic_work = 0.0;          ///< [J]
   double largest_displacement = 0.0;  ///< [m]; of bodies that know their origin
   double damaged_mass = 0.0;          ///< mass with damage 1 [kg]
+
+  /// Adds up; `centre` holds sums of mass times place until it is divided.
+  BodySums& operator+=(BodySums const& other);
 };
 
 /// What left through free faces of the domain.

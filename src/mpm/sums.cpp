@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/parallel.hpp"
+#include "core/reduce.hpp"
 #include "mpm/mpm.hpp"
 #include "mpm/workspace.hpp"
 
@@ -27,15 +28,28 @@ long point_count(Mpm const& mpm) {
   return count;
 }
 
+BodySums& BodySums::operator+=(BodySums const& other) {
+  points += other.points;
+  mass += other.mass;
+  for (std::size_t k = 0; k < fluid_mass.size(); ++k) fluid_mass[k] += other.fluid_mass[k];
+  momentum = momentum + other.momentum;
+  centre = centre + other.centre;
+  kinetic_energy += other.kinetic_energy;
+  internal_energy += other.internal_energy;
+  provisional_energy += other.provisional_energy;
+  plastic_work += other.plastic_work;
+  damaged_mass += other.damaged_mass;
+  largest_displacement = std::max(largest_displacement, other.largest_displacement);
+  return *this;
+}
+
 BodySums sums(Mpm const& mpm, int body) {
-  int const blocks = mpm.grid().block_count();
   Body const& of = mpm.bodies()[body];
   BodyRules const rules = rules_of(of, mpm.options());
-  std::vector<BodySums> parts(blocks);
-  parallel_for(blocks, [&](int block, int) {
+  BodySums total = sum_over(mpm.grid().block_count(), [&](int block) {
     PointSet const& set = mpm.points(block, body);
     double const h = mpm.grid().blocks()[block].h();
-    BodySums& s = parts[block];
+    BodySums s;
     s.points = set.size();
     bool const affine = rules.has_gradient_energy;
     bool const books = rules.books_work && !of.solid.is_gas();
@@ -64,21 +78,8 @@ BodySums sums(Mpm const& mpm, int body) {
       if (double const* damage = set.field(Field::damage)) s.damaged_mass += damage[q] >= 1.0 ? m : 0.0;
       s.largest_displacement = std::max(s.largest_displacement, std::sqrt(moved));
     }
+    return s;
   });
-  BodySums total;
-  for (BodySums const& s : parts) {
-    total.points += s.points;
-    total.mass += s.mass;
-    for (int f = 0; f < 2; ++f) total.fluid_mass[f] += s.fluid_mass[f];
-    total.momentum = total.momentum + s.momentum;
-    total.centre = total.centre + s.centre;
-    total.kinetic_energy += s.kinetic_energy;
-    total.internal_energy += s.internal_energy;
-    total.provisional_energy += s.provisional_energy;
-    total.plastic_work += s.plastic_work;
-    total.damaged_mass += s.damaged_mass;
-    total.largest_displacement = std::max(total.largest_displacement, s.largest_displacement);
-  }
   if (total.mass > 0.0) total.centre = (1.0 / total.mass) * total.centre;
   return total;
 }
@@ -132,22 +133,20 @@ long nearest(Mpm const& mpm, int body, Vec3 const& x) {
 }
 
 double lowest_pressure(Mpm& mpm, int body) {
-  int const blocks = mpm.grid().block_count();
-  std::vector<double> lowest(blocks, std::numeric_limits<double>::infinity());
   Loans const& loans = mpm.loans();
-  parallel_for(blocks, [&](int block, int) {
+  auto const lower = [](double& least, double p) { least = p < least ? p : least; };
+  constexpr double none = std::numeric_limits<double>::infinity();
+  auto const of_block = [&](int block) {
+    double least = none;
     auto const see = [&](PointSet const& set) {
       double const* p = set.field(Field::pressure);
-      double least = lowest[block];
-      for (int q = 0; q < set.size(); ++q) least = p[q] < least ? p[q] : least;
-      lowest[block] = least;
+      for (int q = 0; q < set.size(); ++q) lower(least, p[q]);
     };
     see(mpm.points(block, body));
     if (body == loans.body()) see(loans.points(block));
-  });
-  double least = std::numeric_limits<double>::infinity();
-  for (double const p : lowest) least = std::min(least, p);
-  return least;
+    return least;
+  };
+  return reduce(mpm.grid().block_count(), none, of_block, lower);
 }
 
 void set_lighting(Mpm& mpm, int body, std::function<double(Vec3 const&)> const& lighting_time) {
@@ -211,8 +210,7 @@ void Mpm::update_signals() {
 }
 
 void Mpm::collect_signals() {
-  fastest_ = 0.0;
-  for (int const block : active_) fastest_ = std::max(fastest_, signals_[block]);
+  fastest_ = largest_at_hand(static_cast<int>(active_.size()), 0.0, [this](int n) { return signals_[active_[n]]; });
 }
 
 double Mpm::stable_step() const { return options_.courant * grid_.smallest_cell() / fastest_; }

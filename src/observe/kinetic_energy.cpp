@@ -1,6 +1,6 @@
 #include "observe/kinetic_energy.hpp"
 
-#include "core/parallel.hpp"
+#include "core/reduce.hpp"
 #include "run/world.hpp"
 
 namespace brisance::observe {
@@ -8,12 +8,11 @@ namespace brisance::observe {
 namespace {
 
 double gas_energy(run::World const& w) {
-  // One sum per block, then over blocks in order: the same bits for any number of threads.
-  std::vector<double> parts(static_cast<std::size_t>(w.grid.block_count()), 0.0);
   int const fluids = w.gas->fluids().count;
-  parallel_for(w.grid.block_count(), [&](int b, int) {
+  return sum_over(w.grid.block_count(), [&](int b) {
     grid::Block const& block = w.grid.blocks()[b];
     auto const& fields = w.gas->fields();
+    double sum = 0.0;
     for_each_row(block, [&](grid::Cell const& first) {
       double row = 0.0;
       for (int i = 0; i < block.n[0]; ++i) {
@@ -28,12 +27,10 @@ double gas_energy(run::World const& w) {
         }
         if (square > 0.0) row += 0.5 * square / density * block.volume(cell);
       }
-      parts[b] += row;
+      sum += row;
     });
+    return sum;
   });
-  double sum = 0.0;
-  for (double const part : parts) sum += part;
-  return sum;
 }
 
 }  // namespace

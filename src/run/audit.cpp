@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/error.hpp"
-#include "core/parallel.hpp"
+#include "core/reduce.hpp"
 #include "core/timer.hpp"
 #include "run/products.hpp"
 #include "run/world.hpp"
@@ -147,12 +147,11 @@ Totals World::ledger_totals() const {
 }
 
 Totals World::gas_totals() const {
-  // One sum per block, then over blocks in order: the same bits for any number of threads.
-  std::vector<Totals> parts(static_cast<std::size_t>(grid.block_count()));
   int const fluids = gas->fluids().count;
-  parallel_for(grid.block_count(), [&](int b, int) {
+  return sum_over(grid.block_count(), [&](int b) {
     grid::Block const& block = grid.blocks()[b];
-    grid::add_cells(block, parts[b], [&](grid::Cell const& cell, Totals& row) {
+    Totals sum;
+    grid::add_cells(block, sum, [&](grid::Cell const& cell, Totals& row) {
       if (!gas->coupling.is_own(cell)) return;
       int const at = cell.offset;
       double const volume = block.volume(cell);
@@ -167,10 +166,8 @@ Totals World::gas_totals() const {
       row.energy += volume * component(gas::energy);
       row.kinetic_energy += 0.5 * volume * square / gas::mixture_density(fluids, component);
     });
+    return sum;
   });
-  Totals total;
-  for (Totals const& part : parts) total += part;
-  return total;
 }
 
 /// Of all that is gas at the start, whatever its state.

@@ -1,5 +1,7 @@
 #include "run/world.hpp"
 
+#include "core/reduce.hpp"
+
 namespace brisance::run {
 
 World::World(Case c)
@@ -18,11 +20,8 @@ bool World::bodies_have_left() const { return gas == nullptr && mpm::point_count
 
 long World::active_cells() const {
   if (gas == nullptr) return 0;
-  long count = 0;
-  for (int b = 0; b < grid.block_count(); ++b) {
-    if (gas->awake(b)) count += grid.blocks()[b].cell_count();
-  }
-  return count;
+  return sum_at_hand(grid.block_count(),
+                     [&](int b) { return gas->awake(b) ? static_cast<long>(grid.blocks()[b].cell_count()) : 0L; });
 }
 
 }  // namespace brisance::run

@@ -9,7 +9,6 @@
 
 #include "core/parallel.hpp"
 #include "gas/layout.hpp"
-#include "grid/partition.hpp"
 #include "observe/gauges.hpp"
 #include "setup/fluids.hpp"
 
@@ -31,15 +30,13 @@ constexpr double thread_share = 0.95;  // of a thread's rate, where it is not al
 
 double cells_of(grid::Domain const& domain) { return static_cast<double>(domain.cell_count()); }
 
-/// Cells in the ghost layers of all blocks. Blocks have at most two sizes in each direction.
-double ghost_cells(grid::Domain const& domain, Index3 const& parts) {
+/// Cells in the ghost layers of all blocks. In each direction all blocks but the last have one size.
+double ghost_cells(grid::Domain const& domain, grid::Partition const& partition) {
   std::array<std::array<double, 2>, 3> size{};
   std::array<std::array<double, 2>, 3> count{};
   for (int d = 0; d < 3; ++d) {
-    double const n = domain.cells[d];
-    size[d] = {std::floor(n / parts[d]), std::floor(n / parts[d]) + 1.0};
-    count[d][1] = n - parts[d] * size[d][0];
-    count[d][0] = parts[d] - count[d][1];
+    size[d] = {static_cast<double>(partition.size[d]), static_cast<double>(partition.rest(d, domain.cells[d]))};
+    count[d] = {partition.parts[d] - 1.0, 1.0};
   }
   double sum = 0.0;
   for (int kind = 0; kind < 8; ++kind) {
@@ -91,12 +88,12 @@ int gas_components(run::Case const& setup) {
   return carried ? gas::most_components : gas::components_of(fluids);
 }
 
-void add_gas_memory(run::Case const& setup, Index3 const& parts, Plan& p) {
+void add_gas_memory(run::Case const& setup, grid::Partition const& partition, Plan& p) {
   double const components = gas_components(setup);
   double const cells = cells_of(setup.domain);
   p.memory.push_back(
       {fmt::format("state of the gas, {:g} values per cell", components), components * cells * double_bytes});
-  p.memory.push_back({"ghost layers of the blocks", components * ghost_cells(setup.domain, parts) * double_bytes});
+  p.memory.push_back({"ghost layers of the blocks", components * ghost_cells(setup.domain, partition) * double_bytes});
   if (setup.output.peak_fields)
     p.memory.push_back({"peak fields (output.peak_fields)", peak_components * cells * double_bytes});
   p.memory.push_back({"a field on its way to the disk", std::min(largest_dump_cache, cells * 3.0 * double_bytes)});

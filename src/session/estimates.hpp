@@ -2,6 +2,7 @@
 #pragma once
 
 #include "case/case.hpp"
+#include "grid/partition.hpp"
 #include "session/plan.hpp"
 
 namespace brisance::session {
@@ -17,8 +18,8 @@ inline constexpr double bytes_per_point_record = 200.0;
 /// Values per cell.
 [[nodiscard]] int gas_components(run::Case const& setup);
 
-/// The gas of a case whose grid has so many blocks in each direction.
-void add_gas_memory(run::Case const& setup, Index3 const& parts, Plan& plan);
+/// The gas of a case whose grid is cut into blocks so.
+void add_gas_memory(run::Case const& setup, grid::Partition const& partition, Plan& plan);
 /// Nodes that carry the points: their cells, with the margins of the patches, once for each grid field.
 void add_point_memory(run::Points const& points, Plan& plan, int dimensions);
 /// Adds the program itself, and sorts.

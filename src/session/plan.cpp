@@ -52,10 +52,8 @@ double boxed_cells(shape::Shape const& shape, grid::Domain const& domain) {
 }
 
 /// May the grid's list of blocks be made for a look at it?
-bool is_small_list(grid::Domain const& domain, Index3 const& parts) {
-  double blocks = 1.0;
-  for (int d = 0; d < 3; ++d) blocks *= parts[d];
-  return blocks <= most_blocks_tried && *std::ranges::max_element(domain.cells) <= longest_row_tried;
+bool is_small_list(grid::Domain const& domain, grid::Partition const& partition) {
+  return partition.count() <= most_blocks_tried && *std::ranges::max_element(domain.cells) <= longest_row_tried;
 }
 
 /// A charge that fills too many cells to try it out.
@@ -156,12 +154,12 @@ void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Pl
 }
 
 void plan_gas(run::Case const& setup, Plan& p) {
-  Index3 const parts = grid::parts_of(setup.domain, setup.numerics.block_cells);
-  p.blocks = parts[0] * parts[1] * parts[2];
-  add_gas_memory(setup, parts, p);
+  grid::Partition const partition = grid::partition_of(setup.domain, setup.numerics.block_cells);
+  p.blocks = static_cast<decltype(p.blocks)>(partition.count());
+  add_gas_memory(setup, partition, p);
   p.steps = estimated_steps(setup);
   std::optional<grid::Grid> grid;
-  if (is_small_list(setup.domain, parts)) grid.emplace(setup.domain, setup.numerics.block_cells);
+  if (is_small_list(setup.domain, partition)) grid.emplace(setup.domain, setup.numerics.block_cells);
   setup::SolidCells const solid(setup.domain, setup.obstacles);
   detonation::TakenCells taken;
   int number = 0;

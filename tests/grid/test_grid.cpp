@@ -33,6 +33,38 @@ TEST(Grid, EveryCellLiesInExactlyOneBlock) {
   EXPECT_EQ(static_cast<long>(seen.size()), grid.domain().cell_count());
 }
 
+// Whatever the domain and the wish: one size, as many blocks as needed, each with its ghost layers.
+TEST(Grid, BlocksHaveOneSizeAndTheLastTheRest) {
+  for (int const wanted : {0, 4, 5, 8, 11, 32, 64}) {
+    for (int const cells : {4, 5, 7, 9, 13, 33, 44, 80, 100, 150, 257}) {
+      Domain domain = box({cells, 4, 4}, Boundary::outflow);
+      Grid const grid(domain, wanted);
+      int const target = wanted == 0 ? 32 : wanted;
+      int const size = grid.block_size()[0];
+      int sum = 0;
+      for (Block const& block : grid.blocks()) {
+        bool const last = block.at_boundary(1);
+        EXPECT_EQ(block.size, grid.block_size());
+        EXPECT_EQ(block.origin[0] % size, 0);
+        EXPECT_GE(block.n[0], 4);
+        EXPECT_LE(block.n[0], size);
+        if (!last) {
+          EXPECT_EQ(block.n[0], size);
+        }
+        sum += block.n[0];
+      }
+      EXPECT_EQ(sum, cells);
+      // Larger than wanted only where no size up to that leaves the last block 4 cells.
+      if (size > target) {
+        for (int smaller = 4; smaller <= target; ++smaller) {
+          EXPECT_TRUE(cells % smaller > 0 && cells % smaller < 4) << cells << " cells in blocks of " << smaller;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(Grid(box({150, 80, 80}, Boundary::outflow)).block_size(), (Index3{30, 27, 27}));
+}
+
 TEST(Grid, RefusesDirectionsThatAreTooThin) { EXPECT_THROW(Grid(box({3, 20, 20}, Boundary::outflow), 8), InputError); }
 
 TEST(Grid, FindsTheCellOfAPoint) {
@@ -272,7 +304,7 @@ TEST_P(Exchanged, GhostsAreTheImagesOfTheirCells) {
       for_each_cell(block, [&](Cell const& cell) { fields.at(b, c)[cell.offset] = tag(c, block.index(cell)); });
     }
   }
-  std::vector<std::uint8_t> awake(grid.block_count(), 1);
+  AwakeBlocks awake(grid, 1);
   for (int direction = 0; direction < 3; ++direction) {
     exchange.fill(fields, direction, awake);
     for (int b = 0; b < grid.block_count(); ++b) {
@@ -315,7 +347,7 @@ TEST(Exchange, WakesASleepingBlockThatSeesNews) {
   int const first = grid.block_of({0, 0, 0});
   int const second = grid.block_of({8, 0, 0});
   int const third = grid.block_of({16, 0, 0});
-  std::vector<std::uint8_t> awake(grid.block_count(), 0);
+  AwakeBlocks awake(grid, 0);
   awake[first] = 1;
   exchange.fill(fields, 0, awake);
   EXPECT_EQ(awake[second], 0);  // the neighbour is awake but brings nothing new
