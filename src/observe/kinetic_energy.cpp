@@ -1,13 +1,13 @@
 #include "observe/kinetic_energy.hpp"
 
 #include "core/parallel.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::observe {
 
 namespace {
 
-double gas_energy(run::World const& w) {
+double gas_energy(run::System const& w) {
   // One sum per block, then over blocks in order: the same bits for any number of threads.
   std::vector<double> parts(static_cast<std::size_t>(w.grid.block_count()), 0.0);
   int const fluids = w.gas->fluids().count;
@@ -38,9 +38,9 @@ double gas_energy(run::World const& w) {
 
 }  // namespace
 
-double kinetic_energy(run::World const& world) {
-  double sum = world.gas == nullptr ? 0.0 : gas_energy(world);
-  auto const& points = world.points;
+double kinetic_energy(run::System const& system) {
+  double sum = system.gas == nullptr ? 0.0 : gas_energy(system);
+  auto const& points = system.points;
   for (int body = 0; points != nullptr && body < static_cast<int>(points->bodies().size()); ++body)
     sum += points->sums(body).kinetic_energy;
   return sum;

@@ -1,22 +1,22 @@
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::run {
 
-World::World(Case c)
+System::System(Case c)
     : grid_(std::make_unique<grid::Grid const>(c.domain, c.numerics.block_cells)), setup(std::move(c)), grid(*grid_) {}
 
-World::World(World&&) noexcept = default;
+System::System(System&&) noexcept = default;
 
-World::~World() = default;
+System::~System() = default;
 
-bool World::finished() const {
+bool System::finished() const {
   bool const time_over = clock.time >= setup.end.time * (1.0 - 1e-12);
   return time_over || (setup.end.steps > 0 && clock.step >= setup.end.steps) || bodies_have_left();
 }
 
-bool World::bodies_have_left() const { return gas == nullptr && points->point_count() == 0; }
+bool System::bodies_have_left() const { return gas == nullptr && points->point_count() == 0; }
 
-long World::active_cells() const {
+long System::active_cells() const {
   if (gas == nullptr) return 0;
   long count = 0;
   for (int b = 0; b < grid.block_count(); ++b) {
