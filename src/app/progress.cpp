@@ -7,7 +7,7 @@
 #include "app/print.hpp"
 #include "core/reduce.hpp"
 #include "core/text.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::app {
 
@@ -22,10 +22,10 @@ std::size_t line_width(std::FILE* out) {
 
 }  // namespace
 
-double part_done(run::World const& world) {
-  double const by_time = world.clock.time / world.setup.end.time;
-  double const by_steps = world.setup.end.steps > 0
-                              ? static_cast<double>(world.clock.step) / static_cast<double>(world.setup.end.steps)
+double part_done(run::System const& system) {
+  double const by_time = system.clock.time / system.setup.end.time;
+  double const by_steps = system.setup.end.steps > 0
+                              ? static_cast<double>(system.clock.step) / static_cast<double>(system.setup.end.steps)
                               : 0.0;
   return std::clamp(std::max(by_time, by_steps), 0.0, 1.0);
 }
@@ -53,37 +53,37 @@ void Progress::step(setup::StartProgress const& start) {
   done_ = start.done;
 }
 
-void Progress::start(run::World const& world) {
-  done_ = part_done(world);
+void Progress::start(run::System const& system) {
+  done_ = part_done(system);
   since_ = Clock::now();
   steps_ = 0;
 }
 
-void Progress::step(run::World const& world) {
+void Progress::step(run::System const& system) {
   ++steps_;
-  bool const both = world.bridge != nullptr;
-  bool const points = world.points != nullptr && !both;
-  active_updates_ += static_cast<double>(points ? mpm::point_count(*world.points) : world.active_cells());
+  bool const both = system.bridge != nullptr;
+  bool const points = system.points != nullptr && !both;
+  active_updates_ += static_cast<double>(points ? mpm::point_count(*system.points) : system.active_cells());
   auto const now = Clock::now();
-  double const done = part_done(world);
+  double const done = part_done(system);
   if (!due(done, now)) return;
 
   double const seconds = std::chrono::duration<double>(now - since_).count();
   std::string const place =
-      fmt::format("{:5.1f} %  t {}  step {}  dt {}  ", 100.0 * done, quantity(world.clock.time, "s"), world.clock.step,
-                  quantity(world.clock.dt, "s", 3));
+      fmt::format("{:5.1f} %  t {}  step {}  dt {}  ", 100.0 * done, quantity(system.clock.time, "s"),
+                  system.clock.step, quantity(system.clock.dt, "s", 3));
   std::string speed;
   if (points) {
     speed = fmt::format("{:.3g} Mpoints/s", active_updates_ / seconds / 1e6);
   } else {
-    double const all_updates = static_cast<double>(steps_) * static_cast<double>(world.setup.domain.cell_count());
-    int const awake = sum_at_hand(world.grid.block_count(), [&](int b) { return world.gas->awake(b) ? 1 : 0; });
+    double const all_updates = static_cast<double>(steps_) * static_cast<double>(system.setup.domain.cell_count());
+    int const awake = sum_at_hand(system.grid.block_count(), [&](int b) { return system.gas->awake(b) ? 1 : 0; });
     speed = fmt::format("{:.1f} Mcells/s ({:.1f} with sleeping)  {} of {} blocks awake",
-                        active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, world.grid.block_count());
+                        active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, system.grid.block_count());
   }
   if (both) {
-    speed += world.bridge->awake()
-                 ? fmt::format("  {} points", large_count(static_cast<double>(mpm::point_count(*world.points))))
+    speed += system.bridge->awake()
+                 ? fmt::format("  {} points", large_count(static_cast<double>(mpm::point_count(*system.points))))
                  : "  points asleep";
   }
   show(fmt::format("{}{}  {}", place, speed, remaining(done, done_, seconds)));

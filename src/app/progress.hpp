@@ -18,9 +18,9 @@ class Progress {
   /// To be called after every step of a 1D calculation that comes before the run.
   void step(setup::StartProgress const& start);
   /// To be called before the first step of a run that does not begin at its start.
-  void start(run::World const& world);
+  void start(run::System const& system);
   /// To be called after every step.
-  void step(run::World const& world);
+  void step(run::System const& system);
   /// Ends the line.
   void end();
 
@@ -41,6 +41,6 @@ class Progress {
 };
 
 /// Part of the run that is done, 0 to 1, by time or by steps.
-[[nodiscard]] double part_done(run::World const& world);
+[[nodiscard]] double part_done(run::System const& system);
 
 }  // namespace brisance::app

@@ -7,7 +7,7 @@
 
 #include "core/error.hpp"
 #include "observe/gas_view.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::observe {
 
@@ -15,29 +15,29 @@ namespace {
 
 /// A cell of a block.
 struct CellOf {
-  run::World const& world;
+  run::System const& system;
   GasView const* view;
   grid::Cell at;
   Index3 cell;  ///< in the domain
 };
 
 /// Of the gas in a cell, by cells or points.
-using OfGas = double (*)(gas::Primitive const& gas, run::World const& world);
-using VectorOfGas = Vec3 (*)(gas::Primitive const& gas, run::World const& world);
+using OfGas = double (*)(gas::Primitive const& gas, run::System const& system);
+using VectorOfGas = Vec3 (*)(gas::Primitive const& gas, run::System const& system);
 /// Of the cell itself.
 using OfCell = double (*)(CellOf const& c);
 
 struct GasField {
   FieldInfo info;
   std::variant<OfGas, VectorOfGas, OfCell> value;
-  double (*without_gas)(run::World const& world) =
+  double (*without_gas)(run::System const& system) =
       nullptr;  ///< where points hold the cell and there is no gas; null: 0
 };
 
 /// 0: gas cells, 1: bridge, 2: points.
 double part_of_region(CellOf const& c) {
-  if (c.world.bridge == nullptr) return 0.0;
-  bridge::Region const& region = c.world.bridge->region();
+  if (c.system.bridge == nullptr) return 0.0;
+  bridge::Region const& region = c.system.bridge->region();
   int const layer = region.layer(c.cell);
   return layer == 0 ? 0.0 : layer <= region.width() ? 1.0 : 2.0;
 }
@@ -47,7 +47,7 @@ double peak(CellOf const& c, double const* values) {
   return values == nullptr || part_of_region(c) == 2.0 ? 0.0 : values[c.at.offset];
 }
 
-double ambient_pressure(run::World const& w) { return w.setup.ambient.state.pressure; }
+double ambient_pressure(run::System const& w) { return w.setup.ambient.state.pressure; }
 
 /// Part of a mixture that is not ambient fluid.
 double beside_ambient(gas::Fractions const& parts) {
@@ -59,34 +59,34 @@ double beside_ambient(gas::Fractions const& parts) {
 std::vector<GasField> const& gas_fields() {
   static std::vector<GasField> const fields{
       {{"pressure", "Pa", 1, "absolute pressure"},
-       OfGas{[](gas::Primitive const& g, run::World const&) { return g.pressure; }},
+       OfGas{[](gas::Primitive const& g, run::System const&) { return g.pressure; }},
        ambient_pressure},
       {{"overpressure", "Pa", 1, "pressure above ambient"},
-       OfGas{[](gas::Primitive const& g, run::World const& w) { return g.pressure - ambient_pressure(w); }}},
+       OfGas{[](gas::Primitive const& g, run::System const& w) { return g.pressure - ambient_pressure(w); }}},
       {{"density", "kg/m3", 1, "density of the mixture"},
-       OfGas{[](gas::Primitive const& g, run::World const&) { return g.density; }}},
+       OfGas{[](gas::Primitive const& g, run::System const&) { return g.density; }}},
       {{"velocity", "m/s", 3, "velocity"},
-       VectorOfGas{[](gas::Primitive const& g, run::World const&) { return g.velocity; }}},
+       VectorOfGas{[](gas::Primitive const& g, run::System const&) { return g.velocity; }}},
       {{"energy", "J/m3", 1, "total energy per volume"},
-       OfGas{[](gas::Primitive const& g, run::World const&) { return g.energy; }}},
+       OfGas{[](gas::Primitive const& g, run::System const&) { return g.energy; }}},
       {{"sound_speed", "m/s", 1, "frozen sound speed of the mixture"},
-       OfGas{[](gas::Primitive const& g, run::World const&) { return g.sound_speed; }}},
+       OfGas{[](gas::Primitive const& g, run::System const&) { return g.sound_speed; }}},
       {{"mach", "1", 1, "Mach number"},
-       OfGas{[](gas::Primitive const& g, run::World const&) { return norm(g.velocity) / g.sound_speed; }}},
+       OfGas{[](gas::Primitive const& g, run::System const&) { return norm(g.velocity) / g.sound_speed; }}},
       {{"products", "1", 1, "mass fraction of the second fluid (detonation products)"},
-       OfGas{[](gas::Primitive const& g, run::World const&) { return beside_ambient(g.mass_fraction); }}},
+       OfGas{[](gas::Primitive const& g, run::System const&) { return beside_ambient(g.mass_fraction); }}},
       {{"volume_fraction", "1", 1, "volume fraction of the second fluid"},
-       OfGas{[](gas::Primitive const& g, run::World const&) { return beside_ambient(g.volume_fraction); }}},
+       OfGas{[](gas::Primitive const& g, run::System const&) { return beside_ambient(g.volume_fraction); }}},
       {{"burn_fraction", "1", 1, "burn fraction F of programmed burn"},
-       OfCell{[](CellOf const& c) { return gas::burn_fraction(*c.world.gas, c.at); }}},
+       OfCell{[](CellOf const& c) { return gas::burn_fraction(*c.system.gas, c.at); }}},
       {{"afterburn", "1", 1, "progress of the products' afterburn, 0 to 1"},
-       OfCell{[](CellOf const& c) { return gas::afterburn_progress(*c.world.gas, c.at); }}},
+       OfCell{[](CellOf const& c) { return gas::afterburn_progress(*c.system.gas, c.at); }}},
       {{"peak_overpressure", "Pa", 1, "largest overpressure so far"},
-       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peaks().overpressure(c.at.block)); }}},
+       OfCell{[](CellOf const& c) { return peak(c, c.system.gas->peaks().overpressure(c.at.block)); }}},
       {{"impulse", "Pa s", 1, "largest running overpressure impulse so far"},
-       OfCell{[](CellOf const& c) { return peak(c, c.world.gas->peaks().impulse(c.at.block)); }}},
+       OfCell{[](CellOf const& c) { return peak(c, c.system.gas->peaks().impulse(c.at.block)); }}},
       {{"obstacle", "1", 1, "1 in rigid obstacles"},
-       OfCell{[](CellOf const& c) { return c.world.gas->obstacles.contain(c.at) ? 1.0 : 0.0; }}},
+       OfCell{[](CellOf const& c) { return c.system.gas->obstacles.contain(c.at) ? 1.0 : 0.0; }}},
       {{"region", "1", 1, "0: gas cells, 1: bridge of the MPM region, 2: points"}, OfCell{part_of_region}},
       {{"solid", "1", 1, "part of the cell that bodies of the MPM region fill"},
        OfCell{[](CellOf const& c) { return c.view == nullptr ? 0.0 : c.view->solid_at(c.cell); }}},
@@ -97,7 +97,7 @@ std::vector<GasField> const& gas_fields() {
 /// The gas of a cell; obstacles show what their cells hold.
 std::optional<gas::Primitive> gas_in(CellOf const& c) {
   if (c.view != nullptr && c.view->in_points(c.cell)) return c.view->at(c.cell);
-  gas::Gas const& gas = *c.world.gas;
+  gas::Gas const& gas = *c.system.gas;
   return gas.primitive(c.at);
 }
 
@@ -113,7 +113,7 @@ std::vector<FieldInfo> const& known_fields() {
   return infos;
 }
 
-void block_field(run::World const& w, int b, std::string const& name, std::vector<double>& out, GasView const* view) {
+void block_field(run::System const& w, int b, std::string const& name, std::vector<double>& out, GasView const* view) {
   auto const& fields = gas_fields();
   auto const found = std::find_if(fields.begin(), fields.end(), [&](GasField const& f) { return f.info.name == name; });
   if (found == fields.end()) throw InputError(fmt::format("there is no field \"{}\"", name));

@@ -8,7 +8,7 @@
 #include "observe/field_info.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::observe {
@@ -21,7 +21,7 @@ class GasView;
 /// Values of a field in one block: x fastest, components interleaved; `out` is resized. With a view of all cells those
 /// that points hold show the gas of the points, and where there is none the ambient pressure and else 0. Throws
 /// InputError for an unknown name.
-void block_field(run::World const& world, int block, std::string const& field, std::vector<double>& out,
+void block_field(run::System const& system, int block, std::string const& field, std::vector<double>& out,
                  GasView const* view = nullptr);
 
 }  // namespace brisance::observe

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::observe {
 
@@ -18,9 +18,9 @@ std::size_t number_in_points_grid(bridge::Region const& region, Index3 const& ce
 
 }  // namespace
 
-GasView::GasView(run::World const& world, std::vector<Index3> const& cells) : world_(&world) {
-  if (world.bridge == nullptr) return;
-  bridge::Region const& region = world.bridge->region();
+GasView::GasView(run::System const& system, std::vector<Index3> const& cells) : system_(&system) {
+  if (system.bridge == nullptr) return;
+  bridge::Region const& region = system.bridge->region();
   number_.assign(static_cast<std::size_t>(region.points_domain().cell_count()), -1);
   for (Index3 const& cell : cells) {
     if (!in_points(cell)) continue;
@@ -30,45 +30,45 @@ GasView::GasView(run::World const& world, std::vector<Index3> const& cells) : wo
     cells_.push_back(cell);
   }
   if (cells_.empty()) return;
-  averages_ = std::make_unique<bridge::Averages>(region.domain(), *world.points, region.shift(), cells_);
+  averages_ = std::make_unique<bridge::Averages>(region.domain(), *system.points, region.shift(), cells_);
 }
 
 void GasView::update() {
-  if (averages_ != nullptr) averages_->compute(*world_->points, world_->gas_body());
+  if (averages_ != nullptr) averages_->compute(*system_->points, system_->gas_body());
 }
 
 bool GasView::in_points(Index3 const& cell) const {
-  if (world_->bridge == nullptr) return false;
-  bridge::Region const& region = world_->bridge->region();
+  if (system_->bridge == nullptr) return false;
+  bridge::Region const& region = system_->bridge->region();
   return region.layer(cell) > region.width();
 }
 
 std::optional<gas::Primitive> GasView::at(Index3 const& cell) const {
   if (in_points(cell)) {
-    bridge::Region const& region = world_->bridge->region();
+    bridge::Region const& region = system_->bridge->region();
     bridge::CellSums const& sums = averages_->sums()[number_[number_in_points_grid(region, cell)]];
     if (sums.volume < least_part * region.metric().cell_volume(cell[0])) return std::nullopt;
-    return world_->bridge->primitive(sums);
+    return system_->bridge->primitive(sums);
   }
-  grid::Cell const at = world_->grid.locate(cell);
-  if (world_->gas->obstacles.contain(at)) return std::nullopt;
-  return world_->gas->primitive(at);
+  grid::Cell const at = system_->grid.locate(cell);
+  if (system_->gas->obstacles.contain(at)) return std::nullopt;
+  return system_->gas->primitive(at);
 }
 
 double GasView::solid_at(Index3 const& cell) const {
-  if (solids_.empty() || !world_->bridge->region().inside(cell)) return 0.0;
-  return solids_[number_in_points_grid(world_->bridge->region(), cell)];
+  if (solids_.empty() || !system_->bridge->region().inside(cell)) return 0.0;
+  return solids_[number_in_points_grid(system_->bridge->region(), cell)];
 }
 
 void GasView::update_solids() {
-  if (world_->bridge == nullptr) return;
-  mpm::Mpm const& points = *world_->points;
-  grid::Domain const& domain = world_->bridge->region().points_domain();
+  if (system_->bridge == nullptr) return;
+  mpm::Mpm const& points = *system_->points;
+  grid::Domain const& domain = system_->bridge->region().points_domain();
   grid::CellRange const all = domain.all_cells();
   int const dims = domain.dimensions();
   solids_.assign(all.count(), 0.0);
   for (int body = 0; body < static_cast<int>(points.bodies().size()); ++body) {
-    if (body == world_->gas_body()) continue;
+    if (body == system_->gas_body()) continue;
     double const half = 0.5 / points.bodies()[body].points_per_direction;  // of the box of a point [cells]
     for (int block = 0; block < points.grid().block_count(); ++block) {
       mpm::PointSet const& set = points.points(block, body);

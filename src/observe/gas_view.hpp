@@ -10,15 +10,15 @@
 #include "gas/gas.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::observe {
 
 class GasView {
  public:
-  /// Of the cells that will be asked for, those that points hold are prepared. Keeps a reference to the world.
-  GasView(run::World const& world, std::vector<Index3> const& cells);
+  /// Of the cells that will be asked for, those that points hold are prepared. Keeps a reference to the system.
+  GasView(run::System const& system, std::vector<Index3> const& cells);
   /// Averages of the points as they are now.
   void update();
   /// What solids fill now.
@@ -32,7 +32,7 @@ class GasView {
   [[nodiscard]] double solid_at(Index3 const& cell) const;
 
  private:
-  run::World const* world_;
+  run::System const* system_;
   std::vector<Index3> cells_;  ///< in points, in the order of `averages_`
   std::vector<int> number_;    ///< of the cells of the points' grid in `cells_`; -1: none
   std::unique_ptr<bridge::Averages> averages_;

@@ -10,7 +10,7 @@
 #include "core/timer.hpp"
 #include "observe/gas_view.hpp"
 #include "observe/point_fields.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::observe {
 
@@ -76,9 +76,9 @@ constexpr double body_records = 1000.0;  // of a run, about
 
 }  // namespace
 
-Gauges::Gauges(run::World const& world) {
-  Case const& setup = world.setup;
-  if (world.gas != nullptr) {
+Gauges::Gauges(run::System const& system) {
+  Case const& setup = system.setup;
+  if (system.gas != nullptr) {
     for (Gauge const& gauge : setup.gauges) gas.push_back({gauge, {}});
     Primitive const& quiet = setup.ambient.state;
     for (GaugeHistory& history : gas) {
@@ -86,38 +86,38 @@ Gauges::Gauges(run::World const& world) {
       history.records.push_back({0.0, quiet.pressure, quiet.density, quiet.velocity});
     }
   }
-  if (world.points == nullptr) return;
+  if (system.points == nullptr) return;
   for (PointGauge const& gauge : setup.points.gauges) {
     PointGaugeHistory history;
     history.gauge = gauge;
-    if (gauge.point) history.identity = mpm::nearest(*world.points, gauge.body, *gauge.point);
+    if (gauge.point) history.identity = mpm::nearest(*system.points, gauge.body, *gauge.point);
     points.push_back(std::move(history));
   }
 }
 
 Gauges::~Gauges() = default;
 
-void Gauges::sample(run::World& world) {
-  if (gas.empty() && world.points == nullptr) return;
-  PhaseTimer const timer(world.timings["gauges"]);
-  if (world.points != nullptr) sample_points(world);
-  if (!gas.empty()) sample_gas(world);
+void Gauges::sample(run::System& system) {
+  if (gas.empty() && system.points == nullptr) return;
+  PhaseTimer const timer(system.timings["gauges"]);
+  if (system.points != nullptr) sample_points(system);
+  if (!gas.empty()) sample_gas(system);
 }
 
-void Gauges::sample_gas(run::World const& world) {
+void Gauges::sample_gas(run::System const& system) {
   if (view_ == nullptr) {
     std::vector<Index3> cells;
     for (GaugeHistory const& history : gas) {
-      Stencil const s = stencil_at(world.setup.domain, history.gauge.position);
+      Stencil const s = stencil_at(system.setup.domain, history.gauge.position);
       cells.insert(cells.end(), s.cells.begin(), s.cells.end());
     }
-    view_ = std::make_unique<GasView>(world, cells);
+    view_ = std::make_unique<GasView>(system, cells);
   }
   view_->update();
   for (GaugeHistory& history : gas) {
-    Stencil const s = stencil_at(world.setup.domain, history.gauge.position);
+    Stencil const s = stencil_at(system.setup.domain, history.gauge.position);
     GaugeRecord record;
-    record.time = world.clock.time;
+    record.time = system.clock.time;
     double sum = 0.0;
     for (std::size_t n = 0; n < s.cells.size(); ++n) {
       auto const seen = view_->at(s.cells[n]);
@@ -133,23 +133,23 @@ void Gauges::sample_gas(run::World const& world) {
       record.density /= sum;
       record.velocity = (1.0 / sum) * record.velocity;
     } else {
-      record.pressure = world.setup.ambient.state.pressure;  // a body has come over the gauge
+      record.pressure = system.setup.ambient.state.pressure;  // a body has come over the gauge
     }
     history.records.push_back(record);
   }
 }
 
-void Gauges::sample_points(run::World const& world) {
-  int const count = static_cast<int>(world.bodies.size());
-  double const interval = world.setup.end.time / body_records;
-  double const now = world.clock.time;
-  bodies.resize(world.bodies.size());
+void Gauges::sample_points(run::System const& system) {
+  int const count = static_cast<int>(system.bodies.size());
+  double const interval = system.setup.end.time / body_records;
+  double const now = system.clock.time;
+  bodies.resize(system.bodies.size());
   double const last = bodies[0].empty() ? -1.0 : bodies[0].back().time;
-  bool const due = last < 0.0 || (now > last && (world.finished() || now >= last + interval * (1.0 - 1e-9)));
+  bool const due = last < 0.0 || (now > last && (system.finished() || now >= last + interval * (1.0 - 1e-9)));
   // The sums of a body are taken once, whoever asks for them.
   std::vector<std::optional<mpm::BodySums>> sums(bodies.size());
   auto const sums_of = [&](int body) -> mpm::BodySums const& {
-    if (!sums[body]) sums[body] = mpm::sums(*world.points, body);
+    if (!sums[body]) sums[body] = mpm::sums(*system.points, body);
     return *sums[body];
   };
   for (int body = 0; due && body < count; ++body) bodies[body].push_back({now, sums_of(body)});
@@ -160,22 +160,22 @@ void Gauges::sample_points(run::World const& world) {
       continue;
     }
     if (history.lost) continue;
-    history.place = mpm::find(*world.points, body, history.identity, history.place);
+    history.place = mpm::find(*system.points, body, history.identity, history.place);
     if (history.place.block < 0) {
       history.lost = true;
       continue;
     }
-    PointRecord record = record_of(world.points->points(history.place.block, body), history.place.index, now);
+    PointRecord record = record_of(system.points->points(history.place.block, body), history.place.index, now);
     // Also of points that do not carry their origin: the gauge has seen it.
     if (!history.points.empty()) record.displacement = record.position - history.points.front().position;
     history.points.push_back(record);
   }
 }
 
-void Gauges::record_bodies(run::World const& world) {
-  if (bodies.empty() || bodies[0].back().time >= world.clock.time) return;
+void Gauges::record_bodies(run::System const& system) {
+  if (bodies.empty() || bodies[0].back().time >= system.clock.time) return;
   for (std::size_t body = 0; body < bodies.size(); ++body)
-    bodies[body].push_back({world.clock.time, mpm::sums(*world.points, static_cast<int>(body))});
+    bodies[body].push_back({system.clock.time, mpm::sums(*system.points, static_cast<int>(body))});
 }
 
 void archive(Archive& a, GaugeRecord& r) { a(r.time, r.pressure, r.density, r.velocity); }
@@ -187,7 +187,7 @@ void archive(Archive& a, PointRecord& r) {
 
 void archive(Archive& a, BodyRecord& r) { a(r.time, r.sums); }
 
-void Gauges::archive(Archive& a, run::World const& world) {
+void Gauges::archive(Archive& a, run::System const& system) {
   a.section("gauges");
   a.same(gas.size(), "the number of gauges");
   for (GaugeHistory& history : gas) {
@@ -200,12 +200,12 @@ void Gauges::archive(Archive& a, run::World const& world) {
     a.same(history.gauge.name, "the name of a gauge");
     a.same(history.identity, "the point of gauge \"" + history.gauge.name + "\"");
     a(history.place.block, history.place.index, history.lost, history.points, history.bodies);
-    a.require(history.place.block < world.points->grid().block_count() &&
+    a.require(history.place.block < system.points->grid().block_count() &&
                   (history.place.block < 0 || history.place.index >= 0),
               "the place of gauge \"" + history.gauge.name + "\"");
   }
   a(bodies);
-  a.require(bodies.empty() || bodies.size() == world.bodies.size(), "the number of bodies with a record");
+  a.require(bodies.empty() || bodies.size() == system.bodies.size(), "the number of bodies with a record");
 }
 
 }  // namespace brisance::observe

@@ -12,7 +12,7 @@
 namespace brisance {
 class Archive;
 namespace run {
-class World;
+class System;
 }
 }  // namespace brisance
 
@@ -66,12 +66,12 @@ void archive(Archive& a, GaugeRecord& record);
 void archive(Archive& a, PointRecord& record);
 void archive(Archive& a, BodyRecord& record);
 
-/// The histories of all gauges of a world.
+/// The histories of all gauges of a system.
 class Gauges {
  public:
-  /// To be made of the world that `setup::build` has built, before its first step. Nothing is recorded yet; only where
-  /// the world begins with a remap, the gauges hold the ambient gas until then.
-  explicit Gauges(run::World const& world);
+  /// To be made of the system that `setup::build` has built, before its first step. Nothing is recorded yet; only where
+  /// the system begins with a remap, the gauges hold the ambient gas until then.
+  explicit Gauges(run::System const& system);
   ~Gauges();
 
   std::vector<GaugeHistory> gas;
@@ -80,16 +80,16 @@ class Gauges {
   /// next thousandth of the end time or the end itself is reached.
   std::vector<std::vector<BodyRecord>> bodies;
 
-  /// Records every gauge at the present time of the world, among whose timings is how long that takes.
-  void sample(run::World& world);
+  /// Records every gauge at the present time of the system, among whose timings is how long that takes.
+  void sample(run::System& system);
   /// Records the sums over each body at the present time, where that has not been done: for the end of a run.
-  void record_bodies(run::World const& world);
-  /// The histories in a checkpoint, after the world itself. Throws IoError where they are of other gauges.
-  void archive(Archive& a, run::World const& world);
+  void record_bodies(run::System const& system);
+  /// The histories in a checkpoint, after the system itself. Throws IoError where they are of other gauges.
+  void archive(Archive& a, run::System const& system);
 
  private:
-  void sample_gas(run::World const& world);
-  void sample_points(run::World const& world);
+  void sample_gas(run::System const& system);
+  void sample_points(run::System const& system);
   std::unique_ptr<GasView> view_;  ///< made with the first sample
 };
 

@@ -1,13 +1,13 @@
 #include "observe/kinetic_energy.hpp"
 
 #include "core/reduce.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::observe {
 
 namespace {
 
-double gas_energy(run::World const& w) {
+double gas_energy(run::System const& w) {
   int const fluids = w.gas->fluids().count;
   return sum_over(w.grid.block_count(), [&](int b) {
     grid::Block const& block = w.grid.blocks()[b];
@@ -35,9 +35,9 @@ double gas_energy(run::World const& w) {
 
 }  // namespace
 
-double kinetic_energy(run::World const& world) {
-  double sum = world.gas == nullptr ? 0.0 : gas_energy(world);
-  auto const& points = world.points;
+double kinetic_energy(run::System const& system) {
+  double sum = system.gas == nullptr ? 0.0 : gas_energy(system);
+  auto const& points = system.points;
   for (int body = 0; points != nullptr && body < static_cast<int>(points->bodies().size()); ++body)
     sum += mpm::sums(*points, body).kinetic_energy;
   return sum;

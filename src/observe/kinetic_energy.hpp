@@ -2,12 +2,12 @@
 #pragma once
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::observe {
 
 /// Kinetic energy of gas and points [J]; summed in a fixed order.
-[[nodiscard]] double kinetic_energy(run::World const& world);
+[[nodiscard]] double kinetic_energy(run::System const& system);
 
 }  // namespace brisance::observe

@@ -8,7 +8,7 @@
 
 #include "core/error.hpp"
 #include "mpm/burn.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::observe {
 
@@ -18,7 +18,7 @@ using mpm::Field;
 
 /// Points of a body in a block.
 struct SetOf {
-  run::World const& world;
+  run::System const& system;
   mpm::PointSet const& set;
   int body;
 };
@@ -61,13 +61,13 @@ void add_burn_fraction(SetOf const& s, double* out) {
   mpm::PointSet const& set = s.set;
   double const* const lighting = set.field(Field::lighting_time);
   if (lighting == nullptr) return;
-  double const speed = s.world.points->bodies()[s.body].solid.detonation_speed;
-  double const rate = mpm::burn_rate(speed, s.world.points->grid().smallest_cell());
-  double const time = s.world.clock.time;
+  double const speed = s.system.points->bodies()[s.body].solid.detonation_speed;
+  double const rate = mpm::burn_rate(speed, s.system.points->grid().smallest_cell());
+  double const time = s.system.clock.time;
   for (int q = 0; q < set.size(); ++q) out[q] = mpm::burn_fraction(time, lighting[q], rate);
 }
 
-int material_number(run::World const& w, int body) {
+int material_number(run::System const& w, int body) {
   auto const& bodies = w.bodies;
   auto const first = std::find_if(bodies.begin(), bodies.end(),
                                   [&](run::BodyReport const& b) { return b.material == bodies[body].material; });
@@ -80,7 +80,7 @@ void add_mises(SetOf const& s, double* out) {
 
 void add_body(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), s.body); }
 
-void add_material(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), material_number(s.world, s.body)); }
+void add_material(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), material_number(s.system, s.body)); }
 
 std::vector<PointField> const& asked_fields() {
   static std::vector<PointField> const fields{
@@ -158,12 +158,12 @@ double mises_of(mpm::PointSet const& set, int q) {
   return std::sqrt(1.5 * sum);
 }
 
-int dumped_bodies(run::World const& w) {
+int dumped_bodies(run::System const& w) {
   int const count = static_cast<int>(w.points->bodies().size());
   return w.gas_body() >= 0 && !w.setup.output.gas_points ? count - 1 : count;
 }
 
-long dumped_points(run::World const& w) {
+long dumped_points(run::System const& w) {
   long count = 0;
   for (int block = 0; block < w.points->grid().block_count(); ++block) {
     for (int body = 0; body < dumped_bodies(w); ++body) count += w.points->points(block, body).size();
@@ -171,7 +171,7 @@ long dumped_points(run::World const& w) {
   return count;
 }
 
-void point_field(run::World const& w, std::string const& name, std::vector<double>& out) {
+void point_field(run::System const& w, std::string const& name, std::vector<double>& out) {
   PointField const& field = field_of(name);
   int const components = field.info.components;
   mpm::Mpm const& points = *w.points;

@@ -8,7 +8,7 @@
 #include "observe/field_info.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::observe {
@@ -21,14 +21,14 @@ namespace brisance::observe {
 [[nodiscard]] std::vector<FieldInfo> const& standing_point_fields();
 
 /// Number of bodies whose points are dumped: all, or all but the gas, which is the last.
-[[nodiscard]] int dumped_bodies(run::World const& world);
+[[nodiscard]] int dumped_bodies(run::System const& system);
 /// Number of their points.
-[[nodiscard]] long dumped_points(run::World const& world);
+[[nodiscard]] long dumped_points(run::System const& system);
 
 /// Values of a field of either list at all points that are dumped, components interleaved: block by block, within a
 /// block body by body. A field that a body does not carry is 0 there. `out` is resized. Throws InputError for an
 /// unknown name.
-void point_field(run::World const& world, std::string const& name, std::vector<double>& out);
+void point_field(run::System const& system, std::string const& name, std::vector<double>& out);
 
 /// Equivalent stress (von Mises) of one point [Pa]; 0 without a deviator.
 [[nodiscard]] double mises_of(mpm::PointSet const& set, int point);

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::observe {
 
@@ -14,20 +14,20 @@ void raise(Peak& peak, double value, double time) {
   if (value > peak.value) peak = {value, time};
 }
 
-BodySummary summary_of(run::World const& world, int body, std::string const& name,
+BodySummary summary_of(run::System const& system, int body, std::string const& name,
                        std::vector<BodyRecord> const& records) {
   BodySummary s;
   s.name = name;
-  s.body = world.bodies[body].name;
-  s.material = world.bodies[body].material;
-  s.end = mpm::sums(*world.points, body);
+  s.body = system.bodies[body].name;
+  s.material = system.bodies[body].material;
+  s.end = mpm::sums(*system.points, body);
   s.start = records.empty() ? s.end : records.front().sums;
   for (BodyRecord const& r : records) {
     raise(s.displacement, r.sums.largest_displacement, r.time);
     raise(s.velocity, norm(mean_velocity(r.sums)), r.time);
   }
-  raise(s.displacement, s.end.largest_displacement, world.clock.time);
-  raise(s.velocity, norm(mean_velocity(s.end)), world.clock.time);
+  raise(s.displacement, s.end.largest_displacement, system.clock.time);
+  raise(s.velocity, norm(mean_velocity(s.end)), system.clock.time);
   return s;
 }
 
@@ -35,10 +35,10 @@ BodySummary summary_of(run::World const& world, int body, std::string const& nam
 
 Vec3 mean_velocity(mpm::BodySums const& s) { return s.mass > 0.0 ? (1.0 / s.mass) * s.momentum : Vec3{0.0, 0.0, 0.0}; }
 
-PointSummary summarise_point(run::World const& world, PointGaugeHistory const& history) {
+PointSummary summarise_point(run::System const& system, PointGaugeHistory const& history) {
   PointSummary s;
   s.name = history.gauge.name;
-  s.body = world.bodies[history.gauge.body].name;
+  s.body = system.bodies[history.gauge.body].name;
   s.lost = history.lost;
   if (history.points.empty()) return s;
   s.position = history.points.front().position;
@@ -59,25 +59,25 @@ PointSummary summarise_point(run::World const& world, PointGaugeHistory const& h
   return s;
 }
 
-std::vector<PointSummary> summarise_points(run::World const& world, Gauges const& gauges) {
+std::vector<PointSummary> summarise_points(run::System const& system, Gauges const& gauges) {
   std::vector<PointSummary> out;
   for (auto const& history : gauges.points)
-    if (history.gauge.point) out.push_back(summarise_point(world, history));
+    if (history.gauge.point) out.push_back(summarise_point(system, history));
   return out;
 }
 
-std::vector<BodySummary> summarise_bodies(run::World const& world, Gauges const& gauges) {
+std::vector<BodySummary> summarise_bodies(run::System const& system, Gauges const& gauges) {
   std::vector<BodySummary> out;
-  std::vector<bool> watched(world.bodies.size(), false);
+  std::vector<bool> watched(system.bodies.size(), false);
   for (auto const& history : gauges.points) {
     if (history.gauge.point) continue;
-    out.push_back(summary_of(world, history.gauge.body, history.gauge.name, history.bodies));
+    out.push_back(summary_of(system, history.gauge.body, history.gauge.name, history.bodies));
     watched[history.gauge.body] = true;
   }
   static std::vector<BodyRecord> const none;
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+  for (std::size_t b = 0; b < system.bodies.size(); ++b) {
     if (watched[b]) continue;
-    out.push_back(summary_of(world, static_cast<int>(b), "", gauges.bodies.empty() ? none : gauges.bodies[b]));
+    out.push_back(summary_of(system, static_cast<int>(b), "", gauges.bodies.empty() ? none : gauges.bodies[b]));
   }
   return out;
 }

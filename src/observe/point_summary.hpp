@@ -41,11 +41,11 @@ struct BodySummary {
   Peak velocity;      ///< of its centre of mass [m/s]
 };
 
-[[nodiscard]] PointSummary summarise_point(run::World const& world, PointGaugeHistory const& history);
+[[nodiscard]] PointSummary summarise_point(run::System const& system, PointGaugeHistory const& history);
 /// One of each gauge that watches a body, then one of each body without such a gauge.
-[[nodiscard]] std::vector<BodySummary> summarise_bodies(run::World const& world, Gauges const& gauges);
+[[nodiscard]] std::vector<BodySummary> summarise_bodies(run::System const& system, Gauges const& gauges);
 /// Of the gauges that ride on a point.
-[[nodiscard]] std::vector<PointSummary> summarise_points(run::World const& world, Gauges const& gauges);
+[[nodiscard]] std::vector<PointSummary> summarise_points(run::System const& system, Gauges const& gauges);
 
 /// Velocity of a body's centre of mass [m/s].
 [[nodiscard]] Vec3 mean_velocity(mpm::BodySums const& sums);

@@ -7,7 +7,7 @@
 #include <map>
 #include <numbers>
 
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::observe {
 
@@ -31,7 +31,7 @@ struct Survey {
   Vec3 high{0.0, 0.0, 0.0};
 };
 
-Survey survey_of(run::World const& w, int body, BrokenZones& zones) {
+Survey survey_of(run::System const& w, int body, BrokenZones& zones) {
   Survey survey;
   double const far = std::numeric_limits<double>::max();
   survey.low = {far, far, far};
@@ -148,7 +148,7 @@ Extent extent_of(grid::Domain const& domain, Survey const& survey, Kind kind, in
 
 }  // namespace
 
-std::vector<BrokenZones> broken_zones(run::World const& w) {
+std::vector<BrokenZones> broken_zones(run::System const& w) {
   std::vector<BrokenZones> all;
   if (w.points == nullptr) return all;
   grid::Domain const& domain = w.setup.domain;

@@ -8,7 +8,7 @@
 #include "grid/geometry.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::observe {
@@ -43,6 +43,6 @@ struct BrokenZones {
 
 /// The zones of every body of concrete; none for others. A face is a side of the smallest box around the points at the
 /// start; those on mirror planes of the domain are left out.
-[[nodiscard]] std::vector<BrokenZones> broken_zones(run::World const& world);
+[[nodiscard]] std::vector<BrokenZones> broken_zones(run::System const& system);
 
 }  // namespace brisance::observe

@@ -10,7 +10,7 @@
 #include "output/gauges.hpp"
 #include "output/json.hpp"
 #include "output/zones.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::output {
 
@@ -119,9 +119,9 @@ std::string csv_row(observe::BodySummary const& s) {
 
 }  // namespace
 
-PointGaugeFiles::PointGaugeFiles(fs::path const& folder, run::World const& world, observe::Gauges const& histories)
+PointGaugeFiles::PointGaugeFiles(fs::path const& folder, run::System const& system, observe::Gauges const& histories)
     : folder_(folder) {
-  if (world.points == nullptr) return;
+  if (system.points == nullptr) return;
   // After those of the gas, whose files they shall not share.
   std::vector<std::string> gauges;
   for (auto const& history : histories.gas) gauges.push_back(history.gauge.name);
@@ -132,7 +132,7 @@ PointGaugeFiles::PointGaugeFiles(fs::path const& folder, run::World const& world
   for (std::size_t g = 0; g < names_.size(); ++g)
     write_file(folder / names_[g], histories.points[g].gauge.point ? point_header : body_header);
   std::string header = "time [s]";
-  for (auto const& body : world.bodies) {
+  for (auto const& body : system.bodies) {
     std::string const name = column_name(body.name);
     header += fmt::format(",{0}: kinetic_energy [J],{0}: internal_energy [J],{0}: plastic_work [J]", name);
   }
@@ -163,10 +163,10 @@ void PointGaugeFiles::append(observe::Gauges const& histories) {
   if (!text.empty()) append_to_file(folder_ / "energies.csv", text);
 }
 
-nlohmann::json write_point_table(fs::path const& path, run::World const& world, observe::Gauges const& gauges,
+nlohmann::json write_point_table(fs::path const& path, run::System const& system, observe::Gauges const& gauges,
                                  std::vector<std::string> const& files) {
-  auto const points = observe::summarise_points(world, gauges);
-  auto const bodies = observe::summarise_bodies(world, gauges);
+  auto const points = observe::summarise_points(system, gauges);
+  auto const bodies = observe::summarise_bodies(system, gauges);
   std::string csv =
       "gauge,watches,body,x [m],y [m],z [m],peak_displacement [m],time_of_peak [s],component,"
       "peak_component_displacement [m],final_displacement_x [m],final_displacement_y [m],final_displacement_z [m],"
@@ -188,14 +188,14 @@ nlohmann::json write_point_table(fs::path const& path, run::World const& world, 
     (rides ? point_gauges[point++] : body_list[body++])["file"] = files[g];
   }
   nlohmann::json out{{"point_gauges", std::move(point_gauges)}, {"bodies", std::move(body_list)}};
-  if (auto zones = broken_zones_json(world); !zones.empty()) out["broken_zones"] = std::move(zones);
+  if (auto zones = broken_zones_json(system); !zones.empty()) out["broken_zones"] = std::move(zones);
   return out;
 }
 
-void write_point_summary(fs::path const& folder, run::World const& world, observe::Gauges const& gauges,
+void write_point_summary(fs::path const& folder, run::System const& system, observe::Gauges const& gauges,
                          std::vector<std::string> const& files) {
   nlohmann::json summary{{"units", "SI: m, s, kg, m/s, J, Pa"}, {"gauges", nlohmann::json::array()}, {"burst", "none"}};
-  summary.update(write_point_table(folder / "summary.csv", world, gauges, files));
+  summary.update(write_point_table(folder / "summary.csv", system, gauges, files));
   replace_file(folder / "summary.json", summary.dump(2) + "\n");
 }
 

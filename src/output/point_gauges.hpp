@@ -14,7 +14,7 @@ namespace brisance::output {
 class PointGaugeFiles {
  public:
   /// Creates the files with their headers; none without material points.
-  PointGaugeFiles(std::filesystem::path const& folder, run::World const& world, observe::Gauges const& gauges);
+  PointGaugeFiles(std::filesystem::path const& folder, run::System const& system, observe::Gauges const& gauges);
 
   /// Appends the records that came since the last call.
   void append(observe::Gauges const& gauges);
@@ -30,11 +30,11 @@ class PointGaugeFiles {
 };
 
 /// Writes the table of the gauges on points and bodies, and returns the same as the lists "point_gauges" and "bodies".
-[[nodiscard]] nlohmann::json write_point_table(std::filesystem::path const& path, run::World const& world,
+[[nodiscard]] nlohmann::json write_point_table(std::filesystem::path const& path, run::System const& system,
                                                observe::Gauges const& gauges, std::vector<std::string> const& files);
 
 /// Writes `summary.csv` and `summary.json` of a run of material points.
-void write_point_summary(std::filesystem::path const& folder, run::World const& world, observe::Gauges const& gauges,
+void write_point_summary(std::filesystem::path const& folder, run::System const& system, observe::Gauges const& gauges,
                          std::vector<std::string> const& files);
 
 }  // namespace brisance::output

@@ -11,7 +11,7 @@
 #include "output/dump_file.hpp"
 #include "output/file.hpp"
 #include "output/manifest.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 #include "setup/profile_fit.hpp"
 
 namespace brisance::output {
@@ -275,8 +275,8 @@ void write_listed(fs::path const& folder, std::string const& name, detonation::P
 
 }  // namespace
 
-void write_start_profiles(run::World const& world, fs::path const& folder) {
-  auto const& profiles = world.setup.start.profiles;
+void write_start_profiles(run::System const& system, fs::path const& folder) {
+  auto const& profiles = system.setup.start.profiles;
   for (std::size_t n = 0; n < profiles.size(); ++n) {
     bool known = false;
     for (std::size_t other = 0; other < n; ++other) known = known || profiles[other] == profiles[n];
@@ -285,8 +285,8 @@ void write_start_profiles(run::World const& world, fs::path const& folder) {
   }
 }
 
-void write_end_profile(run::World const& world, fs::path const& folder) {
-  write_listed(folder, "profiles/end.h5", setup::profile_of(world));
+void write_end_profile(run::System const& system, fs::path const& folder) {
+  write_listed(folder, "profiles/end.h5", setup::profile_of(system));
 }
 
 }  // namespace brisance::output

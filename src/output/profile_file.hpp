@@ -10,7 +10,7 @@
 #include "detonation/profile.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::output {
@@ -23,9 +23,9 @@ void write_profile(std::filesystem::path const& path, detonation::Profile const&
 
 /// Writes the profiles with which a run starts, one for each charge that has its own: `profiles/start_N.h5` in the
 /// output folder.
-void write_start_profiles(run::World const& world, std::filesystem::path const& folder);
+void write_start_profiles(run::System const& system, std::filesystem::path const& folder);
 
 /// Writes the state at the end of a run: `profiles/end.h5`.
-void write_end_profile(run::World const& world, std::filesystem::path const& folder);
+void write_end_profile(run::System const& system, std::filesystem::path const& folder);
 
 }  // namespace brisance::output

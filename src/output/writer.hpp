@@ -29,6 +29,10 @@
 #include "output/point_gauges.hpp"
 #include "output/points.hpp"
 
+namespace brisance::run {
+class World;
+}
+
 namespace brisance::output {
 
 struct WriterOptions {

@@ -3,16 +3,16 @@
 #include <nlohmann/json.hpp>
 
 #include "output/json.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::output {
 
-nlohmann::json broken_zones_json(run::World const& world) {
+nlohmann::json broken_zones_json(run::System const& system) {
   auto const part = [](observe::BrokenPart const& p) {
     return nlohmann::json{{"mass", json_or_null(p.mass)}, {"volume", json_or_null(p.volume)}};
   };
   nlohmann::json out = nlohmann::json::array();
-  for (auto const& zones : observe::broken_zones(world)) {
+  for (auto const& zones : observe::broken_zones(system)) {
     nlohmann::json faces = nlohmann::json::array();
     for (auto const& face : zones.faces) {
       faces.push_back({{"face", grid::face_names[static_cast<int>(face.face)]},
@@ -22,7 +22,7 @@ nlohmann::json broken_zones_json(run::World const& world) {
                        {"cracked_depth", json_or_null(face.cracked_depth)},
                        {"spall_depth", json_or_null(face.spall_depth)}});
     }
-    out.push_back({{"body", world.bodies[zones.body].name},
+    out.push_back({{"body", system.bodies[zones.body].name},
                    {"crushed", part(zones.crushed)},
                    {"cracked", part(zones.cracked)},
                    {"damaged", part(zones.damaged)},

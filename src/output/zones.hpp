@@ -8,6 +8,6 @@
 namespace brisance::output {
 
 /// A list with one entry per body of concrete; empty without one.
-[[nodiscard]] nlohmann::json broken_zones_json(run::World const& world);
+[[nodiscard]] nlohmann::json broken_zones_json(run::System const& system);
 
 }  // namespace brisance::output

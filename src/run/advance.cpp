@@ -7,23 +7,23 @@
 #include "core/error.hpp"
 #include "core/timer.hpp"
 #include "run/products.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 namespace brisance::run {
 
 namespace {
 
 /// A diaphragm that has just been removed moves faster than either side's sound: start gently.
-double ramp_since(World const& w, long step) {
+double ramp_since(System const& w, long step) {
   return std::min(1.0, 0.1 * static_cast<double>(w.clock.step - step + 1));
 }
-double ramp(World const& w) { return ramp_since(w, 0); }
+double ramp(System const& w) { return ramp_since(w, 0); }
 
 /// While products break out of a charge their pressure falls a hundredfold within a few steps of the usual length, and
 /// what a gauge sees of the first shock would depend on the step by 20 to 60 %.
 constexpr double bursting_courant = 0.2;
 
-double stable_gas_step(World const& w) {
+double stable_gas_step(System const& w) {
   gas::Gas const& gas = *w.gas;
   double signal = gas.fastest_signal();
   double const opening =
@@ -42,7 +42,7 @@ double stable_gas_step(World const& w) {
 }
 
 /// A shock that is about to enter the region bounds the step of the points as those do that are in it.
-double stable_point_step(World const& w) {
+double stable_point_step(System const& w) {
   double step = w.points->stable_step();
   if (w.bridge != nullptr && w.bridge->incoming_signal() > 0.0) {
     step = std::min(step, w.setup.mpm_region->courant * w.bridge->region().metric().h / w.bridge->incoming_signal());
@@ -51,7 +51,7 @@ double stable_point_step(World const& w) {
 }
 
 /// Do the points take part in the step?
-bool points_move(World const& w) { return w.points != nullptr && (w.bridge == nullptr || w.bridge->awake()); }
+bool points_move(System const& w) { return w.points != nullptr && (w.bridge == nullptr || w.bridge->awake()); }
 
 constexpr double most_parts = 64;     // of a common step that the points take
 constexpr double most_gas_parts = 4;  // that the gas takes: its ghost cells wait meanwhile
@@ -72,7 +72,7 @@ void in_parts(double dt, Stable&& stable, Step&& step) {
 /// One CFDMP step, [Cui14] Sec. 3.5; (k) is the paper's item k. Where the stable steps of gas and points differ, each
 /// takes several within the common one; the gas goes first, so that the points find the cells beside them at any time
 /// in between.
-void advance_coupled(World& w, double dt) {
+void advance_coupled(System& w, double dt) {
   bridge::Bridge& bridge = *w.bridge;
   {
     PhaseTimer const timer(w.timings["bridge"]);
@@ -112,7 +112,7 @@ void advance_coupled(World& w, double dt) {
 
 }  // namespace
 
-double stable_step(World const& w) {
+double stable_step(System const& w) {
   if (w.gas == nullptr) return stable_point_step(w);
   double const gas = stable_gas_step(w);
   if (!points_move(w)) return gas;
@@ -121,7 +121,7 @@ double stable_step(World const& w) {
   return std::min({std::max(gas, points), most_gas_parts * gas, most_parts * points});
 }
 
-double advance(World& w, double latest) {
+double advance(System& w, double latest) {
   if (w.bridge != nullptr && w.bridge->wake()) {
     if (!w.awake_since) w.awake_since = w.clock.time;
     PhaseTimer const timer(w.timings["bridge"]);

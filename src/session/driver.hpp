@@ -9,6 +9,10 @@
 #include "core/error.hpp"
 #include "output/writer.hpp"
 
+namespace brisance::run {
+class World;
+}
+
 namespace brisance::session {
 
 /// How a run ended.

@@ -7,6 +7,10 @@
 
 #include "observe/gauges.hpp"
 
+namespace brisance::run {
+class World;
+}
+
 namespace brisance::session {
 
 /// Looks at the state after some of the steps: every tenth one, and from step 1000 on about a hundred times while their

@@ -7,7 +7,7 @@
 #include "core/error.hpp"
 #include "detonation/charge.hpp"
 #include "run/products.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::setup {
@@ -22,7 +22,7 @@ void calculate_as_gas(MpmRegion const& settings, mpm::Body& body) {
   body.slips = settings.slip;
 }
 
-void place_bodies(run::World& w, grid::Domain const& domain, std::vector<mpm::Body> others) {
+void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::Body> others) {
   Points const& p = w.setup.points;
   std::vector<mpm::Body> bodies;
   for (Body const& b : p.bodies) {

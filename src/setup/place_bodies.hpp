@@ -6,14 +6,14 @@
 #include "case/case.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::setup {
 
-/// Builds `world.points` on the given background grid with the bodies of the case and, after them, `others` that are
+/// Builds `system.points` on the given background grid with the bodies of the case and, after them, `others` that are
 /// left without points; and the body reports. Throws InputError where a body holds no point.
-void place_bodies(run::World& world, grid::Domain const& domain, std::vector<mpm::Body> others = {});
+void place_bodies(run::System& system, grid::Domain const& domain, std::vector<mpm::Body> others = {});
 
 /// Gives a body of points the settings of the region's gas.
 void calculate_as_gas(MpmRegion const& settings, mpm::Body& body);

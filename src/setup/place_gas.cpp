@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "detonation/charge.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 #include "setup/fluids.hpp"
 #include "setup/place_gas_regions.hpp"
 #include "setup/place_panels.hpp"
@@ -88,7 +88,7 @@ gas::Options options_of(Case const& c) {
   return o;
 }
 
-detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
+detonation::TakenCells place_charges(run::System& w, SolidCells const& solid) {
   Case const& setup = w.setup;
   gas::Gas& gas = *w.gas;
   grid::Grid const& grid = w.grid;
@@ -136,7 +136,7 @@ detonation::TakenCells place_charges(run::World& w, SolidCells const& solid) {
 
 }  // namespace
 
-void place_gas(run::World& w) {
+void place_gas(run::System& w) {
   Case const& setup = w.setup;
   w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), setup.ambient.state, setup.inflow);
   gas::Gas& gas = *w.gas;

@@ -8,7 +8,7 @@
 #include "setup/solid_cells.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::setup {
@@ -19,8 +19,8 @@ namespace brisance::setup {
                                                 SolidCells const* solid = nullptr,
                                                 detonation::TakenCells* taken = nullptr);
 
-/// Builds `world.gas`: ambient, regions, obstacles with their panels, and the charges or what a remap makes of them,
+/// Builds `system.gas`: ambient, regions, obstacles with their panels, and the charges or what a remap makes of them,
 /// and reports what became of each. Throws InputError where the case cannot be realised.
-void place_gas(run::World& world);
+void place_gas(run::System& system);
 
 }  // namespace brisance::setup

@@ -7,7 +7,7 @@
 
 #include "core/error.hpp"
 #include "run/products.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 #include "setup/place_bodies.hpp"
 #include "shape/placement.hpp"
 
@@ -123,7 +123,7 @@ shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& bo
 }
 
 /// Gas points in the state of the cells that they lie in.
-void fill_gas(run::World& w, int body, std::vector<bridge::CellBox> const& boxes) {
+void fill_gas(run::System& w, int body, std::vector<bridge::CellBox> const& boxes) {
   grid::Domain const& domain = w.setup.domain;
   int const parts = w.setup.mpm_region->gas_points(domain.dimensions());
   shape::Placement const placement = shape::place_particles(gas_space(w.setup, boxes), domain, parts);
@@ -163,7 +163,7 @@ bool moves(Case const& setup) {
          is_moving(setup.ambient.state.velocity);
 }
 
-void check_neighbours(run::World const& w) {
+void check_neighbours(run::System const& w) {
   bridge::Region const& region = w.bridge->region();
   auto const check = [&](Index3 const& index) {
     grid::Cell const cell = w.grid.locate(index);
@@ -213,7 +213,7 @@ bridge::Region region_of(Case const& setup) {
   return {setup.domain, boxes, setup.mpm_region->width, lent_layers(setup.points.options.shape)};
 }
 
-void place_region(run::World& w) {
+void place_region(run::System& w) {
   MpmRegion const& settings = *w.setup.mpm_region;
   bridge::Region region = region_of(w.setup);
   Primitive const& ambient = w.setup.ambient.state;

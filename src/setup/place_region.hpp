@@ -5,7 +5,7 @@
 #include "case/case.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::setup {
@@ -17,8 +17,8 @@ namespace brisance::setup {
 /// InputError where faces of a box do not lie on the grid or the region does not fit the domain.
 [[nodiscard]] bridge::Region region_of(Case const& setup);
 
-/// Builds `world.points` with the bodies and the gas of the region, and `world.bridge`. The gas cells have been filled:
-/// the gas points take their state. Throws InputError where bodies, charges or obstacles do not fit the region.
-void place_region(run::World& world);
+/// Builds `system.points` with the bodies and the gas of the region, and `system.bridge`. The gas cells have been
+/// filled: the gas points take their state. Throws InputError where bodies, charges or obstacles do not fit the region.
+void place_region(run::System& system);
 
 }  // namespace brisance::setup

@@ -8,7 +8,7 @@
 
 #include "core/error.hpp"
 #include "detonation/remap.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 #include "setup/burst.hpp"
 #include "setup/fluids.hpp"
 #include "setup/reach.hpp"
@@ -149,7 +149,7 @@ std::shared_ptr<detonation::Profile const> fitted_profile(Case const& setup, std
   return profile;
 }
 
-detonation::Profile profile_of(run::World const& w) {
+detonation::Profile profile_of(run::System const& w) {
   Geometry const geometry = w.setup.domain.geometry;
   if (geometry != Geometry::spherical1d && geometry != Geometry::cylindrical1d &&
       geometry != Geometry::axisymmetric2d) {

@@ -7,7 +7,7 @@
 #include "gas/gas.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::setup {
@@ -18,7 +18,7 @@ namespace brisance::setup {
 
 /// The present state of a calculation with one charge, in 1D or axisymmetric 2D, as a profile. Throws InputError where
 /// it cannot be one.
-[[nodiscard]] detonation::Profile profile_of(run::World const& world);
+[[nodiscard]] detonation::Profile profile_of(run::System const& system);
 
 /// Tells a profile whose burst it is: that of the case's only charge. Throws InputError where it cannot be one.
 void describe_charge(Case const& setup, gas::Fluids const& fluids, detonation::Profile& profile);

@@ -7,7 +7,7 @@
 
 #include "core/error.hpp"
 #include "core/timer.hpp"
-#include "run/world.hpp"
+#include "run/system.hpp"
 #include "setup/build.hpp"
 #include "setup/burst.hpp"
 #include "setup/fluids.hpp"
@@ -35,20 +35,21 @@ constexpr double most_start_cells = 1e6;
 /// Follows the outermost cell of a 1D gas that is not ambient.
 class Front {
  public:
-  explicit Front(run::World const& world) : quiet_(gas::conserved_of(world.gas->fluids(), world.setup.ambient.state)) {}
-  double find(run::World const& world) {
+  explicit Front(run::System const& system)
+      : quiet_(gas::conserved_of(system.gas->fluids(), system.setup.ambient.state)) {}
+  double find(run::System const& system) {
     // Blocks of a 1D grid follow each other.
-    while (block_ < world.grid.block_count()) {
-      grid::Block const& block = world.grid.blocks()[block_];
+    while (block_ < system.grid.block_count()) {
+      grid::Block const& block = system.grid.blocks()[block_];
       grid::CellRange cells = block.in_domain();
       int const end = cells.upper[0];
       cells.lower[0] = std::max(cells_, cells.lower[0]);
       cells.upper[0] = std::min(cells.lower[0] + 2 * step_layers, end);
       bool found = false;
       for_each_cell(cells, [&](Index3 const& index) {
-        int const at = world.grid.locate(index).offset;
-        for (int c = 0; c < world.gas->fields().components(); ++c) {
-          if (world.gas->fields().at(block_, c)[at] == quiet_[c]) continue;
+        int const at = system.grid.locate(index).offset;
+        for (int c = 0; c < system.gas->fields().components(); ++c) {
+          if (system.gas->fields().at(block_, c)[at] == quiet_[c]) continue;
           cells_ = index[0] + 1;
           found = true;
         }
@@ -59,7 +60,7 @@ class Front {
         break;
       }
     }
-    return cells_ * world.grid.smallest_cell();
+    return cells_ * system.grid.smallest_cell();
   }
 
  private:
@@ -118,29 +119,29 @@ std::shared_ptr<detonation::Profile const> burst(Case const& setup, std::size_t 
     *profile = points.profile();
     return profile;
   }
-  run::World world = build(one);
-  world.setup.end.time = until.value_or(end);
-  Front front(world);
-  while (!world.finished()) {
-    run::advance(world, world.setup.end.time);
-    double const now = front.find(world);
+  run::World system = build(one);
+  system.setup.end.time = until.value_or(end);
+  Front front(system);
+  while (!system.finished()) {
+    run::advance(system, system.setup.end.time);
+    double const now = front.find(system);
     // A charge that still burns is surrounded by the faint sound of its surface, see `smallest_burn_fraction`.
-    bool const inside = now <= plan.radius && world.gas->burn.burning();
+    bool const inside = now <= plan.radius && system.gas->burn.burning();
     if (now + step_layers * plan.cell > plan.radius && !inside) {
-      if (until && !world.finished()) too_far(world.clock.time);
+      if (until && !system.finished()) too_far(system.clock.time);
       break;
     }
-    if (!go_on(now, world.clock.time, world.clock.step)) return nullptr;
+    if (!go_on(now, system.clock.time, system.clock.step)) return nullptr;
   }
-  if (!until && world.finished()) too_late();
-  if (world.gas->burn.burning()) {
+  if (!until && system.finished()) too_late();
+  if (system.gas->burn.burning()) {
     refuse(setup,
            fmt::format("at {:.6g} s, when {} has come to {:.6g} m (near {}), the explosive still burns: move that "
                        "away from the charge, give a later time or a larger radius where that is possible, or "
                        "remove start = \"remap\"",
-                       world.clock.time, burst_name(setup, number), front.find(world), plan.reach.by));
+                       system.clock.time, burst_name(setup, number), front.find(system), plan.reach.by));
   }
-  *profile = profile_of(world);
+  *profile = profile_of(system);
   return profile;
 }
 
@@ -256,7 +257,7 @@ std::vector<std::shared_ptr<detonation::Profile const>> calculate_start(Case con
   return profiles;
 }
 
-void place_start(run::World& w) {
+void place_start(run::System& w) {
   PhaseTimer const timer(w.timings["start"]);
   Case& setup = w.setup;
   if (setup.start.profiles.empty()) setup.start.profiles = calculate_start(setup);

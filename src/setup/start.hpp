@@ -11,7 +11,7 @@
 #include "detonation/profile.hpp"
 
 namespace brisance::run {
-class World;
+class System;
 }
 
 namespace brisance::setup {
@@ -66,7 +66,7 @@ using StartObserver = std::function<bool(StartProgress const&)>;
 [[nodiscard]] std::vector<std::shared_ptr<detonation::Profile const>> calculate_start(
     Case const& setup, StartObserver const& observer = {});
 
-/// Puts the bursts into the gas of a world and sets its clock. Throws InputError.
-void place_start(run::World& world);
+/// Puts the bursts into the gas of a system and sets its clock. Throws InputError.
+void place_start(run::System& system);
 
 }  // namespace brisance::setup

@@ -1,24 +1,24 @@
-#include "run/world.hpp"
+#include "run/system.hpp"
 
 #include "core/reduce.hpp"
 
 namespace brisance::run {
 
-World::World(Case c)
+System::System(Case c)
     : grid_(std::make_unique<grid::Grid const>(c.domain, c.numerics.block_cells)), setup(std::move(c)), grid(*grid_) {}
 
-World::World(World&&) noexcept = default;
+System::System(System&&) noexcept = default;
 
-World::~World() = default;
+System::~System() = default;
 
-bool World::finished() const {
+bool System::finished() const {
   bool const time_over = clock.time >= setup.end.time * (1.0 - 1e-12);
   return time_over || (setup.end.steps > 0 && clock.step >= setup.end.steps) || bodies_have_left();
 }
 
-bool World::bodies_have_left() const { return gas == nullptr && mpm::point_count(*points) == 0; }
+bool System::bodies_have_left() const { return gas == nullptr && mpm::point_count(*points) == 0; }
 
-long World::active_cells() const {
+long System::active_cells() const {
   if (gas == nullptr) return 0;
   return sum_at_hand(grid.block_count(),
                      [&](int b) { return gas->awake(b) ? static_cast<long>(grid.blocks()[b].cell_count()) : 0L; });

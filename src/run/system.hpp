@@ -1,0 +1,72 @@
+/// The system that is simulated: a case, what was built of it, and the time that it has come to.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "case/case.hpp"
+#include "gas/gas.hpp"
+#include "grid/grid.hpp"
+#include "run/panels.hpp"
+#include "run/reports.hpp"
+
+namespace brisance::run {
+
+struct Clock {
+  double time = 0.0;  ///< [s]
+  double dt = 0.0;    ///< length of the last step [s]
+  long step = 0;
+  long gas_steps = 0;    ///< steps of the gas within these
+  long point_steps = 0;  ///< of the points
+};
+
+/// Wall-clock seconds per phase of the step and of the output.
+using Timings = std::map<std::string, double>;
+
+/// What a calculation moves, and what became of its case on the grid. `setup` fills it, `advance` moves it, `observe`
+/// looks at it.
+class System {
+  std::unique_ptr<grid::Grid const> grid_;  ///< keeps its place when the system moves
+
+ public:
+  /// A case and its grid, with nothing in it.
+  explicit System(Case setup);
+  ~System();
+  System(System&&) noexcept;
+  System& operator=(System&&) = delete;
+
+  Case setup;
+  grid::Grid const& grid;
+  std::unique_ptr<gas::Gas> gas;           ///< null where the case has bodies in a vacuum
+  std::unique_ptr<mpm::Mpm> points;        ///< null where it has none
+  std::unique_ptr<bridge::Bridge> bridge;  ///< joins the two where both are there
+  std::unique_ptr<Panels> panels;          ///< null where the case has none
+  Clock clock;
+  std::vector<ChargeReport> charges;
+  std::vector<RegionReport> regions;      ///< what became of each region of the gas
+  std::vector<ObstacleReport> obstacles;  ///< and of each obstacle
+  std::vector<StartReport> starts;        ///< of each charge, where the case starts by a remap
+  std::vector<BodyReport> bodies;
+  Timings timings;
+  std::optional<double> awake_since;  ///< when the MPM region woke [s]
+
+  /// Is the end time or the step limit reached, or have all bodies left the domain?
+  [[nodiscard]] bool finished() const;
+  /// Of a calculation of bodies alone: none of their points is left.
+  [[nodiscard]] bool bodies_have_left() const;
+  /// Number of cells of the blocks that are awake.
+  [[nodiscard]] long active_cells() const;
+  /// The body of the gas points, -1 without an MPM region.
+  [[nodiscard]] int gas_body() const { return bridge == nullptr ? -1 : bridge->gas_body(); }
+};
+
+/// Largest stable time step of the present state [s].
+[[nodiscard]] double stable_step(System const& system);
+
+/// One step n -> n+1, not beyond `latest` [s]. Returns dt. Throws NumericalError.
+double advance(System& system, double latest);
+
+}  // namespace brisance::run
