@@ -54,77 +54,77 @@ void Obstacles::find_near_walls() {
 }
 
 void Obstacles::find_near_walls(std::vector<int> const& blocks) {
-  grid::Domain const& domain = grid_->domain();
   bool const any_obstacle =
       std::any_of(blocks_.begin(), blocks_.end(), [](OfBlock const& data) { return !data.solid.empty(); });
-  auto const is_solid = [&](Index3 const& outside) { return contain(grid::image_cell(domain, outside)); };
+  parallel_for(static_cast<int>(blocks.size()), [&](int n, int) {
+    grid::Block const& block = grid_->blocks()[blocks[static_cast<std::size_t>(n)]];
+    for (int d = 0; d < grid_->domain().dimensions(); ++d) find_near_walls(block, d, any_obstacle);
+  });
+}
+
+void Obstacles::find_near_walls(grid::Block const& block, int d, bool any_obstacle) {
+  grid::Domain const& domain = grid_->domain();
   // A face of the domain that reflects; the axis and the centre do not.
   auto const is_rigid_face = [&](int direction, int side) {
     int const face = 2 * direction + side;
     return domain.is_mirror(face) && !domain.is_axis(face);
   };
-  parallel_for(static_cast<int>(blocks.size()), [&](int n, int) {
-    int const b = blocks[static_cast<std::size_t>(n)];
-    grid::Block const& block = grid_->blocks()[b];
-    for (int d = 0; d < domain.dimensions(); ++d) {
-      auto& of_bundles = blocks_[b].near_walls[d];
-      of_bundles.clear();
-      grid::CellRange const own_cells = block.in_domain();
-      int const first = own_cells.lower[d];
-      int const beyond = own_cells.upper[d];
-      // Also where no more than a ghost cell is near: both blocks at a face must find the same states there.
-      bool const low_face = is_rigid_face(d, 0) && first <= near_wall_cells;
-      bool const high_face = is_rigid_face(d, 1) && beyond >= domain.cells[d] - near_wall_cells;
-      if (!any_obstacle && !low_face && !high_face) continue;
-      grid::Bundles const bundles(block, d, bundle_cells_);
-      of_bundles.resize(bundles.count());
-      // Distances of the block's cells and one ghost cell at each end along a line, in the cells ahead of a surface
-      // below and above: places of the line begin at the cell `reach` before the block.
-      constexpr int reach = near_wall_cells + 1;
-      int const length = block.n[d] + 2 * reach;
-      std::vector<char> solid(length);
-      std::vector<int> below(length);
-      std::vector<int> above(length);
-      struct Found {
-        int bundle, q, distance;
-        bool above;
-      };
-      std::vector<Found> found;
-      for_each_face_cell(block, d, 0, [&](grid::Cell const& line) {
-        Index3 cell = block.index(line);
-        for (int l = 0; l < length; ++l) {
-          cell[d] = first - reach + l;
-          solid[l] = any_obstacle && is_solid(cell) ? 1 : 0;
-        }
-        // Is the face between places l - 1 and l rigid?
-        auto const rigid = [&](int l) {
-          int const upper = first - reach + l;
-          return solid[l - 1] != solid[l] || (upper == 0 && is_rigid_face(d, 0)) ||
-                 (upper == domain.cells[d] && is_rigid_face(d, 1));
-        };
-        below[0] = far_away;
-        for (int l = 1; l < length; ++l) below[l] = rigid(l) ? 0 : std::min(far_away, below[l - 1] + 1);
-        above[length - 1] = far_away;
-        for (int l = length - 2; l >= 0; --l) above[l] = rigid(l + 1) ? 0 : std::min(far_away, above[l + 1] + 1);
-        for (int l = -1; l <= block.n[d]; ++l) {
-          int const place = l + reach;
-          if (solid[place] != 0) continue;
-          Index3 own = line.within();
-          own[d] = std::clamp(l, 0, block.n[d] - 1);
-          int const bundle = bundles.index_of(block.cell(own));
-          BundleLayout const layout = bundles.layout(bundle);
-          int const q = layout.place(block, block.cell(own)) + (l - own[d]) * layout.stride;
-          if (below[place] < far_away) found.push_back({bundle, q, below[place], false});
-          if (above[place] < far_away) found.push_back({bundle, q, above[place], true});
-        }
-      });
-      std::sort(found.begin(), found.end(), [](Found const& x, Found const& y) {
-        return std::tie(x.bundle, x.above, x.q) < std::tie(y.bundle, y.above, y.q);
-      });
-      for (Found const& f : found) add_cell(of_bundles[f.bundle], f.q, f.distance, f.above);
-      if (found.empty()) of_bundles.clear();
+  auto& of_bundles = blocks_[block.number].near_walls[d];
+  of_bundles.clear();
+  grid::CellRange const own_cells = block.in_domain();
+  int const first = own_cells.lower[d];
+  int const beyond = own_cells.upper[d];
+  // Also where no more than a ghost cell is near: both blocks at a face must find the same states there.
+  bool const low_face = is_rigid_face(d, 0) && first <= near_wall_cells;
+  bool const high_face = is_rigid_face(d, 1) && beyond >= domain.cells[d] - near_wall_cells;
+  if (!any_obstacle && !low_face && !high_face) return;
+  grid::Bundles const bundles(block, d, bundle_cells_);
+  of_bundles.resize(bundles.count());
+  // Distances of the block's cells and one ghost cell at each end along a line, in the cells ahead of a surface
+  // below and above: places of the line begin at the cell `reach` before the block.
+  constexpr int reach = near_wall_cells + 1;
+  int const length = block.n[d] + 2 * reach;
+  std::vector<char> solid(length);
+  std::vector<int> below(length);
+  std::vector<int> above(length);
+  struct Found {
+    int bundle, q, distance;
+    bool above;
+  };
+  std::vector<Found> found;
+  for_each_face_cell(block, d, 0, [&](grid::Cell const& line) {
+    Index3 cell = block.index(line);
+    for (int l = 0; l < length; ++l) {
+      cell[d] = first - reach + l;
+      solid[l] = any_obstacle && contain(grid::image_cell(domain, cell)) ? 1 : 0;
+    }
+    // Is the face between places l - 1 and l rigid?
+    auto const rigid = [&](int l) {
+      int const upper = first - reach + l;
+      return solid[l - 1] != solid[l] || (upper == 0 && is_rigid_face(d, 0)) ||
+             (upper == domain.cells[d] && is_rigid_face(d, 1));
+    };
+    below[0] = far_away;
+    for (int l = 1; l < length; ++l) below[l] = rigid(l) ? 0 : std::min(far_away, below[l - 1] + 1);
+    above[length - 1] = far_away;
+    for (int l = length - 2; l >= 0; --l) above[l] = rigid(l + 1) ? 0 : std::min(far_away, above[l + 1] + 1);
+    for (int l = -1; l <= block.n[d]; ++l) {
+      int const place = l + reach;
+      if (solid[place] != 0) continue;
+      Index3 own = line.within();
+      own[d] = std::clamp(l, 0, block.n[d] - 1);
+      int const bundle = bundles.index_of(block.cell(own));
+      BundleLayout const layout = bundles.layout(bundle);
+      int const q = layout.place(block, block.cell(own)) + (l - own[d]) * layout.stride;
+      if (below[place] < far_away) found.push_back({bundle, q, below[place], false});
+      if (above[place] < far_away) found.push_back({bundle, q, above[place], true});
     }
   });
+  std::sort(found.begin(), found.end(), [](Found const& x, Found const& y) {
+    return std::tie(x.bundle, x.above, x.q) < std::tie(y.bundle, y.above, y.q);
+  });
+  for (Found const& f : found) add_cell(of_bundles[f.bundle], f.q, f.distance, f.above);
+  if (found.empty()) of_bundles.clear();
 }
 
 std::vector<int> Obstacles::blocks_near(std::vector<Index3> const& cells, int layers) const {

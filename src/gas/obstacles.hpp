@@ -37,6 +37,7 @@ class Obstacles {
     std::array<std::vector<std::vector<WallRun>>, 3> near_walls;  ///< per direction and bundle; empty: none near
   };
   void find_near_walls(std::vector<int> const& blocks);
+  void find_near_walls(grid::Block const& block, int direction, bool any_obstacle);
   /// Blocks that reach, with so many layers around them, into the box of some cells; all where the domain is periodic.
   [[nodiscard]] std::vector<int> blocks_near(std::vector<Index3> const& cells, int layers) const;
 

@@ -84,6 +84,22 @@ OpenFaces::Beyond OpenFaces::beyond(Components const& u) const {
   return a;
 }
 
+WaveSource const* OpenFaces::nearest_source(Vec3 const& x, Vec3& nearest_way, double& distance) const {
+  WaveSource const* nearest = nullptr;
+  for (WaveSource const& source : sources_) {
+    Vec3 way = x - source.position;
+    for (int d = 0; d < 3; ++d) {
+      if (d >= grid_->domain().dimensions() || source.spans[d]) way[d] = 0.0;
+    }
+    if (nearest == nullptr || norm(way) < distance) {
+      nearest = &source;
+      nearest_way = way;
+      distance = norm(way);
+    }
+  }
+  return nearest;
+}
+
 OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, double h, int direction, int side, Beyond const& outside) const {
   grid::Domain const& domain = grid_->domain();
   int const dims = domain.dimensions();
@@ -98,19 +114,8 @@ OpenFaces::Ray OpenFaces::ray_to(Vec3 const& x, double h, int direction, int sid
     distance = x[0];
     curvature = {1.0 / x[0], exponent == 2 ? 1.0 / x[0] : 0.0};
   } else {
-    WaveSource const* nearest = nullptr;
     Vec3 nearest_way{0.0, 0.0, 0.0};
-    for (WaveSource const& source : sources_) {
-      Vec3 way = x - source.position;
-      for (int d = 0; d < 3; ++d) {
-        if (d >= dims || source.spans[d]) way[d] = 0.0;
-      }
-      if (nearest == nullptr || norm(way) < distance) {
-        nearest = &source;
-        nearest_way = way;
-        distance = norm(way);
-      }
-    }
+    WaveSource const* const nearest = nearest_source(x, nearest_way, distance);
     if (nearest == nullptr || distance <= 0.0) return ray;
     // Between two mirrors waves spread until they are as far from the source as the mirrors from each other.
     int spreading = 0;

@@ -92,6 +92,8 @@ class OpenFaces {
   };
 
   [[nodiscard]] Beyond beyond(Components const& u) const;
+  /// The source nearest to x, the way from it and its length [m]; null: there is none.
+  [[nodiscard]] WaveSource const* nearest_source(Vec3 const& x, Vec3& way, double& distance) const;
   [[nodiscard]] Ray ray_to(Vec3 const& x, double h, int direction, int side, Beyond const& outside) const;
   /// Turns the state of a face cell into that of the ghost cells; false: they repeat it.
   bool outside_state(Beyond const& beyond, Ray const& ray, int direction, int side, double h, double dt, Memory& memory,

@@ -62,7 +62,9 @@ Deviation run_uniform(run::Case const& c, double end, char const* what) {
   EXPECT_LE(b.mass, mass_tolerance);
   // The nodes' sums over points are as exact as the shape function; those of tents at the axis are not.
   bool const at_rest = norm(c.ambient.state.velocity) == 0.0;
-  if (at_rest) EXPECT_LE(largest_account(w), 1e-11);
+  if (at_rest) {
+    EXPECT_LE(largest_account(w), 1e-11);
+  }
   return d;
 }
 
