@@ -92,6 +92,13 @@ int main(int argc, char** argv) {
   check->footer("Example: brisance check cases/hemisphere_3d/deck.toml");
   check->callback([&] { code = guarded([&] { return check_deck(check_arguments); }); });
 
+  brisance::app::MigrateArguments migrate_arguments;
+  auto* migrate = app.add_subcommand("migrate", "Rename the keys of a deck that was written for an earlier version");
+  migrate->add_option("DECK", migrate_arguments.deck, "the case, a TOML file; comments and layout stay")->required();
+  migrate->add_option("--output", migrate_arguments.output, "file for the result; without it the deck is replaced");
+  migrate->footer("Example: brisance migrate blast.toml");
+  migrate->callback([&] { code = guarded([&] { return migrate_deck(migrate_arguments); }); });
+
   brisance::app::InfoArguments info_arguments;
   auto* info = app.add_subcommand("info", "List materials and models, or all about one material");
   info->add_option("NAME", info_arguments.name, "an explosive or a fluid");
