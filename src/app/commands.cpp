@@ -17,7 +17,9 @@
 #include "core/text.hpp"
 #include "deck/deck.hpp"
 #include "deck/library.hpp"
+#include "deck/migrate.hpp"
 #include "deck/schema.hpp"
+#include "output/file.hpp"
 #include "output/report.hpp"
 #include "session/session.hpp"
 
@@ -117,6 +119,18 @@ ExitCode check_deck(CheckArguments const& arguments) {
   } else {
     print(stdout, "{}{}", plan_text(setup, p), materials_text(deck.materials));
   }
+  return ExitCode::done;
+}
+
+ExitCode migrate_deck(MigrateArguments const& arguments) {
+  std::string const text = deck::text_of(arguments.deck);
+  deck::Migration const migration = deck::migrate(text, arguments.deck);
+  for (deck::Renaming const& one : migration.renamings)
+    print(stdout, "{}:{}: {} is now {}\n", arguments.deck, one.line, one.was, one.now);
+  std::string const target = arguments.output.empty() ? arguments.deck : arguments.output;
+  if (target != arguments.deck || migration.text != text) output::replace_file(target, migration.text);
+  print(stdout, "{}: {}\n", target,
+        migration.renamings.empty() ? "every key has its present name" : "written with the present names");
   return ExitCode::done;
 }
 

@@ -24,6 +24,13 @@ struct CheckArguments {
 };
 [[nodiscard]] ExitCode check_deck(CheckArguments const& arguments);
 
+struct MigrateArguments {
+  std::string deck;
+  std::string output;  ///< file for the result; empty: the deck itself
+};
+/// Renames the keys that had another name in earlier versions.
+[[nodiscard]] ExitCode migrate_deck(MigrateArguments const& arguments);
+
 struct InfoArguments {
   std::string name;  ///< of a material; empty: overview
   bool deck_reference = false;

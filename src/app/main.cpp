@@ -82,6 +82,14 @@ void add_check(CLI::App& app, brisance::app::CheckArguments& arguments, ExitCode
   check->callback([&arguments, &code] { code = guarded([&] { return check_deck(arguments); }); });
 }
 
+void add_migrate(CLI::App& app, brisance::app::MigrateArguments& arguments, ExitCode& code) {
+  auto* migrate = app.add_subcommand("migrate", "Rename the keys of a deck that was written for an earlier version");
+  migrate->add_option("DECK", arguments.deck, "the case, a TOML file; comments and layout stay")->required();
+  migrate->add_option("--output", arguments.output, "file for the result; without it the deck is replaced");
+  migrate->footer("Example: brisance migrate blast.toml");
+  migrate->callback([&] { code = guarded([&] { return migrate_deck(arguments); }); });
+}
+
 void add_info(CLI::App& app, brisance::app::InfoArguments& arguments, ExitCode& code) {
   auto* info = app.add_subcommand("info", "List materials and models, or all about one material");
   info->add_option("NAME", arguments.name, "an explosive or a fluid");
@@ -128,11 +136,13 @@ int main(int argc, char** argv) {
   ExitCode code = ExitCode::done;
   brisance::app::RunArguments run;
   brisance::app::CheckArguments check;
+  brisance::app::MigrateArguments migrate;
   brisance::app::InfoArguments info;
   std::string report;
   brisance::app::KbArguments kb;
   add_run(app, run, code);
   add_check(app, check, code);
+  add_migrate(app, migrate, code);
   add_info(app, info, code);
   add_report(app, report, code);
   add_kb(app, kb, code);

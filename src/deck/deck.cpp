@@ -80,14 +80,7 @@ Result read_text(std::string_view text, std::string_view name) {
   return result;
 }
 
-Result read_file(std::string const& path) {
-  Result too_large;
-  std::error_code unknown;  // of a pipe: the reading ends at the limit
-  auto const size = std::filesystem::file_size(path, unknown);
-  if (!unknown && size > largest_deck) {
-    too_large.errors.push_back({path, 1, 1, "", size_problem(fmt::format("{}", size))});
-    return too_large;
-  }
+std::string text_of(std::string const& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text;
   std::array<char, 65536> part{};
@@ -96,6 +89,18 @@ Result read_file(std::string const& path) {
   }
   // A folder opens, but does not read.
   if (!file.is_open() || file.bad()) throw IoError(fmt::format("the deck \"{}\" cannot be read", path));
+  return text;
+}
+
+Result read_file(std::string const& path) {
+  Result too_large;
+  std::error_code unknown;  // of a pipe: the reading ends at the limit
+  auto const size = std::filesystem::file_size(path, unknown);
+  if (!unknown && size > largest_deck) {
+    too_large.errors.push_back({path, 1, 1, "", size_problem(fmt::format("{}", size))});
+    return too_large;
+  }
+  std::string const text = text_of(path);
   if (text.size() > largest_deck) {
     too_large.errors.push_back({path, 1, 1, "", size_problem(fmt::format("more than {}", largest_deck))});
     return too_large;

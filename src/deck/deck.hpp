@@ -52,6 +52,9 @@ struct Result {
 /// Reads a deck from a file. A file that cannot be read throws IoError; everything else ends in `Result::errors`.
 [[nodiscard]] Result read_file(std::string const& path);
 
+/// The text of a deck's file, up to a byte more than a deck may have. Throws IoError where it cannot be read.
+[[nodiscard]] std::string text_of(std::string const& path);
+
 /// Reads a deck from memory; `name` stands for the file in messages. Does not throw on any text.
 [[nodiscard]] Result read_text(std::string_view text, std::string_view name);
 

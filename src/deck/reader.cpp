@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "deck/migrate.hpp"
 #include "deck/values.hpp"
 
 namespace brisance::deck {
@@ -76,7 +77,8 @@ class Walker : Values {
         if (!table.variants.empty() && further == nullptr && table.find(name) != nullptr) continue;
         report_.error(key_place, joined(out.path, shortened(name)),
                       unknown_key(out, table, further, names, name, node));
-        out.meant.push_back(nearest(name, names));
+        auto const now = present_name(without_indices(out.path), name);
+        out.meant.push_back(now ? std::string(*now) : nearest(name, names));
         continue;
       }
       Place const value_place =
@@ -96,6 +98,18 @@ class Walker : Values {
  private:
   static std::string joined(std::string const& path, std::string_view key) {
     return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+  }
+
+  /// The path of a table as `present_name` knows it: "constraint" of "constraint[2]".
+  static std::string without_indices(std::string const& path) {
+    std::string out;
+    bool within = false;
+    for (char const c : path) {
+      within = within || c == '[';
+      if (!within) out += c;
+      if (c == ']') within = false;
+    }
+    return out;
   }
 
   static Key const* find(Table const& table, std::vector<Key> const* further, std::string_view name) {
@@ -124,6 +138,12 @@ class Walker : Values {
   static std::string unknown_key(Section const& section, Table const& table, std::vector<Key> const* further,
                                  std::vector<std::string> const& names, std::string_view name, toml::node const& node) {
     std::string const where = section.path.empty() ? "at the top of the deck" : fmt::format("in {}", section.path);
+    if (auto const now = present_name(without_indices(section.path), name)) {
+      return fmt::format(
+          "\"{}\" is now called \"{}\"; `brisance migrate DECK` renames it, and everything else that has "
+          "a new name",
+          name, *now);
+    }
     if (further != nullptr && table.find(name) != nullptr) {
       return fmt::format("unknown key \"{}\" (value {}) {}: it belongs to another {}; allowed keys: {}",
                          shortened(name), show(node), where, table.selector == "eos" ? "equation of state" : "model",
@@ -387,7 +407,7 @@ std::string size_problem(std::string const& bytes) {
   return fmt::format("the deck has {} bytes; allowed: at most {}", bytes, largest_deck);
 }
 
-std::optional<Section> read(std::string_view text, Table const& schema, Report& report) {
+std::optional<toml::table> parse(std::string_view text, Report& report) {
   if (text.size() > largest_deck) {
     report.error({}, "", size_problem(fmt::format("{}", text.size())));
     return std::nullopt;
@@ -397,16 +417,20 @@ std::optional<Section> read(std::string_view text, Table const& schema, Report& 
                  fmt::format("a key with more than {} parts; no key of a deck has more than a few", most_key_parts));
     return std::nullopt;
   }
-  toml::table root;
   try {
-    root = toml::parse(text);
+    return toml::parse(text);
   } catch (toml::parse_error const& error) {
     report.error(place_in(error.source(), {}), "",
                  fmt::format("this is not valid TOML: {}; correct this first, the rest was not read",
                              shortened(error.description(), 300)));
     return std::nullopt;
   }
-  return Walker(report).section(root, schema, "", {});
+}
+
+std::optional<Section> read(std::string_view text, Table const& schema, Report& report) {
+  auto const root = parse(text, report);
+  if (!root) return std::nullopt;
+  return Walker(report).section(*root, schema, "", {});
 }
 
 }  // namespace brisance::deck

@@ -25,6 +25,9 @@ namespace brisance::deck {
 /// The example of a key: "cell = 0.05".
 [[nodiscard]] std::string example(Key const& key);
 
+/// The tables of a text, or nothing where it is no TOML, which has been reported.
+[[nodiscard]] std::optional<toml::table> parse(std::string_view text, Report& report);
+
 /// Reads values and reports what is wrong with them.
 class Values {
  public:
