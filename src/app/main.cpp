@@ -87,7 +87,7 @@ void add_migrate(CLI::App& app, brisance::app::MigrateArguments& arguments, Exit
   migrate->add_option("DECK", arguments.deck, "the case, a TOML file; comments and layout stay")->required();
   migrate->add_option("--output", arguments.output, "file for the result; without it the deck is replaced");
   migrate->footer("Example: brisance migrate blast.toml");
-  migrate->callback([&] { code = guarded([&] { return migrate_deck(arguments); }); });
+  migrate->callback([&arguments, &code] { code = guarded([&] { return migrate_deck(arguments); }); });
 }
 
 void add_info(CLI::App& app, brisance::app::InfoArguments& arguments, ExitCode& code) {
