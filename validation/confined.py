@@ -34,7 +34,7 @@ cell = 0.02
 [boundaries]
 all = "wall"
 x_low = "symmetry"
-[[region]]
+[[initial_state]]
 shape = "cylinder"
 position = [0, 0.5]
 radius = 0.16

@@ -358,7 +358,7 @@ def taylor(run):
     base = {"output.precision": "double", "point_fields": '=["displacement", "plastic_strain", "temperature"]',
             "locking_control": False, "gauge_interval": "1 us", "field_interval": "=0"}
     stuck = ('\n[[constraint]]\nkind = "fixed"\nheld = ["x"]\n'
-             'region = {shape = "box", lower = [0, 0], upper = ["7.62 mm", "0.01 mm"]}\n')
+             'within = {shape = "box", lower = [0, 0], upper = ["7.62 mm", "0.01 mm"]}\n')
     three = {"point_fields": '=["displacement", "plastic_strain", "temperature", "mass", "density"]',
              "geometry": "cartesian3d", "size": '=["8.128 mm", "27.94 mm", "8.128 mm"]', "cell": "0.508 mm",
              "position": '=[0, "12.7 mm", 0]', "velocity": "=[0, -190, 0]", "body.axis": "y",

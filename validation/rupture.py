@@ -21,7 +21,7 @@ cell = {h!r}
 [boundaries]
 x_low = "wall"
 y_low = "symmetry"
-[[region]]
+[[initial_state]]
 shape = "box"
 lower = [0, 0]
 upper = [{room}, {height!r}]
@@ -58,7 +58,7 @@ cell = {h!r}
 [boundaries]
 all = "wall"
 x_high = "outflow"
-[[region]]
+[[initial_state]]
 shape = "box"
 lower = [0, 0]
 upper = [{end}, 0.05]
@@ -82,7 +82,7 @@ cell = "{cell} mm"
 all = "wall"
 x_high = "outflow"
 y_low = "symmetry"
-[[region]]
+[[initial_state]]
 shape = "box"
 lower = [0, 0]
 upper = [0.2, 0.05]
@@ -103,7 +103,7 @@ upper = [0.21, 0.05]
 [[constraint]]
 body = "plate"
 kind = "fixed"
-region = {{shape = "box", lower = [0.19, 0.045], upper = [0.22, 0.05]}}
+within = {{shape = "box", lower = [0.19, 0.045], upper = [0.22, 0.05]}}
 [mpm_region]
 box = {{lower = [0.16, 0], upper = [0.5, 0.05]}}
 [[gauge]]

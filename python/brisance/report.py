@@ -109,7 +109,7 @@ def balance_words(log):
 
 
 def is_told(log, finding):
-    return log["audit"].get("findings", {}).get(finding, {}).get("told", False)
+    return log["audit"].get("findings", {}).get(finding, {}).get("reported", False)
 
 
 def bodies_in_words(points):
@@ -285,7 +285,7 @@ def drift_verdict(energy, log=None):
     warn = finding["warn"] if finding else USUAL_WARN
     if not warn:
         return badge("warn", "not judged")
-    if not (finding["told"] if finding else abs(drift) > warn):
+    if not (finding["reported"] if finding else abs(drift) > warn):
         limit = FINE_DRIFT if abs(drift) <= FINE_DRIFT < warn else warn
         within = f"within {100 * limit:g} %" if abs(drift) <= limit else "within the latest work of the loads"
         return badge("good", within)
@@ -294,7 +294,7 @@ def drift_verdict(energy, log=None):
 
 def dissipation_words(energy):
     """Kinetic energy that the particles lost and that is counted."""
-    held, filtered = energy.get("lost_at_held_nodes") or 0.0, energy.get("filtered") or 0.0
+    held, filtered = energy.get("lost_at_constrained_nodes") or 0.0, energy.get("filtered") or 0.0
     friction, apic = energy.get("friction") or 0.0, energy.get("apic") or 0.0
     lifted = energy.get("lifted") or 0.0
     if not any((held, filtered, apic, friction, lifted)):
@@ -334,7 +334,7 @@ def charge_section(log):
         return "<p>No charge.</p>"
     rows = []
     for charge in log["charges"]:
-        asked, realised = charge["asked_mass"], charge["realised_mass"]
+        asked, realised = charge["specified_mass"], charge["realised_mass"]
         error = abs(realised - asked) / asked if asked else None
         centre = ", ".join(number(x) for x in charge["centre"]) if "centre" in charge else "–"
         rows.append([text(charge["explosive"]), f"({centre})", text(charge.get("detonation", "–")), number(asked, 7),

@@ -127,6 +127,13 @@ class Profile:
         return (np.arange(self.cells[0]) + 0.5) * self.spacing
 
 
+FORMAT = 1  # of run.json, see src/output/run_log.cpp
+
+
+class UnknownFormat(OSError):
+    """A run.json of another version of the program."""
+
+
 class Run:
     """The folder of a run. Files are read on demand."""
 
@@ -135,6 +142,9 @@ class Run:
         self.log = self._json("run.json")
         if self.log is None:
             raise FileNotFoundError(f'"{folder}" is not the output folder of a run: it holds no run.json')
+        if self.log.get("format") != FORMAT:
+            raise UnknownFormat(f'"{folder}/run.json" has format {self.log.get("format", "none")}, this reader knows '
+                                f'{FORMAT}: run the deck again, or read it with the version that wrote it')
         self.points = self.log.get("points")  # of runs of material points
 
     @functools.cached_property

@@ -19,7 +19,7 @@ namespace brisance::app {
 
 namespace {
 
-double relative_error(run::ChargeReport const& c) { return (c.realised_mass - c.asked_mass) / c.asked_mass; }
+double relative_error(run::ChargeReport const& c) { return (c.realised_mass - c.specified_mass) / c.specified_mass; }
 
 double relative_error(run::BodyReport const& b) { return (b.mass - b.geometric_mass) / b.geometric_mass; }
 
@@ -107,16 +107,16 @@ constexpr std::size_t most_listed = 20;
 
 double density_of(run::Body const& body) { return body.density.value_or(body.solid.density); }
 
-std::string region_line(std::size_t number, run::RegionReport const& r) {
+std::string initial_state_line(std::size_t number, run::InitialStateReport const& r) {
   return fmt::format(
       "{:<12} {}: {}, volume asked {:.6g} m3, placed {:.6g}; mass asked {:.6g} kg, placed {:.6g}; energy asked {}, "
       "placed {}\n",
-      "", number + 1, r.fluid, r.asked_volume, r.volume, r.asked_mass, r.mass, quantity(r.asked_energy, "J", 6),
+      "", number + 1, r.fluid, r.specified_volume, r.volume, r.specified_mass, r.mass, quantity(r.specified_energy, "J", 6),
       quantity(r.energy, "J", 6));
 }
 
 std::string obstacle_line(run::ObstacleReport const& o) {
-  return fmt::format("{:<12} {}: volume asked {:.6g} m3, placed {:.6g} in {} cells\n", "", o.name, o.asked_volume,
+  return fmt::format("{:<12} {}: volume asked {:.6g} m3, placed {:.6g} in {} cells\n", "", o.name, o.specified_volume,
                      o.volume, o.cells);
 }
 
@@ -237,16 +237,16 @@ std::string charges_text(run::Case const& setup, session::Plan const& p) {
                 fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
                             charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
     out += line("", std::isfinite(c.realised_mass)
-                        ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.asked_mass,
+                        ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.specified_mass,
                                       c.realised_mass, relative_error(c))
-                        : fmt::format("mass asked {:.8g} kg, realised: not tried out", c.asked_mass));
+                        : fmt::format("mass asked {:.8g} kg, realised: not tried out", c.specified_mass));
     double const density = charge.explosive.density();
     out += line(
         "", fmt::format("volume asked {:.6g} m3, realised {}; energy asked {}, realised {}; {:.3g} cells per radius",
-                        c.asked_mass / density,
+                        c.specified_mass / density,
                         std::isfinite(c.realised_mass) ? fmt::format("{:.6g} m3", c.realised_mass / density)
                                                        : std::string("not tried out"),
-                        quantity(c.asked_mass * charge.explosive.specific_energy(), "J", 6),
+                        quantity(c.specified_mass * charge.explosive.specific_energy(), "J", 6),
                         quantity(c.realised_energy, "J", 6), c.cells_per_radius));
     if (n < p.starts.size()) out += line("start", p.starts[n]);
   }
@@ -256,8 +256,8 @@ std::string charges_text(run::Case const& setup, session::Plan const& p) {
 std::string placed_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   if (setup.afterburn) out += line("afterburn", afterburn_text(*setup.afterburn));
-  if (!setup.regions.empty()) out += line("regions", fmt::format("{}", setup.regions.size()));
-  for (std::size_t n = 0; n < p.regions.size(); ++n) out += region_line(n, p.regions[n]);
+  if (!setup.initial_states.empty()) out += line("initial states", fmt::format("{}", setup.initial_states.size()));
+  for (std::size_t n = 0; n < p.initial_states.size(); ++n) out += initial_state_line(n, p.initial_states[n]);
   if (!setup.obstacles.empty()) out += line("obstacles", fmt::format("{}", setup.obstacles.size()));
   for (std::size_t n = 0; n < p.obstacles.size() && n < most_listed; ++n) out += obstacle_line(p.obstacles[n]);
   if (p.obstacles.size() > most_listed) out += line("", fmt::format("and {} more", p.obstacles.size() - most_listed));
@@ -288,12 +288,12 @@ nlohmann::json charges_json(run::Case const& setup, session::Plan const& p) {
     auto const& c = p.charges[n];
     auto const& explosive = setup.charges[n].explosive;
     charges.push_back({{"explosive", c.explosive},
-                       {"asked_mass", c.asked_mass},
+                       {"specified_mass", c.specified_mass},
                        {"realised_mass", output::json_or_null(c.realised_mass)},
                        {"relative_error", output::json_or_null(relative_error(c))},
-                       {"asked_volume", c.asked_mass / explosive.density()},
+                       {"specified_volume", c.specified_mass / explosive.density()},
                        {"realised_volume", output::json_or_null(c.realised_mass / explosive.density())},
-                       {"asked_energy", c.asked_mass * explosive.specific_energy()},
+                       {"specified_energy", c.specified_mass * explosive.specific_energy()},
                        {"realised_energy", c.realised_energy},
                        {"cells_per_radius", c.cells_per_radius}});
   }
@@ -386,7 +386,7 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
           {"gauge_bytes", p.gauge_bytes},
           {"gauge_peaks", gauge_plan_json(p.gauges)},
           {"obstacles", setup.obstacles.size()},
-          {"placed_regions", output::regions_json(p.regions)},
+          {"initial_states", output::initial_states_json(p.initial_states)},
           {"placed_obstacles", output::obstacles_json(p.obstacles)},
           {"panels", output::panels_json(p.panels)},
           {"fields", fields},

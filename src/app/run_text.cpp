@@ -203,7 +203,7 @@ void print_head(session::Session const& session, std::string const& title) {
   }
   for (auto const& charge : expected.charges) {
     bool const tried = std::isfinite(charge.realised_mass);
-    print(stdout, "{}: asked {:.8g} kg, {}{}\n", charge.explosive, charge.asked_mass,
+    print(stdout, "{}: asked {:.8g} kg, {}{}\n", charge.explosive, charge.specified_mass,
           tried ? fmt::format("realised {:.8g} kg and ", charge.realised_mass) : "",
           quantity(charge.realised_energy, "J"));
   }

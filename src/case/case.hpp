@@ -30,13 +30,13 @@ struct Ambient {
   Primitive state;
 };
 
-/// A region filled with another state, and optionally with another fluid, at the start. Later regions overwrite
+/// A part of the domain with another state, and optionally another fluid, at the start. Later ones overwrite
 /// earlier ones.
-struct Region {
+struct InitialState {
   shape::Shape shape;
   Primitive state;
   int fluid = 0;  ///< number of the fluid that fills it, see `Case::other_fluids`
-  /// Set when the region is filled with an explosive's products or another named fluid.
+  /// Set when it is filled with an explosive's products or another named fluid.
   std::string fluid_name;
 };
 
@@ -229,10 +229,10 @@ struct Case {
   std::array<Primitive, 6> inflow;  ///< used on faces whose boundary is inflow
   Ambient ambient;
   /// Fluids beside the ambient one, in the order of their numbers from 1 on: products of the charges' explosive, or the
-  /// fluid of a region.
+  /// fluid of an initial state.
   std::vector<material::Fluid> other_fluids;
   std::optional<material::Afterburn> afterburn;  ///< of the products
-  std::vector<Region> regions;
+  std::vector<InitialState> initial_states;
   std::vector<Charge> charges;
   std::vector<Gauge> gauges;
   std::vector<Obstacle> obstacles;

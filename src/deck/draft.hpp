@@ -84,7 +84,7 @@ struct Draft {
 
   std::vector<std::pair<std::size_t, shape::Shape>> obstacle_shapes;  ///< index of the section, shape
   std::vector<std::pair<Section const*, shape::Shape>> charge_shapes;
-  std::vector<Section const*> region_sections;           ///< of the regions of the case, in their order
+  std::vector<Section const*> initial_state_sections;    ///< of those of the case, in their order
   std::vector<Section const*> constraint_sections;       ///< of its constraints
   std::vector<std::string> body_names;                   ///< of all bodies, also of those with errors
   std::vector<std::optional<shape::Shape>> body_shapes;  ///< in the same order; nothing after an error

@@ -6,7 +6,7 @@
 
 namespace brisance::mpm {
 
-/// Is a node in the region or on its surface?
-[[nodiscard]] bool holds_node(shape::Shape const& region, grid::Metric const& cells, Vec3 const& x);
+/// Is a node in the shape or on its surface?
+[[nodiscard]] bool holds_node(shape::Shape const& shape, grid::Metric const& cells, Vec3 const& x);
 
 }  // namespace brisance::mpm

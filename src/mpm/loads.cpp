@@ -147,7 +147,7 @@ void Mpm::load(SurfacePressure const& pressure) {
         double const volume = old.field(Field::mass)[q] / old.field(Field::density)[q];
         direction = (1.0 / volume) * forces[b][q];
         if (dot(direction, direction) == 0.0) continue;
-      } else if (!shape::contains(pressure.region, grid_.domain(), x)) {
+      } else if (!shape::contains(pressure.within, grid_.domain(), x)) {
         continue;
       }
       touched = true;
@@ -161,10 +161,10 @@ void Mpm::load(SurfacePressure const& pressure) {
     }
   }
   if (touched) return;
-  throw InputError(fmt::format(
-      "surface pressure {} acts on nothing: no point of body \"{}\" lies in the loaded layer of its region; "
-      "move the region, or make it larger than the points are apart",
-      number, bodies_[pressure.body].name));
+  throw InputError(
+      fmt::format("surface pressure {} acts on nothing: no point of body \"{}\" lies in the layer that it loads; "
+                  "move it, or make it larger than the points are apart",
+                  number, bodies_[pressure.body].name));
 }
 
 /// Each piece of the surface pushes on the points around a place half a layer below it, with weights that keep its
@@ -185,7 +185,7 @@ std::vector<std::vector<Vec3>> Mpm::pushes(SurfacePressure const& pressure) cons
     if (!(sum > 0.0)) {
       throw InputError(fmt::format(
           "surface pressure on body \"{}\": no material point lies within 16 layers of its surface at ({:.6g}, {:.6g}, "
-          "{:.6g}) m: the body is thinner there than points resolve; take smaller cells, or a region without that part",
+          "{:.6g}) m: the body is thinner there than points resolve; take smaller cells, or load the rest alone",
           bodies_[pressure.body].name, facet.x[0], facet.x[1], facet.x[2]));
     }
     centre_weights(around, target, dims);

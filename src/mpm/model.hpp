@@ -119,7 +119,7 @@ struct Filling {
 
 /// Velocity components of the nodes in a part of space are prescribed.
 struct Constraint {
-  shape::Shape region;
+  shape::Shape within;
   std::array<bool, 3> held{true, true, true};
   Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s] of the held components
   int body = -1;                 ///< only on the grid field of this body; -1: on all
@@ -138,9 +138,9 @@ struct Contact {
 /// in pieces, and the points around each, below it, take what it bears.
 struct SurfacePressure {
   int body = 0;
-  shape::Shape region;                ///< of the points at the start that carry it
+  shape::Shape within;                ///< of the points at the start that carry it
   Vec3 normal{0.0, 0.0, 1.0};         ///< outer normal of the loaded face
-  std::vector<shape::Facet> surface;  ///< in the place of region and normal, where there are any
+  std::vector<shape::Facet> surface;  ///< in the place of `within` and normal, where there are any
   double thickness = 0.0;             ///< of the loaded layer [m]
   std::vector<double> times;          ///< [s], rising
   std::vector<double> pressures;      ///< [Pa] at these times; linear between, 0 outside

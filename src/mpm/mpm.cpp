@@ -85,7 +85,7 @@ std::vector<Hold> holds_of(grid::Metric const& cells, Patch const& patch, std::v
   std::vector<Hold> holds;
   for (Constraint const& c : constraints) {
     for_each_cell(patch.all(), [&](Index3 const& node) {
-      if (!holds_node(c.region, cells, patch.position(node))) return;
+      if (!holds_node(c.within, cells, patch.position(node))) return;
       Hold hold;
       hold.node = patch.index(node);
       hold.field = c.body < 0 ? -1 : field_of[c.body];

@@ -47,7 +47,7 @@ class Mpm {
 
   /// Adds points to a body. Points outside the domain are refused (InputError).
   void fill(int body, Filling const& filling);
-  /// Lets a pressure act on the points that lie in its region now.
+  /// Lets a pressure act on the points that lie within it now.
   void load(SurfacePressure const& pressure);
   /// Smears a bar over the points around its axis where they are now; points that have one already keep it. Throws
   /// InputError where the bar does not lie within the body.

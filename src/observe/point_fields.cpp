@@ -82,7 +82,7 @@ void add_body(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), s.bo
 
 void add_material(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), material_number(s.system, s.body)); }
 
-std::vector<PointField> const& asked_fields() {
+std::vector<PointField> const& specified_fields() {
   static std::vector<PointField> const fields{
       {{"velocity", "m/s", 3, "velocity"}, Field::velocity_x},
       {{"displacement", "m", 3, "displacement since the start; 0 in bodies without strength, which do not know it"},
@@ -121,7 +121,7 @@ std::vector<PointField> const& standing_fields() {
 }
 
 PointField const& field_of(std::string const& name) {
-  for (auto const* list : {&asked_fields(), &standing_fields()}) {
+  for (auto const* list : {&specified_fields(), &standing_fields()}) {
     auto const found =
         std::find_if(list->begin(), list->end(), [&](PointField const& f) { return f.info.name == name; });
     if (found != list->end()) return *found;
@@ -139,7 +139,7 @@ std::vector<FieldInfo> infos_of(std::vector<PointField> const& fields) {
 }  // namespace
 
 std::vector<FieldInfo> const& known_point_fields() {
-  static std::vector<FieldInfo> const infos = infos_of(asked_fields());
+  static std::vector<FieldInfo> const infos = infos_of(specified_fields());
   return infos;
 }
 

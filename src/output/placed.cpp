@@ -8,15 +8,15 @@ namespace brisance::output {
 
 using nlohmann::json;
 
-json regions_json(std::vector<run::RegionReport> const& regions) {
+json initial_states_json(std::vector<run::InitialStateReport> const& states) {
   json out = json::array();
-  for (run::RegionReport const& r : regions) {
+  for (run::InitialStateReport const& r : states) {
     out.push_back({{"fluid", r.fluid},
-                   {"asked_volume", json_or_null(r.asked_volume)},
+                   {"specified_volume", json_or_null(r.specified_volume)},
                    {"volume", json_or_null(r.volume)},
-                   {"asked_mass", json_or_null(r.asked_mass)},
+                   {"specified_mass", json_or_null(r.specified_mass)},
                    {"mass", json_or_null(r.mass)},
-                   {"asked_energy", json_or_null(r.asked_energy)},
+                   {"specified_energy", json_or_null(r.specified_energy)},
                    {"energy", json_or_null(r.energy)}});
   }
   return out;
@@ -26,7 +26,7 @@ json obstacles_json(std::vector<run::ObstacleReport> const& obstacles) {
   json out = json::array();
   for (run::ObstacleReport const& o : obstacles) {
     out.push_back({{"name", o.name},
-                   {"asked_volume", json_or_null(o.asked_volume)},
+                   {"specified_volume", json_or_null(o.specified_volume)},
                    {"volume", json_or_null(o.volume)},
                    {"cells", o.cells}});
   }

@@ -9,7 +9,7 @@
 
 namespace brisance::output {
 
-[[nodiscard]] nlohmann::json regions_json(std::vector<run::RegionReport> const& regions);
+[[nodiscard]] nlohmann::json initial_states_json(std::vector<run::InitialStateReport> const& states);
 [[nodiscard]] nlohmann::json obstacles_json(std::vector<run::ObstacleReport> const& obstacles);
 /// What became of the panels of a run.
 [[nodiscard]] nlohmann::json panels_json(std::vector<run::PanelReport> const& panels);

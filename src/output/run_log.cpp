@@ -71,7 +71,7 @@ json audit(run::World const& world) {
                            {"share", json_or_null(f.share())},
                            {"warn", f.warn},
                            {"fail", f.fail},
-                           {"told", f.tells()}};
+                           {"reported", f.tells()}};
   }
   return {{"balanced", verdict.balanced},
           {"reasons", verdict.reasons},
@@ -100,7 +100,7 @@ json charges(run::World const& world) {
   for (std::size_t c = 0; c < world.charges.size(); ++c) {
     auto const& report = world.charges[c];
     json entry{{"explosive", report.explosive},
-               {"asked_mass", json_or_null(report.asked_mass)},
+               {"specified_mass", json_or_null(report.specified_mass)},
                {"realised_mass", json_or_null(report.realised_mass)},
                {"realised_energy", json_or_null(report.realised_energy)},
                {"cells_per_radius", json_or_null(report.cells_per_radius)}};
@@ -109,9 +109,9 @@ json charges(run::World const& world) {
       entry["centre"] = shape::centre(charge.shape);
       entry["source"] = charge.explosive.source;
       entry["density"] = charge.explosive.density();
-      entry["asked_volume"] = json_or_null(report.asked_mass / charge.explosive.density());
+      entry["specified_volume"] = json_or_null(report.specified_mass / charge.explosive.density());
       entry["realised_volume"] = json_or_null(report.realised_mass / charge.explosive.density());
-      entry["asked_energy"] = json_or_null(report.asked_mass * charge.explosive.specific_energy());
+      entry["specified_energy"] = json_or_null(report.specified_mass * charge.explosive.specific_energy());
       entry["detonation"] = charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous";
       entry["tnt_equivalent_pressure"] = json_or_null(charge.explosive.tnt_equivalent_pressure);
       entry["tnt_equivalent_impulse"] = json_or_null(charge.explosive.tnt_equivalent_impulse);
@@ -156,7 +156,7 @@ json energy_of_points(run::World const& world, char const* left) {
           {"current", json_or_null(energy.current)},
           {left, json_or_null(energy.lost)},
           {"work", json_or_null(energy.work)},
-          {"lost_at_held_nodes", json_or_null(energy.dissipated.held)},
+          {"lost_at_constrained_nodes", json_or_null(energy.dissipated.held)},
           {"filtered", json_or_null(energy.dissipated.filtered)},
           {"apic", json_or_null(energy.dissipated.apic)},
           {"friction", json_or_null(energy.dissipated.friction)},
@@ -293,6 +293,9 @@ json starts(run::World const& world) {
   return out;
 }
 
+/// Of run.json: grows when a key changes its name or meaning; readers check it.
+constexpr int log_format = 1;
+
 json versions() {
   unsigned major = 0;
   unsigned minor = 0;
@@ -336,7 +339,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"charges", charges(world)},
            {"starts", starts(world)},
            {"obstacles", world.setup.obstacles.size()},
-           {"placed_regions", regions_json(world.regions)},
+           {"initial_states", initial_states_json(world.initial_states)},
            {"placed_obstacles", obstacles_json(world.obstacles)},
            {"gauges", gas ? world.setup.gauges.size() : 0},
            {"dumps", status.dumps},
@@ -345,6 +348,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"cell_updates_per_second", gas && status.wall_seconds > 0.0 ? updates / status.wall_seconds : 0.0},
            {"timings", std::move(timings)},
            {"audit", audit(world)},
+           {"format", log_format},
            {"versions", versions()},
            {"machine", machine()}};
   if (world.panels != nullptr) log["panels"] = panels_json(world.panels->reports());

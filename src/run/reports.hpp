@@ -15,28 +15,28 @@ namespace brisance::run {
 /// What became of one charge on the grid.
 struct ChargeReport {
   std::string explosive;
-  double asked_mass = 0.0;        ///< whole body [kg]
+  double specified_mass = 0.0;        ///< whole body [kg]
   double realised_mass = 0.0;     ///< whole body, symmetry images counted [kg]
   double realised_energy = 0.0;   ///< E0 of the realised volume [J]
   double cells_per_radius = 0.0;  ///< (volume of the part in the domain as an equivalent radius) / h
 };
 
-/// What became of one region on the grid. Its own volume in the domain is asked for; what later regions, obstacles and
-/// charges take of it is not placed.
-struct RegionReport {
+/// What became of one initial state on the grid. Its own volume in the domain is asked for; what later ones, obstacles
+/// and charges take of it is not placed.
+struct InitialStateReport {
   std::string fluid;
-  double asked_volume = 0.0;  ///< [m3]
+  double specified_volume = 0.0;  ///< [m3]
   double volume = 0.0;        ///< placed [m3]
-  double asked_mass = 0.0;    ///< [kg]
+  double specified_mass = 0.0;    ///< [kg]
   double mass = 0.0;          ///< placed [kg]
-  double asked_energy = 0.0;  ///< internal and kinetic [J]
+  double specified_energy = 0.0;  ///< internal and kinetic [J]
   double energy = 0.0;        ///< placed [J]
 };
 
 /// What became of one obstacle on the grid.
 struct ObstacleReport {
   std::string name;
-  double asked_volume = 0.0;  ///< of the part in the domain [m3]
+  double specified_volume = 0.0;  ///< of the part in the domain [m3]
   double volume = 0.0;        ///< of the solid cells that it has the largest part of [m3]
   long cells = 0;             ///< their number
   /// What its cells hold beyond the obstacles, less what of it lies in cells that are not solid [m3].

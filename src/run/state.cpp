@@ -11,7 +11,7 @@ namespace brisance::run {
 void archive(Archive& a, Totals& t) { a(t.mass, t.momentum, t.energy, t.kinetic_energy, t.rest_energy); }
 
 void archive(Archive& a, ChargeReport& r) {
-  a(r.explosive, r.asked_mass, r.realised_mass, r.realised_energy, r.cells_per_radius);
+  a(r.explosive, r.specified_mass, r.realised_mass, r.realised_energy, r.cells_per_radius);
 }
 
 void archive(Archive& a, StartReport& r) {

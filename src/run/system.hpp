@@ -46,9 +46,9 @@ class System {
   std::unique_ptr<Panels> panels;          ///< null where the case has none
   Clock clock;
   std::vector<ChargeReport> charges;
-  std::vector<RegionReport> regions;      ///< what became of each region of the gas
-  std::vector<ObstacleReport> obstacles;  ///< and of each obstacle
-  std::vector<StartReport> starts;        ///< of each charge, where the case starts by a remap
+  std::vector<InitialStateReport> initial_states;  ///< what became of each on the grid
+  std::vector<ObstacleReport> obstacles;           ///< and of each obstacle
+  std::vector<StartReport> starts;                 ///< of each charge, where the case starts by a remap
   std::vector<BodyReport> bodies;
   Timings timings;
   std::optional<double> awake_since;  ///< when the MPM region woke [s]

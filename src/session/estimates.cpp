@@ -112,9 +112,9 @@ void sum_memory(Plan& p) {
 /// calculations of TNT in air, and are good to about a factor of two.
 double estimated_steps(run::Case const& setup) {
   double quiet = signal(setup.ambient.fluid.eos, setup.ambient.state);
-  for (run::Region const& region : setup.regions) {
-    material::Fluid const* other = region.fluid > 0 ? setup.other_fluid(region.fluid) : nullptr;
-    quiet = std::max(quiet, signal(other != nullptr ? other->eos : setup.ambient.fluid.eos, region.state));
+  for (run::InitialState const& initial : setup.initial_states) {
+    material::Fluid const* other = initial.fluid > 0 ? setup.other_fluid(initial.fluid) : nullptr;
+    quiet = std::max(quiet, signal(other != nullptr ? other->eos : setup.ambient.fluid.eos, initial.state));
   }
   for (int face = 0; face < 6; ++face) {
     if (setup.domain.boundary[face] == grid::Boundary::inflow)

@@ -14,7 +14,7 @@
 #include "output/writer.hpp"
 #include "session/estimates.hpp"
 #include "setup/place_gas.hpp"
-#include "setup/place_gas_regions.hpp"
+#include "setup/place_initial_states.hpp"
 #include "setup/place_panels.hpp"
 #include "setup/place_region.hpp"
 #include "setup/start.hpp"
@@ -33,7 +33,7 @@ constexpr int longest_row_tried = 100'000'000;  // cells
 constexpr double coarse_body = 4.0;             // points across a body's shortest side below which it hardly bends
 constexpr double coarse_charge = 5.0;           // cells per charge radius below which the near field is poorly resolved
 constexpr double coarse_burst = 15.0;           // cells per radius of a remapped burst below which its shock is
-constexpr long most_cut_cells = 200'000;        // of regions and obstacles that `check` counts
+constexpr long most_cut_cells = 200'000;        // of initial states and obstacles that `check` counts
 constexpr double coarse_obstacle = 0.2;         // part of its volume that an obstacle may win or lose without a warning
 constexpr double few_steps = 5.0;            // that a load must last for its impulse to be right within some per cent
 constexpr double alarming_clipping = 0.10;   // of the peak: beyond it there is a warning
@@ -62,7 +62,7 @@ run::ChargeReport untried_charge(run::Charge const& charge, grid::Domain const& 
   double const volume = charge.mass / charge.explosive.density();
   run::ChargeReport report;
   report.explosive = charge.explosive.name;
-  report.asked_mass = charge.mass;
+  report.specified_mass = charge.mass;
   report.realised_mass = std::numeric_limits<double>::quiet_NaN();
   report.realised_energy = volume * charge.explosive.energy;
   report.cells_per_radius = shape::equivalent_radius(volume, domain.geometry) / domain.smallest_cell();
@@ -75,7 +75,7 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
   double const images = detonation::symmetry_images(charge.shape, setup.domain, what);
   run::ChargeReport report;
   report.explosive = charge.explosive.name;
-  report.asked_mass = charge.mass;
+  report.specified_mass = charge.mass;
   double reach = 0.0;
   double realised = 0.0;  // in the domain
   auto const planes = detonation::planes_through(setup.domain, shape::centre(charge.shape));
@@ -121,32 +121,32 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
   }
 }
 
-/// Regions and obstacles as they will be placed.
+/// Initial states and obstacles as they will be placed.
 void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Plan& p) {
   double const h = setup.domain.smallest_cell();
-  if (setup::RegionPlacing regions(setup); regions.measure(most_cut_cells)) {
-    regions.give_way(taken);
-    p.regions = regions.reports();
+  if (setup::InitialStatePlacing initial(setup); initial.measure(most_cut_cells)) {
+    initial.give_way(taken);
+    p.initial_states = initial.reports();
   }
-  for (std::size_t n = 0; n < setup.regions.size(); ++n) {
-    auto const box = shape::bounds(setup.regions[n].shape);
+  for (std::size_t n = 0; n < setup.initial_states.size(); ++n) {
+    auto const box = shape::bounds(setup.initial_states[n].shape);
     double across = std::numeric_limits<double>::infinity();
     for (int d = 0; d < setup.domain.dimensions(); ++d) across = std::min(across, (box.upper[d] - box.lower[d]) / h);
     if (across < 1.0) {
-      p.warnings.push_back(
-          fmt::format("region {} is only {:.2g} cells thick: it has its mass and energy, but they are spread over the "
-                      "cells that it touches; a cell of {} would give it one of its own",
-                      n + 1, across, quantity(h * across, "m", 2)));
+      p.warnings.push_back(fmt::format(
+          "initial state {} is only {:.2g} cells thick: it has its mass and energy, but they are spread over the "
+          "cells that it touches; a cell of {} would give it one of its own",
+          n + 1, across, quantity(h * across, "m", 2)));
     }
   }
   if (auto obstacles = setup::SolidCells(setup.domain, setup.obstacles).reports(most_cut_cells)) {
     p.obstacles = std::move(*obstacles);
     for (run::ObstacleReport const& o : p.obstacles) {
-      if (std::abs(o.excess) <= coarse_obstacle * o.asked_volume) continue;
+      if (std::abs(o.excess) <= coarse_obstacle * o.specified_volume) continue;
       p.warnings.push_back(fmt::format(
           "obstacle \"{}\" is {:.0f} % {} on these cells than it is: smaller cells, or faces between cells, would "
           "give it its size",
-          o.name, 100.0 * std::abs(o.excess) / o.asked_volume, o.excess > 0.0 ? "larger" : "smaller"));
+          o.name, 100.0 * std::abs(o.excess) / o.specified_volume, o.excess > 0.0 ? "larger" : "smaller"));
     }
     setup::SolidCells const solid(setup.domain, setup.obstacles);
     p.panels = setup::place_panels(setup.domain, setup.obstacles, solid);
@@ -311,7 +311,7 @@ void plan_region(run::Case const& setup, Plan& p) {
   p.points += r.gas_points;
   p.blocks = gas.blocks;
   p.charges = gas.charges;
-  p.regions = gas.regions;
+  p.initial_states = gas.initial_states;
   p.obstacles = gas.obstacles;
   p.starts = gas.starts;
   p.gauges = gas.gauges;

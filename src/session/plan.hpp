@@ -45,8 +45,8 @@ struct Plan {
   double steps = 0.0;                 ///< estimate
   std::vector<run::ChargeReport> charges;
   std::vector<std::string> starts;  ///< how each charge starts, where it is remapped
-  /// What regions and obstacles become; empty where that would take long to count.
-  std::vector<run::RegionReport> regions;
+  /// What initial states and obstacles become; empty where that would take long to count.
+  std::vector<run::InitialStateReport> initial_states;
   std::vector<run::ObstacleReport> obstacles;
   std::vector<run::PanelReport> panels;
   std::vector<run::BodyReport> bodies;

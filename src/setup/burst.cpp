@@ -16,8 +16,8 @@ void check_start(Case const& setup) {
   for (double const u : setup.ambient.state.velocity) {
     if (u != 0.0) throw InputError("the ambient gas moves: a burst in it is not symmetric; set ambient.velocity to 0");
   }
-  if (!setup.regions.empty())
-    throw InputError("a [[region]] would stand still until the remap: remove it, or start = \"remap\"");
+  if (!setup.initial_states.empty())
+    throw InputError("a [[initial_state]] would stand still until the remap: remove it, or start = \"remap\"");
   for (int f = 0; f < 2 * setup.domain.dimensions(); ++f) {
     if (setup.domain.boundary[f] == grid::Boundary::inflow)
       throw InputError("an inflow would begin only at the remap: choose another boundary, or remove start = \"remap\"");

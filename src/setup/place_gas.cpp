@@ -9,7 +9,7 @@
 #include "detonation/charge.hpp"
 #include "run/system.hpp"
 #include "setup/fluids.hpp"
-#include "setup/place_gas_regions.hpp"
+#include "setup/place_initial_states.hpp"
 #include "setup/place_panels.hpp"
 #include "setup/solid_cells.hpp"
 #include "setup/start.hpp"
@@ -63,7 +63,7 @@ std::vector<gas::WaveSource> wave_sources(Case const& c) {
     if (body.solid.burns()) add(body.shape);
   }
   if (sources.empty()) {
-    for (Region const& region : c.regions) add(region.shape);
+    for (InitialState const& initial : c.initial_states) add(initial.shape);
   }
   // A wind is disturbed by what stands in it.
   if (sources.empty() && norm(c.ambient.state.velocity) > 0.0) {
@@ -123,7 +123,7 @@ detonation::TakenCells place_charges(run::System& w, SolidCells const& solid) {
 
     run::ChargeReport report;
     report.explosive = charge.explosive.name;
-    report.asked_mass = charge.mass;
+    report.specified_mass = charge.mass;
     report.realised_mass = (products() - before) * filled.images;
     report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
     report.cells_per_radius =
@@ -142,11 +142,11 @@ void place_gas(run::System& w) {
   gas::Gas& gas = *w.gas;
   grid::Grid const& grid = w.grid;
   gas::Primitive const& ambient = setup.ambient.state;
-  RegionPlacing regions(setup);
-  regions.fill(gas);
+  InitialStatePlacing initial(setup);
+  initial.fill(gas);
   SolidCells const solid(setup.domain, setup.obstacles);
-  if (!setup.start.remap) regions.give_way(place_charges(w, solid));
-  w.regions = regions.reports();
+  if (!setup.start.remap) initial.give_way(place_charges(w, solid));
+  w.initial_states = initial.reports();
   if (solid.any()) {
     place_obstacles(setup, solid.all(), grid, gas, ambient);
     w.obstacles = *solid.reports(std::numeric_limits<long>::max());
@@ -169,7 +169,7 @@ run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, 
   }
   run::ChargeReport report;
   report.explosive = charge.explosive.name;
-  report.asked_mass = charge.mass;
+  report.specified_mass = charge.mass;
   report.realised_mass = volume * filled.images * density;
   report.realised_energy = volume * filled.images * charge.explosive.energy;
   report.cells_per_radius =

@@ -159,8 +159,8 @@ detonation::Profile profile_of(run::System const& w) {
                     word_of(geometry)));
   }
   if (w.gas == nullptr || w.points != nullptr || w.setup.charges.size() != 1 || !w.setup.obstacles.empty() ||
-      !w.setup.regions.empty()) {
-    throw InputError("a profile is the burst of one charge, without bodies, obstacles and regions");
+      !w.setup.initial_states.empty()) {
+    throw InputError("a profile is the burst of one charge, without bodies, obstacles and initial states");
   }
   Vec3 const centre = shape::centre(w.setup.charges.front().shape);
   detonation::Profile p = detonation::profile_of(*w.gas, w.setup.ambient.state, centre, w.clock.time);

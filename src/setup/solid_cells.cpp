@@ -139,7 +139,7 @@ std::optional<std::vector<run::ObstacleReport>> SolidCells::reports(long most) c
   std::vector<run::ObstacleReport> all(shapes_.size());
   for (std::size_t n = 0; n < all.size(); ++n) {
     all[n].name = obstacles_[n].name;
-    all[n].asked_volume = shape::volume_inside(shapes_[n], domain_);
+    all[n].specified_volume = shape::volume_inside(shapes_[n], domain_);
   }
   long cut = 0;
   shape::for_each_share(shapes_, domain_, domain_.all_cells(),

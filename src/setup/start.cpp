@@ -282,7 +282,7 @@ void place_start(run::System& w) {
 
     run::ChargeReport realised;
     realised.explosive = charge.explosive.name;
-    realised.asked_mass = charge.mass;
+    realised.specified_mass = charge.mass;
     realised.realised_mass = report.remap.after.mass[gas::products_fluid] * images;
     realised.realised_energy = realised.realised_mass * charge.explosive.specific_energy();
     realised.cells_per_radius = profile.charge.radius / profile.domain.h;

@@ -24,7 +24,7 @@ TEST(Plan, KnowsTheChargeAsTheWorldWillBuildIt) {
   observe::Watched const world{run::Case(setup)};
   ASSERT_EQ(p.charges.size(), 1U);
   EXPECT_EQ(p.blocks, world.grid.block_count());
-  EXPECT_EQ(p.charges[0].asked_mass, world.charges[0].asked_mass);
+  EXPECT_EQ(p.charges[0].specified_mass, world.charges[0].specified_mass);
   // Two ways of summing the same cells: round-off.
   EXPECT_NEAR(p.charges[0].realised_mass, world.charges[0].realised_mass, 1e-13);
   EXPECT_NEAR(p.charges[0].realised_energy / world.charges[0].realised_energy, 1.0, 1e-13);
@@ -79,36 +79,37 @@ TEST(Plan, TellsWhatIsAskedAndWhatIsPlaced) {
   };
   auto const setup = read(
       "[[charge]]\nmass = 2\nposition = [0.5, 0.5]\n"
-      "[[region]]\nshape = \"cylinder\"\nradius = 0.3\nposition = [0.5, 0.5]\npressure = \"3 bar\"\ndensity = 2\n"
+      "[[initial_state]]\nshape = \"cylinder\"\nradius = 0.3\nposition = [0.5, 0.5]\npressure = \"3 bar\"\ndensity = "
+      "2\n"
       "[[obstacle]]\nname = \"slab\"\nshape = \"box\"\nlower = [0, 0]\nupper = [1, 0.13]\n");
   Plan const p = plan(setup);
   auto const json = plan_json(setup, p);
   double const charge = 2.0 / setup.charges[0].explosive.density();
   double const disc = 0.09 * std::numbers::pi;
-  auto const& region = json["placed_regions"][0];
-  EXPECT_NEAR(region["asked_volume"].get<double>(), disc, 1e-12);
+  auto const& region = json["initial_states"][0];
+  EXPECT_NEAR(region["specified_volume"].get<double>(), disc, 1e-12);
   EXPECT_NEAR(region["volume"].get<double>(), disc - charge, 1e-12);
-  EXPECT_NEAR(region["asked_mass"].get<double>(), 2.0 * disc, 1e-12);
+  EXPECT_NEAR(region["specified_mass"].get<double>(), 2.0 * disc, 1e-12);
   EXPECT_NEAR(region["mass"].get<double>(), 2.0 * (disc - charge), 1e-12);
   EXPECT_NEAR(region["energy"].get<double>(), 3e5 / 0.4 * (disc - charge), 1e-6);
   auto const& obstacle = json["placed_obstacles"][0];
   EXPECT_EQ(obstacle["name"], "slab");
-  EXPECT_NEAR(obstacle["asked_volume"].get<double>(), 0.13, 1e-12);
+  EXPECT_NEAR(obstacle["specified_volume"].get<double>(), 0.13, 1e-12);
   EXPECT_NEAR(obstacle["volume"].get<double>(), 0.15, 1e-12);
   EXPECT_EQ(obstacle["cells"], 60);
-  EXPECT_NEAR(json["charges"][0]["asked_volume"].get<double>(), charge, 1e-15);
+  EXPECT_NEAR(json["charges"][0]["specified_volume"].get<double>(), charge, 1e-15);
   EXPECT_NEAR(json["charges"][0]["realised_volume"].get<double>() / charge, 1.0, 1e-12);
   std::string const text = plan_text(setup, p);
   EXPECT_NE(text.find("slab: volume asked 0.13 m3, placed 0.15 in 60 cells"), std::string::npos) << text;
   EXPECT_NE(text.find("1: air, volume asked 0.282743 m3, placed 0.281516"), std::string::npos) << text;
   // The world does what the plan says.
   observe::Watched const world{run::Case(setup)};
-  EXPECT_NEAR(world.regions[0].volume, p.regions[0].volume, 1e-14);
+  EXPECT_NEAR(world.initial_states[0].volume, p.initial_states[0].volume, 1e-14);
   EXPECT_EQ(world.obstacles[0].cells, p.obstacles[0].cells);
   // What is too coarse is said.
   auto const coarse = read(
       "[[obstacle]]\nname = \"bar\"\nshape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.23, 0.6]\n"
-      "[[region]]\nshape = \"cylinder\"\nradius = 0.02\nposition = [0.7, 0.7]\npressure = \"3 bar\"\n");
+      "[[initial_state]]\nshape = \"cylinder\"\nradius = 0.02\nposition = [0.7, 0.7]\npressure = \"3 bar\"\n");
   std::string warnings;
   for (auto const& w : plan(coarse).warnings) warnings += w;
   EXPECT_NE(warnings.find("obstacle \"bar\" is 67 % larger on these cells"), std::string::npos) << warnings;

@@ -112,7 +112,7 @@ velocity = [900, 0]
 bodies = ["plate", "rod"]
 friction = 0.3
 [[constraint]]
-region = {shape = "box", lower = ["20 mm", "36 mm"], upper = ["24 mm", "38 mm"]}
+within = {shape = "box", lower = ["20 mm", "36 mm"], upper = ["24 mm", "38 mm"]}
 body = "plate"
 [[surface_pressure]]
 body = "rod"

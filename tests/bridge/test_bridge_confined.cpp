@@ -8,10 +8,10 @@ namespace {
 run::Case tube(double pressure) {
   auto c = coupled_case(grid::Geometry::planar1d, {200, 1, 1}, grid::Boundary::wall);
   c.ambient.state = {1.225, 101325.0, {0.0, 0.0, 0.0}};
-  run::Region filled;
+  run::InitialState filled;
   filled.shape = shape::Box{{-1.0, -1.0, -1.0}, {0.25, 1.0, 1.0}};
   filled.state = {1.225, pressure, {0.0, 0.0, 0.0}};
-  c.regions = {filled};
+  c.initial_states = {filled};
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
   c.end.time = 1.0;
@@ -85,10 +85,10 @@ TEST_P(Confined, TubeKeepsItsEnergy) {
 run::Case room(grid::Boundary boundary) {
   auto c = coupled_case(grid::Geometry::planar2d, {50, 50, 1}, boundary);
   c.ambient.state = {1.225, 101325.0, {0.0, 0.0, 0.0}};
-  run::Region ball;
+  run::InitialState ball;
   ball.shape = shape::Sphere{{0.27, 0.41, 0.0}, 0.1};
   ball.state = {5.0, 5e6, {0.0, 0.0, 0.0}};
-  c.regions = {ball};
+  c.initial_states = {ball};
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
   c.end.time = 1.0;

@@ -35,12 +35,12 @@ Worst carry(Moving const& m) {
   c.ambient.state = {air, m.pressure, {m.speed, 0.0, 0.0}};
   c.mpm_region->reference_pressure = m.reference;
   double const contact = 0.4;  // 20 cells before the face
-  run::Region filled;
+  run::InitialState filled;
   filled.shape = m.products_ahead ? shape::Box{{contact, -1.0, -1.0}, {2.0, 1.0, 1.0}}
                                   : shape::Box{{-1.0, -1.0, -1.0}, {contact, 1.0, 1.0}};
   filled.state = {m.products, m.pressure, {m.speed, 0.0, 0.0}};
   filled.fluid = 1;
-  c.regions = {filled};
+  c.initial_states = {filled};
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
   run::World w = setup::build(c);
@@ -119,11 +119,11 @@ TEST(Contact, CrossesTheBridgeBehindAShock) {
     c.other_fluids[0].name = "products";
     c.other_fluids[0].eos = jwl;
     c.ambient.state = {right.rho, right.p, {0.0, 0.0, 0.0}};
-    run::Region filled;
+    run::InitialState filled;
     filled.shape = shape::Box{{-1.0, -1.0, -1.0}, {x0, 1.0, 1.0}};
     filled.state = {left.rho, left.p, {left.u, 0.0, 0.0}};
     filled.fluid = 1;
-    c.regions = {filled};
+    c.initial_states = {filled};
     c.numerics.density_floor = 1e-6;
     c.numerics.pressure_floor = 1.0;
     // Until the contact is 25 cells beyond the face.

@@ -404,10 +404,10 @@ TEST(OpenFace, TracesOfGasInSoilLeaveWithNoEnergy) {
   c.mpm_region->width = 3;
   add_soil(c, shape::Box{{0.0, -0.2, -1.0}, {0.6, 0.0, 1.0}});
   c.points.bodies[0].points_per_direction = 1;
-  run::Region puff;
+  run::InitialState puff;
   puff.shape = shape::Cylinder{{0.0, 0.3, 0.0}, 0.06, 1.0, {0.0, 0.0, 1.0}};
   puff.state = {1000.0, 4e9, {0.0, 0.0, 0.0}};
-  c.regions.push_back(puff);
+  c.initial_states.push_back(puff);
   run::World w = setup::build(c);
   double worst = 0.0;
   while (w.clock.time < 0.32e-3) {

@@ -25,11 +25,11 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
   c.points.options.block_cells = 5;
   set_region(c, {5, 0, dims == 3 ? 5 : 0}, {n - 6, n - 6, dims == 3 ? n - 6 : 1});
   c.ambient.state.velocity = {0.3, 0.1, dims == 3 ? -0.2 : 0.0};
-  run::Region hot;  // lies on both sides of the face
+  run::InitialState hot;  // lies on both sides of the face
   double const h = c.domain.h;
   hot.shape = shape::Box{{3 * h, 2 * h, dims == 3 ? 6 * h : -1.0}, {8 * h, 12 * h, dims == 3 ? 12 * h : 1.0}};
   hot.state = {5.0, 20.0, {0.0, 0.0, 0.0}};
-  c.regions = {hot};
+  c.initial_states = {hot};
   run::Body body;
   body.name = "block";
   body.solid = material::elastic_solid(50.0, 1e3, 0.3);

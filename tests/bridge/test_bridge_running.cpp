@@ -13,10 +13,10 @@ using grid::Geometry;
 run::Case blast_case() {
   auto c = coupled_case(Geometry::planar1d, {200, 1, 1}, Boundary::outflow);
   set_region(c, {100, 0, 0}, {200, 1, 1});
-  run::Region high;
+  run::InitialState high;
   high.shape = shape::Box{{-1.0, -1.0, -1.0}, {0.25, 1.0, 1.0}};
   high.state = {5.0, 10.0, {0.0, 0.0, 0.0}};
-  c.regions = {high};
+  c.initial_states = {high};
   return c;
 }
 
@@ -101,10 +101,10 @@ TEST(SubCycling, WithSteelThePointsTakeMoreSteps) {
   c.ambient.state = {1.225, 101325.0, {0.0, 0.0, 0.0}};
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
-  run::Region high;
+  run::InitialState high;
   high.shape = shape::Box{{-1.0, -1.0, -1.0}, {0.4, 1.0, 1.0}};
   high.state = {5.0, 1e6, {0.0, 0.0, 0.0}};
-  c.regions = {high};
+  c.initial_states = {high};
   run::Body body;
   body.name = "steel";
   body.solid = material::elastic_solid(7850.0, 210e9, 0.3);
@@ -125,10 +125,10 @@ TEST(SubCycling, WithSteelThePointsTakeMoreSteps) {
 TEST(SubCycling, WithHotGasOutsideTheGasTakesMoreSteps) {
   auto c = coupled_case(Geometry::planar1d, {200, 1, 1}, Boundary::outflow);
   set_region(c, {100, 0, 0}, {200, 1, 1});
-  run::Region hot;  // ten times the sound speed at the same pressure: far from the region
+  run::InitialState hot;  // ten times the sound speed at the same pressure: far from the region
   hot.shape = shape::Box{{-1.0, -1.0, -1.0}, {0.2, 1.0, 1.0}};
   hot.state = {0.014, 4.0, {0.0, 0.0, 0.0}};
-  c.regions = {hot};
+  c.initial_states = {hot};
   run::World with = setup::build(c);
   c.mpm_region->subcycling = false;
   run::World without = setup::build(c);
@@ -182,13 +182,13 @@ TEST(Shapes, TwoBoxesAnLAndMirrors) {
     if (layout.symmetric) c.domain.boundary[0] = Boundary::symmetry;
     for (auto const& box : layout.boxes) set_region(c, box[0], box[1]);
     c.mpm_region->width = 2;
-    run::Region hot;
+    run::InitialState hot;
     hot.shape = shape::Sphere{{24.0 / n, 24.0 / n, 0.5 / n}, 4.0 / n};
     if (layout.geometry == Geometry::axisymmetric2d || layout.symmetric) {
       hot.shape = shape::Box{{20.0 / n, 20.0 / n, -1.0}, {28.0 / n, 28.0 / n, 1.0}};
     }
     hot.state = {5.0, 20.0, {0.0, 0.0, 0.0}};
-    c.regions = {hot};
+    c.initial_states = {hot};
     run::World w = setup::build(c);
     run::Totals const before = w.totals();
     run_to(w, 0.3);
@@ -225,10 +225,10 @@ TEST(LongRun, KeepsTheNumberOfPoints) {
   set_region(c, {30, 0, 0}, {70, 1, 1});
   c.ambient.state.velocity = {0.6, 0.0, 0.0};
   c.mpm_region->activation = -1.0;
-  run::Region wave;  // the flow is not uniform: there is something to split and to merge
+  run::InitialState wave;  // the flow is not uniform: there is something to split and to merge
   wave.shape = shape::Box{{0.1, -1.0, -1.0}, {0.25, 1.0, 1.0}};
   wave.state = {2.8, 1.8, {0.6, 0.0, 0.0}};
-  c.regions = {wave};
+  c.initial_states = {wave};
   run::World w = setup::build(c);
   run::Totals const before = w.totals();
   long const start = mpm::sums(*w.points, w.gas_body()).points;

@@ -59,10 +59,10 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
   c.ambient.state = ambient;
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
-  run::Region driven;
+  run::InitialState driven;
   driven.shape = shape::Box{{-1.0, -1.0, -1.0}, {(wall - 60.0) / n, 1.0, 1.0}};
   driven.state = s.behind;
-  c.regions = {driven};
+  c.initial_states = {driven};
   run::Body body;
   body.name = "steel";
   body.solid = material::elastic_solid(7850.0, 210e9, 0.3);
@@ -160,10 +160,10 @@ struct Burst {
     if (mass > 0.0) along /= mass;
   }
   static void light(run::Case& c, double face) {
-    run::Region ball;
+    run::InitialState ball;
     ball.shape = shape::Sphere{{0.0, face + 0.35, 0.0}, 0.1};
     ball.state = {14.0, 400.0, {0.0, 0.0, 0.0}};
-    c.regions = {ball};
+    c.initial_states = {ball};
   }
   /// The wall, before it gas cells or points.
   [[nodiscard]] static Burst on_wall(bool by_points) {
@@ -200,7 +200,7 @@ struct Burst {
       c.points.bodies[0].rigid = true;
     } else {
       mpm::Constraint hold;
-      hold.region = plate.shape;
+      hold.within = plate.shape;
       c.points.constraints = {hold};
     }
     light(c, face);

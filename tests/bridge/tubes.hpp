@@ -56,10 +56,10 @@ inline run::Case tube_case(Tube const& t, Where const& where, int cells = 400) {
   auto c = coupled_case(grid::Geometry::planar1d, {cells, 1, 1}, grid::Boundary::outflow);
   set_region(c, {where.right ? where.face : 0, 0, 0}, {where.right ? cells : where.face, 1, 1});
   c.ambient.state = {t.right.rho, t.right.p, {t.right.u, 0.0, 0.0}};
-  run::Region left;
+  run::InitialState left;
   left.shape = shape::Box{{-1.0, -1.0, -1.0}, {t.diaphragm, 1.0, 1.0}};
   left.state = {t.left.rho, t.left.p, {t.left.u, 0.0, 0.0}};
-  c.regions = {left};
+  c.initial_states = {left};
   c.mpm_region->activation = -1.0;
   return c;
 }
@@ -186,7 +186,7 @@ inline run::Case two_fluid_case(Where const& where) {
   c.other_fluids.emplace_back();
   c.other_fluids[0].name = "products";
   c.other_fluids[0].eos = material::Jwl{};
-  c.regions[0].fluid = 1;
+  c.initial_states[0].fluid = 1;
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
   return c;

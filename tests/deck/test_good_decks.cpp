@@ -271,13 +271,13 @@ TEST(GoodDecks, EveryKeyArrives) {
   ASSERT_TRUE(c.obstacles[1].release);
   EXPECT_DOUBLE_EQ(c.obstacles[1].release->pressure, 1e4);
   EXPECT_DOUBLE_EQ(c.obstacles[1].release->areal_mass, 10.0);
-  ASSERT_EQ(c.regions.size(), 2U);
-  EXPECT_EQ(c.regions[0].fluid, 0);
-  EXPECT_DOUBLE_EQ(c.regions[0].state.density, 2.0);
-  EXPECT_DOUBLE_EQ(c.regions[0].state.pressure, 2e5);
-  EXPECT_EQ(c.regions[1].fluid, 1);
-  EXPECT_EQ(c.regions[1].fluid_name, "mine");
-  EXPECT_DOUBLE_EQ(c.regions[1].state.density, 1630.0);
+  ASSERT_EQ(c.initial_states.size(), 2U);
+  EXPECT_EQ(c.initial_states[0].fluid, 0);
+  EXPECT_DOUBLE_EQ(c.initial_states[0].state.density, 2.0);
+  EXPECT_DOUBLE_EQ(c.initial_states[0].state.pressure, 2e5);
+  EXPECT_EQ(c.initial_states[1].fluid, 1);
+  EXPECT_EQ(c.initial_states[1].fluid_name, "mine");
+  EXPECT_DOUBLE_EQ(c.initial_states[1].state.density, 1630.0);
 
   EXPECT_EQ(c.numerics.scheme, run::Scheme::lax_wendroff);
   EXPECT_EQ(c.numerics.courant, 0.6);
@@ -318,9 +318,10 @@ TEST(GoodDecks, TheAfterburnTakesTheEnergyOfItsExplosive) {
   EXPECT_DOUBLE_EQ(std::get<material::ConstantRateAfterburn>(c.afterburn->rate).begin, 4e-5);
   EXPECT_FALSE(c.afterburn->carried());
   // Products in a region burn as those of charges do.
-  run::Case const region = read(small_domain +
-                                "[[region]]\nshape = \"sphere\"\nradius = 0.2\nposition = [1, 1, 1]\nfluid = \"TNT\"\n"
-                                "[afterburn]\nmodel = \"constant_rate\"\nbegin = 0\nend = \"0.5 ms\"\n");
+  run::Case const region =
+      read(small_domain +
+           "[[initial_state]]\nshape = \"sphere\"\nradius = 0.2\nposition = [1, 1, 1]\nfluid = \"TNT\"\n"
+           "[afterburn]\nmodel = \"constant_rate\"\nbegin = 0\nend = \"0.5 ms\"\n");
   ASSERT_TRUE(region.afterburn);
 }
 
@@ -360,11 +361,11 @@ TEST(GoodDecks, WhatHasNoEffectWarns) {
                 .find("surface_pressure[1].history: never acts within this calculation"),
             std::string::npos);
   EXPECT_NE(
-      warnings(plate + "[[constraint]]\nregion = {shape = \"box\", lower = [1.5, 0.5, 0.5], upper = [1.7, 1, 1]}\n")
-          .find("constraint[1].region: holds no node of a body at the start"),
+      warnings(plate + "[[constraint]]\nwithin = {shape = \"box\", lower = [1.5, 0.5, 0.5], upper = [1.7, 1, 1]}\n")
+          .find("constraint[1].within: holds no node of a body at the start"),
       std::string::npos);
   EXPECT_EQ(
-      warnings(plate + "[[constraint]]\nregion = {shape = \"box\", lower = [0.5, 0.5, 0.5], upper = [0.5001, 1, 1]}\n"),
+      warnings(plate + "[[constraint]]\nwithin = {shape = \"box\", lower = [0.5, 0.5, 0.5], upper = [0.5001, 1, 1]}\n"),
       "");
 }
 
@@ -374,8 +375,8 @@ TEST(GoodDecks, OneDimensionMayDoWithoutBrackets) {
   EXPECT_EQ(c.ambient.fluid.name, "tube");
   EXPECT_DOUBLE_EQ(c.ambient.state.pressure, 0.1);
   EXPECT_TRUE(c.other_fluids.empty());
-  ASSERT_EQ(c.regions.size(), 1U);
-  auto const& box = std::get<Box>(c.regions[0].shape);
+  ASSERT_EQ(c.initial_states.size(), 1U);
+  auto const& box = std::get<Box>(c.initial_states[0].shape);
   EXPECT_DOUBLE_EQ(box.lower[0], 0.0);
   EXPECT_DOUBLE_EQ(box.upper[0], 0.5);
   EXPECT_TRUE(c.charges.empty());
@@ -500,13 +501,13 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   ASSERT_EQ(p.constraints.size(), 3U);
   EXPECT_EQ(p.constraints[0].held, (std::array{true, true, true}));
   EXPECT_EQ(p.constraints[0].body, -1);
-  EXPECT_EQ(std::get<Box>(p.constraints[0].region).upper[0], 0.55);
+  EXPECT_EQ(std::get<Box>(p.constraints[0].within).upper[0], 0.55);
   EXPECT_EQ(p.constraints[1].held, (std::array{true, false, false}));
   EXPECT_EQ(p.constraints[1].body, 0);
   EXPECT_EQ(p.constraints[2].held, (std::array{true, true, false}));
   EXPECT_EQ(p.constraints[2].velocity, (Vec3{1.0, 2.0, 0.0}));
   EXPECT_EQ(p.constraints[2].body, 2);
-  EXPECT_TRUE(std::holds_alternative<shape::Everywhere>(p.constraints[2].region));
+  EXPECT_TRUE(std::holds_alternative<shape::Everywhere>(p.constraints[2].within));
 
   ASSERT_EQ(p.contacts.size(), 1U);
   EXPECT_EQ(p.contacts[0].first, 1);
@@ -535,9 +536,9 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_NEAR(p.pressures[1].thickness, 1.0 / 60.0, 1e-12);
   EXPECT_EQ(p.pressures[1].times, (std::vector{0.0, 1e-6}));
   EXPECT_EQ(p.pressures[1].pressures, (std::vector{2e6, 2e6}));
-  EXPECT_TRUE(shape::contains(p.pressures[1].region, {0.85, 0.25, -0.1 + 0.5 / 60.0}));
-  EXPECT_FALSE(shape::contains(p.pressures[1].region, {0.85, 0.25, -0.1 + 1.5 / 60.0}));
-  EXPECT_FALSE(shape::contains(p.pressures[1].region, {0.7, 0.25, -0.1 + 0.5 / 60.0}));
+  EXPECT_TRUE(shape::contains(p.pressures[1].within, {0.85, 0.25, -0.1 + 0.5 / 60.0}));
+  EXPECT_FALSE(shape::contains(p.pressures[1].within, {0.85, 0.25, -0.1 + 1.5 / 60.0}));
+  EXPECT_FALSE(shape::contains(p.pressures[1].within, {0.7, 0.25, -0.1 + 0.5 / 60.0}));
 
   ASSERT_EQ(p.gauges.size(), 2U);
   EXPECT_EQ(p.gauges[0].name, "g1");
@@ -620,7 +621,7 @@ TEST(GoodDecks, SurfacePressurePushesWithItsForce) {
                "\"box\"\n"
                "lower = [0.3, 0.3, 0.3]\nupper = [0.6, 0.6, " +
                top + "]\n[[surface_pressure]]\nnormal = \"" + normal +
-               "\"\npressure = 1e6\nregion = {shape = \"box\", lower = [0.3, 0.3, 0], upper = [0.6, 0.4, 1]}\n"));
+               "\"\npressure = 1e6\nwithin = {shape = \"box\", lower = [0.3, 0.3, 0], upper = [0.6, 0.4, 1]}\n"));
       double const push = normal == "+z" ? -1.0 : 1.0;
       while (!world.finished()) run::advance(world, world.setup.end.time);
       Vec3 const momentum = mpm::sums(*world.points, 0).momentum;
@@ -746,7 +747,7 @@ TEST(GoodDecks, WhereGasAndBodiesMeetThereIsAnMpmRegion) {
   EXPECT_FALSE(read(domain + body).mpm_region);
   for (std::string const gas :
        {"[mpm_region]\n", "[[charge]]\nmass = 0.1\nposition = [0.15, 0.15, 0.15]\n",
-        "[[region]]\nshape = \"sphere\"\nradius = 0.1\npressure = 2e5\n",
+        "[[initial_state]]\nshape = \"sphere\"\nradius = 0.1\npressure = 2e5\n",
         "[[obstacle]]\nradius = 0.05\nposition = [0.1, 0.1, 0.1]\n", "[[gauge]]\npoint = [0, 0, 0]\n"}) {
     run::Case const c = read(domain + "[mpm_region]\nmargin = 9\n" + (gas[1] == 'm' ? "" : gas) + body);
     EXPECT_TRUE(c.mpm_region && c.mpm_region->boxes.empty()) << gas;
@@ -769,7 +770,7 @@ TEST(GoodDecks, WarningsNameWhatIsDoubtful) {
   auto const idle = deck::read_text(small_domain, "d");
   ASSERT_EQ(idle.warnings.size(), 1U);
   EXPECT_EQ(idle.warnings[0],
-            "d:1:1: warning: charge: nothing will happen: there is no charge, no region and no inflow");
+            "d:1:1: warning: charge: nothing will happen: there is no charge, no initial state and no inflow");
   auto const warnings = [](std::string const& text) {
     auto const result = deck::read_text(small_domain + text, "d");
     EXPECT_TRUE(result.case_) << deck::format(result.errors.at(0));

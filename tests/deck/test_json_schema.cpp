@@ -297,7 +297,7 @@ TEST(JsonSchema, StringsThatAreQuantitiesFit) {
     EXPECT_EQ(problem(before + cell + "\n[end]\ntime = 1\n"), "") << cell;
     EXPECT_TRUE(errors_of(before + cell + "\n[end]\ntime = 1\n").empty()) << cell;
   }
-  EXPECT_EQ(problem(std::string(sound) + "[[region]]\nvelocity = [\"\u22123 m/s\", 0, 0]\n"), "");
+  EXPECT_EQ(problem(std::string(sound) + "[[initial_state]]\nvelocity = [\"\u22123 m/s\", 0, 0]\n"), "");
   EXPECT_EQ(problem(before + "\"50 kg\"\n[end]\ntime = 1\n"), "");
   for (auto const* cell : {"\"\"", "\"mm\"", "\"50,0 mm\"", "\"5.0.1 mm\"", "\"++5 mm\""}) {
     EXPECT_NE(problem(before + cell + "\n[end]\ntime = 1\n"), "") << cell;

@@ -71,7 +71,7 @@ cell = 0.01
 box = {lower = 0.2, upper = 0.4}
 [[gauge]]
 point = 0.1
-[[region]]
+[[initial_state]]
 shape = "box"
 lower = 0.0
 upper = 0.05

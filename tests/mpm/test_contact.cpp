@@ -239,7 +239,7 @@ TEST_P(EachShape, SurfacePressureAcceleratesAPlate) {
   problem.fill(plate, shape::Box{{0.0, 4.0, -1.0}, {8.0, 7.0, 1.0}});
   mpm::SurfacePressure load;
   load.body = plate;
-  load.region = shape::Box{{-1.0, 6.5, -1.0}, {9.0, 7.5, 1.0}};
+  load.within = shape::Box{{-1.0, 6.5, -1.0}, {9.0, 7.5, 1.0}};
   load.normal = {0.0, 1.0, 0.0};
   load.thickness = 0.5;
   load.times = {0.0, 40.0, 80.0};
@@ -304,7 +304,7 @@ TEST(SurfacePressure, ActsFromItsFirstTimeToItsLast) {
         shape::Box region{{-1.0, -1.0, -1.0}, {5.0, 5.0, 5.0}};
         region.lower[d] = face % 2 == 0 ? 2.5 : 4.5;
         region.upper[d] = face % 2 == 0 ? 3.5 : 5.5;
-        load.region = region;
+        load.within = region;
         load.normal = {0.0, 0.0, 0.0};
         load.normal[d] = outwards;
         load.thickness = 0.5;
@@ -347,7 +347,7 @@ TEST(SurfacePressure, OfSeveralFacesMeetAtTheEdges) {
     load.body = block;
     shape::Box region{{0.0, 0.0, 0.0}, {10.0, 10.0, 10.0}};
     region.upper[d] = low[d] + 0.5;
-    load.region = region;
+    load.within = region;
     load.normal = {0.0, 0.0, 0.0};
     load.normal[d] = -1.0;
     load.thickness = 0.5;

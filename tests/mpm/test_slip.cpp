@@ -155,7 +155,7 @@ TEST(Slip, AHeldBodyHoldsTheGasAcrossItsFaceOnly) {
   Vec3 const towards{0.5, -0.2, 0.0};
   Stream s(true);
   mpm::Constraint hold;
-  hold.region = shape::Box{{-1.0, -1.0, -1.0}, {2.0, 0.4, 1.0}};
+  hold.within = shape::Box{{-1.0, -1.0, -1.0}, {2.0, 0.4, 1.0}};
   s.constraints.push_back(hold);
   s.start();
   s.mpm->set_reference_pressure(s.gas, pressure);

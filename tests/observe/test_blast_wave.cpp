@@ -372,7 +372,7 @@ bool overshoots_at_walls() {
   auto const& air = c.ambient.state;
   double const behind = air.pressure * 31.0 / 3.0;
   auto const shock = material::shocked(c.ambient.fluid.eos, air.density, air.pressure, behind);
-  c.regions.push_back(
+  c.initial_states.push_back(
       {shape::Box{{-1.0, -1.0, -1.0}, {0.5, 1.0, 1.0}}, {shock.density, behind, {shock.jump, 0.0, 0.0}}, false, ""});
   c.gauges.push_back({"g", {1.0, 0.0, 0.0}});
   Watched world(std::move(c));
@@ -412,7 +412,7 @@ TEST(ClippedBlast, OnWallAndObstacleOfTwoDimensionsAsOnFineCellsOfOne) {
   auto const hot = [](Geometry geometry, Index3 const& cells, double h, Vec3 const& centre) {
     run::Case c = run::air_case(geometry, cells, h, Boundary::outflow);
     c.domain.boundary[0] = Boundary::symmetry;
-    c.regions.push_back({shape::Sphere{centre, 0.1}, {1.225, 1e7, {0.0, 0.0, 0.0}}, false, ""});
+    c.initial_states.push_back({shape::Sphere{centre, 0.1}, {1.225, 1e7, {0.0, 0.0, 0.0}}, false, ""});
     return c;
   };
   auto one = hot(Geometry::spherical1d, {2000, 1, 1}, 2.5e-4, {0.0, 0.0, 0.0});

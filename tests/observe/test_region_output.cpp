@@ -22,10 +22,10 @@ Case tube(bool body) {
   c.domain.cells = {200, 1, 1};
   c.ambient.fluid.eos = material::IdealGas{};
   c.ambient.fluid.name = "air";
-  Region high;
+  InitialState high;
   high.shape = shape::Box{{0.0, -1.0, -1.0}, {0.4, 1.0, 1.0}};
   high.state = {2.45, 2.0 * 101325.0, {0.0, 0.0, 0.0}};
-  c.regions.push_back(high);
+  c.initial_states.push_back(high);
   MpmRegion region;
   region.boxes = {shape::Box{{1.0, 0.0, 0.0}, {2.0, 0.0, 0.0}}};
   c.mpm_region = region;

@@ -59,7 +59,7 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   EXPECT_EQ(log["audit"]["balanced"], true);
   EXPECT_EQ(log["audit"]["reasons"].size(), 0U);
   EXPECT_EQ(log["audit"]["for_comparison"], false);
-  EXPECT_EQ(log["audit"]["findings"]["guard_energy"]["told"], false);
+  EXPECT_EQ(log["audit"]["findings"]["guard_energy"]["reported"], false);
   EXPECT_TRUE(fs::exists(folder / "fields/fields_000000.h5"));
   EXPECT_TRUE(fs::exists(folder / "summary.csv"));
   auto const gauge = read_file(folder / "gauges/g.csv");
@@ -79,7 +79,7 @@ TEST(Writer, LogTellsWhatDoesNotBalance) {
   EXPECT_EQ(audit["balanced"], false);
   EXPECT_GE(audit["reasons"].size(), 1U);
   EXPECT_EQ(audit["findings"]["guard_energy"]["amount"], 1e3);
-  EXPECT_EQ(audit["findings"]["guard_energy"]["told"], true);
+  EXPECT_EQ(audit["findings"]["guard_energy"]["reported"], true);
 }
 
 TEST(Writer, StoppedRunSaysSo) {

@@ -141,9 +141,10 @@ def write(folder, which, dumps=5, drift=-2e-3):
            "timings": {} if bare else {"points to grid": 3.0, "strain and stress": 4.0},
            "audit": {"balanced": True, "reasons": [], "drift_judged": True, "for_comparison": False,
                      "findings": {"drift": {"amount": 186.0 * drift, "scale": 186.0, "share": drift, "warn": 5e-3,
-                                            "fail": 5e-2, "told": abs(drift) > 5e-3}},
+                                            "fail": 5e-2, "reported": abs(drift) > 5e-3}},
                      "initial": totals, "current": totals, "outflow": totals, "guarded_cells": 0, "guard_mass": 0.0,
                      "guard_energy": 0.0, "relative_error": {"mass": [1e-16, 0.0], "energy": abs(drift)}},
+           "format": 1,
            "versions": {"brisance": "0.1.0", "compiler": "GNU 12.2.0", "compiler_flags": "-O3", "hdf5": "1.10.8"},
            "machine": {"processor": "AMD EPYC 7B13", "cores": 2, "threads": 2},
            "points": {"count": 2000, "bytes": 600000, "shape_function": "bspline", "order": "musl", "transfer": "xpic",
@@ -156,7 +157,7 @@ def write(folder, which, dumps=5, drift=-2e-3):
                                              "lost": [0.0, 0.0, 0.0], "constraint_impulse": [0.0, 0.0, 0.0]},
                                 "energy": {"initial": 186.0, "current": 186.0 * (1 + drift), "lost": 0.0,
                                            "scale": 186.0, "drift": drift, "largest_drift": drift,
-                                           "work": 0.0, "lost_at_held_nodes": 0.25, "filtered": 0.0, "apic": 0.0,
+                                           "work": 0.0, "lost_at_constrained_nodes": 0.25, "filtered": 0.0, "apic": 0.0,
                                            "friction": 0.125},
                                 "lost_points": 17 if which == "1d" else 0}}}
     (folder / "run.json").write_text(json.dumps(log))

@@ -148,7 +148,7 @@ def write(folder, which, dumps=7):
         write_gauges(folder, kind, end)
     totals = {"mass": [1764.0, 8.0], "momentum": [0.0, 0.0, 0.0], "energy": 4.1e8}
     nothing = {"mass": [0.0, 0.0], "momentum": [0.0, 0.0, 0.0], "energy": 0.0}
-    charge = {"explosive": "TNT", "asked_mass": MASS, "realised_mass": MASS * (1 + 2e-15), "realised_energy": 3.43e7,
+    charge = {"explosive": "TNT", "specified_mass": MASS, "realised_mass": MASS * (1 + 2e-15), "realised_energy": 3.43e7,
               "cells_per_radius": 7.4, "centre": [0.0, 0.0, 0.0], "source": "Dobratz & Crawford 1985 (LLNL UCRL-52997)",
               "density": 1630.0, "detonation": "programmed", "tnt_equivalent_pressure": 1.0,
               "tnt_equivalent_impulse": 1.0}
@@ -167,10 +167,11 @@ def write(folder, which, dumps=7):
                                        "field_output": 9.9, "gauges": 0.3},
            "audit": {"balanced": True, "reasons": [], "drift_judged": True, "for_comparison": False,
                      "findings": {"guard_energy": {"amount": 3.2e-3, "scale": 3.43e7, "share": 9.3e-11, "warn": 1e-4,
-                                                   "fail": 1e-2, "told": False}},
+                                                   "fail": 1e-2, "reported": False}},
                      "initial": totals, "current": totals, "outflow": nothing, "guarded_cells": 0 if bare else 12,
                      "guard_mass": 1e-12, "guard_energy": 3.2e-3,
                      "relative_error": {"mass": [3e-16, 1.4e-13], "energy": 2.2e-8}},
+           "format": 1,
            "versions": {"brisance": "0.1.0", "compiler": "GNU 12.2.0", "compiler_flags": "-O3 -march=native",
                         "hdf5": "1.10.8"},
            "machine": {"processor": "AMD EPYC 7B13", "cores": 2, "threads": 2}}

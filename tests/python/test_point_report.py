@@ -59,7 +59,7 @@ class Pages(Folders):
         sound = path.read_text(encoding="utf-8")
         log = json.loads(sound)
         log["audit"].update(balanced=False, reasons=["the energy has drifted"])
-        log["audit"]["findings"]["drift"]["told"] = True
+        log["audit"]["findings"]["drift"]["reported"] = True
         path.write_text(json.dumps(log), encoding="utf-8")
         try:
             page = self.page("2d")
@@ -84,7 +84,7 @@ class Verdicts(unittest.TestCase):
     def test_of_the_drift_by_the_limits_of_the_deck(self):
         def verdict(drift, warn, told):
             return report.drift_verdict({"drift": 0.0, "largest_drift": drift},
-                                        {"audit": {"findings": {"drift": {"warn": warn, "told": told}}}})
+                                        {"audit": {"findings": {"drift": {"warn": warn, "reported": told}}}})
         self.assertEqual(verdict(0.04, 0.05, False), report.badge("good", "within 5 %"))
         self.assertEqual(verdict(0.06, 0.05, True), report.badge("bad", "more than 5 %"))
         self.assertEqual(verdict(0.06, 0.0, False), report.badge("warn", "not judged"))

@@ -122,6 +122,16 @@ class Reader(unittest.TestCase):
         finally:
             path.write_bytes(whole)
 
+    def test_run_of_another_format_is_refused_by_name(self):
+        log = self.root / "line" / "run.json"
+        text = log.read_text()
+        try:
+            log.write_text(re.sub(r'"format": 1\b', '"format": 2', text))
+            with self.assertRaisesRegex(results.UnknownFormat, "format 2, this reader knows 1"):
+                results.Run(self.root / "line")
+        finally:
+            log.write_text(text)
+
     def test_no_dump_is_told(self):
         with self.assertRaisesRegex(ValueError, "no dump"):
             results.nearest(results.Run(self.root / "bare").dumps, 0.0)

@@ -84,7 +84,7 @@ TEST(Verdict, GuardsAreAnErrorOfTheChargesEnergy) {
 TEST(Verdict, WithoutChargesGuardsCompareWithTheEnergyAboveTheAmbientState) {
   Case c = air_case(grid::Geometry::planar1d, {200, 1, 1}, 0.01, grid::Boundary::wall);
   material::Primitive const ambient = c.ambient.state;
-  c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}}, {3.0, 5.0 * ambient.pressure, {}}, false, ""}};
+  c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}}, {3.0, 5.0 * ambient.pressure, {}}, false, ""}};
   observe::Watched w(c);
   w.update_audit();
   double const above = 4.0 * ambient.pressure / 0.4 * 0.5;
@@ -93,10 +93,10 @@ TEST(Verdict, WithoutChargesGuardsCompareWithTheEnergyAboveTheAmbientState) {
   w.audit.current.energy = w.audit.initial.energy + w.audit.guard_energy;
   EXPECT_NE(reason(w).find("of the energy at work"), std::string::npos) << reason(w);
   // A region below the ambient state works as well as one above.
-  c.regions[0].state.pressure = 0.5 * ambient.pressure;
+  c.initial_states[0].state.pressure = 0.5 * ambient.pressure;
   EXPECT_NEAR(finding(observe::Watched(c), Kind::guard_energy).scale / (0.5 * ambient.pressure / 0.4 * 0.5), 1.0, 1e-3);
   // Nothing is at work in air at rest: round-off is none, all else is.
-  c.regions.clear();
+  c.initial_states.clear();
   observe::Watched still(c);
   still.update_audit();
   EXPECT_EQ(reason(still), "");
@@ -242,7 +242,7 @@ TEST(Verdict, KnowsWhatIsAtWorkInARegion) {
   observe::Watched const still(c);
   EXPECT_LT(still.energy_balance().scale, 1e-12 * still.energy_balance().all);
   EXPECT_FALSE(still.for_comparison());
-  c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.05, 0.48, 0.0}}, {2.0, 3e5, {}}, false, ""}};
+  c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.05, 0.48, 0.0}}, {2.0, 3e5, {}}, false, ""}};
   double const above = (3e5 - c.ambient.state.pressure) / 0.4 * 0.05 * 0.48;
   EXPECT_NEAR(observe::Watched(c).energy_balance().scale / above, 1.0, 1e-3);
   c.mpm_region->transport = bridge::Transport::paper;
@@ -257,7 +257,7 @@ TEST(Verdict, GasInTheLedgerIsAnError) {
   Case c = air_case(grid::Geometry::planar1d, {200, 1, 1}, 0.005, grid::Boundary::wall);
   c.mpm_region.emplace();
   c.mpm_region->boxes = {shape::Box{{0.4, 0.0, 0.0}, {0.6, 0.0, 0.0}}};
-  c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.25, 0.0, 0.0}}, {2.0, 1.5e5, {}}, false, ""}};
+  c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.25, 0.0, 0.0}}, {2.0, 1.5e5, {}}, false, ""}};
   c.end.time = 2e-3;
   observe::Watched w(c);
   while (!w.finished()) {
@@ -292,7 +292,7 @@ TEST(FollowAudit, FirstMomentsOfALoadAreNoDrift) {
   push.points.pressures = {{}};
   mpm::SurfacePressure& load = push.points.pressures.front();
   load.body = 1;
-  load.region = shape::Box{{0.042, 0.0, 0.0}, {0.043, 0.03, 0.0}};
+  load.within = shape::Box{{0.042, 0.0, 0.0}, {0.043, 0.03, 0.0}};
   load.normal = {1.0, 0.0, 0.0};
   load.thickness = 1e-3;
   load.times = {2.03e-6, 30e-6};
@@ -351,7 +351,7 @@ TEST(FollowAudit, RemembersTheSameWhateverIsWritten) {
   c.mpm_region.emplace();
   c.mpm_region->boxes = {shape::Box{{0.16, 0.0, 0.0}, {0.4, 0.16, 0.0}}};
   c.points.options.block_cells = 8;
-  c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.08, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
+  c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.08, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
   c.end.time = 0.1;  // the looks by the time are far apart, those by steps are not
   std::vector<double> first;
   for (int const count : {1, 2}) {

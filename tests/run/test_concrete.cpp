@@ -42,7 +42,7 @@ Case bar() {
   body.shape = shape::Box{{0.0, 0.0, 0.0}, {0.25, 0.0, 0.0}};
   c.points.bodies = {body};
   mpm::SurfacePressure push;
-  push.region = shape::Box{{0.0, 0.0, 0.0}, {1e-3, 0.0, 0.0}};
+  push.within = shape::Box{{0.0, 0.0, 0.0}, {1e-3, 0.0, 0.0}};
   push.normal = {-1.0, 0.0, 0.0};
   push.thickness = 1e-3;
   push.times = {0.0, 60e-6};

@@ -102,8 +102,8 @@ Case in_the_wind(Scheme scheme, bool sleep) {
   c.ambient.state.velocity = {60.0, 0.0, 0.0};
   c.inflow.fill(c.ambient.state);
   c.charges.front().initiation = {{{0.17, 0.0, 0.21}, 40e-6}};
-  c.regions = {{shape::Box{{0.7, 0.3, 0.3}, {0.8, 0.4, 0.4}}, c.ambient.state, 0, ""}};
-  c.regions.front().state.velocity = {0.0, 0.0, 0.0};
+  c.initial_states = {{shape::Box{{0.7, 0.3, 0.3}, {0.8, 0.4, 0.4}}, c.ambient.state, 0, ""}};
+  c.initial_states.front().state.velocity = {0.0, 0.0, 0.0};
   return c;
 }
 

@@ -45,8 +45,8 @@ TEST(GroundBurst, AWallAndASymmetryPlaneGiveTheSameBlast) {
       observe::Watched mirror(on_the_ground(geometry, grid::Boundary::symmetry, programmed));
       // The hemisphere is half of the sphere; what lies in the domain is the same.
       EXPECT_NEAR(mirror.charges[0].realised_mass / wall.charges[0].realised_mass, 2.0, 1e-12);
-      EXPECT_NEAR(wall.charges[0].realised_mass / wall.charges[0].asked_mass, 1.0, 1e-12);
-      EXPECT_NEAR(mirror.charges[0].realised_mass / mirror.charges[0].asked_mass, 1.0, 1e-12);
+      EXPECT_NEAR(wall.charges[0].realised_mass / wall.charges[0].specified_mass, 1.0, 1e-12);
+      EXPECT_NEAR(mirror.charges[0].realised_mass / mirror.charges[0].specified_mass, 1.0, 1e-12);
       double const images = geometry == grid::Geometry::cartesian3d ? 4.0 : 1.0;  // of the wall's: two more planes
       EXPECT_NEAR(wall.totals().mass[1] * images / wall.charges[0].realised_mass, 1.0, 1e-12);
       EXPECT_NEAR(mirror.totals().mass[1] / wall.totals().mass[1], 1.0, 1e-12);
@@ -113,7 +113,8 @@ std::vector<GaugeRecord> ideal_burst(double pressure, double density, double end
   c.numerics.density_floor *= density;
   c.numerics.pressure_floor *= pressure;
   for (auto& state : c.inflow) state = c.ambient.state;
-  c.regions = {{shape::Sphere{{0.0, 0.0, 0.0}, 0.3}, {20.0 * density, 5e6 * pressure, {0.0, 0.0, 0.0}}, false, ""}};
+  c.initial_states = {
+      {shape::Sphere{{0.0, 0.0, 0.0}, 0.3}, {20.0 * density, 5e6 * pressure, {0.0, 0.0, 0.0}}, false, ""}};
   c.gauges = {{"g", {1.0, 0.0, 0.0}}};
   observe::Watched world(c);
   advance_to(world, end);

@@ -25,7 +25,7 @@ Obstacle panel(shape::Shape const& shape, double pressure, double areal_mass = 0
   return {"panel", shape, Release{pressure, areal_mass}};
 }
 
-Region air_at(shape::Shape const& shape, double pressure) {
+InitialState air_at(shape::Shape const& shape, double pressure) {
   return {shape, {1.225 * pressure / 101325.0, pressure, {0.0, 0.0, 0.0}}, false, ""};
 }
 
@@ -120,7 +120,7 @@ Outflow empty(double pressure, int cells_per_half, int periods, double (*contrac
   Case c = air_case(Geometry::planar2d, {16 * cells_per_half, 10 * cells_per_half + 1, 1}, h, Boundary::outflow);
   c.domain.boundary[0] = Boundary::wall;
   c.domain.boundary[2] = Boundary::symmetry;
-  c.regions = {air_at(box(0.0, 1.0), pressure)};
+  c.initial_states = {air_at(box(0.0, 1.0), pressure)};
   c.obstacles = {wall(box(0.0, 1.0, 1.0)), wall(box(1.0, 1.0 + h, 0.1)), panel(box(1.0, 1.0 + h, 0.0, 0.1), 0.3 * bar)};
   c.output.peak_fields = false;
   World w = setup::build(c);
@@ -177,7 +177,7 @@ TEST(Panels, ARoomIsEmptiedAsByASubsonicOrifice) {
 /// All of a tube's section opens: a shock tube. The contact runs at the speed of the exact solution.
 TEST(Panels, ATubeThatOpensIsAShockTube) {
   Case c = air_case(Geometry::planar1d, {400, 1, 1}, 0.0025, Boundary::wall);
-  c.regions = {air_at(box(0.0, 0.5), 4.0 * bar)};
+  c.initial_states = {air_at(box(0.0, 0.5), 4.0 * bar)};
   c.obstacles = {panel(box(0.5, 0.505), 2.0 * bar)};
   World w = setup::build(c);
   advance_to(w, 0.6e-3);
@@ -204,7 +204,7 @@ TEST(Panels, ATubeThatOpensIsAShockTube) {
 /// A fan of rarefaction comes to the panel from outside: the difference of the pressures rises steadily.
 TEST(Panels, GivesWayAtItsPressureAndNotBefore) {
   Case c = air_case(Geometry::planar2d, {200, 10, 1}, 0.01, Boundary::wall);
-  c.regions = {air_at(box(0.0, 1.4), 2.0 * bar), air_at(box(1.4, 2.0), 0.5 * bar)};
+  c.initial_states = {air_at(box(0.0, 1.4), 2.0 * bar), air_at(box(1.4, 2.0), 0.5 * bar)};
   c.obstacles = {wall(box(0.4, 0.42)), panel(box(0.4, 0.42, 0.02, 0.06), 0.3 * bar)};
   World w = setup::build(c);
   ASSERT_NEAR(only_panel(w).place.area, 0.04, 1e-12);
@@ -236,7 +236,7 @@ TEST(Panels, GivesWayAtItsPressureAndNotBefore) {
 
 TEST(Panels, HoldsBelowItsPressure) {
   Case c = air_case(Geometry::planar1d, {100, 1, 1}, 0.01, Boundary::wall);
-  c.regions = {air_at(box(0.0, 0.4), 1.5 * bar)};
+  c.initial_states = {air_at(box(0.0, 0.4), 1.5 * bar)};
   c.obstacles = {panel(box(0.5, 0.52), 1.0 * bar)};
   World w = setup::build(c);
   advance_to(w, 0.01);
@@ -283,8 +283,8 @@ TEST(Panels, OpensInEveryGeometryAndBooksWhatItsCellsHold) {
         }
         return b;
       };
-      c.regions = {air_at(slab(0.0, 0.2, 0.0), low_end ? 3.0 * bar : 0.5 * bar),
-                   air_at(slab(0.2, 0.4, 0.0), low_end ? 0.5 * bar : 3.0 * bar)};
+      c.initial_states = {air_at(slab(0.0, 0.2, 0.0), low_end ? 3.0 * bar : 0.5 * bar),
+                          air_at(slab(0.2, 0.4, 0.0), low_end ? 0.5 * bar : 3.0 * bar)};
       c.obstacles = {wall(slab(0.2, 0.22, 0.0)), panel(slab(0.2, 0.22, 0.08), 2.0 * bar)};
       if (dims == 1) c.obstacles.erase(c.obstacles.begin());
       World w = setup::build(c);
@@ -322,7 +322,7 @@ TEST(Panels, AHeavyPanelOpensFromItsEdgeAsItMoves) {
   Case c = air_case(Geometry::planar2d, {80, 60, 1}, 0.01, Boundary::outflow);
   c.domain.boundary[0] = c.domain.boundary[3] = Boundary::wall;
   c.domain.boundary[2] = Boundary::symmetry;
-  c.regions = {air_at(box(0.0, 0.5), 2.0 * bar)};
+  c.initial_states = {air_at(box(0.0, 0.5), 2.0 * bar)};
   c.obstacles = {wall(box(0.5, 0.51)), panel(box(0.5, 0.51, 0.0, 0.2), 0.5 * bar, m)};
   World w = setup::build(c);
   PanelReport const& p = only_panel(w);

@@ -30,7 +30,7 @@ cell = "5 mm"
 all = "wall"
 x_high = "outflow"
 y_low = "symmetry"
-[[region]]
+[[initial_state]]
 shape = "box"
 lower = [0, 0]
 upper = [0.2, 0.05]
@@ -52,7 +52,7 @@ upper = [0.21, 0.05]
 [[constraint]]
 body = "plate"
 kind = "fixed"
-region = {shape = "box", lower = [0.19, 0.045], upper = [0.22, 0.05]}
+within = {shape = "box", lower = [0.19, 0.045], upper = [0.22, 0.05]}
 [mpm_region]
 box = {lower = [0.16, 0], upper = [0.42, 0.05]}
 [end]
@@ -124,7 +124,7 @@ cell = "2.5 mm"
 all = "wall"
 x_high = "outflow"
 y_low = "symmetry"
-[[region]]
+[[initial_state]]
 shape = "box"
 lower = [0, 0]
 upper = [0.2, 0.05]
@@ -177,7 +177,7 @@ cell = "2.5 mm"
 [boundaries]
 all = "wall"
 x_high = "outflow"
-[[region]]
+[[initial_state]]
 shape = "box"
 lower = [0, 0]
 upper = [0.2, 0.05]

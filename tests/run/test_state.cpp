@@ -217,7 +217,7 @@ TEST(State, OneFluidInOneDimensionGoesOnAfterAnyStep) {
   Case c = air_case(grid::Geometry::spherical1d, {200, 1, 1}, 0.01, grid::Boundary::outflow);
   c.numerics.block_cells = 32;
   c.output.peak_fields = false;
-  c.regions = {{shape::Sphere{{0.0, 0.0, 0.0}, 0.3}, {20.0, 5e6, {0.0, 0.0, 0.0}}, false, ""}};
+  c.initial_states = {{shape::Sphere{{0.0, 0.0, 0.0}, 0.3}, {20.0, 5e6, {0.0, 0.0, 0.0}}, false, ""}};
   expect_the_same_after_any_stop(c, 40);
 }
 
@@ -237,7 +237,7 @@ Case everything(mpm::Transfer transfer, mpm::ShapeFunction function, mpm::Stress
   c.points.constraints = {{shape::Box{{0.04, 0.0, 0.0}, {0.045, 0.03, 0.0}}, {true, true, true}, {0.0, 10.0, 0.0}, 1}};
   mpm::SurfacePressure push;
   push.body = 0;
-  push.region = shape::Box{{0.0, 0.0, 0.0}, {0.0035, 0.03, 0.0}};
+  push.within = shape::Box{{0.0, 0.0, 0.0}, {0.0035, 0.03, 0.0}};
   push.normal = {-1.0, 0.0, 0.0};
   push.thickness = 1e-3;
   push.times = {0.0, 4e-6, 1e-5};
@@ -275,7 +275,7 @@ TEST(State, ReinforcedConcreteGoesOnAfterAnyStep) {
   mpm::SurfacePressure push;
   push.normal = {1.0, 0.0, 0.0};
   push.thickness = 0.005;
-  push.region = shape::Box{{0.095, 0.0, 0.0}, {0.1, 0.04, 0.04}};
+  push.within = shape::Box{{0.095, 0.0, 0.0}, {0.1, 0.04, 0.04}};
   push.times = {0.0, 1e-4};
   push.pressures = {3e7, 3e7};
   c.points.pressures = {push};
@@ -318,7 +318,7 @@ Case coupled(bool with_plate, mpm::Transfer transfer, mpm::StressOrder order) {
   c.mpm_region->transfer = transfer;
   c.mpm_region->order = order;
   c.points.options.block_cells = 8;
-  c.regions = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.12, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
+  c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.12, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
   c.gauges = {{"before", {0.14, 0.1, 0.0}}, {"within", {0.5, 0.1, 0.0}}};
   if (!with_plate) return c;
   Body plate;

@@ -26,8 +26,8 @@ using shape::Sphere;
 constexpr double pi = std::numbers::pi;
 constexpr Vec3 along_z{0.0, 0.0, 1.0};
 
-Region region_of(Shape const& shape, double density, double pressure, Vec3 const& velocity = {0.0, 0.0, 0.0}) {
-  Region region;
+InitialState region_of(Shape const& shape, double density, double pressure, Vec3 const& velocity = {0.0, 0.0, 0.0}) {
+  InitialState region;
   region.shape = shape;
   region.state = {density, pressure, velocity};
   return region;
@@ -46,7 +46,7 @@ struct Quiet {
 };
 
 Quiet quiet(Case c) {
-  c.regions.clear();
+  c.initial_states.clear();
   World const world = setup::build(c);
   double volume = 0.0;
   for (int i = 0; i < c.domain.cells[0]; ++i) volume += c.domain.cell_volume(i) * c.domain.cells[1] * c.domain.cells[2];
@@ -109,10 +109,11 @@ TEST(PlacedRegions, HoldTheirVolumeTimesTheirState) {
     bool const radial = grid::radial_exponent(p.geometry) > 0;
     Vec3 const wind = radial ? Vec3{0.0, 0.0, 0.0} : Vec3{120.0, 0.0, 0.0};
     Quiet const before = quiet(c);
-    c.regions = {region_of(p.shape, 5.0, 3e6, wind)};
+    c.initial_states = {region_of(p.shape, 5.0, 3e6, wind)};
     World const world = setup::build(c);
     double const mass = before.mass + p.volume * (5.0 - c.ambient.state.density);
-    double const energy = before.energy + p.volume * (energy_of(c.regions[0].state) - energy_of(c.ambient.state));
+    double const energy =
+        before.energy + p.volume * (energy_of(c.initial_states[0].state) - energy_of(c.ambient.state));
     // The oblique cylinder has no closed form on the grid: its volume is integrated to 1e-5.
     double const tolerance = p.name == "oblique cylinder" ? 2e-5 : 1e-11;
     EXPECT_NEAR(world.totals().mass[0], mass, tolerance * p.volume * 5.0 + 1e-13 * mass);
@@ -120,22 +121,24 @@ TEST(PlacedRegions, HoldTheirVolumeTimesTheirState) {
     if (!radial) {
       EXPECT_NEAR(world.totals().momentum[0] / (p.volume * 5.0 * 120.0), 1.0, 10.0 * tolerance);
     }
-    ASSERT_EQ(world.regions.size(), 1U);
-    EXPECT_NEAR(world.regions[0].asked_volume / p.volume, 1.0, tolerance);
-    EXPECT_NEAR(world.regions[0].volume / p.volume, 1.0, tolerance);
-    EXPECT_NEAR(world.regions[0].energy / (p.volume * energy_of(c.regions[0].state)), 1.0, tolerance);
+    ASSERT_EQ(world.initial_states.size(), 1U);
+    EXPECT_NEAR(world.initial_states[0].specified_volume / p.volume, 1.0, tolerance);
+    EXPECT_NEAR(world.initial_states[0].volume / p.volume, 1.0, tolerance);
+    EXPECT_NEAR(world.initial_states[0].energy / (p.volume * energy_of(c.initial_states[0].state)), 1.0, tolerance);
   }
 }
 
 TEST(PlacedRegions, FilledCellsAreThoseOfTheStateToTheBit) {
   Case c = air_case(Geometry::planar2d, {20, 10, 1}, 0.1, Boundary::wall);
-  c.regions = {region_of(Box{{-1.0, -1.0, -0.5}, {0.7, 3.0, 0.5}}, 0.3, 7e5, {11.0, -3.0, 0.0}),
-               region_of(Box{{0.3, 0.2, -0.5}, {1.2, 0.9, 0.5}}, 2.7, 1.1e5)};
+  c.initial_states = {region_of(Box{{-1.0, -1.0, -0.5}, {0.7, 3.0, 0.5}}, 0.3, 7e5, {11.0, -3.0, 0.0}),
+                      region_of(Box{{0.3, 0.2, -0.5}, {1.2, 0.9, 0.5}}, 2.7, 1.1e5)};
   World const world = setup::build(c);
   for (int j = 0; j < 10; ++j) {
     for (int i = 0; i < 20; ++i) {
       bool const second = i >= 3 && i < 12 && j >= 2 && j < 9;
-      material::Primitive const& s = second ? c.regions[1].state : i < 7 ? c.regions[0].state : c.ambient.state;
+      material::Primitive const& s = second  ? c.initial_states[1].state
+                                     : i < 7 ? c.initial_states[0].state
+                                             : c.ambient.state;
       auto const u = gas::conserved_of(world.gas->fluids(), s);
       grid::Cell const cell = world.grid.locate(Index3{i, j, 0});
       for (int k = 0; k < world.gas->fields().components(); ++k) {
@@ -151,19 +154,19 @@ TEST(PlacedRegions, LaterOnesOverwriteEarlierOnesByVolume) {
   double const R = 6.3 * h;
   double const r = 3.2 * h;
   Vec3 const middle{0.1712, 0.2009, 0.0};
-  c.regions = {region_of(Cylinder{middle, R, 1.0, along_z}, 2.0, 1e6),
-               region_of(Cylinder{middle, r, 1.0, along_z}, 4.0, 5e6)};
+  c.initial_states = {region_of(Cylinder{middle, R, 1.0, along_z}, 2.0, 1e6),
+                      region_of(Cylinder{middle, r, 1.0, along_z}, 4.0, 5e6)};
   World const world = setup::build(c);
   double const air = c.ambient.state.density;
   double const mass = before.mass + pi * (R * R - r * r) * (2.0 - air) + pi * r * r * (4.0 - air);
   EXPECT_NEAR(world.totals().mass[0], mass, 1e-11 * pi * R * R);
-  EXPECT_NEAR(world.regions[0].volume / (pi * (R * R - r * r)), 1.0, 1e-11);
-  EXPECT_NEAR(world.regions[0].asked_volume / (pi * R * R), 1.0, 1e-11);
+  EXPECT_NEAR(world.initial_states[0].volume / (pi * (R * R - r * r)), 1.0, 1e-11);
+  EXPECT_NEAR(world.initial_states[0].specified_volume / (pi * R * R), 1.0, 1e-11);
 
   // Halves that meet within a cell leave nothing of the ambient there.
   Case halves = air_case(Geometry::planar1d, {10, 1, 1}, 0.1, Boundary::wall);
-  halves.regions = {region_of(Box{{0.0, -0.5, -0.5}, {0.525, 0.5, 0.5}}, 1.0, 1e5),
-                    region_of(Box{{0.525, -0.5, -0.5}, {1.0, 0.5, 0.5}}, 3.0, 1e5)};
+  halves.initial_states = {region_of(Box{{0.0, -0.5, -0.5}, {0.525, 0.5, 0.5}}, 1.0, 1e5),
+                           region_of(Box{{0.525, -0.5, -0.5}, {1.0, 0.5, 0.5}}, 3.0, 1e5)};
   World const two = setup::build(halves);
   EXPECT_NEAR(two.totals().mass[0], 0.525 + 3.0 * 0.475, 1e-14);
   EXPECT_NEAR(two.gas->primitive(two.grid.locate(Index3{5, 0, 0})).density, 0.25 + 0.75 * 3.0, 1e-14);
@@ -174,9 +177,9 @@ TEST(PlacedRegions, OfTheSecondFluidHoldItsMass) {
   Case c = air_case(Geometry::cartesian3d, {14, 13, 12}, h, Boundary::outflow);
   c.other_fluids = {*deck::library().fluid("helium")};
   double const R = 3.1 * h;
-  Region region = region_of(Sphere{{0.1143, 0.1117, 0.1038}, R}, c.other_fluids[0].density, 101325.0);
+  InitialState region = region_of(Sphere{{0.1143, 0.1117, 0.1038}, R}, c.other_fluids[0].density, 101325.0);
   region.fluid = 1;
-  c.regions = {region};
+  c.initial_states = {region};
   World const world = setup::build(c);
   double const volume = 4.0 / 3.0 * pi * R * R * R;
   EXPECT_NEAR(world.totals().mass[1] / (volume * c.other_fluids[0].density), 1.0, 1e-11);
@@ -189,7 +192,7 @@ TEST(PlacedRegions, OfTheSecondFluidHoldItsMass) {
 
 TEST(PlacedRegions, GiveWayToChargesAndObstacles) {
   Case c = air_case(Geometry::planar2d, {20, 20, 1}, 0.05, Boundary::wall);
-  c.regions = {region_of(Box{{-1.0, -1.0, -0.5}, {2.0, 2.0, 0.5}}, 3.0, 4e5)};
+  c.initial_states = {region_of(Box{{-1.0, -1.0, -0.5}, {2.0, 2.0, 0.5}}, 3.0, 4e5)};
   Cylinder const disc{{0.51, 0.47, 0.0}, 0.16, 1.0, along_z};
   c.charges = {tnt_charge(disc, c.domain.geometry)};
   World const world = setup::build(c);
@@ -197,13 +200,13 @@ TEST(PlacedRegions, GiveWayToChargesAndObstacles) {
   EXPECT_NEAR(world.totals().mass[1] / (area * c.charges[0].explosive.density()), 1.0, 1e-12);
   EXPECT_NEAR(world.totals().mass[0] / ((1.0 - area) * 3.0), 1.0, 1e-12);
   EXPECT_NEAR(world.totals().energy / ((1.0 - area) * 4e5 / 0.4 + area * c.charges[0].explosive.energy), 1.0, 1e-12);
-  EXPECT_NEAR(world.regions[0].volume / (1.0 - area), 1.0, 1e-12);
+  EXPECT_NEAR(world.initial_states[0].volume / (1.0 - area), 1.0, 1e-12);
 
   c.charges.clear();
   c.obstacles = {{"block", Box{{0.5, 0.0, -0.5}, {1.0, 1.0, 0.5}}}};
   World const blocked = setup::build(c);
-  EXPECT_NEAR(blocked.regions[0].volume, 0.5, 1e-12);
-  EXPECT_NEAR(blocked.regions[0].asked_volume, 1.0, 1e-12);
+  EXPECT_NEAR(blocked.initial_states[0].volume, 0.5, 1e-12);
+  EXPECT_NEAR(blocked.initial_states[0].specified_volume, 1.0, 1e-12);
 }
 
 TEST(PlacedRegions, SedovOfThreeCellsPerRadiusRunsAtItsRadius) {
@@ -211,7 +214,7 @@ TEST(PlacedRegions, SedovOfThreeCellsPerRadiusRunsAtItsRadius) {
   Case c = air_case(Geometry::planar2d, {140, 140, 1}, 0.002, Boundary::outflow);
   c.domain.boundary[0] = c.domain.boundary[2] = Boundary::symmetry;
   c.ambient.state = {1000.0, 0.01, {0.0, 0.0, 0.0}};
-  c.regions = {region_of(Cylinder{{0.0, 0.0, 0.0}, 0.006, 1.0, along_z}, 1000.0, 3536776.5131532303)};
+  c.initial_states = {region_of(Cylinder{{0.0, 0.0, 0.0}, 0.006, 1.0, along_z}, 1000.0, 3536776.5131532303)};
   World world = setup::build(c);
   set_threads(1);  // a small grid: it takes a quarter of a second
   advance_to(world, 0.05);
@@ -241,7 +244,7 @@ TEST(PlacedObstacles, AreSolidFromHalfACellOn) {
     World const world = setup::build(c);
     ASSERT_EQ(world.obstacles.size(), 1U);
     EXPECT_EQ(world.obstacles[0].cells, cells) << upper;
-    EXPECT_NEAR(world.obstacles[0].asked_volume, upper - 0.5, 1e-12);
+    EXPECT_NEAR(world.obstacles[0].specified_volume, upper - 0.5, 1e-12);
     EXPECT_NEAR(world.obstacles[0].volume, 0.1 * cells, 1e-12);
     EXPECT_FALSE(world.gas->obstacles.contain(Index3{4, 0, 0}));
     EXPECT_TRUE(world.gas->obstacles.contain(Index3{5, 0, 0}));

@@ -72,7 +72,7 @@ void expect_momentum(World const& world, Case const& c) {
   double const half = 0.5 * c.domain.h * std::sqrt(static_cast<double>(dims));
   double difference = 0.0;
   double size = 0.0;
-  double asked_size = 0.0;
+  double specified_size = 0.0;
   Vec3 found{0.0, 0.0, 0.0};
   Vec3 asked{0.0, 0.0, 0.0};
   for (int b = 0; b < world.grid.block_count(); ++b) {
@@ -103,20 +103,20 @@ void expect_momentum(World const& world, Case const& c) {
       for (int d = 0; d < dims; ++d) held[d] = volume * world.gas->fields().at(b, gas::momentum_x + d)[at];
       difference += norm(held - mean);
       size += norm(held);
-      asked_size += norm(mean);
+      specified_size += norm(mean);
       found = found + held;
       asked = asked + mean;
     }
   }
   fmt::print("{:<44} momentum: cell by cell {:.1e}, in size {:.1e}, in sum {:.1e} {:.1e} {:.1e}\n", "",
-             difference / asked_size, size / asked_size - 1.0, (found[0] - asked[0]) / asked_size,
-             (found[1] - asked[1]) / asked_size, (found[2] - asked[2]) / asked_size);
+             difference / specified_size, size / specified_size - 1.0, (found[0] - asked[0]) / specified_size,
+             (found[1] - asked[1]) / specified_size, (found[2] - asked[2]) / specified_size);
   // What a lattice of places leaves at the jumps of the profile, three times what is measured: where a cell of an
   // axisymmetric one is nearly as large as that of the grid, ten times as much.
   bool const axial = profile.domain.geometry == Geometry::axisymmetric2d;
-  EXPECT_LT(difference / asked_size, axial ? 0.04 : 0.004);
-  EXPECT_NEAR(size / asked_size, 1.0, axial ? 0.01 : 2e-4);
-  for (int d = 0; d < dims; ++d) EXPECT_NEAR((found[d] - asked[d]) / asked_size, 0.0, axial ? 0.01 : 1e-4) << d;
+  EXPECT_LT(difference / specified_size, axial ? 0.04 : 0.004);
+  EXPECT_NEAR(size / specified_size, 1.0, axial ? 0.01 : 2e-4);
+  for (int d = 0; d < dims; ++d) EXPECT_NEAR((found[d] - asked[d]) / specified_size, 0.0, axial ? 0.01 : 1e-4) << d;
   // Of one dimension: the size is the integral of the profile over shells or rings, here by the trapezoidal rule.
   if (axial) return;
   int const m = profile.domain.geometry == Geometry::spherical1d ? 2 : 1;
@@ -127,7 +127,7 @@ void expect_momentum(World const& world, Case const& c) {
     shells += std::abs(profile.component(gas::momentum_x)[i]) * 0.5 * (inner + outer) * profile.domain.h;
   }
   double const whole = (m == 2 ? 4.0 : 2.0) * M_PI * shells;
-  EXPECT_NEAR(asked_size / (world.starts[0].remap.share * whole), 1.0, 0.01);  // cells hold means
+  EXPECT_NEAR(specified_size / (world.starts[0].remap.share * whole), 1.0, 0.01);  // cells hold means
 }
 
 /// The sums of the profile and of the grid, the totals of the world against ambient gas with the burst in it, and the

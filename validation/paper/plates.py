@@ -135,7 +135,7 @@ def loaded_plate(text, wall):
         inside = (r > a * 1e-3) & (r < b * 1e-3)
         impulse = np.sum((row * r)[inside]) / np.sum(r[inside])
         text += (f'\n[[surface_pressure]]\nbody = "plate"\nnormal = "+y"\n'
-                 f'region = {{shape = "box", lower = ["{a:g} mm", 0], upper = ["{b:g} mm", "10 mm"]}}\n'
+                 f'within = {{shape = "box", lower = ["{a:g} mm", 0], upper = ["{b:g} mm", "10 mm"]}}\n'
                  f'history = {{times = [0, "20 us"], pressures = ["{number(2.0 * impulse / 20e-6)} Pa", 0]}}\n')
     return text
 

@@ -98,14 +98,14 @@ void build_afterburn(Draft& draft) {
   }
   if (!draft.products_known || draft.deck.broken("charge")) return;
   material::Explosive const* products = draft.out.explosive_of(material::products_fluid);
-  for (run::Region const& region : draft.out.regions) {
-    if (products == nullptr && region.fluid == material::products_fluid &&
-        draft.materials.fluid(region.fluid_name) == nullptr) {
-      products = draft.materials.explosive(region.fluid_name);
+  for (run::InitialState const& initial : draft.out.initial_states) {
+    if (products == nullptr && initial.fluid == material::products_fluid &&
+        draft.materials.fluid(initial.fluid_name) == nullptr) {
+      products = draft.materials.explosive(initial.fluid_name);
     }
   }
   if (products == nullptr) {
-    if (draft.deck.given("charge") || draft.deck.given("region")) {
+    if (draft.deck.given("charge") || draft.deck.given("initial_state")) {
       if (draft.report.failed()) return;  // what is wrong with them is reported
     }
     draft.report.error(section->place, section->path,

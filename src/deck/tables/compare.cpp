@@ -15,11 +15,11 @@ Table const& compare_table() {
       {word("burst", {"auto", "spherical", "hemispherical", "none"})
            .of("auto")
            .like("\"hemispherical\"")
-           .means(
-               "Kind of burst. `auto`: hemispherical for one hemispherical charge that stands on a wall or symmetry "
-               "plane, "
-               "spherical for one spherical charge in free air, none for everything else (obstacles, regions, further "
-               "walls, another ambient fluid)")},
+           .means("Kind of burst. `auto`: hemispherical for one hemispherical charge that stands on a wall or symmetry "
+                  "plane, "
+                  "spherical for one spherical charge in free air, none for everything else (obstacles, initial "
+                  "states, further "
+                  "walls, another ambient fluid)")},
       {},
       {}};
   return table;
@@ -31,7 +31,7 @@ run::Burst automatic_burst(Draft const& draft) {
   bool const body_of_revolution = draft.geometry() == Geometry::cartesian3d ||
                                   draft.geometry() == Geometry::axisymmetric2d ||
                                   draft.geometry() == Geometry::spherical1d;
-  if (draft.out.charges.size() != 1 || !draft.out.regions.empty() || !draft.out.obstacles.empty() ||
+  if (draft.out.charges.size() != 1 || !draft.out.initial_states.empty() || !draft.out.obstacles.empty() ||
       draft.has_bodies() || !body_of_revolution || draft.out.ambient.fluid.name != "air") {
     return run::Burst::none;
   }
@@ -74,7 +74,8 @@ void build_compare(Draft& draft) {
   bool const points = draft.has_bodies() && points_move(draft);
   // A wind blows against obstacles and walls.
   bool const wind = draft.has_gas && norm(draft.out.ambient.state.velocity) > 0.0;
-  bool const gas = wind || draft.deck.given("charge") || draft.deck.given("region") || draft.deck.given("inflow");
+  bool const gas =
+      wind || draft.deck.given("charge") || draft.deck.given("initial_state") || draft.deck.given("inflow");
   if (points || gas) return;
   if (!draft.has_gas) {
     draft.report.warning(
@@ -83,11 +84,11 @@ void build_compare(Draft& draft) {
   } else if (draft.has_bodies()) {
     draft.report.warning(
         draft.deck.place, "charge",
-        "nothing will happen: there is no charge, no region and no inflow, no body moves or burns, and no "
+        "nothing will happen: there is no charge, no initial state and no inflow, no body moves or burns, and no "
         "load or body force acts");
   } else {
     draft.report.warning(draft.deck.place, "charge",
-                         "nothing will happen: there is no charge, no region and no inflow");
+                         "nothing will happen: there is no charge, no initial state and no inflow");
   }
 }
 

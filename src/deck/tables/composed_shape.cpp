@@ -1,4 +1,4 @@
-/// Shapes of bodies and of regions of material points: put together, cut and kept in parts.
+/// Shapes of bodies and of places among material points: put together, cut and kept in parts.
 #include <algorithm>
 
 #include "deck/draft.hpp"
@@ -49,7 +49,7 @@ std::vector<Key> composed_shape_keys() {
                      .means("Shapes outside of which nothing is kept, last of all")});
 }
 
-Table const& points_region_table() {
+Table const& within_table() {
   static Table const table{"A part of space.", composed_shape_keys(), {}, {}};
   return table;
 }

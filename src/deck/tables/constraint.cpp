@@ -15,7 +15,7 @@ namespace brisance::deck {
 
 Table const& constraint_table() {
   static Table const table = [] {
-    Key held = typed(Type::words, "held")
+    Key held = typed(Type::words, "components")
                    .note("all resolved directions")
                    .like("[\"x\", \"y\"]")
                    .means("fixed, velocity: components of the velocity that are prescribed");
@@ -28,10 +28,10 @@ Table const& constraint_table() {
              .of("fixed")
              .like("\"roller\"")
              .means("`fixed`: at rest; `roller`: no motion along `normal`; `velocity`: moves with `velocity`"),
-         nested(Type::table, "region", points_region_table())
+         nested(Type::table, "within", within_table())
              .note("everywhere, for the `body`")
              .like("{shape = \"box\", lower = [0, 0, 0], upper = [0.1, 1, 1]}")
-             .means("Where; `region` or `body` is needed"),
+             .means("Where; `within` or `body` is needed"),
          word("normal", {"x", "y", "z"})
              .note("needed by a roller")
              .like("\"z\"")
@@ -63,7 +63,7 @@ shape::Box reach_of_bodies(Draft const& draft, int body) {
   return reach;
 }
 
-/// A node of the grid within a box that all the regions hold.
+/// A node of the grid within a box that all the places hold.
 std::optional<Vec3> held_node(Draft const& draft, std::vector<shape::Shape const*> const& regions,
                               shape::Box const& within) {
   grid::Domain const& domain = draft.out.domain;
@@ -101,7 +101,7 @@ void check_contradictions(Draft const& draft, std::size_t number) {
   mpm::Constraint const& c = draft.out.points.constraints[number];
   Section const& section = *draft.constraint_sections[number];
   shape::Box const reach = reach_of_bodies(draft, c.body);
-  std::string_view const key = section.given("velocity") ? "velocity" : section.given("kind") ? "kind" : "region";
+  std::string_view const key = section.given("velocity") ? "velocity" : section.given("kind") ? "kind" : "within";
   for (std::size_t m = 0; m < number; ++m) {
     mpm::Constraint const& other = draft.out.points.constraints[m];
     if (c.body >= 0 && other.body >= 0 && c.body != other.body) continue;
@@ -109,12 +109,12 @@ void check_contradictions(Draft const& draft, std::size_t number) {
       if (!c.held[static_cast<std::size_t>(d)] || !other.held[static_cast<std::size_t>(d)]) continue;
       if (c.velocity[d] == other.velocity[d]) continue;
       auto const node =
-          held_node(draft, {&c.region, &other.region}, overlap(reach, reach_of_bodies(draft, other.body)));
+          held_node(draft, {&c.within, &other.within}, overlap(reach, reach_of_bodies(draft, other.body)));
       if (!node) continue;
       draft.error(
           section, key,
           fmt::format("{} m/s in direction {} contradicts {}, which prescribes {} m/s for the same node at {} m: let "
-                      "their regions have no node in common, or hold the direction in one of them",
+                      "them have no node in common, or hold the direction in one of them",
                       c.velocity[d], directions[d], draft.constraint_sections[m]->path, other.velocity[d],
                       point_text(*node, draft.dims())));
       return;
@@ -135,12 +135,12 @@ void check_contradictions(Draft const& draft, std::size_t number) {
       continue;
     at_plane.lower[d] = plane - draft.tiny();
     at_plane.upper[d] = plane + draft.tiny();
-    auto const node = held_node(draft, {&c.region}, at_plane);
+    auto const node = held_node(draft, {&c.within}, at_plane);
     if (!node) continue;
     draft.warn(
         section, "velocity",
         fmt::format("{:g} m/s in direction {} contradicts the face {}, a {} that holds the node at {} m in this "
-                    "direction: keep the region a cell away from it, or hold the other directions only",
+                    "direction: keep it a cell away from that, or hold the other directions only",
                     c.velocity[d], directions[d], grid::face_names[f],
                     boundary == Boundary::symmetry ? "symmetry plane" : "rigid wall", point_text(*node, draft.dims())));
     return;
@@ -163,8 +163,8 @@ void check_constraints(Draft const& draft) {
                       draft.body_names[static_cast<std::size_t>(c.body)]));
       continue;
     }
-    if (section.given("region")) {
-      auto const b = shape::bounds(c.region);
+    if (section.given("within")) {
+      auto const b = shape::bounds(c.within);
       double nodes = 1.0;
       bool outside = false;
       for (int d = 0; d < draft.dims(); ++d) {
@@ -173,8 +173,8 @@ void check_constraints(Draft const& draft) {
                                    draft.out.domain.h);
       }
       if (outside) continue;  // reported
-      if (nodes < most_nodes / 4.0 && !held_node(draft, {&c.region}, everywhere)) {
-        Section const& region = *section.section("region");
+      if (nodes < most_nodes / 4.0 && !held_node(draft, {&c.within}, everywhere)) {
+        Section const& region = *section.section("within");
         draft.report.error(
             region.place_of(place_key(region)), region.path,
             fmt::format("it holds no node of the grid, which lie at whole numbers of cells of {:.6g} m from the low "
@@ -183,24 +183,24 @@ void check_constraints(Draft const& draft) {
         continue;
       }
       shape::Box const reach = reach_of_bodies(draft, c.body);
-      if (nodes < most_nodes / 4.0 && !held_node(draft, {&c.region}, reach)) {
-        draft.warn(section, "region", "holds no node of a body at the start: nothing is held until a body comes there");
+      if (nodes < most_nodes / 4.0 && !held_node(draft, {&c.within}, reach)) {
+        draft.warn(section, "within", "holds no node of a body at the start: nothing is held until a body comes there");
       }
     }
     check_contradictions(draft, n);
   }
 }
 
-/// The region and the body that a constraint holds; false after an error.
+/// The place and the body that a constraint holds; false after an error.
 bool what_is_held(Draft const& draft, Section const& section, mpm::Constraint& out) {
   bool sound = true;
-  if (section.given("region")) {
-    Section const* region = section.section("region");
+  if (section.given("within")) {
+    Section const* region = section.section("within");
     auto const shape = region == nullptr ? std::nullopt : build_composed_shape(draft, *region);
     sound = shape.has_value();
     if (shape) {
-      touches_domain(draft, *region, *shape, "region");
-      out.region = *shape;
+      touches_domain(draft, *region, *shape, "within");
+      out.within = *shape;
     }
   }
   if (section.given("body")) {
@@ -240,18 +240,19 @@ bool held_directions(Draft const& draft, Section const& section, std::string con
   std::vector<std::string> held;
   held.reserve(3);
   for (int d = 0; d < draft.dims(); ++d) held.emplace_back(1, directions[d]);
-  std::string_view key = "held";
+  std::string_view key = "components";
   if (kind == "roller") {
-    if (section.given("held")) {
-      draft.error(section, "held", "a roller holds along its normal only: remove the key, or write kind = \"fixed\"");
+    if (section.given("components")) {
+      draft.error(section, "components",
+                  "a roller holds along its normal only: remove the key, or write kind = \"fixed\"");
       return false;
     }
     key = "normal";
     auto const normal = section.text("normal");
     if (!normal) return false;
     held = {*normal};
-  } else if (section.given("held")) {
-    auto const* given = section.strings("held");
+  } else if (section.given("components")) {
+    auto const* given = section.strings("components");
     if (given == nullptr) return false;
     held = *given;
   }
@@ -266,7 +267,7 @@ bool held_directions(Draft const& draft, Section const& section, std::string con
     out.held[static_cast<std::size_t>(d)] = true;
   }
   if (held.empty()) {
-    draft.error(section, key, "the list is empty, and nothing would be held; write for example held = [\"x\"]");
+    draft.error(section, key, "the list is empty, and nothing would be held; write for example components = [\"x\"]");
     return false;
   }
   return true;
@@ -291,11 +292,11 @@ void constraint(Draft& draft, Section const& section) {
   auto const kind = section.text("kind");
   if (!kind || section.doubtful()) return;
   mpm::Constraint out;
-  out.region = shape::Everywhere{};
-  if (!section.given("region") && !section.given("body")) {
+  out.within = shape::Everywhere{};
+  if (!section.given("within") && !section.given("body")) {
     draft.report.error(
         section.place, section.path,
-        "a constraint needs the region or the body that it holds; write for example region = {shape = \"box\", "
+        "a constraint needs the place or the body that it holds; write for example within = {shape = \"box\", "
         "lower = [0, 0, 0], upper = [0.1, 1, 1]}");
     return;
   }

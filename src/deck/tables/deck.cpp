@@ -34,7 +34,7 @@ Table const& deck_schema() {
          nested(Type::table, "remap", remap_table()),
          nested(Type::tables, "gauge", gauge_table()),
          nested(Type::tables, "obstacle", obstacle_table()),
-         nested(Type::tables, "region", region_table()),
+         nested(Type::tables, "initial_state", initial_state_table()),
          nested(Type::tables, "body", body_table()),
          nested(Type::tables, "constraint", constraint_table()),
          nested(Type::tables, "contact", contact_table()),
@@ -61,7 +61,7 @@ namespace {
 
 /// Does the deck speak of gas beside its bodies? Then both are calculated; bodies alone move in empty space.
 bool speaks_of_gas(Draft const& draft) {
-  for (auto const* key : {"mpm_region", "charge", "region", "obstacle", "inflow"}) {
+  for (auto const* key : {"mpm_region", "charge", "initial_state", "obstacle", "inflow"}) {
     if (draft.deck.given(key)) return true;
   }
   auto const* all = draft.deck.sections("gauge");
@@ -99,7 +99,7 @@ void unused_materials(Draft const& draft) {
   };
   if (Section const* ambient = draft.deck.section("ambient")) use(*ambient, "fluid");
   draft.each("charge", [&](Section const& section) { use(section, "explosive"); });
-  draft.each("region", [&](Section const& section) { use(section, "fluid"); });
+  draft.each("initial_state", [&](Section const& section) { use(section, "fluid"); });
   draft.each("body", [&](Section const& section) { use(section, "material"); });
   for (auto const* key : {"explosives", "fluids", "solids"}) {
     draft.each(key, [&](Section const& section) {
@@ -119,7 +119,7 @@ void nothing_is_dropped(Draft const& draft) {
   };
   for (auto const& [key, built] :
        {std::pair{"charge", draft.out.charges.size()}, std::pair{"body", draft.out.points.bodies.size()},
-        std::pair{"region", draft.out.regions.size()},
+        std::pair{"initial_state", draft.out.initial_states.size()},
         std::pair{"gauge", draft.out.gauges.size() + draft.out.points.gauges.size()}}) {
     if (built >= named(key)) continue;  // a line of gauges is many
     throw std::logic_error(fmt::format("of {} [[{}]] {} were built, and nothing says why", named(key), key, built));
@@ -151,7 +151,7 @@ Draft build_case(Section const& deck, Report& report) {
     if (draft.has_gas) {
       build_obstacles(draft);
       build_charges(draft);
-      build_regions(draft);
+      build_initial_states(draft);
     } else {
       warn_of_unused_gas(draft);
       warn_of_fluids_in_empty_space(draft);

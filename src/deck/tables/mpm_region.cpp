@@ -123,7 +123,7 @@ Table const& mpm_region_table() {
 namespace {
 
 void warn_if_only_gauges(Draft const& draft) {
-  for (auto const* key : {"charge", "region", "obstacle", "inflow"}) {
+  for (auto const* key : {"charge", "initial_state", "obstacle", "inflow"}) {
     if (draft.deck.given(key)) return;
   }
   draft.report.warning(

@@ -66,12 +66,12 @@ void check_profile(Draft const& draft) {
                         draft.geometry() == Geometry::axisymmetric2d;
   auto const* charges = draft.deck.sections("charge");
   bool const one = charges != nullptr && charges->size() == 1;
-  if (!possible || !one || draft.has_bodies() || draft.deck.given("obstacle") || draft.deck.given("region") ||
+  if (!possible || !one || draft.has_bodies() || draft.deck.given("obstacle") || draft.deck.given("initial_state") ||
       draft.deck.given("mpm_region")) {
     draft.error(
         *draft.deck.section("output"), "profile",
         fmt::format("a profile is the burst of one charge in spherical1d, cylindrical1d or axisymmetric2d without "
-                    "bodies, obstacles and regions; this deck {}: remove the key",
+                    "bodies, obstacles and initial states; this deck {}: remove the key",
                     !possible ? fmt::format("is of {}", word_of(draft.geometry()))
                     : !one    ? fmt::format("has {} charges", charges == nullptr ? 0 : charges->size())
                               : "has one of these"));

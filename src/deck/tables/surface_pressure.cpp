@@ -34,13 +34,13 @@ Table const& surface_pressure_table() {
       "A pressure on the surface of a body, by its true normal and area: with `normal` on what is seen from that side, "
       "so "
       "that the force is the pressure times the body's shadow; without it on the whole surface, or on all of it in "
-      "`region`. The layer of material points below the surface takes it. Areas and normals are those of the start.",
+      "`within`. The layer of material points below the surface takes it. Areas and normals are those of the start.",
       {typed(Type::text, "body").note("the only body").like("\"plate\"").means("Name of the body"),
        face_normal("normal")
            .note("all sides")
            .like("\"+z\"")
            .means("Side that the pressure comes from: `+z` loads what is seen from above, and pushes a flat top down"),
-       nested(Type::table, "region", points_region_table())
+       nested(Type::table, "within", within_table())
            .note("everywhere")
            .like("{shape = \"cylinder\", radius = \"50 mm\", length = 1}")
            .means("Part of the surface that is loaded"),
@@ -172,8 +172,8 @@ bool has_points_in(Draft const& draft, shape::Shape const& body, shape::Shape co
 /// The part of a body that a pressure loads.
 struct Loaded {
   shape::Shape const& body;
-  shape::Shape region;  ///< of space
-  shape::Box reach;     ///< of the body in the region
+  shape::Shape within;  ///< of space
+  shape::Box reach;     ///< of the body in it
   long per_cell;        ///< points of the body, per direction
   double layer;         ///< thickness of a layer of points [m]
   double asked;         ///< thickness of what takes the pressure [m]
@@ -182,7 +182,7 @@ struct Loaded {
   double face = 0.0;    ///< where the body ends there [m]
 };
 
-/// Does the region meet the body? Narrows `reach` to what they share.
+/// Does the place meet the body? Narrows `reach` to what they share.
 bool meets(Draft const& draft, Section const& section, shape::Shape const& region, shape::Box& reach) {
   auto const b = reach;
   auto const r = shape::bounds(region);
@@ -190,7 +190,7 @@ bool meets(Draft const& draft, Section const& section, shape::Shape const& regio
     reach.lower[d] = std::max(b.lower[d], r.lower[d]);
     reach.upper[d] = std::min(b.upper[d], r.upper[d]);
     if (reach.upper[d] - reach.lower[d] > draft.tiny()) continue;
-    draft.error(section, "region",
+    draft.error(section, "within",
                 fmt::format("it reaches from {:.6g} to {:.6g} m in direction {} and does not meet the body, which "
                             "reaches from {:.6g} to {:.6g} m: move it",
                             r.lower[d], r.upper[d], directions[d], b.lower[d], b.upper[d]));
@@ -202,8 +202,8 @@ bool meets(Draft const& draft, Section const& section, shape::Shape const& regio
 /// What is loaded; none after an error, or where the body has one.
 std::optional<Loaded> loaded_part(Draft const& draft, Section const& section, std::size_t number) {
   shape::Shape region = shape::Everywhere{};
-  if (section.given("region")) {
-    Section const* given = section.section("region");
+  if (section.given("within")) {
+    Section const* given = section.section("within");
     auto const shape = given == nullptr ? std::nullopt : build_composed_shape(draft, *given);
     if (!shape) return std::nullopt;
     region = *shape;
@@ -221,7 +221,7 @@ std::optional<Loaded> loaded_part(Draft const& draft, Section const& section, st
   if (!per_cell) return std::nullopt;
   auto const b = shape::bounds(*body);
   shape::Box reach{b.lower, b.upper};
-  if (section.given("region") && !meets(draft, section, region, reach)) return std::nullopt;
+  if (section.given("within") && !meets(draft, section, region, reach)) return std::nullopt;
   double const layer = draft.out.domain.h / static_cast<double>(*per_cell);
   return Loaded{*body, std::move(region), reach, *per_cell, layer, section.number("thickness").value_or(layer)};
 }
@@ -234,12 +234,12 @@ bool deep_enough(Draft const& draft, Section const& section, Loaded const& part)
   draft.error(
       section,
       given                     ? "thickness"
-      : section.given("region") ? "region"
+      : section.given("within") ? "within"
                                 : "normal",
       given ? fmt::format("{} is more than the body has below the loaded face, {:.6g} m: make it smaller",
                           section.shown("thickness"), depth)
             : fmt::format("a layer of points is {:.6g} m thick, more than there is of the body below the loaded face, "
-                          "{:.6g} m: make the region thicker",
+                          "{:.6g} m: make it thicker",
                           part.asked, depth));
   return false;
 }
@@ -250,7 +250,7 @@ std::vector<shape::Facet> seen_surface(Draft const& draft, Loaded const& part, V
   std::vector<shape::Facet> facets;
   flat = true;
   for (shape::Facet const& f :
-       shape::surface(part.body, part.region, draft.out.domain, facets_per_layer * part.layer)) {
+       shape::surface(part.body, part.within, draft.out.domain, facets_per_layer * part.layer)) {
     double const along = dot(f.area, normal) / norm(f.area);
     if (along < 1e-9 || !shape::is_clear(part.body, draft.out.domain, f.x, normal, 0.05 * part.layer)) continue;
     flat = flat && along > 1.0 - 1e-9 && std::abs(f.x[part.direction] - part.face) < draft.tiny();
@@ -277,13 +277,13 @@ bool flat_layer(Draft const& draft, Section const& section, Loaded const& part, 
   // Outwards it reaches over the centres of sub-cells that the face cuts.
   slab.lower[d] = part.high ? side : part.face - part.layer;
   slab.upper[d] = part.high ? part.face + part.layer : side;
-  pressure.region =
-      section.given("region") ? shape::combine(shape::Operation::intersection, {part.region, slab}) : slab;
-  if (has_points_in(draft, part.body, pressure.region, part.per_cell)) return true;
+  pressure.within =
+      section.given("within") ? shape::combine(shape::Operation::intersection, {part.within, slab}) : slab;
+  if (has_points_in(draft, part.body, pressure.within, part.per_cell)) return true;
   draft.report.error(
-      section.place_of("region"), section.path_of(section.given("region") ? "region" : "normal"),
+      section.place_of("within"), section.path_of(section.given("within") ? "within" : "normal"),
       fmt::format("no point of the body lies in the loaded layer, {:.4g} m below the face at {} = {:.6g} m: "
-                  "move the region, or make it larger than the points are apart, {:.4g} m",
+                  "move it, or make it larger than the points are apart, {:.4g} m",
                   pressure.thickness, directions[d], part.face, part.layer));
   return false;
 }
@@ -295,8 +295,8 @@ bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressu
   if (!section.given("normal")) {
     pressure.surface = shape::surface(part->body, part->region, draft.out.domain, facets_per_layer * part->layer);
     if (pressure.surface.empty()) {
-      draft.report.error(section.place_of("region"), section.path_of("region"),
-                         "no part of the body's surface lies in it: move the region, or make it larger");
+      draft.report.error(section.place_of("within"), section.path_of("within"),
+                         "no part of the body's surface lies in it: move it, or make it larger");
       return false;
     }
     return curved_layer(draft, section, part->asked, part->layer, pressure);
@@ -309,12 +309,12 @@ bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressu
     bool flat = true;
     auto facets = seen_surface(draft, *part, pressure.normal, flat);
     if (facets.empty()) {
-      std::string_view const key = section.given("region") ? "region" : "normal";
+      std::string_view const key = section.given("within") ? "within" : "normal";
       draft.report.error(
           section.place_of(key), section.path_of(key),
           fmt::format("no part of the body's surface{} is seen from the side of {}: {}",
-                      section.given("region") ? " that lies in it" : "", *section.text("normal"),
-                      section.given("region") ? "move the region, or make it larger"
+                      section.given("within") ? " that lies in it" : "", *section.text("normal"),
+                      section.given("within") ? "move it, or make it larger"
                                               : "give another normal, or none to load the whole surface"));
       return false;
     }

@@ -50,8 +50,8 @@ void build_afterburn(Draft& draft);
 void build_start(Draft& draft);
 [[nodiscard]] Table const& obstacle_table();
 void build_obstacles(Draft& draft);
-[[nodiscard]] Table const& region_table();
-void build_regions(Draft& draft);
+[[nodiscard]] Table const& initial_state_table();
+void build_initial_states(Draft& draft);
 [[nodiscard]] Table const& numerics_table();
 void build_numerics(Draft& draft);
 
@@ -85,22 +85,22 @@ void build_reinforcements(Draft& draft);
 // --- shapes
 
 [[nodiscard]] std::vector<Key> shape_keys(std::vector<std::string> shapes);
-/// Those of a body or of a region of material points, with what is added to them, cut out of them and kept of them.
+/// Those of a body or of a place among material points, with what is added to them, cut out of them and kept of them.
 [[nodiscard]] std::vector<Key> composed_shape_keys();
 /// A part of space, by a composed shape.
-[[nodiscard]] Table const& points_region_table();
+[[nodiscard]] Table const& within_table();
 
 /// What a shape is for: it decides which shapes are possible and how much of them must be given.
 enum class Use {
-  gas,     ///< obstacle or region of the gas
+  gas,     ///< obstacle or initial state of the gas
   charge,  ///< may leave its size to its mass
-  points,  ///< body or region of material points
+  points,  ///< body or place among material points
 };
 
 /// One shape of a table. A charge may leave its size to `volume_asked` [m3].
 [[nodiscard]] std::optional<shape::Shape> build_shape(Draft const& draft, Section const& section, Use use,
                                                       std::optional<double> volume_asked);
-/// The shape of a body or of a region of material points: with `add`, `cut` and `common`.
+/// The shape of a body or of a place among material points: with `add`, `cut` and `common`.
 [[nodiscard]] std::optional<shape::Shape> build_composed_shape(Draft const& draft, Section const& section);
 
 // --- run and output

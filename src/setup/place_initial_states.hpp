@@ -1,4 +1,4 @@
-/// Regions of the gas on the grid: each fills its own volume, cut cells in part, and what its state holds there.
+/// Initial states of the gas on the grid: each fills its own volume, cut cells in part, and what its state holds there.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,12 @@
 
 namespace brisance::setup {
 
-/// The regions of a case on its grid.
-class RegionPlacing {
+/// The initial states of a case on its grid.
+class InitialStatePlacing {
  public:
-  explicit RegionPlacing(Case const& setup);
+  explicit InitialStatePlacing(Case const& setup);
 
-  /// Fills the gas, which holds the ambient state. A cell that a region fills in part gets that part of its mass of
+  /// Fills the gas, which holds the ambient state. A cell that a initial fills in part gets that part of its mass of
   /// each fluid, momentum and energy. Throws InputError where the states that meet in a cell have no common one.
   void fill(gas::Gas& gas);
   /// Measures without a gas what `fill` would do. False, and nothing measured, where surfaces cut more cells than
@@ -26,22 +26,23 @@ class RegionPlacing {
   /// Takes off what charges have taken.
   void give_way(detonation::TakenCells const& taken);
   /// After `fill` or `measure`.
-  [[nodiscard]] std::vector<run::RegionReport> reports() const;
-  /// Does the region get nothing, because later ones or obstacles take its place or it is outside the domain?
-  [[nodiscard]] bool vanishes(std::size_t region) const;
+  [[nodiscard]] std::vector<run::InitialStateReport> reports() const;
+  /// Does the initial get nothing, because later ones or obstacles take its place or it is outside the domain?
+  [[nodiscard]] bool vanishes(std::size_t initial) const;
 
  private:
   using Visit = std::function<bool(shape::CellRange const&, std::vector<shape::Share> const&)>;
-  /// Calls visit for the cells of a range that are not solid and their shares of the regions; it returns false to end.
+  /// Calls visit for the cells of a range that are not solid and their shares of the initial states; it returns false
+  /// to end.
   void for_each(shape::CellRange const& range, Visit const& visit) const;
-  /// Makes the sum of a region's cells its volume.
+  /// Makes the sum of a initial's cells its volume.
   void scale(std::vector<shape::Share>& shares) const;
 
   Case const* setup_;
-  std::vector<shape::Shape> regions_;
-  std::vector<shape::Shape> all_;  ///< regions, then obstacles
+  std::vector<shape::Shape> shapes_;
+  std::vector<shape::Shape> all_;  ///< initial states, then obstacles
   std::vector<double> asked_;      ///< volume of each in the domain [m3]
-  std::vector<double> scales_;     ///< of the cells that a region fills in part
+  std::vector<double> scales_;     ///< of the cells that a initial fills in part
   std::vector<double> placed_;     ///< [m3]
 };
 

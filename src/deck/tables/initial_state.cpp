@@ -1,19 +1,19 @@
-/// [[region]]: parts of the domain with another state or fluid at the start.
+/// [[initial_state]]: parts of the domain with another state or fluid at the start.
 #include <fmt/format.h>
 
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
 #include "deck/tables/tables.hpp"
-#include "setup/place_gas_regions.hpp"
+#include "setup/place_initial_states.hpp"
 
 namespace brisance::deck {
 
-Table const& region_table() {
+Table const& initial_state_table() {
   static Table const table{
       "A part of the domain with another state or fluid at the start. It fills its own volume: a cell that it cuts "
       "gets "
-      "that part of its mass, momentum and energy. Later regions overwrite earlier ones, charges and obstacles all.",
+      "that part of its mass, momentum and energy. Later ones overwrite earlier ones, charges and obstacles all.",
       joined(shape_keys({"sphere", "hemisphere", "cylinder", "box"}),
              {typed(Type::text, "fluid")
                   .note("that of the ambient")
@@ -31,35 +31,35 @@ Table const& region_table() {
 
 namespace {
 
-/// A region has cells of its own.
-void check_regions(Draft const& draft) {
-  if (!draft.domain_known || draft.out.regions.empty()) return;
-  setup::RegionPlacing const placing(draft.out);
-  for (std::size_t n = 0; n < draft.out.regions.size(); ++n) {
-    auto const b = shape::bounds(draft.out.regions[n].shape);
+/// An initial state has cells of its own.
+void check_initial_states(Draft const& draft) {
+  if (!draft.domain_known || draft.out.initial_states.empty()) return;
+  setup::InitialStatePlacing const placing(draft.out);
+  for (std::size_t n = 0; n < draft.out.initial_states.size(); ++n) {
+    auto const b = shape::bounds(draft.out.initial_states[n].shape);
     bool outside = false;
     for (int d = 0; d < draft.dims(); ++d) {
       outside = outside || !(b.upper[d] > draft.out.domain.lower[d] && b.lower[d] < draft.out.domain.upper(d));
     }
     if (outside || !placing.vanishes(n)) continue;  // outside: reported
-    Section const& section = *draft.region_sections[n];
+    Section const& section = *draft.initial_state_sections[n];
     draft.error(
         section, place_key(section),
-        fills(draft, draft.out.regions[n].shape)
-            ? "the region fills nothing: later regions or obstacles take all of its place; remove it, or write it "
-              "after the regions that cover it"
-            : "the region fills nothing of the domain: move it, or make it larger");
+        fills(draft, draft.out.initial_states[n].shape)
+            ? "it fills nothing: later initial states or obstacles take all of its place; remove it, or write it "
+              "after those that cover it"
+            : "it fills nothing of the domain: move it, or make it larger");
   }
 }
 
 }  // namespace
 
-void build_regions(Draft& draft) {
-  draft.each("region", [&](Section const& section) {
-    run::Region region;
+void build_initial_states(Draft& draft) {
+  draft.each("initial_state", [&](Section const& section) {
+    run::InitialState initial;
     auto const body = build_shape(draft, section, Use::gas, std::nullopt);
     if (body) {
-      region.shape = *body;
+      initial.shape = *body;
       touches_domain(draft, section, *body);
     }
     if (section.broken("fluid")) return;
@@ -85,19 +85,19 @@ void build_regions(Draft& draft) {
           return;
         }
         if (draft.products_known) draft.out.other_fluids = {own};
-        region.fluid = 1;
-        region.fluid_name = own.name;
+        initial.fluid = 1;
+        initial.fluid_name = own.name;
         defaults.density = own.density;
       }
     }
     if (!draft.ambient_known && !name) return;
     auto const s = fluid_state(draft, section, own, defaults, "density");
     if (!s || !body) return;
-    region.state = *s;
-    draft.out.regions.push_back(std::move(region));
-    draft.region_sections.push_back(&section);
+    initial.state = *s;
+    draft.out.initial_states.push_back(std::move(initial));
+    draft.initial_state_sections.push_back(&section);
   });
-  check_regions(draft);
+  check_initial_states(draft);
 }
 
 }  // namespace brisance::deck

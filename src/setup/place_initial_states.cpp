@@ -1,4 +1,4 @@
-#include "setup/place_gas_regions.hpp"
+#include "setup/place_initial_states.hpp"
 
 #include <fmt/format.h>
 
@@ -18,57 +18,57 @@ namespace {
 using shape::CellRange;
 using shape::Share;
 
-material::Fluid const& fluid_of(Case const& setup, Region const& region) {
-  material::Fluid const* other = region.fluid > 0 ? setup.other_fluid(region.fluid) : nullptr;
+material::Fluid const& fluid_of(Case const& setup, InitialState const& initial) {
+  material::Fluid const* other = initial.fluid > 0 ? setup.other_fluid(initial.fluid) : nullptr;
   return other != nullptr ? *other : setup.ambient.fluid;
 }
 
 }  // namespace
 
-RegionPlacing::RegionPlacing(Case const& setup) : setup_(&setup) {
-  for (Region const& region : setup.regions) {
-    regions_.push_back(region.shape);
-    asked_.push_back(shape::volume_inside(region.shape, setup.domain));
+InitialStatePlacing::InitialStatePlacing(Case const& setup) : setup_(&setup) {
+  for (InitialState const& initial : setup.initial_states) {
+    shapes_.push_back(initial.shape);
+    asked_.push_back(shape::volume_inside(initial.shape, setup.domain));
   }
-  all_ = regions_;
+  all_ = shapes_;
   for (Obstacle const& obstacle : setup.obstacles) all_.push_back(obstacle.shape);
-  scales_.assign(regions_.size(), 1.0);
-  placed_.assign(regions_.size(), 0.0);
+  scales_.assign(shapes_.size(), 1.0);
+  placed_.assign(shapes_.size(), 0.0);
 }
 
-void RegionPlacing::scale(std::vector<Share>& shares) const {
+void InitialStatePlacing::scale(std::vector<Share>& shares) const {
   bool const full = sum_of(shares) > 1.0 - 1e-9;
   double room = 1.0;
   for (std::size_t n = shares.size(); n-- > 0;) {
     Share& s = shares[n];
     if (s.part < 1.0) s.part = std::min(room, s.part * scales_[static_cast<std::size_t>(s.shape)]);
-    if (n == 0 && full) s.part = room;  // the lowest has the rest of a cell that regions fill
+    if (n == 0 && full) s.part = room;  // the lowest has the rest of a cell that initial states fill
     room -= s.part;
   }
 }
 
-void RegionPlacing::for_each(CellRange const& range, Visit const& visit) const {
-  int const first_obstacle = static_cast<int>(regions_.size());
+void InitialStatePlacing::for_each(CellRange const& range, Visit const& visit) const {
+  int const first_obstacle = static_cast<int>(shapes_.size());
   shape::for_each_share(all_, setup_->domain, range, [&](CellRange const& r, std::vector<Share> const& shares) {
     double obstacles = 0.0;
     for (Share const& s : shares) obstacles += s.shape >= first_obstacle ? s.part : 0.0;
     if (SolidCells::solid(obstacles)) return true;
-    // What an obstacle takes of a cell that stays gas is gas of the regions.
-    std::vector<Share> parts = obstacles > 0.0 ? shape::shares_of_cell(regions_, setup_->domain, r.lower) : shares;
+    // What an obstacle takes of a cell that stays gas is gas of the initial states.
+    std::vector<Share> parts = obstacles > 0.0 ? shape::shares_of_cell(shapes_, setup_->domain, r.lower) : shares;
     if (parts.empty()) return true;
     scale(parts);
     return visit(r, parts);
   });
 }
 
-bool RegionPlacing::measure(long most) {
+bool InitialStatePlacing::measure(long most) {
   grid::Domain const& domain = setup_->domain;
   long cut = 0;
-  for (std::size_t n = 0; n < regions_.size(); ++n) {
-    if (std::holds_alternative<shape::Box>(regions_[n])) continue;
+  for (std::size_t n = 0; n < shapes_.size(); ++n) {
+    if (std::holds_alternative<shape::Box>(shapes_[n])) continue;
     double full = 0.0;
     double part = 0.0;
-    shape::for_each_share({regions_[n]}, domain, shape::cells_around(regions_[n], domain),
+    shape::for_each_share({shapes_[n]}, domain, shape::cells_around(shapes_[n], domain),
                           [&](CellRange const& r, std::vector<Share> const& shares) {
                             double const f = shares.front().part;
                             (f < 1.0 ? part : full) += f * shape::volume_of(r, domain);
@@ -78,7 +78,7 @@ bool RegionPlacing::measure(long most) {
     double const missing = asked_[n] - full - part;
     if (part > 0.0 && std::abs(missing) > 1e-13 * asked_[n] && asked_[n] > full) scales_[n] = (asked_[n] - full) / part;
   }
-  placed_.assign(regions_.size(), 0.0);
+  placed_.assign(shapes_.size(), 0.0);
   for_each(domain.all_cells(), [&](CellRange const& r, std::vector<Share> const& shares) {
     for (Share const& s : shares) placed_[static_cast<std::size_t>(s.shape)] += s.part * shape::volume_of(r, domain);
     return ++cut <= most;
@@ -86,12 +86,12 @@ bool RegionPlacing::measure(long most) {
   return cut <= most;
 }
 
-void RegionPlacing::fill(gas::Gas& gas) {
-  if (regions_.empty()) return;
+void InitialStatePlacing::fill(gas::Gas& gas) {
+  if (shapes_.empty()) return;
   measure(std::numeric_limits<long>::max());
   std::vector<gas::Components> states;
-  for (Region const& region : setup_->regions)
-    states.push_back(gas::conserved_of(gas.fluids(), material::only(region.fluid, region.state)));
+  for (InitialState const& initial : setup_->initial_states)
+    states.push_back(gas::conserved_of(gas.fluids(), material::only(initial.fluid, initial.state)));
   grid::Grid const& grid = gas.grid();
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
@@ -112,18 +112,18 @@ void RegionPlacing::fill(gas::Gas& gas) {
         }
         if (!r.single() || gas.primitive(cell).sound_speed > 0.0) return;
         Vec3 const x = block.centre(cell);
-        throw InputError(fmt::format(
-            "the states that regions and the ambient have in the cell at ({:.6g}, {:.6g}, {:.6g}) m cannot be "
-            "mixed: their mean is outside the equation of state; let the faces of the region lie between cells",
-            x[0], x[1], x[2]));
+        throw InputError(
+            fmt::format("the initial states and the ambient in the cell at ({:.6g}, {:.6g}, {:.6g}) m cannot be "
+                        "mixed: their mean is outside the equation of state; let its faces lie between cells",
+                        x[0], x[1], x[2]));
       });
       return true;
     });
   });
 }
 
-void RegionPlacing::give_way(detonation::TakenCells const& taken) {
-  if (regions_.empty()) return;
+void InitialStatePlacing::give_way(detonation::TakenCells const& taken) {
+  if (shapes_.empty()) return;
   for (auto const& [cell, part] : taken) {
     for_each(grid::around(cell, 0, 0), [&, part = part](CellRange const& r, std::vector<Share> const& shares) {
       for (Share const& s : shares)
@@ -133,33 +133,33 @@ void RegionPlacing::give_way(detonation::TakenCells const& taken) {
   }
 }
 
-std::vector<run::RegionReport> RegionPlacing::reports() const {
-  std::vector<run::RegionReport> all;
-  for (std::size_t n = 0; n < regions_.size(); ++n) {
-    Region const& region = setup_->regions[n];
-    Primitive const& s = region.state;
-    material::Fluid const& fluid = fluid_of(*setup_, region);
+std::vector<run::InitialStateReport> InitialStatePlacing::reports() const {
+  std::vector<run::InitialStateReport> all;
+  for (std::size_t n = 0; n < shapes_.size(); ++n) {
+    InitialState const& initial = setup_->initial_states[n];
+    Primitive const& s = initial.state;
+    material::Fluid const& fluid = fluid_of(*setup_, initial);
     double const energy =
         s.density * (material::internal_energy(fluid.eos, s.density, s.pressure) + 0.5 * dot(s.velocity, s.velocity));
-    run::RegionReport report;
+    run::InitialStateReport report;
     report.fluid = fluid.name;
-    report.asked_volume = asked_[n];
+    report.specified_volume = asked_[n];
     report.volume = placed_[n];
-    report.asked_mass = s.density * asked_[n];
+    report.specified_mass = s.density * asked_[n];
     report.mass = s.density * placed_[n];
-    report.asked_energy = energy * asked_[n];
+    report.specified_energy = energy * asked_[n];
     report.energy = energy * placed_[n];
     all.push_back(report);
   }
   return all;
 }
 
-bool RegionPlacing::vanishes(std::size_t region) const {
-  if (!(asked_[region] > 0.0)) return true;
+bool InitialStatePlacing::vanishes(std::size_t initial) const {
+  if (!(asked_[initial] > 0.0)) return true;
   bool found = false;
-  for_each(shape::cells_around(regions_[region], setup_->domain), [&](CellRange const&, std::vector<Share> const& s) {
+  for_each(shape::cells_around(shapes_[initial], setup_->domain), [&](CellRange const&, std::vector<Share> const& s) {
     found = std::any_of(s.begin(), s.end(), [&](Share const& share) {
-      return share.shape == static_cast<int>(region) && share.part > 0.0;
+      return share.shape == static_cast<int>(initial) && share.part > 0.0;
     });
     return !found;
   });
