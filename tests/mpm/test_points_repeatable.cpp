@@ -13,14 +13,14 @@ using grid::Geometry;
 /// Every field of every point, block by block, in the order in which they are kept.
 std::vector<double> everything(ShapeFunction shape, Transfer transfer, double pic, StressOrder order, int threads) {
   Problem problem;
-  problem.box(Geometry::cartesian3d, 1.0, {9, 8, 7}, Boundary::outflow);
+  problem.box(Geometry::cartesian3d, 1.0, {12, 8, 8}, Boundary::outflow);
   problem.domain.boundary[2] = Boundary::symmetry;
   problem.domain.boundary[4] = problem.domain.boundary[5] = Boundary::periodic;
   problem.options.shape = shape;
   problem.options.transfer = transfer;
   problem.options.pic_fraction = pic;
   problem.options.order = order;
-  problem.options.block_cells = 3;
+  problem.options.block_cells = 4;
   problem.options.linear_viscosity = 0.06;
   problem.options.quadratic_viscosity = 1.5;
   problem.options.locking_control = order == StressOrder::usl;
