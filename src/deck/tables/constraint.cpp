@@ -199,7 +199,7 @@ bool what_is_held(Draft const& draft, Section const& section, mpm::Constraint& o
     auto const shape = region == nullptr ? std::nullopt : build_composed_shape(draft, *region);
     sound = shape.has_value();
     if (shape) {
-      touches_domain(draft, *region, *shape, "within");
+      touches_domain(draft, *region, *shape, "shape");
       out.within = *shape;
     }
   }
@@ -281,7 +281,7 @@ bool prescribed_velocity(Draft const& draft, Section const& section, mpm::Constr
   for (int d = 0; d < draft.dims(); ++d) {
     if (out.held[static_cast<std::size_t>(d)] || out.velocity[d] == 0.0) continue;
     draft.error(section, "velocity",
-                fmt::format("{} has a value in direction {}, which is not held: add \"{}\" to held or write 0",
+                fmt::format("{} has a value in direction {}, which is not held: add \"{}\" to components or write 0",
                             section.shown("velocity"), directions[d], directions[d]));
     return false;
   }

@@ -293,7 +293,7 @@ bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressu
   auto part = loaded_part(draft, section, static_cast<std::size_t>(pressure.body));
   if (!part) return false;
   if (!section.given("normal")) {
-    pressure.surface = shape::surface(part->body, part->region, draft.out.domain, facets_per_layer * part->layer);
+    pressure.surface = shape::surface(part->body, part->within, draft.out.domain, facets_per_layer * part->layer);
     if (pressure.surface.empty()) {
       draft.report.error(section.place_of("within"), section.path_of("within"),
                          "no part of the body's surface lies in it: move it, or make it larger");
