@@ -502,7 +502,8 @@ def column(run):
              f"1 + 1.9 a^(2/3) = {1.0 + 1.9 * ASPECT ** (2.0 / 3.0):.1f}"],
             ["height left / half width", f"{height / 0.1:.2f}", f"0.65 a^(2/5) = {0.65 * ASPECT ** 0.4:.1f}"],
             ["mean slope", f"{slope:.0f} degrees", "below the angle of friction, 33"],
-            ["kinetic energy lost at constrained nodes, relative to all energy", part("lost_at_constrained_nodes", energy),
+            ["kinetic energy lost at constrained nodes, relative to all energy",
+             part("lost_at_constrained_nodes", energy),
              f"(cells of 20 mm: {part('lost_at_constrained_nodes', coarse)})"],
             ["energy drift in addition", f"{100 * energy['drift']:+.2f} %",
              f"(cells of 20 mm: {100 * coarse['drift']:+.2f} %)"]]

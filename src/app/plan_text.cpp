@@ -111,8 +111,8 @@ std::string initial_state_line(std::size_t number, run::InitialStateReport const
   return fmt::format(
       "{:<12} {}: {}, volume asked {:.6g} m3, placed {:.6g}; mass asked {:.6g} kg, placed {:.6g}; energy asked {}, "
       "placed {}\n",
-      "", number + 1, r.fluid, r.specified_volume, r.volume, r.specified_mass, r.mass, quantity(r.specified_energy, "J", 6),
-      quantity(r.energy, "J", 6));
+      "", number + 1, r.fluid, r.specified_volume, r.volume, r.specified_mass, r.mass,
+      quantity(r.specified_energy, "J", 6), quantity(r.energy, "J", 6));
 }
 
 std::string obstacle_line(run::ObstacleReport const& o) {
@@ -237,8 +237,8 @@ std::string charges_text(run::Case const& setup, session::Plan const& p) {
                 fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
                             charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
     out += line("", std::isfinite(c.realised_mass)
-                        ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}", c.specified_mass,
-                                      c.realised_mass, relative_error(c))
+                        ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}",
+                                      c.specified_mass, c.realised_mass, relative_error(c))
                         : fmt::format("mass asked {:.8g} kg, realised: not tried out", c.specified_mass));
     double const density = charge.explosive.density();
     out += line(

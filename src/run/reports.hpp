@@ -15,7 +15,7 @@ namespace brisance::run {
 /// What became of one charge on the grid.
 struct ChargeReport {
   std::string explosive;
-  double specified_mass = 0.0;        ///< whole body [kg]
+  double specified_mass = 0.0;    ///< whole body [kg]
   double realised_mass = 0.0;     ///< whole body, symmetry images counted [kg]
   double realised_energy = 0.0;   ///< E0 of the realised volume [J]
   double cells_per_radius = 0.0;  ///< (volume of the part in the domain as an equivalent radius) / h
@@ -26,19 +26,19 @@ struct ChargeReport {
 struct InitialStateReport {
   std::string fluid;
   double specified_volume = 0.0;  ///< [m3]
-  double volume = 0.0;        ///< placed [m3]
+  double volume = 0.0;            ///< placed [m3]
   double specified_mass = 0.0;    ///< [kg]
-  double mass = 0.0;          ///< placed [kg]
+  double mass = 0.0;              ///< placed [kg]
   double specified_energy = 0.0;  ///< internal and kinetic [J]
-  double energy = 0.0;        ///< placed [J]
+  double energy = 0.0;            ///< placed [J]
 };
 
 /// What became of one obstacle on the grid.
 struct ObstacleReport {
   std::string name;
   double specified_volume = 0.0;  ///< of the part in the domain [m3]
-  double volume = 0.0;        ///< of the solid cells that it has the largest part of [m3]
-  long cells = 0;             ///< their number
+  double volume = 0.0;            ///< of the solid cells that it has the largest part of [m3]
+  long cells = 0;                 ///< their number
   /// What its cells hold beyond the obstacles, less what of it lies in cells that are not solid [m3].
   double excess = 0.0;
 };

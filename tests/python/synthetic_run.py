@@ -148,7 +148,8 @@ def write(folder, which, dumps=7):
         write_gauges(folder, kind, end)
     totals = {"mass": [1764.0, 8.0], "momentum": [0.0, 0.0, 0.0], "energy": 4.1e8}
     nothing = {"mass": [0.0, 0.0], "momentum": [0.0, 0.0, 0.0], "energy": 0.0}
-    charge = {"explosive": "TNT", "specified_mass": MASS, "realised_mass": MASS * (1 + 2e-15), "realised_energy": 3.43e7,
+    charge = {"explosive": "TNT", "specified_mass": MASS, "realised_mass": MASS * (1 + 2e-15),
+              "realised_energy": 3.43e7,
               "cells_per_radius": 7.4, "centre": [0.0, 0.0, 0.0], "source": "Dobratz & Crawford 1985 (LLNL UCRL-52997)",
               "density": 1630.0, "detonation": "programmed", "tnt_equivalent_pressure": 1.0,
               "tnt_equivalent_impulse": 1.0}
