@@ -113,7 +113,7 @@ TEST(Plan, TellsWhatIsAskedAndWhatIsPlaced) {
   std::string warnings;
   for (auto const& w : plan(coarse).warnings) warnings += w;
   EXPECT_NE(warnings.find("obstacle \"bar\" is 67 % larger on these cells"), std::string::npos) << warnings;
-  EXPECT_NE(warnings.find("region 1 is only 0.8 cells thick"), std::string::npos) << warnings;
+  EXPECT_NE(warnings.find("initial state 1 is only 0.8 cells thick"), std::string::npos) << warnings;
 }
 
 TEST(Plan, WarnsOfLoadsThatAreShorterThanSteps) {
