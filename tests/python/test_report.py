@@ -121,7 +121,7 @@ class Pages(Folders):
         log = json.loads(sound)
         log["audit"].update(balanced=False, guard_energy=6.2e8, for_comparison=True,
                             reasons=["guards added 6.2e+08 J, <much>"])
-        log["audit"]["findings"]["guard_energy"].update(amount=6.2e8, told=True)
+        log["audit"]["findings"]["guard_energy"].update(amount=6.2e8, reported=True)
         path.write_text(json.dumps(log), encoding="utf-8")
         try:
             page = self.page("1d")
