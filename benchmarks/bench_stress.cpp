@@ -1,4 +1,4 @@
-/// The stress of material points alone: time per point, by material, on one thread. Called with 64 points at a
+/// The stress of material points alone: time per particle, by material, on one thread. Called with 64 particles at a
 /// time, as a step does.
 #include <benchmark/benchmark.h>
 
@@ -10,30 +10,30 @@ namespace {
 
 using namespace brisance::material;
 
-constexpr int points = 6400;
+constexpr int particles = 6400;
 constexpr int at_a_time = 64;
 constexpr double p = 1e7;
 
-/// What the points are: each array has one value per point.
+/// What the particles are: each array has one value per particle.
 struct Cloud {
-  Solid solid;
+  Material solid;
   std::vector<double> density, energy, mass_fraction, volume_fraction;
 };
 
 Cloud plain(Fluid const& fluid) {
   Cloud cloud;
   cloud.solid = of(fluid);
-  cloud.density.assign(points, cloud.solid.density);
-  cloud.energy.assign(points, cloud.solid.specific_energy);
+  cloud.density.assign(particles, cloud.solid.density);
+  cloud.energy.assign(particles, cloud.solid.specific_energy);
   return cloud;
 }
 
-/// Air with products; every `every`-th point mixes with volume fraction alpha, the others are air.
+/// Air with products; every `every`-th particle mixes with volume fraction alpha, the others are air.
 Cloud mixed(double alpha, int every) {
   Fluids const fluids{{IdealGas{1.4}, Jwl{}}, 2, 101325.0};
   Cloud cloud;
   cloud.solid = gas_of(fluids, 10.0, p);
-  for (int i = 0; i < points; ++i) {
+  for (int i = 0; i < particles; ++i) {
     double const own = i % every == 0 ? alpha : 0.0;
     double const first = (1.0 - own) * 10.0;
     double const second = own * 500.0;
@@ -47,17 +47,17 @@ Cloud mixed(double alpha, int every) {
 }
 
 void run(benchmark::State& state, Cloud cloud) {
-  std::vector<double> pressure(points, p);
-  std::vector<double> viscosity(points, 0.0);
-  std::vector<double> sound_speed(points, 0.0);
-  std::vector<double> volumetric(points);
+  std::vector<double> pressure(particles, p);
+  std::vector<double> viscosity(particles, 0.0);
+  std::vector<double> sound_speed(particles, 0.0);
+  std::vector<double> volumetric(particles);
   double sign = 1.0;
   for ([[maybe_unused]] auto _ : state) {
     // Back and forth: the state stays where it is.
-    for (int i = 0; i < points; ++i) volumetric[i] = sign * (i % 2 == 0 ? 1e-5 : -1e-5);
+    for (int i = 0; i < particles; ++i) volumetric[i] = sign * (i % 2 == 0 ? 1e-5 : -1e-5);
     sign = -sign;
-    for (int begin = 0; begin < points; begin += at_a_time) {
-      PointArrays a;
+    for (int begin = 0; begin < particles; begin += at_a_time) {
+      ParticleArrays a;
       a.n = at_a_time;
       a.volumetric = volumetric.data() + begin;
       a.pressure = pressure.data() + begin;
@@ -73,7 +73,7 @@ void run(benchmark::State& state, Cloud cloud) {
     }
     benchmark::DoNotOptimize(sound_speed.data());
   }
-  double const updates = static_cast<double>(points) * static_cast<double>(state.iterations());
+  double const updates = static_cast<double>(particles) * static_cast<double>(state.iterations());
   state.counters["time/point"] = benchmark::Counter(updates, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 

@@ -394,10 +394,10 @@ def beam(run):
                 for dump in result.point_dumps:
                     dump = dump.read()
                     x = dump["position"][:, 0] - dump["displacement"][:, 0]
-                    steel = (dump["bar_part"] > 0.0) & (x < 0.05)
+                    steel = (dump["bar_fraction"] > 0.0) & (x < 0.05)
                     time.append(dump["time"])
                     mean.append(dump["bar_stress"][steel].mean())
-                    most.append(dump["bar_stress"][dump["bar_part"] > 0.0].max())
+                    most.append(dump["bar_stress"][dump["bar_fraction"] > 0.0].max())
                     if abs(dump["time"] - 2e-3) < 1e-6:
                         axis = axes[2]
                         marks = axis.scatter(*(1e3 * dump["position"][:, ::2].T), c=dump["damage"], s=3,

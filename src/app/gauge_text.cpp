@@ -23,7 +23,7 @@ std::string ratio(bool known, double value, std::optional<double> const& referen
   return known && reference ? fmt::format("{:.3f}", value / *reference) : "-";
 }
 
-std::string percent(double part) { return fmt::format("{:.0f} %", 100.0 * part); }
+std::string percent(double fraction) { return fmt::format("{:.0f} %", 100.0 * fraction); }
 
 std::string cell_count(double cells) { return fmt::format("{:.{}f}", cells, cells < 9.95 ? 1 : 0); }
 

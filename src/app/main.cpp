@@ -126,7 +126,7 @@ void add_kb(CLI::App& app, brisance::app::KbArguments& arguments, ExitCode& code
 
 int main(int argc, char** argv) {
   occupy_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away must not end a calculation
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away must not end a simulation
   CLI::App app("Brisance: explosive blast in air.", "brisance");
   app.set_version_flag("--version", "brisance " BRISANCE_VERSION);
   app.require_subcommand(1);

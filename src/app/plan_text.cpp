@@ -32,9 +32,9 @@ struct MaterialLine {
 
 std::vector<MaterialLine> materials_of(run::Case const& setup) {
   std::vector<MaterialLine> lines;
-  if (!setup.points.any() || setup.mpm_region)
+  if (!setup.particles.any() || setup.mpm_region)
     lines.push_back({setup.ambient.fluid.name, "ambient fluid", setup.ambient.fluid.source});
-  for (run::Body const& body : setup.points.bodies) {
+  for (run::Body const& body : setup.particles.bodies) {
     bool const known =
         std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == body.solid.name; });
     if (!known) lines.push_back({body.solid.name, "body", body.solid.source});
@@ -132,8 +132,8 @@ std::string panel_line(run::PanelReport const& p) {
 /// A line behind a label; without one, of the label above.
 std::string line(std::string const& label, std::string const& text) { return fmt::format("{:<12} {}\n", label, text); }
 
-bool has_points(session::Plan const& p) { return p.points > 0.0; }
-bool has_gas(session::Plan const& p) { return !has_points(p) || p.region; }
+bool has_particles(session::Plan const& p) { return p.particles > 0.0; }
+bool has_gas(session::Plan const& p) { return !has_particles(p) || p.region; }
 
 std::string domain_text(run::Case const& setup, session::Plan const& p) {
   grid::Domain const& d = setup.domain;
@@ -158,17 +158,17 @@ std::string domain_text(run::Case const& setup, session::Plan const& p) {
 
 std::string scheme_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
-  if (has_points(p)) {
-    auto const& o = setup.points.options;
-    out +=
-        line("points",
-             fmt::format("{} in {} bod{}{}", large_count(p.points), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
-                         p.region ? fmt::format(" and {} of the gas", large_count(p.region->gas_points)) : ""));
+  if (has_particles(p)) {
+    auto const& o = setup.particles.options;
+    out += line(
+        "points",
+        fmt::format("{} in {} bod{}{}", large_count(p.particles), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
+                    p.region ? fmt::format(" and {} of the gas", large_count(p.region->gas_particles)) : ""));
     out += line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", word_of(o.shape),
                                       word_of(o.order), word_of(o.transfer), o.courant));
   }
   if (has_gas(p)) {
-    out += line(has_points(p) ? "" : "scheme",
+    out += line(has_particles(p) ? "" : "scheme",
                 fmt::format("{}, Courant number {:g}, {}", word_of(setup.numerics.scheme), setup.numerics.courant,
                             session::gas_fluids(setup) > 1 ? "two fluids" : "one fluid"));
   }
@@ -181,11 +181,11 @@ std::string steps_text(session::Plan const& p) {
         "steps",
         fmt::format("about {}, in them {} of the gas and {} of the points (estimates; fewer while the region "
                     "and blocks of the gas sleep)",
-                    large_count(p.steps), large_count(p.region->gas_steps), large_count(p.region->point_steps)));
+                    large_count(p.steps), large_count(p.region->gas_steps), large_count(p.region->particle_steps)));
   }
-  if (has_points(p)) {
+  if (has_particles(p)) {
     return line("steps", fmt::format("about {} (as long as at the start; {} point updates)", large_count(p.steps),
-                                     large_count(p.steps * p.points)));
+                                     large_count(p.steps * p.particles)));
   }
   return line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
                                    large_count(p.steps), large_count(p.steps * p.cells)));
@@ -211,10 +211,10 @@ std::string bodies_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     auto const& b = p.bodies[n];
-    auto const& body = setup.points.bodies[n];
+    auto const& body = setup.particles.bodies[n];
     auto const& v = body.velocity;
     out += line("body", fmt::format("{}: {}, {} points, {} per cell and direction{}{}", b.name, b.material,
-                                    large_count(static_cast<double>(b.points)), body.points_per_direction,
+                                    large_count(static_cast<double>(b.particles)), body.particles_per_direction,
                                     norm(v) > 0.0 ? fmt::format(", ({:g}, {:g}, {:g}) m/s", v[0], v[1], v[2]) : "",
                                     body.rigid ? ", rigid" : ""));
     if (std::isfinite(b.mass))
@@ -268,15 +268,15 @@ std::string placed_text(run::Case const& setup, session::Plan const& p) {
 
 std::string output_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
-  std::size_t const gauges = setup.points.gauges.size() + setup.gauges.size();
+  std::size_t const gauges = setup.particles.gauges.size() + setup.gauges.size();
   out += line("gauges", gauges == 0 ? "none" : fmt::format("{}, about {}", gauges, bytes(p.gauge_bytes)));
   out += gauge_plan_text(p.gauges);
   std::string fields;
   for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
-  auto const point_fields = output::dumped_point_fields(setup);
-  if (p.region && !point_fields.empty()) fields += "; of points:";
-  for (std::size_t n = 0; n < point_fields.size(); ++n)
-    fields += (fields.empty() ? "" : n == 0 ? " " : ", ") + point_fields[n].name;
+  auto const particle_fields = output::dumped_particle_fields(setup);
+  if (p.region && !particle_fields.empty()) fields += "; of points:";
+  for (std::size_t n = 0; n < particle_fields.size(); ++n)
+    fields += (fields.empty() ? "" : n == 0 ? " " : ", ") + particle_fields[n].name;
   out += line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
   out += line("checkpoints", fmt::format("{} of about {} stay", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
   return out;
@@ -304,10 +304,10 @@ nlohmann::json bodies_json(run::Case const& setup, session::Plan const& p) {
   nlohmann::json bodies = nlohmann::json::array();
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     auto const& b = p.bodies[n];
-    double const density = density_of(setup.points.bodies[n]);
+    double const density = density_of(setup.particles.bodies[n]);
     bodies.push_back({{"name", b.name},
                       {"material", b.material},
-                      {"points", b.points},
+                      {"points", b.particles},
                       {"mass", output::json_or_null(b.mass)},
                       {"geometric_mass", output::json_or_null(b.geometric_mass)},
                       {"volume", output::json_or_null(b.mass / density)},
@@ -323,9 +323,9 @@ nlohmann::json region_json(run::Case const& setup, session::RegionPlan const& r)
           {"cells", r.cells},
           {"width", setup.mpm_region->width},
           {"bridge_faces", r.bridge_faces},
-          {"gas_points", r.gas_points},
+          {"gas_points", r.gas_particles},
           {"gas_steps", std::round(r.gas_steps)},
-          {"point_steps", std::round(r.point_steps)}};
+          {"point_steps", std::round(r.particle_steps)}};
 }
 
 }  // namespace
@@ -360,7 +360,7 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
     boundaries[grid::face_names[f]] = word_of(setup.domain.boundary[f]);
   json fields = json::array();
   for (auto const& f : output::dumped_fields(setup)) fields.push_back(f.name);
-  for (auto const& f : output::dumped_point_fields(setup)) fields.push_back(f.name);
+  for (auto const& f : output::dumped_particle_fields(setup)) fields.push_back(f.name);
   return {{"title", setup.title},
           {"geometry", word_of(setup.domain.geometry)},
           {"cells", setup.domain.cells},
@@ -378,11 +378,11 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
           {"estimated_steps", std::round(p.steps)},
           {"charges", charges_json(setup, p)},
           {"starts", p.starts},
-          {"points", p.points},
+          {"points", p.particles},
           {"bodies", bodies_json(setup, p)},
           {"materials", materials},
           {"mpm_region", p.region ? region_json(setup, *p.region) : json()},
-          {"gauges", setup.points.gauges.size() + setup.gauges.size()},
+          {"gauges", setup.particles.gauges.size() + setup.gauges.size()},
           {"gauge_bytes", p.gauge_bytes},
           {"gauge_peaks", gauge_plan_json(p.gauges)},
           {"obstacles", setup.obstacles.size()},

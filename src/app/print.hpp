@@ -1,4 +1,4 @@
-/// Printing that does not throw: a closed terminal must not end a calculation. `main` checks at the end whether all of
+/// Printing that does not throw: a closed terminal must not end a simulation. `main` checks at the end whether all of
 /// it arrived.
 #pragma once
 

@@ -62,8 +62,8 @@ void Progress::start(run::System const& system) {
 void Progress::step(run::System const& system) {
   ++steps_;
   bool const both = system.bridge != nullptr;
-  bool const points = system.points != nullptr && !both;
-  active_updates_ += static_cast<double>(points ? mpm::point_count(*system.points) : system.active_cells());
+  bool const particles = system.particles != nullptr && !both;
+  active_updates_ += static_cast<double>(particles ? mpm::particle_count(*system.particles) : system.active_cells());
   auto const now = Clock::now();
   double const done = part_done(system);
   if (!due(done, now)) return;
@@ -73,7 +73,7 @@ void Progress::step(run::System const& system) {
       fmt::format("{:5.1f} %  t {}  step {}  dt {}  ", 100.0 * done, quantity(system.clock.time, "s"),
                   system.clock.step, quantity(system.clock.dt, "s", 3));
   std::string speed;
-  if (points) {
+  if (particles) {
     speed = fmt::format("{:.3g} Mpoints/s", active_updates_ / seconds / 1e6);
   } else {
     double const all_updates = static_cast<double>(steps_) * static_cast<double>(system.setup.domain.cell_count());
@@ -83,7 +83,7 @@ void Progress::step(run::System const& system) {
   }
   if (both) {
     speed += system.bridge->awake()
-                 ? fmt::format("  {} points", large_count(static_cast<double>(mpm::point_count(*system.points))))
+                 ? fmt::format("  {} points", large_count(static_cast<double>(mpm::particle_count(*system.particles))))
                  : "  points asleep";
   }
   show(fmt::format("{}{}  {}", place, speed, remaining(done, done_, seconds)));

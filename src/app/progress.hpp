@@ -15,7 +15,7 @@ class Progress {
  public:
   Progress(std::FILE* out, bool terminal) : out_(out), terminal_(terminal) {}
 
-  /// To be called after every step of a 1D calculation that comes before the run.
+  /// To be called after every step of a 1D simulation that comes before the run.
   void step(setup::StartProgress const& start);
   /// To be called before the first step of a run that does not begin at its start.
   void start(run::System const& system);
@@ -35,12 +35,12 @@ class Progress {
   std::size_t shown_ = 0;  ///< characters on the terminal's line
   // What happened since the last line.
   Clock::time_point since_ = Clock::now();
-  double done_ = 0.0;  ///< part of the run, 0 to 1
+  double done_ = 0.0;  ///< fraction of the run, 0 to 1
   long steps_ = 0;
-  double active_updates_ = 0.0;  ///< of cells, or of points
+  double active_updates_ = 0.0;  ///< of cells, or of particles
 };
 
-/// Part of the run that is done, 0 to 1, by time or by steps.
+/// Fraction of the run that is done, 0 to 1, by time or by steps.
 [[nodiscard]] double part_done(run::System const& system);
 
 }  // namespace brisance::app

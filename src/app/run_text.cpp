@@ -9,7 +9,7 @@
 #include "app/print.hpp"
 #include "app/text.hpp"
 #include "core/parallel.hpp"
-#include "observe/point_summary.hpp"
+#include "observe/particle_summary.hpp"
 #include "observe/zones.hpp"
 #include "output/run_log.hpp"
 
@@ -72,8 +72,8 @@ std::string vector_text(Vec3 const& v, char const* unit, int dimensions) {
   return dimensions == 1 ? text : "(" + text + ")";
 }
 
-void print_points(run::World const& world, observe::Gauges const& histories) {
-  auto const gauges = observe::summarise_points(world, histories);
+void print_particles(run::World const& world, observe::Gauges const& histories) {
+  auto const gauges = observe::summarise_particles(world, histories);
   auto const bodies = observe::summarise_bodies(world, histories);
   int const dims = world.setup.domain.dimensions();
   if (!gauges.empty()) {
@@ -124,25 +124,25 @@ void print_broken_zones(run::World const& world) {
   }
 }
 
-/// Kinetic energy that the points lost, where it is known.
+/// Kinetic energy that the particles lost, where it is known.
 void print_dissipation(run::EnergyBalance const& energy) {
-  auto const& [held, filtered, apic, friction] = energy.dissipated;
-  if (held == 0.0 && filtered == 0.0 && apic == 0.0 && friction == 0.0) return;
+  auto const& [constraints, filtered, apic, friction] = energy.dissipated;
+  if (constraints == 0.0 && filtered == 0.0 && apic == 0.0 && friction == 0.0) return;
   print(stdout,
         "kinetic energy lost and counted: {} at held nodes, {} by PIC and XPIC, {} by APIC, {} by the friction of "
         "contacts; {:.2g} % of the energy at work\n",
-        quantity(held, "J"), quantity(filtered, "J"), quantity(apic, "J"), quantity(friction, "J"),
+        quantity(constraints, "J"), quantity(filtered, "J"), quantity(apic, "J"), quantity(friction, "J"),
         energy.scale > 0.0 ? 100.0 * energy.dissipated.sum() / energy.scale : 0.0);
 }
 
-/// Energy that gas points were given because they had less than none.
-void print_lifted(mpm::Mpm const& points) {
-  if (points.accounts().floored.points == 0) return;
+/// Energy that gas particles were given because they had less than none.
+void print_lifted(mpm::Mpm const& particles) {
+  if (particles.accounts().floored.particles == 0) return;
   print(stdout, "guards: {} updates of gas points lifted to no pressure; they added {:.3g} J\n",
-        points.accounts().floored.points, points.accounts().floored.energy);
+        particles.accounts().floored.particles, particles.accounts().floored.energy);
 }
 
-void print_point_audit(run::World const& world) {
+void print_particle_audit(run::World const& world) {
   auto const& a = world.audit;
   auto const energy = world.energy_balance();
   print(stdout, "\naudit: {} (relative error of the mass {:.1e}; energy {} to {}{}, drift {:+.3g} % of {} at work)\n{}",
@@ -151,10 +151,10 @@ void print_point_audit(run::World const& world) {
         energy.work != 0.0 ? fmt::format(" by the work {} of outer forces", quantity(energy.work, "J")) : "",
         100.0 * energy.drift(), quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
-  print_lifted(*world.points);
-  auto const& lost = world.points->accounts().losses;
-  if (lost.points > 0) {
-    print(stdout, "{} points left the domain with {:.4g} kg and {}\n", lost.points, lost.mass,
+  print_lifted(*world.particles);
+  auto const& lost = world.particles->accounts().losses;
+  if (lost.particles > 0) {
+    print(stdout, "{} points left the domain with {:.4g} kg and {}\n", lost.particles, lost.mass,
           quantity(lost.energy, "J"));
   }
 }
@@ -169,7 +169,7 @@ void print_region_audit(run::World const& world) {
         quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"), 100.0 * energy.drift(),
         quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
-  print_lifted(*world.points);
+  print_lifted(*world.particles);
   print_guards(world.audit);
   if (!world.awake_since) {
     print(stdout, "MPM region: no wave came near, its points slept\n");
@@ -181,8 +181,9 @@ void print_region_audit(run::World const& world) {
   print(stdout,
         "MPM region: awake since {}; {} steps of the gas and {} of the points; {} points of gas came in, {} left, {} "
         "under way in the ledger (at most {}); the bridge took {:.0f} % of the time\n",
-        quantity(*world.awake_since, "s"), world.clock.gas_steps, world.clock.point_steps, world.bridge->traffic().born,
-        world.bridge->traffic().left, quantity(ledger.total(), "kg", 3), quantity(world.audit.memory.content, "kg", 3),
+        quantity(*world.awake_since, "s"), world.clock.gas_steps, world.clock.particle_steps,
+        world.bridge->traffic().injected, world.bridge->traffic().absorbed, quantity(ledger.total(), "kg", 3),
+        quantity(world.audit.memory.content, "kg", 3),
         total > 0.0 && bridge != world.timings.end() ? 100.0 * bridge->second / total : 0.0);
 }
 
@@ -192,13 +193,13 @@ void print_head(session::Session const& session, std::string const& title) {
   session::Plan const& expected = session.plan();
   auto const* const checkpoint = session.checkpoint();
   if (!title.empty()) print(stdout, "{}\n", title);
-  std::string const points = fmt::format("{} material points", large_count(expected.points));
+  std::string const particles = fmt::format("{} material points", large_count(expected.particles));
   std::string const cells = fmt::format("{} cells", large_count(expected.cells));
-  std::string const what = expected.region ? cells + " and " + points : expected.points > 0.0 ? points : cells;
+  std::string const what = expected.region ? cells + " and " + particles : expected.particles > 0.0 ? particles : cells;
   print(stdout, "{}, about {} steps, {} thread{}; results go to {}\n", what, large_count(expected.steps), threads(),
         threads() == 1 ? "" : "s", session.folder().string());
   for (auto const& body : expected.bodies) {
-    print(stdout, "{}: {}, {} points, {:.8g} kg, the shape has {:.8g} kg\n", body.name, body.material, body.points,
+    print(stdout, "{}: {}, {} points, {:.8g} kg, the shape has {:.8g} kg\n", body.name, body.material, body.particles,
           body.mass, body.geometric_mass);
   }
   for (auto const& charge : expected.charges) {
@@ -236,14 +237,14 @@ void print_starts(run::World const& world) {
 void print_results(run::World const& world, observe::Gauges const& gauges) {
   if (world.bridge != nullptr) {
     print(stdout, "{}", gauge_tables(world.setup, gauges.gas));
-    print_points(world, gauges);
+    print_particles(world, gauges);
     print_broken_zones(world);
     print_panels(world);
     print_region_audit(world);
-  } else if (world.points != nullptr) {
-    print_points(world, gauges);
+  } else if (world.particles != nullptr) {
+    print_particles(world, gauges);
     print_broken_zones(world);
-    print_point_audit(world);
+    print_particle_audit(world);
   } else {
     print(stdout, "{}", gauge_tables(world.setup, gauges.gas));
     print_panels(world);

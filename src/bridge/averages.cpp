@@ -12,19 +12,19 @@ using mpm::Field;
 
 namespace {
 
-/// Where the weight of a cell falls in one direction: its own index, and those of its images that points near a mirror
-/// or a periodic face can reach.
+/// Where the weight of a cell falls in one direction: its own index, and those of its images that particles near a
+/// mirror or a periodic face can reach.
 struct Image {
   int index;
   bool flip;
 };
 
-std::vector<Image> images(grid::Domain const& points, int d, int i) {
+std::vector<Image> images(grid::Domain const& particles, int d, int i) {
   std::vector<Image> result{{i, false}};
-  int const n = points.cells[d];
-  if (i == 0 && points.is_mirror(2 * d)) result.push_back({-1, true});
-  if (i == n - 1 && points.is_mirror(2 * d + 1)) result.push_back({n, true});
-  if (points.boundary[2 * d] == grid::Boundary::periodic) {
+  int const n = particles.cells[d];
+  if (i == 0 && particles.is_mirror(2 * d)) result.push_back({-1, true});
+  if (i == n - 1 && particles.is_mirror(2 * d + 1)) result.push_back({n, true});
+  if (particles.boundary[2 * d] == grid::Boundary::periodic) {
     if (i == 0) result.push_back({n, false});
     if (i == n - 1) result.push_back({-1, false});
   }
@@ -33,10 +33,10 @@ std::vector<Image> images(grid::Domain const& points, int d, int i) {
 
 }  // namespace
 
-Averages::Averages(grid::Domain const& domain, mpm::Mpm const& points, Index3 const& shift,
+Averages::Averages(grid::Domain const& domain, mpm::Mpm const& particles, Index3 const& shift,
                    std::vector<Index3> const& cells)
-    : domain_(points.grid().domain()), dims_(domain.dimensions()), sums_(cells.size()) {
-  grid::Grid const& grid = points.grid();
+    : domain_(particles.grid().domain()), dims_(domain.dimensions()), sums_(cells.size()) {
+  grid::Grid const& grid = particles.grid();
   std::map<int, int> slot_of;
   // Blocks whose padded box holds the cell or an image of it: those of the cells around.
   auto const part_of = [&](int block) -> int {
@@ -86,10 +86,10 @@ Averages::Averages(grid::Domain const& domain, mpm::Mpm const& points, Index3 co
   for (BlockPart& part : parts_) part.values.assign(part.wanted.size() * values, 0.0);
 }
 
-void Averages::add_points(mpm::Mpm const& points, int body, BlockPart& part) const {
+void Averages::add_particles(mpm::Mpm const& particles, int body, BlockPart& part) const {
   std::fill(part.values.begin(), part.values.end(), 0.0);
-  mpm::PointSet const& set = points.points(part.block, body);
-  grid::Block const& block = points.grid().blocks()[part.block];
+  mpm::ParticleSet const& set = particles.particles(part.block, body);
+  grid::Block const& block = particles.grid().blocks()[part.block];
   grid::CellRange const cells = block.in_domain();
   double const inverse_h = 1.0 / block.h();
   Index3 span{1, 1, 1};
@@ -138,8 +138,8 @@ void Averages::add_points(mpm::Mpm const& points, int body, BlockPart& part) con
   }
 }
 
-void Averages::compute(mpm::Mpm const& points, int body) {
-  parallel_for(static_cast<int>(parts_.size()), [&](int n, int) { add_points(points, body, parts_[n]); });
+void Averages::compute(mpm::Mpm const& particles, int body) {
+  parallel_for(static_cast<int>(parts_.size()), [&](int n, int) { add_particles(particles, body, parts_[n]); });
   constexpr int group = 256;
   int const count = static_cast<int>(sums_.size());
   parallel_for((count + group - 1) / group, [&](int g, int) {

@@ -11,22 +11,22 @@ namespace brisance::bridge {
 
 using mpm::Field;
 
-Bridge::Bridge(gas::Gas& gas, mpm::Mpm& points, int gas_body, Region region, Options const& options,
+Bridge::Bridge(gas::Gas& gas, mpm::Mpm& particles, int gas_body, Region region, Options const& options,
                gas::Primitive const& ambient)
     : gas_(&gas),
-      points_(&points),
+      particles_(&particles),
       gas_body_(gas_body),
       region_(std::move(region)),
       options_(options),
       ambient_(ambient),
       awake_(options.awake),
-      faces_(region_, options.points_per_direction),
-      shared_(gas, points, gas_body, faces_),
+      faces_(region_, options.particles_per_direction),
+      shared_(gas, particles, gas_body, faces_),
       ghosts_(gas, region_, shared_),
-      proxies_(points, gas_body, faces_, shared_),
-      gas_points_(points, gas_body, gas.fluids(), faces_, proxies_.blocks()),
+      proxies_(particles, gas_body, faces_, shared_),
+      gas_particles_(particles, gas_body, gas.fluids(), faces_, proxies_.blocks()),
       ledger_(faces_, shared_),
-      forbidden_cells_(points, gas_body, faces_) {
+      forbidden_cells_(particles, gas_body, faces_) {
   set_roles();
   watch_faces();
 }
@@ -50,7 +50,7 @@ void Bridge::watch_faces() {
 
 bool Bridge::wake() {
   if (awake_) return true;
-  auto const& cells = region_.lent();
+  auto const& cells = region_.proxy_cells();
   grid::Grid const& grid = gas_->grid();
   for (Index3 const& cell : cells) {
     if (region_.clamped(cell) != cell) continue;
@@ -59,10 +59,11 @@ bool Bridge::wake() {
     double const p = gas_->primitive(at).pressure;
     if (std::abs(p - ambient_.pressure) > options_.activation) {
       awake_ = true;
-      // What crossed the faces meanwhile belongs to the points; what the gas at rest pushed there, they have not felt.
+      // What crossed the faces meanwhile belongs to the particles; what the gas at rest pushed there, they have not
+      // felt.
       if (options_.transport == Transport::ledger) ledger_.add_fluxes(gas_->coupling.watched(), 1.0);
       gas_->coupling.clear_watched();
-      points_->set_time(gas_->time());
+      particles_->set_time(gas_->time());
       return true;
     }
   }
@@ -84,48 +85,48 @@ void Bridge::keep_wind_awake() {
 }
 
 void Bridge::lend_cells_to_nodes(double begin, double end) {
-  proxies_.lend(begin, end, ledger_);
+  proxies_.make(begin, end, ledger_);
   take_reference_off();
 }
 
 /// Forces come from differences of pressure: the same pressure taken off everywhere changes nothing but the error of
-/// the sums over points, which is proportional to what is left. It must not exceed the lowest pressure of the gas:
-/// points under negative pressure attract each other and gather in clumps.
+/// the sums over particles, which is proportional to what is left. It must not exceed the lowest pressure of the gas:
+/// particles under negative pressure attract each other and gather in clumps.
 void Bridge::take_reference_off() {
   double reference = options_.reference_pressure.value_or(
-      std::clamp(mpm::lowest_pressure(*points_, gas_body_), 0.0, ambient_.pressure));
-  for (int body = 0; body < static_cast<int>(points_->bodies().size()); ++body) {
+      std::clamp(mpm::lowest_pressure(*particles_, gas_body_), 0.0, ambient_.pressure));
+  for (int body = 0; body < static_cast<int>(particles_->bodies().size()); ++body) {
     // The stress of solids counts from the ambient pressure.
     bool const is_gas = body == gas_body_;
-    points_->set_reference_pressure(body, is_gas ? reference : reference - ambient_.pressure);
+    particles_->set_reference_pressure(body, is_gas ? reference : reference - ambient_.pressure);
   }
 }
 
 void Bridge::exchange(double share, double dt) {
   last_step_ = dt;
   ledger_.begin_step();
-  take_leavers();
+  take_absorbed();
   count_pressure(share);
   ledger_.find_directions(gas_->coupling.watched(), share);
   std::optional<double> reference;
-  if (options_.transport == Transport::ledger) reference = points_->bodies()[gas_body_].reference_pressure;
+  if (options_.transport == Transport::ledger) reference = particles_->bodies()[gas_body_].reference_pressure;
   ledger_.add_inflow(dt, reference, traffic_.outflow);
   if (options_.transport == Transport::ledger) {
     ledger_.add_fluxes(gas_->coupling.watched(), share);
-    ledger_.add_pressure(gas_->coupling.watched(), share, dt, points_->bodies()[gas_body_].reference_pressure,
+    ledger_.add_pressure(gas_->coupling.watched(), share, dt, particles_->bodies()[gas_body_].reference_pressure,
                          ambient_.pressure);
-    ledger_.take_gifts(points_->loans(), proxies_.blocks(), traffic_.outflow);
+    ledger_.take_gifts(particles_->proxies(), proxies_.blocks(), traffic_.outflow);
     ledger_.follow_volumes(dt);
     ledger_.level();
-    traffic_.born += ledger_.give_birth(gas_points_);
-    ledger_.give_back(*gas_, dt, points_->bodies()[gas_body_].reference_pressure);
+    traffic_.injected += ledger_.inject(gas_particles_);
+    ledger_.give_back(*gas_, dt, particles_->bodies()[gas_body_].reference_pressure);
   } else {
-    traffic_.born += give_birth_as_printed(faces_, shared_, gas_points_, dt);
+    traffic_.injected += inject_as_printed(faces_, shared_, gas_particles_, dt);
   }
 }
 
-void Bridge::take_leavers() {
-  for (mpm::PointSet const& set : gas_points_.take_leavers()) {
+void Bridge::take_absorbed() {
+  for (mpm::ParticleSet const& set : gas_particles_.take_absorbed()) {
     for (int q = 0; q < set.size(); ++q) {
       Vec3 x{0.0, 0.0, 0.0};
       Vec3 move{0.0, 0.0, 0.0};
@@ -134,12 +135,12 @@ void Bridge::take_leavers() {
         move[d] = set.field(Field::move_x + d)[q];
       }
       int const face = faces_.crossed(x, move);
-      Amounts const load = gas_points_.carried(set, q);
-      ++traffic_.left;
+      Amounts const load = gas_particles_.carried(set, q);
+      ++traffic_.absorbed;
       if (faces_[face].open) {
-        traffic_.outflow.add(options_.transport == Transport::ledger ? gas_points_.handed_over(set, q) : load);
+        traffic_.outflow.add(options_.transport == Transport::ledger ? gas_particles_.handed_over(set, q) : load);
       } else if (options_.transport == Transport::ledger) {
-        ledger_.add_leaver(face, faces_.lane_of(face, x), gas_points_.handed_over(set, q));
+        ledger_.absorb(face, faces_.lane_of(face, x), gas_particles_.handed_over(set, q));
       } else {
         add_to_cell(*gas_, faces_[face].outside(), load);
       }
@@ -163,8 +164,8 @@ void Bridge::count_pressure(double share) {
 }
 
 std::vector<CellSums> Bridge::gas_in(std::vector<Index3> const& cells) const {
-  Averages averages(region_.domain(), *points_, region_.shift(), cells);
-  averages.compute(*points_, gas_body_);
+  Averages averages(region_.domain(), *particles_, region_.shift(), cells);
+  averages.compute(*particles_, gas_body_);
   return averages.sums();
 }
 

@@ -102,12 +102,13 @@ double CellStates::fastest_signal() const {
   return fastest;
 }
 
-void CellStates::at(int n, double part, Primitive& state, GasSlopes& slopes) const {
+void CellStates::at(int n, double fraction, Primitive& state, GasSlopes& slopes) const {
   // Lagrange's weights for the three times, in units of the last step.
   double const back = levels_ < 3 ? 1.0 : (times_[1] - times_[0]) / (times_[2] - times_[1]);
-  std::array<double, 3> const parabola{part * (part - 1.0) / (back * (back + 1.0)), (part + back) * (1.0 - part) / back,
-                                       part * (part + back) / (1.0 + back)};
-  std::array<double, 3> const line{0.0, 1.0 - part, part};
+  std::array<double, 3> const parabola{fraction * (fraction - 1.0) / (back * (back + 1.0)),
+                                       (fraction + back) * (1.0 - fraction) / back,
+                                       fraction * (fraction + back) / (1.0 + back)};
+  std::array<double, 3> const line{0.0, 1.0 - fraction, fraction};
   auto const value = [&](int index) {
     Primitive const& a = before_[index];
     Primitive const& b = earlier_[index];

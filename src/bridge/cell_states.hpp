@@ -1,4 +1,4 @@
-/// Gas cells around the MPM region as the points see them: their state with limited slopes, at the times of three
+/// Gas cells around the MPM region as the particles see them: their state with limited slopes, at the times of three
 /// steps.
 #pragma once
 
@@ -17,12 +17,14 @@ class Archive;
 
 namespace brisance::bridge {
 
-/// Do two positive values differ by more than this part of the smaller one?
-[[nodiscard]] inline bool differ(double a, double b, double part) { return std::abs(a - b) > part * std::min(a, b); }
+/// Do two positive values differ by more than this fraction of the smaller one?
+[[nodiscard]] inline bool differ(double a, double b, double fraction) {
+  return std::abs(a - b) > fraction * std::min(a, b);
+}
 
 /// Do pressure or density jump by more than this part between two states?
-[[nodiscard]] inline bool is_jump(Primitive const& a, Primitive const& b, double part) {
-  return differ(a.pressure, b.pressure, part) || differ(a.density, b.density, part);
+[[nodiscard]] inline bool is_jump(Primitive const& a, Primitive const& b, double fraction) {
+  return differ(a.pressure, b.pressure, fraction) || differ(a.density, b.density, fraction);
 }
 
 /// Changes over one cell in each direction; composition is constant in a cell.
@@ -44,10 +46,10 @@ class CellStates {
   /// at the same time again they are read anew.
   void read(gas::Gas const& gas);
 
-  /// State and slopes of the nth of the cells at a part of the way from the earlier to the later time, -1/2 to 1:
+  /// State and slopes of the nth of the cells at a fraction of the way from the earlier to the later time, -1/2 to 1:
   /// parabolas through three times where the flow is smooth, else straight lines. Straight ones alone would take as
   /// much as 1 % of sound of 20 cells, and reflect it.
-  void at(int n, double part, Primitive& state, GasSlopes& slopes) const;
+  void at(int n, double fraction, Primitive& state, GasSlopes& slopes) const;
   /// Largest |u| + c of all cells at the later time [m/s].
   [[nodiscard]] double fastest_signal() const;
   [[nodiscard]] Primitive const& later(int n) const { return later_[n]; }

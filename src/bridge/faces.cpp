@@ -86,8 +86,8 @@ int Faces::crossed(Vec3 const& x, Vec3 const& move) const {
 }
 
 Index3 Faces::cell_at(Vec3 const& x) const {
-  // By the grid of the points, as they are sorted into it.
-  grid::Metric const& own = region_->points_domain();
+  // By the grid of the particles, as they are sorted into it.
+  grid::Metric const& own = region_->particles_domain();
   Index3 cell{0, 0, 0};
   for (int d = 0; d < own.dimensions(); ++d) {
     cell[d] = static_cast<int>(std::floor(own.in_cells(d, x[d]))) - region_->shift()[d];

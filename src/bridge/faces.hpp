@@ -1,8 +1,8 @@
 /// The faces of the MPM region and their lanes. Geometry alone.
 ///
-/// A face is cut into lanes, one for each row of gas points that can come through it: as many in each direction along
-/// the face as a cell holds points. The cells of the region are cut likewise into sub-cells; a lane leads to one of
-/// those at the face.
+/// A face is cut into lanes, one for each row of gas particles that can come through it: as many in each direction
+/// along the face as a cell holds particles. The cells of the region are cut likewise into sub-cells; a lane leads to
+/// one of those at the face.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace brisance::bridge {
 
 class Faces {
  public:
-  /// `parts`: points of the gas per cell and direction. Keeps a reference to the region.
+  /// `parts`: particles of the gas per cell and direction. Keeps a reference to the region.
   Faces(Region const& region, int parts);
 
   [[nodiscard]] Region const& region() const { return *region_; }
@@ -34,10 +34,10 @@ class Faces {
   [[nodiscard]] int find(Index3 const& inside, int direction, int side) const;
   /// The faces that a cell outside lies before, one per direction at most; -1: none.
   [[nodiscard]] std::array<int, 3> before(Index3 const& cell) const;
-  /// The face through which a point left the region that is now at `x` [m] and moved by `move` [m] in the last step.
+  /// The face through which a particle left the region that is now at `x` [m] and moved by `move` [m] in the last step.
   /// Throws NumericalError where it started more than a cell from the region.
   [[nodiscard]] int crossed(Vec3 const& x, Vec3 const& move) const;
-  /// The cell of the domain that a point lies in.
+  /// The cell of the domain that a particle lies in.
   [[nodiscard]] Index3 cell_at(Vec3 const& x) const;
 
   /// The lane of a face that a place [m] lies in.
@@ -45,7 +45,7 @@ class Faces {
   /// The part of the inside cell that a lane of a face leads to.
   [[nodiscard]] Index3 sub_cell(int face, int lane) const;
   [[nodiscard]] double lane_area(int face, int lane) const;  ///< in the units of `Metric::face_area` [m2]
-  /// Volume of a part of a cell: what one point takes [m3].
+  /// Volume of a part of a cell: what one particle takes [m3].
   [[nodiscard]] double standard_volume(Index3 const& cell, Index3 const& sub) const;
   /// Numbers of the lanes beside a lane along the region's surface, around edges too; -1: none. Open faces have none.
   [[nodiscard]] std::array<int, 4> const& neighbours(std::size_t number) const { return neighbours_[number]; }

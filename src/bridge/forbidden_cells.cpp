@@ -10,11 +10,11 @@ namespace brisance::bridge {
 
 using mpm::Field;
 
-ForbiddenCells::ForbiddenCells(mpm::Mpm const& points, int gas_body, Faces const& faces)
-    : points_(&points), gas_body_(gas_body), faces_(&faces), region_(&faces.region()) {
-  for (int b = 0; b < points.grid().block_count(); ++b) {
-    grid::Block const& block = points.grid().blocks()[b];
-    if (any_cell(block.in_domain(), [&](Index3 const& cell) { return contains(region_->from_points(cell)); })) {
+ForbiddenCells::ForbiddenCells(mpm::Mpm const& particles, int gas_body, Faces const& faces)
+    : particles_(&particles), gas_body_(gas_body), faces_(&faces), region_(&faces.region()) {
+  for (int b = 0; b < particles.grid().block_count(); ++b) {
+    grid::Block const& block = particles.grid().blocks()[b];
+    if (any_cell(block.in_domain(), [&](Index3 const& cell) { return contains(region_->from_particles(cell)); })) {
       blocks_.push_back(b);
     }
   }
@@ -28,9 +28,9 @@ bool ForbiddenCells::contains(Index3 const& cell) const {
 std::string ForbiddenCells::intruder() const {
   std::vector<std::string> trouble(blocks_.size());
   parallel_for(static_cast<int>(blocks_.size()), [&](int n, int) {
-    for (int body = 0; body < static_cast<int>(points_->bodies().size()); ++body) {
+    for (int body = 0; body < static_cast<int>(particles_->bodies().size()); ++body) {
       if (body == gas_body_) continue;
-      mpm::PointSet const& set = points_->points(blocks_[n], body);
+      mpm::ParticleSet const& set = particles_->particles(blocks_[n], body);
       for (int q = 0; q < set.size(); ++q) {
         Vec3 const x{set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]};
         if (!contains(faces_->cell_at(x))) continue;
@@ -40,7 +40,7 @@ std::string ForbiddenCells::intruder() const {
             "{} cells away from its faces; give it more room there, by mpm_region.box or, where that is laid around "
             "the "
             "bodies, by mpm_region.margin",
-            points_->bodies()[body].name, x[0], x[1], x[2], region_->width() + 2);
+            particles_->bodies()[body].name, x[0], x[1], x[2], region_->width() + 2);
         return;
       }
     }

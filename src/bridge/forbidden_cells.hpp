@@ -11,8 +11,8 @@ namespace brisance::bridge {
 
 class ForbiddenCells {
  public:
-  /// Keeps references to points and faces.
-  ForbiddenCells(mpm::Mpm const& points, int gas_body, Faces const& faces);
+  /// Keeps references to particles and faces.
+  ForbiddenCells(mpm::Mpm const& particles, int gas_body, Faces const& faces);
 
   /// What is wrong where a solid has come into one; empty: none has.
   [[nodiscard]] std::string intruder() const;
@@ -20,11 +20,11 @@ class ForbiddenCells {
  private:
   [[nodiscard]] bool contains(Index3 const& cell) const;
 
-  mpm::Mpm const* points_;
+  mpm::Mpm const* particles_;
   int gas_body_;
   Faces const* faces_;
   Region const* region_;
-  std::vector<int> blocks_;  ///< of the points, that hold such cells
+  std::vector<int> blocks_;  ///< of the particles, that hold such cells
 };
 
 }  // namespace brisance::bridge

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int group = 64;  // cells that a thread takes at a time
 
-/// From a mean over points with the weight of a quadratic B-spline (second moment h^2/4) to one over the cell (h^2/12):
-/// f - (1/4 - 1/12)/2 h^2 f''. Not across jumps, where there is no f''.
+/// From a mean over particles with the weight of a quadratic B-spline (second moment h^2/4) to one over the cell
+/// (h^2/12): f - (1/4 - 1/12)/2 h^2 f''. Not across jumps, where there is no f''.
 constexpr double sharpening = 1.0 / 12.0;
 constexpr double steep = 0.2;  ///< relative difference of pressure or density that counts as a jump
 
@@ -33,9 +33,9 @@ Ghosts::Ghosts(gas::Gas& gas, Region const& region, SharedGas const& shared)
   blocks_.erase(std::unique(blocks_.begin(), blocks_.end()), blocks_.end());
 }
 
-/// The velocity of points stands half a step of theirs behind their stress (Eqs. (22)-(25) are a leapfrog): the ghost
-/// cells take it forward with the gradient of the pressure. Without that, gas and points would see each other's waves
-/// out of step by half a step, and reflect them.
+/// The velocity of particles stands half a step of theirs behind their stress (Eqs. (22)-(25) are a leapfrog): the
+/// ghost cells take it forward with the gradient of the pressure. Without that, gas and particles would see each
+/// other's waves out of step by half a step, and reflect them.
 void Ghosts::fill_cell(int n, double last_step) {
   auto const& sums = shared_->sums();
   material::Fluids const& fluids = gas_->fluids();

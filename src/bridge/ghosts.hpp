@@ -1,4 +1,4 @@
-/// Ghost cells: the gas cells deep in the bridge, which the points fill, [Cui14] Eqs. (31)-(36).
+/// Ghost cells: the gas cells deep in the bridge, which the particles fill, [Cui14] Eqs. (31)-(36).
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ class Ghosts {
   /// Keeps references to all.
   Ghosts(gas::Gas& gas, Region const& region, SharedGas const& shared);
 
-  /// Fills the ghost cells from the averages and wakes their blocks. `last_step`: of the points [s].
+  /// Fills the ghost cells from the averages and wakes their blocks. `last_step`: of the particles [s].
   void fill(double last_step);
 
  private:

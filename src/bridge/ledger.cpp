@@ -14,7 +14,7 @@ namespace {
 constexpr int group = 64;  // faces that a thread takes at a time
 
 /// A mass near to `wanted`: not less than the usual one / 1.25, and not more beyond it than fills a quarter of a
-/// point's volume at the fluid's own density.
+/// particle's volume at the fluid's own density.
 double near_mass(double usual, double wanted, double own_density, double volume) {
   constexpr double most = 0.25;
   return std::clamp(wanted, usual / (1.0 + most), usual + most * own_density * volume);
@@ -83,8 +83,8 @@ double Ledger::surplus() const {
     double const density = std::max(shared_->outside(f).density, shared_->inside(f).density);
     for (int lane = 0; lane < faces.lanes(); ++lane) {
       Amounts const& account = accounts_[faces.number(f, lane)];
-      double const point = density * faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
-      sum += std::max(0.0, size_of(account) - 2.0 * point);
+      double const particle = density * faces.standard_volume(faces[f].inside, faces.sub_cell(f, lane));
+      sum += std::max(0.0, size_of(account) - 2.0 * particle);
     }
   }
   return sum;
@@ -131,19 +131,19 @@ void Ledger::add_pressure(Fluxes const& watched, double share, double dt, double
   }
 }
 
-void Ledger::take_gifts(mpm::Loans& loans, std::vector<int> const& blocks, Amounts& outflow) {
+void Ledger::take_gifts(mpm::ProxyParticles& proxies, std::vector<int> const& blocks, Amounts& outflow) {
   gifts_.assign(faces_->count(), Amounts{});
   int const dims = faces_->region().domain().dimensions();
   for (int const block : blocks) {
-    for (mpm::NodeGift const& gift : loans.gifts(block)) {
+    for (mpm::NodeGift const& gift : proxies.gifts(block)) {
       for (NodeShares::Share const& s : shares_.around(gift.node)) {
-        for (int d = 0; d < dims; ++d) gifts_[s.face].momentum[d] += s.part * gift.momentum[d];
-        gifts_[s.face].energy += s.part * gift.energy;
+        for (int d = 0; d < dims; ++d) gifts_[s.face].momentum[d] += s.fraction * gift.momentum[d];
+        gifts_[s.face].energy += s.fraction * gift.energy;
       }
       for (int d = 0; d < dims; ++d) {
         for (NodeShares::Share const& s : shares_.across(gift.node, d)) {
-          gifts_[s.face].momentum[d] += s.part * gift.impulse[d];
-          gifts_[s.face].energy += s.part * gift.work[d];
+          gifts_[s.face].momentum[d] += s.fraction * gift.impulse[d];
+          gifts_[s.face].energy += s.fraction * gift.work[d];
         }
       }
     }
@@ -184,9 +184,9 @@ void Ledger::add_inflow(double dt, std::optional<double> reference, Amounts& out
   }
 }
 
-/// The volumes of the accounts are what has crossed by the velocity of the face, less what points took along; they
+/// The volumes of the accounts are what has crossed by the velocity of the face, less what particles took along; they
 /// shrink and grow with the gas there. Where gas flows out, away from contacts, the masses tell better what is missing
-/// in space than the volumes that points carry; and no more than one point's volume can be missing.
+/// in space than the volumes that particles carry; and no more than one particle's volume can be missing.
 void Ledger::follow_volumes(double dt) {
   Faces const& faces = *faces_;
   int const dims = faces.region().domain().dimensions();
@@ -216,10 +216,10 @@ void Ledger::follow_volumes(double dt) {
   }
 }
 
-/// Where gas flows out at an angle, points leave through other lanes than the fluxes say: rows of points cross a face
-/// in few places, the flux does so evenly. Without an exchange along the surface the accounts would drift apart without
-/// bound. Half of the difference to the neighbours is evened out in every step; not where gas flows in, for points are
-/// born there when their lane is ripe, and lanes in step make regular rows.
+/// Where gas flows out at an angle, particles leave through other lanes than the fluxes say: rows of particles cross a
+/// face in few places, the flux does so evenly. Without an exchange along the surface the accounts would drift apart
+/// without bound. Half of the difference to the neighbours is evened out in every step; not where gas flows in, for
+/// particles are injected there when their lane is ripe, and lanes in step make regular rows.
 void Ledger::level() {
   if (faces_->region().domain().dimensions() == 1) return;
   double const rate = 0.5 / (2.0 * (faces_->region().domain().dimensions() - 1));
@@ -235,11 +235,11 @@ void Ledger::level() {
   }
 }
 
-long Ledger::give_birth(GasPoints& points) {
+long Ledger::inject(GasParticles& particles) {
   Faces const& faces = *faces_;
   int const count = faces.count();
   int const groups = (count + group - 1) / group;
-  std::vector<mpm::PointSet> born(groups);
+  std::vector<mpm::ParticleSet> injected(groups);
   double const spacing = faces.region().metric().h / faces.parts();
   parallel_for(groups, [&](int g, int) {
     for (int f = g * group; f < std::min(count, (g + 1) * group); ++f) {
@@ -259,7 +259,7 @@ long Ledger::give_birth(GasPoints& points) {
           if (fraction > least_fraction) own_density[k] = usual[k] / (fraction * volume);
         }
         for (int n = 0; n < most_births && account.volume >= 0.5 * volume; ++n) {
-          // What is left of the ledger after the birth is to have the donor's partial densities.
+          // What is left of the ledger after the injection is to have the donor's partial densities.
           double const left = account.volume / volume - 1.0;
           PerFluid masses{};
           double mass = 0.0;
@@ -271,26 +271,27 @@ long Ledger::give_birth(GasPoints& points) {
           state.density = mass / volume;
           set_composition(masses, mass, own_density, state);
           double const depth = (account.volume / volume - 0.5) * spacing;
-          if (born[g].fields().size() == 0) born[g] = points.empty_set();
-          points.append(f, lane, depth, mass, state, slopes, born[g]);
-          int const last = born[g].size() - 1;
-          account.add(faces[f].open ? points.carried(born[g], last) : points.handed_over(born[g], last), -1.0);
+          if (injected[g].fields().size() == 0) injected[g] = particles.empty_set();
+          particles.append(f, lane, depth, mass, state, slopes, injected[g]);
+          int const last = injected[g].size() - 1;
+          account.add(faces[f].open ? particles.carried(injected[g], last) : particles.handed_over(injected[g], last),
+                      -1.0);
         }
       }
     }
   });
   long sum = 0;
-  for (mpm::PointSet const& set : born) {
+  for (mpm::ParticleSet const& set : injected) {
     if (set.empty()) continue;
-    points.add(set);
+    particles.add(set);
     sum += set.size();
   }
   return sum;
 }
 
-/// What an account holds beyond the gas in its volume, the fluxes of the gas gave and the points did not take, or the
-/// other way round. It goes back to the gas cell outside, a part of it in every step, and never more than is small
-/// beside what the cell holds. To the points it cannot go: they would answer at once, and the two would swing.
+/// What an account holds beyond the gas in its volume, the fluxes of the gas gave and the particles did not take, or
+/// the other way round. It goes back to the gas cell outside, a fraction of it in every step, and never more than is
+/// small beside what the cell holds. To the particles it cannot go: they would answer at once, and the two would swing.
 void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
   constexpr double length = 20.0;  // that sound goes while most of a surplus is given back [cells]
   constexpr double bleed = 200.0;  // see below
@@ -312,7 +313,7 @@ void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
         specific_energy(fluids, own) + 0.5 * dot(own.velocity, own.velocity) + reference / own.density;
     Amounts const gas_per_mass = per_mass(own, energy);
     double const strain = std::abs(faces[f].inward(inside.velocity - outside.velocity)) / cells.h * dt;
-    // Rows of points cross a face at once, the fluxes do so evenly: what is under way in uniform flow belongs there,
+    // Rows of particles cross a face at once, the fluxes do so evenly: what is under way in uniform flow belongs there,
     // and sound should pass undisturbed. Errors come with strain; where it is 0.5 % in a step or more all goes back.
     double const part = usual * std::min(1.0, bleed * strain);
     double const cell = std::abs(cells.cell_volume(faces[f].outside()[0])) / faces.lanes();

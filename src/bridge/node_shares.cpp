@@ -8,8 +8,8 @@ namespace brisance::bridge {
 
 namespace {
 
-constexpr int reach = 2;   // nodes on both sides of a face that points on its other side can touch
-constexpr int margin = 3;  // of node numbers around the grid of the points
+constexpr int reach = 2;   // nodes on both sides of a face that particles on its other side can touch
+constexpr int margin = 3;  // of node numbers around the grid of the particles
 constexpr int all = 3;     // number of the shares of all faces around a node
 
 /// Quadratic B-spline around a node; `x` in cells.
@@ -21,10 +21,11 @@ double spline(double x) {
 }  // namespace
 
 /// A lane counts for a node by its area and by the weight of the node at its middle. Of an even pressure on the whole
-/// region every lane gets its own area's part: next to edges too, since the weights of all nodes at a point sum to 1.
+/// region every lane gets its own area's part: next to edges too, since the weights of all nodes at a particle sum
+/// to 1.
 NodeShares::NodeShares(Faces const& faces) {
   Region const& region = faces.region();
-  grid::Domain const& own = region.points_domain();
+  grid::Domain const& own = region.particles_domain();
   int const dims = own.dimensions();
   for (int d = 0; d < dims; ++d) nodes_.upper[d] = own.cells[d] + 1;
   nodes_ = nodes_.grown(margin, dims);
@@ -32,7 +33,7 @@ NodeShares::NodeShares(Faces const& faces) {
   std::map<std::size_t, std::array<std::map<int, double>, 4>> weights;  // node -> kind -> face
   for (int f = 0; f < faces.count(); ++f) {
     Face const& face = faces[f];
-    Index3 const cell = region.to_points(face.inside);
+    Index3 const cell = region.to_particles(face.inside);
     grid::CellRange near;
     for (int d = 0; d < dims; ++d) {
       bool const normal = d == face.direction;

@@ -1,5 +1,5 @@
-/// Which faces of the region a node of the points counts for. What gas cells outside give to the nodes is booked on the
-/// accounts of the faces that it comes through.
+/// Which faces of the region a node of the particles counts for. What gas cells outside give to the nodes is booked on
+/// the accounts of the faces that it comes through.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ class NodeShares {
  public:
   struct Share {
     int face = 0;
-    double part = 0.0;  ///< the parts of a node sum to 1
+    double fraction = 0.0;  ///< the parts of a node sum to 1
   };
 
   explicit NodeShares(Faces const& faces);
@@ -34,7 +34,7 @@ class NodeShares {
   [[nodiscard]] std::span<Share const> find(Index3 const& node, int kind) const;
   [[nodiscard]] std::size_t key_of(Index3 const& node) const { return nodes_.offset(node); }
 
-  grid::CellRange nodes_;  ///< of the grid of the points, with a margin
+  grid::CellRange nodes_;  ///< of the grid of the particles, with a margin
   std::unordered_map<std::size_t, std::array<Range, 4>> ranges_;
   std::vector<Share> shares_;
 };

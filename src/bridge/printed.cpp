@@ -5,8 +5,8 @@
 
 namespace brisance::bridge {
 
-long give_birth_as_printed(Faces const& faces, SharedGas const& shared, GasPoints& points, double dt) {
-  mpm::PointSet born = points.empty_set();
+long inject_as_printed(Faces const& faces, SharedGas const& shared, GasParticles& particles, double dt) {
+  mpm::ParticleSet injected = particles.empty_set();
   for (int f = 0; f < faces.count(); ++f) {
     if (faces[f].open) continue;
     Primitive const& outside = shared.outside(f);
@@ -21,12 +21,13 @@ long give_birth_as_printed(Faces const& faces, SharedGas const& shared, GasPoint
     int const rows = std::max(1, static_cast<int>(std::ceil(flux / existing / faces.lanes())));  // (45)
     double const mass = flux / (rows * faces.lanes());                                           // (46)
     for (int row = 0; row < rows; ++row) {
-      double const depth = speed * dt * (row + 1.0) / rows;                                                     // (47)
-      for (int lane = 0; lane < faces.lanes(); ++lane) points.append(f, lane, depth, mass, outside, {}, born);  // (48)
+      double const depth = speed * dt * (row + 1.0) / rows;  // (47)
+      for (int lane = 0; lane < faces.lanes(); ++lane)
+        particles.append(f, lane, depth, mass, outside, {}, injected);  // (48)
     }
   }
-  points.add(born);
-  return born.size();
+  particles.add(injected);
+  return injected.size();
 }
 
 }  // namespace brisance::bridge

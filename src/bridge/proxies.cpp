@@ -5,60 +5,60 @@
 #include <utility>
 
 #include "bridge/conversion.hpp"
-#include "bridge/gas_points.hpp"
+#include "bridge/gas_particles.hpp"
 #include "core/parallel.hpp"
 
 namespace brisance::bridge {
 
 using mpm::Field;
 
-Proxies::Proxies(mpm::Mpm& points, int gas_body, Faces const& faces, SharedGas const& shared)
-    : points_(&points), faces_(&faces), shared_(&shared) {
-  points.loans().belong_to(gas_body);
+Proxies::Proxies(mpm::Mpm& particles, int gas_body, Faces const& faces, SharedGas const& shared)
+    : particles_(&particles), faces_(&faces), shared_(&shared) {
+  particles.proxies().belong_to(gas_body, particles.particles(0, gas_body).fields());
   Region const& region = faces.region();
-  std::map<int, std::vector<LentCell>> by_block;
-  for (Index3 const& cell : region.lent()) {
+  std::map<int, std::vector<ProxyCell>> by_block;
+  for (Index3 const& cell : region.proxy_cells()) {
     Index3 const inner = region.clamped(cell);
-    LentCell lent;
-    lent.cell = cell;
-    lent.face = faces.before(cell);
+    ProxyCell proxy;
+    proxy.cell = cell;
+    proxy.face = faces.before(cell);
     if (region.inside(inner)) {
-      lent.average = shared.average_of(inner);
+      proxy.average = shared.average_of(inner);
     } else {
-      lent.state = shared.state_of(inner);
+      proxy.state = shared.state_of(inner);
     }
-    by_block[points.grid().block_of(region.to_points(cell))].push_back(lent);
+    by_block[particles.grid().block_of(region.to_particles(cell))].push_back(proxy);
   }
   for (auto& [block, cells] : by_block) blocks_.push_back({block, std::move(cells)});
 }
 
 std::vector<int> Proxies::blocks() const {
   std::vector<int> blocks;
-  for (LentBlock const& block : blocks_) blocks.push_back(block.block);
+  for (ProxyBlock const& block : blocks_) blocks.push_back(block.block);
   return blocks;
 }
 
-void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger const& ledger,
-                        mpm::PointSet& set) const {
+void Proxies::make_proxies(ProxyCell const& proxy, double begin, double end, Ledger const& ledger,
+                           mpm::ParticleSet& set) const {
   Region const& region = faces_->region();
   CellStates const& states = shared_->states();
   Primitive centre;
   GasSlopes slopes;
   Primitive next;
   GasSlopes next_slopes;
-  if (lent.state >= 0) {
-    // Pressure and density at the beginning; the velocity, as that of the points, half a step behind it.
+  if (proxy.state >= 0) {
+    // Pressure and density at the beginning; the velocity, as that of the particles, half a step behind it.
     double const half_step = 0.5 * (end - begin);
-    states.at(lent.state, begin, centre, slopes);
+    states.at(proxy.state, begin, centre, slopes);
     Primitive before;
     GasSlopes slopes_before;
-    states.at(lent.state, begin - half_step, before, slopes_before);
+    states.at(proxy.state, begin - half_step, before, slopes_before);
     centre.velocity = before.velocity;
     slopes.velocity = slopes_before.velocity;
-    states.at(lent.state, end - half_step, next, next_slopes);
+    states.at(proxy.state, end - half_step, next, next_slopes);
   } else {
-    CellSums const& s = shared_->sums()[lent.average];
-    if (s.volume < 0.1 * region.metric().cell_volume(region.clamped(lent.cell)[0])) return;  // a solid lies there
+    CellSums const& s = shared_->sums()[proxy.average];
+    if (s.volume < 0.1 * region.metric().cell_volume(region.clamped(proxy.cell)[0])) return;  // a solid lies there
     centre = bridge::primitive(shared_->fluids(), s);
     next = centre;
   }
@@ -74,11 +74,11 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger c
     Vec3 x = cells.centre({0, 0, 0});
     for (int d = 0; d < dims; ++d) {
       offset[d] = (sub[d] + 0.5) / parts - 0.5;
-      x[d] = cells.place(d, lent.cell[d] + (sub[d] + 0.5) / parts);
+      x[d] = cells.place(d, proxy.cell[d] + (sub[d] + 0.5) / parts);
     }
     for (int d = 0; d < dims; ++d) {
-      if (lent.face[d] < 0) continue;
-      double const shift = std::clamp(ledger.reach(lent.face[d], x), -2.0 * half, 2.0 * half);
+      if (proxy.face[d] < 0) continue;
+      double const shift = std::clamp(ledger.reach(proxy.face[d], x), -2.0 * half, 2.0 * half);
       x[d] += shift;
       offset[d] += shift / cells.h;
     }
@@ -95,15 +95,15 @@ void Proxies::lend_cell(LentCell const& lent, double begin, double end, Ledger c
     set_gradient(set, q, slopes, dims, cells.h);
     set.field(Field::density)[q] = s.density;
     set.field(Field::pressure)[q] = s.pressure;
-    set.field(Field::mass)[q] = s.density * faces_->standard_volume(lent.cell, sub);
+    set.field(Field::mass)[q] = s.density * faces_->standard_volume(proxy.cell, sub);
   });
 }
 
-void Proxies::lend(double begin, double end, Ledger const& ledger) {
+void Proxies::make(double begin, double end, Ledger const& ledger) {
   parallel_for(static_cast<int>(blocks_.size()), [&](int n, int) {
-    mpm::PointSet& set = points_->loans().points(blocks_[n].block);
+    mpm::ParticleSet& set = particles_->proxies().particles(blocks_[n].block);
     set.reorder({});
-    for (LentCell const& cell : blocks_[n].cells) lend_cell(cell, begin, end, ledger, set);
+    for (ProxyCell const& cell : blocks_[n].cells) make_proxies(cell, begin, end, ledger, set);
   });
 }
 

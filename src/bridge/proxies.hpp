@@ -1,5 +1,5 @@
-/// Proxies: gas cells outside the region that act as points for a step, [Cui14] Eqs. (37)-(39). Nodes at the region's
-/// surface take part of their mass, momentum and force from them.
+/// Proxies: gas cells outside the region that act as particles for a step, [Cui14] Eqs. (37)-(39). Nodes at the
+/// region's surface take part of their mass, momentum and force from them.
 #pragma once
 
 #include <array>
@@ -14,34 +14,35 @@ namespace brisance::bridge {
 
 class Proxies {
  public:
-  /// Announces to the points that these are lent to the body of the gas points. Keeps references.
-  Proxies(mpm::Mpm& points, int gas_body, Faces const& faces, SharedGas const& shared);
+  /// Announces to the particles that these act for the body of the gas particles. Keeps references.
+  Proxies(mpm::Mpm& particles, int gas_body, Faces const& faces, SharedGas const& shared);
 
-  /// Makes the points for a step that begins and ends at these parts of the gas step, 0 to 1. Each cell becomes as
-  /// many points as the deck asks for; they stand where the rows of points in the region would go on: the ledger
-  /// tells by how much of a point's mass.
-  void lend(double begin, double end, Ledger const& ledger);
-  /// Blocks of points that hold such cells.
+  /// Makes the particles for a step that begins and ends at these fractions of the gas step, 0 to 1. Each cell becomes
+  /// as many points as the deck asks for; they stand where the rows of particles in the region would go on: the ledger
+  /// tells by how much of a particle's mass.
+  void make(double begin, double end, Ledger const& ledger);
+  /// Blocks of particles that hold such cells.
   [[nodiscard]] std::vector<int> blocks() const;
 
  private:
-  struct LentCell {
+  struct ProxyCell {
     int state = -1;    ///< number among the shared states, or, of cells beyond an open boundary,
     int average = -1;  ///< among the averages
     Index3 cell{0, 0, 0};
     /// Faces of the region that the cell lies before, one per direction at most; -1: none.
     std::array<int, 3> face{-1, -1, -1};
   };
-  struct LentBlock {
+  struct ProxyBlock {
     int block = 0;
-    std::vector<LentCell> cells;
+    std::vector<ProxyCell> cells;
   };
-  void lend_cell(LentCell const& lent, double begin, double end, Ledger const& ledger, mpm::PointSet& set) const;
+  void make_proxies(ProxyCell const& proxy, double begin, double end, Ledger const& ledger,
+                    mpm::ParticleSet& set) const;
 
-  mpm::Mpm* points_;
+  mpm::Mpm* particles_;
   Faces const* faces_;
   SharedGas const* shared_;
-  std::vector<LentBlock> blocks_;
+  std::vector<ProxyBlock> blocks_;
 };
 
 }  // namespace brisance::bridge

@@ -46,7 +46,7 @@ int Region::layer(Index3 const& cell) const { return space_.contains(cell) ? lay
 gas::Role Region::role(Index3 const& cell) const {
   int const l = layer(cell);
   if (l == 0) return gas::Role::own;
-  return l <= width_ + 2 ? gas::Role::shadow : gas::Role::held;
+  return l <= width_ + 2 ? gas::Role::shadow : gas::Role::frozen;
 }
 
 Index3 Region::clamped(Index3 cell) const {
@@ -54,7 +54,7 @@ Index3 Region::clamped(Index3 cell) const {
   return cell;
 }
 
-Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int lent_layers)
+Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int proxy_layers)
     : domain_(domain), width_(width) {
   if (boxes.empty()) throw InputError("an MPM region needs at least one box");
   if (width < 1) throw InputError("the bridge needs a width of at least 1 cell");
@@ -66,7 +66,7 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
       hull.upper[d] = std::max(hull.upper[d], box.upper[d]);
     }
   }
-  frame(hull, lent_layers);
+  frame(hull, proxy_layers);
   find_layers(boxes);
   int const deepest = list_cells();
   if (std::any_of(faces_.begin(), faces_.end(), [](Face const& f) { return !f.open; }) && deepest < width + 3) {
@@ -75,25 +75,25 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
         "and {} between a bridge and a boundary",
         width, 2 * width + 5, width + 3));
   }
-  list_lent(lent_layers);
+  list_proxy_cells(proxy_layers);
 }
 
-/// The background grid of the points.
-void Region::frame(CellBox const& hull, int lent_layers) {
-  points_domain_ = domain_;
+/// The background grid of the particles.
+void Region::frame(CellBox const& hull, int proxy_layers) {
+  particles_domain_ = domain_;
   for (int d = 0; d < domain_.dimensions(); ++d) {
     std::array<int, 2> margin{};
     for (int side = 0; side < 2; ++side) {
       bool const at_boundary = side == 0 ? hull.lower[d] == 0 : hull.upper[d] == domain_.cells[d];
       bool const closed = at_boundary && grid::has_images(domain_.boundary[2 * d + side]);
-      margin[side] = closed ? 0 : lent_layers;
-      if (!closed) points_domain_.boundary[2 * d + side] = grid::Boundary::outflow;
+      margin[side] = closed ? 0 : proxy_layers;
+      if (!closed) particles_domain_.boundary[2 * d + side] = grid::Boundary::outflow;
     }
     space_.lower[d] = hull.lower[d] - margin[0];
     space_.upper[d] = hull.upper[d] + margin[1];
     shift_[d] = -space_.lower[d];
-    points_domain_.lower[d] = domain_.face(d, space_.lower[d]);
-    points_domain_.cells[d] = space_.n(d);
+    particles_domain_.lower[d] = domain_.face(d, space_.lower[d]);
+    particles_domain_.cells[d] = space_.n(d);
   }
 }
 
@@ -157,11 +157,11 @@ int Region::list_cells() {
   return deepest;
 }
 
-/// Lists the cells outside, so many layers of them, that act as points.
-void Region::list_lent(int lent_layers) {
+/// Lists the cells outside, so many layers of them, that act as particles.
+void Region::list_proxy_cells(int proxy_layers) {
   int const dims = domain_.dimensions();
   std::vector<std::uint8_t> near(layers_.size(), 0);  // number of steps that lead to the region
-  for (int step = 1; step <= lent_layers; ++step) {
+  for (int step = 1; step <= proxy_layers; ++step) {
     std::vector<std::size_t> found;
     for_each_cell(space_, [&](Index3 const& cell) {
       if (layers_[at(cell)] != 0 || near[at(cell)] != 0) return;
@@ -184,7 +184,7 @@ void Region::list_lent(int lent_layers) {
         if (beyond && grid::has_images(domain_.boundary[2 * d + side])) real = false;
       }
     }
-    if (real) lent_.push_back(cell);
+    if (real) proxy_cells_.push_back(cell);
   });
 }
 

@@ -1,13 +1,13 @@
-/// Where gas cells and material points calculate side by side: the MPM region of a gas calculation and its bridge,
+/// Where gas cells and material points calculate side by side: the MPM region of a gas simulation and its bridge,
 /// [Cui14] Sec. 3.1. The region is a union of boxes of cells. From each of its faces that does not lie on the domain's
 /// boundary the bridge reaches `width` cells inwards, around edges and corners too:
 ///
-///     layer   0        gas cells alone; the first of them also act as points ("lent")
-///             1..w     the bridge: gas cells and points
-///             w+1..2   ghost cells: filled by the points, then advanced with the bridge, so that sweeps in one
+///     layer   0        gas cells alone; the first of them also act as particles ("proxy cells")
+///             1..w     the bridge: gas cells and particles
+///             w+1..2   ghost cells: filled by the particles, then advanced with the bridge, so that sweeps in one
 ///                      direction find them as the sweeps before have left them
 ///             w+3..4   ghost cells of the ghost cells
-///             beyond   points alone
+///             beyond   particles alone
 #pragma once
 
 #include <cstdint>
@@ -39,9 +39,9 @@ struct Face {
 
 class Region {
  public:
-  /// `lent_layers`: how far outside the region cells act as points. Throws InputError where the boxes do not fit the
-  /// domain: too thin, too near to a boundary, on an inflow boundary, or on a part of a periodic direction.
-  Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int lent_layers);
+  /// `proxy_layers`: how far outside the region cells act as particles. Throws InputError where the boxes do not fit
+  /// the domain: too thin, too near to a boundary, on an inflow boundary, or on a part of a periodic direction.
+  Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int proxy_layers);
 
   [[nodiscard]] grid::Domain const& domain() const { return domain_; }
   /// Of its cells, which are all of one size, by their index in the domain.
@@ -52,16 +52,16 @@ class Region {
   [[nodiscard]] bool inside(Index3 const& cell) const { return layer(cell) > 0; }
   [[nodiscard]] gas::Role role(Index3 const& cell) const;
 
-  /// The background grid of the points: the boxes with a margin for the lent cells. It shares the domain's mirrors and
-  /// periodic faces.
-  [[nodiscard]] grid::Domain const& points_domain() const { return points_domain_; }
+  /// The background grid of the particles: the boxes with a margin for the proxy cells. It shares the domain's mirrors
+  /// and periodic faces.
+  [[nodiscard]] grid::Domain const& particles_domain() const { return particles_domain_; }
   /// Index of a cell in that grid minus its index in the domain.
   [[nodiscard]] Index3 const& shift() const { return shift_; }
   /// Index in that grid of a cell of the domain, and back.
-  [[nodiscard]] Index3 to_points(Index3 const& cell) const {
+  [[nodiscard]] Index3 to_particles(Index3 const& cell) const {
     return {cell[0] + shift_[0], cell[1] + shift_[1], cell[2] + shift_[2]};
   }
-  [[nodiscard]] Index3 from_points(Index3 const& cell) const {
+  [[nodiscard]] Index3 from_particles(Index3 const& cell) const {
     return {cell[0] - shift_[0], cell[1] - shift_[1], cell[2] - shift_[2]};
   }
 
@@ -69,8 +69,8 @@ class Region {
   [[nodiscard]] std::vector<Face>& faces() { return faces_; }
   /// Ghost cells, layers w+1 to w+4.
   [[nodiscard]] std::vector<Index3> const& ghosts() const { return ghosts_; }
-  /// Cells outside the region that act as points; those beyond an open boundary are no cells of the domain.
-  [[nodiscard]] std::vector<Index3> const& lent() const { return lent_; }
+  /// Cells outside the region that act as particles; those beyond an open boundary are no cells of the domain.
+  [[nodiscard]] std::vector<Index3> const& proxy_cells() const { return proxy_cells_; }
   /// All cells of the region.
   [[nodiscard]] std::vector<Index3> const& cells() const { return cells_; }
   /// The cell of the region that stands for one beyond an open boundary.
@@ -78,20 +78,20 @@ class Region {
 
  private:
   [[nodiscard]] std::size_t at(Index3 const& cell) const { return space_.offset(cell); }
-  void frame(CellBox const& hull, int lent_layers);
+  void frame(CellBox const& hull, int proxy_layers);
   void find_layers(std::vector<CellBox> const& boxes);
   int list_cells();
-  void list_lent(int lent_layers);
+  void list_proxy_cells(int proxy_layers);
 
   grid::Domain domain_;
   int width_;
   CellBox space_;  ///< what `layers_` covers; it may reach beyond the domain
   std::vector<std::uint8_t> layers_;
-  grid::Domain points_domain_;
+  grid::Domain particles_domain_;
   Index3 shift_{0, 0, 0};
   std::vector<Face> faces_;
   std::vector<Index3> ghosts_;
-  std::vector<Index3> lent_;
+  std::vector<Index3> proxy_cells_;
   std::vector<Index3> cells_;
 };
 

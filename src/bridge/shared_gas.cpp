@@ -7,7 +7,7 @@ namespace brisance::bridge {
 namespace {
 
 /// Cells whose averages the bridge needs: the ghost cells and their neighbours, then the cells of the region at open
-/// boundaries and those that stand for lent cells there.
+/// boundaries and those that stand for proxy cells there.
 std::vector<Index3> averaged_cells(Region const& region, std::map<Index3, int>& number) {
   std::vector<Index3> cells;
   auto const add = [&](Index3 const& cell) {
@@ -26,22 +26,22 @@ std::vector<Index3> averaged_cells(Region const& region, std::map<Index3, int>& 
   for (Face const& face : region.faces()) {
     if (face.open) add(face.inside);
   }
-  for (Index3 const& cell : region.lent()) {
+  for (Index3 const& cell : region.proxy_cells()) {
     Index3 const inner = region.clamped(cell);
     if (inner != cell && region.inside(inner)) add(inner);
   }
   return cells;
 }
 
-/// Gas cells that act as points: of the lent cells those of the domain, and for those beyond an open boundary but not
-/// next to the region the gas cell that stands for them.
+/// Gas cells that act as particles: of the proxy cells those of the domain, and for those beyond an open boundary but
+/// not next to the region the gas cell that stands for them.
 std::vector<Index3> state_cells(Region const& region, std::map<Index3, int>& number) {
   std::vector<Index3> cells;
   auto const add = [&](Index3 const& cell) {
     auto const [found, fresh] = number.try_emplace(cell, static_cast<int>(cells.size()));
     if (fresh) cells.push_back(cell);
   };
-  for (Index3 const& cell : region.lent()) {
+  for (Index3 const& cell : region.proxy_cells()) {
     Index3 const inner = region.clamped(cell);
     if (!region.inside(inner)) add(inner);
   }
@@ -54,12 +54,12 @@ std::vector<Index3> state_cells(Region const& region, std::map<Index3, int>& num
 
 }  // namespace
 
-SharedGas::SharedGas(gas::Gas const& gas, mpm::Mpm const& points, int gas_body, Faces const& faces)
+SharedGas::SharedGas(gas::Gas const& gas, mpm::Mpm const& particles, int gas_body, Faces const& faces)
     : gas_(&gas),
-      points_(&points),
+      particles_(&particles),
       gas_body_(gas_body),
       faces_(&faces),
-      averages_(gas.grid().domain(), points, faces.region().shift(), averaged_cells(faces.region(), averaged_)),
+      averages_(gas.grid().domain(), particles, faces.region().shift(), averaged_cells(faces.region(), averaged_)),
       states_(gas.grid(), state_cells(faces.region(), read_)) {
   for (Face const& face : faces.region().faces()) {
     Beside beside;
@@ -72,13 +72,13 @@ SharedGas::SharedGas(gas::Gas const& gas, mpm::Mpm const& points, int gas_body, 
     beside_.push_back(beside);
     if (!face.open) continue;
     solid_[face.inside] = 0.0;
-    int const block = points.grid().block_of(faces.region().to_points(face.inside));
+    int const block = particles.grid().block_of(faces.region().to_particles(face.inside));
     if (std::find(open_blocks_.begin(), open_blocks_.end(), block) == open_blocks_.end()) open_blocks_.push_back(block);
   }
 }
 
 void SharedGas::average() {
-  averages_.compute(*points_, gas_body_);
+  averages_.compute(*particles_, gas_body_);
   find_solids();
 }
 
@@ -86,10 +86,10 @@ void SharedGas::find_solids() {
   using mpm::Field;
   for (auto& [cell, volume] : solid_) volume = 0.0;
   for (int const block : open_blocks_) {
-    for (int body = 0; body < static_cast<int>(points_->bodies().size()); ++body) {
-      material::Solid const& solid = points_->bodies()[body].solid;
+    for (int body = 0; body < static_cast<int>(particles_->bodies().size()); ++body) {
+      material::Material const& solid = particles_->bodies()[body].solid;
       if (!solid.has_deviator()) continue;
-      mpm::PointSet const& set = points_->points(block, body);
+      mpm::ParticleSet const& set = particles_->particles(block, body);
       for (int q = 0; q < set.size(); ++q) {
         auto const found = solid_.find(faces_->cell_at(
             {set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]}));

@@ -1,4 +1,4 @@
-/// The gas at the faces of the MPM region as the parts of the bridge share it: averages over the points inside, and
+/// The gas at the faces of the MPM region as the parts of the bridge share it: averages over the particles inside, and
 /// the states of the gas cells outside.
 #pragma once
 
@@ -17,11 +17,11 @@ namespace brisance::bridge {
 class SharedGas {
  public:
   /// Keeps references to all.
-  SharedGas(gas::Gas const& gas, mpm::Mpm const& points, int gas_body, Faces const& faces);
+  SharedGas(gas::Gas const& gas, mpm::Mpm const& particles, int gas_body, Faces const& faces);
 
-  /// Takes the averages over the points as they are now.
+  /// Takes the averages over the particles as they are now.
   void average();
-  /// Reads the states of the cells that act as points.
+  /// Reads the states of the cells that act as particles.
   void read_cells() { states_.read(*gas_); }
 
   [[nodiscard]] material::Fluids const& fluids() const { return gas_->fluids(); }
@@ -60,7 +60,7 @@ class SharedGas {
   }
 
   gas::Gas const* gas_;
-  mpm::Mpm const* points_;
+  mpm::Mpm const* particles_;
   int gas_body_;
   Faces const* faces_;
   std::map<Index3, int> averaged_;  ///< numbers of the cells
@@ -69,7 +69,7 @@ class SharedGas {
   CellStates states_;
   std::vector<Beside> beside_;      ///< per face
   std::map<Index3, double> solid_;  ///< cells at open faces: volume of the matter of solids in them [m3]
-  std::vector<int> open_blocks_;    ///< blocks of points that hold such cells
+  std::vector<int> open_blocks_;    ///< blocks of particles that hold such cells
 };
 
 }  // namespace brisance::bridge

@@ -1,5 +1,5 @@
-/// The bridge in a checkpoint: what is under way between gas and points, and the counts since the start. The states
-/// that it reads of cells and points are read anew at the beginning of every step.
+/// The bridge in a checkpoint: what is under way between gas and particles, and the counts since the start. The states
+/// that it reads of cells and particles are read anew at the beginning of every step.
 #include <cmath>
 
 #include "bridge/bridge.hpp"
@@ -25,7 +25,7 @@ void Bridge::archive(Archive& a) {
   a(awake_, last_step_);
   a.require(last_step_ >= 0.0 && std::isfinite(last_step_), "the last step of the points");
   ledger_.archive(a);
-  a(traffic_.born, traffic_.left, traffic_.pressure_work, traffic_.pressure_impulse);
+  a(traffic_.injected, traffic_.absorbed, traffic_.pressure_work, traffic_.pressure_impulse);
   bridge::archive(a, traffic_.outflow);
   shared_.states().archive(a);
   // The signals that come in with the next step are those of the cells, which have been read before the bridge.

@@ -1,4 +1,4 @@
-/// A case: everything that defines one calculation, as plain data in SI units. The deck reader builds it, `World` runs
+/// A case: everything that defines one simulation, as plain data in SI units. The deck reader builds it, `World` runs
 /// it.
 #pragma once
 
@@ -17,7 +17,7 @@
 #include "grid/geometry.hpp"
 #include "material/afterburn.hpp"
 #include "material/explosive.hpp"
-#include "material/solid.hpp"
+#include "material/material.hpp"
 #include "mpm/mpm.hpp"
 #include "shape/shape.hpp"
 
@@ -58,7 +58,7 @@ struct Charge {
   std::vector<InitiationPoint> initiation;  ///< at least one for programmed burn
 };
 
-/// One gauge point. Lines and planes of the deck arrive here as their points.
+/// One gauge particle. Lines and planes of the deck arrive here as their particles.
 struct Gauge {
   std::string name;
   Vec3 position{0.0, 0.0, 0.0};
@@ -80,39 +80,39 @@ struct Obstacle {
 /// alone.
 struct Body {
   std::string name;
-  material::Solid solid;
+  material::Material solid;
   shape::Shape shape;
-  Vec3 velocity{0.0, 0.0, 0.0};  ///< at the start [m/s]
-  int points_per_direction = 2;  ///< per cell
-  bool rigid = false;            ///< keeps its velocity, whatever it meets
+  Vec3 velocity{0.0, 0.0, 0.0};     ///< at the start [m/s]
+  int particles_per_direction = 2;  ///< per cell
+  bool rigid = false;               ///< keeps its velocity, whatever it meets
   /// State at the start where it is not the solid's own: gases.
   std::optional<double> density;            ///< [kg/m3]
   std::optional<double> specific_energy;    ///< [J/kg]
   std::vector<InitiationPoint> initiation;  ///< of explosives; empty: burnt from the start
 };
 
-/// A gauge of the material points: it rides on the point that is nearest to `point` at the start, or, without one,
+/// A gauge of the material points: it rides on the particle that is nearest to `point` at the start, or, without one,
 /// watches the body as a whole.
-struct PointGauge {
+struct ParticleGauge {
   std::string name;
   int body = 0;
   std::optional<Vec3> point;
 };
 
 /// The structure half of a case.
-struct Points {
+struct Particles {
   mpm::Options options;
   std::vector<Body> bodies;
   std::vector<mpm::Constraint> constraints;
   std::vector<mpm::Contact> contacts;
   std::vector<mpm::SurfacePressure> pressures;
   std::vector<mpm::Bar> bars;
-  std::vector<PointGauge> gauges;
+  std::vector<ParticleGauge> gauges;
 
   [[nodiscard]] bool any() const { return !bodies.empty(); }
 };
 
-/// The part of a calculation with gas that material points calculate: the bodies and the gas around them.
+/// The part of a simulation with gas that material points calculate: the bodies and the gas around them.
 struct MpmRegion {
   /// Boxes [m] whose faces lie on the grid; none: the smallest box around the bodies with the margin.
   std::vector<shape::Box> boxes;
@@ -120,17 +120,17 @@ struct MpmRegion {
       0;          ///< cells between the bodies and the faces of that box; 0: as few as the bridge allows, and some more
   int width = 5;  ///< of the bridge, w [cells]
   bridge::Transport transport = bridge::Transport::ledger;
-  /// Of the gas, per cell; 0: 4 in 1D, 3 in 2D, 2 in 3D. Rows of points that the flow stretches to a spacing between
-  /// half a cell and a cell disturb the pressure most: the more points at the start, the farther the gas may expand
+  /// Of the gas, per cell; 0: 4 in 1D, 3 in 2D, 2 in 3D. Rows of particles that the flow stretches to a spacing between
+  /// half a cell and a cell disturb the pressure most: the more particles at the start, the farther the gas may expand
   /// first.
-  int points_per_direction = 0;
+  int particles_per_direction = 0;
   /// Overpressure next to the region that wakes it [Pa]; absent: a thousandth of the ambient pressure.
   std::optional<double> activation;
-  bool subcycling = true;                          ///< gas and points take steps of their own within a common one
+  bool subcycling = true;                          ///< gas and particles take steps of their own within a common one
   mpm::Transfer transfer = mpm::Transfer::apic;    ///< of the gas
   mpm::StressOrder order = mpm::StressOrder::usl;  ///< of the gas; usl or musl
-  double courant = 0.5;                            ///< of the gas points; `points.options.courant` is that of bodies
-  int population_interval = 4;                     ///< steps of the points between splits and merges; 0: none
+  double courant = 0.5;                            ///< of the gas particles; `points.options.courant` is that of bodies
+  int population_interval = 4;                     ///< steps of the particles between splits and merges; 0: none
   double linear_viscosity = 0.75;                  ///< of the gas: as much as damps the overshoot of strong shocks
   double viscosity_onset = 0.1;                    ///< of the linear term: sound waves pass undamped, see `mpm::Body`
   double quadratic_viscosity = 1.5;
@@ -139,25 +139,25 @@ struct MpmRegion {
   /// Taken off the pressure in the forces [Pa]; absent: the lowest pressure of the gas, the ambient one at most.
   std::optional<double> reference_pressure;
 
-  [[nodiscard]] int gas_points(int dimensions) const {
-    return points_per_direction > 0 ? points_per_direction : 5 - dimensions;
+  [[nodiscard]] int gas_particles(int dimensions) const {
+    return particles_per_direction > 0 ? particles_per_direction : 5 - dimensions;
   }
 };
 
 /// How a charge is calculated until the shock comes near anything.
-enum class StartMethod { gas, points };
+enum class StartMethod { gas, particles };
 constexpr auto words(StartMethod) {
-  return std::array{Word{StartMethod::gas, "gas"}, Word{StartMethod::points, "points"}};
+  return std::array{Word{StartMethod::gas, "gas"}, Word{StartMethod::particles, "points"}};
 }
 
-/// The start of a calculation by a remap: each charge bursts in a calculation of its own with fewer directions.
+/// The start of a simulation by a remap: each charge bursts in a simulation of its own with fewer directions.
 struct Start {
   bool remap = false;  ///< else the charges are on the grid from time 0
   StartMethod method = StartMethod::gas;
-  double cell = 0.0;             ///< of the 1D calculation [m]; 0: a part of the charge's radius, see setup/start.hpp
-  std::optional<double> time;    ///< of the remap [s]
+  double cell = 0.0;           ///< of the 1D simulation [m]; 0: a fraction of the charge's radius, see setup/start.hpp
+  std::optional<double> time;  ///< of the remap [s]
   std::optional<double> radius;  ///< of the shock at the remap [m]; without both: where it is about to meet something
-  std::string profile;           ///< file that stands in for the calculation
+  std::string profile;           ///< file that stands in for the simulation
   /// What messages about it begin with: place in the deck and key.
   std::string place;
   /// One for each charge. Filled from the file or by `calculate_start`; while empty, `World` calculates them.
@@ -187,17 +187,17 @@ struct Output {
   bool single_precision = true;     ///< fields in float
   std::vector<std::string> fields{"pressure", "density", "velocity", "products"};
   /// Fields of the material points beside position, body and material.
-  std::vector<std::string> point_fields{"velocity", "displacement", "pressure", "mises", "plastic_strain", "damage"};
-  bool gas_points = false;  ///< dump the gas points of an MPM region too
-  bool profile = false;     ///< write the state at the end as a profile for other decks
+  std::vector<std::string> particle_fields{"velocity", "displacement", "pressure", "mises", "plastic_strain", "damage"};
+  bool gas_particles = false;  ///< dump the gas particles of an MPM region too
+  bool profile = false;        ///< write the state at the end as a profile for other decks
 };
 
-/// What comes first ends the calculation.
+/// What comes first ends the simulation.
 struct End {
   double time = 0.0;            ///< [s]
   long steps = 0;               ///< 0: no limit
   bool gauges = false;          ///< when all gauges of the gas are past their positive phase
-  double kinetic_energy = 0.0;  ///< when it stays below this part of its largest value; 0: not by it
+  double kinetic_energy = 0.0;  ///< when it stays below this fraction of its largest value; 0: not by it
   double wall_clock = 0.0;      ///< of the program, after which it stops with a checkpoint [s]; 0: no limit
 };
 
@@ -211,8 +211,8 @@ struct Checkpoint {
   bool on_signal = true;  ///< when the user stops the run
 };
 
-/// How far the energy of material points may drift, alone and together with gas: parts of `EnergyBalance::scale`; 0: as
-/// far as it will. Nothing here changes the results.
+/// How far the energy of material points may drift, alone and together with gas: fractions of `EnergyBalance::scale`;
+/// 0: as far as it will. Nothing here changes the results.
 struct AuditLimits {
   double warn = 0.005;  ///< beyond it the run is told to be NOT BALANCED
   double fail = 0.05;   ///< beyond it the run stops; 0: nothing that the audit finds stops it
@@ -236,7 +236,7 @@ struct Case {
   std::vector<Charge> charges;
   std::vector<Gauge> gauges;
   std::vector<Obstacle> obstacles;
-  Points points;
+  Particles particles;
   std::optional<MpmRegion> mpm_region;  ///< set where gas and bodies meet
   Start start;
   Numerics numerics;

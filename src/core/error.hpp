@@ -31,7 +31,7 @@ class InputError : public Error {
   explicit InputError(std::string const& message) : Error(ExitCode::bad_input, message) {}
 };
 
-/// The calculation produced a state that cannot be continued (not a number, vanished time step, ...).
+/// The simulation produced a state that cannot be continued (not a number, vanished time step, ...).
 class NumericalError : public Error {
  public:
   explicit NumericalError(std::string const& message) : Error(ExitCode::numerical_failure, message) {}

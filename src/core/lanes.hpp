@@ -1,5 +1,5 @@
 /// Short vectors of doubles that the compiler keeps in one or a few registers: the components of one record side by
-/// side, where a loop over points cannot be vectorised because neighbours write to the same node. A GCC and clang
+/// side, where a loop over particles cannot be vectorised because neighbours write to the same node. A GCC and clang
 /// extension; on machines with shorter registers the compiler splits them.
 #pragma once
 

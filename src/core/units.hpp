@@ -10,7 +10,7 @@ namespace brisance::units {
 
 /// Outcome of reading a quantity. Exactly one of `value` and `problem` is set.
 struct Quantity {
-  std::optional<double> value;  ///< in the asked SI unit
+  std::optional<double> value;  ///< in the wanted SI unit
   std::string problem;          ///< one sentence for the user, e.g. `"12 kg" is a mass, expected a length (m)`
 };
 

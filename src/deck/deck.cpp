@@ -48,7 +48,7 @@ std::vector<MaterialNumbers> materials_of(Draft const& draft) {
     }
     for (auto const& charge : built.charges) add(draft.materials.explosive(charge.explosive.name), "explosives", true);
   }
-  for (auto const& body : built.points.bodies) {
+  for (auto const& body : built.particles.bodies) {
     add(draft.materials.solid(body.solid.name), "solids", true);
     add(draft.materials.explosive(body.solid.name), "explosives", true);
     add(draft.materials.fluid(body.solid.name), "fluids", true);

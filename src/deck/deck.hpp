@@ -36,7 +36,7 @@ struct MaterialNumber {
 struct MaterialNumbers {
   std::string name;
   bool from_library = true;
-  bool used = true;  ///< is it in the calculation, or only defined?
+  bool used = true;  ///< is it in the simulation, or only defined?
   std::string note;  ///< of the library: what it is for and how far off it is
   std::vector<MaterialNumber> numbers;
 };

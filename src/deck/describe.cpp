@@ -11,7 +11,7 @@
 #include "deck/schema.hpp"
 #include "material/afterburn.hpp"
 #include "observe/gas_fields.hpp"
-#include "observe/point_fields.hpp"
+#include "observe/particle_fields.hpp"
 
 namespace brisance::deck {
 
@@ -145,7 +145,7 @@ std::string describe_models() {
                     words_line("Point shapes", "points", "shape_function") +
                     words_line("Stress order", "points", "stress_order") + words_line("Transfer", "points", "transfer");
   out += "\nEquations of state and their parameters\n";
-  out += lines_of_models<material::PointEos>();
+  out += lines_of_models<material::ParticleEos>();
   out += "\nAfterburn models and their parameters\n";
   out += lines_of_models<material::AfterburnRate>();
   out += "\nStrength models and their parameters\n";
@@ -157,7 +157,7 @@ std::string describe_models() {
     out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);
   }
   out += "\nFields of material points for output\n";
-  for (auto const& field : observe::known_point_fields()) {
+  for (auto const& field : observe::known_particle_fields()) {
     out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);
   }
   return out;

@@ -69,7 +69,7 @@ material::Explosive const* Materials::explosive(std::string_view name) const {
 material::Fluid const* Materials::fluid(std::string_view name) const {
   return own_or(fluids, name, library().fluid(name));
 }
-material::Solid const* Materials::solid(std::string_view name) const {
+material::Material const* Materials::solid(std::string_view name) const {
   return own_or(solids, name, library().solid(name));
 }
 

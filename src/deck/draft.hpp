@@ -39,12 +39,12 @@ void choose(Section const& section, std::string_view key, E& choice) {
 struct Materials {
   std::vector<material::Explosive> explosives;  ///< the deck's own
   std::vector<material::Fluid> fluids;
-  std::vector<material::Solid> solids;
+  std::vector<material::Material> solids;
   std::set<std::string, std::less<>> wrong;  ///< names of own materials with an error of their own
 
   [[nodiscard]] material::Explosive const* explosive(std::string_view name) const;
   [[nodiscard]] material::Fluid const* fluid(std::string_view name) const;
-  [[nodiscard]] material::Solid const* solid(std::string_view name) const;
+  [[nodiscard]] material::Material const* solid(std::string_view name) const;
   [[nodiscard]] std::vector<std::string> explosive_names() const;
   [[nodiscard]] std::vector<std::string> fluid_names() const;
   [[nodiscard]] std::vector<std::string> solid_names() const;

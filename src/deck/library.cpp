@@ -98,7 +98,7 @@ Library load() {
 
 material::Explosive const* Library::explosive(std::string_view name) const { return find(explosives, name); }
 material::Fluid const* Library::fluid(std::string_view name) const { return find(fluids, name); }
-material::Solid const* Library::solid(std::string_view name) const { return find(solids, name); }
+material::Material const* Library::solid(std::string_view name) const { return find(solids, name); }
 std::string Library::note(std::string_view name) const {
   auto const in = [name](auto const& all) {
     for (auto const& entry : all) {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "material/solid.hpp"
+#include "material/material.hpp"
 
 namespace brisance::deck {
 
@@ -19,12 +19,12 @@ struct Named {
 struct Library {
   std::vector<Named<material::Explosive>> explosives;  ///< in alphabetical order
   std::vector<Named<material::Fluid>> fluids;          ///< in alphabetical order
-  std::vector<Named<material::Solid>> solids;          ///< in alphabetical order
+  std::vector<Named<material::Material>> solids;       ///< in alphabetical order
 
   /// By name or alias, case aside; null when unknown.
   [[nodiscard]] material::Explosive const* explosive(std::string_view name) const;
   [[nodiscard]] material::Fluid const* fluid(std::string_view name) const;
-  [[nodiscard]] material::Solid const* solid(std::string_view name) const;
+  [[nodiscard]] material::Material const* solid(std::string_view name) const;
   /// The note of the material of that name, "" without one.
   [[nodiscard]] std::string note(std::string_view name) const;
   /// All names, without the aliases.

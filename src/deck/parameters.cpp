@@ -80,7 +80,7 @@ std::vector<MaterialNumber> numbers_of(material::Fluid const& f) {
   return out;
 }
 
-std::vector<MaterialNumber> numbers_of(material::Solid const& s) {
+std::vector<MaterialNumber> numbers_of(material::Material const& s) {
   std::vector<MaterialNumber> out;
   out.push_back(number("density", s.density, "kg/m3", "density at the start"));
   add_model(out, "eos", "eos", s.eos);

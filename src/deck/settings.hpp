@@ -62,11 +62,11 @@ void set_default(Key& key, T const& value) {
 }
 
 template <class T>
-struct Held {
+struct Written {
   using type = T;
 };
 template <class T>
-struct Held<std::optional<T>> {
+struct Written<std::optional<T>> {
   using type = T;
 };
 
@@ -78,7 +78,7 @@ class Settings {
     Setting(T Options::*member, Key declared) : key(std::move(declared)) {
       set_default(key, Options{}.*member);
       read = [member, own = key](Section const& section, Options& options) {
-        auto const value = value_for<typename Held<T>::type>(section, own);
+        auto const value = value_for<typename Written<T>::type>(section, own);
         if (value) options.*member = *value;
         return value || (!own.needed && !section.broken(own.name));
       };

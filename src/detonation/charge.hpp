@@ -19,7 +19,7 @@ struct InitiationPoint {
 /// The part of one charge that lies in the domain, cell by cell.
 struct FilledCells {
   std::vector<Index3> cells;      ///< domain indices
-  std::vector<double> fractions;  ///< volume fraction of the charge in each, scaled to the asked mass
+  std::vector<double> fractions;  ///< volume fraction of the charge in each, scaled to the specified mass
   double images = 1.0;            ///< how many times symmetry planes show this part
 };
 
@@ -35,7 +35,7 @@ struct FilledCells {
                                      std::string const& what,
                                      std::function<bool(Index3 const&)> const& solid = nullptr);
 
-/// Part of each cell that charges have taken.
+/// Fraction of each cell that charges have taken.
 using TakenCells = std::map<Index3, double>;
 
 /// Puts products (unburnt or not: the same mass and energy) into the cells: partial density alpha rho0 and energy alpha

@@ -1,5 +1,5 @@
-/// The profile of a burst: what a calculation with fewer directions left of it at one moment, as the cells of that
-/// calculation hold it. A later calculation begins with it, [Cui14] Sec. 4.1.
+/// The profile of a burst: what a simulation with fewer directions left of it at one moment, as the cells of that
+/// simulation hold it. A later simulation begins with it, [Cui14] Sec. 4.1.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class Archive;
 
 namespace brisance::detonation {
 
-/// A number that two calculations must share before one can go on with the other's profile.
+/// A number that two simulations must share before one can go on with the other's profile.
 struct Constant {
   std::string name;  ///< e.g. "jwl.A"
   double value = 0.0;
@@ -35,7 +35,7 @@ struct Profile {
   /// The cells that the burst has reached; the centre of the charge is the origin. x is the radius, in `axisymmetric2d`
   /// y the axis. The spherical and cylindrical ones begin at radius 0.
   grid::Domain domain;
-  double time = 0.0;             ///< since the start of the calculation [s]
+  double time = 0.0;             ///< since the start of the simulation [s]
   int components = 0;            ///< conserved components, in the order of gas/layout.hpp
   std::vector<double> state;     ///< per component and cell, x fastest; the momentum along x is the radial one
   std::vector<double> pressure;  ///< per cell [Pa]
@@ -62,7 +62,7 @@ struct Profile {
 [[nodiscard]] std::vector<Constant> constants_of(material::Explosive const& explosive, gas::Fluids const& fluids,
                                                  gas::Primitive const& ambient);
 
-/// The part of a calculation that differs from its ambient state. `centre` is that of the charge. The charge and the
+/// The part of a simulation that differs from its ambient state. `centre` is that of the charge. The charge and the
 /// constants are left to the caller. Throws InputError where the burst has reached a face of the domain that is no
 /// mirror, or where explosive still burns.
 [[nodiscard]] Profile profile_of(gas::Gas const& gas, gas::Primitive const& ambient, Vec3 const& centre, double time);

@@ -1,4 +1,4 @@
-/// Remap: a profile becomes the initial state of a calculation with more directions, [Cui14] Sec. 4.1. Spherical
+/// Remap: a profile becomes the initial state of a simulation with more directions, [Cui14] Sec. 4.1. Spherical
 /// profiles go into 3D and axisymmetric 2D, cylindrical ones into planar 2D, axisymmetric ones into 3D.
 #pragma once
 
@@ -20,9 +20,9 @@ struct RemapReport {
   double time = 0.0;    ///< of the profile [s]
   double radius = 0.0;  ///< of the burst [m]
   double cells_per_radius = 0.0;
-  double share = 1.0;            ///< part of the burst that lies in the domain: the planes through its centre halve it
-  gas::Amounts before;           ///< of that part, in the profile
-  gas::Amounts after;            ///< on the grid
+  double share = 1.0;   ///< fraction of the burst that lies in the domain: the planes through its centre halve it
+  gas::Amounts before;  ///< of that part, in the profile
+  gas::Amounts after;   ///< on the grid
   double radial_momentum = 0.0;  ///< of that part: integral of the size of the momentum [kg m/s]
   /// Largest relative error of these sums before they were corrected: that of the quadrature in cut cells.
   double quadrature_error = 0.0;

@@ -10,7 +10,7 @@ namespace brisance::gas {
 namespace {
 
 /// Charges that are lit together begin at times that differ by rounding, and no step is that short: what is about to
-/// begin within this part of a burst's duration has begun.
+/// begin within this fraction of a burst's duration has begun.
 constexpr double at_once = 1e-3;
 
 bool begun(std::array<double, 2> const& burst, double time) {

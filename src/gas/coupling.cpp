@@ -20,7 +20,7 @@ Coupling::Coupling(grid::Grid const& grid, int bundle_cells)
 
 void Coupling::set_roles(int block, std::vector<Role> roles) {
   OfBlock& data = blocks_[block];
-  data.all_held = std::all_of(roles.begin(), roles.end(), [](Role r) { return r == Role::held; });
+  data.all_frozen = std::all_of(roles.begin(), roles.end(), [](Role r) { return r == Role::frozen; });
   bool const all_own = std::all_of(roles.begin(), roles.end(), [](Role r) { return r == Role::own; });
   data.roles = all_own ? std::vector<Role>{} : std::move(roles);
 }

@@ -18,7 +18,7 @@ namespace brisance::gas {
 enum class Role : std::uint8_t {
   own,     ///< advanced, and counted
   shadow,  ///< advanced, but its content is counted by the other method
-  held,    ///< keeps what others put into it; seen by its neighbours
+  frozen,  ///< keeps what others put into it; seen by its neighbours
 };
 
 /// What went through one face, integrated over time, per area; positive along the direction.
@@ -45,7 +45,7 @@ class Coupling {
   [[nodiscard]] Role role(int block, int offset) const {
     return blocks_[block].roles.empty() ? Role::own : blocks_[block].roles[offset];
   }
-  [[nodiscard]] bool all_held(int block) const { return blocks_[block].all_held; }
+  [[nodiscard]] bool all_frozen(int block) const { return blocks_[block].all_frozen; }
   /// Does a cell's content count?
   [[nodiscard]] bool is_own(grid::Cell const& cell) const { return role(cell.block, cell.offset) == Role::own; }
 
@@ -65,7 +65,7 @@ class Coupling {
  private:
   struct OfBlock {
     std::vector<Role> roles;  ///< empty: all own
-    bool all_held = false;
+    bool all_frozen = false;
     std::array<std::vector<std::vector<WatchedFace>>, 3> watched;  ///< per direction and bundle
   };
   grid::Grid const* grid_;

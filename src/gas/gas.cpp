@@ -220,7 +220,7 @@ void Gas::advance(double dt, bool reverse) {
     bool const all_awake = std::all_of(awake_.begin(), awake_.end(), [](std::uint8_t awake) { return awake != 0; });
     Components const quiet_flux = all_awake ? Components{} : quiescent_flux(context);
     parallel_for(grid_->block_count(), [&](int b, int thread) {
-      if (coupling.all_held(b)) return;
+      if (coupling.all_frozen(b)) return;
       if (awake_[b])
         sweep_block(b, context, last, workspaces_[thread]);
       else

@@ -139,8 +139,8 @@ class Gas {
                GuardCount& guards);
   /// Releases the energy of the afterburn in the bundle's own cells, after the last sweep of a step.
   void burn_on(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
-  /// Puts the held cells of a bundle back to what they were.
-  void restore_held(int block, BundleLayout const& layout, BundleArrays& arrays) const;
+  /// Puts the frozen cells of a bundle back to what they were.
+  void restore_frozen(int block, BundleLayout const& layout, BundleArrays& arrays) const;
   /// Adds what goes through the watched faces.
   void account_watched(int block, int bundle, BundleLayout const& layout, SweepContext const& context,
                        BundleArrays& arrays);

@@ -61,16 +61,13 @@ void compress(Fluids const& fluids, double scale, Components& u) {
 }  // namespace
 
 OpenFaces::OpenFaces(grid::Grid const& grid, Fluids const& fluids, int components)
-    : grid_(&grid), fluids_(fluids), components_(components), number_(6 * grid.blocks().size(), -1) {
-  for (int b = 0; b < grid.block_count(); ++b) {
-    grid::Block const& block = grid.blocks()[b];
-    for (int f = 0; f < 2 * grid.domain().dimensions(); ++f) {
-      if (!block.at_boundary(f) || grid.domain().boundary[f] != grid::Boundary::outflow) continue;
-      number_[6 * b + f] = static_cast<int>(faces_.size());
-      faces_.emplace_back();
-    }
-  }
-}
+    : grid_(&grid), fluids_(fluids), components_(components), faces_(grid, [&grid](grid::Block const& block) {
+        std::array<std::optional<Face>, 6> faces;
+        for (int f = 0; f < 2 * grid.domain().dimensions(); ++f) {
+          if (block.at_boundary(f) && grid.domain().boundary[f] == grid::Boundary::outflow) faces[f].emplace();
+        }
+        return faces;
+      }) {}
 
 OpenFaces::Beyond OpenFaces::beyond(Components const& u) const {
   Beyond a;
@@ -166,9 +163,8 @@ void OpenFaces::start(grid::Fields const& fields, Components const& ambient,
   for (int b = 0; b < grid_->block_count(); ++b) {
     grid::Block const& block = grid_->blocks()[b];
     for (int f = 0; f < 6; ++f) {
-      if (number_[6 * b + f] < 0) continue;
-      Face& face = faces_[number_[6 * b + f]];
-      face = {};
+      if (!faces_[b][f]) continue;
+      Face& face = faces_[b][f].emplace();
       bool alike = true;
       for_each_face_cell(block, f / 2, f % 2, [&](grid::Cell const& cell) {
         Components u{};
@@ -259,9 +255,8 @@ void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt
                      grid::Exchange& exchange) {
   grid::Block const& block = grid_->blocks()[b];
   for (int side = 0; side < 2; ++side) {
-    int const number = number_[6 * b + 2 * direction + side];
-    if (number < 0) continue;
-    Face& face = faces_[number];
+    if (!faces_[b][2 * direction + side]) continue;
+    Face& face = *faces_[b][2 * direction + side];
     grid::CellRange slab = block.interior();
     slab.upper[direction] = grid::ghost_layers;
     std::size_t const count = slab.count();
@@ -292,17 +287,19 @@ void OpenFaces::fill(grid::Fields const& fields, int b, int direction, double dt
 
 double OpenFaces::fastest_signal(int block) const {
   double fastest = 0.0;
-  for (int f = 0; f < 6; ++f) {
-    int const number = number_[6 * block + f];
-    if (number >= 0) fastest = std::max(fastest, faces_[number].signal);
+  for (auto const& face : faces_[block]) {
+    if (face) fastest = std::max(fastest, face->signal);
   }
   return fastest;
 }
 
 void OpenFaces::archive(Archive& a) {
-  for (Face& face : faces_) {
-    a.same(face.memory.size(), "the number of cells at an outflow boundary");
-    for (auto& memory : face.memory) a(memory);
+  for (auto& faces : faces_) {
+    for (auto& face : faces) {
+      if (!face) continue;
+      a.same(face->memory.size(), "the number of cells at an outflow boundary");
+      for (auto& memory : face->memory) a(memory);
+    }
   }
 }
 

@@ -18,10 +18,12 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/vec.hpp"
 #include "gas/closure.hpp"
+#include "grid/block_store.hpp"
 #include "grid/exchange.hpp"
 #include "grid/fields.hpp"
 #include "grid/grid.hpp"
@@ -54,7 +56,7 @@ class OpenFaces {
 
   /// Has a block such faces in a direction?
   [[nodiscard]] bool at(int block, int direction) const {
-    return number_[6 * block + 2 * direction] >= 0 || number_[6 * block + 2 * direction + 1] >= 0;
+    return faces_[block][2 * direction].has_value() || faces_[block][2 * direction + 1].has_value();
   }
   /// Fills the ghost cells of a block beyond its faces in `direction`, which hold copies of the cells next to them, for
   /// a sweep of length dt. Where products are `burning` in the block they stay copies of them.
@@ -103,8 +105,7 @@ class OpenFaces {
   Fluids fluids_;
   int components_;
   std::vector<WaveSource> sources_;
-  std::vector<int> number_;  ///< per block and face: in `faces_`, or -1
-  std::vector<Face> faces_;
+  grid::BlockStore<std::array<std::optional<Face>, 6>> faces_;  ///< where they are open
 };
 
 }  // namespace brisance::gas

@@ -65,7 +65,7 @@ void Gas::wake_where_wind_changes() {
     exchange_.fill(fields_, direction, everything);
     SweepContext const context = sweep_context(direction, dt);
     parallel_for(grid_->block_count(), [&](int b, int thread) {
-      if (slept[b] != 0 || coupling.all_held(b)) return;
+      if (slept[b] != 0 || coupling.all_frozen(b)) return;
       Account const before = blocks_[b].account;
       sweep_block(b, context, false, workspaces_[thread]);
       blocks_[b].account = before;

@@ -195,11 +195,11 @@ void Gas::account_watched(int b, int bundle, BundleLayout const& layout, SweepCo
   }
 }
 
-void Gas::restore_held(int b, BundleLayout const& layout, BundleArrays& a) const {
+void Gas::restore_frozen(int b, BundleLayout const& layout, BundleArrays& a) const {
   std::vector<Role> const& roles = coupling.roles(b);
   for_each_run(layout, grid_->blocks()[b], [&](int q, int offset, int count) {
     for (int n = 0; n < count; ++n) {
-      if (roles[offset + n] != Role::held) continue;
+      if (roles[offset + n] != Role::frozen) continue;
       for (int c = 0; c < components(); ++c) a[state_array(c)][q + n] = fields_.at(b, c)[offset + n];
     }
   });
@@ -272,7 +272,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     account_watched(b, index, layout, s, a);
     update(layout, s, a);
     if (checked && s.present > products_fluid) expand_cold_products(s, layout, a);
-    if (!coupling.roles(b).empty()) restore_held(b, layout, a);
+    if (!coupling.roles(b).empty()) restore_frozen(b, layout, a);
     if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a);
     if (last) measure(b, layout, s, a, guards);
     store(b, layout, s, a);

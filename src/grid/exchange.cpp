@@ -1,71 +1,72 @@
 #include "grid/exchange.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 
+#include "core/loops.hpp"
 #include "core/parallel.hpp"
 
 namespace brisance::grid {
 
 namespace {
 
-/// A box that is a part of an array over `all`.
+/// How the cells of a box within an array are visited: neighbours along direction d lie `step[d]` values apart. A
+/// negative step visits the layers backwards; with the step 0 every layer is the first one.
 template <class Value>
-struct Part {
-  Value* data = nullptr;
-  CellRange all;
-  CellRange box;
+struct Walk {
+  Value* first = nullptr;
+  std::array<std::ptrdiff_t, 3> step{};
 
-  /// The row with the number (j, k) within the box.
-  [[nodiscard]] Value* row(int j, int k) const {
-    return data + all.offset({box.lower[0], box.lower[1] + j, box.lower[2] + k});
+  /// The cells of `box`, which is a part of an array over `all`.
+  Walk(Value* data, CellRange const& all, CellRange const& box)
+      : first(data + all.offset(box.lower)), step{all.stride(0), all.stride(1), all.stride(2)} {}
+
+  void reverse(int direction, int layers) {
+    first += step[direction] * (layers - 1);
+    step[direction] = -step[direction];
   }
+  /// Do rows of so many cells along `d` follow each other without a gap?
+  [[nodiscard]] bool continues(int d, int cells) const { return step[d + 1] == step[d] * cells; }
 };
 
-/// Calls visit(from, to) for the rows of two boxes that belong together. Along `reverse`, where it is 1 or 2, the first
-/// box is gone through backwards; along `fixed` only its first layer is taken.
-template <class Visit>
-void for_each_row_pair(Part<double const> const& from, Part<double> const& to, int reverse, int fixed, Visit&& visit) {
-  for (int k = 0; k < to.box.n(2); ++k) {
-    for (int j = 0; j < to.box.n(1); ++j) {
-      int const kk = fixed == 2 ? 0 : reverse == 2 ? from.box.n(2) - 1 - k : k;
-      int const jj = fixed == 1 ? 0 : reverse == 1 ? from.box.n(1) - 1 - j : j;
-      visit(from.row(jj, kk), to.row(j, k));
-    }
+/// Calls copy_row(from, to) for the rows along x of two boxes of n[0] x n[1] x n[2] cells.
+template <class CopyRow>
+void for_each_row(Walk<double const> const& from, Walk<double> const& to, Index3 const& n, CopyRow const& copy_row) {
+  for (int k = 0; k < n[2]; ++k) {
+    double const* source = from.first + k * from.step[2];
+    double* target = to.first + k * to.step[2];
+    for (int j = 0; j < n[1]; ++j, source += from.step[1], target += to.step[1]) copy_row(source, target);
   }
 }
 
-void copy(Part<double const> const& from, Part<double> const& to) {
-  int const n = to.box.n(0);
-  for_each_row_pair(from, to, -1, -1, [n](double const* row, double* ghost) {
-    for (int i = 0; i < n; ++i) ghost[i] = row[i];
-  });
+/// Copies n[0] x n[1] x n[2] cells, multiplied by `sign`.
+void copy(Walk<double const> const& from, Walk<double> const& to, Index3 n, double sign) {
+  for (int d : {1, 0}) {
+    if (!from.continues(d, n[d]) || !to.continues(d, n[d])) continue;
+    n[d] *= n[d + 1];
+    n[d + 1] = 1;
+  }
+  std::ptrdiff_t const step = from.step[0];
+  if (n[0] == ghost_layers) {
+    for_each_row(from, to, n, [=](double const* source, double* target) {
+      for (int i = 0; i < ghost_layers; ++i) target[i] = sign * source[i * step];
+    });
+  } else if (step == 1) {
+    for_each_row(from, to, n, [=, count = n[0]](double const* source, double* target) {
+      BRISANCE_VECTOR_LOOP
+      for (int i = 0; i < count; ++i) target[i] = sign * source[i];
+    });
+  } else {
+    for_each_row(from, to, n, [=, count = n[0]](double const* source, double* target) {
+      for (int i = 0; i < count; ++i) target[i] = sign * source[i * step];
+    });
+  }
 }
 
-void mirror(Part<double const> const& from, Part<double> const& to, int direction, double sign) {
-  int const n = to.box.n(0);
-  for_each_row_pair(from, to, direction, -1, [n, direction, sign](double const* row, double* ghost) {
-    if (direction == 0) {
-      for (int i = 0; i < n; ++i) ghost[i] = sign * row[n - 1 - i];
-    } else {
-      for (int i = 0; i < n; ++i) ghost[i] = sign * row[i];
-    }
-  });
-}
-
-void repeat(Part<double const> const& from, Part<double> const& to, int direction) {
-  int const n = to.box.n(0);
-  for_each_row_pair(from, to, -1, direction, [n, direction](double const* row, double* ghost) {
-    if (direction == 0) {
-      for (int i = 0; i < n; ++i) ghost[i] = row[0];
-    } else {
-      for (int i = 0; i < n; ++i) ghost[i] = row[i];
-    }
-  });
-}
-
-void fill_with(double value, Part<double> const& to) {
-  for (int k = 0; k < to.box.n(2); ++k) {
-    for (int j = 0; j < to.box.n(1); ++j) std::fill_n(to.row(j, k), to.box.n(0), value);
+void fill_with(double value, Walk<double> const& to, Index3 const& n) {
+  for (int k = 0; k < n[2]; ++k) {
+    for (int j = 0; j < n[1]; ++j) std::fill_n(to.first + j * to.step[1] + k * to.step[2], n[0], value);
   }
 }
 
@@ -85,22 +86,23 @@ Exchange::Exchange(Grid const& grid, int components, ExchangeRules rules)
 void Exchange::execute(Transfer const& t, Fields const& fields, Block const& block) {
   int const direction = t.face / 2;
   CellRange const slab = ghost_box(block, direction);
+  Index3 const n{t.to.n(0), t.to.n(1), t.to.n(2)};
   double* const ghosts = this->ghosts(block.number, t.face % 2);
   for (int c = 0; c < components_; ++c) {
-    Part<double> const to{ghosts + slab.count() * static_cast<std::size_t>(c), slab, t.to};
+    Walk<double> const to(ghosts + slab.count() * static_cast<std::size_t>(c), slab, t.to);
     if (t.kind == TransferKind::fill) {
-      fill_with(rules_.inflow[t.face][c], to);
+      double const value = rules_.inflow[t.face][c];
+      fill_with(value, to, n);
       continue;
     }
-    Part<double const> const from{fields.at(t.source, c), grid_->blocks()[t.source].interior(), t.from};
-    switch (t.kind) {
-      case TransferKind::copy: copy(from, to); break;
-      case TransferKind::mirror:
-        mirror(from, to, direction, c == rules_.mirrored_component[direction] ? -1.0 : 1.0);
-        break;
-      case TransferKind::repeat: repeat(from, to, direction); break;
-      case TransferKind::fill: break;
+    Walk<double const> from(fields.at(t.source, c), grid_->blocks()[t.source].interior(), t.from);
+    double sign = 1.0;
+    if (t.kind == TransferKind::repeat) from.step[direction] = 0;
+    if (t.kind == TransferKind::mirror) {
+      from.reverse(direction, n[direction]);
+      if (c == rules_.mirrored_component[direction]) sign = -1.0;
     }
+    copy(from, to, n, sign);
   }
 }
 

@@ -1,4 +1,4 @@
-/// The geometry of a calculation: how many directions are resolved, and the metric: cell size, centres, volumes and
+/// The geometry of a simulation: how many directions are resolved, and the metric: cell size, centres, volumes and
 /// face areas of cells.
 #pragma once
 

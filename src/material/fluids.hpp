@@ -112,8 +112,8 @@ inline void add_burning_fluid(E const& eos, double alpha, double rho, double F, 
   return mixture_of(fluids, s.density, s.mass_fraction, s.volume_fraction);
 }
 
-/// Volume fractions of a fluid along a row of cells or points: those that stand there, or, of the ambient fluid, what
-/// those of the others leave.
+/// Volume fractions of a fluid along a row of cells or particles: those that stand there, or, of the ambient fluid,
+/// what those of the others leave.
 struct Own {
   double const* alpha;
   [[nodiscard]] double operator()(int q) const { return alpha[q]; }
@@ -133,7 +133,7 @@ struct Rest {
   }
 };
 
-/// The same for rows of cells or points: adds one fluid to xi, B, H of n of them. `F` is null where everything is
+/// The same for rows of cells or particles: adds one fluid to xi, B, H of n of them. `F` is null where everything is
 /// burnt. The model comes by value: its constants then stay in registers, for no store to the rows can change them.
 template <class Alpha, class E>
 void add_fluid_sums(E const eos, int n, Alpha const alpha, double const* partial, double const* F, double p0,

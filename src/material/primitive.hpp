@@ -16,7 +16,7 @@ inline constexpr int products_fluid = 1;
 /// A value for each fluid.
 using PerFluid = std::array<double, most_fluids>;
 
-/// Parts of a mixture: the ambient fluid has what the others leave of 1.
+/// Fractions of a mixture: the ambient fluid has what the others leave of 1.
 class Fractions {
  public:
   [[nodiscard]] constexpr double operator[](int fluid) const {
@@ -26,12 +26,12 @@ class Fractions {
     return rest;
   }
   /// Of a fluid from number 1 on.
-  constexpr void set(int fluid, double part) { others_[fluid - 1] = part; }
+  constexpr void set(int fluid, double fraction) { others_[fluid - 1] = fraction; }
 
   /// So much of one fluid, and ambient fluid.
-  [[nodiscard]] static constexpr Fractions of(int fluid, double part) {
+  [[nodiscard]] static constexpr Fractions of(int fluid, double fraction) {
     Fractions fractions;
-    if (fluid > 0) fractions.set(fluid, part);
+    if (fluid > 0) fractions.set(fluid, fraction);
     return fractions;
   }
 
@@ -52,7 +52,7 @@ struct Primitive {
   Vec3 velocity{0.0, 0.0, 0.0};
   Fractions mass_fraction{};
   Fractions volume_fraction{};
-  double sound_speed = 0.0;  ///< frozen [m/s]; where it was read from a cell or points
+  double sound_speed = 0.0;  ///< frozen [m/s]; where it was read from a cell or particles
   double energy = 0.0;       ///< total, per volume [J/m3]; likewise
 };
 

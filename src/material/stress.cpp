@@ -14,12 +14,12 @@ namespace brisance::material {
 
 namespace {
 
-/// Arrays in PointArrays.
-constexpr int arrays_of_a_point = 31;
+/// Arrays in ParticleArrays.
+constexpr int arrays_of_a_particle = 31;
 
 /// Calls f with every array that is read only.
 template <class F>
-void for_inputs(PointArrays& a, F const f) {
+void for_inputs(ParticleArrays& a, F const f) {
   for (auto& x : a.strain) f(x);
   for (auto& x : a.spin) f(x);
   f(a.volumetric);
@@ -30,7 +30,7 @@ void for_inputs(PointArrays& a, F const f) {
 
 /// Calls f with every array that the step changes.
 template <class F>
-void for_state(PointArrays& a, F const f) {
+void for_state(ParticleArrays& a, F const f) {
   for (auto& x : a.deviator) f(x);
   for (auto* x : {&a.pressure, &a.viscosity, &a.density, &a.energy, &a.plastic_strain, &a.plastic_work, &a.temperature,
                   &a.damage, &a.crushing, &a.cracking, &a.compression, &a.sound_speed}) {
@@ -38,9 +38,9 @@ void for_state(PointArrays& a, F const f) {
   }
 }
 
-/// The arrays of points `first` to `first + n`.
-PointArrays window(PointArrays const& a, int first, int n) {
-  PointArrays w = a;
+/// The arrays of particles `first` to `first + n`.
+ParticleArrays window(ParticleArrays const& a, int first, int n) {
+  ParticleArrays w = a;
   w.n = n;
   auto const shift = [first](auto& x) { x = x == nullptr ? nullptr : x + first; };
   for_inputs(w, shift);
@@ -49,12 +49,13 @@ PointArrays window(PointArrays const& a, int first, int n) {
 }
 
 /// The deviator and what depends on it; fills `work` and `floor`.
-void deviator_stage(NoStrength const /*model*/, Solid const& /*solid*/, PointArrays const& a, double /*dt*/,
+void deviator_stage(NoStrength const /*model*/, Material const& /*solid*/, ParticleArrays const& a, double /*dt*/,
                     Scratch& t) {
   fill(t.work, a.n, 0.0);
 }
 
-void deviator_stage(Elastic const model, Solid const& /*solid*/, PointArrays const& a, double /*dt*/, Scratch& t) {
+void deviator_stage(Elastic const model, Material const& /*solid*/, ParticleArrays const& a, double /*dt*/,
+                    Scratch& t) {
   trial_deviator(a, model.G, t);
   int const n = a.n;
   double* const work = t.work;
@@ -64,7 +65,7 @@ void deviator_stage(Elastic const model, Solid const& /*solid*/, PointArrays con
 }
 
 template <class Plastic>
-void deviator_stage(Plastic const model, Solid const& solid, PointArrays const& a, double dt, Scratch& t) {
+void deviator_stage(Plastic const model, Material const& solid, ParticleArrays const& a, double dt, Scratch& t) {
   int const n = a.n;
   trial_deviator(a, model.G, t);
   if (a.temperature != nullptr) {
@@ -109,7 +110,7 @@ void deviator_stage(Plastic const model, Solid const& solid, PointArrays const& 
   if (yields) plastic_flow(a, solid.specific_heat, solid.taylor_quinney, t);
 }
 
-/// One equation of state for all points of a chunk.
+/// One equation of state for all particles of a chunk.
 template <class E>
 struct CommonEos {
   E eos;
@@ -119,7 +120,7 @@ struct CommonEos {
   [[nodiscard]] double rho_d_reference(int /*k*/, double rho) const { return eos.rho_d_reference(rho); }
 };
 
-/// An equation of state for each point, known at its density at the end of the step.
+/// An equation of state for each particle, known at its density at the end of the step.
 struct OwnEos {
   double const* G;
   double const* f;
@@ -131,14 +132,14 @@ struct OwnEos {
 };
 
 /// Is anything but the ambient fluid in the chunk?
-[[nodiscard]] bool mixes_anywhere(Fluids const& fluids, PointArrays const& a) {
+[[nodiscard]] bool mixes_anywhere(Fluids const& fluids, ParticleArrays const& a) {
   if (!fluids.mixed() || a.mass_fraction == nullptr || a.volume_fraction == nullptr) return false;
   return count_beyond(a.volume_fraction, a.n, vanishing_fraction) > 0;
 }
 
-/// Fills in the equations of state of points that mix. The ambient fluid alone has exactly its own one: a point must
-/// not depend on whether its neighbours mix.
-void blend(Fluids const& fluids, PointArrays const& a, Blend& m) {
+/// Fills in the equations of state of particles that mix. The ambient fluid alone has exactly its own one: a particle
+/// must not depend on whether its neighbours mix.
+void blend(Fluids const& fluids, ParticleArrays const& a, Blend& m) {
   int const n = a.n;
   double const* const volumetric = a.volumetric;
   double const* const density = a.density;
@@ -180,7 +181,7 @@ void blend(Fluids const& fluids, PointArrays const& a, Blend& m) {
 }
 
 /// The pressure of an equation of state, linear in the energy. `slowest` [m/s] bounds the sound speed of what is not
-/// burnt out from below: the front of a programmed burn runs through points that have no stiffness yet.
+/// burnt out from below: the front of a programmed burn runs through particles that have no stiffness yet.
 template <class PointwiseEos>
 struct PressureOfEnergy {
   PointwiseEos eos;
@@ -220,7 +221,7 @@ struct PressureOfEnergy {
   [[nodiscard]] double least_speed(int k) const { return burn[k] < 1.0 ? slowest : 0.0; }
 };
 
-void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step, Scratch& t) {
+void update_chunk(Material const& solid, ParticleArrays const& a, StepData const& step, Scratch& t) {
   if (auto const* hjc = std::get_if<Hjc>(&solid.strength)) return update_concrete(solid, *hjc, a, step, t);
   if (auto const* soil = std::get_if<DruckerPrager>(&solid.strength)) return update_soil(solid, *soil, a, step, t);
   fill(t.floor, a.n, solid.minimum_pressure);
@@ -252,10 +253,10 @@ void update_chunk(Solid const& solid, PointArrays const& a, StepData const& step
   tear(solid, a);
 }
 
-/// The last points, too few for a whole number of vectors: on copies, filled up with more of the first of them.
-void update_rest(Solid const& solid, PointArrays const& a, StepData const& step, Scratch& t) {
-  double copies[arrays_of_a_point][lanes];
-  PointArrays padded = a;
+/// The last particles, too few for a whole number of vectors: on copies, filled up with more of the first of them.
+void update_rest(Material const& solid, ParticleArrays const& a, StepData const& step, Scratch& t) {
+  double copies[arrays_of_a_particle][lanes];
+  ParticleArrays padded = a;
   padded.n = lanes;
   int used = 0;
   auto const copy = [&](auto& x) {
@@ -269,7 +270,7 @@ void update_rest(Solid const& solid, PointArrays const& a, StepData const& step,
   for_state(padded, copy);
   update_chunk(solid, padded, step, t);
   used = first_of_state;
-  PointArrays original = a;
+  ParticleArrays original = a;
   for_state(original, [&](double* x) {
     if (x == nullptr) return;
     double const* const from = copies[used++];
@@ -279,14 +280,14 @@ void update_rest(Solid const& solid, PointArrays const& a, StepData const& step,
 
 }  // namespace
 
-void update_stress(Solid const& solid, PointArrays const& points, StepData const& step) {
+void update_stress(Material const& solid, ParticleArrays const& particles, StepData const& step) {
   Scratch scratch;
-  int const whole = points.n / lanes * lanes;
+  int const whole = particles.n / lanes * lanes;
   for (int first = 0; first < whole; first += chunk) {
     int const n = whole - first < chunk ? whole - first : chunk;
-    update_chunk(solid, window(points, first, n), step, scratch);
+    update_chunk(solid, window(particles, first, n), step, scratch);
   }
-  if (whole < points.n) update_rest(solid, window(points, whole, points.n - whole), step, scratch);
+  if (whole < particles.n) update_rest(solid, window(particles, whole, particles.n - whole), step, scratch);
 }
 
 }  // namespace brisance::material

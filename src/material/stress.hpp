@@ -2,12 +2,12 @@
 /// sigma = s - (p + q) I with the deviator s and the bulk viscosity q.
 #pragma once
 
-#include "material/solid.hpp"
+#include "material/material.hpp"
 
 namespace brisance::material {
 
 /// n material points side by side, arrays of n values; null where the solid has no such field.
-struct PointArrays {
+struct ParticleArrays {
   int n = 0;
   /// Increments of strain over the step [1]: xx yy zz xy yz zx, tensor components (not engineering shear).
   double const* strain[6] = {};
@@ -17,7 +17,7 @@ struct PointArrays {
   /// Increment of volumetric strain for density and pressure: trace(strain), or an average of it that controls locking.
   double const* volumetric = nullptr;
   double const* burn = nullptr;  ///< burn fraction at the end of the step; null: 1
-  /// Composition of points that mix; they keep it. Null: the ambient fluid alone.
+  /// Composition of particles that mix; they keep it. Null: the ambient fluid alone.
   double const* mass_fraction = nullptr;    ///< Y of the fluid beside the ambient one
   double const* volume_fraction = nullptr;  ///< its alpha
   double* deviator[6] = {};                 ///< deviator of the Cauchy stress [Pa], components as for `strain`
@@ -46,14 +46,14 @@ struct StepData {
   bool crack_band = true;  ///< tensile damage obeys its fracture energy, if it has one, with `length` as the band
 };
 
-/// One step of the stress of n points; equation numbers are those of [Cui14]. In this order:
+/// One step of the stress of n particles; equation numbers are those of [Cui14]. In this order:
 /// - density, Eq. (29): rho1 = rho0 / (1 + d eps_v);
 /// - trial deviator: half the elastic increment 2 G d e, the midpoint rotation of the step [HughesWinget80], the other
 ///   half. This is the Jaumann rate of Eq. (30) to second order; the rotation keeps the invariants exactly, and
 ///   (s0 + s1)/2 : d e is exactly the elastic energy that the step stores;
 /// - radial return [Wilkins64] to the yield stress at the end of the step, softened by the temperature at its start;
 /// the
-///   Taylor-Quinney part of the plastic work s1 : d ep heats;
+///   Taylor-Quinney fraction of the plastic work s1 : d ep heats;
 /// - failure, with the pressure at the start of the step in the triaxiality;
 /// - bulk viscosity q = rho h (linear c |d| + quadratic h d^2) where the rate of volume d is negative, c the bulk sound
 ///   speed [VonNeumannRichtmyer50], [Wilkins80];
@@ -64,15 +64,15 @@ struct StepData {
 ///   about 1e-3 of the yield stress; without it the balance would not close;
 /// - cut-off: p1 is not below the solid's minimum pressure nor, where damage is 1, below 0; e1 then follows from the
 ///   pressure that really acts.
-/// Points that mix fluids obey the closure of gas cells (material/fluids.hpp). Along a point the mass fraction Y
+/// Particles that mix fluids obey the closure of gas cells (material/fluids.hpp). Along a particle the mass fraction Y
 /// and, in the five-equation model [Allaire02], the volume fraction alpha stay constant: D alpha/Dt = 0. The fluids'
 /// own densities are then (1 - Y) rho/(1 - alpha) and Y rho/alpha, and the mixture has a constant G and an f(rho) of
 /// its own:
 ///     1/G = xi,   f = -B/xi,   rho f' = (H - B)/xi.
-/// A point whose alpha vanishes is the ambient fluid, whatever its Y.
-/// The sound speed of failed points still counts the shear modulus, on the safe side of the time step, but is no larger
-/// than that of the solid at its density: debris that drifts apart carries nothing. That of points not burnt out is at
-/// least the detonation speed.
+/// A particle whose alpha vanishes is the ambient fluid, whatever its Y.
+/// The sound speed of failed particles still counts the shear modulus, on the safe side of the time step, but is no
+/// larger than that of the solid at its density: debris that drifts apart carries nothing. That of particles not burnt
+/// out is at least the detonation speed.
 ///
 /// Solids whose strength depends on the pressure take another order: pressure, then strength and damage
 /// (stress_concrete.cpp, stress_soil.cpp). Their pressure knows no energy.
@@ -81,8 +81,8 @@ struct StepData {
 /// below 1/2. Finite numbers stay finite; NaN is not hidden.
 ///
 /// A temperature that is not handed over is the solid's. No allocation; cheapest where n is a multiple of 8, for the
-/// rest of up to 7 points costs as much as 8 and a call (0.2 to 1 us). The result of a point is the same, bit for bit,
-/// wherever it stands and whoever its neighbours are.
-void update_stress(Solid const& solid, PointArrays const& points, StepData const& step);
+/// rest of up to 7 particles costs as much as 8 and a call (0.2 to 1 us). The result of a particle is the same, bit for
+/// bit, wherever it stands and whoever its neighbours are.
+void update_stress(Material const& solid, ParticleArrays const& particles, StepData const& step);
 
 }  // namespace brisance::material

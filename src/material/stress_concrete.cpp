@@ -28,7 +28,7 @@ struct Concrete {
 };
 
 /// Pressure and compression. [HJC93] Fig. 2.
-void compact(Compaction::Curves const c, PointArrays const& a, Concrete& w) {
+void compact(Compaction::Curves const c, ParticleArrays const& a, Concrete& w) {
   int const n = a.n;
   double const* const density = a.density;
   double const* const volumetric = a.volumetric;
@@ -57,7 +57,7 @@ void compact(Compaction::Curves const c, PointArrays const& a, Concrete& w) {
 }
 
 /// Factor of the strength by the rate of the deviatoric strain.
-void rate_factors(Hjc const model, PointArrays const& a, double dt, Concrete& w) {
+void rate_factors(Hjc const model, ParticleArrays const& a, double dt, Concrete& w) {
   int const n = a.n;
   double const* const exx = a.strain[0];
   double const* const eyy = a.strain[1];
@@ -87,7 +87,7 @@ void rate_factors(Hjc const model, PointArrays const& a, double dt, Concrete& w)
 /// strength falls by H d ep, so that d ep = (trial - strength) / (3 G - H). Where the solid has tensile damage
 /// (`cracks`) plastic strain under mean tension is the opening of cracks, which is that one's: it does not count here.
 /// What has failed already is not crushed any more: rubble shears without resistance.
-void crush(Hjc const model, double T_max, bool cracks, PointArrays const& a, Scratch& t, Concrete& w) {
+void crush(Hjc const model, double T_max, bool cracks, ParticleArrays const& a, Scratch& t, Concrete& w) {
   int const n = a.n;
   double const* const free = w.free;
   double const* const crushed = w.crushed;
@@ -123,7 +123,7 @@ void crush(Hjc const model, double T_max, bool cracks, PointArrays const& a, Scr
 }
 
 /// Largest principal value of a deviator whose Mises stress is q > 0.
-[[nodiscard]] double largest_principal(PointArrays const& a, int k, double q) {
+[[nodiscard]] double largest_principal(ParticleArrays const& a, int k, double q) {
   double const xx = a.deviator[0][k];
   double const yy = a.deviator[1][k];
   double const zz = a.deviator[2][k];
@@ -135,9 +135,9 @@ void crush(Hjc const model, double T_max, bool cracks, PointArrays const& a, Scr
   return 2.0 / 3.0 * q * std::cos(std::acos(cosine) / 3.0);
 }
 
-/// Growth of the tensile damage. Few points are in tension: one by one.
-void crack(TensileDamage const& tensile, Hjc const& model, PointArrays const& a, StepData const& step, Scratch const& t,
-           Concrete const& w) {
+/// Growth of the tensile damage. Few particles are in tension: one by one.
+void crack(TensileDamage const& tensile, Hjc const& model, ParticleArrays const& a, StepData const& step,
+           Scratch const& t, Concrete const& w) {
   bool const band = step.crack_band && tensile.fracture_energy > 0.0;
   double const per_opening = band ? tensile.sigma0 * step.length / tensile.fracture_energy : 0.0;
   for (int k = 0; k < a.n; ++k) {
@@ -171,7 +171,7 @@ void crack(TensileDamage const& tensile, Hjc const& model, PointArrays const& a,
 }
 
 /// Pressure and deviator at the end of the step.
-void settle(Hjc const model, double T_max, double minimum, PointArrays const& a, Scratch& t, Concrete& w) {
+void settle(Hjc const model, double T_max, double minimum, ParticleArrays const& a, Scratch& t, Concrete& w) {
   int const n = a.n;
   double const* const free = w.free;
   double const* const rate = w.rate;
@@ -202,7 +202,8 @@ void settle(Hjc const model, double T_max, double minimum, PointArrays const& a,
 
 }  // namespace
 
-void update_concrete(Solid const& solid, Hjc const& model, PointArrays const& a, StepData const& step, Scratch& t) {
+void update_concrete(Material const& solid, Hjc const& model, ParticleArrays const& a, StepData const& step,
+                     Scratch& t) {
   Concrete w;
   auto const& eos = std::get<Compaction>(solid.eos);
   auto const* tensile = std::get_if<TensileDamage>(&solid.failure);

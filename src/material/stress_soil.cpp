@@ -8,7 +8,7 @@
 
 namespace brisance::material {
 
-void update_soil(Solid const& solid, DruckerPrager const& model, PointArrays const& a, StepData const& step,
+void update_soil(Material const& solid, DruckerPrager const& model, ParticleArrays const& a, StepData const& step,
                  Scratch& t) {
   auto const& eos = std::get<Linear>(solid.eos);
   trial_deviator(a, model.G, t);

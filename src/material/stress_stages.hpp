@@ -8,17 +8,17 @@
 
 namespace brisance::material {
 
-/// Points are taken in chunks that stay in the first cache together with what passes between the stages.
+/// Particles are taken in chunks that stay in the first cache together with what passes between the stages.
 inline constexpr int chunk = 128;
 
-/// Every loop runs over a multiple of this many points, so that no point ever meets the scalar rest of a vector loop,
-/// whose rounding differs: the result of a point does not depend on where it stands.
+/// Every loop runs over a multiple of this many points, so that no particle ever meets the scalar rest of a vector
+/// loop, whose rounding differs: the result of a particle does not depend on where it stands.
 inline constexpr int lanes = 8;
 static_assert(chunk % lanes == 0);
 
-/// The points of a chunk that yield, side by side, in the iteration for their increments of plastic strain.
+/// The particles of a chunk that yield, side by side, in the iteration for their increments of plastic strain.
 struct Yielding {
-  int point[chunk];                     ///< which point of the chunk
+  int particle[chunk];                  ///< which particle of the chunk
   alignas(64) double mises[chunk];      ///< of the trial [Pa]
   alignas(64) double ep[chunk];         ///< plastic strain at the start
   alignas(64) double soft[chunk];       ///< thermal factor of the yield stress
@@ -28,7 +28,7 @@ struct Yielding {
   alignas(64) double hard[chunk];       ///< hardening at the end of the step [Pa]
 };
 
-/// The equation of state of each point of a chunk that mixes, at the end of the step.
+/// The equation of state of each particle of a chunk that mixes, at the end of the step.
 struct Blend {
   alignas(64) double partial[most_fluids][chunk];  ///< densities of the fluids [kg/m3]
   alignas(64) double G[chunk];                     ///< first the sum xi of the closure
@@ -39,7 +39,7 @@ struct Blend {
 /// What passes between the stages of a chunk.
 struct Scratch {
   alignas(64) double work[chunk];         ///< (s0 + s1)/2 : d e [Pa]
-  alignas(64) double floor[chunk];        ///< smallest pressure that the point bears [Pa]
+  alignas(64) double floor[chunk];        ///< smallest pressure that the particle bears [Pa]
   alignas(64) double widest[chunk];       ///< specific volume at which waves are no faster if it grows [m3/kg]
   alignas(64) double burn[chunk];         ///< burn fraction
   alignas(64) double trial_work[chunk];   ///< s_trial : d e / 2 [Pa]
@@ -59,7 +59,7 @@ inline void fill(double* x, int n, double value) {
 
 /// Trial deviator: elastic half-increment, rotation, elastic half-increment. Also the parts of the work and the trial
 /// Mises stress.
-inline void trial_deviator(PointArrays const& a, double G, Scratch& t) {
+inline void trial_deviator(ParticleArrays const& a, double G, Scratch& t) {
   int const n = a.n;
   double const* const exx = a.strain[0];
   double const* const eyy = a.strain[1];
@@ -149,7 +149,7 @@ inline void trial_deviator(PointArrays const& a, double G, Scratch& t) {
 }
 
 /// s1 = scale * s_trial.
-inline void scale_deviator(PointArrays const& a, Scratch const& t) {
+inline void scale_deviator(ParticleArrays const& a, Scratch const& t) {
   int const n = a.n;
   double const* const scale = t.scale;
   for (double* const s : a.deviator) {
@@ -159,7 +159,7 @@ inline void scale_deviator(PointArrays const& a, Scratch const& t) {
 }
 
 /// Plastic strain, work and heat of the step.
-inline void plastic_flow(PointArrays const& a, double specific_heat, double taylor_quinney, Scratch const& t) {
+inline void plastic_flow(ParticleArrays const& a, double specific_heat, double taylor_quinney, Scratch const& t) {
   int const n = a.n;
   double const* const increment = t.increment;
   double const* const mises = t.mises;
@@ -189,7 +189,7 @@ inline void plastic_flow(PointArrays const& a, double specific_heat, double tayl
   return grown < 0.1 ? 0.1 : grown;  // this way round NaN stays NaN and is found
 }
 
-/// Where a point ends in a step.
+/// Where a particle ends in a step.
 struct End {
   double pressure;  ///< [Pa]
   double energy;    ///< [J/kg]
@@ -204,7 +204,7 @@ struct Volumes {
 };
 
 /// The end of a step for all solids: viscosity, density, energy, pressure and sound speed. `law` knows the pressure, at
-/// two points of it for each point k:
+/// two particles of it for each particle k:
 ///     auto known = law.at(k, volumes)                       what does not depend on the energy of this step
 ///     known.bulk(e0) -> double                              rho c^2 of the bulk, for the viscosity [Pa]
 ///     known.end(p0, e0, deviatoric, q) -> End               `deviatoric`: work of the deviator [J/kg], q: viscosity
@@ -212,7 +212,7 @@ struct Volumes {
 /// drifts apart, and nothing runs through it faster than through the solid that it was: its moduli count by no larger
 /// volume than that (`Scratch::widest`).
 template <class Law>
-void finish(Law const law, PointArrays const& a, StepData const step, double shear, Scratch const& t) {
+void finish(Law const law, ParticleArrays const& a, StepData const step, double shear, Scratch const& t) {
   int const n = a.n;
   double const* const volumetric = a.volumetric;
   double const* const work = t.work;
@@ -269,9 +269,10 @@ struct ColdPressure {
   [[nodiscard]] double least_speed(int /*k*/) const { return 0.0; }
 };
 
-/// The points of a chunk whose strength depends on the pressure.
-void update_concrete(Solid const& solid, Hjc const& model, PointArrays const& a, StepData const& step, Scratch& t);
-void update_soil(Solid const& solid, DruckerPrager const& model, PointArrays const& a, StepData const& step,
+/// The particles of a chunk whose strength depends on the pressure.
+void update_concrete(Material const& solid, Hjc const& model, ParticleArrays const& a, StepData const& step,
+                     Scratch& t);
+void update_soil(Material const& solid, DruckerPrager const& model, ParticleArrays const& a, StepData const& step,
                  Scratch& t);
 
 }  // namespace brisance::material

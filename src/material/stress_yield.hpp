@@ -1,4 +1,4 @@
-/// The stages of a step of the stress in which points yield, take damage and tear: see stress.cpp. Private to this
+/// The stages of a step of the stress in which particles yield, take damage and tear: see stress.cpp. Private to this
 /// folder.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace brisance::material {
 
 /// Increments of plastic strain from the trial Mises stresses, 0 where nothing yields. Returns whether any point
 /// yields.
-inline bool plastic_increments(VonMises const model, PointArrays const& a, double /*dt*/, Scratch& t) {
+inline bool plastic_increments(VonMises const model, ParticleArrays const& a, double /*dt*/, Scratch& t) {
   int const n = a.n;
   double const* const ep = a.plastic_strain;
   double const* const mises = t.mises;
@@ -28,9 +28,9 @@ inline bool plastic_increments(VonMises const model, PointArrays const& a, doubl
   return yielding > 0;
 }
 
-/// One Newton step for every point that is not consistent yet; returns how many were not. A point that is consistent
-/// stays as it is, so that its result does not depend on its neighbours. Three short loops: a single one would wait for
-/// the chain of exp, log and exp.
+/// One Newton step for every particle that is not consistent yet; returns how many were not. A particle that is
+/// consistent stays as it is, so that its result does not depend on its neighbours. Three short loops: a single one
+/// would wait for the chain of exp, log and exp.
 inline long newton_step(JohnsonCook const model, int n, double log_rate, Yielding& y) {
   BRISANCE_VECTOR_LOOP
   for (int k = 0; k < n; ++k) y.x[k] = exp_bounded(y.u[k]);
@@ -53,7 +53,7 @@ inline long newton_step(JohnsonCook const model, int n, double log_rate, Yieldin
 /// Bound of the Newton steps: two million random states, many far beyond any use, needed 3.4 on average, at most 15.
 inline constexpr int most_newton_steps = 32;
 
-inline bool plastic_increments(JohnsonCook const model, PointArrays const& a, double dt, Scratch& t) {
+inline bool plastic_increments(JohnsonCook const model, ParticleArrays const& a, double dt, Scratch& t) {
   int const n = a.n;
   double const* const ep = a.plastic_strain;
   double const* const temperature = t.temperature;
@@ -80,17 +80,17 @@ inline bool plastic_increments(JohnsonCook const model, PointArrays const& a, do
   }
   if (yielding == 0) return false;
 
-  // The yielding points next to each other, filled up to whole vectors with copies of the first.
+  // The yielding particles next to each other, filled up to whole vectors with copies of the first.
   Yielding& y = t.yielding;
   int m = 0;
   for (int k = 0; k < n; ++k) {
-    y.point[m] = k;
+    y.particle[m] = k;
     m += increment[k] > 0.0 ? 1 : 0;
   }
   int const whole = (m + lanes - 1) / lanes * lanes;
-  for (int j = m; j < whole; ++j) y.point[j] = y.point[0];
+  for (int j = m; j < whole; ++j) y.particle[j] = y.particle[0];
   for (int j = 0; j < whole; ++j) {
-    int const k = y.point[j];
+    int const k = y.particle[j];
     y.mises[j] = mises[k];
     y.ep[j] = ep[k];
     y.soft[j] = soft[k];
@@ -105,7 +105,7 @@ inline bool plastic_increments(JohnsonCook const model, PointArrays const& a, do
   }
   BRISANCE_VECTOR_LOOP
   for (int j = 0; j < whole; ++j) y.x[j] = exp_bounded(y.u[j]);
-  for (int j = 0; j < m; ++j) increment[y.point[j]] = y.x[j];
+  for (int j = 0; j < m; ++j) increment[y.particle[j]] = y.x[j];
   return true;
 }
 
@@ -122,7 +122,7 @@ inline Scales scales_of(JohnsonCook const& model) {
 
 /// Damage by the increments of plastic strain.
 template <class Model>
-void grow_damage(Model const model, Scales const scales, PointArrays const& a, double dt, Scratch& t) {
+void grow_damage(Model const model, Scales const scales, ParticleArrays const& a, double dt, Scratch& t) {
   int const n = a.n;
   double* const D = a.damage;
   double const* const p = a.pressure;
@@ -148,7 +148,7 @@ void grow_damage(Model const model, Scales const scales, PointArrays const& a, d
 }
 
 /// What has failed loses its deviator and bears no tension.
-inline void lose_strength(PointArrays const& a, double density, Scratch& t) {
+inline void lose_strength(ParticleArrays const& a, double density, Scratch& t) {
   int const n = a.n;
   double const* const D = a.damage;
   double* const scale = t.scale;
@@ -167,7 +167,7 @@ inline void lose_strength(PointArrays const& a, double density, Scratch& t) {
 }
 
 /// Largest principal stress [Pa].
-inline double largest_principal(PointArrays const& a, int k) {
+inline double largest_principal(ParticleArrays const& a, int k) {
   double s[6];
   for (int c = 0; c < 6; ++c) s[c] = a.deviator[c][k];
   double const J2 = 0.5 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
@@ -178,8 +178,8 @@ inline double largest_principal(PointArrays const& a, int k) {
   return 2.0 * std::sqrt(J2 / 3.0) * std::cos(std::acos(lode) / 3.0) - a.pressure[k];
 }
 
-/// Spall: points that the tension of the step has torn have failed.
-inline void tear(Solid const& solid, PointArrays const& a) {
+/// Spall: particles that the tension of the step has torn have failed.
+inline void tear(Material const& solid, ParticleArrays const& a) {
   if (a.damage == nullptr || !solid.tears()) return;
   double const limit = solid.minimum_pressure;
   for (int k = 0; k < a.n; ++k) {

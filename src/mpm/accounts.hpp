@@ -1,4 +1,4 @@
-/// What the points of a calculation come to, and where mass, momentum and energy went.
+/// What the particles of a simulation come to, and where mass, momentum and energy went.
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@
 
 namespace brisance::mpm {
 
-/// Sums over the points of one body.
+/// Sums over the particles of one body.
 struct BodySums {
-  long points = 0;
+  long particles = 0;
   double mass = 0.0;  ///< [kg]
   /// Of it, of each fluid: gas. Each is summed by itself: of products and a little air the
   /// difference of two sums would lose three digits of the air.
@@ -37,20 +37,20 @@ struct Losses {
   double mass = 0.0;
   Vec3 momentum{0.0, 0.0, 0.0};
   double energy = 0.0;
-  long points = 0;
+  long particles = 0;
 };
 
-/// Kinetic energy that points lost, known where and why [J].
+/// Kinetic energy that particles lost, known where and why [J].
 struct Dissipation {
   /// At nodes that constraints hold: what arrives there with another velocity takes theirs, a plastic impact.
-  double held = 0.0;
+  double constraints = 0.0;
   double filtered = 0.0;  ///< by the fraction of PIC, and by XPIC
   double apic = 0.0;      ///< by APIC in bodies whose heat it is not: solids, and fluids without B-splines
   double friction = 0.0;  ///< to the friction of contacts; it heats nothing
 
-  [[nodiscard]] double sum() const { return held + filtered + apic + friction; }
+  [[nodiscard]] double sum() const { return constraints + filtered + apic + friction; }
   Dissipation& operator+=(Dissipation const& more) {
-    held += more.held;
+    constraints += more.constraints;
     filtered += more.filtered;
     apic += more.apic;
     friction += more.friction;
@@ -58,22 +58,22 @@ struct Dissipation {
   }
 };
 
-/// What gave gas points their least energy back. A gas that has less than that of no pressure pushes nothing any more
-/// and never comes back: its energy is lifted to it, which adds energy, as the guards of the gas cells do.
+/// What gave gas particles their least energy back. A gas that has less than that of no pressure pushes nothing any
+/// more and never comes back: its energy is lifted to it, which adds energy, as the guards of the gas cells do.
 struct FloorCount {
   double energy = 0.0;  ///< added [J]
-  long points = 0;      ///< lifted, each as often as it was
+  long particles = 0;   ///< lifted, each as often as it was
 
   FloorCount& operator+=(FloorCount const& more) {
     energy += more.energy;
-    points += more.points;
+    particles += more.particles;
     return *this;
   }
 };
 
-/// What `Body::shock_conduction` did: what some points give others take.
+/// What `Body::shock_conduction` did: what some particles give others take.
 struct ConductionCount {
-  double moved = 0.0;  ///< heat that changed its point [J]
+  double moved = 0.0;  ///< heat that changed its particle [J]
   double made = 0.0;   ///< what was taken less what was given [J]: round-off
 
   ConductionCount& operator+=(ConductionCount const& more) {
@@ -86,17 +86,18 @@ struct ConductionCount {
 /// What was booked since the start.
 struct Accounts {
   Losses losses;
-  /// Momentum that constraints and rigid bodies gave to the points [kg m/s].
+  /// Momentum that constraints and rigid bodies gave to the particles [kg m/s].
   Vec3 constraint_impulse{0.0, 0.0, 0.0};
-  /// Work that constraints, rigid bodies, surface pressures and the body force did on the points [J].
+  /// Work that constraints, rigid bodies, surface pressures and the body force did on the particles [J].
   double outer_work = 0.0;
-  Dissipation dissipation;    ///< what held nodes and filters took, of bodies with FLIP and XPIC
+  Dissipation dissipation;    ///< what constrained nodes and filters took, of bodies with FLIP and XPIC
   FloorCount floored;         ///< energy that gas was given because it had less than none
   ConductionCount conducted;  ///< heat that went from points to others in shocks
 };
 
-/// What lent points gave to a node in a step, in the directions of the axes: what they lost of it themselves, forces
-/// included. Summed over all nodes it is what the other points gained. The part of the reference pressure is left out.
+/// What proxy particles gave to a node in a step, in the directions of the axes: what they lost of it themselves,
+/// forces included. Summed over all nodes it is what the other particles gained. The part of the reference pressure is
+/// left out.
 struct NodeGift {
   Index3 node{0, 0, 0};          ///< of the grid
   Vec3 impulse{0.0, 0.0, 0.0};   ///< by their forces [kg m/s]
@@ -105,7 +106,7 @@ struct NodeGift {
   double energy = 0.0;           ///< kinetic, likewise [J]
 };
 
-/// Where a point is kept.
+/// Where a particle is kept.
 struct Place {
   int block = -1;
   int index = -1;

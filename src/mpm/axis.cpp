@@ -1,4 +1,4 @@
-/// What the points beside the axis have in common with their neighbours; see `BesideAxis::even_out`.
+/// What the particles beside the axis have in common with their neighbours; see `BesideAxis::even_out`.
 #include <algorithm>
 
 #include "core/parallel.hpp"
@@ -13,7 +13,7 @@ bool Mpm::evens_out(int block, int body) const {
   grid::Domain const& domain = grid_.domain();
   if (grid::radial_exponent(domain.geometry) == 0) return false;
   return work_->patches[block].first[0] < even_cells * work_->patches[block].h && bodies_[body].solid.has_deviator() &&
-         !bodies_[body].rigid_velocity && !points(block, body).empty();
+         !bodies_[body].rigid_velocity && !particles(block, body).empty();
 }
 
 void Mpm::map_even_again() {
@@ -28,7 +28,7 @@ void Mpm::map_even_again() {
       NodeVelocity const* means = gather_even(block, body, w.scratch[thread], false);
       NodeVelocity* nodes = w.even_again[set_index(block, body)].get(patch.count());
       std::fill(nodes, nodes + patch.count(), NodeVelocity{});
-      SetView const view{&points(block, body), &bodies_[body], &patch, patch.h};
+      SetView const view{&particles(block, body), &bodies_[body], &patch, patch.h};
       with_kernels(options_.shape, patch.dimensions,
                    [&](auto kernels) { kernels.map_even_again(view, grid_.domain().geometry, means, nodes); });
     }

@@ -5,7 +5,7 @@
 
 namespace brisance::mpm {
 
-/// Burn fraction of a point at `time`, [Cui14] Eqs. (52)-(53). `rate` is `burn_rate`.
+/// Burn fraction of a particle at `time`, [Cui14] Eqs. (52)-(53). `rate` is `burn_rate`.
 [[nodiscard]] inline double burn_fraction(double time, double lighting_time, double rate) {
   return std::clamp((time - lighting_time) * rate, 0.0, 1.0);
 }

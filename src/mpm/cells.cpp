@@ -4,7 +4,7 @@
 
 namespace brisance::mpm {
 
-void find_cells(PointSet const& set, Patch const& patch, std::vector<int>& cell) {
+void find_cells(ParticleSet const& set, Patch const& patch, std::vector<int>& cell) {
   cell.assign(set.size(), 0);
   double const inverse_h = 1.0 / patch.h;
   for (int d = 0; d < patch.dimensions; ++d) {

@@ -37,51 +37,52 @@ void Mpm::constrain_motion(int block, double dt, Scratch& scratch) {
   meet(block, scratch, given);
   if (w.contact) share_velocity(block, scratch, given);
   stop_at_walls(block, dt, scratch, given);
-  hold_nodes(block, scratch, given);
+  constrain_nodes(block, scratch, given);
   settle_pushes(scratch);
   w.impulse[block] = given.impulse;
   w.work[block] = given.work;
   w.dissipation[block] = {};
-  w.dissipation[block].held = given.drive;
+  w.dissipation[block].constraints = given.drive;
   w.dissipation[block].friction = given.friction;
   note_rubbing(count, scratch);
 }
 
 /// Gives nodes that constraints hold their velocity, and books what that takes.
-void Mpm::hold_nodes(int block, Scratch& scratch, Given& given) {
+void Mpm::constrain_nodes(int block, Scratch& scratch, Given& given) {
   Workspace& w = *work_;
   int const count = w.patches[block].count();
   for (int f = 0; f < w.fields; ++f) {
-    scratch.of[f].halts = scratch.of[f].present && !w.rigid[f] && w.slips[f] == 0 && !w.holds[block].empty();
+    scratch.of[f].halts =
+        scratch.of[f].present && !w.rigid[f] && w.slips[f] == 0 && !w.constrained_nodes[block].empty();
     if (!scratch.of[f].halts) continue;
     NodeVelocity* halt = scratch.of[f].halt.get(count);
     std::fill(halt, halt + count, NodeVelocity{});
   }
-  for (Hold const& hold : w.holds[block]) {
+  for (ConstrainedNode const& at : w.constrained_nodes[block]) {
     for (int f = 0; f < w.fields; ++f) {
-      if (!scratch.of[f].present || w.rigid[f] || !w.held(f, hold)) continue;
-      NodeMotion& r = scratch.of[f].motion.data()[hold.node];
+      if (!scratch.of[f].present || w.rigid[f] || !w.constrains(f, at)) continue;
+      NodeMotion& r = scratch.of[f].motion.data()[at.node];
       double const m = r.velocity[3];
       if (!(m > w.mass_floor)) continue;
-      NodeVelocity& halt = scratch.of[f].halt.data()[hold.node];
-      double const own = w.own_mass(block, f, hold.node);
+      NodeVelocity& halt = scratch.of[f].halt.data()[at.node];
+      double const own = w.own_mass(block, f, at.node);
       for (int d = 0; d < 3; ++d) {
-        if (!hold.held[d]) continue;
-        double const change = hold.velocity[d] - r.velocity[d];
+        if (!at.components[d]) continue;
+        double const change = at.velocity[d] - r.velocity[d];
         // What an earlier constraint or a wall has booked.
-        double const stopped = scratch.of[f].stops ? scratch.of[f].stop.data()[hold.node][d] : 0.0;
+        double const stopped = scratch.of[f].stops ? scratch.of[f].stop.data()[at.node][d] : 0.0;
         double const work_before =
             halt[d] * (r.velocity[d] - 0.5 * halt[d]) + stopped * (r.velocity[d] - 0.5 * r.change[d]);
         given.impulse[d] += own * change;
-        given.work += own * change * hold.velocity[d];
+        given.work += own * change * at.velocity[d];
         r.change[d] += change;
-        r.velocity[d] = hold.velocity[d];
+        r.velocity[d] = at.velocity[d];
         // `change` is the whole one of the step, the one against the start of the step.
-        double const drive = (r.change[d] - halt[d]) * hold.velocity[d];
-        double const middle = hold.velocity[d] - 0.5 * r.change[d];
-        // Points that take over the nodes' velocity lose what the nodes do.
-        double const rubbed = scratch.of[f].rubs ? scratch.of[f].rub.data()[hold.node][d] : 0.0;
-        double const lost_by_node = drive - r.change[d] * middle + work_before - rubbed * (hold.velocity[d] - middle);
+        double const drive = (r.change[d] - halt[d]) * at.velocity[d];
+        double const middle = at.velocity[d] - 0.5 * r.change[d];
+        // Particles that take over the nodes' velocity lose what the nodes do.
+        double const rubbed = scratch.of[f].rubs ? scratch.of[f].rub.data()[at.node][d] : 0.0;
+        double const lost_by_node = drive - r.change[d] * middle + work_before - rubbed * (at.velocity[d] - middle);
         if (w.affine[f] == 0 || w.shared[f] != 0) {
           given.drive += own * drive;
         } else if (w.heats[f] != 0) {
@@ -92,35 +93,34 @@ void Mpm::hold_nodes(int block, Scratch& scratch, Given& given) {
         halt[d] = r.change[d];
         // What walls rub off while the node moves along is theirs, the constraint does all the rest.
         if (rubbed != 0.0) {
-          NodeVelocity& rub = scratch.of[f].rub.data()[hold.node];
+          NodeVelocity& rub = scratch.of[f].rub.data()[at.node];
           rub[d] -= rubbed;
           rub[3] += rubbed * middle;
-          if (w.affine[f] == 0) given.friction -= own * rubbed * hold.velocity[d];
+          if (w.affine[f] == 0) given.friction -= own * rubbed * at.velocity[d];
         }
-        if (scratch.of[f].stops) scratch.of[f].stop.data()[hold.node][d] = 0.0;
+        if (scratch.of[f].stops) scratch.of[f].stop.data()[at.node][d] = 0.0;
       }
       // What slips along the body stays at its surface.
       for (int g = 0; g < w.fields; ++g) {
         if (!w.slips_along(g, f) || !scratch.of[g].present) continue;
-        NodeMotion& fluid = scratch.of[g].motion.data()[hold.node];
-        double const mass = fluid.velocity[3];
-        double const own_fluid = w.own_mass(block, g, hold.node);
-        Vec3 const change = follow(w.mass_floor, scratch.of[f].gradient.data()[hold.node], r.velocity, fluid.velocity);
+        NodeMotion& fluid = scratch.of[g].motion.data()[at.node];
+        double const own_fluid = w.own_mass(block, g, at.node);
+        Vec3 const change = follow(w.mass_floor, scratch.of[f].gradient.data()[at.node], r.velocity, fluid.velocity);
         for (int d = 0; d < 3; ++d) {
           fluid.change[d] += change[d];
           fluid.velocity[d] += change[d];
           given.impulse[d] += own_fluid * change[d];
           given.work += own_fluid * change[d] * r.velocity[d];
         }
-        fluid.change[3] +=
-            0.5 * mass * dot(change, {fluid.change[0], fluid.change[1], fluid.change[2]});  // as in contact
+        fluid.change[3] += 0.5 * fluid.velocity[3] *
+                           dot(change, {fluid.change[0], fluid.change[1], fluid.change[2]});  // as in contact
       }
     }
   }
 }
 
-/// Points of APIC take over a velocity: the energy per mass that friction gives goes beside its change of that of the
-/// nodes, the points' own one before knows nothing of it.
+/// Particles of APIC take over a velocity: the energy per mass that friction gives goes beside its change of that of
+/// the nodes, the particles' own one before knows nothing of it.
 void Mpm::note_rubbing(int count, Scratch& scratch) const {
   for (int f = 0; f < work_->fields; ++f) {
     FieldScratch& s = scratch.of[f];
@@ -167,17 +167,17 @@ void Mpm::constrain_velocity(int block, double dt, Scratch& scratch) const {
     mirror_fluids(block, scratch, false);
   }
   stop_velocity_at_walls(block, dt, scratch);
-  for (Hold const& hold : w.holds[block]) {
+  for (ConstrainedNode const& at : w.constrained_nodes[block]) {
     for (int f = 0; f < w.fields; ++f) {
-      if (!scratch.of[f].present || w.rigid[f] || !w.held(f, hold)) continue;
-      NodeVelocity& v = scratch.of[f].velocity.data()[hold.node];
+      if (!scratch.of[f].present || w.rigid[f] || !w.constrains(f, at)) continue;
+      NodeVelocity& v = scratch.of[f].velocity.data()[at.node];
       for (int d = 0; d < 3; ++d) {
-        if (hold.held[d]) v[d] = hold.velocity[d];
+        if (at.components[d]) v[d] = at.velocity[d];
       }
       for (int g = 0; g < w.fields; ++g) {
         if (!w.slips_along(g, f) || !scratch.of[g].present) continue;
-        NodeVelocity& fluid = scratch.of[g].velocity.data()[hold.node];
-        Vec3 const change = follow(w.mass_floor, scratch.of[f].gradient.data()[hold.node], v, fluid);
+        NodeVelocity& fluid = scratch.of[g].velocity.data()[at.node];
+        Vec3 const change = follow(w.mass_floor, scratch.of[f].gradient.data()[at.node], v, fluid);
         for (int d = 0; d < 3; ++d) fluid[d] += change[d];
       }
     }

@@ -2,11 +2,11 @@
 /// surfaces touch there and close in on each other, the nodes move as one along the normal, with Coulomb friction
 /// across it.
 ///
-/// The nodes do, and strain the points; the points themselves keep their velocities. What they get of the step are
-/// forces, and of these contact takes what would accelerate the surfaces against each other: with P the projection of
-/// the nodes' velocities on those that close nothing, orthogonal in the metric of the masses, the points are strained
-/// with P v and get the changes P f of their velocities. Then the stress works as much as the points lose, since
-/// f . P v = P f . v: contact conserves energy, whatever the bodies' speed and the size of the cells. Taking the
+/// The nodes do, and strain the particles; the particles themselves keep their velocities. What they get of the step
+/// are forces, and of these contact takes what would accelerate the surfaces against each other: with P the projection
+/// of the nodes' velocities on those that close nothing, orthogonal in the metric of the masses, the particles are
+/// strained with P v and get the changes P f of their velocities. Then the stress works as much as the particles lose,
+/// since f . P v = P f . v: contact conserves energy, whatever the bodies' speed and the size of the cells. Taking the
 /// velocities themselves to P v is a plastic impact of the nodes' masses: it loses 4 % of the energy of two discs of 8
 /// cells per radius, and up to 15 % of that of a plate six cells thick.
 #include "mpm/contact.hpp"
@@ -106,7 +106,7 @@ class MeetingNode {
     for (int d = 0; d < 3; ++d) now[d] = one.yields[d] == 0.0 ? 0.0 : c[d];
     return now;
   }
-  /// `moved` changes the velocity with which the node moves, `impulse` that which the points keep.
+  /// `moved` changes the velocity with which the node moves, `impulse` that which the particles keep.
   void push(Partner const& one, Vec3 const& moved, Vec3 const& impulse, bool rubs) const {
     if (fields_->rigid[one.field]) return;
     FieldScratch& s = scratch_->of[one.field];
@@ -163,7 +163,7 @@ void Mpm::clear_contacts(int block, Scratch& scratch) const {
   }
 }
 
-/// Points that stretched since their bodies met weigh on other nodes.
+/// Particles that stretched since their bodies met weigh on other nodes.
 void Mpm::weigh_meetings(int block, Scratch const& scratch) const {
   Workspace& w = *work_;
   std::vector<Meeting>& meetings = w.meetings[block];
@@ -214,8 +214,8 @@ void Mpm::meet(int block, Scratch& scratch, Given& given) const {
   });
 }
 
-/// What rigid bodies give by contact, and what friction takes where the points of a body do not lose it: a rigid body,
-/// and held nodes. By the mass of the block's own points, as all that happens to nodes.
+/// What rigid bodies give by contact, and what friction takes where the particles of a body do not lose it: a rigid
+/// body, and held nodes. By the mass of the block's own particles, as all that happens to nodes.
 void Mpm::book(int block, Meeting const& m, double impulse, Vec3 const& rubbed, Given& given) const {
   Workspace const& w = *work_;
   Vec3 const pushed = impulse * m.normal;
@@ -236,7 +236,7 @@ void Mpm::book(int block, Meeting const& m, double impulse, Vec3 const& rubbed, 
   }
 }
 
-/// The same for velocities that strain the points.
+/// The same for velocities that strain the particles.
 void Mpm::meet_velocity(int block, Scratch& scratch) const {
   std::vector<Meeting> const& meetings = work_->meetings[block];
   for_nodes(meetings, [&](std::size_t begin, std::size_t end) {

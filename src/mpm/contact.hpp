@@ -23,7 +23,7 @@ namespace brisance::mpm {
   Vec3 n{0.0, 0.0, 0.0};
   for (int d = 0; d < 3; ++d) n[d] = take_from * from[d] - take_to * to[d];
   double const length = norm(n);
-  // Within a body the gradients of its points cancel but for round-off, which has any direction.
+  // Within a body the gradients of its particles cancel but for round-off, which has any direction.
   constexpr double round_off = 1e-9;  // of the part that is filled; a surface shows some tenths of it
   if (!(length > round_off * (from[3] + to[3]))) return {0.0, 0.0, 0.0};
   return (1.0 / length) * n;
@@ -50,14 +50,14 @@ struct Surface {
   }
 };
 
-/// The surface of a body at a node, from the part of the cells around the node that the body fills and h times its
+/// The surface of a body at a node, from the fraction of the cells around the node that the body fills and h times its
 /// gradient.
 [[nodiscard]] inline Surface surface_at(NodeVelocity const& filled) {
   // B-splines reach one and a half cells: a node a cell before the face sees two hundredths of the body, and its
-  // velocity is that of the gas. Sharing it there would move the outermost points of the body with the gas; not sharing
-  // it nearer, at 0.2, lets gas in. `HeldPlate.FeelsTheBurstAsAWallDoes` measures it.
+  // velocity is that of the gas. Sharing it there would move the outermost particles of the body with the gas; not
+  // sharing it nearer, at 0.2, lets gas in. `HeldPlate.FeelsTheBurstAsAWallDoes` measures it.
   constexpr double least = 0.05;
-  // Within the body the gradient is nothing but the noise of its points. Any value from 0.01 to 0.1 gives the same.
+  // Within the body the gradient is nothing but the noise of its particles. Any value from 0.01 to 0.1 gives the same.
   constexpr double steep = 0.1;
   Surface surface;
   Vec3 const gradient{filled[0], filled[1], filled[2]};

@@ -10,7 +10,7 @@ namespace brisance::mpm {
 namespace {
 
 /// Can the material pull at a wall? Gases and explosives cannot, nor can liquids that have no tension.
-bool pulls(material::Solid const& solid) {
+bool pulls(material::Material const& solid) {
   if (solid.has_deviator()) return true;
   return !solid.mixes() && !solid.burns() && !solid.is_gas() && solid.minimum_pressure < 0.0;
 }

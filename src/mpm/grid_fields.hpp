@@ -22,10 +22,10 @@ struct Law {
 };
 
 /// A node whose velocity is prescribed.
-struct Hold {
+struct ConstrainedNode {
   int node = 0;
   int field = -1;  ///< grid field; -1: all
-  std::array<bool, 3> held{true, true, true};
+  std::array<bool, 3> components{true, true, true};
   Vec3 velocity{0.0, 0.0, 0.0};
 };
 
@@ -59,16 +59,16 @@ struct GridFields {
   bool keeps_energy = false;   ///< some body's transfer loses no energy
   bool counts_energy = false;  ///< some body has APIC
 
-  /// Do all points of a field take over the nodes' velocity, and is what they lose by that counted, and no heat?
+  /// Do all particles of a field take over the nodes' velocity, and is what they lose by that counted, and no heat?
   [[nodiscard]] bool taken_over(int field) const {
     return affine[field] != 0 && shared[field] == 0 && heats[field] == 0;
   }
   [[nodiscard]] bool slips_along(int fluid, int body) const {
     return laws[fluid * fields + body].kind == Law::Kind::slips && slips[fluid] != 0;
   }
-  /// Constraints hold bodies; what slips along these need not be held.
-  [[nodiscard]] bool held(int field, Hold const& hold) const {
-    return hold.field < 0 ? slips[field] == 0 : hold.field == field;
+  /// Constraints hold bodies; what slips along these need not be constrained.
+  [[nodiscard]] bool constrains(int field, ConstrainedNode const& constrained) const {
+    return constrained.field < 0 ? slips[field] == 0 : constrained.field == field;
   }
 };
 

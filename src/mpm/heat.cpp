@@ -15,7 +15,7 @@ void Mpm::conduct() {
   int const bodies = static_cast<int>(bodies_.size());
   auto const each_set = [&](int block, auto&& work) {
     for (int body = 0; body < bodies; ++body) {
-      PointSet& set = points(block, body);
+      ParticleSet& set = particles(block, body);
       if (set.empty() || bodies_[body].shock_conduction <= 0.0) continue;
       SetView const view{&set, &bodies_[body], &w.patches[block], w.patches[block].h};
       with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) { work(body, view, kernels); });
@@ -27,7 +27,7 @@ void Mpm::conduct() {
     int const block = active_[n];
     bool shocked = false;
     for (int body = 0; body < bodies; ++body) {
-      PointSet const& set = points(block, body);
+      ParticleSet const& set = particles(block, body);
       if (set.empty() || bodies_[body].shock_conduction <= 0.0) continue;
       double const* p = set.field(Field::pressure);
       double const* q = set.field(Field::viscosity);

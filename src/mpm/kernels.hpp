@@ -1,5 +1,5 @@
-/// Transfer between points and nodes, point by point: a chunk of points at a time gets its weights in vectorised loops,
-/// then each point adds to or reads its nodes, whose records fill one short vector each.
+/// Transfer between particles and nodes, particle by particle: a chunk of particles at a time gets its weights in
+/// vectorised loops, then each particle adds to or reads its nodes, whose records fill one short vector each.
 #pragma once
 
 #include <array>
@@ -7,17 +7,17 @@
 #include "core/lanes.hpp"
 #include "core/loops.hpp"
 #include "core/vec.hpp"
+#include "mpm/particles.hpp"
 #include "mpm/patches.hpp"
-#include "mpm/points.hpp"
 #include "mpm/shapes/bspline.hpp"
 #include "mpm/shapes/gimp.hpp"
 #include "mpm/shapes/linear.hpp"
 
 namespace brisance::mpm {
 
-inline constexpr int chunk = 64;  ///< points that are worked on together
+inline constexpr int chunk = 64;  ///< particles that are worked on together
 
-/// Weights and gradients [1/cell] of a chunk of points.
+/// Weights and gradients [1/cell] of a chunk of particles.
 template <class S, int D>
 struct Weights {
   alignas(64) int base[chunk];      ///< index of the first node in the patch
@@ -26,10 +26,10 @@ struct Weights {
   alignas(64) double g[D][S::support][chunk];
 };
 
-/// Where the half lengths of a chunk's points come from.
+/// Where the half lengths of a chunk's particles come from.
 struct HalfLengths {
   Vec3 constant{0.0, 0.0, 0.0};                                 ///< [m]
-  std::array<double const*, 3> own{nullptr, nullptr, nullptr};  ///< per point, of the chunk's first point
+  std::array<double const*, 3> own{nullptr, nullptr, nullptr};  ///< per particle, of the chunk's first particle
 };
 
 template <class S, int D>
@@ -102,7 +102,7 @@ void find_affine_weights(Patch const& patch, double h, std::array<double const*,
   }
 }
 
-/// Calls visit(row, w_yz, g_y w_z, w_y g_z) for each row of nodes along x that a point touches.
+/// Calls visit(row, w_yz, g_y w_z, w_y g_z) for each row of nodes along x that a particle touches.
 template <class S, int D, class Node, class Visit>
 inline __attribute__((always_inline)) void for_rows(Patch const& patch, Weights<S, D> const& k, int q, Node* nodes,
                                                     Visit&& visit) {
@@ -125,7 +125,7 @@ inline __attribute__((always_inline)) void for_rows(Patch const& patch, Weights<
   }
 }
 
-/// momentum += w a, force += w b + g_x cx + g_y cy + g_z cz for one point.
+/// momentum += w a, force += w b + g_x cx + g_y cy + g_z cz for one particle.
 template <class S, int D>
 inline __attribute__((always_inline)) void add_state(Patch const& patch, Weights<S, D> const& k, int q, NodeSums* nodes,
                                                      Lanes4 const& a, Lanes4 const& b, Lanes4 const& cx,
@@ -143,7 +143,7 @@ inline __attribute__((always_inline)) void add_state(Patch const& patch, Weights
   });
 }
 
-/// force += w b + g_x cx + g_y cy + g_z cz for one point; `part` picks what is written in a node.
+/// force += w b + g_x cx + g_y cy + g_z cz for one particle; `part` picks what is written in a node.
 template <class S, int D, class Node, class Part>
 inline __attribute__((always_inline)) void add_with_gradient(Patch const& patch, Weights<S, D> const& k, int q,
                                                              Node* nodes, Part&& part, Lanes4 const& b,
@@ -157,7 +157,7 @@ inline __attribute__((always_inline)) void add_with_gradient(Patch const& patch,
   });
 }
 
-/// part(node) += w a for one point.
+/// part(node) += w a for one particle.
 template <class S, int D, class Node, class Part>
 inline __attribute__((always_inline)) void add(Patch const& patch, Weights<S, D> const& k, int q, Node* nodes,
                                                Part&& part, Lanes4 const& a) {
@@ -167,7 +167,7 @@ inline __attribute__((always_inline)) void add(Patch const& patch, Weights<S, D>
   });
 }
 
-/// part(node) += w (a + (x_I - x) . (cx, cy, cz)) for one point: APIC.
+/// part(node) += w (a + (x_I - x) . (cx, cy, cz)) for one particle: APIC.
 template <class S, int D, class Node, class Part>
 inline __attribute__((always_inline)) void add_affine(Patch const& patch, Weights<S, D> const& k,
                                                       AffineWeights<S, D> const& affine, double h, int q, Node* nodes,
@@ -182,8 +182,8 @@ inline __attribute__((always_inline)) void add_affine(Patch const& patch, Weight
   });
 }
 
-/// The same for the nodes' momentum, and the kinetic energy of what the point gives each node in the place of `force`'s
-/// scalar; `mixed` times both distances are the parts of xy, yz and zx, `inverse_mass` is 1/m.
+/// The same for the nodes' momentum, and the kinetic energy of what the particle gives each node in the place of
+/// `force`'s scalar; `mixed` times both distances are the parts of xy, yz and zx, `inverse_mass` is 1/m.
 template <class S, int D>
 inline __attribute__((always_inline)) void add_affine_energy(Patch const& patch, Weights<S, D> const& k,
                                                              AffineWeights<S, D> const& affine, double h, int q,
@@ -214,7 +214,7 @@ inline __attribute__((always_inline)) void add_affine_energy(Patch const& patch,
   });
 }
 
-/// Sums of w times the nodes' velocity and of its change at one point.
+/// Sums of w times the nodes' velocity and of its change at one particle.
 template <class S, int D>
 inline __attribute__((always_inline)) void state_at(Patch const& patch, Weights<S, D> const& k, int q,
                                                     NodeMotion const* nodes, Lanes4& velocity, Lanes4& change) {
@@ -231,7 +231,7 @@ inline __attribute__((always_inline)) void state_at(Patch const& patch, Weights<
   change = c;
 }
 
-/// Sum of w nodes at one point.
+/// Sum of w nodes at one particle.
 template <class S, int D>
 inline __attribute__((always_inline)) void velocity_at(Patch const& patch, Weights<S, D> const& k, int q,
                                                        NodeVelocity const* nodes, Lanes4& velocity) {
@@ -244,7 +244,7 @@ inline __attribute__((always_inline)) void velocity_at(Patch const& patch, Weigh
   velocity = v;
 }
 
-/// Value and gradient [1/cell] at one point: out = {value, d/dx, d/dy, d/dz}, and, where it has seven members, the
+/// Value and gradient [1/cell] at one particle: out = {value, d/dx, d/dy, d/dz}, and, where it has seven members, the
 /// mixed parts xy, yz and zx; `g` are the gradients to use, `part` what is read of a node.
 template <class S, int D, class Node, class Part, std::size_t N>
 inline __attribute__((always_inline)) void value_and_gradient(Patch const& patch, Weights<S, D> const& k,

@@ -23,24 +23,24 @@ double amplitude(ActiveLoad const& load, double time) {
   return load.pressures.back();
 }
 
-/// The points of a body by the cells of the grid, to find those around a place.
-class PointsByCell {
+/// The particles of a body by the cells of the grid, to find those around a place.
+class ParticlesByCell {
  public:
   struct Near {
     std::size_t cell = 0;  ///< place in arrays over the domain
     int block = 0;
-    int point = 0;
+    int particle = 0;
     Vec3 x{0.0, 0.0, 0.0};
     double volume = 0.0;
   };
   struct Weighted {
-    Near const* point;
+    Near const* near;
     double weight;
   };
 
-  PointsByCell(Mpm const& mpm, int body) : domain_(&mpm.grid().domain()) {
+  ParticlesByCell(Mpm const& mpm, int body) : domain_(&mpm.grid().domain()) {
     for (int b = 0; b < mpm.grid().block_count(); ++b) {
-      PointSet const& set = mpm.points(b, body);
+      ParticleSet const& set = mpm.particles(b, body);
       for (int q = 0; q < set.size(); ++q) {
         Near near{0, b, q, {0.0, 0.0, 0.0}, set.field(Field::mass)[q] / set.field(Field::density)[q]};
         for (int d = 0; d < domain_->dimensions(); ++d) near.x[d] = set.field(Field::position_x + d)[q];
@@ -51,7 +51,8 @@ class PointsByCell {
     std::stable_sort(all_.begin(), all_.end(), [](Near const& p, Near const& q) { return p.cell < q.cell; });
   }
 
-  /// The points around a place, weighted with their volume and a tent of a half width. Returns the sum of the weights.
+  /// The particles around a place, weighted with their volume and a tent of a half width. Returns the sum of the
+  /// weights.
   double weigh(Vec3 const& target, double reach, std::vector<Weighted>& around) const {
     around.clear();
     double sum = 0.0;
@@ -91,9 +92,9 @@ class PointsByCell {
 };
 
 /// Moves the weights towards those whose mean place is the target, direction by direction.
-void centre_weights(std::vector<PointsByCell::Weighted>& around, Vec3 const& target, int dims) {
+void centre_weights(std::vector<ParticlesByCell::Weighted>& around, Vec3 const& target, int dims) {
   for (int d = 0; d < 2 * dims; ++d) {
-    auto const away = [&](PointsByCell::Weighted const& p) { return p.point->x[d % dims] - target[d % dims]; };
+    auto const away = [&](ParticlesByCell::Weighted const& p) { return p.near->x[d % dims] - target[d % dims]; };
     double first = 0.0;
     double second = 0.0;
     double most = 0.0;
@@ -125,12 +126,12 @@ void Mpm::load(SurfacePressure const& pressure) {
   std::vector<std::vector<Vec3>> const forces = curved ? pushes(pressure) : std::vector<std::vector<Vec3>>{};
   Vec3 flat{0.0, 0.0, 0.0};
   for (int d = 0; d < 3; ++d) flat[d] = -pressure.normal[d] / pressure.thickness;
-  // Points that bear another pressure already bear both.
+  // Particles that bear another pressure already bear both.
   auto const together = [&](int before, Vec3 const& its_direction, Vec3 const& direction) {
     auto parts = loads[static_cast<std::size_t>(before) - 1].parts;
     if (parts.empty()) parts.push_back({before - 1, its_direction});
     parts.push_back({number - 1, direction});
-    // On a curved surface hardly two points bear the same.
+    // On a curved surface hardly two particles bear the same.
     for (std::size_t n = 0; !curved && n < loads.size(); ++n) {
       if (loads[n].parts == parts) return static_cast<int>(n) + 1;
     }
@@ -138,7 +139,7 @@ void Mpm::load(SurfacePressure const& pressure) {
     return static_cast<int>(loads.size());
   };
   for (int b = 0; b < grid_.block_count(); ++b) {
-    PointSet& old = sets_[set_index(b, pressure.body)];
+    ParticleSet& old = particles(b, pressure.body);
     for (int q = 0; q < old.size(); ++q) {
       Vec3 x{0.0, 0.0, 0.0};
       for (int d = 0; d < 3; ++d) x[d] = old.field(Field::position_x + d)[q];
@@ -167,18 +168,19 @@ void Mpm::load(SurfacePressure const& pressure) {
                   number, bodies_[pressure.body].name));
 }
 
-/// Each piece of the surface pushes on the points around a place half a layer below it, with weights that keep its
+/// Each piece of the surface pushes on the particles around a place half a layer below it, with weights that keep its
 /// resultant, and its line of action as far as positive weights can.
 std::vector<std::vector<Vec3>> Mpm::pushes(SurfacePressure const& pressure) const {
   int const dims = grid_.domain().dimensions();
   std::vector<std::vector<Vec3>> forces(grid_.block_count());
-  for (int b = 0; b < grid_.block_count(); ++b) forces[b].assign(points(b, pressure.body).size(), Vec3{0.0, 0.0, 0.0});
-  PointsByCell const by_cell(*this, pressure.body);
-  std::vector<PointsByCell::Weighted> around;
+  for (int b = 0; b < grid_.block_count(); ++b)
+    forces[b].assign(particles(b, pressure.body).size(), Vec3{0.0, 0.0, 0.0});
+  ParticlesByCell const by_cell(*this, pressure.body);
+  std::vector<ParticlesByCell::Weighted> around;
   for (shape::Facet const& facet : pressure.surface) {
     Vec3 const target = facet.x - (0.5 * pressure.thickness / norm(facet.area)) * facet.area;
     double sum = 0.0;
-    // Measured on spheres, discs and oblique cylinders: a tent of one and a half layers finds two points or more in
+    // Measured on spheres, discs and oblique cylinders: a tent of one and a half layers finds two particles or more in
     // each direction nearly everywhere.
     for (double reach = 1.5 * pressure.thickness; sum == 0.0 && reach < 16.0 * pressure.thickness; reach *= 1.5)
       sum = by_cell.weigh(target, reach, around);
@@ -192,7 +194,7 @@ std::vector<std::vector<Vec3>> Mpm::pushes(SurfacePressure const& pressure) cons
     sum = 0.0;
     for (auto const& p : around) sum += p.weight;
     for (auto const& p : around) {
-      Vec3& force = forces[p.point->block][p.point->point];
+      Vec3& force = forces[p.near->block][p.near->particle];
       force = force - (p.weight / sum) * facet.area;
     }
   }
@@ -215,7 +217,7 @@ OuterForces Mpm::outer_forces() const {
 }
 
 double Mpm::work_on(int block, int body, OuterForces const& outer) const {
-  PointSet const& set = points(block, body);
+  ParticleSet const& set = particles(block, body);
   if (bodies_[body].rigid_velocity) return 0.0;
   Vec3 const& g = options_.body_force;
   double const* load_number = set.field(Field::load_number);

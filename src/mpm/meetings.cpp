@@ -1,5 +1,5 @@
-/// Which bodies meet at the nodes: how far their points reach along the surfaces' normals, and whether they close in on
-/// each other there. What contact does with it is in contact.cpp.
+/// Which bodies meet at the nodes: how far their particles reach along the surfaces' normals, and whether they close in
+/// on each other there. What contact does with it is in contact.cpp.
 #include <algorithm>
 #include <limits>
 
@@ -48,7 +48,7 @@ void Mpm::map_extents() {
       double* extents = w.extent[slot].get(patch.count());
       std::fill(extents, extents + patch.count(), -std::numeric_limits<double>::max());
       if (!any) continue;
-      for_sets(block, [&](PointSet& set, int body) {
+      for_sets(block, [&](ParticleSet& set, int body) {
         if (w.field_of[body] != f) return;
         SetView const view{&set, &bodies_[body], &patch, patch.h};
         with_kernels(options_.shape, patch.dimensions,
@@ -117,9 +117,9 @@ void Mpm::find_meetings(int block, double dt, Scratch& scratch, Trial&& trial) c
 void Mpm::find_meeting(int block, double dt, int node, int a, int b, std::size_t first_here, Scratch& scratch) const {
   // Cells: bodies that are placed side by side touch, whatever the round-off.
   constexpr double touch = 1e-6;
-  // Cells. A node that a rigid body reaches with its outermost points only feels it as it feels any body: by its mass.
-  // Held there altogether, a disc that rolls cannot turn within a cell of the ground and loses 4 % of its way. Every
-  // surface has nodes that are nearer.
+  // Cells. A node that a rigid body reaches with its outermost particles only feels it as it feels any body: by its
+  // mass. Held there altogether, a disc that rolls cannot turn within a cell of the ground and loses 4 % of its way.
+  // Every surface has nodes that are nearer.
   constexpr double near = 0.75;
   Workspace& w = *work_;
   double const h = w.patches[block].h;
@@ -188,13 +188,13 @@ Partner Mpm::partner(int block, int field, int node, double dt, Scratch const& s
       one.prescribed[d] = wall.inwards * into;
     }
   }
-  if (w.has_hold[block].empty() || w.has_hold[block][node] == 0) return one;
-  for (Hold const& hold : w.holds[block]) {
-    if (hold.node != node || !w.held(field, hold)) continue;
+  if (w.is_constrained[block].empty() || w.is_constrained[block][node] == 0) return one;
+  for (ConstrainedNode const& constrained : w.constrained_nodes[block]) {
+    if (constrained.node != node || !w.constrains(field, constrained)) continue;
     for (int d = 0; d < 3; ++d) {
-      if (!hold.held[d]) continue;
+      if (!constrained.components[d]) continue;
       one.yields[d] = 0.0;
-      one.prescribed[d] = hold.velocity[d];
+      one.prescribed[d] = constrained.velocity[d];
     }
   }
   return one;

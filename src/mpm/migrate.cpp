@@ -1,4 +1,4 @@
-/// The end of a step: points move, and those that leave their block go to the next.
+/// The end of a step: particles move, and those that leave their block go to the next.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,39 +16,30 @@ namespace brisance::mpm {
 
 namespace {
 
-/// Steps between two sorts of the points by cell: a point needs at least two steps to cross a cell, and the points of a
-/// block stay close in memory anyhow.
+/// Steps between two sorts of the particles by cell: a particle needs at least two steps to cross a cell, and the
+/// particles of a block stay close in memory anyhow.
 constexpr long sort_interval = 24;
 
-/// What happens to a point that moved out of its block.
+/// What happens to a particle that moved out of its block.
 struct Fate {
   bool lost = false;
   bool moved = false;
   Index3 offset{0, 0, 0};  ///< block that it goes to, as -1, 0, 1 per direction
 };
 
-/// A point becomes its mirror image across a plane normal to d: what carries a direction turns.
-void turn(PointSet& set, int q, int d) {
-  double& v = set.field(Field::velocity_x + d)[q];
-  v = -v;
-  if (set.field(Field::affine_xx) != nullptr) {
-    for (int j = 0; j < 3; ++j) {
-      if (j == d) continue;
-      set.field(Field::affine_xx + (3 * d + j))[q] *= -1.0;
-      set.field(Field::affine_xx + (3 * j + d))[q] *= -1.0;
-    }
-  }
-  for (int pair = 0; pair < 3; ++pair) {
-    if (set.field(Field::cross_xy + 3 * pair) == nullptr) continue;
-    bool const turned = pair == d || (pair + 1) % 3 == d;  // xy, yz, zx
-    for (int j = 0; j < 3; ++j) {
-      if (turned != (j == d)) set.field(Field::cross_xy + (3 * pair + j))[q] *= -1.0;
+/// A particle becomes its mirror image across a plane normal to d: what carries a direction turns.
+void turn(ParticleSet& set, int q, int d) {
+  for (Quantity const& quantity : quantities) {
+    if (quantity.mirror == Mirror::none) continue;
+    for (int c = 0; c < quantity.components; ++c) {
+      double* const values = turns(quantity.mirror, c, d) ? set.field(quantity.first + c) : nullptr;
+      if (values != nullptr) values[q] = -values[q];
     }
   }
 }
 
-/// A point that left the domain through a periodic face comes in again on the other side.
-void wrap(PointSet& set, int q, int d, grid::Domain const& domain) {
+/// A particle that left the domain through a periodic face comes in again on the other side.
+void wrap(ParticleSet& set, int q, int d, grid::Domain const& domain) {
   double& x = set.field(Field::position_x + d)[q];
   double const length = domain.upper(d) - domain.lower[d];
   double const shift = x < domain.lower[d] ? length : x >= domain.upper(d) ? -length : 0.0;
@@ -58,8 +49,8 @@ void wrap(PointSet& set, int q, int d, grid::Domain const& domain) {
   if (x >= domain.upper(d)) x = std::nextafter(domain.upper(d), domain.lower[d]);
 }
 
-/// Where a point goes that may have left its block. In `wild` the direction in which it left by more than a cell.
-Fate fate_of(PointSet& set, int q, grid::Grid const& grid, int block, Patch const& patch, std::optional<int>& wild) {
+/// Where a particle goes that may have left its block. In `wild` the direction in which it left by more than a cell.
+Fate fate_of(ParticleSet& set, int q, grid::Grid const& grid, int block, Patch const& patch, std::optional<int>& wild) {
   double const inverse_h = 1.0 / patch.h;
   Fate fate;
   for (int d = 0; d < patch.dimensions && !fate.lost; ++d) {
@@ -92,7 +83,7 @@ Fate fate_of(PointSet& set, int q, grid::Grid const& grid, int block, Patch cons
 }
 
 /// Adds the way of the step to the places of a set; returns how many points are no longer in its block.
-long move_on(PointSet& set, Patch const& patch) {
+long move_on(ParticleSet& set, Patch const& patch) {
   int const count = set.size();
   double const inverse_h = 1.0 / patch.h;
   long outside = 0;
@@ -111,8 +102,8 @@ long move_on(PointSet& set, Patch const& patch) {
   return outside;
 }
 
-/// Books a point that leaves the domain.
-void lose(Losses& lost, PointSet const& set, int q, Body const& body, BodyRules const& rules, double h) {
+/// Books a particle that leaves the domain.
+void lose(Losses& lost, ParticleSet const& set, int q, Body const& body, BodyRules const& rules, double h) {
   double const m = set.field(Field::mass)[q];
   double square = 0.0;
   for (int d = 0; d < 3; ++d) {
@@ -124,7 +115,7 @@ void lose(Losses& lost, PointSet const& set, int q, Body const& body, BodyRules 
   lost.energy += m * (0.5 * square + set.field(Field::energy)[q]);
   if (rules.books_work && !body.solid.is_gas()) lost.energy -= m * set.field(Field::provisional)[q];
   if (rules.has_gradient_energy) lost.energy += m * affine_energy(set, q, h);
-  ++lost.points;
+  ++lost.particles;
 }
 
 }  // namespace
@@ -145,17 +136,17 @@ void Mpm::migrate() {
   if (step_ % sort_interval != 0) return;
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
-      PointSet& set = points(active_[n], body);
+      ParticleSet& set = particles(active_[n], body);
       if (set.size() > 1) sort(set, active_[n], w.scratch[thread].order);
     }
   });
 }
 
-/// Moves the points of a block, and puts those that leave it into its outbox.
+/// Moves the particles of a block, and puts those that leave it into its outbox.
 void Mpm::send_off(int block, int body, std::vector<int>& stay) {
   Workspace& w = *work_;
   Patch const& patch = w.patches[block];
-  PointSet& set = points(block, body);
+  ParticleSet& set = particles(block, body);
   Outbox& out = w.outbox[set_index(block, body)];
   if (set.empty() || move_on(set, patch) == 0) return;
   stay.clear();
@@ -170,7 +161,7 @@ void Mpm::send_off(int block, int body, std::vector<int>& stay) {
     if (fate.lost) {
       lose(w.lost[block], set, q, bodies_[body], rules_[body], patch.h);
     } else if (fate.moved) {
-      out.points.append(set, q);
+      out.particles.append(set, q);
       out.destination.push_back(w.around[block][around_index(fate.offset)]);
     } else {
       stay.push_back(q);
@@ -186,7 +177,7 @@ void Mpm::book_block(int block) {
   accounts_.losses.mass += lost.mass;
   accounts_.losses.momentum = accounts_.losses.momentum + lost.momentum;
   accounts_.losses.energy += lost.energy;
-  accounts_.losses.points += lost.points;
+  accounts_.losses.particles += lost.particles;
   accounts_.constraint_impulse = accounts_.constraint_impulse + w.impulse[block];
   accounts_.outer_work += w.work[block];
   accounts_.dissipation += w.dissipation[block];
@@ -219,9 +210,9 @@ bool Mpm::take_in() {
       if (*from == grid::no_neighbour) continue;
       for (int body = 0; body < bodies; ++body) {
         Outbox const& out = w.outbox[set_index(*from, body)];
-        PointSet& set = points(block, body);
+        ParticleSet& set = particles(block, body);
         for (std::size_t q = 0; q < out.destination.size(); ++q) {
-          if (out.destination[q] == block) set.append(out.points, static_cast<int>(q));
+          if (out.destination[q] == block) set.append(out.particles, static_cast<int>(q));
         }
       }
     }
@@ -229,12 +220,12 @@ bool Mpm::take_in() {
   for (Outbox& out : w.outbox) {
     if (out.destination.empty()) continue;
     out.destination.clear();
-    out.points.reorder({});
+    out.particles.reorder({});
   }
   return !receivers.empty();
 }
 
-void Mpm::sort(PointSet& set, int block, std::vector<int>& order) const {
+void Mpm::sort(ParticleSet& set, int block, std::vector<int>& order) const {
   Patch const& patch = work_->patches[block];
   std::vector<int> cell;
   std::vector<int> start;

@@ -12,8 +12,8 @@ StressOrder order_of(Body const& body, Options const& options) {
 
 }  // namespace
 
-/// APIC projects the velocity of the nodes around a point on a linear function: what is left over is lost, and so is
-/// what the points around a node differ in. Both are never negative, if the energy of the gradient is counted: in a
+/// APIC projects the velocity of the nodes around a particle on a linear function: what is left over is lost, and so is
+/// what the particles around a node differ in. Both are never negative, if the energy of the gradient is counted: in a
 /// fluid they are a dissipation, as by viscosity, and heat. In a solid they have an account.
 BodyRules rules_of(Body const& body, Options const& options) {
   BodyRules r;

@@ -1,4 +1,4 @@
-/// What a calculation with material points is made of: options, bodies, contacts, constraints and loads.
+/// What a simulation with material points is made of: options, bodies, contacts, constraints and loads.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "core/models.hpp"
 #include "core/vec.hpp"
-#include "material/solid.hpp"
+#include "material/material.hpp"
 #include "mpm/reinforcement.hpp"
 #include "shape/shape.hpp"
 #include "shape/surface.hpp"
@@ -18,8 +18,8 @@ namespace brisance::mpm {
 
 enum class ShapeFunction {
   linear,   ///< tents
-  gimp,     ///< points of constant size (uGIMP)
-  cpgimp,   ///< points that stretch with the material
+  gimp,     ///< particles of constant size (uGIMP)
+  cpgimp,   ///< particles that stretch with the material
   bspline,  ///< quadratic
 };
 constexpr auto words(ShapeFunction) {
@@ -28,13 +28,13 @@ constexpr auto words(ShapeFunction) {
 }
 
 /// When the stress is updated: before the momentum, or after it with the velocity of the nodes or with the velocity of
-/// the points mapped back to the nodes ([Cui14] Eq. (26)).
+/// the particles mapped back to the nodes ([Cui14] Eq. (26)).
 enum class StressOrder { usf, usl, musl };
 constexpr auto words(StressOrder) {
   return std::array{Word{StressOrder::usf, "usf"}, Word{StressOrder::usl, "usl"}, Word{StressOrder::musl, "musl"}};
 }
 
-/// How the velocity of the points follows that of the nodes.
+/// How the velocity of the particles follows that of the nodes.
 enum class Transfer {
   flip,  ///< by its increments, [Cui14] Eq. (24), with a fraction of PIC
   apic,  ///< the nodes' velocity and its gradient, [Jiang15]
@@ -51,12 +51,12 @@ struct Options {
   double pic_fraction = 0.0;     ///< of flip, 0 to 1
   int xpic_order = 2;            ///< of xpic; 1 is PIC
   bool crack_band = true;        ///< tensile damage obeys its fracture energy, see `material::StepData`
-  bool locking_control = false;  ///< volumetric strain averaged over the points of a body in a cell
+  bool locking_control = false;  ///< volumetric strain averaged over the particles of a body in a cell
   double linear_viscosity = 0.06;
   double quadratic_viscosity = 1.5;
   double courant = 0.4;
   Vec3 body_force{0.0, 0.0, 0.0};  ///< acceleration of everything [m/s2]
-  /// A further acceleration [m/s2] of the points that varies with their position [m] and the time [s]; null: none.
+  /// A further acceleration [m/s2] of the particles that varies with their position [m] and the time [s]; null: none.
   std::function<Vec3(Vec3 const& x, double time)> acceleration;
   /// Planes across each direction, low and high [m], behind which bodies go on: open faces of a domain that cuts them.
   /// Fluids that slip do not flow around their ends there.
@@ -68,11 +68,11 @@ struct Options {
 
 struct Body {
   std::string name;
-  material::Solid solid;
-  int points_per_direction = 2;  ///< per cell: gives GIMP points their size
+  material::Material solid;
+  int particles_per_direction = 2;  ///< per cell: gives GIMP particles their size
   /// Set for a rigid body: its velocity, which nothing changes [m/s].
   std::optional<Vec3> rigid_velocity;
-  /// How the velocity of this body's points follows the nodes; absent: as `Options` says.
+  /// How the velocity of this body's particles follows the nodes; absent: as `Options` says.
   std::optional<Transfer> transfer;
   /// When this body's stress is updated, if not as `Options` says: musl or usl, where that is one of the two.
   std::optional<StressOrder> order;
@@ -85,22 +85,23 @@ struct Body {
   std::vector<Bar> bars;          ///< filled by `Mpm::reinforce`
   double viscosity_onset = 0.0;   ///< see `material::StepData::linear_onset`
   std::optional<double> courant;  ///< Courant number that differs from that of the options
-  /// Conduction of heat in shocks, [Noh87]: the part of the difference between a fluid point's specific energy and that
-  /// around it that is evened out in a step, times q / (p + q). Bulk viscosity alone overheats the first points that a
-  /// shock reaches, at walls and at faces of the region, for good. 0: none.
+  /// Conduction of heat in shocks, [Noh87]: the fraction of the difference between a fluid particle's specific energy
+  /// and that around it that is evened out in a step, times q / (p + q). Bulk viscosity alone overheats the first
+  /// particles that a shock reaches, at walls and at faces of the region, for good. 0: none.
   double shock_conduction = 0.0;
   /// A fluid that slips along all bodies that do not: it shares their velocity across their surfaces only, where the
   /// others stick together. All that slip share one field of the grid.
   bool slips = false;
-  /// A gas that fills what other bodies leave of the space, lent points around it included. The volume of a point
-  /// follows the velocity along its way and knows nothing of the room between its neighbours: the two drift apart, and
-  /// forces, which go with the volumes, are wrong by as much. With this they follow the room that there is, as fast as
-  /// the gas is strained, at the same mass; what the reference pressure took for the volume goes back to the energy.
+  /// A gas that fills what other bodies leave of the space, proxy particles around it included. The volume of a
+  /// particle follows the velocity along its way and knows nothing of the room between its neighbours: the two drift
+  /// apart, and forces, which go with the volumes, are wrong by as much. With this they follow the room that there is,
+  /// as fast as the gas is strained, at the same mass; what the reference pressure took for the volume goes back to the
+  /// energy.
   bool fills_space = false;
-  /// The energy of points that follow increments takes the work that the forces on the nodes do, and as heat what the
-  /// points do not take up of the nodes' kinetic energy. Without it either is left to what the strains of the points
-  /// say: beside a detonation both are wrong by percents of its energy, where bodies meet the second by as much. The
-  /// pressure of a solid that is warmed by it rises.
+  /// The energy of particles that follow increments takes the work that the forces on the nodes do, and as heat what
+  /// the particles do not take up of the nodes' kinetic energy. Without it either is left to what the strains of the
+  /// particles say: beside a detonation both are wrong by percents of its energy, where bodies meet the second by as
+  /// much. The pressure of a solid that is warmed by it rises.
   bool books_work = false;
 };
 
@@ -120,8 +121,8 @@ struct Filling {
 /// Velocity components of the nodes in a part of space are prescribed.
 struct Constraint {
   shape::Shape within;
-  std::array<bool, 3> held{true, true, true};
-  Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s] of the held components
+  std::array<bool, 3> components{true, true, true};
+  Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s] of the constrained components
   int body = -1;                 ///< only on the grid field of this body; -1: on all
 };
 
@@ -133,12 +134,12 @@ struct Contact {
   double friction = 0.0;  ///< Coulomb coefficient
 };
 
-/// A pressure on the surface of a body. On a flat face it pushes on the points of the body in a part of space, along
-/// -`normal`: the outer layer of points of the given thickness takes it, [Cui14] Eq. (20). Any other surface is given
-/// in pieces, and the points around each, below it, take what it bears.
+/// A pressure on the surface of a body. On a flat face it pushes on the particles of the body in a part of space, along
+/// -`normal`: the outer layer of particles of the given thickness takes it, [Cui14] Eq. (20). Any other surface is
+/// given in pieces, and the particles around each, below it, take what it bears.
 struct SurfacePressure {
   int body = 0;
-  shape::Shape within;                ///< of the points at the start that carry it
+  shape::Shape within;                ///< of the particles at the start that carry it
   Vec3 normal{0.0, 0.0, 1.0};         ///< outer normal of the loaded face
   std::vector<shape::Facet> surface;  ///< in the place of `within` and normal, where there are any
   double thickness = 0.0;             ///< of the loaded layer [m]
@@ -148,21 +149,21 @@ struct SurfacePressure {
 
 /// What became of a bar.
 struct BarReport {
-  double volume = 0.0;  ///< of steel in the domain [m3]
-  double part = 0.0;    ///< of steel at the points around the axis
+  double volume = 0.0;    ///< of steel in the domain [m3]
+  double fraction = 0.0;  ///< of steel at the particles around the axis
 };
 
-/// How the points of a body follow the nodes, and what becomes of their energy: from its material and the options.
+/// How the particles of a body follow the nodes, and what becomes of their energy: from its material and the options.
 struct BodyRules {
   StressOrder order = StressOrder::musl;
   bool affine = false;  ///< APIC
-  /// Does the kinetic energy include that of the velocity gradients of the points? That of APIC with B-splines, to
+  /// Does the kinetic energy include that of the velocity gradients of the particles? That of APIC with B-splines, to
   /// which the second moment of the weights is the same everywhere.
   bool has_gradient_energy = false;
   /// Does the kinetic energy that the transfer loses become heat? That of fluids with APIC and B-splines.
   bool keeps_energy = false;
-  /// Does the energy take the work that the forces on the nodes really do? Where the points are updated by the nodes'
-  /// new velocity itself.
+  /// Does the energy take the work that the forces on the nodes really do? Where the particles are updated by the
+  /// nodes' new velocity itself.
   bool settles_work = false;
   bool books_work = false;  ///< see `Body::books_work`
 };

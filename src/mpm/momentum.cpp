@@ -14,8 +14,8 @@ namespace brisance::mpm {
 namespace {
 
 /// Does the kinetic energy per mass of a node mean anything? Nodes of next to no gas, among solids whose surfaces push
-/// it about, would pass more than a cell in the step by this energy or by what the forces change. No point follows
-/// them: their parts in the points are as small as their mass.
+/// it about, would pass more than a cell in the step by this energy or by what the forces change. No particle follows
+/// them: their parts in the particles are as small as their mass.
 bool means_something(NodeMotion const& node, double energy, double dt, double h) {
   double const changed =
       node.change[0] * node.change[0] + node.change[1] * node.change[1] + node.change[2] * node.change[2];
@@ -45,9 +45,9 @@ void Mpm::find_velocity(int block, double dt, Scratch& scratch) const {
   }
 }
 
-/// What points of APIC take over: the nodes' velocity, with what the points keep where bodies meet, and the kinetic
-/// energy of the points around per mass, with what the forces of the step add. Where they share nodes with points of
-/// other transfers, which keep to the increments, all heat is theirs.
+/// What particles of APIC take over: the nodes' velocity, with what the particles keep where bodies meet, and the
+/// kinetic energy of the particles around per mass, with what the forces of the step add. Where they share nodes with
+/// particles of other transfers, which keep to the increments, all heat is theirs.
 void Mpm::find_taken(int block, double dt, Scratch& scratch) const {
   Workspace const& w = *work_;
   int const count = w.patches[block].count();
@@ -77,22 +77,22 @@ void Mpm::find_taken(int block, double dt, Scratch& scratch) const {
       }
       double sum = m > w.mass_floor ? r.change[3] / m : 0.0;
       for (int d = 0; d < 3; ++d) sum += r.change[d] * (v[d] - 0.5 * r.change[d]);
-      // What is no point's heat is counted to the last bit.
+      // What is no particle's heat is counted to the last bit.
       taken[node][3] = w.heats[f] == 0 || means_something(r, sum, dt, h) ? sum : 0.0;
     }
   }
 }
 
-/// Eqs. (23)-(25), and (26), the velocity of the points mapped back.
-void Mpm::move_points(int block, double dt, Hoops const& hoops, OuterForces const& outer, Scratch& scratch) {
+/// Eqs. (23)-(25), and (26), the velocity of the particles mapped back.
+void Mpm::move_particles(int block, double dt, Hoops const& hoops, OuterForces const& outer, Scratch& scratch) {
   Workspace& w = *work_;
   Patch const& patch = w.patches[block];
   if (w.maps_back) clear_velocity(block);
-  for_sets(block, [&](PointSet& set, int body) {
+  for_sets(block, [&](ParticleSet& set, int body) {
     int const f = w.field_of[body];
     FieldScratch const& nodes = scratch.of[f];
     SetView const view{&set, &bodies_[body], &patch, patch.h};
-    bool const own = !loans_.owns(block, set);
+    bool const own = !proxies_.owns(block, set);
     with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
       if (own) {
         if (rules_[body].books_work) {
@@ -132,11 +132,11 @@ void Mpm::integrate(double dt) {
     find_velocity(block, dt, scratch);
     constrain_motion(block, dt, scratch);
     share_momentum(block, scratch);
-    if (loans_.body() >= 0) collect_gifts(block, dt, scratch);
+    if (proxies_.body() >= 0) collect_gifts(block, dt, scratch);
     if (w.counts_energy) find_taken(block, dt, scratch);
     if (w.books_work) note_changes(block, scratch);
     if (options_.order != StressOrder::usf) signals_[block] = 0.0;  // usf has found them already
-    move_points(block, dt, hoops, outer, scratch);
+    move_particles(block, dt, hoops, outer, scratch);
     if (w.strains_early) strain_with_motion(block, hoops, dt, scratch);
   });
 }
@@ -201,30 +201,31 @@ void Mpm::note_changes(int block, Scratch& scratch) const {
   }
 }
 
-/// What lent points give to a node is linear in what they wrote there, once the node's new velocity is known: each
-/// block books what its own wrote, and the sum over the copies of a node is the whole. At nodes that only lent points
-/// reach it is nothing. Nodes that are another's copy, behind a periodic face or a mirror, count for that one.
+/// What proxy particles give to a node is linear in what they wrote there, once the node's new velocity is known: each
+/// block books what its own wrote, and the sum over the copies of a node is the whole. At nodes that only proxy
+/// particles reach it is nothing. Nodes that are another's copy, behind a periodic face or a mirror, count for that
+/// one.
 void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
   Workspace const& w = *work_;
-  std::vector<NodeGift>& gifts = loans_.gifts(block);
+  std::vector<NodeGift>& gifts = proxies_.gifts(block);
   gifts.clear();
-  int const f = w.field_of[loans_.body()];
-  if (!loans_.any(block) || !scratch.of[f].present) return;
+  int const f = w.field_of[proxies_.body()];
+  if (!proxies_.any(block) || !scratch.of[f].present) return;
   Patch const& patch = w.patches[block];
   NodeMotion const* nodes = scratch.of[f].motion.data();
-  NodeSums const* lent = w.lent[block].data();
-  bool const takes_over = rules_[loans_.body()].affine;
+  NodeSums const* by_proxies = w.by_proxies[block].data();
+  bool const takes_over = rules_[proxies_.body()].affine;
   // Index in the grid of the patch's first node.
   Index3 const first = grid_.blocks()[block].in_domain().grown(patch.reach, patch.dimensions).lower;
   for_each_cell(patch.all(), [&](Index3 const& within) {
-    NodeSums const& l = lent[patch.index(within)];
+    NodeSums const& l = by_proxies[patch.index(within)];
     NodeMotion const& n = nodes[patch.index(within)];
     if (!(l.momentum[3] > w.mass_floor)) return;
     auto const [index, sign] =
         grid::image_node(grid_.domain(), {first[0] + within[0], first[1] + within[1], first[2] + within[2]});
     NodeGift gift;
     gift.node = index;
-    // Kinetic energy of all points around per mass, with what the forces of the step add.
+    // Kinetic energy of all particles around per mass, with what the forces of the step add.
     double all = n.change[3] / n.velocity[3];
     for (int d = 0; d < 3; ++d) all += n.change[d] * (n.velocity[d] - 0.5 * n.change[d]);
     if (!means_something(n, all, dt, patch.h)) return;
@@ -233,7 +234,7 @@ void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
       double const impulse = l.force[d] * dt;
       gift.impulse[d] = sign[d] * impulse;
       gift.work[d] = impulse * (n.velocity[d] - 0.5 * n.change[d]);
-      // Points of APIC take over the velocity of their nodes, all others add its change to their own.
+      // Particles of APIC take over the velocity of their nodes, all others add its change to their own.
       double const kept = takes_over ? l.momentum[d] - l.momentum[3] * n.velocity[d] : -l.momentum[3] * n.change[d];
       gift.momentum[d] = sign[d] * kept;
     }
@@ -241,8 +242,8 @@ void Mpm::collect_gifts(int block, double dt, Scratch const& scratch) {
   });
 }
 
-/// Points of APIC take over the velocity of their nodes, all others add its change to their own. Where both share nodes
-/// the first give and take momentum there that the others must take and give: they add the difference between the
+/// Particles of APIC take over the velocity of their nodes, all others add its change to their own. Where both share
+/// nodes the first give and take momentum there that the others must take and give: they add the difference between the
 /// nodes' common velocity and their own one.
 void Mpm::share_momentum(int block, Scratch& scratch) const {
   Workspace const& w = *work_;
@@ -260,11 +261,11 @@ void Mpm::share_momentum(int block, Scratch& scratch) const {
       // Where the others are alone the difference is round-off.
       bool const both = own > w.mass_floor && nodes[node].velocity[3] - own > 1e-12 * own;
       double const inverse = both ? 1.0 / own : 0.0;
-      double const part = both ? 1.0 : 0.0;
+      double const fraction = both ? 1.0 : 0.0;
       NodeVelocity const common =
           (keep == nullptr ? nodes[node].velocity : nodes[node].velocity + keep[node]) - nodes[node].change;
       NodeVelocity const alone = inverse * exchange[node];
-      exchange[node] = part * common - alone;
+      exchange[node] = fraction * common - alone;
       exchange[node][3] = own;
       // What is not in the common motion becomes heat of the first.
       nodes[node].change[3] += 0.5 * own * (alone[0] * alone[0] + alone[1] * alone[1] + alone[2] * alone[2]);

@@ -9,7 +9,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "mpm/burn.hpp"
-#include "mpm/holds.hpp"
+#include "mpm/constrained_nodes.hpp"
 #include "mpm/workspace.hpp"
 
 namespace brisance::mpm {
@@ -17,8 +17,8 @@ namespace brisance::mpm {
 namespace {
 
 /// Blocks small enough that a patch stays in the cache of a core, and that a small problem has some for every thread.
-int block_cells_of(grid::Domain const& domain, int asked) {
-  if (asked > 0) return asked;
+int block_cells_of(grid::Domain const& domain, int specified) {
+  if (specified > 0) return specified;
   switch (domain.dimensions()) {
     case 3: return 8;
     case 2: return 32;
@@ -27,7 +27,7 @@ int block_cells_of(grid::Domain const& domain, int asked) {
 }
 
 FieldList fields_of(Body const& body, Options const& options, int dimensions) {
-  material::Solid const& solid = body.solid;
+  material::Material const& solid = body.solid;
   Transfer const transfer = body.transfer.value_or(options.transfer);
   FieldList fields;
   for (Field const vector : {Field::position_x, Field::velocity_x, Field::move_x}) fields.add(vector);
@@ -80,21 +80,22 @@ void check_composition(Body const& body, Filling const& filling) {
   }
 }
 
-std::vector<Hold> holds_of(grid::Metric const& cells, Patch const& patch, std::vector<Constraint> const& constraints,
-                           std::vector<int> const& field_of) {
-  std::vector<Hold> holds;
+std::vector<ConstrainedNode> constrained_nodes_of(grid::Metric const& cells, Patch const& patch,
+                                                  std::vector<Constraint> const& constraints,
+                                                  std::vector<int> const& field_of) {
+  std::vector<ConstrainedNode> constrained_nodes;
   for (Constraint const& c : constraints) {
     for_each_cell(patch.all(), [&](Index3 const& node) {
-      if (!holds_node(c.within, cells, patch.position(node))) return;
-      Hold hold;
-      hold.node = patch.index(node);
-      hold.field = c.body < 0 ? -1 : field_of[c.body];
-      hold.held = c.held;
-      hold.velocity = c.velocity;
-      holds.push_back(hold);
+      if (!contains_node(c.within, cells, patch.position(node))) return;
+      ConstrainedNode constrained;
+      constrained.node = patch.index(node);
+      constrained.field = c.body < 0 ? -1 : field_of[c.body];
+      constrained.components = c.components;
+      constrained.velocity = c.velocity;
+      constrained_nodes.push_back(constrained);
     });
   }
-  return holds;
+  return constrained_nodes;
 }
 
 std::vector<WallFace> walls_of(grid::Grid const& grid, int block, Patch const& patch) {
@@ -109,6 +110,13 @@ std::vector<WallFace> walls_of(grid::Grid const& grid, int block, Patch const& p
   return walls;
 }
 
+std::vector<FieldList> carried_fields(std::vector<Body> const& bodies, Options const& options, int dimensions) {
+  std::vector<FieldList> all;
+  all.reserve(bodies.size());
+  for (Body const& body : bodies) all.push_back(fields_of(body, options, dimensions));
+  return all;
+}
+
 }  // namespace
 
 Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& options,
@@ -116,7 +124,14 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
     : grid_(domain, block_cells_of(domain, options.block_cells)),
       options_(options),
       bodies_(std::move(bodies)),
-      loans_(sets_, grid_.block_count()),
+      carried_(carried_fields(bodies_, options_, grid_.domain().dimensions())),
+      sets_(grid_,
+            [this](grid::Block const&) {
+              std::vector<ParticleSet> sets;
+              for (FieldList const& fields : carried_) sets.emplace_back(fields);
+              return sets;
+            }),
+      proxies_(grid_),
       next_identity_(bodies_.size(), 0),
       signals_(grid_.blocks().size(), 0.0),
       work_(std::make_unique<Workspace>()) {
@@ -129,19 +144,16 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   int const blocks = grid_.block_count();
   w.patches = make_patches(grid_, options_.shape == ShapeFunction::linear ? Linear::reach : Gimp::reach);
   for (int b = 0; b < blocks; ++b) {
-    w.holds.push_back(holds_of(grid_.blocks()[b].metric, w.patches[b], constraints, w.field_of));
-    w.has_hold.emplace_back();
-    if (w.touches && !w.holds[b].empty()) {
-      w.has_hold[b].assign(w.patches[b].count(), 0);
-      for (Hold const& hold : w.holds[b]) w.has_hold[b][hold.node] = 1;
+    w.constrained_nodes.push_back(
+        constrained_nodes_of(grid_.blocks()[b].metric, w.patches[b], constraints, w.field_of));
+    w.is_constrained.emplace_back();
+    if (w.touches && !w.constrained_nodes[b].empty()) {
+      w.is_constrained[b].assign(w.patches[b].count(), 0);
+      for (ConstrainedNode const& constrained : w.constrained_nodes[b]) w.is_constrained[b][constrained.node] = 1;
     }
     w.around.push_back(blocks_around(grid_, b));
     w.walls.push_back(walls_of(grid_, b, w.patches[b]));
-    for (Body const& body : bodies_) {
-      FieldList const fields = fields_of(body, options_, grid_.domain().dimensions());
-      sets_.emplace_back(fields);
-      w.outbox.push_back({PointSet(fields), {}});
-    }
+    for (FieldList const& fields : carried_) w.outbox.push_back({ParticleSet(fields), {}});
   }
   std::size_t const slots = static_cast<std::size_t>(blocks) * w.fields;
   w.state.resize(slots);
@@ -153,9 +165,9 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   w.area_present.assign(slots, 0);
   w.filled.resize(slots);
   w.filled_present.assign(slots, 0);
-  w.even.resize(sets_.size());
-  w.even_again.resize(sets_.size());
-  w.even_present.assign(sets_.size(), 0);
+  w.even.resize(w.outbox.size());
+  w.even_again.resize(w.outbox.size());
+  w.even_present.assign(w.outbox.size(), 0);
   w.extent.resize(slots);
   w.gap.resize(slots);
   w.gap_present.assign(slots, 0);
@@ -177,7 +189,7 @@ Mpm::~Mpm() = default;
 void Mpm::fill(int body, Filling const& filling) {
   grid::Domain const& domain = grid_.domain();
   Body const& b = bodies_.at(body);
-  material::Solid const& solid = b.solid;
+  material::Material const& solid = b.solid;
   double const density = filling.density.value_or(solid.density);
   double const energy = filling.specific_energy.value_or(solid.specific_energy);
   double const Y = filling.mass_fraction;
@@ -192,13 +204,13 @@ void Mpm::fill(int body, Filling const& filling) {
           fmt::format("a point of body \"{}\" lies outside the domain: {} = {:.6g} m", b.name, "xyz"[d], x[d]));
     }
     grid::Block const& block = grid_.blocks()[grid_.block_of(grid_.cell_at(x))];
-    PointSet& set = points(block.number, body);
+    ParticleSet& set = particles(block.number, body);
     int const q = set.append();
     for (int d = 0; d < 3; ++d) {
       set.field(Field::position_x + d)[q] = x[d];
       set.field(Field::velocity_x + d)[q] = b.rigid_velocity ? (*b.rigid_velocity)[d] : filling.velocity[d];
       if (double* origin = set.field(Field::origin_x + d)) origin[q] = x[d];
-      if (double* half = set.field(Field::half_x + d)) half[q] = 0.5 * block.h() / b.points_per_direction;
+      if (double* half = set.field(Field::half_x + d)) half[q] = 0.5 * block.h() / b.particles_per_direction;
     }
     set.field(Field::mass)[q] = density * filling.volumes[n];
     set.field(Field::density)[q] = density;

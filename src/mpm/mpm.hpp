@@ -1,12 +1,12 @@
-/// The material point method, [Cui14] Sec. 2.2: bodies of points that move through a background grid on which the
+/// The material point method, [Cui14] Sec. 2.2: bodies of particles that move through a background grid on which the
 /// momentum equation is solved.
 ///
 /// One step, `advance`, is four passes over the blocks. Within a pass a block writes only what belongs to it:
 ///     map_to_grid       Eqs. (18)-(21)   mass, momentum and forces of the points to their block's patch
-///     integrate         Eqs. (22)-(26)   sum of the patches, new velocity of the nodes, motion of the points, and
+///     integrate         Eqs. (22)-(26)   sum of the patches, new velocity of the nodes, motion of the particles, and
 ///                                        their velocity mapped back
 ///     update_stress     Eqs. (27)-(30)   strain, spin, density, stress, energy
-///     migrate                            points that left their block move to the next
+///     migrate                            particles that left their block move to the next
 #pragma once
 
 #include <functional>
@@ -17,12 +17,13 @@
 #include <vector>
 
 #include "core/lanes.hpp"
+#include "grid/block_store.hpp"
 #include "grid/grid.hpp"
 #include "mpm/accounts.hpp"
-#include "mpm/loans.hpp"
 #include "mpm/model.hpp"
-#include "mpm/points.hpp"
+#include "mpm/particles.hpp"
 #include "mpm/population.hpp"
+#include "mpm/proxy_particles.hpp"
 
 namespace brisance::mpm {
 
@@ -45,42 +46,42 @@ class Mpm {
   Mpm(Mpm const&) = delete;
   Mpm& operator=(Mpm const&) = delete;
 
-  /// Adds points to a body. Points outside the domain are refused (InputError).
+  /// Adds points to a body. Particles outside the domain are refused (InputError).
   void fill(int body, Filling const& filling);
-  /// Lets a pressure act on the points that lie within it now.
+  /// Lets a pressure act on the particles that lie within it now.
   void load(SurfacePressure const& pressure);
-  /// Smears a bar over the points around its axis where they are now; points that have one already keep it. Throws
-  /// InputError where the bar does not lie within the body.
+  /// Smears a bar over the particles around its axis where they are now; particles that have one already keep it.
+  /// Throws InputError where the bar does not lie within the body.
   BarReport reinforce(Bar const& bar);
-  /// Tells where in time the calculation stands [s]; the burn and the loads depend on it.
+  /// Tells where in time the simulation stands [s]; the burn and the loads depend on it.
   void set_time(double time) { time_ = time; }
   /// See `Body::reference_pressure`.
   void set_reference_pressure(int body, double pressure) { bodies_[body].reference_pressure = pressure; }
 
-  /// Points that somebody else lends to the blocks.
-  [[nodiscard]] Loans& loans() { return loans_; }
-  /// Adds copies of points with the fields of the body where they lie, or all to one block; they get new identities.
+  /// Proxy particles, which somebody else owns.
+  [[nodiscard]] ProxyParticles& proxies() { return proxies_; }
+  /// Adds copies of particles with the fields of the body where they lie, or all to one block; they get new identities.
   /// Their signals do not yet count in `stable_step`: `update_signals` or the next step sees to that.
-  void add(int body, PointSet const& points, std::optional<int> block = std::nullopt);
-  /// Finds the fastest signal of the points anew.
+  void add(int body, ParticleSet const& particles, std::optional<int> block = std::nullopt);
+  /// Finds the fastest signal of the particles anew.
   void update_signals();
 
   /// Largest stable step [s] at the bodies' Courant numbers: the least of courant h / (sound speed + speed).
   [[nodiscard]] double stable_step() const;
-  /// One step. Throws NumericalError when a point's state has lost its meaning.
+  /// One step. Throws NumericalError when a particle's state has lost its meaning.
   void advance(double dt);
-  /// Splits and merges the points of a gas where that is due; to be called between steps: every 4 where the gas runs
+  /// Splits and merges the particles of a gas where that is due; to be called between steps: every 4 where the gas runs
   /// into a vacuum, else every 8 will do. The sums of `sums` stay as they are up to round-off, but for the number of
-  /// points and for kinetic energy that becomes internal. Of two merged points the heavier keeps its identity. Throws
-  /// InputError for a body that is no gas.
+  /// particles and for kinetic energy that becomes internal. Of two merged particles the heavier keeps its identity.
+  /// Throws InputError for a body that is no gas.
   PopulationCount control_population(int body, PopulationOptions const& options = {});
 
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] grid::Grid const& grid() const { return grid_; }
   [[nodiscard]] Options const& options() const { return options_; }
   [[nodiscard]] std::vector<Body> const& bodies() const { return bodies_; }
-  [[nodiscard]] PointSet const& points(int block, int body) const { return sets_[set_index(block, body)]; }
-  [[nodiscard]] PointSet& points(int block, int body) { return sets_[set_index(block, body)]; }
+  [[nodiscard]] ParticleSet const& particles(int block, int body) const { return sets_[block][body]; }
+  [[nodiscard]] ParticleSet& particles(int block, int body) { return sets_[block][body]; }
   [[nodiscard]] Accounts const& accounts() const { return accounts_; }  ///< what was booked since the start
   /// Wall-clock seconds per pass.
   [[nodiscard]] std::map<std::string, double> const& timings() const { return timings_; }
@@ -90,31 +91,31 @@ class Mpm {
   struct Workspace;
   friend std::size_t bytes(Mpm const& mpm);
 
-  /// Forces of a unit of a pressure [m2] on the points of its body: per block and point.
+  /// Forces of a unit of a pressure [m2] on the particles of its body: per block and particle.
   [[nodiscard]] std::vector<std::vector<Vec3>> pushes(SurfacePressure const& pressure) const;
 
-  /// Has the block points of the body beside the axis, see `BesideAxis::even_out`?
+  /// Has the block particles of the body beside the axis, see `BesideAxis::even_out`?
   [[nodiscard]] bool evens_out(int block, int body) const;
   void map_even_again();
-  /// What is even beside the axis, at the nodes of a block: the points' means, or (`again`) those made sharper.
+  /// What is even beside the axis, at the nodes of a block: the particles' means, or (`again`) those made sharper.
   Lanes4* gather_even(int block, int body, Scratch& scratch, bool again) const;
-  /// Calls work(set, body) for the sets of a block that hold points, those lent to it included.
+  /// Calls work(set, body) for the sets of a block that hold particles, proxies included.
   template <class Work>
   void for_sets(int block, Work&& work) {
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
-      PointSet& set = points(block, body);
+      ParticleSet& set = particles(block, body);
       if (!set.empty()) work(set, body);
     }
-    if (loans_.any(block)) work(loans_.points(block), loans_.body());
+    if (proxies_.any(block)) work(proxies_.particles(block), proxies_.body());
   }
   [[nodiscard]] int set_index(int block, int body) const { return block * static_cast<int>(bodies_.size()) + body; }
   void find_active();
-  void take_loans();
+  void take_proxies();
   void carry(int body, Field first, int components);  ///< further fields, 0 at the start
   void collect_signals();
   void map_to_grid(bool with_mass, bool with_forces);
-  void map_set(int block, PointSet& set, int body, Mapping const& mapping, Scratch& scratch);
-  void map_surroundings(int block, PointSet& set, int body, Mapping const& mapping);
+  void map_set(int block, ParticleSet& set, int body, Mapping const& mapping, Scratch& scratch);
+  void map_surroundings(int block, ParticleSet& set, int body, Mapping const& mapping);
   [[nodiscard]] OuterForces outer_forces() const;
   void map_extents();
   void filter();
@@ -127,7 +128,7 @@ class Mpm {
   void send_off(int block, int body, std::vector<int>& stay);
   void book_block(int block);
   bool take_in();
-  void sort(PointSet& set, int block, std::vector<int>& order) const;
+  void sort(ParticleSet& set, int block, std::vector<int>& order) const;
 
   // One block at a time, in a thread's scratch.
   void clear_velocity(int block);
@@ -140,7 +141,7 @@ class Mpm {
   void find_velocity(int block, double dt, Scratch& scratch) const;
   void find_taken(int block, double dt, Scratch& scratch) const;
   void note_changes(int block, Scratch& scratch) const;
-  void move_points(int block, double dt, Hoops const& hoops, OuterForces const& outer, Scratch& scratch);
+  void move_particles(int block, double dt, Hoops const& hoops, OuterForces const& outer, Scratch& scratch);
   void strain_with_motion(int block, Hoops const& hoops, double dt, Scratch& scratch);
   void gather_gradients(int block, Scratch& scratch) const;
   void gather_extents(int block, Scratch& scratch) const;
@@ -149,7 +150,7 @@ class Mpm {
   void constrain_velocity(int block, double dt, Scratch& scratch) const;
   void constrain_motion(int block, double dt, Scratch& scratch);
   void share_velocity(int block, Scratch& scratch, Given& given);
-  void hold_nodes(int block, Scratch& scratch, Given& given);
+  void constrain_nodes(int block, Scratch& scratch, Given& given);
   void note_rubbing(int count, Scratch& scratch) const;
   // Walls, see wall_gaps.cpp, walls.cpp and wall_images.cpp.
   void map_gaps(int block);
@@ -182,41 +183,42 @@ class Mpm {
   grid::Grid grid_;
   Options options_;
   std::vector<Body> bodies_;
-  std::vector<BodyRules> rules_;  ///< body by body
-  std::vector<PointSet> sets_;    ///< block by block, body by body
-  Loans loans_;
+  std::vector<BodyRules> rules_;                     ///< body by body
+  std::vector<FieldList> carried_;                   ///< per body
+  grid::BlockStore<std::vector<ParticleSet>> sets_;  ///< body by body
+  ProxyParticles proxies_;
   std::vector<long> next_identity_;
   Accounts accounts_;
-  double fastest_ = 0.0;  ///< fastest signal of all points, weighted [m/s]
+  double fastest_ = 0.0;  ///< fastest signal of all particles, weighted [m/s]
   double time_ = 0.0;
   long step_ = 0;
   std::map<std::string, double> timings_;
-  std::vector<int> active_;      ///< blocks that hold points
+  std::vector<int> active_;      ///< blocks that hold particles
   std::vector<double> signals_;  ///< fastest signal per block, weighted [m/s]
   std::unique_ptr<Workspace> work_;
 };
 
-/// Which fields the points of a body carry.
-[[nodiscard]] inline FieldList const& fields(Mpm const& mpm, int body) { return mpm.points(0, body).fields(); }
+/// Which fields the particles of a body carry.
+[[nodiscard]] inline FieldList const& fields(Mpm const& mpm, int body) { return mpm.particles(0, body).fields(); }
 
-/// What the points of a body come to: sums in a fixed order.
+/// What the particles of a body come to: sums in a fixed order.
 [[nodiscard]] BodySums sums(Mpm const& mpm, int body);
-[[nodiscard]] long point_count(Mpm const& mpm);
-/// Bytes of points and nodes.
+[[nodiscard]] long particle_count(Mpm const& mpm);
+/// Bytes of particles and nodes.
 [[nodiscard]] std::size_t bytes(Mpm const& mpm);
-/// Lowest pressure of the points of a body, lent ones included [Pa]; infinite where it has none.
+/// Lowest pressure of the particles of a body, proxies included [Pa]; infinite where it has none.
 [[nodiscard]] double lowest_pressure(Mpm& mpm, int body);
-/// The point of a body with the given identity; `hint` is where it was last.
+/// The particle of a body with the given identity; `hint` is where it was last.
 [[nodiscard]] Place find(Mpm const& mpm, int body, long identity, Place hint = {});
-/// The point of a body nearest to x [m]: its identity, or -1 for an empty body.
+/// The particle of a body nearest to x [m]: its identity, or -1 for an empty body.
 [[nodiscard]] long nearest(Mpm const& mpm, int body, Vec3 const& x);
 
-/// Gives the points of a burning body their lighting times [s].
+/// Gives the particles of a burning body their lighting times [s].
 void set_lighting(Mpm& mpm, int body, std::function<double(Vec3 const&)> const& lighting_time);
-/// Takes the points for which `outside(set, q)` holds out of a set, in their order, and appends them to `to`.
-void take_out(PointSet& set, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to);
-/// Makes the points of an explosive that have burnt points of a gas, whose second fluid their products are. They get
-/// new identities. Returns how many there were.
+/// Takes the particles for which `outside(set, q)` holds out of a set, in their order, and appends them to `to`.
+void take_out(ParticleSet& set, std::function<bool(ParticleSet const& set, int q)> const& outside, ParticleSet& to);
+/// Makes the particles of an explosive that have burnt particles of a gas, whose second fluid their products are. They
+/// get new identities. Returns how many there were.
 long hand_over_burnt(Mpm& mpm, int explosive, int gas);
 
 }  // namespace brisance::mpm

@@ -1,6 +1,6 @@
-/// The nodes of the background grid, block by block. Each block has a patch of its own: all nodes that its points can
-/// touch. Points write into the patch of their block only; afterwards every patch sums what all patches hold for its
-/// nodes, always in the same order, so that copies of a node agree and the result does not depend on the threads.
+/// The nodes of the background grid, block by block. Each block has a patch of its own: all nodes that its particles
+/// can touch. Particles write into the patch of their block only; afterwards every patch sums what all patches hold for
+/// its nodes, always in the same order, so that copies of a node agree and the result does not depend on the threads.
 #pragma once
 
 #include <array>
@@ -71,10 +71,10 @@ struct Patch : grid::NodeBox {
 /// Three components of a vector and one scalar: momentum or velocity with the mass.
 using NodeVelocity = Lanes4;
 
-/// What the points give a node.
+/// What the particles give a node.
 struct alignas(64) NodeSums {
   NodeVelocity momentum;  ///< [kg m/s], with the mass [kg]
-  NodeVelocity force;     ///< [N], with the kinetic energy of the points of APIC [J]
+  NodeVelocity force;     ///< [N], with the kinetic energy of the particles of APIC [J]
 };
 
 /// What a node does in a step.
@@ -94,9 +94,9 @@ inline void add_to(NodeSums& sum, NodeVelocity const& sign, NodeSums const& part
   sum.force += sign * part.force;
 }
 
-/// Adds up what the links hold for each node of the patch. `raw(block)` is the array that the points of a block wrote,
-/// or null where that block has none. In a mirror the normal components of the vectors change their sign; not those of
-/// `scalars`, records whose parts are no vectors. Without `walls` there are no images behind these.
+/// Adds up what the links hold for each node of the patch. `raw(block)` is the array that the particles of a block
+/// wrote, or null where that block has none. In a mirror the normal components of the vectors change their sign; not
+/// those of `scalars`, records whose parts are no vectors. Without `walls` there are no images behind these.
 template <class Record, class Raw>
 void sum_links(Patch const& patch, Record* sum, Raw&& raw, bool scalars = false, bool walls = true) {
   bool first = true;

@@ -12,12 +12,12 @@
 
 namespace brisance::mpm {
 
-void sort_by_cell(PointSet const& gas, Patch const& patch, PopulationScratch& s) {
+void sort_by_cell(ParticleSet const& gas, Patch const& patch, PopulationScratch& s) {
   find_cells(gas, patch, s.cell);
   find_starts(s.cell, patch.cell_range().count(), s.start);
 }
 
-void list_points(PopulationScratch& s) {
+void list_particles(PopulationScratch& s) {
   s.sorted.resize(s.cell.size());
   for (std::size_t q = s.cell.size(); q-- > 0;) {
     s.sorted[--s.start[s.cell[q] + 1]] = static_cast<int>(q);
@@ -29,12 +29,12 @@ void list_points(PopulationScratch& s) {
 
 int crowd_of(PopulationPlace const& place, PopulationOptions const& options) {
   int standard = 1;
-  for (int d = 0; d < place.patch->dimensions; ++d) standard *= place.points_per_direction;
+  for (int d = 0; d < place.patch->dimensions; ++d) standard *= place.particles_per_direction;
   return static_cast<int>(options.crowd * standard);
 }
 
-double standard_volume(grid::Metric const& metric, int points_per_direction, double r) {
-  double const side = metric.h / points_per_direction;
+double standard_volume(grid::Metric const& metric, int particles_per_direction, double r) {
+  double const side = metric.h / particles_per_direction;
   // Nearer to the axis than half its size a ring would vanish.
   double const radius = std::max(std::abs(r), 0.5 * side);
   switch (metric.geometry) {

@@ -1,4 +1,4 @@
-/// Between steps: gases get more or fewer points, block by block; see `mpm.hpp` and population.hpp.
+/// Between steps: gases get more or fewer particles, block by block; see `mpm.hpp` and population.hpp.
 #include <fmt/format.h>
 
 #include "core/error.hpp"
@@ -14,7 +14,7 @@ PopulationCount Mpm::control_population(int body, PopulationOptions const& optio
   PhaseTimer const timer(timings_["population"]);
   check(options);
   Body const& b = bodies_.at(body);
-  material::Solid const& solid = b.solid;
+  material::Material const& solid = b.solid;
   if (solid.has_deviator() || solid.plastic() || b.rigid_velocity) {
     throw InputError(fmt::format("the points of body \"{}\" cannot split and merge: it is no gas", b.name));
   }
@@ -28,15 +28,15 @@ PopulationCount Mpm::control_population(int body, PopulationOptions const& optio
   if (static_cast<int>(w.population.size()) < threads()) w.population.resize(threads());
   w.population_of_block.assign(grid_.block_count(), {});
   auto const place_of = [&](int block) {
-    PopulationPlace place{&grid_, block, &w.patches[block], b.points_per_direction};
+    PopulationPlace place{&grid_, block, &w.patches[block], b.particles_per_direction};
     if (solid.burns()) place.lit_before = time_ - 1.0 / burn_rate(solid.detonation_speed, grid_.blocks()[block].h());
     return place;
   };
 
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
-    w.population_of_block[block] = split_points(points(block, body), place_of(block), options, w.population[thread],
-                                                w.outbox[set_index(block, body)]);
+    w.population_of_block[block] = split_particles(particles(block, body), place_of(block), options,
+                                                   w.population[thread], w.outbox[set_index(block, body)]);
   });
   long split = 0;
   bool moved = false;
@@ -46,14 +46,14 @@ PopulationCount Mpm::control_population(int body, PopulationOptions const& optio
     if (out.destination.empty()) continue;
     moved = true;
     for (std::size_t q = 0; q < out.destination.size(); ++q) {
-      points(out.destination[q], body).append(out.points, static_cast<int>(q));
+      particles(out.destination[q], body).append(out.particles, static_cast<int>(q));
     }
     out.destination.clear();
-    out.points.reorder({});
+    out.particles.reorder({});
   }
   if (moved) find_active();
   for (int n = 0; split > 0 && n < static_cast<int>(active_.size()); ++n) {
-    PointSet& set = points(active_[n], body);
+    ParticleSet& set = particles(active_[n], body);
     double* identity = set.field(Field::identity);
     for (int q = 0; q < set.size(); ++q) {
       if (identity[q] < 0.0) identity[q] = static_cast<double>(next_identity_[body]++);
@@ -63,7 +63,8 @@ PopulationCount Mpm::control_population(int body, PopulationOptions const& optio
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     int const block = active_[n];
     PopulationCount& count = w.population_of_block[block];
-    PopulationCount const merged = merge_points(points(block, body), place_of(block), options, w.population[thread]);
+    PopulationCount const merged =
+        merge_particles(particles(block, body), place_of(block), options, w.population[thread]);
     count.merged = merged.merged;
     count.heat += merged.heat;
   });

@@ -1,4 +1,4 @@
-/// What splitting and merging share: a set of gas points by names and by cells.
+/// What splitting and merging share: a set of gas particles by names and by cells.
 #pragma once
 
 #include <array>
@@ -8,26 +8,26 @@
 
 namespace brisance::mpm {
 
-/// The points of a set by cell: `cell` and `start`.
-void sort_by_cell(PointSet const& gas, Patch const& patch, PopulationScratch& s);
+/// The particles of a set by cell: `cell` and `start`.
+void sort_by_cell(ParticleSet const& gas, Patch const& patch, PopulationScratch& s);
 
 /// Fills `sorted`; needs `sort_by_cell`, leaves `start` as it was.
-void list_points(PopulationScratch& s);
+void list_particles(PopulationScratch& s);
 
-/// Points of a cell beyond which it is crowded.
+/// Particles of a cell beyond which it is crowded.
 [[nodiscard]] int crowd_of(PopulationPlace const& place, PopulationOptions const& options);
 
 /// A set with the names that splitting and merging need.
 struct GasSet {
-  GasSet(PointSet& set_, PopulationPlace const& place)
+  GasSet(ParticleSet& set_, PopulationPlace const& place)
       : set(&set_),
         metric(&place.grid->blocks()[place.block].metric),
         h(metric->h),
-        points_per_direction(place.points_per_direction),
+        particles_per_direction(place.particles_per_direction),
         lit_before(place.lit_before) {
     find();
   }
-  /// Anew after points were appended.
+  /// Anew after particles were appended.
   void find() {
     for (int d = 0; d < 3; ++d) {
       x[d] = set->field(Field::position_x + d);
@@ -41,13 +41,13 @@ struct GasSet {
     fraction = set->field(Field::volume_fraction);
   }
   [[nodiscard]] double volume(int q) const { return mass[q] / density[q]; }
-  [[nodiscard]] double standard(int q) const { return standard_volume(*metric, points_per_direction, x[0][q]); }
+  [[nodiscard]] double standard(int q) const { return standard_volume(*metric, particles_per_direction, x[0][q]); }
   [[nodiscard]] bool burnt(int q) const { return lighting == nullptr || lighting[q] <= lit_before; }
 
-  PointSet* set;
+  ParticleSet* set;
   grid::Metric const* metric;
   double h;  ///< size of the block's cells [m]
-  int points_per_direction;
+  int particles_per_direction;
   double lit_before;
   std::array<double*, 3> x{};
   std::array<double*, 3> v{};

@@ -83,21 +83,19 @@ double share_of_tube(Bar const& bar, double radius, grid::Domain const& domain) 
 }  // namespace
 
 void Mpm::carry(int body, Field first, int components) {
+  carried_[body].add(first, components);
   for (int b = 0; b < grid_.block_count(); ++b) {
-    int const index = set_index(b, body);
-    FieldList fields = sets_[index].fields();
-    if (fields.has(first)) continue;
-    fields.add(first, components);
-    PointSet grown(fields);
-    for (int q = 0; q < sets_[index].size(); ++q) {
+    ParticleSet& set = particles(b, body);
+    if (set.fields().has(first)) continue;
+    ParticleSet grown(carried_[body]);
+    for (int q = 0; q < set.size(); ++q) {
       grown.append();
       for (int f = 0; f < field_count; ++f) {
-        if (double const* from = sets_[index].field(static_cast<Field>(f)))
-          grown.field(static_cast<Field>(f))[q] = from[q];
+        if (double const* from = set.field(static_cast<Field>(f))) grown.field(static_cast<Field>(f))[q] = from[q];
       }
     }
-    sets_[index] = std::move(grown);
-    work_->outbox[index].points = PointSet(fields);
+    set = std::move(grown);
+    work_->outbox[set_index(b, body)].particles = ParticleSet(carried_[body]);
   }
 }
 
@@ -114,7 +112,7 @@ BarReport Mpm::reinforce(Bar const& bar) {
   double const radius = std::max(0.5 * bar.diameter, domain.smallest_cell());
   double const share = share_of_axis(bar, domain);
   carry(bar.body, Field::bar_number, 7);  // all that are named bar_
-  auto const around = [&](PointSet const& set, int q) {
+  auto const around = [&](ParticleSet const& set, int q) {
     Vec3 x{0.0, 0.0, 0.0};
     for (int d = 0; d < 3; ++d) x[d] = set.field(Field::position_x + d)[q];
     Vec3 const r = x - bar.from;
@@ -125,14 +123,14 @@ BarReport Mpm::reinforce(Bar const& bar) {
   double tube = 0.0;
   double taken = 0.0;
   for (int b = 0; b < grid_.block_count(); ++b) {
-    PointSet const& set = points(b, bar.body);
+    ParticleSet const& set = particles(b, bar.body);
     for (int q = 0; q < set.size(); ++q) {
       if (!around(set, q)) continue;
       double const volume = set.field(Field::mass)[q] / set.field(Field::density)[q];
       (set.field(Field::bar_number)[q] > 0.0 ? taken : tube) += volume;
     }
   }
-  double const asked = share * 0.25 * std::numbers::pi * bar.diameter * bar.diameter * length;
+  double const specified = share * 0.25 * std::numbers::pi * bar.diameter * bar.diameter * length;
   double const steel = share_of_tube(bar, radius, domain) * std::numbers::pi * radius * radius * length;
   if (tube + taken < 0.7 * steel) {
     throw InputError(
@@ -142,22 +140,22 @@ BarReport Mpm::reinforce(Bar const& bar) {
                     body.name, bar.from[0], bar.from[1], bar.from[2], bar.to[0], bar.to[1], bar.to[2], radius,
                     100.0 * (tube + taken) / steel));
   }
-  if (!(tube > asked)) {
+  if (!(tube > specified)) {
     throw InputError(fmt::format(
         "a bar of body \"{}\" finds no room beside the bars before it: place them farther apart", body.name));
   }
   body.bars.push_back(bar);
   double const number = static_cast<double>(body.bars.size());
   for (int b = 0; b < grid_.block_count(); ++b) {
-    PointSet& set = points(b, bar.body);
+    ParticleSet& set = particles(b, bar.body);
     for (int q = 0; q < set.size(); ++q) {
       if (set.field(Field::bar_number)[q] > 0.0 || !around(set, q)) continue;
       set.field(Field::bar_number)[q] = number;
-      set.field(Field::bar_part)[q] = asked / tube;
+      set.field(Field::bar_fraction)[q] = specified / tube;
       for (int d = 0; d < 3; ++d) set.field(Field::bar_x + d)[q] = n[d];
     }
   }
-  return {asked, asked / tube};
+  return {specified, specified / tube};
 }
 
 }  // namespace brisance::mpm

@@ -1,11 +1,11 @@
-/// Steel bars that are thinner than the grid can resolve: smeared over the points around their axes.
+/// Steel bars that are thinner than the grid can resolve: smeared over the particles around their axes.
 ///
-/// A bar of area A gives the points within one cell of its axis (or its own radius) a part f of steel, constant and
-/// such that the volume of steel is that of the bar. The points carry, beside the stress of their own material, f sigma
-/// n n with the stress sigma of the bar in its direction n: perfect bond, no dowel action. sigma is elastic-plastic
-/// with linear hardening under the strain n . d eps . n of the point, and n turns with it (which for small strain is
-/// the direction of the material line). What the bar displaces of its surroundings is not taken off. The work of sigma
-/// is part of the point's internal energy.
+/// A bar of area A gives the particles within one cell of its axis (or its own radius) a part f of steel, constant and
+/// such that the volume of steel is that of the bar. The particles carry, beside the stress of their own material, f
+/// sigma n n with the stress sigma of the bar in its direction n: perfect bond, no dowel action. sigma is
+/// elastic-plastic with linear hardening under the strain n . d eps . n of the particle, and n turns with it (which for
+/// small strain is the direction of the material line). What the bar displaces of its surroundings is not taken off.
+/// The work of sigma is part of the particle's internal energy.
 #pragma once
 
 #include <cmath>
@@ -24,7 +24,7 @@ struct Bar {
   double hardening = 0.0;  ///< plastic modulus d sigma / d ep [Pa]
 };
 
-/// State of a bar at a point.
+/// State of a bar at a particle.
 struct BarState {
   double stress = 0.0;          ///< [Pa], tension positive
   double plastic_strain = 0.0;  ///< accumulated

@@ -1,5 +1,5 @@
-/// What happens to the points of one body in one block, for each shape function and dimension: the loops between points
-/// and nodes with the physics in them.
+/// What happens to the particles of one body in one block, for each shape function and dimension: the loops between
+/// particles and nodes with the physics in them.
 #pragma once
 
 #include "mpm/transfer/apic.hpp"
@@ -25,10 +25,10 @@ struct Kernels : ToGrid<S, D>,
                  BesideAxis<S, D>,
                  Surfaces<S, D>,
                  Heat<S, D> {
-  /// Moves the points of a set by their transfer; rigid ones go on as they are.
+  /// Moves the particles of a set by their transfer; rigid ones go on as they are.
   static Dissipation move(SetView const& v, Options const& options, double dt, BodyRules const& rules,
                           FieldScratch const& nodes) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     if (v.body->rigid_velocity) {
       auto const u = vector_at(set, Field::velocity_x, 0);
       auto const way = vector_at(set, Field::move_x, 0);
@@ -42,7 +42,7 @@ struct Kernels : ToGrid<S, D>,
   }
 };
 
-/// Calls call(Kernels<S, D>) for the shape function and dimension of a calculation.
+/// Calls call(Kernels<S, D>) for the shape function and dimension of a simulation.
 template <class Call>
 void with_kernels(ShapeFunction shape, int dimensions, Call&& call) {
   auto const with_shape = [&]<class S>(S) {

@@ -39,7 +39,7 @@ void cut_at_ends(Options const& options, Patch const& patch, NodeVelocity* area)
 }  // namespace
 
 /// A body that reaches one of the ends goes on behind it: what it fills there is the mirror image of what it fills
-/// before it, so that it has no surface on the end. Of the points of one block: all nodes that one touches behind an
+/// before it, so that it has no surface on the end. Of the particles of one block: all nodes that one touches behind an
 /// end have their image in the block's patch.
 void Mpm::continue_behind_ends(int block) {
   Workspace& w = *work_;
@@ -75,7 +75,7 @@ Lanes4* Mpm::area_nodes(int block, int body) {
     auto const has_bodies = [&](int there) {
       if (there == grid::no_neighbour) return false;
       for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        if (w.slips[w.field_of[b]] == 0 && !points(there, static_cast<int>(b)).empty()) return true;
+        if (w.slips[w.field_of[b]] == 0 && !particles(there, static_cast<int>(b)).empty()) return true;
       }
       return false;
     };
@@ -91,8 +91,8 @@ Lanes4* Mpm::area_nodes(int block, int body) {
 
 /// The pressure of a fluid that slips along bodies acts on the area that these show to the nodes, and they push back as
 /// much. Then gas at rest under an even pressure stays at rest, and the bodies bear that pressure and no other up to
-/// their outermost points, also where the velocity of the nodes is not shared; by the shared velocity alone they would
-/// bear what the gas around happens to give to nodes that they hardly weigh on.
+/// their outermost particles, also where the velocity of the nodes is not shared; by the shared velocity alone they
+/// would bear what the gas around happens to give to nodes that they hardly weigh on.
 void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
   Workspace const& w = *work_;
   scratch.pressed = {};
@@ -126,8 +126,8 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
         push *= Lanes4{p, p, p, 0.0};
         fluid[node].force += push;
         // The body has no images behind walls, the fluid has.
-        double const part = images == nullptr ? 1.0 : body[node].momentum[3] / images[node];
-        body[node].force -= Lanes4{part, part, part, 0.0} * push;
+        double const fraction = images == nullptr ? 1.0 : body[node].momentum[3] / images[node];
+        body[node].force -= Lanes4{fraction, fraction, fraction, 0.0} * push;
         scratch.pushes.push_back({g, f, node, {dt * push[0], dt * push[1], dt * push[2]}, true});
         if (!w.rigid[f]) continue;
         for (int d = 0; d < 3; ++d) {
@@ -143,7 +143,7 @@ void Mpm::share_pressure(int block, double dt, Scratch& scratch) const {
 /// What a fluid and the body that it slips along take from the one they should give to the other, and do not, as their
 /// velocities differ: at the mean of those before and after the step, once all has acted on the node. The fluid has it
 /// as heat; it may be negative. What contact shares among bodies works at the nodes' velocity, the rest at that which
-/// the points keep.
+/// the particles keep.
 void Mpm::settle_pushes(Scratch& scratch) {
   for (Push const& push : scratch.pushes) {
     NodeMotion& fluid = scratch.of[push.fluid].motion.data()[push.node];

@@ -1,5 +1,5 @@
-/// The state of the material points in a checkpoint: the points in their order, for sums follow it, and the sums since
-/// the start. Nodes, constraints, contacts and loads follow from the case and the points.
+/// The state of the material points in a checkpoint: the particles in their order, for sums follow it, and the sums
+/// since the start. Nodes, constraints, contacts and loads follow from the case and the particles.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -12,11 +12,11 @@
 namespace brisance::mpm {
 
 void archive(Archive& a, BodySums& s) {
-  a(s.points, s.mass, s.fluid_mass, s.momentum, s.centre, s.kinetic_energy, s.internal_energy, s.provisional_energy,
+  a(s.particles, s.mass, s.fluid_mass, s.momentum, s.centre, s.kinetic_energy, s.internal_energy, s.provisional_energy,
     s.plastic_work, s.largest_displacement, s.damaged_mass);
 }
 
-void PointSet::archive(Archive& a) {
+void ParticleSet::archive(Archive& a) {
   for (int f = 0; f < field_count; ++f) a.same(fields_.slot(static_cast<Field>(f)), "what a point carries");
   int count = size_;
   a(count);
@@ -35,10 +35,10 @@ void PointSet::archive(Archive& a) {
 
 namespace {
 
-/// Nodes, loads and bars are looked up by what a point carries: it must lie in its block, or within a cell of it where
-/// it has just crossed a face of the region, and name what is there.
-void check_points(Archive& a, PointSet const& set, grid::Grid const& grid, int block, Body const& body,
-                  std::size_t loads) {
+/// Nodes, loads and bars are looked up by what a particle carries: it must lie in its block, or within a cell of it
+/// where it has just crossed a face of the region, and name what is there.
+void check_particles(Archive& a, ParticleSet const& set, grid::Grid const& grid, int block, Body const& body,
+                     std::size_t loads) {
   if (!a.reading()) return;
   grid::Metric const& metric = grid.blocks()[block].metric;
   grid::CellRange const near = grid.blocks()[block].in_domain().grown(1, metric.dimensions());
@@ -53,9 +53,9 @@ void check_points(Archive& a, PointSet const& set, grid::Grid const& grid, int b
       inside = inside && x >= metric.face(d, near.lower[d]) && x <= metric.face(d, near.upper[d]);
     }
     a.require(inside, fmt::format("the position of a point of body \"{}\"", body.name));
-    constexpr double most_points = 9e15;  // whole numbers of a double
+    constexpr double most_particles = 9e15;  // whole numbers of a double
     double const identity = set.field(Field::identity)[q];
-    a.require(identity >= 0.0 && identity <= most_points && named(Field::load_number, q, loads) &&
+    a.require(identity >= 0.0 && identity <= most_particles && named(Field::load_number, q, loads) &&
                   named(Field::bar_number, q, body.bars.size()),
               fmt::format("what a point of body \"{}\" carries", body.name));
   }
@@ -71,24 +71,25 @@ void Mpm::archive(Archive& a) {
   a.sized(next_identity_, "the number of bodies");
   Losses& lost = accounts_.losses;
   Dissipation& dissipated = accounts_.dissipation;
-  a(lost.mass, lost.momentum, lost.energy, lost.points, accounts_.constraint_impulse, accounts_.outer_work);
-  a(dissipated.held, dissipated.filtered, dissipated.apic, dissipated.friction);
-  a(accounts_.floored.energy, accounts_.floored.points, accounts_.conducted.moved, accounts_.conducted.made);
+  a(lost.mass, lost.momentum, lost.energy, lost.particles, accounts_.constraint_impulse, accounts_.outer_work);
+  a(dissipated.constraints, dissipated.filtered, dissipated.apic, dissipated.friction);
+  a(accounts_.floored.energy, accounts_.floored.particles, accounts_.conducted.moved, accounts_.conducted.made);
   a(fastest_, time_, step_);
   a.require(fastest_ >= 0.0 && std::isfinite(time_) && step_ >= 0, "the time of the points");
   a.sized(signals_, "the number of blocks of points");
   a(timings_);
-  for (Body& body : bodies_) a(body.reference_pressure);  // that of a gas follows its points
-  for (std::size_t n = 0; n < sets_.size(); ++n) {
-    sets_[n].archive(a);
-    check_points(a, sets_[n], grid_, static_cast<int>(n / bodies_.size()), bodies_[n % bodies_.size()],
-                 work_->loads.size());
+  for (Body& body : bodies_) a(body.reference_pressure);  // that of a gas follows its particles
+  for (int b = 0; b < grid_.block_count(); ++b) {
+    for (std::size_t body = 0; body < bodies_.size(); ++body) {
+      sets_[b][body].archive(a);
+      check_particles(a, sets_[b][body], grid_, b, bodies_[body], work_->loads.size());
+    }
   }
-  a.same(loans_.size(), "the number of blocks that points are lent to");
-  for (std::size_t n = 0; n < loans_.size(); ++n) {
+  a.same(proxies_.size(), "the number of blocks with proxy particles");
+  for (std::size_t n = 0; n < proxies_.size(); ++n) {
     int const block = static_cast<int>(n);
-    loans_.points(block).archive(a);
-    check_points(a, loans_.points(block), grid_, block, bodies_[loans_.body()], work_->loads.size());
+    proxies_.particles(block).archive(a);
+    check_particles(a, proxies_.particles(block), grid_, block, bodies_[proxies_.body()], work_->loads.size());
   }
   if (a.reading()) find_active();
 }

@@ -1,4 +1,4 @@
-/// One step: the list of its passes, and those between points and nodes; see `mpm.hpp`.
+/// One step: the list of its passes, and those between particles and nodes; see `mpm.hpp`.
 #include <algorithm>
 #include <optional>
 
@@ -11,7 +11,7 @@
 namespace brisance::mpm {
 
 void Mpm::advance(double dt) {
-  take_loans();
+  take_proxies();
   prepare_scratch();
   bool const first = options_.order == StressOrder::usf;
   // Eqs. (18)-(21). Where the stress comes first, what the forces of the old one do tells which nodes walls stop and
@@ -19,7 +19,7 @@ void Mpm::advance(double dt) {
   map_to_grid(true, !first || work_->stops || work_->touches);
   if (first) {
     update_stress(dt);  // Eqs. (27)-(30)
-    // Points that stretched with the stress weigh on their nodes anew.
+    // Particles that stretched with the stress weigh on their nodes anew.
     map_to_grid(options_.shape == ShapeFunction::cpgimp, true);
   }
   if (work_->filters) filter();
@@ -60,10 +60,10 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
     for (int f = 0; again && f < w.fields; ++f) {
       if (w.present[w.slot(block, f)] == 0) continue;
       NodeSums* nodes = w.state[w.slot(block, f)].data();
-      // The scalar is the kinetic energy of APIC's points, which came with the mass.
+      // The scalar is the kinetic energy of APIC's particles, which came with the mass.
       for (int node = 0; node < w.patches[block].count(); ++node) nodes[node].force *= NodeVelocity{0.0, 0.0, 0.0, 1.0};
     }
-    for_sets(block, [&](PointSet& set, int body) {
+    for_sets(block, [&](ParticleSet& set, int body) {
       map_set(block, set, body, mapping, w.scratch[thread]);
       map_surroundings(block, set, body, mapping);
     });
@@ -75,7 +75,7 @@ void Mpm::map_to_grid(bool with_mass, bool with_forces) {
 }
 
 /// Mass, momentum and forces of a set.
-void Mpm::map_set(int block, PointSet& set, int body, Mapping const& mapping, Scratch& scratch) {
+void Mpm::map_set(int block, ParticleSet& set, int body, Mapping const& mapping, Scratch& scratch) {
   Workspace& w = *work_;
   Patch const& patch = w.patches[block];
   int const f = w.field_of[body];
@@ -102,9 +102,9 @@ void Mpm::map_set(int block, PointSet& set, int body, Mapping const& mapping, Sc
     } else {
       kernels.template map_state<false, true>(view, hoops, outer, mean, nodes);
     }
-    if (mapping.forces && loans_.owns(block, set)) {
+    if (mapping.forces && proxies_.owns(block, set)) {
       // Once more alone: what they give to the others is booked.
-      NodeSums* alone = w.lent[block].get(patch.count());
+      NodeSums* alone = w.by_proxies[block].get(patch.count());
       std::fill(alone, alone + patch.count(), NodeSums{});
       kernels.template map_state<true, true>(view, hoops, outer, mean, alone);
     }
@@ -118,14 +118,14 @@ void Mpm::map_set(int block, PointSet& set, int body, Mapping const& mapping, Sc
 }
 
 /// What the nodes around a set must know of it beside that: where it is, its surface, and the pressure on surfaces.
-void Mpm::map_surroundings(int block, PointSet& set, int body, Mapping const& mapping) {
+void Mpm::map_surroundings(int block, ParticleSet& set, int body, Mapping const& mapping) {
   Workspace& w = *work_;
   Patch const& patch = w.patches[block];
   int const f = w.field_of[body];
   grid::Geometry const geometry = grid_.domain().geometry;
   SetView const view{&set, &bodies_[body], &patch, patch.h};
   with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
-    if (mapping.mass && !loans_.owns(block, set) && evens_out(block, body)) {
+    if (mapping.mass && !proxies_.owns(block, set) && evens_out(block, body)) {
       int const at = set_index(block, body);
       NodeVelocity* even = w.even[at].get(patch.count());
       std::fill(even, even + patch.count(), NodeVelocity{});
@@ -149,14 +149,14 @@ void Mpm::filter() {
   PhaseTimer const timer(timings_["filter"]);
   Workspace& w = *work_;
   auto const each_set = [&](int block, auto&& work) {
-    for_sets(block, [&](PointSet& set, int body) {
+    for_sets(block, [&](ParticleSet& set, int body) {
       if (!set.fields().has(Field::filtered_x)) return;
       SetView const view{&set, &bodies_[body], &w.patches[block], w.patches[block].h};
       with_kernels(options_.shape, view.patch->dimensions, [&](auto kernels) { work(body, view, kernels); });
     });
   };
   parallel_for(static_cast<int>(active_.size()), [&](int n, int) {
-    for_sets(active_[n], [&](PointSet& set, int) {
+    for_sets(active_[n], [&](ParticleSet& set, int) {
       if (!set.fields().has(Field::filtered_x)) return;
       for (int d = 0; d < 3; ++d) {
         double const* v = set.field(Field::velocity_x + d);

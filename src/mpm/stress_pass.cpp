@@ -11,7 +11,7 @@ namespace brisance::mpm {
 
 void Mpm::update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch) {
   Workspace& w = *work_;
-  PointSet& set = points(block, body);
+  ParticleSet& set = particles(block, body);
   if (set.empty()) return;
   double fastest = 0.0;
   if (bodies_[body].rigid_velocity) {

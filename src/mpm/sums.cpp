@@ -1,4 +1,4 @@
-/// What the points of a body come to, and where one of them is; see `mpm.hpp`.
+/// What the particles of a body come to, and where one of them is; see `mpm.hpp`.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,21 +15,21 @@ namespace {
 /// Calls visit(set) for the sets of a body, block by block.
 template <class Visit>
 void for_blocks(Mpm const& mpm, int body, Visit&& visit) {
-  for (int block = 0; block < mpm.grid().block_count(); ++block) visit(mpm.points(block, body));
+  for (int block = 0; block < mpm.grid().block_count(); ++block) visit(mpm.particles(block, body));
 }
 
 }  // namespace
 
-long point_count(Mpm const& mpm) {
+long particle_count(Mpm const& mpm) {
   long count = 0;
   for (std::size_t body = 0; body < mpm.bodies().size(); ++body) {
-    for_blocks(mpm, static_cast<int>(body), [&](PointSet const& set) { count += set.size(); });
+    for_blocks(mpm, static_cast<int>(body), [&](ParticleSet const& set) { count += set.size(); });
   }
   return count;
 }
 
 BodySums& BodySums::operator+=(BodySums const& other) {
-  points += other.points;
+  particles += other.particles;
   mass += other.mass;
   for (std::size_t k = 0; k < fluid_mass.size(); ++k) fluid_mass[k] += other.fluid_mass[k];
   momentum = momentum + other.momentum;
@@ -47,10 +47,10 @@ BodySums sums(Mpm const& mpm, int body) {
   Body const& of = mpm.bodies()[body];
   BodyRules const rules = rules_of(of, mpm.options());
   BodySums total = sum_over(mpm.grid().block_count(), [&](int block) {
-    PointSet const& set = mpm.points(block, body);
+    ParticleSet const& set = mpm.particles(block, body);
     double const h = mpm.grid().blocks()[block].h();
     BodySums s;
-    s.points = set.size();
+    s.particles = set.size();
     bool const affine = rules.has_gradient_energy;
     bool const books = rules.books_work && !of.solid.is_gas();
     for (int q = 0; q < set.size(); ++q) {
@@ -87,7 +87,7 @@ BodySums sums(Mpm const& mpm, int body) {
 Place find(Mpm const& mpm, int body, long identity, Place hint) {
   auto const wanted = static_cast<double>(identity);
   auto const look = [&](int block) -> Place {
-    PointSet const& set = mpm.points(block, body);
+    ParticleSet const& set = mpm.particles(block, body);
     double const* identities = set.field(Field::identity);
     for (int q = 0; q < set.size(); ++q) {
       if (identities[q] == wanted) return {block, q};
@@ -95,7 +95,7 @@ Place find(Mpm const& mpm, int body, long identity, Place hint) {
     return {};
   };
   if (hint.block >= 0) {
-    PointSet const& set = mpm.points(hint.block, body);
+    ParticleSet const& set = mpm.particles(hint.block, body);
     if (hint.index < set.size() && set.field(Field::identity)[hint.index] == wanted) return hint;
     for (int const block : blocks_around(mpm.grid(), hint.block)) {
       if (block == grid::no_neighbour) continue;
@@ -115,7 +115,7 @@ long nearest(Mpm const& mpm, int body, Vec3 const& x) {
   long identity = -1;
   int const dims = mpm.grid().domain().dimensions();
   for (int block = 0; block < mpm.grid().block_count(); ++block) {
-    PointSet const& set = mpm.points(block, body);
+    ParticleSet const& set = mpm.particles(block, body);
     for (int q = 0; q < set.size(); ++q) {
       double square = 0.0;
       for (int d = 0; d < dims; ++d) {
@@ -133,17 +133,17 @@ long nearest(Mpm const& mpm, int body, Vec3 const& x) {
 }
 
 double lowest_pressure(Mpm& mpm, int body) {
-  Loans const& loans = mpm.loans();
+  ProxyParticles const& proxies = mpm.proxies();
   auto const lower = [](double& least, double p) { least = p < least ? p : least; };
   constexpr double none = std::numeric_limits<double>::infinity();
   auto const of_block = [&](int block) {
     double least = none;
-    auto const see = [&](PointSet const& set) {
+    auto const see = [&](ParticleSet const& set) {
       double const* p = set.field(Field::pressure);
       for (int q = 0; q < set.size(); ++q) lower(least, p[q]);
     };
-    see(mpm.points(block, body));
-    if (body == loans.body()) see(loans.points(block));
+    see(mpm.particles(block, body));
+    if (body == proxies.body()) see(proxies.particles(block));
     return least;
   };
   return reduce(mpm.grid().block_count(), none, of_block, lower);
@@ -151,7 +151,7 @@ double lowest_pressure(Mpm& mpm, int body) {
 
 void set_lighting(Mpm& mpm, int body, std::function<double(Vec3 const&)> const& lighting_time) {
   for (int b = 0; b < mpm.grid().block_count(); ++b) {
-    PointSet& set = mpm.points(b, body);
+    ParticleSet& set = mpm.particles(b, body);
     double* lighting = set.field(Field::lighting_time);
     if (lighting == nullptr) continue;
     for (int q = 0; q < set.size(); ++q) {
@@ -164,7 +164,9 @@ void set_lighting(Mpm& mpm, int body, std::function<double(Vec3 const&)> const& 
 std::size_t bytes(Mpm const& mpm) {
   Mpm::Workspace const& w = *mpm.work_;
   std::size_t total = 0;
-  for (PointSet const& set : mpm.sets_) total += set.bytes();
+  for (auto const& sets : mpm.sets_) {
+    for (ParticleSet const& set : sets) total += set.bytes();
+  }
   for (auto const& nodes : w.state) total += nodes.bytes();
   for (auto const* all : {&w.velocity, &w.gradient, &w.area, &w.even, &w.even_again}) {
     for (auto const& nodes : *all) total += nodes.bytes();
@@ -177,8 +179,8 @@ void Mpm::find_active() {
   active_.clear();
   for (int b = 0; b < grid_.block_count(); ++b) {
     bool any = false;
-    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) any = any || !points(b, body).empty();
-    any = any || loans_.any(b);
+    for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) any = any || !particles(b, body).empty();
+    any = any || proxies_.any(b);
     if (any) active_.push_back(b);
   }
 }
@@ -187,8 +189,8 @@ void Mpm::update_signals() {
   parallel_for(grid_.block_count(), [&](int block, int) {
     double fastest = 0.0;
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
-      PointSet const& set = points(block, body);
-      material::Solid const& solid = bodies_[body].solid;
+      ParticleSet const& set = particles(block, body);
+      material::Material const& solid = bodies_[body].solid;
       double const* mass_fraction = set.field(Field::mass_fraction);
       double const* volume_fraction = set.field(Field::volume_fraction);
       for (int q = 0; q < set.size(); ++q) {

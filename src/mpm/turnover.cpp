@@ -1,43 +1,41 @@
-/// Points that come, go, change their body or belong to somebody else; see `mpm.hpp`.
+/// Particles that come, go, change their body or belong to somebody else; see `mpm.hpp`.
 #include <algorithm>
 
 #include "mpm/burn.hpp"
-#include "mpm/loans.hpp"
 #include "mpm/mpm.hpp"
+#include "mpm/proxy_particles.hpp"
 #include "mpm/workspace.hpp"
 
 namespace brisance::mpm {
 
-void Loans::belong_to(int body) {
+void ProxyParticles::belong_to(int body, FieldList fields) {
   body_ = body;
-  lent_.clear();
-  FieldList fields = (*sets_)[static_cast<std::size_t>(body)].fields();
   fields.add(Field::next_x, 3);
-  for (int b = 0; b < blocks_; ++b) lent_.emplace_back(fields);
-  gifts_.resize(lent_.size());
+  sets_ = grid::BlockStore<ParticleSet>(*grid_, [fields](grid::Block const&) { return ParticleSet(fields); });
+  gifts_ = grid::BlockStore<std::vector<NodeGift>>(*grid_);
 }
 
-/// What follows from the points that are lent for a step.
-void Mpm::take_loans() {
-  if (loans_.body() < 0) return;
+/// What follows from the proxy particles of a step.
+void Mpm::take_proxies() {
+  if (proxies_.body() < 0) return;
   // Gas fills the space up to walls, and its pressure may fall below that of reference: it keeps its images.
-  work_->one_sided[work_->field_of[loans_.body()]] = 0;
-  work_->lent.resize(loans_.size());
+  work_->one_sided[work_->field_of[proxies_.body()]] = 0;
+  work_->by_proxies.resize(proxies_.size());
   find_active();
 }
 
-void Mpm::add(int body, PointSet const& added, std::optional<int> block) {
+void Mpm::add(int body, ParticleSet const& added, std::optional<int> block) {
   for (int q = 0; q < added.size(); ++q) {
     Vec3 const x{added.field(Field::position_x)[q], added.field(Field::position_y)[q],
                  added.field(Field::position_z)[q]};
-    PointSet& set = points(block ? *block : grid_.block_of(grid_.cell_at(x)), body);
+    ParticleSet& set = particles(block ? *block : grid_.block_of(grid_.cell_at(x)), body);
     set.append(added, q);
     set.field(Field::identity)[set.size() - 1] = static_cast<double>(next_identity_[body]++);
   }
   if (!added.empty() && !(block && std::binary_search(active_.begin(), active_.end(), *block))) find_active();
 }
 
-void take_out(PointSet& set, std::function<bool(PointSet const& set, int q)> const& outside, PointSet& to) {
+void take_out(ParticleSet& set, std::function<bool(ParticleSet const& set, int q)> const& outside, ParticleSet& to) {
   std::vector<int> stay;
   stay.reserve(set.size());
   for (int q = 0; q < set.size(); ++q) {
@@ -55,17 +53,17 @@ long hand_over_burnt(Mpm& mpm, int explosive, int gas) {
   FieldList const& carried = fields(mpm, gas);
   long count = 0;
   for (grid::Block const& block : mpm.grid().blocks()) {
-    PointSet& set = mpm.points(block.number, explosive);
+    ParticleSet& set = mpm.particles(block.number, explosive);
     double const rate = burn_rate(speed, block.h());
-    PointSet burnt(set.fields());
+    ParticleSet burnt(set.fields());
     take_out(
         set,
-        [&](PointSet const& points, int q) {
-          double const* lighting = points.field(Field::lighting_time);
+        [&](ParticleSet const& particles, int q) {
+          double const* lighting = particles.field(Field::lighting_time);
           return lighting == nullptr || burn_fraction(mpm.time(), lighting[q], rate) >= 1.0;
         },
         burnt);
-    PointSet products(carried);
+    ParticleSet products(carried);
     for (int q = 0; q < burnt.size(); ++q) {
       products.append();
       for (int n = 0; n < field_count; ++n) {

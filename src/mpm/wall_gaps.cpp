@@ -10,7 +10,7 @@ namespace brisance::mpm {
 
 namespace {
 
-/// Half the size of a point across a wall [m]: of a cube of its volume, or its own.
+/// Half the size of a particle across a wall [m]: of a cube of its volume, or its own.
 double half_size(SetView const& v, grid::Geometry geometry, int d, int q) {
   if (double const* own = v.set->field(Field::half_x + d)) return own[q];
   double part = 0.0;
@@ -21,7 +21,7 @@ double half_size(SetView const& v, grid::Geometry geometry, int d, int q) {
 
 }  // namespace
 
-/// The nodes on a wall that a point touches learn how far its surface is from it.
+/// The nodes on a wall that a particle touches learn how far its surface is from it.
 void Mpm::map_gaps(int block) {
   Workspace& w = *work_;
   std::vector<WallFace> const& walls = w.walls[block];
@@ -30,7 +30,7 @@ void Mpm::map_gaps(int block) {
   double const h = patch.h;
   int const count = patch.count();
   for (int f = 0; f < w.fields; ++f) w.gap_present[w.slot(block, f)] = 0;
-  for_sets(block, [&](PointSet& set, int body) {
+  for_sets(block, [&](ParticleSet& set, int body) {
     int const f = w.field_of[body];
     if (w.one_sided[f] == 0) return;
     int const slot = w.slot(block, f);
@@ -53,7 +53,7 @@ void Mpm::map_gaps(int block) {
         for (int e = 0; e < patch.dimensions; ++e) {
           if (e == d) continue;
           double reach = options_.shape == ShapeFunction::bspline ? 1.5 : 1.0;
-          if (options_.shape == ShapeFunction::gimp) reach += 0.5 / bodies_[body].points_per_direction;
+          if (options_.shape == ShapeFunction::gimp) reach += 0.5 / bodies_[body].particles_per_direction;
           if (options_.shape == ShapeFunction::cpgimp) reach += set.field(Field::half_x + e)[q] / h;
           double const u = (set.field(Field::position_x + e)[q] - patch.first[e]) / h + patch.reach;
           touched.lower[e] = std::max(0, static_cast<int>(std::floor(u - reach)) + 1);

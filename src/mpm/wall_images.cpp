@@ -66,10 +66,10 @@ void Mpm::mirror_fluids(int block, Scratch& scratch, bool of_state) const {
           double const ma = bodies_at(a);
           double const mb = bodies_at(b);
           if (!(ma + mb > w.mass_floor)) continue;
-          double const part = ma / (ma + mb);
+          double const fraction = ma / (ma + mb);
           for (int d = 0; d < 3; ++d) {
             double const sign = d == wall.direction ? -1.0 : 1.0;
-            double const v = part * velocity(a, d) + sign * (1.0 - part) * velocity(b, d);
+            double const v = fraction * velocity(a, d) + sign * (1.0 - fraction) * velocity(b, d);
             set(a, d, v);
             set(b, d, sign * v);
           }

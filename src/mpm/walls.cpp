@@ -1,11 +1,11 @@
 /// Faces of the domain that are a `wall`, for bodies: they press on it and rub along it, but it does not pull them.
 ///
-/// Fields of bodies have no images behind walls, only the points' own nodes there. A mirror is the same as a set of
+/// Fields of bodies have no images behind walls, only the particles' own nodes there. A mirror is the same as a set of
 /// constraints on these: the velocity across the plane is 0 at the nodes on it, and opposite at each pair of nodes that
-/// lie k cells before and behind it. Here each of them acts only where it pushes, and where the surface of the points
-/// reaches the plane within the step: v >= -gap/dt on the plane, the sum of both >= -2 gap/dt in a pair. Both nodes of
-/// a pair get the same impulse. Friction takes up to its coefficient times the change across the plane off the velocity
-/// along it.
+/// lie k cells before and behind it. Here each of them acts only where it pushes, and where the surface of the
+/// particles reaches the plane within the step: v >= -gap/dt on the plane, the sum of both >= -2 gap/dt in a pair. Both
+/// nodes of a pair get the same impulse. Friction takes up to its coefficient times the change across the plane off the
+/// velocity along it.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -17,23 +17,23 @@ namespace brisance::mpm {
 
 /// The nodes of one grid field of a block that walls stop, and where that is booked.
 ///
-/// Each block books for its own points. What is stopped has no velocity left, so that the forces of the step do no work
-/// on it: all of its change is loss, as where constraints hold. While it closes a gap they do, and where the stress was
-/// updated before, with another velocity. What contact gave is in what is stopped, too. What friction did of it: the
-/// wall takes that away, and accounts for the loss of points that follow increments. For those that take over the
-/// nodes' velocity friction does its work all the same, at the mean of before and after the step, see
+/// Each block books for its own particles. What is stopped has no velocity left, so that the forces of the step do no
+/// work on it: all of its change is loss, as where constraints constrained. While it closes a gap they do, and where
+/// the stress was updated before, with another velocity. What contact gave is in what is stopped, too. What friction
+/// did of it: the wall takes that away, and accounts for the loss of particles that follow increments. For those that
+/// take over the nodes' velocity friction does its work all the same, at the mean of before and after the step, see
 /// `Mpm::note_rubbing`.
 class WallStops {
  public:
   struct Settings {
     double friction = 0.0;
     bool strained_before = false;  ///< the stress was updated before, with another velocity
-    /// Where points take over the nodes' velocity and the loss is counted, the nodes tell it.
+    /// Where particles take over the nodes' velocity and the loss is counted, the nodes tell it.
     bool taken_over = false;
-    bool all_follow = false;  ///< all points follow increments of the velocity: what gas loses is heat
+    bool all_follow = false;  ///< all particles follow increments of the velocity: what gas loses is heat
   };
-  /// `own` and `following`: what the block's own points gave the nodes, and those of them that follow increments; null
-  /// where there are none.
+  /// `own` and `following`: what the block's own particles gave the nodes, and those of them that follow increments;
+  /// null where there are none.
   WallStops(Settings const& settings, FieldScratch& nodes, NodeSums const* own, NodeVelocity const* following,
             Given& given)
       : settings_(settings),
@@ -44,19 +44,19 @@ class WallStops {
         following_(following),
         given_(&given) {}
 
-  /// Stops a node on the wall: its velocity misses `missing`, the surface may still close in by `slack`; `held`: it was
-  /// stopped in the step before.
-  void node(WallFace const& wall, int node, double missing, double slack, bool held) {
+  /// Stops a node on the wall: its velocity misses `missing`, the surface may still close in by `slack`; `constrained`:
+  /// it was stopped in the step before.
+  void node(WallFace const& wall, int node, double missing, double slack, bool constrained) {
     push(wall, node, missing);
-    book(wall, node, missing, slack, held);
+    book(wall, node, missing, slack, constrained);
   }
   /// Stops a pair of nodes before and behind the wall.
-  void pair(WallFace const& wall, int ahead, int behind, double missing, double slack, bool held) {
+  void pair(WallFace const& wall, int ahead, int behind, double missing, double slack, bool constrained) {
     double const ma = nodes_[ahead].velocity[3];
     double const mb = nodes_[behind].velocity[3];
     push(wall, ahead, missing * mb / (ma + mb));
     push(wall, behind, missing * ma / (ma + mb));
-    book_pair(wall, ahead, behind, missing, slack, held);
+    book_pair(wall, ahead, behind, missing, slack, constrained);
   }
 
  private:
@@ -80,10 +80,10 @@ class WallStops {
     if (settings_.friction > 0.0) {
       double square = 0.0;
       for (int e = 0; e < 3; ++e) square += e == d ? 0.0 : r.velocity[e] * r.velocity[e];
-      double const part = square > 0.0 ? std::min(1.0, settings_.friction * change / std::sqrt(square)) : 0.0;
+      double const fraction = square > 0.0 ? std::min(1.0, settings_.friction * change / std::sqrt(square)) : 0.0;
       for (int e = 0; e < 3; ++e) {
         if (e == d) continue;
-        given_here[e] = -part * r.velocity[e];
+        given_here[e] = -fraction * r.velocity[e];
         s_->rub.data()[node][e] += given_here[e];
       }
     }
@@ -103,13 +103,13 @@ class WallStops {
     rub[d] -= rubbed;
     rub[3] += rubbed * (nodes_[node].velocity[d] - 0.5 * nodes_[node].change[d]);
   }
-  void book(WallFace const& wall, int node, double change, double slack, bool held) {
+  void book(WallFace const& wall, int node, double change, double slack, bool constrained) {
     int const d = wall.direction;
     NodeMotion const& r = nodes_[node];
     stop_[node][d] = r.change[d];
     double const by_forces = wall.inwards * r.change[d] - change;
     double const was = wall.inwards * (r.velocity[d] - r.change[d]);
-    double const strained = settings_.strained_before && !held ? was : -slack;
+    double const strained = settings_.strained_before && !constrained ? was : -slack;
     given_->drive += following_mass(node) * by_forces * strained + lost_by_node(node, d);
     double const middle = r.velocity[d] - 0.5 * r.change[d];
     double const taken = rubbed_at(node, d);
@@ -120,7 +120,7 @@ class WallStops {
       given_->friction -= following_mass(node) * wall.inwards * strained * taken;
     }
   }
-  void book_pair(WallFace const& wall, int a, int b, double change, double slack, bool held) {
+  void book_pair(WallFace const& wall, int a, int b, double change, double slack, bool constrained) {
     int const d = wall.direction;
     double const ma = nodes_[a].velocity[3];
     double const mb = nodes_[b].velocity[3];
@@ -129,15 +129,15 @@ class WallStops {
     stop_[b][d] = both * ma / (ma + mb);
     double const by_forces = wall.inwards * both - change;
     double const was = wall.inwards * (nodes_[a].velocity[d] + nodes_[b].velocity[d] - both);
-    double const strained = settings_.strained_before && !held ? was : -2.0 * slack;
+    double const strained = settings_.strained_before && !constrained ? was : -2.0 * slack;
     double const mass = 0.5 * (following_mass(a) * mb + following_mass(b) * ma) / (ma + mb);
     given_->drive += mass * by_forces * strained + lost_by_node(a, d) + lost_by_node(b, d);
     double const met = met_at(a, d) + met_at(b, d);
     double const sum = rubbed_at(a, d) + rubbed_at(b, d);
-    for (auto const& [node, part] : {std::pair{a, mb / (ma + mb)}, std::pair{b, ma / (ma + mb)}}) {
-      take(node, d, part * met, part * sum);
+    for (auto const& [node, fraction] : {std::pair{a, mb / (ma + mb)}, std::pair{b, ma / (ma + mb)}}) {
+      take(node, d, fraction * met, fraction * sum);
       double const middle = nodes_[node].velocity[d] - 0.5 * nodes_[node].change[d];
-      if (settings_.taken_over) given_->drive += own_mass(node) * part * sum * middle;
+      if (settings_.taken_over) given_->drive += own_mass(node) * fraction * sum * middle;
     }
     if (settings_.taken_over) {
       given_->drive -= mass * sum * wall.inwards * strained;
@@ -224,10 +224,11 @@ void Mpm::stop_at_wall(int block, int field, std::size_t number, double dt, Fiel
   });
 }
 
-/// The same for velocities that strain the points. Those that the points gave back to the nodes are held where the new
-/// ones were stopped, and nowhere else, so that noise about the wall's velocity has no mean. Where the stress is
-/// updated first, what the forces of the old stress would do tells which will be: by their velocity alone nodes under a
-/// body that lies on a wall would be let go half of the time, and the forces would do work there that nothing takes up.
+/// The same for velocities that strain the particles. Those that the particles gave back to the nodes are constrained
+/// where the new ones were stopped, and nowhere else, so that noise about the wall's velocity has no mean. Where the
+/// stress is updated first, what the forces of the old stress would do tells which will be: by their velocity alone
+/// nodes under a body that lies on a wall would be let go half of the time, and the forces would do work there that
+/// nothing takes up.
 void Mpm::stop_velocity_at_walls(int block, double dt, Scratch& scratch) const {
   Workspace& w = *work_;
   std::vector<WallFace> const& walls = w.walls[block];
@@ -265,9 +266,9 @@ void Mpm::stop_velocity_at_walls(int block, double dt, Scratch& scratch) const {
           double const missing = -2.0 * slack - wall.inwards * (a[d] + b[d]);
           if (first && missing > pushed(ahead) + pushed(behind)) bits = static_cast<char>(bits | (1 << k));
           if (((bits >> k) & 1) == 0) continue;
-          double const part = b[3] / (a[3] + b[3]);
-          a[d] += wall.inwards * missing * part;
-          b[d] += wall.inwards * missing * (1.0 - part);
+          double const fraction = b[3] / (a[3] + b[3]);
+          a[d] += wall.inwards * missing * fraction;
+          b[d] += wall.inwards * missing * (1.0 - fraction);
         }
       });
     }

@@ -1,4 +1,4 @@
-/// What `Mpm` needs beside its points: patches, the nodes' records, constraints, and scratch per thread.
+/// What `Mpm` needs beside its particles: patches, the nodes' records, constraints, and scratch per thread.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct WallFace {
   int plane = 0;      ///< storage index along d of the nodes on it
 };
 
-/// Gap at nodes on a wall that no point touches [m].
+/// Gap at nodes on a wall that no particle touches [m].
 inline constexpr double no_gap = std::numeric_limits<double>::max();
 
 /// Records of nodes, allocated when they are first needed.
@@ -82,7 +82,7 @@ struct Given {
   Vec3 impulse{0.0, 0.0, 0.0};
   double work = 0.0;
   double drive = 0.0;  ///< work of the constraints if they had stopped the nodes alone, without the forces of the step
-  double friction = 0.0;  ///< what it lost by work of those who rub, where the points do not lose it
+  double friction = 0.0;  ///< what it lost by work of those who rub, where the particles do not lose it
 };
 
 /// What a fluid that slips took from a body at a node in a step, by its pressure or where it meets the body.
@@ -97,16 +97,17 @@ struct Push {
 /// The nodes of one block and one grid field, in the scratch of a thread. What a flag stands for is there where it is
 /// set.
 struct FieldScratch {
-  bool present = false;           ///< some points around the block belong to the field
-  NodeArray<NodeSums> sums;       ///< of what the points of all blocks around wrote
+  bool present = false;           ///< some particles around the block belong to the field
+  NodeArray<NodeSums> sums;       ///< of what the particles of all blocks around wrote
   NodeArray<NodeMotion> motion;   ///< what follows from it
   NodeArray<NodeVelocity> taken;  ///< see `Mpm::find_taken`: velocity with kinetic energy per mass
   NodeArray<NodeVelocity> velocity;
-  NodeArray<NodeVelocity> before;    ///< the same at the start of the step
-  NodeArray<NodeVelocity> gradient;  ///< part of the cells around a node that a field fills, and h times its gradient
-  NodeArray<NodeVelocity> area;      ///< see `Mpm::share_pressure`
-  NodeArray<double> gap;             ///< see `Workspace::gap`
-  NodeArray<double> extent;          ///< contact
+  NodeArray<NodeVelocity> before;  ///< the same at the start of the step
+  NodeArray<NodeVelocity>
+      gradient;                  ///< fraction of the cells around a node that a field fills, and h times its gradient
+  NodeArray<NodeVelocity> area;  ///< see `Mpm::share_pressure`
+  NodeArray<double> gap;         ///< see `Workspace::gap`
+  NodeArray<double> extent;      ///< contact
   /// Mass of the nodes with the images behind walls, where fluids slip along it.
   bool wholes = false;
   NodeArray<double> whole;
@@ -118,7 +119,7 @@ struct FieldScratch {
   NodeArray<NodeVelocity> halt;
   bool stops = false;
   NodeArray<NodeVelocity> stop;
-  /// Change of velocity by contact across the surfaces, and by what the velocity that points keep differs from that
+  /// Change of velocity by contact across the surfaces, and by what the velocity that particles keep differs from that
   /// with which the nodes move, see contact.cpp.
   bool meets = false;
   NodeArray<NodeVelocity> meet;
@@ -137,7 +138,7 @@ struct Scratch {
   std::vector<FieldScratch> of;    ///< grid fields
   Given pressed;                   ///< what rigid bodies gave to the fluids that press on them
   std::vector<Push> pushes;        ///< see `Mpm::settle_pushes`
-  NodeArray<NodeVelocity> filled;  ///< what all points fill of the cells around the nodes
+  NodeArray<NodeVelocity> filled;  ///< what all particles fill of the cells around the nodes
   NodeArray<NodeVelocity> even;    ///< of a body, see `Mpm::gather_even`
   NodeArray<NodeVelocity> even_again;
   std::vector<Vec3> normals;  ///< contact, of one field
@@ -152,8 +153,8 @@ struct Scratch {
 };
 
 struct Outbox {
-  PointSet points;
-  std::vector<int> destination;  ///< block of each point
+  ParticleSet particles;
+  std::vector<int> destination;  ///< block of each particle
 };
 
 /// A surface pressure that acts, or several on the same points, at an edge of a body for one.
@@ -172,25 +173,26 @@ struct ActiveLoad {
 
 struct Mpm::Workspace : GridFields {
   std::vector<Patch> patches;
-  std::vector<std::vector<Meeting>> meetings;  ///< per block, those at a node one after another
-  std::vector<char> shocked;                   ///< per block: there is a shock in it
-  std::vector<std::vector<Hold>> holds;        ///< per block
-  std::vector<std::vector<char>> has_hold;     ///< per block and node, where bodies part and slide
-  std::vector<NodeArray<NodeSums>> state;      ///< block x field, as the points wrote them
+  std::vector<std::vector<Meeting>> meetings;                   ///< per block, those at a node one after another
+  std::vector<char> shocked;                                    ///< per block: there is a shock in it
+  std::vector<std::vector<ConstrainedNode>> constrained_nodes;  ///< per block
+  std::vector<std::vector<char>> is_constrained;                ///< per block and node, where bodies part and slide
+  std::vector<NodeArray<NodeSums>> state;                       ///< block x field, as the particles wrote them
   std::vector<NodeArray<NodeVelocity>> velocity;
   std::vector<NodeArray<NodeVelocity>> gradient;
   std::vector<NodeArray<NodeVelocity>> area;  ///< of bodies their area, of fluids that slip along them their pressure
   std::vector<char> area_present;
   std::vector<NodeArray<double>> extent;
-  /// What all points fill of the cells around the nodes: block x field, of the field of a body that fills space only.
+  /// What all particles fill of the cells around the nodes: block x field, of the field of a body that fills space
+  /// only.
   std::vector<NodeArray<NodeVelocity>> filled;
   std::vector<char> filled_present;
-  /// What the points beside the axis have in common with their neighbours: block x body, see `BesideAxis::even_out`.
+  /// What the particles beside the axis have in common with their neighbours: block x body, see `BesideAxis::even_out`.
   std::vector<NodeArray<NodeVelocity>> even;
   std::vector<NodeArray<NodeVelocity>> even_again;
   std::vector<char> even_present;
-  std::vector<NodeArray<NodeSums>> lent;  ///< per block: what its lent points alone wrote
-  std::vector<char> present;              ///< block x field: were written in this step
+  std::vector<NodeArray<NodeSums>> by_proxies;  ///< per block: what its proxy particles alone wrote
+  std::vector<char> present;                    ///< block x field: were written in this step
   /// What bodies without APIC alone gave the nodes of fields that they share with others: see `share_momentum`.
   std::vector<NodeArray<NodeVelocity>> momentum;  ///< block x field
   std::vector<char> momentum_present;
@@ -198,7 +200,7 @@ struct Mpm::Workspace : GridFields {
   std::vector<Outbox> outbox;                ///< block x body
   std::vector<std::array<int, 27>> around;   ///< blocks around each block
   std::vector<std::vector<WallFace>> walls;  ///< per block
-  /// Distance of the surface of a field's points from each of the block's walls, at the nodes on it: block x field.
+  /// Distance of the surface of a field's particles from each of the block's walls, at the nodes on it: block x field.
   std::vector<NodeArray<double>> gap;
   std::vector<char> gap_present;
   std::vector<std::vector<char>> stopped;  ///< block x field, wall by wall: bit k of a node on it: those k cells off
@@ -206,7 +208,7 @@ struct Mpm::Workspace : GridFields {
   std::vector<Dissipation> dissipation;    ///< per block: in this step
   std::vector<FloorCount> floored;         ///< likewise
   std::vector<ConductionCount> conducted;  ///< likewise
-  std::vector<Vec3> impulse;               ///< per block: of holds in this step
+  std::vector<Vec3> impulse;               ///< per block: of constraints in this step
   std::vector<Losses> lost;                ///< per block
   std::vector<std::string> trouble;        ///< per block: what went wrong
   std::vector<ActiveLoad> loads;
@@ -215,15 +217,15 @@ struct Mpm::Workspace : GridFields {
   double mass_floor = std::numeric_limits<double>::min();  ///< nodes below it are empty [kg]
 
   [[nodiscard]] int slot(int block, int field) const { return block * fields + field; }
-  /// Mass that the points of a block gave to a node [kg]. What happens to nodes is booked with it, block by block: so
-  /// copies of a node in several blocks, and behind mirrors, count once, for the points that feel it.
+  /// Mass that the particles of a block gave to a node [kg]. What happens to nodes is booked with it, block by block:
+  /// so copies of a node in several blocks, and behind mirrors, count once, for the particles that feel it.
   [[nodiscard]] double own_mass(int block, int field, int node) const {
     int const at = slot(block, field);
     return present[at] != 0 ? state[at].data()[node].momentum[3] : 0.0;
   }
 
-  /// Sums what the points of all blocks around wrote for the nodes of a block. False, and nothing done, where the field
-  /// has no points there.
+  /// Sums what the particles of all blocks around wrote for the nodes of a block. False, and nothing done, where the
+  /// field has no particles there.
   template <class Record>
   bool gather(std::vector<NodeArray<Record>> const& raw, int block, int field, NodeArray<Record>& sum,
               bool scalars = false) const {

@@ -23,7 +23,7 @@ namespace brisance::observe {
 
 /// Kingery-Bulmash values at `distance` [m] from the case's charge in its ambient air: pressures by the explosive's TNT
 /// equivalent for pressure, times and impulses by that for impulse, each absent where it is unknown; arrival counts
-/// from the start of the calculation. All absent unless the case names the burst type, has one charge, and the ambient
+/// from the start of the simulation. All absent unless the case names the burst type, has one charge, and the ambient
 /// fluid is an ideal gas.
 [[nodiscard]] empirical::Blast empirical_blast(Case const& setup, double distance);
 

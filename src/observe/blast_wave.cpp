@@ -30,8 +30,8 @@ constexpr double decay_scatter = 0.01;
 constexpr double decay_curvature = 0.04;
 constexpr double fewest_fall = 5e-4;  // of the logarithm between the two ends: less is a plateau
 constexpr double most_added = 0.5;    // of the front's height: beyond it the record does not show the wave
-// The record must fall on, by at least this part of what the line says, until the line has fallen to 64 %: a plateau
-// behind an overshoot does not.
+// The record must fall on, by at least this fraction of what the line says, until the line has fallen to 64 %: a
+// plateau behind an overshoot does not.
 constexpr double least_fall = 0.25;
 constexpr double watched_fall = 0.45;
 constexpr double later_rise = 0.01;  // of the pressure: another shock has come, which ends the watch
@@ -383,12 +383,12 @@ double clipping(double cells, IncidentShock const& shock) {
   return -std::expm1(a * std::log(a) - (1.0 + a) * std::log1p(a));
 }
 
-double cells_for_clipping(double part, IncidentShock const& shock) {
+double cells_for_clipping(double fraction, IncidentShock const& shock) {
   double low = 1e-3;
   double high = 1e9;
   for (int n = 0; n < 100; ++n) {
     double const middle = std::sqrt(low * high);
-    (clipping(middle, shock) > part ? low : high) = middle;
+    (clipping(middle, shock) > fraction ? low : high) = middle;
   }
   return high;
 }

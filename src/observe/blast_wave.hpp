@@ -52,7 +52,7 @@ struct BlastWave {
   std::optional<double> half_width;
   /// Cells that the incident shock passes in that time; absent too where the cell is not known.
   std::optional<double> cells_per_half_width;
-  /// Part of the peak that cells of that number cut off, see `clipping`.
+  /// Fraction of the peak that cells of that number cut off, see `clipping`.
   std::optional<double> expected_clipping;
   bool reflected = false;  ///< the fluid is at rest behind that shock: it has met a wall
 };
@@ -81,7 +81,7 @@ struct BlastWave {
 
 /// The incident shock of a peak, as far as its capture by the cells depends on it.
 struct IncidentShock {
-  double strength = 0.0;   ///< overpressure in parts of rho c^2 / 1.4, which for air is the ambient pressure
+  double strength = 0.0;   ///< overpressure as a multiple of rho c^2 / 1.4, which for air is the ambient pressure
   bool reflected = false;  ///< the peak is that of its reflection from a wall
 };
 
@@ -89,11 +89,12 @@ struct IncidentShock {
 /// of the wave as 1 - exp(-x / length). From runs on converging grids, see docs/theory.md.
 [[nodiscard]] double captured_length(IncidentShock const& shock);
 
-/// Part of a shock's peak that the cells cut off, where the incident shock passes `cells` cells until the overpressure
-/// has fallen to half: the largest value of (1 - exp(-x / captured_length)) 2^(-x / cells) falls short of 1 by it.
+/// Fraction of a shock's peak that the cells cut off, where the incident shock passes `cells` cells until the
+/// overpressure has fallen to half: the largest value of (1 - exp(-x / captured_length)) 2^(-x / cells) falls short of
+/// 1 by it.
 [[nodiscard]] double clipping(double cells, IncidentShock const& shock);
 
 /// The number of cells that clips a peak by `part`.
-[[nodiscard]] double cells_for_clipping(double part, IncidentShock const& shock);
+[[nodiscard]] double cells_for_clipping(double fraction, IncidentShock const& shock);
 
 }  // namespace brisance::observe

@@ -21,7 +21,7 @@ constexpr double steepest_cosine = 0.71;  // beyond 45 degrees a Mach stem runs 
 
 bool is_solid(run::Case const& setup, Vec3 const& x) {
   auto const holds = [&](auto const& thing) { return shape::contains(thing.shape, setup.domain, x); };
-  return std::ranges::any_of(setup.obstacles, holds) || std::ranges::any_of(setup.points.bodies, holds);
+  return std::ranges::any_of(setup.obstacles, holds) || std::ranges::any_of(setup.particles.bodies, holds);
 }
 
 /// Does something rigid stand within a few cells behind x, seen from the charge, and face it?
@@ -101,11 +101,11 @@ double decay_time(material::Eos const& eos, material::Primitive const& air, Fron
   auto const at = [&](double r) {
     return material::shocked(eos, air.density, air.pressure, air.pressure + overpressure(r));
   };
-  constexpr double part = 0.02;  // of the radius, for the derivatives along the front
+  constexpr double fraction = 0.02;  // of the radius, for the derivatives along the front
   auto const behind = at(radius);
-  auto const before = at(radius * (1.0 - part));
-  auto const after = at(radius * (1.0 + part));
-  double const width = 2.0 * part * radius;
+  auto const before = at(radius * (1.0 - fraction));
+  auto const after = at(radius * (1.0 + fraction));
+  double const width = 2.0 * fraction * radius;
   double const p_along = (after.pressure - before.pressure) / width;
   double const u_along = (after.jump - before.jump) / width;
   double const modulus = material::bulk_modulus(eos, behind.density, behind.pressure);  // rho c^2

@@ -14,7 +14,7 @@ struct ExpectedPeak {
                                       ///< shock by `decay_time` of the curve of its peak, of a reflected one by its
                                       ///< impulse
   double cells_per_half_width = 0.0;  ///< that the incident shock passes in this time
-  double clipping = 0.0;              ///< part of the peak that such cells cut off, see `clipping`
+  double clipping = 0.0;              ///< fraction of the peak that such cells cut off, see `clipping`
   double strength = 0.0;              ///< of the incident shock, see `IncidentShock`
   bool reflected = false;             ///< a wall or a body stands behind the gauge, facing the charge
 };

@@ -21,7 +21,7 @@ struct CellOf {
   Index3 cell;  ///< in the domain
 };
 
-/// Of the gas in a cell, by cells or points.
+/// Of the gas in a cell, by cells or particles.
 using OfGas = double (*)(gas::Primitive const& gas, run::System const& system);
 using VectorOfGas = Vec3 (*)(gas::Primitive const& gas, run::System const& system);
 /// Of the cell itself.
@@ -31,10 +31,10 @@ struct GasField {
   FieldInfo info;
   std::variant<OfGas, VectorOfGas, OfCell> value;
   double (*without_gas)(run::System const& system) =
-      nullptr;  ///< where points hold the cell and there is no gas; null: 0
+      nullptr;  ///< where particles hold the cell and there is no gas; null: 0
 };
 
-/// 0: gas cells, 1: bridge, 2: points.
+/// 0: gas cells, 1: bridge, 2: particles.
 double part_of_region(CellOf const& c) {
   if (c.system.bridge == nullptr) return 0.0;
   bridge::Region const& region = c.system.bridge->region();
@@ -42,14 +42,14 @@ double part_of_region(CellOf const& c) {
   return layer == 0 ? 0.0 : layer <= region.width() ? 1.0 : 2.0;
 }
 
-/// Nothing keeps the peaks of points; those of ghost cells belong to a part of the wave only.
+/// Nothing keeps the peaks of particles; those of ghost cells belong to a part of the wave only.
 double peak(CellOf const& c, double const* values) {
   return values == nullptr || part_of_region(c) == 2.0 ? 0.0 : values[c.at.offset];
 }
 
 double ambient_pressure(run::System const& w) { return w.setup.ambient.state.pressure; }
 
-/// Part of a mixture that is not ambient fluid.
+/// Fraction of a mixture that is not ambient fluid.
 double beside_ambient(gas::Fractions const& parts) {
   double sum = parts[1];
   for (int k = 2; k < gas::most_fluids; ++k) sum += parts[k];
@@ -96,7 +96,7 @@ std::vector<GasField> const& gas_fields() {
 
 /// The gas of a cell; obstacles show what their cells hold.
 std::optional<gas::Primitive> gas_in(CellOf const& c) {
-  if (c.view != nullptr && c.view->in_points(c.cell)) return c.view->at(c.cell);
+  if (c.view != nullptr && c.view->in_particles(c.cell)) return c.view->at(c.cell);
   gas::Gas const& gas = *c.system.gas;
   return gas.primitive(c.at);
 }

@@ -19,7 +19,7 @@ class GasView;
 [[nodiscard]] std::vector<FieldInfo> const& known_fields();
 
 /// Values of a field in one block: x fastest, components interleaved; `out` is resized. With a view of all cells those
-/// that points hold show the gas of the points, and where there is none the ambient pressure and else 0. Throws
+/// that particles hold show the gas of the particles, and where there is none the ambient pressure and else 0. Throws
 /// InputError for an unknown name.
 void block_field(run::System const& system, int block, std::string const& field, std::vector<double>& out,
                  GasView const* view = nullptr);

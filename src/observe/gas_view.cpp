@@ -11,9 +11,9 @@ namespace {
 
 constexpr double least_part = 0.1;  // of a cell: with less gas than that it counts as solid
 
-/// Number of a cell (domain index), which lies in the region, in the grid of the points.
-std::size_t number_in_points_grid(bridge::Region const& region, Index3 const& cell) {
-  return region.points_domain().all_cells().offset(region.to_points(cell));
+/// Number of a cell (domain index), which lies in the region, in the grid of the particles.
+std::size_t number_in_particles_grid(bridge::Region const& region, Index3 const& cell) {
+  return region.particles_domain().all_cells().offset(region.to_particles(cell));
 }
 
 }  // namespace
@@ -21,32 +21,32 @@ std::size_t number_in_points_grid(bridge::Region const& region, Index3 const& ce
 GasView::GasView(run::System const& system, std::vector<Index3> const& cells) : system_(&system) {
   if (system.bridge == nullptr) return;
   bridge::Region const& region = system.bridge->region();
-  number_.assign(static_cast<std::size_t>(region.points_domain().cell_count()), -1);
+  number_.assign(static_cast<std::size_t>(region.particles_domain().cell_count()), -1);
   for (Index3 const& cell : cells) {
-    if (!in_points(cell)) continue;
-    int& number = number_[number_in_points_grid(region, cell)];
+    if (!in_particles(cell)) continue;
+    int& number = number_[number_in_particles_grid(region, cell)];
     if (number >= 0) continue;
     number = static_cast<int>(cells_.size());
     cells_.push_back(cell);
   }
   if (cells_.empty()) return;
-  averages_ = std::make_unique<bridge::Averages>(region.domain(), *system.points, region.shift(), cells_);
+  averages_ = std::make_unique<bridge::Averages>(region.domain(), *system.particles, region.shift(), cells_);
 }
 
 void GasView::update() {
-  if (averages_ != nullptr) averages_->compute(*system_->points, system_->gas_body());
+  if (averages_ != nullptr) averages_->compute(*system_->particles, system_->gas_body());
 }
 
-bool GasView::in_points(Index3 const& cell) const {
+bool GasView::in_particles(Index3 const& cell) const {
   if (system_->bridge == nullptr) return false;
   bridge::Region const& region = system_->bridge->region();
   return region.layer(cell) > region.width();
 }
 
 std::optional<gas::Primitive> GasView::at(Index3 const& cell) const {
-  if (in_points(cell)) {
+  if (in_particles(cell)) {
     bridge::Region const& region = system_->bridge->region();
-    bridge::CellSums const& sums = averages_->sums()[number_[number_in_points_grid(region, cell)]];
+    bridge::CellSums const& sums = averages_->sums()[number_[number_in_particles_grid(region, cell)]];
     if (sums.volume < least_part * region.metric().cell_volume(cell[0])) return std::nullopt;
     return system_->bridge->primitive(sums);
   }
@@ -57,21 +57,21 @@ std::optional<gas::Primitive> GasView::at(Index3 const& cell) const {
 
 double GasView::solid_at(Index3 const& cell) const {
   if (solids_.empty() || !system_->bridge->region().inside(cell)) return 0.0;
-  return solids_[number_in_points_grid(system_->bridge->region(), cell)];
+  return solids_[number_in_particles_grid(system_->bridge->region(), cell)];
 }
 
 void GasView::update_solids() {
   if (system_->bridge == nullptr) return;
-  mpm::Mpm const& points = *system_->points;
-  grid::Domain const& domain = system_->bridge->region().points_domain();
+  mpm::Mpm const& particles = *system_->particles;
+  grid::Domain const& domain = system_->bridge->region().particles_domain();
   grid::CellRange const all = domain.all_cells();
   int const dims = domain.dimensions();
   solids_.assign(all.count(), 0.0);
-  for (int body = 0; body < static_cast<int>(points.bodies().size()); ++body) {
+  for (int body = 0; body < static_cast<int>(particles.bodies().size()); ++body) {
     if (body == system_->gas_body()) continue;
-    double const half = 0.5 / points.bodies()[body].points_per_direction;  // of the box of a point [cells]
-    for (int block = 0; block < points.grid().block_count(); ++block) {
-      mpm::PointSet const& set = points.points(block, body);
+    double const half = 0.5 / particles.bodies()[body].particles_per_direction;  // of the box of a particle [cells]
+    for (int block = 0; block < particles.grid().block_count(); ++block) {
+      mpm::ParticleSet const& set = particles.particles(block, body);
       for (int q = 0; q < set.size(); ++q) {
         double const volume = set.field(mpm::Field::mass)[q] / set.field(mpm::Field::density)[q];
         // The two cells that the box reaches in each direction; behind a mirror its image comes back.
@@ -88,14 +88,14 @@ void GasView::update_solids() {
           }
         }
         for (int corner = 0; corner < 1 << dims; ++corner) {
-          double part = 1.0;
+          double fraction = 1.0;
           Index3 cell{0, 0, 0};
           for (int d = dims - 1; d >= 0; --d) {
             int const side = corner >> d & 1;
-            part *= parts[side][d];
+            fraction *= parts[side][d];
             cell[d] = cells[side][d];
           }
-          solids_[all.offset(cell)] += part * volume;
+          solids_[all.offset(cell)] += fraction * volume;
         }
       }
     }

@@ -1,5 +1,5 @@
 /// The gas as gauges and dumps see it, wherever it is: in cells, or, deeper in an MPM region than its bridge, in
-/// points.
+/// particles.
 #pragma once
 
 #include <memory>
@@ -17,26 +17,26 @@ namespace brisance::observe {
 
 class GasView {
  public:
-  /// Of the cells that will be asked for, those that points hold are prepared. Keeps a reference to the system.
+  /// Of the cells that will be asked for, those that particles hold are prepared. Keeps a reference to the system.
   GasView(run::System const& system, std::vector<Index3> const& cells);
-  /// Averages of the points as they are now.
+  /// Averages of the particles as they are now.
   void update();
   /// What solids fill now.
   void update_solids();
   /// Does the cell lie deeper in the MPM region than its bridge?
-  [[nodiscard]] bool in_points(Index3 const& cell) const;
+  [[nodiscard]] bool in_particles(Index3 const& cell) const;
   /// The gas in a cell; nothing in obstacles, and where solids leave the gas less than a tenth of the cell.
   [[nodiscard]] std::optional<gas::Primitive> at(Index3 const& cell) const;
-  /// Part of a cell that solids fill, 0 to 1. Each point counts where its box lies, which has the size that it had at
-  /// the start.
+  /// Fraction of a cell that solids fill, 0 to 1. Each particle counts where its box lies, which has the size that it
+  /// had at the start.
   [[nodiscard]] double solid_at(Index3 const& cell) const;
 
  private:
   run::System const* system_;
-  std::vector<Index3> cells_;  ///< in points, in the order of `averages_`
-  std::vector<int> number_;    ///< of the cells of the points' grid in `cells_`; -1: none
+  std::vector<Index3> cells_;  ///< in particles, in the order of `averages_`
+  std::vector<int> number_;    ///< of the cells of the particles' grid in `cells_`; -1: none
   std::unique_ptr<bridge::Averages> averages_;
-  std::vector<double> solids_;  ///< parts of the cells of the points' grid
+  std::vector<double> solids_;  ///< fractions of the cells of the particles' grid
 };
 
 }  // namespace brisance::observe

@@ -1,5 +1,5 @@
 /// Gauges: linear interpolation between cell centres, so that a gauge between two cells sees the shock between their
-/// times. Gauges of the material points ride on the point itself.
+/// times. Gauges of the material points ride on the particle itself.
 #include "observe/gauges.hpp"
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 #include "core/archive.hpp"
 #include "core/timer.hpp"
 #include "observe/gas_view.hpp"
-#include "observe/point_fields.hpp"
+#include "observe/gauge_columns.hpp"
+#include "observe/particle_fields.hpp"
 #include "run/system.hpp"
 
 namespace brisance::observe {
@@ -47,19 +48,19 @@ Stencil stencil_at(grid::Domain const& domain, Vec3 const& x) {
   return s;
 }
 
-Vec3 vector_at(mpm::PointSet const& set, mpm::Field first, int point) {
+Vec3 vector_at(mpm::ParticleSet const& set, mpm::Field first, int particle) {
   Vec3 v{0.0, 0.0, 0.0};
-  for (int d = 0; d < 3; ++d) v[d] = set.field(first + d)[point];
+  for (int d = 0; d < 3; ++d) v[d] = set.field(first + d)[particle];
   return v;
 }
 
-double value_at(mpm::PointSet const& set, mpm::Field field, int point) {
+double value_at(mpm::ParticleSet const& set, mpm::Field field, int particle) {
   double const* const values = set.field(field);
-  return values == nullptr ? 0.0 : values[point];
+  return values == nullptr ? 0.0 : values[particle];
 }
 
-PointRecord record_of(mpm::PointSet const& set, int q, double time) {
-  PointRecord r;
+ParticleRecord record_of(mpm::ParticleSet const& set, int q, double time) {
+  ParticleRecord r;
   r.time = time;
   r.position = vector_at(set, mpm::Field::position_x, q);
   r.velocity = vector_at(set, mpm::Field::velocity_x, q);
@@ -72,6 +73,25 @@ PointRecord record_of(mpm::PointSet const& set, int q, double time) {
   return r;
 }
 
+/// Calls use(n, of) for the columns that are sampled, n counts them.
+template <class Column, class Use>
+void for_each_sampled(std::vector<Column> const& columns, Use const& use) {
+  std::size_t n = 0;
+  for (Column const& column : columns) {
+    if (auto const* of = std::get_if<typename Column::Sampled>(&column.value)) use(n++, *of);
+  }
+}
+
+/// What a checkpoint holds of sampled columns: nothing where there are none.
+template <class Column, class Record>
+void archive_sampled(Archive& a, std::vector<Column> const& columns, std::vector<Record> const& records,
+                     std::vector<double>& sampled) {
+  std::size_t const count = sampled_columns(columns);
+  if (count == 0) return;
+  a(sampled);
+  a.require(sampled.size() == count * records.size(), "the sampled columns of a gauge");
+}
+
 constexpr double body_records = 1000.0;  // of a run, about
 
 }  // namespace
@@ -79,28 +99,29 @@ constexpr double body_records = 1000.0;  // of a run, about
 Gauges::Gauges(run::System const& system) {
   Case const& setup = system.setup;
   if (system.gas != nullptr) {
-    for (Gauge const& gauge : setup.gauges) gas.push_back({gauge, {}});
+    for (Gauge const& gauge : setup.gauges) gas.push_back({gauge, {}, {}});
     Primitive const& quiet = setup.ambient.state;
     for (GaugeHistory& history : gas) {
       if (!setup.start.remap || setup.start.from_checkpoint) break;
       history.records.push_back({0.0, quiet.pressure, quiet.density, quiet.velocity});
+      for_each_sampled(gas_columns(), [&](std::size_t, auto of) { history.sampled.push_back(of(quiet)); });
     }
   }
-  if (system.points == nullptr) return;
-  for (PointGauge const& gauge : setup.points.gauges) {
-    PointGaugeHistory history;
+  if (system.particles == nullptr) return;
+  for (ParticleGauge const& gauge : setup.particles.gauges) {
+    ParticleGaugeHistory history;
     history.gauge = gauge;
-    if (gauge.point) history.identity = mpm::nearest(*system.points, gauge.body, *gauge.point);
-    points.push_back(std::move(history));
+    if (gauge.point) history.identity = mpm::nearest(*system.particles, gauge.body, *gauge.point);
+    particles.push_back(std::move(history));
   }
 }
 
 Gauges::~Gauges() = default;
 
 void Gauges::sample(run::System& system) {
-  if (gas.empty() && system.points == nullptr) return;
+  if (gas.empty() && system.particles == nullptr) return;
   PhaseTimer const timer(system.timings["gauges"]);
-  if (system.points != nullptr) sample_points(system);
+  if (system.particles != nullptr) sample_particles(system);
   if (!gas.empty()) sample_gas(system);
 }
 
@@ -119,6 +140,7 @@ void Gauges::sample_gas(run::System const& system) {
     GaugeRecord record;
     record.time = system.clock.time;
     double sum = 0.0;
+    std::vector<double> sampled(sampled_columns(gas_columns()), 0.0);
     for (std::size_t n = 0; n < s.cells.size(); ++n) {
       auto const seen = view_->at(s.cells[n]);
       if (!seen) continue;
@@ -127,6 +149,7 @@ void Gauges::sample_gas(run::System const& system) {
       record.pressure += weight * seen->pressure;
       record.density += weight * seen->density;
       record.velocity = record.velocity + weight * seen->velocity;
+      for_each_sampled(gas_columns(), [&](std::size_t c, auto of) { sampled[c] += weight * of(*seen); });
     }
     if (sum > 0.0) {
       record.pressure /= sum;
@@ -136,10 +159,11 @@ void Gauges::sample_gas(run::System const& system) {
       record.pressure = system.setup.ambient.state.pressure;  // a body has come over the gauge
     }
     history.records.push_back(record);
+    for (double const value : sampled) history.sampled.push_back(sum > 0.0 ? value / sum : 0.0);
   }
 }
 
-void Gauges::sample_points(run::System const& system) {
+void Gauges::sample_particles(run::System const& system) {
   int const count = static_cast<int>(system.bodies.size());
   double const interval = system.setup.end.time / body_records;
   double const now = system.clock.time;
@@ -149,38 +173,41 @@ void Gauges::sample_points(run::System const& system) {
   // The sums of a body are taken once, whoever asks for them.
   std::vector<std::optional<mpm::BodySums>> sums(bodies.size());
   auto const sums_of = [&](int body) -> mpm::BodySums const& {
-    if (!sums[body]) sums[body] = mpm::sums(*system.points, body);
+    if (!sums[body]) sums[body] = mpm::sums(*system.particles, body);
     return *sums[body];
   };
   for (int body = 0; due && body < count; ++body) bodies[body].push_back({now, sums_of(body)});
-  for (PointGaugeHistory& history : points) {
+  for (ParticleGaugeHistory& history : particles) {
     int const body = history.gauge.body;
     if (!history.gauge.point) {
       history.bodies.push_back({now, sums_of(body)});
       continue;
     }
     if (history.lost) continue;
-    history.place = mpm::find(*system.points, body, history.identity, history.place);
+    history.place = mpm::find(*system.particles, body, history.identity, history.place);
     if (history.place.block < 0) {
       history.lost = true;
       continue;
     }
-    PointRecord record = record_of(system.points->points(history.place.block, body), history.place.index, now);
-    // Also of points that do not carry their origin: the gauge has seen it.
-    if (!history.points.empty()) record.displacement = record.position - history.points.front().position;
-    history.points.push_back(record);
+    mpm::ParticleSet const& set = system.particles->particles(history.place.block, body);
+    ParticleRecord record = record_of(set, history.place.index, now);
+    // Also of particles that do not carry their origin: the gauge has seen it.
+    if (!history.particles.empty()) record.displacement = record.position - history.particles.front().position;
+    history.particles.push_back(record);
+    for_each_sampled(particle_columns(),
+                     [&](std::size_t, auto of) { history.sampled.push_back(of(set, history.place.index)); });
   }
 }
 
 void Gauges::record_bodies(run::System const& system) {
   if (bodies.empty() || bodies[0].back().time >= system.clock.time) return;
   for (std::size_t body = 0; body < bodies.size(); ++body)
-    bodies[body].push_back({system.clock.time, mpm::sums(*system.points, static_cast<int>(body))});
+    bodies[body].push_back({system.clock.time, mpm::sums(*system.particles, static_cast<int>(body))});
 }
 
 void archive(Archive& a, GaugeRecord& r) { a(r.time, r.pressure, r.density, r.velocity); }
 
-void archive(Archive& a, PointRecord& r) {
+void archive(Archive& a, ParticleRecord& r) {
   a(r.time, r.position, r.displacement, r.velocity, r.pressure, r.mises, r.density, r.plastic_strain, r.temperature,
     r.damage);
 }
@@ -194,15 +221,17 @@ void Gauges::archive(Archive& a, run::System const& system) {
     a.same(history.gauge.name, "the name of a gauge");
     a.same(history.gauge.position, "the position of gauge \"" + history.gauge.name + "\"");
     a(history.records);
+    archive_sampled(a, gas_columns(), history.records, history.sampled);
   }
-  a.same(points.size(), "the number of gauges of points and bodies");
-  for (PointGaugeHistory& history : points) {
+  a.same(particles.size(), "the number of gauges of points and bodies");
+  for (ParticleGaugeHistory& history : particles) {
     a.same(history.gauge.name, "the name of a gauge");
     a.same(history.identity, "the point of gauge \"" + history.gauge.name + "\"");
-    a(history.place.block, history.place.index, history.lost, history.points, history.bodies);
-    a.require(history.place.block < system.points->grid().block_count() &&
+    a(history.place.block, history.place.index, history.lost, history.particles, history.bodies);
+    a.require(history.place.block < system.particles->grid().block_count() &&
                   (history.place.block < 0 || history.place.index >= 0),
               "the place of gauge \"" + history.gauge.name + "\"");
+    archive_sampled(a, particle_columns(), history.particles, history.sampled);
   }
   a(bodies);
   a.require(bodies.empty() || bodies.size() == system.bodies.size(), "the number of bodies with a record");

@@ -31,10 +31,11 @@ struct GaugeRecord {
 struct GaugeHistory {
   Gauge gauge;
   std::vector<GaugeRecord> records;
+  std::vector<double> sampled;  ///< record by record, of the columns that are sampled: see gauge_columns.hpp
 };
 
-/// What a gauge that rides on a point records.
-struct PointRecord {
+/// What a gauge that rides on a particle records.
+struct ParticleRecord {
   double time = 0.0;
   Vec3 position{0.0, 0.0, 0.0};      ///< [m]
   Vec3 displacement{0.0, 0.0, 0.0};  ///< since the start [m]
@@ -53,17 +54,18 @@ struct BodyRecord {
   mpm::BodySums sums;
 };
 
-struct PointGaugeHistory {
-  PointGauge gauge;
-  long identity = -1;  ///< of the point that the gauge rides on; -1: it watches the body
-  mpm::Place place;    ///< where that point was last
-  bool lost = false;   ///< the point has left the domain: the record has ended
-  std::vector<PointRecord> points;
+struct ParticleGaugeHistory {
+  ParticleGauge gauge;
+  long identity = -1;  ///< of the particle that the gauge rides on; -1: it watches the body
+  mpm::Place place;    ///< where that particle was last
+  bool lost = false;   ///< the particle has left the domain: the record has ended
+  std::vector<ParticleRecord> particles;
   std::vector<BodyRecord> bodies;
+  std::vector<double> sampled;  ///< of `particles`, as in `GaugeHistory`
 };
 
 void archive(Archive& a, GaugeRecord& record);
-void archive(Archive& a, PointRecord& record);
+void archive(Archive& a, ParticleRecord& record);
 void archive(Archive& a, BodyRecord& record);
 
 /// The histories of all gauges of a system.
@@ -75,7 +77,7 @@ class Gauges {
   ~Gauges();
 
   std::vector<GaugeHistory> gas;
-  std::vector<PointGaugeHistory> points;
+  std::vector<ParticleGaugeHistory> particles;
   /// Sums over each body, about a thousand times in a run: at the start, then whenever the gauges are sampled and the
   /// next thousandth of the end time or the end itself is reached.
   std::vector<std::vector<BodyRecord>> bodies;
@@ -89,7 +91,7 @@ class Gauges {
 
  private:
   void sample_gas(run::System const& system);
-  void sample_points(run::System const& system);
+  void sample_particles(run::System const& system);
   std::unique_ptr<GasView> view_;  ///< made with the first sample
 };
 

@@ -37,9 +37,9 @@ double gas_energy(run::System const& w) {
 
 double kinetic_energy(run::System const& system) {
   double sum = system.gas == nullptr ? 0.0 : gas_energy(system);
-  auto const& points = system.points;
-  for (int body = 0; points != nullptr && body < static_cast<int>(points->bodies().size()); ++body)
-    sum += mpm::sums(*points, body).kinetic_energy;
+  auto const& particles = system.particles;
+  for (int body = 0; particles != nullptr && body < static_cast<int>(particles->bodies().size()); ++body)
+    sum += mpm::sums(*particles, body).kinetic_energy;
   return sum;
 }
 

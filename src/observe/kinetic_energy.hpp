@@ -1,4 +1,4 @@
-/// The motion that a calculation still holds.
+/// The motion that a simulation still holds.
 #pragma once
 
 namespace brisance::run {
@@ -7,7 +7,7 @@ class System;
 
 namespace brisance::observe {
 
-/// Kinetic energy of gas and points [J]; summed in a fixed order.
+/// Kinetic energy of gas and particles [J]; summed in a fixed order.
 [[nodiscard]] double kinetic_energy(run::System const& system);
 
 }  // namespace brisance::observe

@@ -1,4 +1,4 @@
-/// Where a gauge's blast stands while the calculation goes on.
+/// Where a gauge's blast stands while the simulation goes on.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace brisance::observe {
 
-/// Overpressure, in parts of the ambient pressure, below which nothing has reached a gauge: round-off and the
+/// Overpressure, as a fraction of the ambient pressure, below which nothing has reached a gauge: round-off and the
 /// unrest of blocks that have just been woken stay below it, and no blast that anybody asks for does.
 inline constexpr double arrival_threshold = 1e-4;
 

@@ -17,17 +17,17 @@ using mpm::Field;
 
 enum class Kind { crushed, cracked };
 
-/// A broken point: where it was, and how much of the body it stands for.
+/// A broken particle: where it was, and how much of the body it stands for.
 struct Broken {
   Vec3 origin{0.0, 0.0, 0.0};
   double volume = 0.0;
   Kind kind = Kind::crushed;
 };
 
-/// The points of a body that matter here.
+/// The particles of a body that matter here.
 struct Survey {
   std::vector<Broken> broken;
-  Vec3 low{0.0, 0.0, 0.0};  ///< box around the points at the start, each with its half size
+  Vec3 low{0.0, 0.0, 0.0};  ///< box around the particles at the start, each with its half size
   Vec3 high{0.0, 0.0, 0.0};
 };
 
@@ -36,19 +36,19 @@ Survey survey_of(run::System const& w, int body, BrokenZones& zones) {
   double const far = std::numeric_limits<double>::max();
   survey.low = {far, far, far};
   survey.high = {-far, -far, -far};
-  double const density = w.points->bodies()[body].solid.density;
-  for (int block = 0; block < w.points->grid().block_count(); ++block) {
-    mpm::PointSet const& set = w.points->points(block, body);
+  double const density = w.particles->bodies()[body].solid.density;
+  for (int block = 0; block < w.particles->grid().block_count(); ++block) {
+    mpm::ParticleSet const& set = w.particles->particles(block, body);
     double const* const crushing = set.field(Field::crushing);
     double const* const cracking = set.field(Field::cracking);
     double const* const damage = set.field(Field::damage);
     double const* const mass = set.field(Field::mass);
     for (int q = 0; q < set.size(); ++q) {
-      Broken point;
+      Broken particle;
       for (int d = 0; d < 3; ++d) {
-        point.origin[d] = set.field(Field::origin_x + d)[q];
-        survey.low[d] = std::min(survey.low[d], point.origin[d]);
-        survey.high[d] = std::max(survey.high[d], point.origin[d]);
+        particle.origin[d] = set.field(Field::origin_x + d)[q];
+        survey.low[d] = std::min(survey.low[d], particle.origin[d]);
+        survey.high[d] = std::max(survey.high[d], particle.origin[d]);
       }
       if (damage[q] >= 0.5) {
         zones.damaged.mass += mass[q];
@@ -56,15 +56,15 @@ Survey survey_of(run::System const& w, int body, BrokenZones& zones) {
       }
       bool const crushed = crushing[q] >= 1.0;
       if (!crushed && cracking[q] < 1.0) continue;
-      point.kind = crushed ? Kind::crushed : Kind::cracked;
-      point.volume = mass[q] / density;
+      particle.kind = crushed ? Kind::crushed : Kind::cracked;
+      particle.volume = mass[q] / density;
       BrokenPart& part = crushed ? zones.crushed : zones.cracked;
       part.mass += mass[q];
-      part.volume += point.volume;
-      survey.broken.push_back(point);
+      part.volume += particle.volume;
+      survey.broken.push_back(particle);
     }
   }
-  double const half = 0.5 * w.points->grid().smallest_cell() / w.points->bodies()[body].points_per_direction;
+  double const half = 0.5 * w.particles->grid().smallest_cell() / w.particles->bodies()[body].particles_per_direction;
   for (int d = 0; d < w.setup.domain.dimensions(); ++d) {
     survey.low[d] -= half;
     survey.high[d] += half;
@@ -72,12 +72,12 @@ Survey survey_of(run::System const& w, int body, BrokenZones& zones) {
   return survey;
 }
 
-/// Cells that hold broken points, and which of them hang together with a face.
+/// Cells that hold broken particles, and which of them hang together with a face.
 class Cells {
  public:
   Cells(grid::Metric const& metric, std::vector<Broken> const& broken, Kind kind) : metric_(&metric) {
-    for (Broken const& point : broken) {
-      if (point.kind == kind) joined_[cell_of(point.origin)] = false;
+    for (Broken const& particle : broken) {
+      if (particle.kind == kind) joined_[cell_of(particle.origin)] = false;
     }
   }
   [[nodiscard]] Index3 cell_of(Vec3 const& x) const {
@@ -87,7 +87,7 @@ class Cells {
     }
     return cell;
   }
-  /// Joins the cell of a point on the face and all broken ones that hang together with it, corners included.
+  /// Joins the cell of a particle on the face and all broken ones that hang together with it, corners included.
   void join(Index3 const& start) {
     auto const first = joined_.find(start);
     if (first == joined_.end() || first->second) return;
@@ -114,26 +114,26 @@ class Cells {
 struct Extent {
   double diameter = 0.0;
   double depth = 0.0;
-  std::optional<double> beyond;  ///< distance to the nearest broken point that does not hang together with the face
+  std::optional<double> beyond;  ///< distance to the nearest broken particle that does not hang together with the face
 };
 
 Extent extent_of(grid::Domain const& domain, Survey const& survey, Kind kind, int face, double spacing, double images) {
   int const d = face / 2;
-  auto const below = [&](Broken const& point) {  // distance from the face
-    return face % 2 == 0 ? point.origin[d] - survey.low[d] : survey.high[d] - point.origin[d];
+  auto const below = [&](Broken const& particle) {  // distance from the face
+    return face % 2 == 0 ? particle.origin[d] - survey.low[d] : survey.high[d] - particle.origin[d];
   };
   Cells cells(domain, survey.broken, kind);
   double area = 0.0;
-  for (Broken const& point : survey.broken) {
-    if (point.kind != kind || below(point) > spacing) continue;
-    cells.join(cells.cell_of(point.origin));
-    area += point.volume / spacing * images;
+  for (Broken const& particle : survey.broken) {
+    if (particle.kind != kind || below(particle) > spacing) continue;
+    cells.join(cells.cell_of(particle.origin));
+    area += particle.volume / spacing * images;
   }
   Extent out;
-  for (Broken const& point : survey.broken) {
-    if (point.kind != kind) continue;
-    double const distance = below(point);
-    if (cells.joined(point.origin)) {
+  for (Broken const& particle : survey.broken) {
+    if (particle.kind != kind) continue;
+    double const distance = below(particle);
+    if (cells.joined(particle.origin)) {
       out.depth = std::max(out.depth, distance + 0.5 * spacing);
     } else {
       out.beyond = std::min(out.beyond.value_or(distance), distance);
@@ -150,16 +150,16 @@ Extent extent_of(grid::Domain const& domain, Survey const& survey, Kind kind, in
 
 std::vector<BrokenZones> broken_zones(run::System const& w) {
   std::vector<BrokenZones> all;
-  if (w.points == nullptr) return all;
+  if (w.particles == nullptr) return all;
   grid::Domain const& domain = w.setup.domain;
-  for (std::size_t b = 0; b < w.setup.points.bodies.size(); ++b) {
+  for (std::size_t b = 0; b < w.setup.particles.bodies.size(); ++b) {
     int const body = static_cast<int>(b);
-    mpm::Body const& made_of = w.points->bodies()[b];
+    mpm::Body const& made_of = w.particles->bodies()[b];
     if (!made_of.solid.crushes()) continue;
     BrokenZones zones;
     zones.body = body;
     Survey const survey = survey_of(w, body, zones);
-    double const spacing = w.points->grid().smallest_cell() / made_of.points_per_direction;
+    double const spacing = w.particles->grid().smallest_cell() / made_of.particles_per_direction;
     auto const mirrored = [&](int face) {
       int const d = face / 2;
       double const gap = face % 2 == 0 ? survey.low[d] - domain.lower[d] : domain.upper(d) - survey.high[d];

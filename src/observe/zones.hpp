@@ -1,4 +1,4 @@
-/// Zones of broken concrete, measured where the points stood at the start.
+/// Zones of broken concrete, measured where the particles stood at the start.
 #pragma once
 
 #include <optional>
@@ -19,16 +19,16 @@ struct BrokenPart {
   double volume = 0.0;  ///< at the start [m3], in the convention of `grid::Domain::cell_volume`
 };
 
-/// Broken concrete as seen from one face of the body: the part that hangs together with broken points on the face.
+/// Broken concrete as seen from one face of the body: the part that hangs together with broken particles on the face.
 struct FaceZone {
   grid::Face face = grid::Face::x_low;
   /// Of the crushed zone on the face: diameter of a circle of the same area, symmetry images counted; in planar 2D its
   /// width [m]; 0 in 1D.
   double crushed_diameter = 0.0;
   double crushed_depth = 0.0;     ///< largest, below the face [m]
-  double cracked_diameter = 0.0;  ///< of the cracked zone on the face, crushed points left out [m]
+  double cracked_diameter = 0.0;  ///< of the cracked zone on the face, crushed particles left out [m]
   double cracked_depth = 0.0;     ///< [m]
-  /// Distance from the face to the nearest cracked point that is not part of what hangs together with the face [m]:
+  /// Distance from the face to the nearest cracked particle that is not part of what hangs together with the face [m]:
   /// where a scab comes off.
   std::optional<double> spall_depth;
 };
@@ -41,8 +41,8 @@ struct BrokenZones {
   std::vector<FaceZone> faces;
 };
 
-/// The zones of every body of concrete; none for others. A face is a side of the smallest box around the points at the
-/// start; those on mirror planes of the domain are left out.
+/// The zones of every body of concrete; none for others. A face is a side of the smallest box around the particles at
+/// the start; those on mirror planes of the domain are left out.
 [[nodiscard]] std::vector<BrokenZones> broken_zones(run::System const& system);
 
 }  // namespace brisance::observe

@@ -19,7 +19,7 @@ namespace brisance::output {
 struct FieldSpec {
   std::string name;
   std::string unit;
-  int components = 1;  ///< 1 or 3, of points 6 too: symmetric tensors, xx yy zz xy yz zx
+  int components = 1;  ///< 1 or 3, of particles 6 too: symmetric tensors, xx yy zz xy yz zx
   std::string meaning;
 };
 
@@ -31,7 +31,7 @@ struct FieldOptions {
 /// Values of a field in one block: x fastest, components interleaved.
 using BlockValues = std::function<void(int block, std::string const& field, std::vector<double>& out)>;
 
-/// Makes a series of dumps ("fields" or "points") end with its first `count`: removes the later ones and writes the
+/// Makes a series of dumps ("fields" or "particles") end with its first `count`: removes the later ones and writes the
 /// index anew.
 void drop_later_dumps(std::filesystem::path const& folder, std::string const& kind, int count,
                       std::string const& entries);

@@ -26,18 +26,18 @@ bool is_link(fs::path const& path) {
 }
 
 /// A folder held open, so that nobody puts a link in its place meanwhile.
-class Held {
+class OpenFolder {
  public:
-  explicit Held(fs::path const& folder, std::string_view what, fs::path const& file)
+  explicit OpenFolder(fs::path const& folder, std::string_view what, fs::path const& file)
       : descriptor_(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC)) {
     if (descriptor_ >= 0) return;
     int const reason = errno;
     if (is_link(folder)) refuse_link(folder);
     throw_io_error(what, file, reason);
   }
-  ~Held() { ::close(descriptor_); }
-  Held(Held const&) = delete;
-  Held& operator=(Held const&) = delete;
+  ~OpenFolder() { ::close(descriptor_); }
+  OpenFolder(OpenFolder const&) = delete;
+  OpenFolder& operator=(OpenFolder const&) = delete;
   [[nodiscard]] int at() const { return descriptor_; }
 
  private:
@@ -48,17 +48,17 @@ class Held {
 File opened(fs::path const& path, int how, char const* mode, std::string_view what) {
   fs::path const folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   std::string const name = path.filename().string();
-  Held const held(folder, what, path);
+  OpenFolder const opened(folder, what, path);
   struct stat there {};
-  bool const exists = ::fstatat(held.at(), name.c_str(), &there, AT_SYMLINK_NOFOLLOW) == 0;
+  bool const exists = ::fstatat(opened.at(), name.c_str(), &there, AT_SYMLINK_NOFOLLOW) == 0;
   if (exists && S_ISLNK(there.st_mode)) refuse_link(path);
   if ((how & O_TRUNC) != 0 && exists && S_ISREG(there.st_mode)) {
     // A new file, not the old one emptied: another name of it (a hard link) keeps its content.
-    if (::unlinkat(held.at(), name.c_str(), 0) != 0) throw_io_error(what, path, errno);
+    if (::unlinkat(opened.at(), name.c_str(), 0) != 0) throw_io_error(what, path, errno);
     how |= O_EXCL;
   }
   // Without waiting for a reader, should it be a named pipe.
-  int const descriptor = ::openat(held.at(), name.c_str(), how | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0666);
+  int const descriptor = ::openat(opened.at(), name.c_str(), how | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0666);
   if (descriptor < 0) throw_io_error(what, path, errno);
   File file = closing(::fdopen(descriptor, mode));
   if (!file) {

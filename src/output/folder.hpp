@@ -36,7 +36,7 @@ void create_folder(std::filesystem::path const& folder);
 void prepare_folder(std::filesystem::path const& folder, Earlier earlier, double needed_bytes,
                     Written const& written = {});
 
-/// "fields/fields_000012.h5": a dump of a kind ("fields" or "points").
+/// "fields/fields_000012.h5": a dump of a kind ("fields" or "particles").
 [[nodiscard]] std::string dump_name(std::string const& kind, int number);
 /// Its number; nothing for other names.
 [[nodiscard]] std::optional<int> dump_number(std::string const& kind, std::string const& name);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "observe/gauge_columns.hpp"
 #include "observe/positive_phase.hpp"
 #include "output/file.hpp"
 #include "output/json.hpp"
@@ -202,10 +203,7 @@ GaugeFiles::GaugeFiles(fs::path const& folder, std::vector<observe::GaugeHistory
   names_ = gauge_files(folder, wanted);
   for (auto const& name : names_) {
     streams_.push_back({folder / name});
-    write_file(
-        streams_.back().path,
-        "time [s],pressure [Pa],overpressure [Pa],density [kg/m3],velocity_x [m/s],velocity_y [m/s],velocity_z [m/s],"
-        "dynamic_pressure [Pa],impulse [Pa s]\n");
+    write_file(streams_.back().path, observe::header_of(observe::gas_columns()));
   }
 }
 
@@ -214,18 +212,16 @@ void GaugeFiles::append(std::vector<observe::GaugeHistory> const& gauges) {
     auto& stream = streams_[g];
     auto const& records = gauges[g].records;
     std::string text;
+    std::size_t const sampled = observe::sampled_columns(observe::gas_columns());
     for (std::size_t i = stream.written; i < records.size(); ++i) {
       auto const& r = records[i];
-      double const overpressure = r.pressure - ambient_pressure_;
       if (i > 0) {
         auto const& before = records[i - 1];
-        stream.impulse += 0.5 * (before.pressure - ambient_pressure_ + overpressure) * (r.time - before.time);
+        stream.impulse +=
+            0.5 * (before.pressure - ambient_pressure_ + (r.pressure - ambient_pressure_)) * (r.time - before.time);
       }
-      double const dynamic_pressure = 0.5 * r.density * dot(r.velocity, r.velocity);
-      fmt::format_to(std::back_inserter(text),
-                     "{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g}\n", r.time, r.pressure,
-                     overpressure, r.density, r.velocity[0], r.velocity[1], r.velocity[2], dynamic_pressure,
-                     stream.impulse);
+      observe::GasMoment const moment{r, ambient_pressure_, stream.impulse, gauges[g].sampled.data() + sampled * i};
+      text += observe::row_of(observe::gas_columns(), r.time, moment);
     }
     stream.written = records.size();
     if (!text.empty()) append_to_file(stream.path, text);

@@ -1,4 +1,4 @@
-/// What was asked for and what the grid holds of it, for `check` and the run log.
+/// What was specified and what the grid holds of it, for `check` and the run log.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -25,7 +25,7 @@ constexpr long format_version = 1;
 constexpr long most_cells = 1L << 26U;
 constexpr long most_components = 32;
 constexpr std::size_t most_constants = 1000;
-constexpr std::size_t most_points = 100000;  // of initiation
+constexpr std::size_t most_particles = 100000;  // of initiation
 
 constexpr std::array<char const*, gas::components_of(gas::most_fluids)> component_names{
     "density", "momentum_x", "momentum_y", "momentum_z", "energy", "shock", "second_density", "volume_fraction"};
@@ -190,9 +190,9 @@ void write_profile(fs::path const& path, detonation::Profile const& p) {
   write_values(file, "constants", {constants.size()}, constants, "SI",
                "of the explosive, its products and the ambient gas", names);
   std::vector<double> initiation;
-  for (auto const& point : p.charge.initiation) {
-    initiation.insert(initiation.end(), point.position.begin(), point.position.end());
-    initiation.push_back(point.delay);
+  for (auto const& particle : p.charge.initiation) {
+    initiation.insert(initiation.end(), particle.position.begin(), particle.position.end());
+    initiation.push_back(particle.delay);
   }
   write_values(file, "initiation", {p.charge.initiation.size(), 4}, initiation, "SI",
                "position relative to the charge's centre, and delay");
@@ -246,7 +246,7 @@ detonation::Profile read_profile(fs::path const& path) {
   p.ambient = file.values("ambient", p.components, p.components);
   std::string names;
   std::vector<double> const constants = file.values("constants", 0, most_constants, &names);
-  std::vector<double> const initiation = file.values("initiation", 0, 4 * most_points);
+  std::vector<double> const initiation = file.values("initiation", 0, 4 * most_particles);
   std::size_t at = 0;
   for (double const value : constants) {
     std::size_t const end = std::min(names.find('\n', at), names.size());

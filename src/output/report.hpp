@@ -1,4 +1,4 @@
-/// The HTML report of a finished or running calculation, drawn by Python with matplotlib.
+/// The HTML report of a finished or running simulation, drawn by Python with matplotlib.
 #pragma once
 
 #include <filesystem>

@@ -148,42 +148,42 @@ json largest_drift(run::World const& world) {
   return nullptr;
 }
 
-/// The accounts of the energy of points, alone or with gas; `left`: the key of what left the domain.
-json energy_of_points(run::World const& world, char const* left) {
+/// The accounts of the energy of particles, alone or with gas; `left`: the key of what left the domain.
+json energy_of_particles(run::World const& world, char const* left) {
   run::EnergyBalance const energy = world.energy_balance();
-  mpm::Mpm const& points = *world.points;
+  mpm::Mpm const& particles = *world.particles;
   return {{"initial", json_or_null(energy.initial)},
           {"current", json_or_null(energy.current)},
           {left, json_or_null(energy.lost)},
           {"work", json_or_null(energy.work)},
-          {"lost_at_constrained_nodes", json_or_null(energy.dissipated.held)},
+          {"lost_at_constrained_nodes", json_or_null(energy.dissipated.constraints)},
           {"filtered", json_or_null(energy.dissipated.filtered)},
           {"apic", json_or_null(energy.dissipated.apic)},
           {"friction", json_or_null(energy.dissipated.friction)},
-          {"lifted", json_or_null(points.accounts().floored.energy)},
-          {"lifted_points", points.accounts().floored.points},
-          {"conducted", json_or_null(points.accounts().conducted.moved)},
+          {"lifted", json_or_null(particles.accounts().floored.energy)},
+          {"lifted_points", particles.accounts().floored.particles},
+          {"conducted", json_or_null(particles.accounts().conducted.moved)},
           {"scale", json_or_null(energy.scale)},
           {"drift", json_or_null(energy.drift())},
           {"largest_drift", largest_drift(world)}};
 }
 
 /// What a run of material points has beside the rest.
-json points(run::World const& world, double wall_seconds) {
-  mpm::Mpm const& p = *world.points;
+json particles(run::World const& world, double wall_seconds) {
+  mpm::Mpm const& p = *world.particles;
   mpm::Options const& o = p.options();
   json bodies = json::array();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     auto const& report = world.bodies[b];
     bool const gas = static_cast<int>(b) == world.gas_body();
-    auto const* body = gas ? nullptr : &world.setup.points.bodies[b];
+    auto const* body = gas ? nullptr : &world.setup.particles.bodies[b];
     // Gas has no density of its own.
     double const density = gas ? std::nan("") : body->density.value_or(body->solid.density);
     bodies.push_back({{"name", report.name},
                       {"material", report.material},
                       {"source", gas ? world.setup.ambient.fluid.source : body->solid.source},
-                      {"points", report.points},
-                      {"points_per_direction", p.bodies()[b].points_per_direction},
+                      {"points", report.particles},
+                      {"points_per_direction", p.bodies()[b].particles_per_direction},
                       {"mass", json_or_null(report.mass)},
                       {"geometric_mass", json_or_null(report.geometric_mass)},
                       {"volume", json_or_null(report.mass / density)},
@@ -195,9 +195,9 @@ json points(run::World const& world, double wall_seconds) {
   }
   auto const& a = world.audit;
   auto const& impulse = p.accounts().constraint_impulse;
-  double const count = static_cast<double>(mpm::point_count(p));
-  double const updates = count * static_cast<double>(world.clock.point_steps);
-  return {{"count", mpm::point_count(p)},
+  double const count = static_cast<double>(mpm::particle_count(p));
+  double const updates = count * static_cast<double>(world.clock.particle_steps);
+  return {{"count", mpm::particle_count(p)},
           {"bytes", mpm::bytes(p)},
           {"shape_function", word_of(o.shape)},
           {"order", word_of(o.order)},
@@ -210,10 +210,10 @@ json points(run::World const& world, double wall_seconds) {
           {"quadratic_viscosity", o.quadratic_viscosity},
           {"body_force", o.body_force},
           {"wall_friction", o.wall_friction},
-          {"constraints", world.setup.points.constraints.size()},
-          {"contacts", world.setup.points.contacts.size()},
-          {"surface_pressures", world.setup.points.pressures.size()},
-          {"gauges", world.setup.points.gauges.size()},
+          {"constraints", world.setup.particles.constraints.size()},
+          {"contacts", world.setup.particles.contacts.size()},
+          {"surface_pressures", world.setup.particles.pressures.size()},
+          {"gauges", world.setup.particles.gauges.size()},
           {"bodies", std::move(bodies)},
           {"point_updates_per_second", wall_seconds > 0.0 ? updates / wall_seconds : 0.0},
           {"audit",
@@ -227,11 +227,11 @@ json points(run::World const& world, double wall_seconds) {
               {"current", a.current.momentum},
               {"lost", a.outflow.momentum},
               {"constraint_impulse", impulse}}},
-            {"energy", energy_of_points(world, "lost")},
-            {"lost_points", p.accounts().losses.points}}}};
+            {"energy", energy_of_particles(world, "lost")},
+            {"lost_points", p.accounts().losses.particles}}}};
 }
 
-/// What a run of gas and points together has beside both.
+/// What a run of gas and particles together has beside both.
 json mpm_region(run::World const& world, double wall_seconds) {
   bridge::Bridge const& bridge = *world.bridge;
   bridge::Region const& region = bridge.region();
@@ -247,18 +247,18 @@ json mpm_region(run::World const& world, double wall_seconds) {
           {"bridge_faces", bridges},
           {"width", region.width()},
           {"transport", word_of(bridge.options().transport)},
-          {"points_per_direction", bridge.options().points_per_direction},
+          {"points_per_direction", bridge.options().particles_per_direction},
           {"transfer", word_of(settings.transfer)},
           {"order", word_of(settings.order)},
           {"awake_since", world.awake_since ? json(*world.awake_since) : json(nullptr)},
           {"gas_steps", world.clock.gas_steps},
-          {"point_steps", world.clock.point_steps},
-          {"points_born", bridge.traffic().born},
-          {"points_left", bridge.traffic().left},
+          {"point_steps", world.clock.particle_steps},
+          {"points_injected", bridge.traffic().injected},
+          {"points_absorbed", bridge.traffic().absorbed},
           {"ledger", amounts(bridge.ledger())},
           {"bridge_seconds", seconds},
           {"bridge_share", wall_seconds > 0.0 ? seconds / wall_seconds : 0.0},
-          {"energy", energy_of_points(world, "outflow")}};
+          {"energy", energy_of_particles(world, "outflow")}};
 }
 
 }  // namespace
@@ -329,9 +329,9 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"step", world.clock.step},
            {"last_dt", world.clock.dt},
            {"domain", domain_of(world.setup.domain)},
-           {"blocks", gas ? world.grid.block_count() : world.points->grid().block_count()},
+           {"blocks", gas ? world.grid.block_count() : world.particles->grid().block_count()},
            {"scheme", gas ? word_of(world.setup.numerics.scheme) : "material points"},
-           {"courant", gas ? world.setup.numerics.courant : world.setup.points.options.courant},
+           {"courant", gas ? world.setup.numerics.courant : world.setup.particles.options.courant},
            {"ambient",
             {{"fluid", world.setup.ambient.fluid.name},
              {"pressure", world.setup.ambient.state.pressure},
@@ -353,7 +353,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"machine", machine()}};
   if (world.panels != nullptr) log["panels"] = panels_json(world.panels->reports());
   if (world.setup.afterburn) log["afterburn"] = afterburn(*world.setup.afterburn);
-  if (world.points != nullptr) log["points"] = points(world, status.wall_seconds);
+  if (world.particles != nullptr) log["points"] = particles(world, status.wall_seconds);
   if (auto zones = broken_zones_json(world); !zones.empty()) log["points"]["broken_zones"] = std::move(zones);
   if (world.bridge != nullptr) log["mpm_region"] = mpm_region(world, status.wall_seconds);
   return log;

@@ -9,7 +9,7 @@
 
 #include "core/error.hpp"
 #include "observe/gas_fields.hpp"
-#include "observe/point_fields.hpp"
+#include "observe/particle_fields.hpp"
 #include "output/file.hpp"
 #include "output/folder.hpp"
 #include "output/json.hpp"
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Part of their uncompressed size that the dumps are expected to take at least: the estimate must not refuse a run
+/// Fraction of their uncompressed size that the dumps are expected to take at least: the estimate must not refuse a run
 /// that fits.
 constexpr double expected_compression = 0.5;
 
@@ -33,9 +33,9 @@ double expected_bytes(run::World const& world, WriterOptions const& options) {
   auto const fields = dumped_fields(setup);
   bool const single = setup.output.single_precision;
   double dump = FieldSeries::bytes_per_dump(setup.domain, fields, single);
-  if (world.points != nullptr) {
-    dump += PointSeries::bytes_per_dump(static_cast<double>(observe::dumped_points(world)), dumped_point_fields(setup),
-                                        single);
+  if (world.particles != nullptr) {
+    dump += ParticleSeries::bytes_per_dump(static_cast<double>(observe::dumped_particles(world)),
+                                           dumped_particle_fields(setup), single);
   }
   return dump * static_cast<double>(dump_times(setup.output, setup.end.time).size()) *
              (options.compression > 0 ? expected_compression : 1.0) +
@@ -53,12 +53,12 @@ Written files_of(run::World const& world, observe::Gauges const& histories) {
     for (int n = 0; n <= dumps; ++n) files.later.push_back(dump_name(kind, n));
   };
   if (world.gas != nullptr) series("fields");
-  if (!dumped_point_fields(setup).empty()) series("points");
-  if (world.points != nullptr) files.first.emplace_back("energies.csv");
-  if (world.points != nullptr && world.gas != nullptr) files.first.emplace_back("bodies.csv");
+  if (!dumped_particle_fields(setup).empty()) series("points");
+  if (world.particles != nullptr) files.first.emplace_back("energies.csv");
+  if (world.particles != nullptr && world.gas != nullptr) files.first.emplace_back("bodies.csv");
   std::vector<std::string> gauges;
   for (auto const& history : histories.gas) gauges.push_back(history.gauge.name);
-  for (auto const& history : histories.points) gauges.push_back(history.gauge.name);
+  for (auto const& history : histories.particles) gauges.push_back(history.gauge.name);
   for (auto& name : gauge_file_names(gauges)) files.first.push_back(std::move(name));
   if (setup.start.remap) {
     for (std::size_t n = 1; n <= setup.charges.size(); ++n)
@@ -87,7 +87,7 @@ FieldSpec spec_of(std::string const& name, std::vector<observe::FieldInfo> const
 }  // namespace
 
 std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
-  if (setup.points.any() && !setup.mpm_region) return {};
+  if (setup.particles.any() && !setup.mpm_region) return {};
   std::vector<std::string> names = setup.output.fields;
   auto const add = [&names](char const* name) {
     if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
@@ -99,7 +99,7 @@ std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
   if (!setup.obstacles.empty()) add("obstacle");
   if (setup.mpm_region) {
     add("region");
-    if (setup.points.any()) add("solid");
+    if (setup.particles.any()) add("solid");
   }
 
   std::vector<FieldSpec> specs;
@@ -108,15 +108,15 @@ std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
   return specs;
 }
 
-std::vector<FieldSpec> dumped_point_fields(run::Case const& setup) {
+std::vector<FieldSpec> dumped_particle_fields(run::Case const& setup) {
   std::vector<FieldSpec> specs;
-  if (!setup.points.any() && !(setup.mpm_region && setup.output.gas_points)) return specs;
-  auto const& standing = observe::standing_point_fields();
-  specs.reserve(standing.size() + setup.output.point_fields.size());
+  if (!setup.particles.any() && !(setup.mpm_region && setup.output.gas_particles)) return specs;
+  auto const& standing = observe::standing_particle_fields();
+  specs.reserve(standing.size() + setup.output.particle_fields.size());
   for (auto const& field : standing) specs.push_back(spec_of(field.name, standing));
-  for (auto const& name : setup.output.point_fields) {
+  for (auto const& name : setup.output.particle_fields) {
     bool const already = std::ranges::find(specs, name, &FieldSpec::name) != specs.end();
-    if (!already) specs.push_back(spec_of(name, observe::known_point_fields()));
+    if (!already) specs.push_back(spec_of(name, observe::known_particle_fields()));
   }
   return specs;
 }
@@ -144,11 +144,11 @@ Writer::Writer(run::World const& world, observe::Gauges const& gauges, fs::path 
     : histories_(&gauges),
       folder_(prepared(folder, world, gauges, options)),
       fields_(dumped_fields(world.setup)),
-      point_fields_(dumped_point_fields(world.setup)),
+      particle_fields_(dumped_particle_fields(world.setup)),
       series_(folder_, {world.setup.output.single_precision, options.compression}),
-      points_(folder_, {world.setup.output.single_precision, options.compression}),
+      particles_(folder_, {world.setup.output.single_precision, options.compression}),
       gauges_(folder_, gauges.gas, world.setup.ambient.state.pressure),
-      point_gauges_(folder_, world, gauges),
+      particle_gauges_(folder_, world, gauges),
       begin_(std::chrono::steady_clock::now()),
       started_at_(fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))) {
   replace_file(folder_ / "deck.toml", world.setup.deck_text);
@@ -156,10 +156,11 @@ Writer::Writer(run::World const& world, observe::Gauges const& gauges, fs::path 
 }
 
 void Writer::dump_fields(run::World const& world) {
-  if (!point_fields_.empty()) {
-    points_.dump(
-        world.clock.time, world.clock.step, world.setup.domain.geometry, observe::dumped_points(world), point_fields_,
-        [&world](std::string const& field, std::vector<double>& out) { observe::point_field(world, field, out); });
+  if (!particle_fields_.empty()) {
+    particles_.dump(world.clock.time, world.clock.step, world.setup.domain.geometry, observe::dumped_particles(world),
+                    particle_fields_, [&world](std::string const& field, std::vector<double>& out) {
+                      observe::particle_field(world, field, out);
+                    });
   }
   if (world.gas != nullptr) {
     if (world.bridge != nullptr) {
@@ -179,13 +180,13 @@ Writer::~Writer() = default;
 
 void Writer::append_gauges() {
   gauges_.append(histories_->gas);
-  point_gauges_.append(*histories_);
+  particle_gauges_.append(*histories_);
 }
 
 void Writer::archive(Archive& a, run::World const& world) {
   a.section("output");
   double wall = wall_seconds();
-  a(series_, points_, started_at_, wall, resumed_at_);
+  a(series_, particles_, started_at_, wall, resumed_at_);
   constexpr double longest = 1e10;  // s, beyond all runs
   a.require(wall >= 0.0 && wall < longest, "the time by the clock");
   if (!a.reading()) return;
@@ -204,11 +205,11 @@ double Writer::wall_seconds() const {
 void Writer::finish(run::World const& world, std::string const& end_reason, int exit_code) {
   append_gauges();
   if (world.gas == nullptr) {
-    write_point_summary(folder_, world, *histories_, point_gauges_.names());
+    write_particle_summary(folder_, world, *histories_, particle_gauges_.names());
   } else {
-    nlohmann::json more = world.points == nullptr
-                              ? nlohmann::json::object()
-                              : write_point_table(folder_ / "bodies.csv", world, *histories_, point_gauges_.names());
+    nlohmann::json more = world.particles == nullptr ? nlohmann::json::object()
+                                                     : write_particle_table(folder_ / "bodies.csv", world, *histories_,
+                                                                            particle_gauges_.names());
     if (world.setup.afterburn) more["afterburn_energy"] = json_or_null(world.audit.afterburn_energy);
     if (world.panels != nullptr) more["panels"] = panels_json(world.panels->reports());
     if (!world.starts.empty()) more["starts"] = starts(world);

@@ -9,8 +9,8 @@
 ///     energies.csv        energies of every body, growing during the run
 ///     checkpoints/        the whole state, see checkpoint.hpp
 ///     summary.csv, .json  peaks, arrivals, durations, impulses of the gauges beside Kingery-Bulmash; of material
-///                         points the displacements, velocities and energies
-///     bodies.csv          of calculations with gas and bodies: what summary.csv holds of material points alone
+///                         particles the displacements, velocities and energies
+///     bodies.csv          of simulations with gas and bodies: what summary.csv holds of material points alone
 #pragma once
 
 #include <algorithm>
@@ -26,8 +26,8 @@
 #include "output/fields.hpp"
 #include "output/folder.hpp"
 #include "output/gauges.hpp"
-#include "output/point_gauges.hpp"
-#include "output/points.hpp"
+#include "output/particle_gauges.hpp"
+#include "output/particles.hpp"
 
 namespace brisance::run {
 class World;
@@ -66,7 +66,7 @@ class Writer {
   void archive(Archive& a, run::World const& world);
 
   [[nodiscard]] std::filesystem::path const& folder() const { return folder_; }
-  [[nodiscard]] int dump_count() const { return std::max(series_.count(), points_.count()); }
+  [[nodiscard]] int dump_count() const { return std::max(series_.count(), particles_.count()); }
 
  private:
   [[nodiscard]] double wall_seconds() const;
@@ -75,25 +75,25 @@ class Writer {
   observe::Gauges const* histories_;
   std::filesystem::path folder_;
   std::vector<FieldSpec> fields_;
-  std::vector<FieldSpec> point_fields_;
+  std::vector<FieldSpec> particle_fields_;
   std::unique_ptr<observe::GasView> view_;  ///< of all cells, made with the first dump
   FieldSeries series_;
-  PointSeries points_;
+  ParticleSeries particles_;
   GaugeFiles gauges_;
-  PointGaugeFiles point_gauges_;
+  ParticleGaugeFiles particle_gauges_;
   std::chrono::steady_clock::time_point begin_;
   std::string started_at_;
   std::vector<long> resumed_at_;  ///< steps at which the run was taken up again
 };
 
-/// The fields of the gas that the dumps of a case hold: the asked ones, the peak fields where asked, the obstacle mask
-/// where there are obstacles, region and solid where there is an MPM region. None without gas. Throws InputError for an
-/// unknown name.
+/// The fields of the gas that the dumps of a case hold: the specified ones, the peak fields where asked, the obstacle
+/// mask where there are obstacles, region and solid where there is an MPM region. None without gas. Throws InputError
+/// for an unknown name.
 [[nodiscard]] std::vector<FieldSpec> dumped_fields(run::Case const& setup);
 
-/// Those of material points: position, body, material and the asked ones. None where no points are dumped. Throws
-/// InputError for an unknown name.
-[[nodiscard]] std::vector<FieldSpec> dumped_point_fields(run::Case const& setup);
+/// Those of material points: position, body, material and the specified ones. None where no particles are dumped.
+/// Throws InputError for an unknown name.
+[[nodiscard]] std::vector<FieldSpec> dumped_particle_fields(run::Case const& setup);
 
 /// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end.
 /// Times closer than 1e-9 of the end time are one.

@@ -1,4 +1,4 @@
-/// One step of the calculation: gas alone, points alone, or both, [Cui14] Sec. 3.5.
+/// One step of the simulation: gas alone, particles alone, or both, [Cui14] Sec. 3.5.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ double stable_gas_step(System const& w) {
       w.panels == nullptr || w.panels->last_opening() == 0 ? 1.0 : ramp_since(w, w.panels->last_opening());
   double courant = std::min(ramp(w), opening) * w.setup.numerics.courant;
   if (gas.burn.bursting()) {
-    // Gentle enough at the start too; and whatever Courant number is asked for, the burst has the same steps.
+    // Gentle enough at the start too; and whatever Courant number is specified, the burst has the same steps.
     courant = std::min(opening * w.setup.numerics.courant, bursting_courant);
     // A charge that burns releases its pressure within a step, and the products that break out of it run ahead of the
     // detonation at up to 1.3 D with the sound on top: twice D bounds both.
@@ -41,19 +41,19 @@ double stable_gas_step(System const& w) {
   return std::min(step, gas.burn.next_burst() - gas.time());
 }
 
-/// A shock that is about to enter the region bounds the step of the points as those do that are in it.
-double stable_point_step(System const& w) {
-  double step = w.points->stable_step();
+/// A shock that is about to enter the region bounds the step of the particles as those do that are in it.
+double stable_particle_step(System const& w) {
+  double step = w.particles->stable_step();
   if (w.bridge != nullptr && w.bridge->incoming_signal() > 0.0) {
     step = std::min(step, w.setup.mpm_region->courant * w.bridge->region().metric().h / w.bridge->incoming_signal());
   }
   return ramp(w) * step;
 }
 
-/// Do the points take part in the step?
-bool points_move(System const& w) { return w.points != nullptr && (w.bridge == nullptr || w.bridge->awake()); }
+/// Do the particles take part in the step?
+bool particles_move(System const& w) { return w.particles != nullptr && (w.bridge == nullptr || w.bridge->awake()); }
 
-constexpr double most_parts = 64;     // of a common step that the points take
+constexpr double most_parts = 64;     // of a common step that the particles take
 constexpr double most_gas_parts = 4;  // that the gas takes: its ghost cells wait meanwhile
 
 /// Steps of at most `stable()` that fill `dt`.
@@ -63,15 +63,15 @@ void in_parts(double dt, Stable&& stable, Step&& step) {
   while (done < dt) {
     double const left = dt - done;
     double const parts = std::ceil(left / stable() * (1.0 - 1e-12));
-    double const part = parts <= 1.0 ? left : left / parts;
-    step(done, part);
-    done = parts <= 1.0 ? dt : done + part;
+    double const fraction = parts <= 1.0 ? left : left / parts;
+    step(done, fraction);
+    done = parts <= 1.0 ? dt : done + fraction;
   }
 }
 
-/// One CFDMP step, [Cui14] Sec. 3.5; (k) is the paper's item k. Where the stable steps of gas and points differ, each
-/// takes several within the common one; the gas goes first, so that the points find the cells beside them at any time
-/// in between.
+/// One CFDMP step, [Cui14] Sec. 3.5; (k) is the paper's item k. Where the stable steps of gas and particles differ,
+/// each takes several within the common one; the gas goes first, so that the particles find the cells beside them at
+/// any time in between.
 void advance_coupled(System& w, double dt) {
   bridge::Bridge& bridge = *w.bridge;
   {
@@ -80,8 +80,8 @@ void advance_coupled(System& w, double dt) {
   }
   in_parts(
       dt, [&] { return stable_gas_step(w); },
-      [&](double, double part) {
-        w.gas->advance(part, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
+      [&](double, double fraction) {
+        w.gas->advance(fraction, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
         ++w.clock.gas_steps;
       });
   {
@@ -89,19 +89,19 @@ void advance_coupled(System& w, double dt) {
     bridge.read_cells();
   }
   in_parts(
-      dt, [&] { return stable_point_step(w); },
-      [&](double done, double part) {
+      dt, [&] { return stable_particle_step(w); },
+      [&](double done, double fraction) {
         {
           PhaseTimer const timer(w.timings["bridge"]);
-          bridge.lend_cells_to_nodes(done / dt, (done + part) / dt);  // (3), (5) Eqs. (37)-(39)
+          bridge.lend_cells_to_nodes(done / dt, (done + fraction) / dt);  // (3), (5) Eqs. (37)-(39)
         }
-        w.points->advance(part);  // (2), (4), (6), (9)-(13) Eqs. (18)-(30)
-        ++w.clock.point_steps;
+        w.particles->advance(fraction);  // (2), (4), (6), (9)-(13) Eqs. (18)-(30)
+        ++w.clock.particle_steps;
         PhaseTimer const timer(w.timings["bridge"]);
-        bridge.exchange(part / dt, part);  // (14)
-        hand_over_products(w.setup, *w.points, bridge.gas_body());
+        bridge.exchange(fraction / dt, fraction);  // (14)
+        hand_over_products(w.setup, *w.particles, bridge.gas_body());
         int const interval = w.setup.mpm_region->population_interval;
-        if (interval > 0 && w.clock.point_steps % interval == 0) w.points->control_population(bridge.gas_body());
+        if (interval > 0 && w.clock.particle_steps % interval == 0) w.particles->control_population(bridge.gas_body());
       });
   w.gas->coupling.clear_watched();
   PhaseTimer const timer(w.timings["bridge"]);
@@ -113,12 +113,12 @@ void advance_coupled(System& w, double dt) {
 }  // namespace
 
 double stable_step(System const& w) {
-  if (w.gas == nullptr) return stable_point_step(w);
+  if (w.gas == nullptr) return stable_particle_step(w);
   double const gas = stable_gas_step(w);
-  if (!points_move(w)) return gas;
-  double const points = stable_point_step(w);
-  if (!w.setup.mpm_region->subcycling) return std::min(gas, points);
-  return std::min({std::max(gas, points), most_gas_parts * gas, most_parts * points});
+  if (!particles_move(w)) return gas;
+  double const particles = stable_particle_step(w);
+  if (!w.setup.mpm_region->subcycling) return std::min(gas, particles);
+  return std::min({std::max(gas, particles), most_gas_parts * gas, most_parts * particles});
 }
 
 double advance(System& w, double latest) {
@@ -138,14 +138,14 @@ double advance(System& w, double latest) {
   double const left = latest - w.clock.time;
   bool const arrives = left <= stable;
   double const dt = arrives ? left : left < 2.0 * stable ? 0.5 * left : stable;  // no sliver before an output time
-  if (w.gas != nullptr && points_move(w)) {
+  if (w.gas != nullptr && particles_move(w)) {
     advance_coupled(w, dt);
   } else if (w.gas != nullptr) {
     w.gas->advance(dt, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
     ++w.clock.gas_steps;
   } else {
-    w.points->advance(dt);  // (2)-(4), (6), (9)-(13) Eqs. (18)-(30)
-    ++w.clock.point_steps;
+    w.particles->advance(dt);  // (2)-(4), (6), (9)-(13) Eqs. (18)-(30)
+    ++w.clock.particle_steps;
   }
   w.clock.time = arrives ? latest : w.clock.time + dt;
   w.clock.dt = dt;
@@ -154,8 +154,8 @@ double advance(System& w, double latest) {
   if (w.gas != nullptr) {
     for (auto const& [phase, seconds] : w.gas->timings()) w.timings[phase] = seconds;
   }
-  if (w.points != nullptr) {
-    for (auto const& [phase, seconds] : w.points->timings()) w.timings[phase] = seconds;
+  if (w.particles != nullptr) {
+    for (auto const& [phase, seconds] : w.particles->timings()) w.timings[phase] = seconds;
   }
   return dt;
 }

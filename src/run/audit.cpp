@@ -17,24 +17,24 @@ namespace {
 
 /// Error of a balance that is kept by construction, relative to its largest term: round-off of a long run.
 constexpr double round_off = 1e-10;
-/// What guards add, as a part of the charges' energy, or without charges of the energy at work. It is an error of the
-/// same kind as a drift, but it stands in few cells, where it ruins the state long before the sum shows it.
+/// What guards add, as a fraction of the charges' energy, or without charges of the energy at work. It is an error of
+/// the same kind as a drift, but it stands in few cells, where it ruins the state long before the sum shows it.
 constexpr double guards_warn = 1e-4;
 constexpr double guards_fail = 1e-2;
-/// Gas in the ledger beyond what is on its way through the faces, as a part of the region's gas.
+/// Gas in the ledger beyond what is on its way through the faces, as a fraction of the region's gas.
 constexpr double ledger_warn = 0.01;
 constexpr double ledger_fail = 0.05;
 /// Unburnt explosive has no strength in programmed burn: a blow compresses it like dust, far beyond any real state, and
 /// what it does when it is lit at last means nothing.
 constexpr double unlit_warn = 0.05;
-/// A drift up to this part of all energy, that of the ambient state included, is round-off: water at rest holds
+/// A drift up to this fraction of all energy, that of the ambient state included, is round-off: water at rest holds
 /// megajoules, and a plate under stress holds what it was given.
 constexpr double drift_round_off = 1e-9;
-/// Bodies at rest without stress have no energy at all; their points tremble by round-off of the speed of sound,
+/// Bodies at rest without stress have no energy at all; their particles tremble by round-off of the speed of sound,
 /// squared.
 constexpr double noise = 1e-20;
-/// The audit is looked at whenever a part of the end time has gone by, and every so many steps: the end time may be far
-/// beyond the end.
+/// The audit is looked at whenever a fraction of the end time has gone by, and every so many steps: the end time may be
+/// far beyond the end.
 constexpr double looks = 1000.0;
 constexpr long steps_between_looks = 64;
 
@@ -56,8 +56,8 @@ double charge_energy(World const& w) {
   for (int k = 1; k < material::most_fluids; ++k) {
     if (auto const* explosive = w.setup.explosive_of(k)) sum += w.audit.initial.mass[k] * explosive->specific_energy();
   }
-  for (std::size_t b = 0; b < w.setup.points.bodies.size(); ++b) {
-    Body const& body = w.setup.points.bodies[b];
+  for (std::size_t b = 0; b < w.setup.particles.bodies.size(); ++b) {
+    Body const& body = w.setup.particles.bodies[b];
     if (burns(body)) sum += w.bodies[b].mass * body.specific_energy.value_or(body.solid.specific_energy);
   }
   return sum;
@@ -66,8 +66,8 @@ double charge_energy(World const& w) {
 /// Sum of m c^2 over the bodies [J].
 double stiffness(World const& w) {
   double sum = 0.0;
-  for (std::size_t b = 0; b < w.setup.points.bodies.size(); ++b) {
-    material::Solid const& solid = w.setup.points.bodies[b].solid;
+  for (std::size_t b = 0; b < w.setup.particles.bodies.size(); ++b) {
+    material::Material const& solid = w.setup.particles.bodies[b].solid;
     double const c = material::sound_speed(solid, solid.density, material::start_pressure(solid));
     if (std::isfinite(c)) sum += w.bodies[b].mass * c * c;
   }
@@ -111,18 +111,18 @@ bool AuditFinding::stops() const {
   return fail > 0.0 && !(std::abs(amount) <= std::max(fail * scale + fresh, smallest));
 }
 
-/// Without gas the mass is that of all bodies, with gas that of the fluids in the gas points.
-Totals World::point_totals() const {
+/// Without gas the mass is that of all bodies, with gas that of the fluids in the gas particles.
+Totals World::particle_totals() const {
   Totals total;
   int const gas_body = this->gas_body();
-  for (int body = 0; body < static_cast<int>(points->bodies().size()); ++body) {
-    mpm::BodySums const sums = mpm::sums(*points, body);
+  for (int body = 0; body < static_cast<int>(particles->bodies().size()); ++body) {
+    mpm::BodySums const sums = mpm::sums(*particles, body);
     total.momentum = total.momentum + sums.momentum;
     total.energy += sums.kinetic_energy + sums.internal_energy - sums.provisional_energy;
     total.kinetic_energy += sums.kinetic_energy;
-    if (body != gas_body) total.rest_energy += sums.mass * rest_energy(setup, setup.points.bodies[body]);
+    if (body != gas_body) total.rest_energy += sums.mass * rest_energy(setup, setup.particles.bodies[body]);
     if (gas_body >= 0 && body != gas_body) {
-      if (int const fluid = products_of(setup, setup.points.bodies[body])) total.mass[fluid] += sums.mass;
+      if (int const fluid = products_of(setup, setup.particles.bodies[body])) total.mass[fluid] += sums.mass;
       continue;
     }
     for (int k = 0; k < material::most_fluids; ++k) total.mass[k] += sums.fluid_mass[k];
@@ -131,12 +131,12 @@ Totals World::point_totals() const {
 }
 
 Totals World::totals() const {
-  if (gas == nullptr) return point_totals();
+  if (gas == nullptr) return particle_totals();
   Totals total = gas_totals();
   total.rest_energy = gas_rest_energy_;
   if (bridge != nullptr) {
     total += ledger_totals();
-    total += point_totals();
+    total += particle_totals();
   }
   return total;
 }
@@ -178,8 +178,8 @@ double World::gas_rest_energy() const {
       if (gas->coupling.is_own(cell)) volume += block.volume(cell);
     });
   }
-  for (int b = 0; bridge != nullptr && b < points->grid().block_count(); ++b) {
-    mpm::PointSet const& set = points->points(b, gas_body());
+  for (int b = 0; bridge != nullptr && b < particles->grid().block_count(); ++b) {
+    mpm::ParticleSet const& set = particles->particles(b, gas_body());
     for (int q = 0; q < set.size(); ++q) volume += set.field(mpm::Field::mass)[q] / set.field(mpm::Field::density)[q];
   }
   Primitive const& ambient = setup.ambient.state;
@@ -195,11 +195,11 @@ void World::start_audit() {
   audit.memory.all = energy_balance().all;
 }
 
-/// What is known without a look at cells and points.
+/// What is known without a look at cells and particles.
 void World::take_account() {
   audit.outflow = {};
-  if (points != nullptr) {
-    mpm::Losses const& lost = points->accounts().losses;
+  if (particles != nullptr) {
+    mpm::Losses const& lost = particles->accounts().losses;
     if (gas == nullptr) audit.outflow.mass[0] = lost.mass;
     audit.outflow.momentum = lost.momentum;
     audit.outflow.energy = lost.energy;
@@ -226,7 +226,7 @@ void World::update_audit() {
 
 /// At present; see `EnergyBalance::scale`. The energy of gas alone follows from what went through its boundaries.
 double World::energy_at_work() const {
-  if (points != nullptr) return energy_above(audit.current) + std::abs(points->accounts().outer_work);
+  if (particles != nullptr) return energy_above(audit.current) + std::abs(particles->accounts().outer_work);
   return std::abs(audit.initial.energy - audit.initial.rest_energy - audit.outflow.energy + audit.afterburn_energy +
                   audit.panels.energy);
 }
@@ -238,9 +238,9 @@ EnergyBalance World::energy_balance() const {
   balance.lost = audit.outflow.energy;
   balance.released = audit.afterburn_energy;
   balance.opened = audit.panels.energy;
-  if (points != nullptr) {
-    balance.work = points->accounts().outer_work;
-    balance.dissipated = points->accounts().dissipation;
+  if (particles != nullptr) {
+    balance.work = particles->accounts().outer_work;
+    balance.dissipated = particles->accounts().dissipation;
   }
   balance.scale = std::max(audit.memory.scale, energy_at_work());
   balance.all = std::max(audit.memory.all, energy_at_work() + std::abs(audit.current.rest_energy));
@@ -248,14 +248,14 @@ EnergyBalance World::energy_balance() const {
 }
 
 bool World::audit_is_due() const {
-  double const part = setup.end.time / looks;
-  auto const number = [part](double time) { return std::floor(time / part * (1.0 + 1e-12)); };
+  double const fraction = setup.end.time / looks;
+  auto const number = [fraction](double time) { return std::floor(time / fraction * (1.0 + 1e-12)); };
   return finished() || clock.step % steps_between_looks == 0 || number(clock.time) > number(clock.time - clock.dt);
 }
 
 void World::follow_audit() {
   AuditMemory& memory = audit.memory;
-  bool const due = points != nullptr && audit_is_due();
+  bool const due = particles != nullptr && audit_is_due();
   if (gas != nullptr && gas->burn.burning() && audit_is_due()) {
     memory.unlit = std::max(memory.unlit, gas::unlit_compression(*gas));
   }
@@ -271,11 +271,11 @@ void World::follow_audit() {
     if (bridge != nullptr) {
       memory.content = std::max(memory.content, bridge->content());
       memory.surplus = std::max(memory.surplus, bridge->surplus());
-      memory.gas = std::max(memory.gas, mpm::sums(*points, gas_body()).mass);
+      memory.gas = std::max(memory.gas, mpm::sums(*particles, gas_body()).mass);
     }
   } else {
     take_account();
-    if (points == nullptr) {
+    if (particles == nullptr) {
       memory.scale = std::max(memory.scale, energy_at_work());
       memory.all = std::max(memory.all, energy_at_work() + std::abs(audit.initial.rest_energy));
     }
@@ -302,26 +302,26 @@ std::vector<AuditFinding> World::audit_findings() const {
     found.push_back({Kind::mass, relative.mass[k], 1.0, round_off});
     found.back().fluid = k;
   }
-  if (points == nullptr) found.push_back({Kind::gas_energy, relative.energy, 1.0, round_off});
+  if (particles == nullptr) found.push_back({Kind::gas_energy, relative.energy, 1.0, round_off});
   if (gas != nullptr) {
     double const of_charges = charge_energy(*this);
     double const fail = limits.fail > 0.0 ? guards_fail : 0.0;
-    double const added = audit.guard_energy + (points == nullptr ? 0.0 : points->accounts().floored.energy);
+    double const added = audit.guard_energy + (particles == nullptr ? 0.0 : particles->accounts().floored.energy);
     found.push_back({Kind::guard_energy, added, of_charges > 0.0 ? of_charges : energy.scale, guards_warn, fail,
                      of_charges > 0.0 ? 0.0 : drift_round_off * energy.all});
     double const mass = setup.charges.empty() ? audit.initial.mass[0] : audit.initial.mass[gas::products_fluid];
     found.push_back({Kind::guard_mass, audit.guard_mass, mass, guards_warn, fail});
     if (!setup.charges.empty()) found.push_back({Kind::unlit, audit.memory.unlit, 1.0, unlit_warn});
   }
-  if (points == nullptr) return found;
+  if (particles == nullptr) return found;
   if (gas == nullptr) {
-    found.push_back({Kind::guard_energy, points->accounts().floored.energy, energy.scale, guards_warn,
+    found.push_back({Kind::guard_energy, particles->accounts().floored.energy, energy.scale, guards_warn,
                      limits.fail > 0.0 ? guards_fail : 0.0, drift_round_off * energy.all});
   }
   // Velocities stand half a step before positions and stress (a leapfrog): while loads set something in motion, the
   // energies of the same time do not add up. The work that they did since the look before bounds that; it is a small
-  // part of the scale but in the first moments of a load.
-  double const work = points->accounts().outer_work;
+  // fraction of the scale but in the first moments of a load.
+  double const work = particles->accounts().outer_work;
   double const fresh = std::max(audit.memory.fresh, std::abs(work - audit.memory.work));
   double const drift = larger_size(audit.memory.drift, energy.error());
   double const smallest = std::max(drift_round_off * energy.all, noise * stiffness(*this));
@@ -370,7 +370,7 @@ bool World::for_comparison() const {
 
 Verdict World::verdict() const {
   Verdict verdict;
-  verdict.drift_judged = points == nullptr || setup.audit.warn > 0.0;
+  verdict.drift_judged = particles == nullptr || setup.audit.warn > 0.0;
   for (AuditFinding const& finding : audit_findings()) {
     if (finding.tells()) verdict.reasons.push_back(in_words(finding));
   }

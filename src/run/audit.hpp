@@ -1,4 +1,4 @@
-/// What the audit of a calculation knows and says.
+/// What the audit of a simulation knows and says.
 #pragma once
 
 #include <array>
@@ -41,7 +41,7 @@ struct AuditMemory {
   double drift = 0.0;    ///< of the energy, the largest of either sign [J]
   double content = 0.0;  ///< largest sum of the sizes of the masses in the ledger's accounts [kg]
   double surplus = 0.0;  ///< largest mass in the ledger that does not belong there [kg]
-  double gas = 0.0;      ///< largest mass of the gas points [kg]
+  double gas = 0.0;      ///< largest mass of the gas particles [kg]
   double work = 0.0;     ///< of loads, until the last look [J]
   double fresh = 0.0;    ///< of it, since the look before, its size [J]
   double unlit = 0.0;    ///< largest compression of explosive before it was lit
@@ -52,7 +52,7 @@ struct AuditMemory {
 struct Audit {
   Totals initial;
   Totals current;           ///< `ledger` included
-  Totals ledger;            ///< of it, what is under way between gas cells and points
+  Totals ledger;            ///< of it, what is under way between gas cells and particles
   Totals outflow;           ///< left through the domain's faces since the start; momentum includes the pressure impulse
   long fallback_faces = 0;  ///< faces whose flux was replaced by, or blended with, a first-order one
   long guarded_cells = 0;   ///< cell updates in which density or internal energy had to be lifted to its floor
@@ -95,18 +95,18 @@ struct EnergyBalance {
 /// Something that the audit has looked at.
 struct AuditFinding {
   enum class Kind {
-    mass,          ///< of a fluid, or of the points
+    mass,          ///< of a fluid, or of the particles
     gas_energy,    ///< of gas alone
     guard_energy,  ///< that the guards added
     guard_mass,
-    drift,   ///< of the energy of points, alone or together with gas
-    ledger,  ///< gas that lies between cells and points
+    drift,   ///< of the energy of particles, alone or together with gas
+    ledger,  ///< gas that lies between cells and particles
     unlit,   ///< compression of explosive before it was lit
   };
   Kind kind = Kind::drift;
   double amount = 0.0;    ///< what is too much [J, kg or of 1], with its sign
   double scale = 0.0;     ///< of what [J, kg or 1]
-  double warn = 0.0;      ///< part of the scale from which on the run does not balance
+  double warn = 0.0;      ///< fraction of the scale from which on the run does not balance
   double fail = 0.0;      ///< from which on it stops; 0: never
   double smallest = 0.0;  ///< amounts up to this are none [J or kg]
   double fresh = 0.0;     ///< what the limits leave on top, see `World::audit_findings` [J]

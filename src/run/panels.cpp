@@ -26,9 +26,9 @@ double difference_of(gas::Gas const& gas, PanelReport const& panel) {
     for (int side = 0; side < 2; ++side) {
       Index3 const cell = side == 0 ? below(c, direction) : above(c, direction);
       if (gas.obstacles.contain(cell)) continue;  // another panel
-      double const part = area_of(domain, c, direction, side == 1);
-      force[side] += part * pressure_of(gas, cell);
-      area[side] += part;
+      double const fraction = area_of(domain, c, direction, side == 1);
+      force[side] += fraction * pressure_of(gas, cell);
+      area[side] += fraction;
     }
   }
   return area[0] > 0.0 && area[1] > 0.0 ? force[0] / area[0] - force[1] / area[1] : 0.0;

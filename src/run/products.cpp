@@ -22,9 +22,10 @@ std::string fluid_in_words(Case const& c, int fluid) {
   return fluid == 0 ? c.ambient.fluid.name : fmt::format("the {} fluid", numbers.at(fluid));
 }
 
-void hand_over_products(Case const& setup, mpm::Mpm& points, int gas_body) {
-  for (std::size_t n = 0; n < setup.points.bodies.size(); ++n) {
-    if (products_of(setup, setup.points.bodies[n]) > 0) mpm::hand_over_burnt(points, static_cast<int>(n), gas_body);
+void hand_over_products(Case const& setup, mpm::Mpm& particles, int gas_body) {
+  for (std::size_t n = 0; n < setup.particles.bodies.size(); ++n) {
+    if (products_of(setup, setup.particles.bodies[n]) > 0)
+      mpm::hand_over_burnt(particles, static_cast<int>(n), gas_body);
   }
 }
 

@@ -13,6 +13,6 @@ namespace brisance::run {
 /// A fluid of the gas in messages.
 [[nodiscard]] std::string fluid_in_words(Case const& setup, int fluid);
 /// What has burnt of the explosives in the MPM region becomes gas.
-void hand_over_products(Case const& setup, mpm::Mpm& points, int gas_body);
+void hand_over_products(Case const& setup, mpm::Mpm& particles, int gas_body);
 
 }  // namespace brisance::run

@@ -47,8 +47,8 @@ struct ObstacleReport {
 struct BodyReport {
   std::string name;
   std::string material;
-  long points = 0;
-  double mass = 0.0;            ///< of the points [kg]
+  long particles = 0;
+  double mass = 0.0;            ///< of the particles [kg]
   double geometric_mass = 0.0;  ///< of the shape's part in the domain [kg]
   int bars = 0;                 ///< of reinforcement
   double bar_volume = 0.0;      ///< of them in the domain [m3]

@@ -16,19 +16,19 @@ void archive(Archive& a, ChargeReport& r) {
 
 void archive(Archive& a, StartReport& r) {
   a(r.method, r.from, r.cell, r.charge_radius, r.by);
-  a.require(r.method == StartMethod::gas || r.method == StartMethod::points, "the method of the start");
+  a.require(r.method == StartMethod::gas || r.method == StartMethod::particles, "the method of the start");
   detonation::archive(a, r.remap);
 }
 
 void World::archive(Archive& a) {
   a.section("world");
   a.same(gas != nullptr, "whether there is gas");
-  a.same(points != nullptr, "whether there are material points");
+  a.same(particles != nullptr, "whether there are material points");
   a.same(setup.domain.cells, "the number of cells");
   a.same(grid.smallest_cell(), "the size of the cells");
-  a(clock.time, clock.dt, clock.step, clock.gas_steps, clock.point_steps, timings);
+  a(clock.time, clock.dt, clock.step, clock.gas_steps, clock.particle_steps, timings);
   a.require(std::isfinite(clock.time) && std::isfinite(clock.dt) && clock.step >= 0 && clock.gas_steps >= 0 &&
-                clock.point_steps >= 0,
+                clock.particle_steps >= 0,
             "the time");
   bool woken = awake_since.has_value();
   double since = awake_since.value_or(0.0);
@@ -47,7 +47,7 @@ void World::archive(Archive& a) {
   a.same(panels != nullptr, "whether there are panels");
   if (panels != nullptr) panels->archive(a, *gas);
   if (gas != nullptr) gas->archive(a);
-  if (points != nullptr) points->archive(a);
+  if (particles != nullptr) particles->archive(a);
   a.same(bridge != nullptr, "whether gas and points meet");
   if (bridge != nullptr) bridge->archive(a);
 

@@ -16,7 +16,7 @@ bool System::finished() const {
   return time_over || (setup.end.steps > 0 && clock.step >= setup.end.steps) || bodies_have_left();
 }
 
-bool System::bodies_have_left() const { return gas == nullptr && mpm::point_count(*points) == 0; }
+bool System::bodies_have_left() const { return gas == nullptr && mpm::particle_count(*particles) == 0; }
 
 long System::active_cells() const {
   if (gas == nullptr) return 0;

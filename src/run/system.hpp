@@ -19,14 +19,14 @@ struct Clock {
   double time = 0.0;  ///< [s]
   double dt = 0.0;    ///< length of the last step [s]
   long step = 0;
-  long gas_steps = 0;    ///< steps of the gas within these
-  long point_steps = 0;  ///< of the points
+  long gas_steps = 0;       ///< steps of the gas within these
+  long particle_steps = 0;  ///< of the particles
 };
 
 /// Wall-clock seconds per phase of the step and of the output.
 using Timings = std::map<std::string, double>;
 
-/// What a calculation moves, and what became of its case on the grid. `setup` fills it, `advance` moves it, `observe`
+/// What a simulation moves, and what became of its case on the grid. `setup` fills it, `advance` moves it, `observe`
 /// looks at it.
 class System {
   std::unique_ptr<grid::Grid const> grid_;  ///< keeps its place when the system moves
@@ -41,7 +41,7 @@ class System {
   Case setup;
   grid::Grid const& grid;
   std::unique_ptr<gas::Gas> gas;           ///< null where the case has bodies in a vacuum
-  std::unique_ptr<mpm::Mpm> points;        ///< null where it has none
+  std::unique_ptr<mpm::Mpm> particles;     ///< null where it has none
   std::unique_ptr<bridge::Bridge> bridge;  ///< joins the two where both are there
   std::unique_ptr<Panels> panels;          ///< null where the case has none
   Clock clock;
@@ -55,11 +55,11 @@ class System {
 
   /// Is the end time or the step limit reached, or have all bodies left the domain?
   [[nodiscard]] bool finished() const;
-  /// Of a calculation of bodies alone: none of their points is left.
+  /// Of a simulation of bodies alone: none of their particles is left.
   [[nodiscard]] bool bodies_have_left() const;
   /// Number of cells of the blocks that are awake.
   [[nodiscard]] long active_cells() const;
-  /// The body of the gas points, -1 without an MPM region.
+  /// The body of the gas particles, -1 without an MPM region.
   [[nodiscard]] int gas_body() const { return bridge == nullptr ? -1 : bridge->gas_body(); }
 };
 

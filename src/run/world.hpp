@@ -41,14 +41,14 @@ class World : public System {
 
  private:
   [[nodiscard]] Totals gas_totals() const;
-  [[nodiscard]] Totals point_totals() const;
+  [[nodiscard]] Totals particle_totals() const;
   [[nodiscard]] Totals ledger_totals() const;
   [[nodiscard]] double gas_rest_energy() const;
   void take_account();
   [[nodiscard]] double energy_at_work() const;
   [[nodiscard]] bool audit_is_due() const;
   [[nodiscard]] std::string in_words(AuditFinding const& finding) const;
-  double gas_rest_energy_ = 0.0;  ///< of gas cells and gas points in the ambient state [J]
+  double gas_rest_energy_ = 0.0;  ///< of gas cells and gas particles in the ambient state [J]
 };
 
 }  // namespace brisance::run

@@ -21,7 +21,7 @@ namespace {
 /// than a twentieth of the time.
 constexpr std::chrono::seconds append_interval{2};
 constexpr int append_share = 20;
-/// By the clock, checkpoints take no more than this part of the time.
+/// By the clock, checkpoints take no more than this fraction of the time.
 constexpr int checkpoint_share = 20;
 
 std::string place_in_run(run::World const& world) {
@@ -80,7 +80,7 @@ class Recorder {
     next_by_clock_ += checkpoint_share * (std::chrono::steady_clock::now() - begin);
   }
 
-  /// What ends the calculation in its present state.
+  /// What ends the simulation in its present state.
   [[nodiscard]] std::optional<Ending> ending();
 
   /// Writes the state of a run that cannot go on.
@@ -89,7 +89,7 @@ class Recorder {
   /// Whatever of the present state has not been recorded yet.
   void record_last(bool state_is_sound) {
     if (state_is_sound && sampled_step_ != world_->clock.step) sample();
-    if (state_is_sound && world_->points != nullptr) gauges_->record_bodies(*world_);
+    if (state_is_sound && world_->particles != nullptr) gauges_->record_bodies(*world_);
     if (dumped_step_ != world_->clock.step || !state_is_sound) dump();
   }
 
@@ -219,9 +219,9 @@ Ending drive(run::World& world, observe::Gauges& gauges, output::Writer& writer,
       after_step(world);
     }
     auto const& plan = world.setup.checkpoint;
-    bool const asked = ending ? plan.at_end : !stop || plan.on_signal;
+    bool const wanted = ending ? plan.at_end : !stop || plan.on_signal;
     if (!ending) ending = stopped(world, stop);
-    if (asked) recorder.checkpoint();
+    if (wanted) recorder.checkpoint();
   } catch (NumericalError const& error) {
     ending = Ending{error.code(), fmt::format("numerical failure {}: {}", place_in_run(world), error.what())};
     sound = false;

@@ -17,9 +17,10 @@ namespace {
 constexpr long fewest_steps = 10;  // between two looks
 constexpr long share_of_steps = 100;
 
-/// Part of the time so far, up to now, in which the kinetic energy must have been small. A body that vibrates stands
-/// still twice in a period T: about a turning point its energy is below the part f of its largest for T asin(sqrt f) /
-/// pi. The first such point comes at T / 4 at the earliest, a third of which is longer for f up to 0.06.
+/// Fraction of the time so far, up to now, in which the kinetic energy must have been small. A body that vibrates
+/// stands still twice in a period T: about a turning point its energy is below the part f of its largest for T
+/// asin(sqrt f) / pi. The first such particle comes at T / 4 at the earliest, a third of which is longer for f up to
+/// 0.06.
 constexpr double quiet_share = 1.0 / 3.0;
 
 /// Kinetic energy that is round-off, of the energy at the start.
@@ -36,9 +37,9 @@ bool is_past_positive_phase(observe::GaugeSummary const& gauge, double ambient_p
 /// Has everything been lit that will burn?
 bool has_been_lit(run::World const& world) {
   if (world.gas != nullptr && world.gas->burn.burning()) return false;
-  for (auto const& body : world.setup.points.bodies) {
-    for (auto const& point : body.initiation)
-      if (world.clock.time <= point.delay) return false;
+  for (auto const& body : world.setup.particles.bodies) {
+    for (auto const& particle : body.initiation)
+      if (world.clock.time <= particle.delay) return false;
   }
   return true;
 }

@@ -1,4 +1,4 @@
-/// Ends of a calculation that its own state decides on: [end] gauges and [end] kinetic_energy.
+/// Ends of a simulation that its own state decides on: [end] gauges and [end] kinetic_energy.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ namespace brisance::session {
 /// seconds: the results do not depend on the machine, and a resumed run ends where an uninterrupted one does.
 class EndConditions {
  public:
-  /// What has come to pass, for people; nothing where the calculation goes on.
+  /// What has come to pass, for people; nothing where the simulation goes on.
   [[nodiscard]] std::optional<std::string> met(run::World const& world, observe::Gauges const& gauges);
   void archive(Archive& a);
 

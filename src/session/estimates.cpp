@@ -20,12 +20,12 @@ constexpr double program_bytes = 50e6;          // code, libraries, work arrays 
 constexpr double largest_dump_cache = 268.5e6;  // chunk cache of the field writer
 constexpr double bytes_per_node = 160.0;        // mass, momentum, force and velocity of a node on one grid field
 
-// Rates of docs/benchmarks.md: cells of a 3D step, or points, per second on one thread.
+// Rates of docs/benchmarks.md: cells of a 3D step, or particles, per second on one thread.
 constexpr double one_fluid_rate = 14e6;
-constexpr double mixed_rate = 12e6;        // products in a part of the domain
-constexpr double afterburn_share = 0.84;   // of the rate, where the afterburn's progress is carried
-constexpr double linear_point_rate = 8e6;  // of linear shape functions
-constexpr double point_rate = 5e6;
+constexpr double mixed_rate = 12e6;           // products in a part of the domain
+constexpr double afterburn_share = 0.84;      // of the rate, where the afterburn's progress is carried
+constexpr double linear_particle_rate = 8e6;  // of linear shape functions
+constexpr double particle_rate = 5e6;
 constexpr double thread_share = 0.95;  // of a thread's rate, where it is not alone
 
 double cells_of(grid::Domain const& domain) { return static_cast<double>(domain.cell_count()); }
@@ -60,7 +60,7 @@ double signal(material::Eos const& eos, material::Primitive const& state) {
 }
 
 double fastest_signal(run::Body const& body) {
-  material::Solid const& solid = body.solid;
+  material::Material const& solid = body.solid;
   double const density = body.density.value_or(solid.density);
   double pressure = material::start_pressure(solid);
   if (body.density || body.specific_energy)
@@ -109,7 +109,7 @@ void sum_memory(Plan& p) {
 /// Estimate of the number of steps: the time step follows the fastest signal. Behind a detonation it starts at the
 /// detonation speed D and falls with the fireball's expansion, s = D / (1 + t / (3 t0))^0.35 with t0 = charge radius /
 /// D; where the radius is resolved, the hot core on the axis holds it near 0.35 D. Both numbers were read off
-/// calculations of TNT in air, and are good to about a factor of two.
+/// simulations of TNT in air, and are good to about a factor of two.
 double estimated_steps(run::Case const& setup) {
   double quiet = signal(setup.ambient.fluid.eos, setup.ambient.state);
   for (run::InitialState const& initial : setup.initial_states) {
@@ -141,34 +141,35 @@ double estimated_steps(run::Case const& setup) {
   return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
 }
 
-void add_point_memory(run::Points const& points, Plan& p, int dimensions) {
+void add_particle_memory(run::Particles const& particles, Plan& p, int dimensions) {
   double nodes = 0.0;
   for (std::size_t b = 0; b < p.bodies.size(); ++b)
-    nodes += static_cast<double>(p.bodies[b].points) / std::pow(points.bodies[b].points_per_direction, dimensions);
+    nodes +=
+        static_cast<double>(p.bodies[b].particles) / std::pow(particles.bodies[b].particles_per_direction, dimensions);
   constexpr double margins = 2.0;  // blocks of 8 cells with two layers around: (12/8)^3 and less
-  double const records = std::min(p.steps, p.gauge_bytes / bytes_per_point_record);
+  double const records = std::min(p.steps, p.gauge_bytes / bytes_per_particle_record);
   if (p.region) nodes += p.region->cells;
-  p.memory.push_back({"material points", p.points * bytes_per_point});
+  p.memory.push_back({"material points", p.particles * bytes_per_particle});
   p.memory.push_back({"nodes around the material points", nodes * margins * bytes_per_node});
-  p.memory.push_back({"records of the gauges on bodies", records * sizeof(observe::PointRecord)});
+  p.memory.push_back({"records of the gauges on bodies", records * sizeof(observe::ParticleRecord)});
 }
 
-double estimated_point_step(run::Case const& setup) {
+double estimated_particle_step(run::Case const& setup) {
   double fastest = 0.0;
-  for (run::Body const& body : setup.points.bodies) fastest = std::max(fastest, fastest_signal(body));
-  return setup.points.options.courant * setup.domain.smallest_cell() / fastest;
+  for (run::Body const& body : setup.particles.bodies) fastest = std::max(fastest, fastest_signal(body));
+  return setup.particles.options.courant * setup.domain.smallest_cell() / fastest;
 }
 
-double estimated_point_steps(run::Case const& setup) {
-  double const steps = setup.end.time / estimated_point_step(setup) + 5.0;  // 5 for the gentle start
+double estimated_particle_steps(run::Case const& setup) {
+  double const steps = setup.end.time / estimated_particle_step(setup) + 5.0;  // 5 for the gentle start
   return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
 }
 
 double estimated_seconds(run::Case const& setup, Plan const& p) {
-  double const parts = p.blocks > 0 ? p.blocks : std::max(1.0, p.cells / 512.0);  // points: blocks of 8^3 cells
+  double const parts = p.blocks > 0 ? p.blocks : std::max(1.0, p.cells / 512.0);  // particles: blocks of 8^3 cells
   double const workers = std::min<double>(threads(), parts);
   double const rate = workers > 1.0 ? workers * thread_share : 1.0;
-  bool const gas = !setup.points.any() || setup.mpm_region;
+  bool const gas = !setup.particles.any() || setup.mpm_region;
   double seconds = 0.0;
   if (gas) {
     double per_second = gas_fluids(setup) > 1 ? mixed_rate : one_fluid_rate;
@@ -177,9 +178,10 @@ double estimated_seconds(run::Case const& setup, Plan const& p) {
     double const sweeps = setup.domain.dimensions() / 3.0;
     seconds += p.cells * (p.region ? p.region->gas_steps : p.steps) * sweeps / per_second;
   }
-  if (p.points > 0.0) {
-    bool const linear = setup.points.options.shape == mpm::ShapeFunction::linear;
-    seconds += p.points * (p.region ? p.region->point_steps : p.steps) / (linear ? linear_point_rate : point_rate);
+  if (p.particles > 0.0) {
+    bool const linear = setup.particles.options.shape == mpm::ShapeFunction::linear;
+    seconds +=
+        p.particles * (p.region ? p.region->particle_steps : p.steps) / (linear ? linear_particle_rate : particle_rate);
   }
   return seconds / rate;
 }

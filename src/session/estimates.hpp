@@ -8,9 +8,9 @@
 namespace brisance::session {
 
 inline constexpr double double_bytes = sizeof(double);
-inline constexpr double peak_components = 3.0;    // peak overpressure, running and largest impulse
-inline constexpr double bytes_per_point = 300.0;  // of a metal: its 27 values, and the room that the arrays keep
-inline constexpr double bytes_per_point_record = 200.0;
+inline constexpr double peak_components = 3.0;       // peak overpressure, running and largest impulse
+inline constexpr double bytes_per_particle = 300.0;  // of a metal: its 27 values, and the room that the arrays keep
+inline constexpr double bytes_per_particle_record = 200.0;
 
 /// What this machine has, or the limit set on this process [byte].
 [[nodiscard]] double machine_memory();
@@ -20,17 +20,17 @@ inline constexpr double bytes_per_point_record = 200.0;
 
 /// The gas of a case whose grid is cut into blocks so.
 void add_gas_memory(run::Case const& setup, grid::Partition const& partition, Plan& plan);
-/// Nodes that carry the points: their cells, with the margins of the patches, once for each grid field.
-void add_point_memory(run::Points const& points, Plan& plan, int dimensions);
+/// Nodes that carry the particles: their cells, with the margins of the patches, once for each grid field.
+void add_particle_memory(run::Particles const& particles, Plan& plan, int dimensions);
 /// Adds the program itself, and sorts.
 void sum_memory(Plan& plan);
 
 /// Steps of the gas, good to about a factor of two.
 [[nodiscard]] double estimated_steps(run::Case const& setup);
-/// Length of a step of the points that the start allows [s].
-[[nodiscard]] double estimated_point_step(run::Case const& setup);
-/// Steps of the points at the length that the start allows.
-[[nodiscard]] double estimated_point_steps(run::Case const& setup);
+/// Length of a step of the particles that the start allows [s].
+[[nodiscard]] double estimated_particle_step(run::Case const& setup);
+/// Steps of the particles at the length that the start allows.
+[[nodiscard]] double estimated_particle_steps(run::Case const& setup);
 /// Time of the steps, were no cell at rest [s].
 [[nodiscard]] double estimated_seconds(run::Case const& setup, Plan const& plan);
 

@@ -10,7 +10,7 @@
 #include "core/text.hpp"
 #include "gas/layout.hpp"
 #include "grid/partition.hpp"
-#include "observe/point_fields.hpp"
+#include "observe/particle_fields.hpp"
 #include "output/writer.hpp"
 #include "session/estimates.hpp"
 #include "setup/place_gas.hpp"
@@ -27,19 +27,19 @@ namespace {
 constexpr double bytes_per_record = 100.0;  // one line of a gauge file
 // Larger things are estimated: a look at a case of a thousand million cells must not take its memory or its time.
 constexpr double most_cells_tried = 5e6;  // in the box around a charge
-constexpr double most_points_tried = 5e6;
+constexpr double most_particles_tried = 5e6;
 constexpr double most_blocks_tried = 1e6;
 constexpr int longest_row_tried = 100'000'000;  // cells
-constexpr double coarse_body = 4.0;             // points across a body's shortest side below which it hardly bends
+constexpr double coarse_body = 4.0;             // particles across a body's shortest side below which it hardly bends
 constexpr double coarse_charge = 5.0;           // cells per charge radius below which the near field is poorly resolved
 constexpr double coarse_burst = 15.0;           // cells per radius of a remapped burst below which its shock is
 constexpr long most_cut_cells = 200'000;        // of initial states and obstacles that `check` counts
-constexpr double coarse_obstacle = 0.2;         // part of its volume that an obstacle may win or lose without a warning
-constexpr double few_steps = 5.0;            // that a load must last for its impulse to be right within some per cent
-constexpr double alarming_clipping = 0.10;   // of the peak: beyond it there is a warning
+constexpr double coarse_obstacle = 0.2;     // fraction of its volume that an obstacle may win or lose without a warning
+constexpr double few_steps = 5.0;           // that a load must last for its impulse to be right within some per cent
+constexpr double alarming_clipping = 0.10;  // of the peak: beyond it there is a warning
 constexpr double tolerable_clipping = 0.05;  // for which the warning names the cell
 
-std::string percent(double part) { return fmt::format("{:.0f} %", 100.0 * part); }
+std::string percent(double fraction) { return fmt::format("{:.0f} %", 100.0 * fraction); }
 
 /// Cells around a shape, in the domain.
 double boxed_cells(shape::Shape const& shape, grid::Domain const& domain) {
@@ -199,55 +199,55 @@ void plan_gas(run::Case const& setup, Plan& p) {
 }
 
 /// The bodies as they will be filled. One that would have more than `most_points` is not filled but estimated.
-run::BodyReport realised(run::Body const& body, grid::Domain const& domain, double most_points) {
+run::BodyReport realised(run::Body const& body, grid::Domain const& domain, double most_particles) {
   run::BodyReport report;
   report.name = body.name;
   report.material = body.solid.name;
   double const density = body.density.value_or(body.solid.density);
-  double const per_cell = std::pow(body.points_per_direction, domain.dimensions());
+  double const per_cell = std::pow(body.particles_per_direction, domain.dimensions());
   double const most = boxed_cells(body.shape, domain) * per_cell;
-  if (most > most_points) {
+  if (most > most_particles) {
     // The box around the part in the domain holds no more than the body, and the body no more than its volume.
     double cell = domain.smallest_cell();
     for (int d = 1; d < domain.dimensions(); ++d) cell *= domain.smallest_cell();
     double const whole = grid::radial_exponent(domain.geometry) > 0
                              ? most
                              : shape::volume(body.shape, domain.geometry) / cell * per_cell;
-    report.points = static_cast<long>(std::min(most, whole));
+    report.particles = static_cast<long>(std::min(most, whole));
     report.mass = report.geometric_mass = std::numeric_limits<double>::quiet_NaN();
     return report;
   }
-  auto const placement = shape::place_particles(body.shape, domain, body.points_per_direction);
-  report.points = static_cast<long>(placement.positions.size());
+  auto const placement = shape::place_particles(body.shape, domain, body.particles_per_direction);
+  report.particles = static_cast<long>(placement.positions.size());
   for (double const volume : placement.volumes) report.mass += density * volume;
   report.geometric_mass = density * placement.volume;
   return report;
 }
 
-/// Points across the shortest side of a body.
-double points_across(run::Body const& body, grid::Domain const& domain) {
+/// Particles across the shortest side of a body.
+double particles_across(run::Body const& body, grid::Domain const& domain) {
   auto const box = shape::bounds(body.shape);
   double across = std::numeric_limits<double>::infinity();
   for (int d = 0; d < domain.dimensions(); ++d) {
     bool const mirrored = domain.boundary[2 * d] == grid::Boundary::symmetry && box.lower[d] <= domain.lower[d];
     double const size = box.upper[d] - box.lower[d];
     // A body that reaches over a symmetry plane goes on behind it.
-    across = std::min(across, (mirrored ? 2.0 : 1.0) * size / domain.smallest_cell() * body.points_per_direction);
+    across = std::min(across, (mirrored ? 2.0 : 1.0) * size / domain.smallest_cell() * body.particles_per_direction);
   }
   return across;
 }
 
-void plan_points(run::Case const& setup, Plan& p) {
-  auto const& points = setup.points;
-  p.steps = estimated_point_steps(setup);
-  for (run::Body const& body : points.bodies) {
+void plan_particles(run::Case const& setup, Plan& p) {
+  auto const& particles = setup.particles;
+  p.steps = estimated_particle_steps(setup);
+  for (run::Body const& body : particles.bodies) {
     // What no machine holds, or is a lot for a look, is not tried out.
-    p.bodies.push_back(realised(body, setup.domain, most_points_tried - p.points));
-    p.points += static_cast<double>(p.bodies.back().points);
-    if (p.bodies.back().points == 0) {
+    p.bodies.push_back(realised(body, setup.domain, most_particles_tried - p.particles));
+    p.particles += static_cast<double>(p.bodies.back().particles);
+    if (p.bodies.back().particles == 0) {
       throw InputError(fmt::format("body \"{}\" holds no material point: it is much smaller than a cell", body.name));
     }
-    if (double const across = points_across(body, setup.domain);
+    if (double const across = particles_across(body, setup.domain);
         body.solid.has_deviator() && !body.rigid && across < coarse_body - 0.01) {
       p.warnings.push_back(fmt::format(
           "body \"{}\" has only {:.2g} points across its shortest side: it will bend and yield poorly; a "
@@ -255,9 +255,9 @@ void plan_points(run::Case const& setup, Plan& p) {
           body.name, across, quantity(setup.domain.smallest_cell() * across / coarse_body, "m", 2), coarse_body));
     }
   }
-  double const step = estimated_point_step(setup);
-  for (std::size_t n = 0; n < points.pressures.size(); ++n) {
-    auto const& times = points.pressures[n].times;
+  double const step = estimated_particle_step(setup);
+  for (std::size_t n = 0; n < particles.pressures.size(); ++n) {
+    auto const& times = particles.pressures[n].times;
     if (times.size() < 2 || !std::isfinite(step) || times.back() - times.front() >= few_steps * step) continue;
     p.warnings.push_back(
         fmt::format("surface pressure {} acts for {}, and a step takes about {}: its impulse will not be right, or it "
@@ -266,15 +266,15 @@ void plan_points(run::Case const& setup, Plan& p) {
   }
   double const records =
       setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
-  p.gauge_bytes = records * bytes_per_point_record * static_cast<double>(points.gauges.size());
-  add_point_memory(points, p, setup.domain.dimensions());
-  p.checkpoint_bytes = p.points * bytes_per_point;
-  double const dumped = p.points - (p.region && !setup.output.gas_points ? p.region->gas_points : 0.0);
-  p.dump_bytes =
-      output::PointSeries::bytes_per_dump(dumped, output::dumped_point_fields(setup), setup.output.single_precision);
+  p.gauge_bytes = records * bytes_per_particle_record * static_cast<double>(particles.gauges.size());
+  add_particle_memory(particles, p, setup.domain.dimensions());
+  p.checkpoint_bytes = p.particles * bytes_per_particle;
+  double const dumped = p.particles - (p.region && !setup.output.gas_particles ? p.region->gas_particles : 0.0);
+  p.dump_bytes = output::ParticleSeries::bytes_per_dump(dumped, output::dumped_particle_fields(setup),
+                                                        setup.output.single_precision);
 }
 
-/// Gas and points together. Each takes steps of its own within common ones, see `run::stable_step`.
+/// Gas and particles together. Each takes steps of its own within common ones, see `run::stable_step`.
 void plan_region(run::Case const& setup, Plan& p) {
   grid::Domain const& domain = setup.domain;
   bridge::Region const region = setup::region_of(setup);
@@ -293,37 +293,37 @@ void plan_region(run::Case const& setup, Plan& p) {
   plan_gas(setup, gas);
   p.memory = gas.memory;
   p.region = r;
-  // The gas fills what the bodies leave, with points of its own density.
+  // The gas fills what the bodies leave, with particles of its own density.
   double cells = r.cells;
-  plan_points(setup, p);
-  p.memory = gas.memory;  // that of the points follows when those of the gas are known
+  plan_particles(setup, p);
+  p.memory = gas.memory;  // that of the particles follows when those of the gas are known
   for (std::size_t b = 0; b < p.bodies.size(); ++b) {
-    cells -= static_cast<double>(p.bodies[b].points) /
-             std::pow(setup.points.bodies[b].points_per_direction, domain.dimensions());
+    cells -= static_cast<double>(p.bodies[b].particles) /
+             std::pow(setup.particles.bodies[b].particles_per_direction, domain.dimensions());
   }
-  r.gas_points =
-      std::max(0.0, cells) * std::pow(setup.mpm_region->gas_points(domain.dimensions()), domain.dimensions());
+  r.gas_particles =
+      std::max(0.0, cells) * std::pow(setup.mpm_region->gas_particles(domain.dimensions()), domain.dimensions());
   r.gas_steps = gas.steps;
-  // Gas points see the signals of the gas, at the Courant number of the points.
-  double const gas_point_steps = gas.steps * setup.numerics.courant / setup.points.options.courant;
-  r.point_steps = std::max(setup.points.any() ? p.steps : 0.0, gas_point_steps);
+  // Gas particles see the signals of the gas, at the Courant number of the particles.
+  double const gas_particle_steps = gas.steps * setup.numerics.courant / setup.particles.options.courant;
+  r.particle_steps = std::max(setup.particles.any() ? p.steps : 0.0, gas_particle_steps);
   p.region = r;
-  p.points += r.gas_points;
+  p.particles += r.gas_particles;
   p.blocks = gas.blocks;
   p.charges = gas.charges;
   p.initial_states = gas.initial_states;
   p.obstacles = gas.obstacles;
   p.starts = gas.starts;
   p.gauges = gas.gauges;
-  double const shorter = std::min(r.gas_steps, r.point_steps);
-  p.steps = setup.mpm_region->subcycling ? std::max({shorter, r.gas_steps / 4.0, r.point_steps / 64.0})
-                                         : std::max(r.gas_steps, r.point_steps);
-  add_point_memory(setup.points, p, domain.dimensions());
-  double const dumped = p.points - (setup.output.gas_points ? 0.0 : r.gas_points);
-  p.dump_bytes = gas.dump_bytes + output::PointSeries::bytes_per_dump(dumped, output::dumped_point_fields(setup),
-                                                                      setup.output.single_precision);
+  double const shorter = std::min(r.gas_steps, r.particle_steps);
+  p.steps = setup.mpm_region->subcycling ? std::max({shorter, r.gas_steps / 4.0, r.particle_steps / 64.0})
+                                         : std::max(r.gas_steps, r.particle_steps);
+  add_particle_memory(setup.particles, p, domain.dimensions());
+  double const dumped = p.particles - (setup.output.gas_particles ? 0.0 : r.gas_particles);
+  p.dump_bytes = gas.dump_bytes + output::ParticleSeries::bytes_per_dump(dumped, output::dumped_particle_fields(setup),
+                                                                         setup.output.single_precision);
   p.gauge_bytes += gas.gauge_bytes;
-  p.checkpoint_bytes = gas.checkpoint_bytes + p.points * bytes_per_point;
+  p.checkpoint_bytes = gas.checkpoint_bytes + p.particles * bytes_per_particle;
   p.warnings.insert(p.warnings.end(), gas.warnings.begin(), gas.warnings.end());
 }
 
@@ -363,8 +363,8 @@ Plan plan(run::Case const& setup) {
   p.dumps = static_cast<long>(output::dump_times(setup.output, setup.end.time).size());
   if (setup.mpm_region) {
     plan_region(setup, p);
-  } else if (setup.points.any()) {
-    plan_points(setup, p);
+  } else if (setup.particles.any()) {
+    plan_particles(setup, p);
   } else {
     plan_gas(setup, p);
   }
@@ -390,12 +390,13 @@ void refuse_unless_it_fits(Plan const& p) {
                 "the case needs about {} of memory for its {} cells and {} material points{}, and this machine "
                 "has {}: use larger cells (domain.cell), a smaller domain or MPM region, fewer points per cell, or "
                 "symmetry planes",
-                bytes(p.memory_bytes), large_count(p.cells), large_count(p.points), most, bytes(p.machine_memory_bytes))
-      : p.points > 0.0
+                bytes(p.memory_bytes), large_count(p.cells), large_count(p.particles), most,
+                bytes(p.machine_memory_bytes))
+      : p.particles > 0.0
           ? fmt::format("the case needs about {} of memory for its {} material points{}, and this machine has {}: "
                         "use "
                         "larger cells (domain.cell), fewer points per cell, or symmetry planes",
-                        bytes(p.memory_bytes), large_count(p.points), most, bytes(p.machine_memory_bytes))
+                        bytes(p.memory_bytes), large_count(p.particles), most, bytes(p.machine_memory_bytes))
           : fmt::format("the case needs about {} of memory for its {} cells{}, and this machine has {}: use larger "
                         "cells (domain.cell), a smaller domain, or symmetry planes",
                         bytes(p.memory_bytes), large_count(p.cells), most, bytes(p.machine_memory_bytes)));

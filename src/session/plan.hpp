@@ -19,9 +19,9 @@ struct RegionPlan {
   Vec3 upper{0.0, 0.0, 0.0};
   double cells = 0.0;
   std::array<long, 6> bridge_faces{};  ///< faces of cells on each of its sides that have a bridge
-  double gas_points = 0.0;
+  double gas_particles = 0.0;
   double gas_steps = 0.0;  ///< estimates
-  double point_steps = 0.0;
+  double particle_steps = 0.0;
 };
 
 /// What takes memory.
@@ -50,13 +50,13 @@ struct Plan {
   std::vector<run::ObstacleReport> obstacles;
   std::vector<run::PanelReport> panels;
   std::vector<run::BodyReport> bodies;
-  double points = 0.0;  ///< material points; 0: a calculation of the gas alone
+  double particles = 0.0;  ///< material points; 0: a simulation of the gas alone
   std::optional<RegionPlan> region;
   long dumps = 0;
-  double dump_bytes = 0.0;        ///< of one dump, of fields and points, uncompressed
+  double dump_bytes = 0.0;        ///< of one dump, of fields and particles, uncompressed
   std::vector<GaugePlan> gauges;  ///< of the gas
   double gauge_bytes = 0.0;       ///< of all gauge files, estimate
-  double checkpoint_bytes = 0.0;  ///< of one checkpoint without gauge histories, estimate for points
+  double checkpoint_bytes = 0.0;  ///< of one checkpoint without gauge histories, estimate for particles
   double disk_bytes = 0.0;        ///< of all that the run leaves, dumps uncompressed, and one checkpoint more
   double seconds = 0.0;           ///< estimate of the time that the run takes on all threads
   std::vector<std::string> warnings;

@@ -48,7 +48,7 @@ class Session {
   /// From which the run goes on; null: from its start.
   [[nodiscard]] output::CheckpointReader const* checkpoint() const { return checkpoint_.get(); }
 
-  /// The 1D calculations before a run that starts with a remap. False where the observer gave up.
+  /// The 1D simulations before a run that starts with a remap. False where the observer gave up.
   [[nodiscard]] bool calculate_start(setup::StartObserver const& observer);
   /// Builds the world, or reads it from the checkpoint, and prepares the folder.
   void build();
@@ -68,7 +68,7 @@ class Session {
   std::unique_ptr<output::FolderLock> lock_;
   bool had_finished_ = false;
   std::unique_ptr<output::CheckpointReader> checkpoint_;
-  double start_seconds_ = 0.0;  ///< that the 1D calculations took
+  double start_seconds_ = 0.0;  ///< that the 1D simulations took
   std::optional<run::World> world_;
   std::optional<observe::Gauges> gauges_;
   std::optional<output::Writer> writer_;

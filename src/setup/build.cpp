@@ -8,13 +8,13 @@ namespace brisance::setup {
 
 run::World build(Case setup) {
   run::World w(std::move(setup));
-  if (w.setup.points.any() && !w.setup.mpm_region) {
+  if (w.setup.particles.any() && !w.setup.mpm_region) {
     place_bodies(w, w.setup.domain);
   } else {
     place_gas(w);
     if (w.setup.mpm_region) place_region(w);
     w.gas->start(w.clock.time);
-    if (w.points != nullptr) w.points->set_time(w.clock.time);
+    if (w.particles != nullptr) w.particles->set_time(w.clock.time);
     if (w.bridge != nullptr && w.bridge->awake()) w.awake_since = w.clock.time;
   }
   w.start_audit();

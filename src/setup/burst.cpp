@@ -22,7 +22,7 @@ void check_start(Case const& setup) {
     if (setup.domain.boundary[f] == grid::Boundary::inflow)
       throw InputError("an inflow would begin only at the remap: choose another boundary, or remove start = \"remap\"");
   }
-  for (Body const& body : setup.points.bodies) {
+  for (Body const& body : setup.particles.bodies) {
     if (norm(body.velocity) > 0.0 || !body.initiation.empty()) {
       throw InputError(fmt::format(
           "body \"{}\" would stand still until the remap: bodies that move or burn at the start do not go with start = "

@@ -1,4 +1,4 @@
-/// A charge as the burst of a calculation with fewer directions.
+/// A charge as the burst of a simulation with fewer directions.
 #pragma once
 
 #include "case/case.hpp"

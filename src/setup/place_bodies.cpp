@@ -23,14 +23,14 @@ void calculate_as_gas(MpmRegion const& settings, mpm::Body& body) {
 }
 
 void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::Body> others) {
-  Points const& p = w.setup.points;
+  Particles const& p = w.setup.particles;
   std::vector<mpm::Body> bodies;
   for (Body const& b : p.bodies) {
     mpm::Body body;
     body.name = b.name;
     body.solid = b.solid;
     if (b.initiation.empty()) body.solid.detonation_speed = 0.0;
-    body.points_per_direction = b.points_per_direction;
+    body.particles_per_direction = b.particles_per_direction;
     if (b.rigid) body.rigid_velocity = b.velocity;
     body.slips = w.setup.mpm_region && w.setup.mpm_region->slip && !b.rigid && !b.solid.has_deviator();
     body.books_work = w.setup.mpm_region || !p.contacts.empty() || p.options.transfer == mpm::Transfer::apic;
@@ -46,11 +46,11 @@ void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::B
       options.ends[2 * d + side] = side == 0 ? w.setup.domain.lower[d] : w.setup.domain.upper(d);
     }
   }
-  w.points = std::make_unique<mpm::Mpm>(domain, bodies, options, p.constraints, p.contacts);
+  w.particles = std::make_unique<mpm::Mpm>(domain, bodies, options, p.constraints, p.contacts);
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     Body const& b = p.bodies[n];
     int const number = static_cast<int>(n);
-    shape::Placement placement = shape::place_particles(b.shape, w.setup.domain, b.points_per_direction);
+    shape::Placement placement = shape::place_particles(b.shape, w.setup.domain, b.particles_per_direction);
     if (placement.positions.empty()) {
       throw InputError(fmt::format(
           "body \"{}\" holds no material point: it lies outside the domain or is much smaller than a cell", b.name));
@@ -61,21 +61,21 @@ void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::B
     filling.velocity = b.velocity;
     filling.density = b.density;
     filling.specific_energy = b.specific_energy;
-    w.points->fill(number, filling);
+    w.particles->fill(number, filling);
     if (!b.initiation.empty()) {
       double const speed = b.solid.detonation_speed;
-      mpm::set_lighting(*w.points, number,
+      mpm::set_lighting(*w.particles, number,
                         [&](Vec3 const& x) { return detonation::lighting_time(x, b.initiation, speed); });
     }
-    mpm::BodySums const sums = mpm::sums(*w.points, number);
+    mpm::BodySums const sums = mpm::sums(*w.particles, number);
     w.bodies.push_back(
-        {b.name, b.solid.name, sums.points, sums.mass, placement.volume * b.density.value_or(b.solid.density)});
+        {b.name, b.solid.name, sums.particles, sums.mass, placement.volume * b.density.value_or(b.solid.density)});
   }
   for (mpm::Bar const& bar : p.bars) {
     ++w.bodies[bar.body].bars;
-    w.bodies[bar.body].bar_volume += w.points->reinforce(bar).volume;
+    w.bodies[bar.body].bar_volume += w.particles->reinforce(bar).volume;
   }
-  for (mpm::SurfacePressure const& pressure : p.pressures) w.points->load(pressure);
+  for (mpm::SurfacePressure const& pressure : p.pressures) w.particles->load(pressure);
 }
 
 }  // namespace brisance::setup

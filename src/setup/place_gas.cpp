@@ -59,7 +59,7 @@ std::vector<gas::WaveSource> wave_sources(Case const& c) {
     sources.push_back(source);
   };
   for (Charge const& charge : c.charges) add(charge.shape);
-  for (Body const& body : c.points.bodies) {
+  for (Body const& body : c.particles.bodies) {
     if (body.solid.burns()) add(body.shape);
   }
   if (sources.empty()) {
@@ -68,7 +68,7 @@ std::vector<gas::WaveSource> wave_sources(Case const& c) {
   // A wind is disturbed by what stands in it.
   if (sources.empty() && norm(c.ambient.state.velocity) > 0.0) {
     for (Obstacle const& obstacle : c.obstacles) add(obstacle.shape);
-    for (Body const& body : c.points.bodies) add(body.shape);
+    for (Body const& body : c.particles.bodies) add(body.shape);
   }
   return sources;
 }

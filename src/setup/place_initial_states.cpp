@@ -41,9 +41,9 @@ void InitialStatePlacing::scale(std::vector<Share>& shares) const {
   double room = 1.0;
   for (std::size_t n = shares.size(); n-- > 0;) {
     Share& s = shares[n];
-    if (s.part < 1.0) s.part = std::min(room, s.part * scales_[static_cast<std::size_t>(s.shape)]);
-    if (n == 0 && full) s.part = room;  // the lowest has the rest of a cell that initial states fill
-    room -= s.part;
+    if (s.fraction < 1.0) s.fraction = std::min(room, s.fraction * scales_[static_cast<std::size_t>(s.shape)]);
+    if (n == 0 && full) s.fraction = room;  // the lowest has the rest of a cell that initial states fill
+    room -= s.fraction;
   }
 }
 
@@ -51,7 +51,7 @@ void InitialStatePlacing::for_each(CellRange const& range, Visit const& visit) c
   int const first_obstacle = static_cast<int>(shapes_.size());
   shape::for_each_share(all_, setup_->domain, range, [&](CellRange const& r, std::vector<Share> const& shares) {
     double obstacles = 0.0;
-    for (Share const& s : shares) obstacles += s.shape >= first_obstacle ? s.part : 0.0;
+    for (Share const& s : shares) obstacles += s.shape >= first_obstacle ? s.fraction : 0.0;
     if (SolidCells::solid(obstacles)) return true;
     // What an obstacle takes of a cell that stays gas is gas of the initial states.
     std::vector<Share> parts = obstacles > 0.0 ? shape::shares_of_cell(shapes_, setup_->domain, r.lower) : shares;
@@ -70,7 +70,7 @@ bool InitialStatePlacing::measure(long most) {
     double part = 0.0;
     shape::for_each_share({shapes_[n]}, domain, shape::cells_around(shapes_[n], domain),
                           [&](CellRange const& r, std::vector<Share> const& shares) {
-                            double const f = shares.front().part;
+                            double const f = shares.front().fraction;
                             (f < 1.0 ? part : full) += f * shape::volume_of(r, domain);
                             return ++cut <= most;
                           });
@@ -80,7 +80,8 @@ bool InitialStatePlacing::measure(long most) {
   }
   placed_.assign(shapes_.size(), 0.0);
   for_each(domain.all_cells(), [&](CellRange const& r, std::vector<Share> const& shares) {
-    for (Share const& s : shares) placed_[static_cast<std::size_t>(s.shape)] += s.part * shape::volume_of(r, domain);
+    for (Share const& s : shares)
+      placed_[static_cast<std::size_t>(s.shape)] += s.fraction * shape::volume_of(r, domain);
     return ++cut <= most;
   });
   return cut <= most;
@@ -97,17 +98,17 @@ void InitialStatePlacing::fill(gas::Gas& gas) {
     grid::Block const& block = grid.blocks()[b];
     for_each(block.in_domain(), [&](CellRange const& r, std::vector<Share> const& shares) {
       double rest = 1.0;
-      for (Share const& s : shares) rest -= s.part;
+      for (Share const& s : shares) rest -= s.fraction;
       grid::for_each_cell(r, [&](Index3 const& index) {
         grid::Cell const cell = grid.locate(index);
         for (int c = 0; c < gas.fields().components(); ++c) {
           double& u = gas.fields().at(b, c)[cell.offset];
-          if (shares.size() == 1 && shares.front().part >= 1.0) {
+          if (shares.size() == 1 && shares.front().fraction >= 1.0) {
             u = states[static_cast<std::size_t>(shares.front().shape)][c];
             continue;
           }
           double mixed = std::max(rest, 0.0) * u;
-          for (Share const& s : shares) mixed += s.part * states[static_cast<std::size_t>(s.shape)][c];
+          for (Share const& s : shares) mixed += s.fraction * states[static_cast<std::size_t>(s.shape)][c];
           u = mixed;
         }
         if (!r.single() || gas.primitive(cell).sound_speed > 0.0) return;
@@ -127,7 +128,7 @@ void InitialStatePlacing::give_way(detonation::TakenCells const& taken) {
   for (auto const& [cell, part] : taken) {
     for_each(grid::around(cell, 0, 0), [&, part = part](CellRange const& r, std::vector<Share> const& shares) {
       for (Share const& s : shares)
-        placed_[static_cast<std::size_t>(s.shape)] -= part * s.part * shape::volume_of(r, setup_->domain);
+        placed_[static_cast<std::size_t>(s.shape)] -= part * s.fraction * shape::volume_of(r, setup_->domain);
       return true;
     });
   }
@@ -159,7 +160,7 @@ bool InitialStatePlacing::vanishes(std::size_t initial) const {
   bool found = false;
   for_each(shape::cells_around(shapes_[initial], setup_->domain), [&](CellRange const&, std::vector<Share> const& s) {
     found = std::any_of(s.begin(), s.end(), [&](Share const& share) {
-      return share.shape == static_cast<int>(initial) && share.part > 0.0;
+      return share.shape == static_cast<int>(initial) && share.fraction > 0.0;
     });
     return !found;
   });

@@ -20,11 +20,11 @@ using mpm::Field;
 /// Cells beside the bodies in a box that the program chooses: the bridge, two layers that solids keep clear of, and
 /// room for the bodies to move.
 constexpr int usual_room = 8;
-constexpr double most_cells = 5e7;  // of a region, and of the box around it: 8 points in each fill 100 GB
+constexpr double most_cells = 5e7;  // of a region, and of the box around it: 8 particles in each fill 100 GB
 
-/// Layers of cells outside the region that give the nodes there all they need: B-splines of points near the face reach
-/// nodes one cell outside, and these reach as far again.
-int lent_layers(mpm::ShapeFunction shape) { return shape == mpm::ShapeFunction::linear ? 1 : 3; }
+/// Layers of cells outside the region that give the nodes there all they need: B-splines of particles near the face
+/// reach nodes one cell outside, and these reach as far again.
+int proxy_layers(mpm::ShapeFunction shape) { return shape == mpm::ShapeFunction::linear ? 1 : 3; }
 
 bridge::CellBox cells_of(grid::Domain const& domain, shape::Box const& box) {
   bridge::CellBox cells;
@@ -50,7 +50,7 @@ bridge::CellBox cells_of(grid::Domain const& domain, shape::Box const& box) {
 
 /// What an explosive throws out of soil flies anywhere.
 bool throws_out(Case const& setup) {
-  auto const& bodies = setup.points.bodies;
+  auto const& bodies = setup.particles.bodies;
   return std::any_of(bodies.begin(), bodies.end(), [](Body const& b) { return b.solid.burns(); }) &&
          std::any_of(bodies.begin(), bodies.end(), [](Body const& b) {
            return std::holds_alternative<material::DruckerPrager>(b.solid.strength) && !b.rigid;
@@ -78,7 +78,7 @@ bridge::CellBox box_around_bodies(Case const& setup) {
   for (int d = 0; d < domain.dimensions(); ++d) {
     double low = domain.upper(d);
     double high = domain.lower[d];
-    for (Body const& body : setup.points.bodies) {
+    for (Body const& body : setup.particles.bodies) {
       shape::Box const box = shape::bounds(body.shape);
       low = std::min(low, box.lower[d]);
       high = std::max(high, box.upper[d]);
@@ -102,7 +102,7 @@ std::vector<bridge::CellBox> boxes_of(Case const& setup) {
   return cells;
 }
 
-/// The part of space that the gas points fill.
+/// The part of space that the gas particles fill.
 shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& boxes) {
   grid::Domain const& domain = setup.domain;
   std::vector<shape::Shape> parts;
@@ -116,18 +116,18 @@ shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& bo
     parts.emplace_back(box);
   }
   shape::Shape whole = parts.size() == 1 ? parts.front() : shape::combine(shape::Operation::united, parts);
-  if (setup.points.bodies.empty()) return whole;
+  if (setup.particles.bodies.empty()) return whole;
   std::vector<shape::Shape> left{whole};
-  for (Body const& body : setup.points.bodies) left.push_back(body.shape);
+  for (Body const& body : setup.particles.bodies) left.push_back(body.shape);
   return shape::combine(shape::Operation::difference, left);
 }
 
-/// Gas points in the state of the cells that they lie in.
+/// Gas particles in the state of the cells that they lie in.
 void fill_gas(run::System& w, int body, std::vector<bridge::CellBox> const& boxes) {
   grid::Domain const& domain = w.setup.domain;
-  int const parts = w.setup.mpm_region->gas_points(domain.dimensions());
+  int const parts = w.setup.mpm_region->gas_particles(domain.dimensions());
   shape::Placement const placement = shape::place_particles(gas_space(w.setup, boxes), domain, parts);
-  mpm::PointSet set(mpm::fields(*w.points, body));
+  mpm::ParticleSet set(mpm::fields(*w.particles, body));
   double const half = 0.5 * domain.smallest_cell() / parts;
   for (std::size_t n = 0; n < placement.positions.size(); ++n) {
     Vec3 const& x = placement.positions[n];
@@ -146,20 +146,20 @@ void fill_gas(run::System& w, int body, std::vector<bridge::CellBox> const& boxe
     if (double* Y = set.field(Field::mass_fraction)) Y[q] = s.mass_fraction[1];
     if (double* alpha = set.field(Field::volume_fraction)) alpha[q] = s.volume_fraction[1];
   }
-  w.points->add(body, set);
-  w.points->update_signals();
+  w.particles->add(body, set);
+  w.particles->update_signals();
 }
 
 /// Does anything in the region move by itself?
 bool moves(Case const& setup) {
   auto const is_moving = [](Vec3 const& v) { return dot(v, v) > 0.0; };
-  Points const& p = setup.points;
+  Particles const& p = setup.particles;
   bool const bodies = std::any_of(p.bodies.begin(), p.bodies.end(), [&](Body const& b) {
     return is_moving(b.velocity) || b.density || b.specific_energy || b.solid.burns();
   });
-  bool const held = std::any_of(p.constraints.begin(), p.constraints.end(),
-                                [&](mpm::Constraint const& c) { return is_moving(c.velocity); });
-  return bodies || held || !p.pressures.empty() || is_moving(p.options.body_force) ||
+  bool const constrained = std::any_of(p.constraints.begin(), p.constraints.end(),
+                                       [&](mpm::Constraint const& c) { return is_moving(c.velocity); });
+  return bodies || constrained || !p.pressures.empty() || is_moving(p.options.body_force) ||
          is_moving(setup.ambient.state.velocity);
 }
 
@@ -177,7 +177,7 @@ void check_neighbours(run::System const& w) {
     }
   };
   for (Index3 const& cell : region.cells()) check(cell);
-  for (Index3 const& cell : region.lent()) check(region.clamped(cell));
+  for (Index3 const& cell : region.proxy_cells()) check(region.clamped(cell));
 }
 
 }  // namespace
@@ -210,7 +210,7 @@ bridge::Region region_of(Case const& setup) {
         "most {:.3g}: put them closer together, or calculate them apart",
         around, most_cells));
   }
-  return {setup.domain, boxes, setup.mpm_region->width, lent_layers(setup.points.options.shape)};
+  return {setup.domain, boxes, setup.mpm_region->width, proxy_layers(setup.particles.options.shape)};
 }
 
 void place_region(run::System& w) {
@@ -221,21 +221,21 @@ void place_region(run::System& w) {
   mpm::Body gas;
   gas.name = "gas";
   gas.solid = material::gas_of(w.gas->fluids(), ambient.density, ambient.pressure);
-  gas.points_per_direction = settings.gas_points(w.setup.domain.dimensions());
+  gas.particles_per_direction = settings.gas_particles(w.setup.domain.dimensions());
   calculate_as_gas(settings, gas);
   gas.shock_conduction = settings.shock_conduction;
   gas.books_work = true;
   gas.fills_space = settings.transport == bridge::Transport::ledger;
-  place_bodies(w, region.points_domain(), {gas});
-  int const gas_body = static_cast<int>(w.points->bodies().size()) - 1;
+  place_bodies(w, region.particles_domain(), {gas});
+  int const gas_body = static_cast<int>(w.particles->bodies().size()) - 1;
   fill_gas(w, gas_body, boxes_of(w.setup));
-  mpm::BodySums const sums = mpm::sums(*w.points, gas_body);
-  w.bodies.push_back({gas.name, gas.solid.name, sums.points, sums.mass, sums.mass});
+  mpm::BodySums const sums = mpm::sums(*w.particles, gas_body);
+  w.bodies.push_back({gas.name, gas.solid.name, sums.particles, sums.mass, sums.mass});
 
   bridge::Options options;
   options.width = settings.width;
   options.transport = settings.transport;
-  options.points_per_direction = settings.gas_points(w.setup.domain.dimensions());
+  options.particles_per_direction = settings.gas_particles(w.setup.domain.dimensions());
   options.reference_pressure = settings.reference_pressure;
   options.activation = settings.activation.value_or(1e-3 * ambient.pressure);
   // A region whose gas differs from the ambient one anywhere does not sleep either.
@@ -246,9 +246,9 @@ void place_region(run::System& w) {
     still = std::abs(s.pressure - ambient.pressure) <= options.activation && norm(s.velocity) == 0.0;
   }
   options.awake = !still;
-  w.bridge = std::make_unique<bridge::Bridge>(*w.gas, *w.points, gas_body, std::move(region), options, ambient);
+  w.bridge = std::make_unique<bridge::Bridge>(*w.gas, *w.particles, gas_body, std::move(region), options, ambient);
   check_neighbours(w);
-  run::hand_over_products(w.setup, *w.points, gas_body);
+  run::hand_over_products(w.setup, *w.particles, gas_body);
   std::string const intruder = w.bridge->intruder();
   if (!intruder.empty()) throw InputError(intruder);
 }

@@ -18,7 +18,8 @@ namespace brisance::setup {
 [[nodiscard]] bridge::Region region_of(Case const& setup);
 
 /// Builds `system.points` with the bodies and the gas of the region, and `system.bridge`. The gas cells have been
-/// filled: the gas points take their state. Throws InputError where bodies, charges or obstacles do not fit the region.
+/// filled: the gas particles take their state. Throws InputError where bodies, charges or obstacles do not fit the
+/// region.
 void place_region(run::System& system);
 
 }  // namespace brisance::setup

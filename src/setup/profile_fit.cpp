@@ -158,7 +158,7 @@ detonation::Profile profile_of(run::System const& w) {
                     "axisymmetric2d",
                     word_of(geometry)));
   }
-  if (w.gas == nullptr || w.points != nullptr || w.setup.charges.size() != 1 || !w.setup.obstacles.empty() ||
+  if (w.gas == nullptr || w.particles != nullptr || w.setup.charges.size() != 1 || !w.setup.obstacles.empty() ||
       !w.setup.initial_states.empty()) {
     throw InputError("a profile is the burst of one charge, without bodies, obstacles and initial states");
   }
@@ -191,9 +191,9 @@ void describe_charge(Case const& setup, gas::Fluids const& fluids, detonation::P
   } else {
     throw InputError("the charge is no sphere, hemisphere or cylinder: its burst cannot become a profile");
   }
-  for (InitiationPoint const& point : charge.initiation) {
-    Vec3 const off = point.position - centre;
-    p.charge.initiation.push_back({{off[0], geometry == Geometry::axisymmetric2d ? off[1] : 0.0, 0.0}, point.delay});
+  for (InitiationPoint const& particle : charge.initiation) {
+    Vec3 const off = particle.position - centre;
+    p.charge.initiation.push_back({{off[0], geometry == Geometry::axisymmetric2d ? off[1] : 0.0, 0.0}, particle.delay});
   }
   p.constants = detonation::constants_of(charge.explosive, fluids, setup.ambient.state);
 }

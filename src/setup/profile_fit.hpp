@@ -1,4 +1,4 @@
-/// Profiles of bursts from files, and those that a calculation leaves.
+/// Profiles of bursts from files, and those that a simulation leaves.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ namespace brisance::setup {
 [[nodiscard]] std::shared_ptr<detonation::Profile const> fitted_profile(Case const& setup, std::size_t charge,
                                                                         detonation::Profile const& profile);
 
-/// The present state of a calculation with one charge, in 1D or axisymmetric 2D, as a profile. Throws InputError where
+/// The present state of a simulation with one charge, in 1D or axisymmetric 2D, as a profile. Throws InputError where
 /// it cannot be one.
 [[nodiscard]] detonation::Profile profile_of(run::System const& system);
 

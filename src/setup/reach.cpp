@@ -21,7 +21,7 @@ double charge_radius(shape::Shape const& shape) {
   return 0.0;
 }
 
-/// Distance of a point from a cell, in the resolved directions.
+/// Distance of a particle from a cell, in the resolved directions.
 double distance_to_cell(grid::Domain const& domain, Index3 const& cell, Vec3 const& x) {
   double sum = 0.0;
   for (int d = 0; d < domain.dimensions(); ++d) {
@@ -32,7 +32,7 @@ double distance_to_cell(grid::Domain const& domain, Index3 const& cell, Vec3 con
   return std::sqrt(sum);
 }
 
-/// Distance of a point from the nearest solid cell that an obstacle reaches into; `bound` where none is nearer.
+/// Distance of a particle from the nearest solid cell that an obstacle reaches into; `bound` where none is nearer.
 double distance_to_obstacle(grid::Domain const& domain, SolidCells const& solid, shape::Shape const& shape,
                             Vec3 const& x, double bound) {
   shape::CellRange range = shape::cells_around(shape, domain);
@@ -84,8 +84,8 @@ Reach reach_of(Case const& setup, std::size_t number, bool with_gauges, int grou
     for (int d = dims; d < 3; ++d) away[d] = 0.0;
     // The bursts share the way between them by the sizes of the charges.
     double const own = charge_radius(setup.charges[number].shape);
-    double const part = own / (own + charge_radius(setup.charges[other].shape));
-    bound(part * norm(away) - h, fmt::format("the burst of charge {}", other + 1));
+    double const fraction = own / (own + charge_radius(setup.charges[other].shape));
+    bound(fraction * norm(away) - h, fmt::format("the burst of charge {}", other + 1));
   }
   SolidCells const solid(domain, setup.obstacles);
   for (Obstacle const& obstacle : setup.obstacles) {
@@ -93,7 +93,7 @@ Reach reach_of(Case const& setup, std::size_t number, bool with_gauges, int grou
     bound(distance - h, fmt::format("obstacle \"{}\"", obstacle.name));
   }
   if (setup.mpm_region) {
-    // Three layers of cells around the region act as its points.
+    // Three layers of cells around the region act as its particles.
     constexpr double room = 5.0;
     double nearest = reach.radius + room * h;
     bridge::Region const region = region_of(setup);

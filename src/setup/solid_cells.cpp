@@ -86,7 +86,8 @@ bool parted(Parts const& low, Parts const& high, int direction) {
 }
 
 int largest_of(std::vector<Share> const& shares) {
-  return std::max_element(shares.begin(), shares.end(), [](Share const& a, Share const& b) { return a.part < b.part; })
+  return std::max_element(shares.begin(), shares.end(),
+                          [](Share const& a, Share const& b) { return a.fraction < b.fraction; })
       ->shape;
 }
 
@@ -154,7 +155,7 @@ std::optional<std::vector<run::ObstacleReport>> SolidCells::reports(long most) c
                             report.excess += (1.0 - std::min(sum, 1.0)) * whole;
                           } else {
                             for (Share const& s : shares)
-                              all[static_cast<std::size_t>(s.shape)].excess -= s.part * whole;
+                              all[static_cast<std::size_t>(s.shape)].excess -= s.fraction * whole;
                           }
                           return true;
                         });

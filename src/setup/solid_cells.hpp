@@ -27,7 +27,7 @@ class SolidCells {
   [[nodiscard]] bool any() const { return !shapes_.empty(); }
   [[nodiscard]] std::vector<shape::Shape> const& shapes() const { return shapes_; }
   /// Do these shares of obstacles make a cell solid?
-  [[nodiscard]] static bool solid(double part) { return part >= 0.5 - 1e-9; }
+  [[nodiscard]] static bool solid(double fraction) { return fraction >= 0.5 - 1e-9; }
   [[nodiscard]] bool operator()(Index3 const& cell) const;
   /// Of all cells of the domain, x fastest: 1 where solid.
   [[nodiscard]] std::vector<std::uint8_t> all() const;

@@ -13,7 +13,7 @@
 #include "setup/fluids.hpp"
 #include "setup/profile_fit.hpp"
 #include "setup/reach.hpp"
-#include "setup/start_points.hpp"
+#include "setup/start_particles.hpp"
 
 namespace brisance::setup {
 
@@ -73,7 +73,7 @@ std::string burst_name(Case const& setup, std::size_t number) {
   return setup.charges.size() == 1 ? "the shock" : fmt::format("the shock of charge {}", number + 1);
 }
 
-/// Runs a 1D calculation to the given time, or until its shock has come to where it may run. Nothing where the
+/// Runs a 1D simulation to the given time, or until its shock has come to where it may run. Nothing where the
 /// observer gave up.
 std::shared_ptr<detonation::Profile const> burst(Case const& setup, std::size_t number, std::optional<double> until,
                                                  StartObserver const& observer) {
@@ -104,19 +104,19 @@ std::shared_ptr<detonation::Profile const> burst(Case const& setup, std::size_t 
   };
 
   auto profile = std::make_shared<detonation::Profile>();
-  if (setup.start.method == StartMethod::points) {
-    PointsBurst points(one);
-    while (!until || points.time() < *until) {
-      double const front = points.front();
-      if (front + points.step_reach() > plan.radius) {
-        if (until) too_far(points.time());
+  if (setup.start.method == StartMethod::particles) {
+    ParticlesBurst particles(one);
+    while (!until || particles.time() < *until) {
+      double const front = particles.front();
+      if (front + particles.step_reach() > plan.radius) {
+        if (until) too_far(particles.time());
         break;
       }
-      if (!go_on(front, points.time(), points.steps())) return nullptr;
-      if (points.time() >= end) too_late();
-      points.advance(until.value_or(end));
+      if (!go_on(front, particles.time(), particles.steps())) return nullptr;
+      if (particles.time() >= end) too_late();
+      particles.advance(until.value_or(end));
     }
-    *profile = points.profile();
+    *profile = particles.profile();
     return profile;
   }
   run::World system = build(one);
@@ -168,7 +168,7 @@ Case start_case(Case const& setup, std::size_t number, StartPlan const& plan) {
   one.output.peak_fields = false;
   one.gauges.clear();
   one.obstacles.clear();
-  one.points = {};
+  one.particles = {};
   one.mpm_region.reset();
   one.burst = Burst::none;
   one.end.steps = 0;

@@ -95,9 +95,9 @@ struct Mesh::Data {
       Vec3 const b = vertices[t[1]] - middle;
       Vec3 const c = vertices[t[2]] - middle;
       Vec3 const across{b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]};
-      double const part = dot(a, across);
-      six += part;
-      moment = moment + (0.25 * part) * (a + b + c);
+      double const fraction = dot(a, across);
+      six += fraction;
+      moment = moment + (0.25 * fraction) * (a + b + c);
     }
     volume = six / 6.0;
     centre = six != 0.0 ? middle + (1.0 / six) * moment : middle;

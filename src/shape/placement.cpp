@@ -16,9 +16,10 @@ using grid::CellRange;
 
 namespace {
 
-/// Smallest part of a sub-cell that becomes a particle of its own. Measured on spheres and cylinders of 5 cells radius
-/// with 2 particles per direction, anywhere on the grid: at a quarter the radius of gyration is 0.2 % off at most and a
-/// particle holds 1.5 sub-cells at most; at one half it is 0.3 % and 2.2, at a tenth 0.2 % with light particles added.
+/// Smallest fraction of a sub-cell that becomes a particle of its own. Measured on spheres and cylinders of 5 cells
+/// radius with 2 particles per direction, anywhere on the grid: at a quarter the radius of gyration is 0.2 % off at
+/// most and a particle holds 1.5 sub-cells at most; at one half it is 0.3 % and 2.2, at a tenth 0.2 % with light
+/// particles added.
 constexpr double smallest_share = 0.25;
 
 /// Faces of a body closer than this to those of a sub-cell, in its sizes, lie on them: the round-off of a coordinate

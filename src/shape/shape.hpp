@@ -90,7 +90,7 @@ enum class Cover { outside, cut, inside };
 /// Of the cube around `middle` with edges of 2 `half`; of the given directions only the first `dimensions` count.
 [[nodiscard]] Cover cover(Shape const& shape, int dimensions, Vec3 const& middle, double half);
 
-/// Part of the cell's volume that lies in the shape, 0 to 1, by `samples` points per direction with the geometry's
+/// Fraction of the cell's volume that lies in the shape, 0 to 1, by `samples` points per direction with the geometry's
 /// volume weight; exact for spheres and boxes in 1D, and along x for combinations and meshes. Cells fully inside or
 /// outside return exactly 1 or 0.
 [[nodiscard]] double fill_fraction(Shape const& shape, grid::Metric const& cells, Index3 const& cell, int samples = 16);

@@ -7,7 +7,7 @@ namespace brisance::shape {
 
 namespace {
 
-/// Parts of a cell below this are round-off of coordinates.
+/// Fractions of a cell below this are round-off of coordinates.
 constexpr double round_off = 1e-9;
 
 /// Lines through a cell in each direction across x.
@@ -194,7 +194,7 @@ double volume_of(CellRange const& cells, grid::Metric const& metric) {
 
 double sum_of(std::vector<Share> const& shares) {
   double sum = 0.0;
-  for (Share const& share : shares) sum += share.part;
+  for (Share const& share : shares) sum += share.fraction;
   return sum;
 }
 

@@ -13,7 +13,7 @@ using grid::CellRange;
 /// The part of a cell's volume that belongs to a shape.
 struct Share {
   int shape = 0;
-  double part = 0.0;
+  double fraction = 0.0;
 };
 
 /// The cells that a shape may reach into.

@@ -159,14 +159,14 @@ double integral(Function const& f, Shape const& shape, int direction, double low
     double const inset = std::min(slack, 1e-3 * (to - from));
     double const step = (to - from - 2.0 * inset) / n;
     double before = f(from + inset);
-    double part = 0.0;
+    double fraction = 0.0;
     for (int q = 0; q < n; ++q) {
       double const a = from + inset + q * step;
       double const after = f(a + step);
-      part += simpson(f, a, a + step, {before, f(a + 0.5 * step), after}, bound, halvings);
+      fraction += simpson(f, a, a + step, {before, f(a + 0.5 * step), after}, bound, halvings);
       before = after;
     }
-    sum += part * (to - from) / (to - from - 2.0 * inset);
+    sum += fraction * (to - from) / (to - from - 2.0 * inset);
     from = to;
   }
   return sum;

@@ -75,16 +75,16 @@ void for_each_own_cell(run::World const& w, Visit&& visit) {
   });
 }
 
-/// Calls visit(set, q) for all points of a body.
+/// Calls visit(set, q) for all particles of a body.
 template <class Visit>
-void for_each_point(run::World const& w, int body, Visit&& visit) {
-  for (int b = 0; b < w.points->grid().block_count(); ++b) {
-    mpm::PointSet const& set = w.points->points(b, body);
+void for_each_particle(run::World const& w, int body, Visit&& visit) {
+  for (int b = 0; b < w.particles->grid().block_count(); ++b) {
+    mpm::ParticleSet const& set = w.particles->particles(b, body);
     for (int q = 0; q < set.size(); ++q) visit(set, q);
   }
 }
 
-/// Largest deviations of the gas points and of the gas cells outside the deep region from a uniform state.
+/// Largest deviations of the gas particles and of the gas cells outside the deep region from a uniform state.
 struct Deviation {
   double velocity = 0.0;  ///< [m/s]
   double pressure = 0.0;  ///< relative
@@ -102,7 +102,7 @@ inline Deviation deviation_of(run::World const& w, material::Primitive const& un
     d.see(norm(s.velocity - uniform.velocity), std::abs(s.pressure / uniform.pressure - 1.0),
           std::abs(s.density / uniform.density - 1.0));
   });
-  for_each_point(w, w.gas_body(), [&](mpm::PointSet const& set, int q) {
+  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
     Vec3 const v{set.field(Field::velocity_x)[q], set.field(Field::velocity_y)[q], set.field(Field::velocity_z)[q]};
     d.see(norm(v - uniform.velocity), std::abs(set.field(Field::pressure)[q] / uniform.pressure - 1.0),
           std::abs(set.field(Field::density)[q] / uniform.density - 1.0));
@@ -111,7 +111,7 @@ inline Deviation deviation_of(run::World const& w, material::Primitive const& un
 }
 
 /// Relative errors of the audit of a run: the mass of both fluids and the energy. The masses must be constant to
-/// round-off; the sums of some 1e5 steps and 1e4 points leave 1e-13.
+/// round-off; the sums of some 1e5 steps and 1e4 particles leave 1e-13.
 struct Balance {
   double mass = 0.0;
   double energy = 0.0;
@@ -128,7 +128,7 @@ inline Balance balance_of(run::World& w, run::Totals const& before) {
 
 inline constexpr double mass_tolerance = 1e-13;
 
-/// Pressure of all cells along x in a row, k = 0, in the region from the points [Pa].
+/// Pressure of all cells along x in a row, k = 0, in the region from the particles [Pa].
 inline std::vector<double> pressure_line(run::World const& w, int row = 0) {
   std::vector<Index3> cells;
   for (int i = 0; i < w.grid.domain().cells[0]; ++i) cells.push_back({i, row, 0});

@@ -72,23 +72,23 @@ class Packet {
 };
 
 struct PulseSetting {
-  double wavelength = 20.0;  ///< [cells], about: at an angle the trace along the face is a whole number of cells
-  double angle = 0.0;        ///< between the wave's direction and the normal of the face [degrees]
-  bool into_region = true;   ///< from the gas to the points, or back
-  bool points_too = false;   ///< also in points alone
+  double wavelength = 20.0;    ///< [cells], about: at an angle the trace along the face is a whole number of cells
+  double angle = 0.0;          ///< between the wave's direction and the normal of the face [degrees]
+  bool into_region = true;     ///< from the gas to the particles, or back
+  bool particles_too = false;  ///< also in particles alone
   double periods = 3.0;
   std::function<void(run::MpmRegion&)> change = nullptr;
 };
 
 /// Root mean squares of the overpressure over one side of the face, relative to the packet at the start.
 struct PulseResult {
-  double wavelength = 0.0;      ///< [cells]
-  double reflected = 0.0;       ///< side where the packet came from: difference to the same medium without a bridge
-  double left_behind = 0.0;     ///< there without a bridge: slow waves of an oblique packet
-  double kept = 0.0;            ///< on the other side
-  double kept_by_gas = 0.0;     ///< there, in the gas scheme alone
-  double kept_by_points = 0.0;  ///< there, in points alone
-  double mass = 0.0;            ///< relative error
+  double wavelength = 0.0;         ///< [cells]
+  double reflected = 0.0;          ///< side where the packet came from: difference to the same medium without a bridge
+  double left_behind = 0.0;        ///< there without a bridge: slow waves of an oblique packet
+  double kept = 0.0;               ///< on the other side
+  double kept_by_gas = 0.0;        ///< there, in the gas scheme alone
+  double kept_by_particles = 0.0;  ///< there, in particles alone
+  double mass = 0.0;               ///< relative error
   [[nodiscard]] double transmitted() const { return kept / kept_by_gas; }
 };
 
@@ -116,17 +116,17 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
   double const ky = oblique ? 2.0 * std::numbers::pi / (rows * h) : 0.0;
   Packet packet(centre, wavelength * h, ky, length * h, 2.0);
 
-  enum class Media { both, gas, points };
+  enum class Media { both, gas, particles };
   auto const make = [&](Media media) {
-    bool const with_points = media != Media::gas;
+    bool const with_particles = media != Media::gas;
     run::Case one = c;
-    if (!with_points) one.mpm_region.reset();
-    if (media == Media::points) {
+    if (!with_particles) one.mpm_region.reset();
+    if (media == Media::particles) {
       one.mpm_region->boxes.clear();
       set_region(one, {0, 0, 0}, {n, rows, 1});
     }
     auto w = std::make_unique<run::World>(setup::build(one));
-    w->clock.step = 10;  // no gentle start: the points' first step is as long as all others
+    w->clock.step = 10;  // no gentle start: the particles' first step is as long as all others
     for_each_cell(*w, [&](int, int, Index3 const& cell) {
       Packet::Value const s = packet.at((cell[0] + 0.5) * h, (cell[1] + 0.5) * h, 0.0);
       material::Primitive m;
@@ -136,10 +136,10 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
       w->gas->set(w->grid.locate(cell), m);
     });
     w->gas->start();
-    if (!with_points) return w;
-    double const half_step = 0.5 * w->points->stable_step();  // the velocity of points lags (leapfrog)
-    for (int b = 0; b < w->points->grid().block_count(); ++b) {
-      mpm::PointSet& set = w->points->points(b, w->gas_body());
+    if (!with_particles) return w;
+    double const half_step = 0.5 * w->particles->stable_step();  // the velocity of particles lags (leapfrog)
+    for (int b = 0; b < w->particles->grid().block_count(); ++b) {
+      mpm::ParticleSet& set = w->particles->particles(b, w->gas_body());
       for (int q = 0; q < set.size(); ++q) {
         double const x = set.field(Field::position_x)[q];
         double const y = oblique ? set.field(Field::position_y)[q] : 0.0;
@@ -179,15 +179,15 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
   run_to(*gas, end);
   auto const p = field(*coupled);
   auto const p_gas = field(*gas);
-  std::vector<std::vector<double>> p_points;
+  std::vector<std::vector<double>> p_particles;
   PulseResult r;
-  if (setting.points_too || !setting.into_region) {
-    auto const points = make(Media::points);
-    run_to(*points, end);
-    p_points = field(*points);
-    r.kept_by_points = size(p_points, {}, half, n) / in;
+  if (setting.particles_too || !setting.into_region) {
+    auto const particles = make(Media::particles);
+    run_to(*particles, end);
+    p_particles = field(*particles);
+    r.kept_by_particles = size(p_particles, {}, half, n) / in;
   }
-  auto const& p_same = setting.into_region ? p_gas : p_points;
+  auto const& p_same = setting.into_region ? p_gas : p_particles;
   r.wavelength = wavelength;
   r.reflected = size(p, p_same, 0, half) / in;
   r.left_behind = size(p_same, {}, 0, half) / in;

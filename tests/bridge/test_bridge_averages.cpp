@@ -1,5 +1,5 @@
-// Gas points seen as gas cells: the weighted sums around every cell of the domain against slow and obvious ones, over
-// the points and all their images.
+// Gas particles seen as gas cells: the weighted sums around every cell of the domain against slow and obvious ones,
+// over the particles and all their images.
 #include <random>
 
 #include "bridge/averages.hpp"
@@ -19,8 +19,8 @@ double spline(double x) {
   return a < 0.5 ? 0.75 - a * a : a < 1.5 ? 0.5 * (1.5 - a) * (1.5 - a) : 0.0;
 }
 
-/// What a point of gas gives, as the averages count it.
-std::array<double, 8> content(mpm::PointSet const& set, int q) {
+/// What a particle of gas gives, as the averages count it.
+std::array<double, 8> content(mpm::ParticleSet const& set, int q) {
   double const m = set.field(Field::mass)[q];
   double const volume = m / set.field(Field::density)[q];
   double const Y = set.field(Field::mass_fraction)[q];
@@ -71,8 +71,8 @@ void expect_sums(Geometry geometry, std::array<Boundary, 6> const& boundary) {
   body.solid.mixture = material::Fluids{{material::IdealGas{1.4}, material::IdealGas{1.3}}, 2};
   mpm::Options options;
   options.block_cells = 4;  // blocks of several sizes
-  mpm::Mpm points(domain, {body}, options);
-  // Points anywhere, many of them at the faces; everything else about them is random too.
+  mpm::Mpm particles(domain, {body}, options);
+  // Particles anywhere, many of them at the faces; everything else about them is random too.
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   mpm::Filling filling;
@@ -87,9 +87,9 @@ void expect_sums(Geometry geometry, std::array<Boundary, 6> const& boundary) {
     filling.positions.push_back(x);
     filling.volumes.push_back(0.01 + unit(random));
   }
-  points.fill(0, filling);
-  for (int b = 0; b < points.grid().block_count(); ++b) {
-    mpm::PointSet& set = points.points(b, 0);
+  particles.fill(0, filling);
+  for (int b = 0; b < particles.grid().block_count(); ++b) {
+    mpm::ParticleSet& set = particles.particles(b, 0);
     for (int q = 0; q < set.size(); ++q) {
       set.field(Field::mass)[q] = 0.5 + unit(random);
       set.field(Field::energy)[q] = unit(random);
@@ -106,15 +106,15 @@ void expect_sums(Geometry geometry, std::array<Boundary, 6> const& boundary) {
       for (int i = 0; i < n[0]; ++i) cells.push_back({i, j, k});
     }
   }
-  Averages averages(domain, points, {0, 0, 0}, cells);
-  averages.compute(points, 0);
+  Averages averages(domain, particles, {0, 0, 0}, cells);
+  averages.compute(particles, 0);
   ASSERT_EQ(averages.sums().size(), cells.size());
 
   for (std::size_t c = 0; c < cells.size(); ++c) {
     Vec3 const centre = domain.centre(cells[c]);
     std::array<double, 8> expected{};
-    for (int b = 0; b < points.grid().block_count(); ++b) {
-      mpm::PointSet const& set = points.points(b, 0);
+    for (int b = 0; b < particles.grid().block_count(); ++b) {
+      mpm::ParticleSet const& set = particles.particles(b, 0);
       for (int q = 0; q < set.size(); ++q) {
         std::array<double, 8> const value = content(set, q);
         std::array<std::vector<Image>, 3> image;

@@ -24,7 +24,7 @@ double mean_pressure(run::World const& w) {
   return 0.4 * (t.energy - t.kinetic_energy) / 1.0;
 }
 
-/// Most that an account holds, in points of the gas beside it.
+/// Most that an account holds, in particles of the gas beside it.
 double fullest_account(run::World const& w) {
   bridge::Bridge const& bridge = *w.bridge;
   double most = 0.0;
@@ -32,8 +32,8 @@ double fullest_account(run::World const& w) {
   for (std::size_t n = 0; n < bridge.accounts().size(); ++n) {
     bridge::Face const& face = bridge.region().faces()[n / lanes];
     double const density = gas::gather(*w.gas, {face.outside()})[0].density;
-    double const point = density * w.grid.domain().h / w.setup.mpm_region->gas_points(1);
-    most = std::max(most, std::abs(bridge.accounts()[n].total()) / point);
+    double const particle = density * w.grid.domain().h / w.setup.mpm_region->gas_particles(1);
+    most = std::max(most, std::abs(bridge.accounts()[n].total()) / particle);
   }
   return most;
 }
@@ -52,8 +52,8 @@ INSTANTIATE_TEST_SUITE_P(Tubes, Confined,
                          [](auto const& one) { return one.param.name; });
 
 // 40 ms are 13 to 40 passages of the tube. Wanted: energy within 1 %, mean pressure within 2 % of the gas alone, no
-// account beyond two points; measured 0.04 and 0.06 %. Without feedback the energy is off by 7 % at 5 bar and runs away
-// at 20, with the volumes of the points left alone by 7 and 160 %.
+// account beyond two particles; measured 0.04 and 0.06 %. Without feedback the energy is off by 7 % at 5 bar and runs
+// away at 20, with the volumes of the particles left alone by 7 and 160 %.
 TEST_P(Confined, TubeKeepsItsEnergy) {
   for (double const bar : {2.0, 5.0, 20.0, 50.0}) {
     auto c = tube(1e5 * bar);
@@ -96,7 +96,7 @@ run::Case room(grid::Boundary boundary) {
   return c;
 }
 
-// Edges, corners and periodic faces: whatever gas and points give each other stands in some account. The region as a
+// Edges, corners and periodic faces: whatever gas and particles give each other stands in some account. The region as a
 // box, as an L, and as a band right across the periodic direction.
 TEST(Confined, MomentumIsKeptToRoundOff) {
   using Boxes = std::vector<std::array<Index3, 2>>;
@@ -110,10 +110,10 @@ TEST(Confined, MomentumIsKeptToRoundOff) {
     Vec3 before = w.totals().momentum;
     run_to(w, 0.002, [&](run::World& now) { largest = std::max(largest, norm(now.totals().momentum - before)); });
     double const scale = std::sqrt(2.0 * w.totals().energy * w.totals().mass[0]);
-    std::printf("%zu boxes: momentum changes by %.1e of what there is; %ld points born\n", boxes.size(),
-                largest / scale, w.bridge->traffic().born);
+    std::printf("%zu boxes: momentum changes by %.1e of what there is; %ld points injected\n", boxes.size(),
+                largest / scale, w.bridge->traffic().injected);
     EXPECT_LT(largest / scale, 1e-13);
-    EXPECT_GT(w.bridge->traffic().born, 1000);
+    EXPECT_GT(w.bridge->traffic().injected, 1000);
   }
 }
 

@@ -146,19 +146,19 @@ TEST(Contact, CrossesTheBridgeBehindAShock) {
       worst = std::max(worst, std::abs(p / exact.at(s).s.p - 1.0));
     };
     Error cells;
-    Error points;
+    Error particles;
     auto const p = pressure_line(w);
     for (int i = 0; i < n; ++i) see((i + 0.5) / n, p[i], cells);
-    for_each_point(w, w.gas_body(), [&](mpm::PointSet const& set, int q) {
-      see(set.field(Field::position_x)[q], set.field(Field::pressure)[q], points);
+    for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
+      see(set.field(Field::position_x)[q], set.field(Field::pressure)[q], particles);
     });
     Balance const b = balance_of(w, before);
     std::printf(
         "contact at %.0f m/s behind a shock, %s: pressure of cells within %.2f %% near the contact, %.2f %% elsewhere; "
         "of "
         "points %.2f and %.2f %%; mass %.1e, energy %.1e\n",
-        speed, into ? "into the region" : "out of the region", 100 * cells.near, 100 * cells.far, 100 * points.near,
-        100 * points.far, b.mass, b.energy);
+        speed, into ? "into the region" : "out of the region", 100 * cells.near, 100 * cells.far, 100 * particles.near,
+        100 * particles.far, b.mass, b.energy);
     EXPECT_LT(cells.far, 0.03);
     EXPECT_LT(cells.near, 0.03);
     EXPECT_LE(b.mass, mass_tolerance);

@@ -46,7 +46,7 @@ void add_tnt(run::Case& c, shape::Shape const& shape, Vec3 const& lit_at) {
   body.solid = material::of(tnt);
   body.shape = shape;
   body.initiation = {{lit_at, 0.0}};
-  c.points.bodies.push_back(body);
+  c.particles.bodies.push_back(body);
 }
 
 /// The library's soil.
@@ -62,7 +62,7 @@ void add_soil(run::Case& c, shape::Shape const& shape) {
   strength.friction = 20.0;
   body.solid.strength = strength;
   body.shape = shape;
-  c.points.bodies.push_back(body);
+  c.particles.bodies.push_back(body);
 }
 
 /// A charge on soil, or in it: a ball of 31 mm, on cells of 8 mm.
@@ -79,7 +79,7 @@ run::Case charge_and_soil(double height) {
 /// Largest drift of the energy between walls, as a part of that of the charge.
 class Drift {
  public:
-  explicit Drift(run::World& w) : before_(w.totals()) { charge_ = mpm::sums(*w.points, 0).internal_energy; }
+  explicit Drift(run::World& w) : before_(w.totals()) { charge_ = mpm::sums(*w.particles, 0).internal_energy; }
   void see(run::World& w) {
     run::Totals const now = w.totals();
     last = std::abs(now.energy - before_.energy) / charge_;
@@ -97,7 +97,7 @@ class Drift {
 
 double fastest_gas(run::World const& w) {
   double fastest = 0.0;
-  for_each_point(w, w.gas_body(), [&](mpm::PointSet const& set, int q) {
+  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
     fastest = std::max(fastest, norm(Vec3{set.field(Field::velocity_x)[q], set.field(Field::velocity_y)[q], 0.0}));
   });
   return fastest;
@@ -149,17 +149,17 @@ TEST(Products, LeaveTheRegionAsGas) {
   c.mpm_region->subcycling = false;
   add_tnt(c, shape::Box{{0.45, -1.0, -1.0}, {0.55, 1.0, 1.0}}, {0.45, 0.0, 0.0});
   run::World w = setup::build(c);
-  double const mass = mpm::sums(*w.points, 0).mass;
+  double const mass = mpm::sums(*w.particles, 0).mass;
   Drift drift(w);
   bool burning = false;
   run_to(w, 150e-6, [&](run::World& now) {
     drift.see(now);
-    burning =
-        burning || (mpm::sums(*now.points, 0).points > 0 && mpm::sums(*now.points, 0).points < now.bodies[0].points);
+    burning = burning || (mpm::sums(*now.particles, 0).particles > 0 &&
+                          mpm::sums(*now.particles, 0).particles < now.bodies[0].particles);
   });
   std::printf("drift %.2e, in the end %.2e, products %.1e\n", drift.worst, drift.last, drift.mass);
   EXPECT_TRUE(burning);
-  EXPECT_EQ(mpm::sums(*w.points, 0).points, 0);
+  EXPECT_EQ(mpm::sums(*w.particles, 0).particles, 0);
   double outside = 0.0;
   for_each_own_cell(w, [&](gas::Primitive const& s, Index3 const& cell) {
     outside += s.mass_fraction[1] * s.density * w.setup.domain.cell_volume(cell[0]);
@@ -169,14 +169,14 @@ TEST(Products, LeaveTheRegionAsGas) {
   EXPECT_LT(drift.worst, 0.01);
 }
 
-/// All cells and points of a run.
+/// All cells and particles of a run.
 std::vector<double> everything(run::World const& w) {
   std::vector<double> all{w.clock.time};
   for_each_cell(w, [&](int block, int offset, Index3 const&) {
     for (int k = 0; k < w.gas->fields().components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
   });
-  for (int body = 0; body < static_cast<int>(w.points->bodies().size()); ++body) {
-    for_each_point(w, body, [&](mpm::PointSet const& set, int q) {
+  for (int body = 0; body < static_cast<int>(w.particles->bodies().size()); ++body) {
+    for_each_particle(w, body, [&](mpm::ParticleSet const& set, int q) {
       for (int f = 0; f < mpm::field_count; ++f) {
         if (double const* values = set.field(static_cast<Field>(f))) all.push_back(values[q]);
       }
@@ -193,7 +193,7 @@ bool same(run::World const& a, run::World const& b) {
 
 TEST(Products, AreTheSameOnAnyNumberOfThreadsAndAfterARestart) {
   auto c = charge_and_soil(0.0308);
-  c.points.options.block_cells = 7;
+  c.particles.options.block_cells = 7;
   c.mpm_region->subcycling = false;
   auto const runs = [&](int threads, int steps) {
     set_threads(threads);
@@ -204,8 +204,8 @@ TEST(Products, AreTheSameOnAnyNumberOfThreadsAndAfterARestart) {
   };
   auto const one = runs(1, 12);
   auto const three = runs(3, 12);
-  EXPECT_GT(mpm::sums(*one->points, 0).points, 0);  // it still burns
-  EXPECT_LT(mpm::sums(*one->points, 0).points, one->bodies[0].points);
+  EXPECT_GT(mpm::sums(*one->particles, 0).particles, 0);  // it still burns
+  EXPECT_LT(mpm::sums(*one->particles, 0).particles, one->bodies[0].particles);
   EXPECT_TRUE(same(*one, *three));
   std::string saved;
   Archive writer([&](void const* from, std::size_t count) { saved.append(static_cast<char const*>(from), count); });
@@ -231,11 +231,11 @@ TEST(AutomaticBox, TakesTheDomainWhereSoilIsThrownOut) {
   EXPECT_EQ(setup::region_of(c).cells().size(), 32U * 120U);
   c.domain.boundary[3] = Boundary::inflow;
   EXPECT_EQ(setup::region_of(c).cells().size(), 32U * 116U);
-  c.points.bodies.erase(c.points.bodies.begin());
+  c.particles.bodies.erase(c.particles.bodies.begin());
   EXPECT_EQ(setup::region_of(c).cells().size(), 32U * (24U + 15U));  // nobody throws
 }
 
-/// Gas at `pressure` around a ball of soil that has come loose: its points count a thousandth of its density.
+/// Gas at `pressure` around a ball of soil that has come loose: its particles count a thousandth of its density.
 double thrown(double pressure) {
   grid::Domain domain;
   domain.geometry = Geometry::planar2d;
@@ -246,7 +246,7 @@ double thrown(double pressure) {
   bodies[0].name = "debris";
   run::Case c;
   add_soil(c, shape::Everywhere{});
-  bodies[0].solid = c.points.bodies[0].solid;
+  bodies[0].solid = c.particles.bodies[0].solid;
   material::Fluids fluids;
   fluids.eos[0] = material::IdealGas{1.4};
   bodies[1].name = "gas";
@@ -254,7 +254,7 @@ double thrown(double pressure) {
   bodies[1].slips = true;
   bodies[1].transfer = Transfer::apic;
   bodies[1].order = mpm::StressOrder::usl;
-  mpm::Mpm points(domain, bodies, {});
+  mpm::Mpm particles(domain, bodies, {});
   auto const fill = [&](int body, bool inside) {
     mpm::Filling filling;
     for (int j = 0; j < 48; ++j) {
@@ -267,22 +267,22 @@ double thrown(double pressure) {
       }
     }
     if (inside) filling.density = 1.2;
-    points.fill(body, filling);
+    particles.fill(body, filling);
   };
   fill(0, true);
   fill(1, false);
-  for (int b = 0; b < points.grid().block_count(); ++b) {
-    mpm::PointSet& set = points.points(b, 0);
+  for (int b = 0; b < particles.grid().block_count(); ++b) {
+    mpm::ParticleSet& set = particles.particles(b, 0);
     std::fill_n(set.field(Field::pressure), set.size(), 0.0);  // it came loose without tension
   }
   // What a region takes off with gas of 100 kPa that has fallen to 10 kPa elsewhere.
-  points.set_reference_pressure(1, 10e3);
-  points.set_reference_pressure(0, 10e3 - 100e3);
+  particles.set_reference_pressure(1, 10e3);
+  particles.set_reference_pressure(0, 10e3 - 100e3);
   double fastest = 0.0;
   for (int step = 0; step < 20; ++step) {
-    points.advance(1e-7);
-    for (int b = 0; b < points.grid().block_count(); ++b) {
-      mpm::PointSet const& set = points.points(b, 0);
+    particles.advance(1e-7);
+    for (int b = 0; b < particles.grid().block_count(); ++b) {
+      mpm::ParticleSet const& set = particles.particles(b, 0);
       for (int q = 0; q < set.size(); ++q)
         fastest = std::max(fastest, std::hypot(set.field(Field::velocity_x)[q], set.field(Field::velocity_y)[q]));
     }
@@ -298,8 +298,8 @@ TEST(LooseSoil, BearsThePressureOfTheGasWithItsMatterAlone) {
   EXPECT_LT(speed, 1.0);
 }
 
-/// Soil in rows of points that differ in density, beside the axis: how far the pressure then is from what the density
-/// says, K (rho/rho0 - 1) without plastic volume, per K.
+/// Soil in rows of particles that differ in density, beside the axis: how far the pressure then is from what the
+/// density says, K (rho/rho0 - 1) without plastic volume, per K.
 double off_curve() {
   grid::Domain domain;
   domain.geometry = Geometry::axisymmetric2d;
@@ -310,8 +310,8 @@ double off_curve() {
   add_soil(c, shape::Everywhere{});
   std::vector<mpm::Body> bodies(1);
   bodies[0].name = "soil";
-  bodies[0].solid = c.points.bodies[0].solid;
-  mpm::Mpm points(domain, bodies, {});
+  bodies[0].solid = c.particles.bodies[0].solid;
+  mpm::Mpm particles(domain, bodies, {});
   for (int row = 0; row < 16; ++row) {
     mpm::Filling filling;
     for (int i = 0; i < 16; ++i) {
@@ -319,13 +319,13 @@ double off_curve() {
       filling.volumes.push_back(2.0 * std::numbers::pi * (i + 0.5) * 0.005 * 2.5e-5);
     }
     filling.density = row % 2 == 0 ? 1500.0 : 1400.0;
-    points.fill(0, filling);
+    particles.fill(0, filling);
   }
-  for (int step = 0; step < 20; ++step) points.advance(1e-6);
+  for (int step = 0; step < 20; ++step) particles.advance(1e-6);
   double const K = material::bulk_modulus_of(100e6, 0.3);
   double worst = 0.0;
-  for (int b = 0; b < points.grid().block_count(); ++b) {
-    mpm::PointSet const& set = points.points(b, 0);
+  for (int b = 0; b < particles.grid().block_count(); ++b) {
+    mpm::ParticleSet const& set = particles.particles(b, 0);
     for (int q = 0; q < set.size(); ++q) {
       double const expected = set.field(Field::density)[q] / 1200.0 - 1.0;
       worst = std::max(worst, std::abs(set.field(Field::pressure)[q] / K - expected));
@@ -334,7 +334,7 @@ double off_curve() {
   return worst;
 }
 
-// Evening out of the density alone left points that bore 21 MPa however far they flew apart: 4e7 m/s.
+// Evening out of the density alone left particles that bore 21 MPa however far they flew apart: 4e7 m/s.
 TEST(SoilBesideTheAxis, KeepsItsPressureWithItsDensity) {
   double const off = off_curve();
   std::printf("pressure off by %.1e K\n", off);
@@ -350,7 +350,7 @@ TEST(OpenFace, CountsWhatLeavesToTheWorkAtTheNodes) {
   set_region(c, {0, 0, 0}, {24, 24, 1});
   add_tnt(c, shape::Cylinder{{0.0, 0.0, 0.0}, 0.0308, 1.0, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0});
   run::World w = setup::build(c);
-  double const charge = mpm::sums(*w.points, 0).internal_energy;
+  double const charge = mpm::sums(*w.particles, 0).internal_energy;
   double const before = w.totals().energy;
   run_to(w, 200e-6);
   w.update_audit();
@@ -361,16 +361,16 @@ TEST(OpenFace, CountsWhatLeavesToTheWorkAtTheNodes) {
   EXPECT_LT(std::abs(drift), 4e-3);
 }
 
-/// The edge of a plate of soil on an open face, with a puff of thin gas among its points.
+/// The edge of a plate of soil on an open face, with a puff of thin gas among its particles.
 TEST(OpenFace, LetsNoGasIntoSoil) {
   auto c = air_and_tnt(Geometry::planar2d, {20, 20, 1}, 0.01);
   c.domain.boundary.fill(Boundary::outflow);
   set_region(c, {0, 0, 0}, {20, 20, 1});
   add_soil(c, shape::Box{{0.0, 0.0, -1.0}, {0.2, 0.1, 1.0}});
   c.mpm_region->population_interval = 0;
-  c.points.bodies[0].velocity = {1e-6, 0.0, 0.0};  // the region is awake
+  c.particles.bodies[0].velocity = {1e-6, 0.0, 0.0};  // the region is awake
   run::World w = setup::build(c);
-  mpm::PointSet puff(mpm::fields(*w.points, w.gas_body()));
+  mpm::ParticleSet puff(mpm::fields(*w.particles, w.gas_body()));
   for (int n = 0; n < 4; ++n) {
     int const q = puff.append();
     puff.field(Field::position_x)[q] = 0.195;
@@ -381,12 +381,13 @@ TEST(OpenFace, LetsNoGasIntoSoil) {
     puff.field(Field::pressure)[q] = 1e-2;
     puff.field(Field::energy)[q] = 1e-2 / (0.4 * 1e-6);
   }
-  w.points->add(w.gas_body(), puff);
-  w.points->update_signals();
+  w.particles->add(w.gas_body(), puff);
+  w.particles->update_signals();
   for (int step = 0; step < 30; ++step) run::advance(w, 1.0);
   int inside = 0;
-  for_each_point(w, w.gas_body(),
-                 [&](mpm::PointSet const& set, int q) { inside += set.field(Field::position_y)[q] < 0.08 ? 1 : 0; });
+  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
+    inside += set.field(Field::position_y)[q] < 0.08 ? 1 : 0;
+  });
   EXPECT_LE(inside, 4);
 }
 
@@ -398,12 +399,12 @@ TEST(OpenFace, TracesOfGasInSoilLeaveWithNoEnergy) {
   c.domain.boundary.fill(Boundary::outflow);
   c.domain.boundary[0] = Boundary::symmetry;
   c.domain.boundary[2] = Boundary::wall;
-  c.points.options.shape = ShapeFunction::gimp;
-  c.points.options.courant = 0.3;
+  c.particles.options.shape = ShapeFunction::gimp;
+  c.particles.options.courant = 0.3;
   set_region(c, {0, 0, 0}, {30, 16, 1});
   c.mpm_region->width = 3;
   add_soil(c, shape::Box{{0.0, -0.2, -1.0}, {0.6, 0.0, 1.0}});
-  c.points.bodies[0].points_per_direction = 1;
+  c.particles.bodies[0].particles_per_direction = 1;
   run::InitialState puff;
   puff.shape = shape::Cylinder{{0.0, 0.3, 0.0}, 0.06, 1.0, {0.0, 0.0, 1.0}};
   puff.state = {1000.0, 4e9, {0.0, 0.0, 0.0}};

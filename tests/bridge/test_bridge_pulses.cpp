@@ -12,7 +12,7 @@ PulseResult pass(PulseSetting const& setting) {
       "%5.2f cells, %2.0f degrees, %s: reflected %.2f %%, transmitted %.2f %% of gas alone; kept %.2f %%, by gas alone "
       "%.2f %%, by points alone %.2f %%; mass %.1e\n",
       r.wavelength, setting.angle, setting.into_region ? "into the region" : "out of the region", 100 * r.reflected,
-      100 * r.transmitted(), 100 * r.kept, 100 * r.kept_by_gas, 100 * r.kept_by_points, r.mass);
+      100 * r.transmitted(), 100 * r.kept, 100 * r.kept_by_gas, 100 * r.kept_by_particles, r.mass);
   EXPECT_LE(r.mass, mass_tolerance);
   return r;
 }
@@ -37,7 +37,7 @@ TEST_P(Pulse, ShortWavesAreDampedRatherThanReflected) {
 
 TEST_P(Pulse, AtAnAngle) {
   PulseResult const r =
-      pass({.wavelength = 20.0, .angle = 45.0, .into_region = GetParam(), .points_too = true, .periods = 2.0});
+      pass({.wavelength = 20.0, .angle = 45.0, .into_region = GetParam(), .particles_too = true, .periods = 2.0});
   EXPECT_LT(r.reflected, 0.01);
   EXPECT_GT(r.transmitted(), 0.98);
 }

@@ -1,4 +1,4 @@
-// The MPM region: layers, roles, faces, lent cells, and what it refuses.
+// The MPM region: layers, roles, faces, proxy cells, and what it refuses.
 #include "bridge/harness.hpp"
 #include "core/error.hpp"
 
@@ -27,12 +27,12 @@ TEST(Region, HasLayersFromItsFacesInwards) {
     int const wanted = distance <= 0 ? 0 : std::min(distance, 8);
     EXPECT_EQ(region.layer({i, 0, 0}), wanted) << i;
     gas::Role const role = region.role({i, 0, 0});
-    EXPECT_EQ(role, wanted == 0 ? gas::Role::own : wanted <= 5 ? gas::Role::shadow : gas::Role::held) << i;
+    EXPECT_EQ(role, wanted == 0 ? gas::Role::own : wanted <= 5 ? gas::Role::shadow : gas::Role::frozen) << i;
   }
   EXPECT_EQ(region.cells().size(), 30U);
   EXPECT_EQ(region.ghosts().size(), 8U);
-  ASSERT_EQ(region.lent().size(), 6U);
-  for (Index3 const& cell : region.lent()) {
+  ASSERT_EQ(region.proxy_cells().size(), 6U);
+  for (Index3 const& cell : region.proxy_cells()) {
     EXPECT_TRUE((cell[0] >= 7 && cell[0] <= 9) || (cell[0] >= 40 && cell[0] <= 42)) << cell[0];
   }
   ASSERT_EQ(region.faces().size(), 2U);
@@ -43,10 +43,10 @@ TEST(Region, HasLayersFromItsFacesInwards) {
   EXPECT_EQ(region.faces()[1].outside()[0], 40);
   EXPECT_EQ(region.faces()[1].inward({2.0, 0.0, 0.0}), -2.0);
   EXPECT_FALSE(region.faces()[0].open);
-  // The points' grid: the box and the lent cells.
-  EXPECT_EQ(region.points_domain().cells[0], 36);
+  // The particles' grid: the box and the proxy cells.
+  EXPECT_EQ(region.particles_domain().cells[0], 36);
   EXPECT_EQ(region.shift()[0], -7);
-  EXPECT_DOUBLE_EQ(region.points_domain().lower[0], 0.7);
+  EXPECT_DOUBLE_EQ(region.particles_domain().lower[0], 0.7);
 }
 
 TEST(Region, GoesAroundEdgesAndInnerCorners) {
@@ -56,7 +56,7 @@ TEST(Region, GoesAroundEdgesAndInnerCorners) {
   auto const in_l = [](int i, int j) {
     return (i >= 4 && i < 34 && j >= 4 && j < 20) || (i >= 4 && i < 20 && j >= 4 && j < 34);
   };
-  std::size_t lent = 0;
+  std::size_t proxies = 0;
   std::size_t faces = 0;
   for (int j = 0; j < 40; ++j) {
     for (int i = 0; i < 40; ++i) {
@@ -68,12 +68,12 @@ TEST(Region, GoesAroundEdgesAndInnerCorners) {
         }
       }
       EXPECT_EQ(region.layer({i, j, 0}), in_l(i, j) ? std::min(distance, 7) : 0) << i << ", " << j;
-      if (!in_l(i, j) && distance <= 3) ++lent;
+      if (!in_l(i, j) && distance <= 3) ++proxies;
       if (!in_l(i, j)) continue;
       for (auto const& [a, b] : {std::pair{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) faces += in_l(a, b) ? 0 : 1;
     }
   }
-  EXPECT_EQ(region.lent().size(), lent);
+  EXPECT_EQ(region.proxy_cells().size(), proxies);
   EXPECT_EQ(region.faces().size(), faces);
   EXPECT_EQ(faces, 120U);  // as many as around the box that holds the L
 }
@@ -92,9 +92,9 @@ TEST(Region, EndsAtMirrorsAndIsOpenAtOutflow) {
   EXPECT_EQ(region.layer({0, 10, 0}), 7);  // no bridge at either
   EXPECT_EQ(region.layer({10, 0, 0}), 7);
   EXPECT_EQ(region.clamped({5, -2, 0}), (Index3{5, 0, 0}));
-  for (Index3 const& cell : region.lent()) EXPECT_GE(cell[0], 0);
-  EXPECT_EQ(region.points_domain().boundary[0], Boundary::symmetry);
-  EXPECT_EQ(region.points_domain().boundary[1], Boundary::outflow);
+  for (Index3 const& cell : region.proxy_cells()) EXPECT_GE(cell[0], 0);
+  EXPECT_EQ(region.particles_domain().boundary[0], Boundary::symmetry);
+  EXPECT_EQ(region.particles_domain().boundary[1], Boundary::outflow);
 }
 
 std::string refusal(grid::Domain const& domain, std::vector<CellBox> const& boxes, int width = 3) {
@@ -160,14 +160,14 @@ TEST(RegionOfACase, KeepsObstaclesAndSolidsAway) {
   body.name = "wall";
   body.solid = material::elastic_solid(100.0, 1e3, 0.3);
   body.shape = shape::Box{{0.46, -1.0, -1.0}, {0.50, 1.0, 1.0}};
-  c.points.bodies = {body};
+  c.particles.bodies = {body};
   EXPECT_EQ(
       refusal(c),
       "body \"wall\" has come to the bridge at (0.4625, 0.005, 0.005) m; the MPM region must reach further: "
       "solids keep 7 "
       "cells away from its faces; give it more room there, by mpm_region.box or, where that is laid around the bodies, "
       "by mpm_region.margin");
-  c.points.bodies[0].shape = shape::Box{{0.47, -1.0, -1.0}, {0.50, 1.0, 1.0}};
+  c.particles.bodies[0].shape = shape::Box{{0.47, -1.0, -1.0}, {0.50, 1.0, 1.0}};
   EXPECT_EQ(refusal(c), "accepted");
 }
 

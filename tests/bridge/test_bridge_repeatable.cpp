@@ -1,5 +1,5 @@
-// The same answer, bit for bit, on 1, 2 and 4 threads: gas, points and ledger, with a shock, a body, births, leavers
-// and control of the population.
+// The same answer, bit for bit, on 1, 2 and 4 threads: gas, particles and ledger, with a shock, a body, injection,
+// absorption and control of the population.
 #include <cstring>
 
 #include "bridge/harness.hpp"
@@ -22,7 +22,7 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
   c.mpm_region->population_interval = 2;
   c.numerics.block_cells = 8;
   c.numerics.sleep = sleep;
-  c.points.options.block_cells = 5;
+  c.particles.options.block_cells = 5;
   set_region(c, {5, 0, dims == 3 ? 5 : 0}, {n - 6, n - 6, dims == 3 ? n - 6 : 1});
   c.ambient.state.velocity = {0.3, 0.1, dims == 3 ? -0.2 : 0.0};
   run::InitialState hot;  // lies on both sides of the face
@@ -36,21 +36,21 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
   double const low = 0.5 * n * h - 2 * h;
   body.shape =
       shape::Box{{low, low, dims == 3 ? low : -1.0}, {low + 4 * h, low + 4 * h, dims == 3 ? low + 4 * h : 1.0}};
-  c.points.bodies = {body};
+  c.particles.bodies = {body};
   run::World w = setup::build(c);
-  long const at_start = mpm::sums(*w.points, w.gas_body()).points;
+  long const at_start = mpm::sums(*w.particles, w.gas_body()).particles;
   for (int step = 0; step < 24; ++step) run::advance(w, 10.0);
-  EXPECT_GT(w.bridge->traffic().born, 0);
-  EXPECT_GT(w.bridge->traffic().left, 0);
-  // Population control acted: the count changed by other than births and leavers.
-  long const now = mpm::sums(*w.points, w.gas_body()).points;
-  EXPECT_NE(now - at_start, w.bridge->traffic().born - w.bridge->traffic().left);
-  std::vector<double> all{w.clock.time, static_cast<double>(now), static_cast<double>(w.bridge->traffic().born)};
+  EXPECT_GT(w.bridge->traffic().injected, 0);
+  EXPECT_GT(w.bridge->traffic().absorbed, 0);
+  // Population control acted: the count changed by other than injection and absorption.
+  long const now = mpm::sums(*w.particles, w.gas_body()).particles;
+  EXPECT_NE(now - at_start, w.bridge->traffic().injected - w.bridge->traffic().absorbed);
+  std::vector<double> all{w.clock.time, static_cast<double>(now), static_cast<double>(w.bridge->traffic().injected)};
   for_each_cell(w, [&](int block, int offset, Index3 const&) {
     for (int k = 0; k < w.gas->fields().components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
   });
   for (int b = 0; b < 2; ++b) {
-    for_each_point(w, b, [&](mpm::PointSet const& set, int q) {
+    for_each_particle(w, b, [&](mpm::ParticleSet const& set, int q) {
       for (int f = 0; f < mpm::field_count; ++f) {
         if (double const* values = set.field(static_cast<Field>(f))) all.push_back(values[q]);
       }

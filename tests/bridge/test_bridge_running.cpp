@@ -1,5 +1,5 @@
-// Sleep and waking, steps of their own for gas and points, solids that come to the bridge, regions of several boxes,
-// and the number of points in the long run.
+// Sleep and waking, steps of their own for gas and particles, solids that come to the bridge, regions of several boxes,
+// and the number of particles in the long run.
 #include "bridge/harness.hpp"
 #include "core/error.hpp"
 
@@ -28,19 +28,19 @@ TEST(Activation, SleepsUntilTheShockArrives) {
   run_to(w, 0.25, [&](run::World& now) {
     if (now.bridge->awake() && woken == 0.0) woken = now.clock.time;
     if (!now.bridge->awake()) {
-      EXPECT_EQ(now.clock.point_steps, 0);  // a sleeping region costs nothing
+      EXPECT_EQ(now.clock.particle_steps, 0);  // a sleeping region costs nothing
     }
   });
   ASSERT_GT(woken, 0.0);
-  EXPECT_GT(w.clock.point_steps, 0);
-  // The shock runs at Mach 1.6 to 1.9 and meets the first lent cell at x = 0.485.
+  EXPECT_GT(w.clock.particle_steps, 0);
+  // The shock runs at Mach 1.6 to 1.9 and meets the first proxy cell at x = 0.485.
   EXPECT_GT(woken, 0.235 / 2.0);
   EXPECT_LT(woken, 0.235 / 1.4);
 
   c.mpm_region->activation = -1.0;  // awake from the start
   run::World early = setup::build(c);
   run_to(early, 0.25);
-  EXPECT_GT(early.clock.point_steps, w.clock.point_steps);
+  EXPECT_GT(early.clock.particle_steps, w.clock.particle_steps);
   // The threshold only cuts the foot of the smeared shock: the front moves by a small part of a cell, 0.2 % in the
   // mean.
   auto const late_p = pressure_line(w);
@@ -56,7 +56,7 @@ TEST(Activation, SleepsUntilTheShockArrives) {
   };
   double worst = mean_difference(late_p, early_p);
   std::printf("woken at %.3f s; point steps %ld, awake from the start %ld; pressure differs by %.1e in the mean\n",
-              woken, w.clock.point_steps, early.clock.point_steps, worst);
+              woken, w.clock.particle_steps, early.clock.particle_steps, worst);
   EXPECT_LT(worst, 2e-3);
 
   c.mpm_region->activation = 0.0;  // any disturbance at all
@@ -88,13 +88,13 @@ double difference(run::World& a, run::World& b, double end, char const* what) {
   std::printf(
       "%s: gas steps %ld, point steps %ld with sub-cycling, %ld and %ld without; pressure differs by %.2f %% in the "
       "mean\n",
-      what, a.clock.gas_steps, a.clock.point_steps, b.clock.gas_steps, b.clock.point_steps, 100 * sum / scale);
+      what, a.clock.gas_steps, a.clock.particle_steps, b.clock.gas_steps, b.clock.particle_steps, 100 * sum / scale);
   return sum / scale;
 }
 
 // Steps of other lengths change the result by their errors: a shock smears over another number of cells. 2 % in the
 // mean of the pressure is of the size of the errors of each (test_bridge_tubes).
-TEST(SubCycling, WithSteelThePointsTakeMoreSteps) {
+TEST(SubCycling, WithSteelTheParticlesTakeMoreSteps) {
   auto c = coupled_case(Geometry::planar1d, {160, 1, 1}, Boundary::outflow);
   set_region(c, {80, 0, 0}, {160, 1, 1});
   c.mpm_region->activation = -1.0;
@@ -109,17 +109,17 @@ TEST(SubCycling, WithSteelThePointsTakeMoreSteps) {
   body.name = "steel";
   body.solid = material::elastic_solid(7850.0, 210e9, 0.3);
   body.shape = shape::Box{{0.7, -1.0, -1.0}, {0.8, 1.0, 1.0}};
-  c.points.bodies = {body};
+  c.particles.bodies = {body};
   run::World with = setup::build(c);
   c.mpm_region->subcycling = false;
   run::World without = setup::build(c);
   EXPECT_LT(difference(with, without, 6e-4, "steel"), 0.02);
-  EXPECT_GT(with.clock.point_steps, 3 * with.clock.gas_steps);
-  EXPECT_EQ(without.clock.point_steps, without.clock.gas_steps);
-  double const v = mpm::sums(*with.points, 0).momentum[0];
+  EXPECT_GT(with.clock.particle_steps, 3 * with.clock.gas_steps);
+  EXPECT_EQ(without.clock.particle_steps, without.clock.gas_steps);
+  double const v = mpm::sums(*with.particles, 0).momentum[0];
   EXPECT_GT(v, 0.0);
   // The impulse counts from the shock's arrival, which its width shifts: as the pressure.
-  EXPECT_NEAR(mpm::sums(*without.points, 0).momentum[0] / v, 1.0, 0.02);
+  EXPECT_NEAR(mpm::sums(*without.particles, 0).momentum[0] / v, 1.0, 0.02);
 }
 
 TEST(SubCycling, WithHotGasOutsideTheGasTakesMoreSteps) {
@@ -133,9 +133,9 @@ TEST(SubCycling, WithHotGasOutsideTheGasTakesMoreSteps) {
   c.mpm_region->subcycling = false;
   run::World without = setup::build(c);
   EXPECT_LT(difference(with, without, 0.35, "hot gas"), 0.02);
-  EXPECT_GT(with.clock.gas_steps, with.clock.point_steps);
-  EXPECT_LT(static_cast<double>(with.clock.point_steps),
-            0.7 * static_cast<double>(without.clock.point_steps));  // what it saves
+  EXPECT_GT(with.clock.gas_steps, with.clock.particle_steps);
+  EXPECT_LT(static_cast<double>(with.clock.particle_steps),
+            0.7 * static_cast<double>(without.clock.particle_steps));  // what it saves
 }
 
 TEST(Intruder, StopsTheCalculation) {
@@ -146,7 +146,7 @@ TEST(Intruder, StopsTheCalculation) {
   body.solid = material::elastic_solid(1e4, 1e4, 0.3);
   body.shape = shape::Box{{0.3, -1.0, -1.0}, {0.4, 1.0, 1.0}};
   body.velocity = {-0.5, 0.0, 0.0};
-  c.points.bodies = {body};
+  c.particles.bodies = {body};
   run::World w = setup::build(c);
   std::string message;
   try {
@@ -158,7 +158,7 @@ TEST(Intruder, StopsTheCalculation) {
   EXPECT_EQ(message.find("body \"slug\" has come to the bridge at (0.2"), 0U);
   EXPECT_NE(message.find("the MPM region must reach further: solids keep 7 cells away from its faces"),
             std::string::npos);
-  // The first row of points begins at 0.3025 and may go to 0.27.
+  // The first row of particles begins at 0.3025 and may go to 0.27.
   EXPECT_NEAR(w.clock.time, 0.0325 / 0.5, 0.01);
 }
 
@@ -209,10 +209,11 @@ TEST(Shapes, TwoBoxesAnLAndMirrors) {
       }
     }
     std::printf(
-        "%s: %ld point steps, born %ld, left %ld, mass %.1e, energy %.1e, largest pressure %.3f, asymmetry %.1e\n",
-        layout.name, w.clock.point_steps, w.bridge->traffic().born, w.bridge->traffic().left, b.mass, b.energy, largest,
-        asymmetry);
-    EXPECT_GT(w.clock.point_steps, 20);
+        "%s: %ld point steps, injected %ld, absorbed %ld, mass %.1e, energy %.1e, largest pressure %.3f, asymmetry "
+        "%.1e\n",
+        layout.name, w.clock.particle_steps, w.bridge->traffic().injected, w.bridge->traffic().absorbed, b.mass,
+        b.energy, largest, asymmetry);
+    EXPECT_GT(w.clock.particle_steps, 20);
     EXPECT_LE(b.mass, mass_tolerance);
     EXPECT_LT(b.energy, 2e-3);  // 0.1 % in plane shock tubes
     EXPECT_LT(asymmetry, 0.02 * largest);
@@ -220,7 +221,7 @@ TEST(Shapes, TwoBoxesAnLAndMirrors) {
 }
 
 // A flow through the region for ten transits: as many points as at the start, of the usual mass.
-TEST(LongRun, KeepsTheNumberOfPoints) {
+TEST(LongRun, KeepsTheNumberOfParticles) {
   auto c = coupled_case(Geometry::planar1d, {100, 1, 1}, Boundary::periodic);
   set_region(c, {30, 0, 0}, {70, 1, 1});
   c.ambient.state.velocity = {0.6, 0.0, 0.0};
@@ -231,27 +232,27 @@ TEST(LongRun, KeepsTheNumberOfPoints) {
   c.initial_states = {wave};
   run::World w = setup::build(c);
   run::Totals const before = w.totals();
-  long const start = mpm::sums(*w.points, w.gas_body()).points;
+  long const start = mpm::sums(*w.particles, w.gas_body()).particles;
   long least = start;
   long most = start;
   run_to(w, 10.0 * 0.4 / 0.6, [&](run::World& now) {
-    long const count = mpm::sums(*now.points, now.gas_body()).points;
+    long const count = mpm::sums(*now.particles, now.gas_body()).particles;
     least = std::min(least, count);
     most = std::max(most, count);
   });
   Balance const b = balance_of(w, before);
   double light = 1e30;
   double heavy = 0.0;
-  for_each_point(w, w.gas_body(), [&](mpm::PointSet const& set, int q) {
+  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
     light = std::min(light, set.field(Field::mass)[q]);
     heavy = std::max(heavy, set.field(Field::mass)[q]);
   });
   std::printf(
       "ten transits: %ld steps, points %ld at the start, from %ld to %ld; masses from %.2f to %.2f of the usual; "
-      "born %ld, left %ld; mass %.1e, energy %.1e\n",
-      w.clock.step, start, least, most, light / (1.4 * 0.01 / 4), heavy / (1.4 * 0.01 / 4), w.bridge->traffic().born,
-      w.bridge->traffic().left, b.mass, b.energy);
-  EXPECT_GT(w.bridge->traffic().born, 5 * start);
+      "injected %ld, absorbed %ld; mass %.1e, energy %.1e\n",
+      w.clock.step, start, least, most, light / (1.4 * 0.01 / 4), heavy / (1.4 * 0.01 / 4),
+      w.bridge->traffic().injected, w.bridge->traffic().absorbed, b.mass, b.energy);
+  EXPECT_GT(w.bridge->traffic().injected, 5 * start);
   EXPECT_GT(least, start / 2);
   EXPECT_LT(most, 2 * start);
   EXPECT_LE(b.mass, mass_tolerance);

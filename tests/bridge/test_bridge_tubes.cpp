@@ -7,11 +7,11 @@ namespace {
 void print(std::string const& name, TubeResult const& r) {
   std::printf(
       "%-48s cells %.4f %.4f %.4f, /alone %.2f %.2f %.2f; points %.4f %.4f %.4f, /alone %.2f %.2f %.2f; peak %.2f %% "
-      "at %.1f (alone %.2f %%); mass %+.1e, energy %+.3f %%; born %ld, left %ld\n",
+      "at %.1f (alone %.2f %%); mass %+.1e, energy %+.3f %%; injected %ld, absorbed %ld\n",
       name.c_str(), r.cells[0], r.cells[1], r.cells[2], r.cells[0] / r.alone[0], r.cells[1] / r.alone[1],
-      r.cells[2] / r.alone[2], r.points[0], r.points[1], r.points[2], r.points[0] / r.points_alone[0],
-      r.points[1] / r.points_alone[1], r.points[2] / r.points_alone[2], 100 * r.peak, r.peak_at, 100 * r.peak_alone,
-      r.mass_drift, 100 * r.energy_drift, r.born, r.left);
+      r.cells[2] / r.alone[2], r.particles[0], r.particles[1], r.particles[2], r.particles[0] / r.particles_alone[0],
+      r.particles[1] / r.particles_alone[1], r.particles[2] / r.particles_alone[2], 100 * r.peak, r.peak_at,
+      100 * r.peak_alone, r.mass_drift, 100 * r.energy_drift, r.injected, r.absorbed);
 }
 
 class Tubes : public testing::TestWithParam<TubeSetting> {};

@@ -33,7 +33,7 @@ run::Case case_of(Geometry geometry, ShapeFunction shape, Boundary boundary) {
   }
   if (geometry == Geometry::axisymmetric2d) lower[0] = 0;  // on the axis
   set_region(c, lower, upper);
-  c.points.options.shape = shape;
+  c.particles.options.shape = shape;
   c.mpm_region->activation = -1.0;
   return c;
 }
@@ -44,7 +44,7 @@ double largest_account(run::World const& w) {
   double most = 0.0;
   for (bridge::Amounts const& account : w.bridge->accounts()) most = std::max(most, norm(account.momentum));
   int const dims = w.grid.domain().dimensions();
-  return most / (w.clock.dt * std::pow(w.grid.domain().h / w.setup.mpm_region->gas_points(dims), dims - 1));
+  return most / (w.clock.dt * std::pow(w.grid.domain().h / w.setup.mpm_region->gas_particles(dims), dims - 1));
 }
 
 Deviation run_uniform(run::Case const& c, double end, char const* what) {
@@ -54,13 +54,14 @@ Deviation run_uniform(run::Case const& c, double end, char const* what) {
   Deviation const d = deviation_of(w, c.ambient.state);
   Balance const b = balance_of(w, before);
   std::printf(
-      "%s %s, %s: %ld steps, velocity %.1e, pressure %.1e, density %.1e; mass %.1e, energy %.1e; born %ld, left "
+      "%s %s, %s: %ld steps, velocity %.1e, pressure %.1e, density %.1e; mass %.1e, energy %.1e; injected %ld, "
+      "absorbed "
       "%ld\n",
-      word_of(c.domain.geometry), word_of(c.points.options.shape), what, steps, d.velocity, d.pressure, d.density,
-      b.mass, b.energy, w.bridge->traffic().born, w.bridge->traffic().left);
-  EXPECT_GT(w.clock.point_steps, 10);
+      word_of(c.domain.geometry), word_of(c.particles.options.shape), what, steps, d.velocity, d.pressure, d.density,
+      b.mass, b.energy, w.bridge->traffic().injected, w.bridge->traffic().absorbed);
+  EXPECT_GT(w.clock.particle_steps, 10);
   EXPECT_LE(b.mass, mass_tolerance);
-  // The nodes' sums over points are as exact as the shape function; those of tents at the axis are not.
+  // The nodes' sums over particles are as exact as the shape function; those of tents at the axis are not.
   bool const at_rest = norm(c.ambient.state.velocity) == 0.0;
   if (at_rest) {
     EXPECT_LE(largest_account(w), 1e-11);

@@ -36,7 +36,7 @@ Shock shock_of(double mach) {
 }
 
 struct Hit {
-  double pressure = 0.0;       ///< mean of the points before the wall / exact
+  double pressure = 0.0;       ///< mean of the particles before the wall / exact
   double impulse = 0.0;        ///< momentum of the wall / impulse of the computed pressure on it
   double exact_impulse = 0.0;  ///< momentum of the wall / exact impulse
   double whole_impulse = 0.0;  ///< the same, since the shock's arrival
@@ -44,7 +44,7 @@ struct Hit {
 };
 
 /// The shock starts 60 cells before the wall, outside the region, whose face lies 30 cells before the wall. The wall is
-/// free: after the calculation, when the waves in the steel have not come back from far inside the block, its momentum
+/// free: after the simulation, when the waves in the steel have not come back from far inside the block, its momentum
 /// is the impulse; it is so heavy that it hardly moves.
 Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
   Shock const s = shock_of(mach);
@@ -67,7 +67,7 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
   body.name = "steel";
   body.solid = material::elastic_solid(7850.0, 210e9, 0.3);
   body.shape = shape::Box{{wall * c.domain.h, -1.0, -1.0}, {(n - 20) * c.domain.h, 1.0, 1.0}};
-  c.points.bodies = {body};
+  c.particles.bodies = {body};
   run::World w = setup::build(c);
   run::Totals const before = w.totals();
   double const arrival = 60.0 * c.domain.h / s.speed;
@@ -75,7 +75,7 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
   auto const pressure_before_wall = [&](double nearest, double farthest) {
     double sum = 0.0;
     double volume = 0.0;
-    for_each_point(w, w.gas_body(), [&](mpm::PointSet const& set, int q) {
+    for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
       double const cells = wall - set.field(Field::position_x)[q] / c.domain.h;
       if (cells < nearest || cells > farthest) return;
       double const v = set.field(Field::mass)[q] / set.field(Field::density)[q];
@@ -84,7 +84,7 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
     });
     return sum / volume;
   };
-  auto const wall_momentum = [&] { return mpm::sums(*w.points, 0).momentum[0]; };
+  auto const wall_momentum = [&] { return mpm::sums(*w.particles, 0).momentum[0]; };
   // From when the reflected shock is 12 cells before the wall; before that the shock's width matters.
   double const formed = arrival + 12.0 * c.domain.h / s.back;
   run_to(w, formed);
@@ -106,7 +106,7 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
       "%.4f of the exact one, since the arrival %.4f; mass %.1e; steps of the gas "
       "%ld, of the points %ld\n",
       mach, word_of(geometry), h.pressure, 1e-6 * s.reflected, h.impulse, h.exact_impulse, h.whole_impulse, h.mass,
-      w.clock.gas_steps, w.clock.point_steps);
+      w.clock.gas_steps, w.clock.particle_steps);
   return h;
 }
 
@@ -131,12 +131,12 @@ TEST(SteelWall, ReflectsAPlaneShock) {
 struct Burst {
   /// To the side, which is closed, so that the edge of the plate is no part of the question.
   static constexpr int cells = 64;
-  static constexpr int below = 16;     // where there is a plate
-  static constexpr int points = 10;    // cells of points above the face
-  static constexpr double end = 0.15;  // nothing has come to the open top
-  double impulse = 0.0;                ///< of the wall on the gas, or of what keeps the plate at rest [N s]
-  double along = 0.0;                  ///< radial velocity of the points within two cells of the face [m/s]
-  double largest = 0.0;  ///< cross-section of the points beside the axis, within six cells of the face [cells]
+  static constexpr int below = 16;      // where there is a plate
+  static constexpr int particles = 10;  // cells of particles above the face
+  static constexpr double end = 0.15;   // nothing has come to the open top
+  double impulse = 0.0;                 ///< of the wall on the gas, or of what keeps the plate at rest [N s]
+  double along = 0.0;                   ///< radial velocity of the particles within two cells of the face [m/s]
+  double largest = 0.0;  ///< cross-section of the particles beside the axis, within six cells of the face [cells]
 
   [[nodiscard]] static run::Case above(int rows_below) {
     auto c = coupled_case(grid::Geometry::axisymmetric2d, {cells, 2 * cells + rows_below, 1}, grid::Boundary::outflow);
@@ -146,7 +146,7 @@ struct Burst {
   void run(run::World& w, int gas, double face) {
     run_to(w, end);
     double mass = 0.0;
-    for_each_point(w, gas, [&](mpm::PointSet const& set, int q) {
+    for_each_particle(w, gas, [&](mpm::ParticleSet const& set, int q) {
       double const r = set.field(Field::position_x)[q];
       double const y = (set.field(Field::position_y)[q] - face) * cells;
       if (r * cells < 1.0 && y > 0.0 && y < 6.0) {
@@ -165,19 +165,19 @@ struct Burst {
     ball.state = {14.0, 400.0, {0.0, 0.0, 0.0}};
     c.initial_states = {ball};
   }
-  /// The wall, before it gas cells or points.
-  [[nodiscard]] static Burst on_wall(bool by_points) {
+  /// The wall, before it gas cells or particles.
+  [[nodiscard]] static Burst on_wall(bool by_particles) {
     auto c = above(0);
     c.domain.boundary[2] = grid::Boundary::wall;
     c.mpm_region.reset();
-    if (by_points) {
+    if (by_particles) {
       c.mpm_region.emplace();
-      set_region(c, {0, 0, 0}, {cells, points, 1});
+      set_region(c, {0, 0, 0}, {cells, particles, 1});
     }
     light(c, 0.0);
     run::World w = setup::build(c);
     Burst burst;
-    if (by_points) {
+    if (by_particles) {
       burst.run(w, 0, 0.0);
     } else {
       run_to(w, end);
@@ -189,30 +189,30 @@ struct Burst {
   [[nodiscard]] static Burst on_plate(bool slip, double part, bool rigid = false) {
     auto c = above(below);
     double const face = (below + part) * c.domain.h;
-    set_region(c, {0, 0, 0}, {cells, below + points, 1});
+    set_region(c, {0, 0, 0}, {cells, below + particles, 1});
     c.mpm_region->slip = slip;
     run::Body plate;
     plate.name = "plate";
     plate.solid = material::elastic_solid(1400.0, 1.4e5, 0.3);
     plate.shape = shape::Box{{-1.0, face - 6.0 * c.domain.h, -1.0}, {2.0, face, 1.0}};
-    c.points.bodies = {plate};
+    c.particles.bodies = {plate};
     if (rigid) {
-      c.points.bodies[0].rigid = true;
+      c.particles.bodies[0].rigid = true;
     } else {
       mpm::Constraint hold;
       hold.within = plate.shape;
-      c.points.constraints = {hold};
+      c.particles.constraints = {hold};
     }
     light(c, face);
     run::World w = setup::build(c);
     Burst burst;
     burst.run(w, 1, face);
-    burst.impulse = w.points->accounts().constraint_impulse[1];
+    burst.impulse = w.particles->accounts().constraint_impulse[1];
     return burst;
   }
 };
 
-// A burst close to a plate that is held does there what it does before a wall of the domain, along which the points
+// A burst close to a plate that is held does there what it does before a wall of the domain, along which the particles
 // slip as well, wherever within a cell the face of the plate lies. Gas that sticks stands still beside it. The burst is
 // small, 6 cells in radius; measured: the impulse up to 10 % higher, in the plate of example 5.4 of [Cui14] up to 5 %.
 TEST(HeldPlate, FeelsTheBurstAsAWallDoes) {
@@ -224,7 +224,7 @@ TEST(HeldPlate, FeelsTheBurstAsAWallDoes) {
                 part, plate.impulse / wall.impulse, plate.along / wall.along);
     EXPECT_NEAR(plate.impulse / wall.impulse, 1.0, 0.12);
     EXPECT_NEAR(plate.along / wall.along, 1.0, 0.12);
-    // Points of a ninth of a cell, which are split when they fill twice that: the two drift apart by little.
+    // Particles of a ninth of a cell, which are split when they fill twice that: the two drift apart by little.
     std::printf("  the largest point beside the axis fills %.2f of a cell\n", plate.largest);
     EXPECT_GT(plate.largest, 0.1);
     EXPECT_LT(plate.largest, 0.35);

@@ -39,17 +39,17 @@ struct Where {
 using Norms = std::array<double, 3>;
 
 struct TubeResult {
-  Norms cells{};         ///< gas cells outside the region
-  Norms alone{};         ///< the same cells in the gas scheme alone
-  Norms points{};        ///< gas points
-  Norms points_alone{};  ///< cells of the gas scheme alone in the region
-  double peak = 0.0;     ///< largest excess of the pressure over the exact one near the bridge / the tube's largest
+  Norms cells{};            ///< gas cells outside the region
+  Norms alone{};            ///< the same cells in the gas scheme alone
+  Norms particles{};        ///< gas particles
+  Norms particles_alone{};  ///< cells of the gas scheme alone in the region
+  double peak = 0.0;        ///< largest excess of the pressure over the exact one near the bridge / the tube's largest
   double peak_alone = 0.0;
   double peak_at = 0.0;     ///< [cells]
   double mass_drift = 0.0;  ///< relative, signed
   double energy_drift = 0.0;
-  long born = 0;
-  long left = 0;
+  long injected = 0;
+  long absorbed = 0;
 };
 
 inline run::Case tube_case(Tube const& t, Where const& where, int cells = 400) {
@@ -101,7 +101,7 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
     if (!f.open) face = f.inside[0] + f.side;
   }
   Norms scale_cells{};
-  Norms scale_points{};
+  Norms scale_particles{};
   Norms scale_inside{};
   auto const add = [](Norms& sum, double weight, double rho, double u, double p) {
     sum[0] += weight * std::abs(rho);
@@ -118,13 +118,13 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
       r.peak_at = x * n;
     }
   });
-  for_each_point(w, w.gas_body(), [&](mpm::PointSet const& set, int q) {
+  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
     double const x = set.field(Field::position_x)[q];
     double const volume = set.field(Field::mass)[q] / set.field(Field::density)[q];
     exact::State const e = at(x);
     double const p = set.field(Field::pressure)[q];
-    add(r.points, volume, set.field(Field::density)[q] - e.rho, set.field(Field::velocity_x)[q] - e.u, p - e.p);
-    add(scale_points, volume, e.rho, e.u, e.p);
+    add(r.particles, volume, set.field(Field::density)[q] - e.rho, set.field(Field::velocity_x)[q] - e.u, p - e.p);
+    add(scale_particles, volume, e.rho, e.u, e.p);
     if (std::abs(x * n - face) < near_bridge && excess(x, p) / scale > r.peak) {
       r.peak = excess(x, p) / scale;
       r.peak_at = x * n;
@@ -135,15 +135,15 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
     exact::State const e = at(x);
     gas::Primitive const s = gas::gather(*alone.gas, {{i, 0, 0}})[0];
     bool const inside = w.bridge->region().inside({i, 0, 0});
-    add(inside ? r.points_alone : r.alone, 1.0, s.density - e.rho, s.velocity[0] - e.u, s.pressure - e.p);
+    add(inside ? r.particles_alone : r.alone, 1.0, s.density - e.rho, s.velocity[0] - e.u, s.pressure - e.p);
     if (inside) add(scale_inside, 1.0, e.rho, e.u, e.p);
     if (std::abs(i + 0.5 - face) < near_bridge) r.peak_alone = std::max(r.peak_alone, excess(x, s.pressure) / scale);
   }
   for (int k = 0; k < 3; ++k) {
     r.cells[k] /= scale_cells[k];
     r.alone[k] /= scale_cells[k];
-    r.points[k] /= scale_points[k];
-    r.points_alone[k] /= scale_inside[k];
+    r.particles[k] /= scale_particles[k];
+    r.particles_alone[k] /= scale_inside[k];
   }
   run::Totals const& now = w.audit.current;
   run::Totals const& out = w.audit.outflow;
@@ -153,8 +153,8 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
     if (std::abs(drift) > std::abs(r.mass_drift)) r.mass_drift = drift;
   }
   r.energy_drift = (now.energy + out.energy - before.energy) / before.energy;
-  r.born = w.bridge->traffic().born;
-  r.left = w.bridge->traffic().left;
+  r.injected = w.bridge->traffic().injected;
+  r.absorbed = w.bridge->traffic().absorbed;
   return r;
 }
 

@@ -62,7 +62,7 @@ std::string soil_deck(std::string const& friction, std::string const& more = "")
 TEST(GoodDecks, AnglesAreDegreesOrHaveAUnit) {
   auto const friction = [](std::string const& text) {
     run::Case const c = read(soil_deck(text));
-    return std::get<material::DruckerPrager>(c.points.bodies.at(0).solid.strength).friction;
+    return std::get<material::DruckerPrager>(c.particles.bodies.at(0).solid.strength).friction;
   };
   for (auto const* text :
        {"33", "33.0", "\"33\"", "\"33 deg\"", "\"33 degree\"", "\"33 degrees\"", "\"33 °\"", "\"33°\""})
@@ -452,14 +452,14 @@ TEST(GoodDecks, OwnFluidAndLibraryNamesAnyCase) {
 
 TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   run::Case const c = read_good("all_points.toml");
-  run::Points const& p = c.points;
+  run::Particles const& p = c.particles;
   ASSERT_EQ(p.bodies.size(), 5U);
   run::Body const& plate = p.bodies[0];
   EXPECT_EQ(plate.name, "plate");
-  EXPECT_EQ(plate.points_per_direction, 3);
+  EXPECT_EQ(plate.particles_per_direction, 3);
   EXPECT_EQ(plate.velocity, (Vec3{0.0, 0.0, 10.0}));
   EXPECT_FALSE(plate.rigid);
-  material::Solid const& alu = plate.solid;
+  material::Material const& alu = plate.solid;
   EXPECT_EQ(alu.name, "alu");
   EXPECT_EQ(alu.source, "a book");
   EXPECT_EQ(alu.density, 2700.0);
@@ -499,12 +499,12 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_TRUE(p.bodies[4].initiation.empty());
 
   ASSERT_EQ(p.constraints.size(), 3U);
-  EXPECT_EQ(p.constraints[0].held, (std::array{true, true, true}));
+  EXPECT_EQ(p.constraints[0].components, (std::array{true, true, true}));
   EXPECT_EQ(p.constraints[0].body, -1);
   EXPECT_EQ(std::get<Box>(p.constraints[0].within).upper[0], 0.55);
-  EXPECT_EQ(p.constraints[1].held, (std::array{true, false, false}));
+  EXPECT_EQ(p.constraints[1].components, (std::array{true, false, false}));
   EXPECT_EQ(p.constraints[1].body, 0);
-  EXPECT_EQ(p.constraints[2].held, (std::array{true, true, false}));
+  EXPECT_EQ(p.constraints[2].components, (std::array{true, true, false}));
   EXPECT_EQ(p.constraints[2].velocity, (Vec3{1.0, 2.0, 0.0}));
   EXPECT_EQ(p.constraints[2].body, 2);
   EXPECT_TRUE(std::holds_alternative<shape::Everywhere>(p.constraints[2].within));
@@ -514,7 +514,7 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_EQ(p.contacts[0].second, 0);
   EXPECT_EQ(p.contacts[0].friction, 0.3);
 
-  // Layers of points are a third of a cell, 1/60 m thick; 40 mm are two of them, counted from the face at x = 1.
+  // Layers of particles are a third of a cell, 1/60 m thick; 40 mm are two of them, counted from the face at x = 1.
   ASSERT_EQ(p.pressures.size(), 2U);
   EXPECT_EQ(p.pressures[0].body, 0);
   EXPECT_EQ(p.pressures[0].normal, (Vec3{1.0, 0.0, 0.0}));
@@ -559,7 +559,7 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_EQ(o.body_force, (Vec3{0.0, 0.0, -9.81}));
   EXPECT_EQ(o.wall_friction, 0.3);
   EXPECT_EQ(o.block_cells, 16);
-  EXPECT_EQ(c.output.point_fields, (std::vector<std::string>{"stress", "velocity"}));
+  EXPECT_EQ(c.output.particle_fields, (std::vector<std::string>{"stress", "velocity"}));
   EXPECT_EQ(c.burst, run::Burst::none);
 }
 
@@ -568,9 +568,9 @@ std::string const ball = "[[body]]\nmaterial = \"RHA\"\nradius = 0.2\nposition =
 // The words of the deck and the default values of its manual are those of the method.
 TEST(GoodDecks, DefaultsOfMaterialPoints) {
   mpm::Options const standard;
-  for (std::string const points : {"", "[points]\n"}) {
-    run::Case const c = read(small_domain + ball + points);
-    mpm::Options const& o = c.points.options;
+  for (std::string const particles : {"", "[points]\n"}) {
+    run::Case const c = read(small_domain + ball + particles);
+    mpm::Options const& o = c.particles.options;
     EXPECT_EQ(o.shape, standard.shape);
     EXPECT_EQ(o.order, standard.order);
     EXPECT_EQ(o.transfer, standard.transfer);
@@ -578,9 +578,9 @@ TEST(GoodDecks, DefaultsOfMaterialPoints) {
     EXPECT_EQ(o.linear_viscosity, standard.linear_viscosity);
     EXPECT_EQ(o.courant, standard.courant);
     EXPECT_EQ(o.wall_friction, 0.0);
-    EXPECT_EQ(c.points.bodies.at(0).name, "body-1");
-    EXPECT_EQ(c.points.bodies.at(0).points_per_direction, 2);
-    EXPECT_EQ(c.output.point_fields, run::Output{}.point_fields);
+    EXPECT_EQ(c.particles.bodies.at(0).name, "body-1");
+    EXPECT_EQ(c.particles.bodies.at(0).particles_per_direction, 2);
+    EXPECT_EQ(c.output.particle_fields, run::Output{}.particle_fields);
   }
 }
 
@@ -588,7 +588,7 @@ TEST(GoodDecks, OwnSolidsFromModuli) {
   auto const solid = [](std::string const& text) {
     return read("[solids.own]\ndensity = 1000\n" + text + small_domain +
                 "[[body]]\nmaterial = \"own\"\nradius = 0.2\nposition = [1, 1, 1]\n")
-        .points.bodies.at(0)
+        .particles.bodies.at(0)
         .solid;
   };
   auto const plain = solid("E = 3e9\nnu = 0\n");
@@ -610,10 +610,11 @@ TEST(GoodDecks, OwnSolidsFromModuli) {
   EXPECT_EQ(std::get<material::JohnsonCook>(mixed.strength).T_room, 293.0);
 }
 
-// The points of the layer hold just its volume, wherever the face lies between the points: a free body gains the
+// The particles of the layer hold just its volume, wherever the face lies between the particles: a free body gains the
 // momentum pressure * area * time.
 TEST(GoodDecks, SurfacePressurePushesWithItsForce) {
-  // Layers of points are 0.05 m thick. On a face of points; 20, 40 and 60 % above one; and from below, on part of it.
+  // Layers of particles are 0.05 m thick. On a face of particles; 20, 40 and 60 % above one; and from below, on part of
+  // it.
   for (std::string const top : {"0.6", "0.61", "0.62", "0.63"}) {
     for (std::string const normal : {"+z", "-z"}) {
       run::World world = setup::build(
@@ -624,8 +625,8 @@ TEST(GoodDecks, SurfacePressurePushesWithItsForce) {
                "\"\npressure = 1e6\nwithin = {shape = \"box\", lower = [0.3, 0.3, 0], upper = [0.6, 0.4, 1]}\n"));
       double const push = normal == "+z" ? -1.0 : 1.0;
       while (!world.finished()) run::advance(world, world.setup.end.time);
-      Vec3 const momentum = mpm::sums(*world.points, 0).momentum;
-      // The force goes with the volume of the loaded points, which changes by 1 MPa / K = 1.5e-5 of itself.
+      Vec3 const momentum = mpm::sums(*world.particles, 0).momentum;
+      // The force goes with the volume of the loaded particles, which changes by 1 MPa / K = 1.5e-5 of itself.
       EXPECT_NEAR(momentum[2], push * 1e6 * 0.03 * 2e-5, 1.5e-5 * 0.6) << top << normal;
       EXPECT_NEAR(momentum[0], 0.0, 1e-9);
     }
@@ -635,7 +636,7 @@ TEST(GoodDecks, SurfacePressurePushesWithItsForce) {
 TEST(GoodDecks, BodiesTakeSolidsFirst) {
   auto const name = [](std::string const& material, std::string const& more = "") {
     return read(more + small_domain + "[[body]]\nmaterial = \"" + material + "\"\nradius = 0.2\nposition = [1, 1, 1]\n")
-        .points.bodies.at(0)
+        .particles.bodies.at(0)
         .solid;
   };
   EXPECT_TRUE(name("rha").has_deviator());
@@ -672,7 +673,7 @@ TEST(GoodDecks, StlFilesAreFoundBesideTheDeck) {
   };
   auto const good = deck("closed.stl");
   ASSERT_TRUE(good.case_) << deck::format(good.errors.at(0));
-  auto const& mesh = std::get<shape::Mesh>(good.case_->points.bodies.at(0).shape);
+  auto const& mesh = std::get<shape::Mesh>(good.case_->particles.bodies.at(0).shape);
   EXPECT_NEAR(mesh.volume(), 1.0 / 6.0, 1e-6);  // single precision of the file
   EXPECT_NEAR(mesh.lower()[2], 0.5, 1e-6);
   auto const bad = deck("open.stl");
@@ -701,7 +702,7 @@ TEST(GoodDecks, EveryKeyOfTheMpmRegionArrives) {
   EXPECT_EQ(r.boxes[1].lower[0], 1.5);
   EXPECT_EQ(r.width, 3);
   EXPECT_EQ(r.transport, bridge::Transport::paper);
-  EXPECT_EQ(r.points_per_direction, 2);
+  EXPECT_EQ(r.particles_per_direction, 2);
   EXPECT_EQ(r.activation, 250.0);
   EXPECT_FALSE(r.subcycling);
   EXPECT_EQ(r.transfer, mpm::Transfer::xpic);
@@ -712,19 +713,19 @@ TEST(GoodDecks, EveryKeyOfTheMpmRegionArrives) {
   EXPECT_EQ(r.courant, 0.7);
   EXPECT_EQ(r.population_interval, 9);
   EXPECT_EQ(r.reference_pressure, 9e4);
-  EXPECT_TRUE(c.output.gas_points);
+  EXPECT_TRUE(c.output.gas_particles);
   EXPECT_EQ(c.charges.size(), 1U);
   EXPECT_EQ(c.obstacles.size(), 1U);
-  ASSERT_EQ(c.points.bodies.size(), 1U);
+  ASSERT_EQ(c.particles.bodies.size(), 1U);
   EXPECT_EQ(c.gauges.size(), 1U);
-  EXPECT_EQ(c.points.gauges.size(), 1U);
+  EXPECT_EQ(c.particles.gauges.size(), 1U);
   EXPECT_EQ(c.burst, run::Burst::none);  // bodies reflect
 }
 
 TEST(GoodDecks, EveryKeyOfTheRemapArrives) {
   run::Case const c = read_good("all_remap.toml");
   EXPECT_TRUE(c.start.remap);
-  EXPECT_EQ(c.start.method, run::StartMethod::points);
+  EXPECT_EQ(c.start.method, run::StartMethod::particles);
   EXPECT_EQ(c.start.cell, 1e-3);
   EXPECT_EQ(c.start.radius, 0.5);
   EXPECT_FALSE(c.start.time);
@@ -759,11 +760,11 @@ TEST(GoodDecks, WhereGasAndBodiesMeetThereIsAnMpmRegion) {
   ASSERT_EQ(only.warnings.size(), 1U);
   EXPECT_NE(only.warnings[0].find("d:6:3: warning: gauge: gauges in the gas put the bodies into"), std::string::npos)
       << only.warnings[0];
-  // Gas points alone.
+  // Gas particles alone.
   run::Case const gas = read(domain +
                              "[mpm_region]\nbox = {lower = [1, 0, 0], upper = [2, 4, 4]}\n[[charge]]\nmass = 0.1\n"
                              "position = [0.5, 1, 1]\n");
-  EXPECT_TRUE(gas.mpm_region && gas.mpm_region->boxes.size() == 1 && !gas.points.any());
+  EXPECT_TRUE(gas.mpm_region && gas.mpm_region->boxes.size() == 1 && !gas.particles.any());
 }
 
 TEST(GoodDecks, WarningsNameWhatIsDoubtful) {

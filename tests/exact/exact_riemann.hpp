@@ -44,7 +44,7 @@ class Side {
   [[nodiscard]] double sound_speed(State const& s) const { return material::sound_speed(eos_, s.rho, s.p); }
 
  private:
-  /// Point of the isentrope at x = ln(rho / rho_ahead) = -index * step.
+  /// Particle of the isentrope at x = ln(rho / rho_ahead) = -index * step.
   struct Node {
     double p = 0.0;
     double phi = 0.0;  ///< integral of c dx from 0 [m/s]; the velocity is u_ahead - phi
@@ -127,7 +127,7 @@ double bracketed_root(F const& f, double a, double b) {
     double const tolerance = 2e-16 * std::abs(best) + 1e-300;
     double const least = tolerance / std::abs(b - a);
     if (least > 0.5) return best;
-    // Inverse quadratic interpolation where the three points allow it, otherwise halving.
+    // Inverse quadratic interpolation where the three particles allow it, otherwise halving.
     double const xi = (a - b) / (c - b);
     double const phi = (fa - fb) / (fc - fb);
     t = 0.5;

@@ -1,5 +1,5 @@
-/// Self-similar strong point, line or plane blast in an ideal gas of uniform density and negligible pressure [Sedov59],
-/// closed form as written by [KammTimmes07].
+/// Self-similar strong particle, line or plane blast in an ideal gas of uniform density and negligible pressure
+/// [Sedov59], closed form as written by [KammTimmes07].
 #pragma once
 
 namespace brisance::exact {

@@ -183,7 +183,7 @@ TEST(ExactRiemann, ShocksSatisfyTheJumpRelations) {
   EXPECT_GE(shocks, 12);
 }
 
-/// Integral of f over [a, b]: Gauss-Legendre with five points on 400 panels.
+/// Integral of f over [a, b]: Gauss-Legendre with five particles on 400 panels.
 double integral(std::function<double(double)> const& f, double a, double b) {
   constexpr double x[] = {0.0, 0.5384693101056831, 0.9061798459386640};
   constexpr double w[] = {0.5688888888888889, 0.4786286704993665, 0.2369268850561891};

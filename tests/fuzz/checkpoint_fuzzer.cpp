@@ -38,7 +38,7 @@ point = 0.9
 [end]
 time = "1 ms"
 )",
-    // Points that carry much, with a load and gauges of a point and of a body.
+    // Particles that carry much, with a load and gauges of a particle and of a body.
     R"([domain]
 geometry = "planar2d"
 size = [0.08, 0.08]
@@ -62,7 +62,7 @@ point = [0.03, 0.03]
 [end]
 time = "1 ms"
 )",
-    // Gas and points.
+    // Gas and particles.
     R"([domain]
 geometry = "planar1d"
 size = 0.4

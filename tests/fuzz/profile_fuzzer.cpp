@@ -250,8 +250,9 @@ std::string file_of(Bytes& in) {
   put_dataset(in, group, "ambient", values(p.ambient, {nc}), "");
   put_dataset(in, group, "constants", values({7e9, 371e9}, {2}), "explosive energy\nproducts jwl.A");
   std::vector<double> initiation;
-  for (auto const& point : p.charge.initiation)
-    initiation.insert(initiation.end(), {point.position[0], point.position[1], point.position[2], point.delay});
+  for (auto const& particle : p.charge.initiation)
+    initiation.insert(initiation.end(),
+                      {particle.position[0], particle.position[1], particle.position[2], particle.delay});
   put_dataset(in, group, "initiation", values(initiation, {p.charge.initiation.size(), 4}), "");
 
   H5Fflush(file, H5F_SCOPE_GLOBAL);

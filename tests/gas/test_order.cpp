@@ -50,7 +50,7 @@ double wave_error(bool acoustic, grid::Geometry geometry, int n, gas::Scheme sch
 
 class Order : public testing::TestWithParam<std::tuple<bool, grid::Geometry, gas::Scheme>> {};
 
-TEST_P(Order, IsAtLeastOnePointNine) {
+TEST_P(Order, IsAtLeastOneParticleNine) {
   auto const [acoustic, geometry, scheme] = GetParam();
   int const coarse = geometry == grid::Geometry::planar1d ? 64 : 32;
   double const a = wave_error(acoustic, geometry, coarse, scheme);

@@ -1,4 +1,4 @@
-/// Strong shocks in more than one dimension: the carbuncle and the on-axis peak of blasts, and the point explosion.
+/// Strong shocks in more than one dimension: the carbuncle and the on-axis peak of blasts, and the particle explosion.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -94,8 +94,8 @@ TEST_P(StrongBlast, ShowsNoPeakOnTheAxes) {
 
 INSTANTIATE_TEST_SUITE_P(Schemes, StrongBlast, testing::Values(gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff));
 
-/// Point explosion in an octant, gamma = 1.4: the front is at 1 at t = 1. All the energy lies in a sphere of `source`
-/// cells at the origin; the closer to a point, the hotter the centre stays and the shorter the steps.
+/// Particle explosion in an octant, gamma = 1.4: the front is at 1 at t = 1. All the energy lies in a sphere of
+/// `source` cells at the origin; the closer to a particle, the hotter the centre stays and the shorter the steps.
 constexpr double sedov_energy = 0.851072;
 
 void set_up_sedov(Problem& problem, int n, double source) {

@@ -83,7 +83,7 @@ Outcome outcome(Setting const& s, bool sleep) {
     for (int b = 0; b < problem.grid->block_count(); ++b) {
       grid::Block const& block = problem.grid->blocks()[b];
       std::vector<gas::Role> roles(block.cell_count(), gas::Role::own);
-      if (block.origin[0] == block.n[0]) std::fill_n(roles.begin(), roles.size() / 2, gas::Role::held);
+      if (block.origin[0] == block.n[0]) std::fill_n(roles.begin(), roles.size() / 2, gas::Role::frozen);
       problem.gas->coupling.set_roles(b, std::move(roles));
     }
   }

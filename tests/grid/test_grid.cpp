@@ -67,7 +67,7 @@ TEST(Grid, BlocksHaveOneSizeAndTheLastTheRest) {
 
 TEST(Grid, RefusesDirectionsThatAreTooThin) { EXPECT_THROW(Grid(box({3, 20, 20}, Boundary::outflow), 8), InputError); }
 
-TEST(Grid, FindsTheCellOfAPoint) {
+TEST(Grid, FindsTheCellOfAParticle) {
   Grid const grid(box({10, 10, 10}, Boundary::outflow), 8);
   EXPECT_EQ(grid.cell_at({0.6, 4.9, 2.5}), (Index3{1, 9, 5}));
   EXPECT_EQ(grid.cell_at({-7.0, 99.0, 0.0}), (Index3{0, 9, 0}));

@@ -104,8 +104,8 @@ Model read_model(Keys& keys, std::map<std::string, double> const& derived) {
   return m;
 }
 
-material::Solid read_solid(Keys& keys, std::string const& where) {
-  material::Solid solid;
+material::Material read_solid(Keys& keys, std::string const& where) {
+  material::Material solid;
   solid.source = keys.text("source");
   solid.density = keys.number("density");
   std::map<std::string, double> derived{{"rho0", solid.density}};
@@ -256,7 +256,7 @@ std::vector<std::string> chapman_jouguet_table(std::vector<material::Explosive> 
 
 namespace {
 
-/// With the given digits after the point, or three significant ones where those would be lost.
+/// With the given digits after the particle, or three significant ones where those would be lost.
 std::string short_number(double value, int digits) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), value != 0.0 && value < 1.0 ? "%.3g" : digits == 0 ? "%.0f" : "%.1f", value);
@@ -265,7 +265,7 @@ std::string short_number(double value, int digits) {
 
 }  // namespace
 
-std::vector<std::string> solid_table(std::vector<material::Solid> const& solids) {
+std::vector<std::string> solid_table(std::vector<material::Material> const& solids) {
   std::vector<std::string> lines{
       "| solid | density kg/m3 | K GPa | G GPa | longitudinal sound speed m/s | strength | yield MPa | failure |",
       "|---|---|---|---|---|---|---|---|"};

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "material/solid.hpp"
+#include "material/material.hpp"
 
 namespace brisance::test {
 
 struct MaterialFiles {
   std::vector<material::Explosive> explosives;  ///< sorted by file name
   std::vector<material::Fluid> fluids;
-  std::vector<material::Solid> solids;
+  std::vector<material::Material> solids;
   std::vector<std::string> names;  ///< every name and alias, lower case, once per file
 };
 
@@ -25,6 +25,6 @@ struct MaterialFiles {
 [[nodiscard]] std::vector<std::string> chapman_jouguet_table(std::vector<material::Explosive> const& explosives);
 
 /// The Markdown table of the solids in docs/materials.md.
-[[nodiscard]] std::vector<std::string> solid_table(std::vector<material::Solid> const& solids);
+[[nodiscard]] std::vector<std::string> solid_table(std::vector<material::Material> const& solids);
 
 }  // namespace brisance::test

@@ -4,23 +4,23 @@
 
 #include <cmath>
 
-#include "point_driver.hpp"
+#include "particle_driver.hpp"
 
 namespace brisance::material {
 
 /// Stress component xx or yy [Pa] with all of the pressure.
-inline double axial_stress(Points const& p) { return p.deviator[0][0] - p.pressure[0]; }
-inline double lateral_stress(Points const& p) { return p.deviator[1][0] - p.pressure[0]; }
+inline double axial_stress(Particles const& p) { return p.deviator[0][0] - p.pressure[0]; }
+inline double lateral_stress(Particles const& p) { return p.deviator[1][0] - p.pressure[0]; }
 
 /// One step with the axial strain increment `axial` and the lateral increment, equal in y and z, at which the lateral
 /// stress is `lateral` [Pa]: bisection between bounds that hold the answer of every material here, to the last bits.
-inline void step_with_lateral_stress(Points& point, double axial, double lateral) {
+inline void step_with_lateral_stress(Particles& particle, double axial, double lateral) {
   auto const with = [&](double side) {
     Increment d;
     d.strain = {axial, side, side, 0.0, 0.0, 0.0};
     // The density follows the true volume.
     d.volumetric = std::exp(axial + 2.0 * side) - 1.0;
-    Points after = point;
+    Particles after = particle;
     after.step(d);
     return after;
   };
@@ -30,7 +30,7 @@ inline void step_with_lateral_stress(Points& point, double axial, double lateral
     double const middle = 0.5 * (low + high);
     (lateral_stress(with(middle)) > lateral ? high : low) = middle;
   }
-  point = with(0.5 * (low + high));
+  particle = with(0.5 * (low + high));
 }
 
 }  // namespace brisance::material

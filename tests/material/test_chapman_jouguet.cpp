@@ -14,7 +14,7 @@ using material::Jwl;
 Jwl const paper_tnt{1630.0, 371.2e9, 3.21e9, 4.15, 0.95, 0.30};
 
 TEST(ChapmanJouguet, TntOfThePaper) {
-  // Independent calculation of the same constants, rounded as given.
+  // Independent simulation of the same constants, rounded as given.
   auto const state = material::chapman_jouguet(paper_tnt, 6.993e9);
   EXPECT_NEAR(state.speed, 6928.0, 0.5);
   EXPECT_NEAR(state.pressure, 20.98e9, 0.005e9);
@@ -54,7 +54,7 @@ TEST(ChapmanJouguet, NoSlowerDetonationReachesTheHugoniot) {
   double const energy = 6.993e9;
   auto const s = material::chapman_jouguet(paper_tnt, energy);
   for (double v = 0.3; v < 0.999; v += 0.001) {
-    // p_H from E = E0 + p (1 - V) / 2 by fixed-point-free bisection on p, not by the formula of the library.
+    // p_H from E = E0 + p (1 - V) / 2 by fixed-particle-free bisection on p, not by the formula of the library.
     double low = 0.0;
     double high = 1e13;
     for (int i = 0; i < 200; ++i) {

@@ -1,4 +1,4 @@
-/// Concrete on paths of a single point against the closed forms of [HJC93] and [Cui14] Eqs. (56)-(58).
+/// Concrete on paths of a single particle against the closed forms of [HJC93] and [Cui14] Eqs. (56)-(58).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,8 +13,8 @@ using namespace brisance;
 using namespace brisance::material;
 
 /// The published set for 48 MPa.
-Solid concrete(bool tensile = false) {
-  Solid solid;
+Material concrete(bool tensile = false) {
+  Material solid;
   solid.density = 2440.0;
   solid.eos = Compaction{};
   solid.strength = Hjc{};
@@ -22,7 +22,7 @@ Solid concrete(bool tensile = false) {
   return solid;
 }
 
-Hjc const& hjc_of(Points const& p) { return std::get<Hjc>(p.solid.strength); }
+Hjc const& hjc_of(Particles const& p) { return std::get<Hjc>(p.solid.strength); }
 
 /// [HJC93] strength [Pa] with the functions of the standard library.
 double strength(Hjc const& m, double p, double D, double rate) {
@@ -33,10 +33,10 @@ double strength(Hjc const& m, double p, double D, double rate) {
 }
 
 /// A step that changes the volume as the compression mu asks.
-void squeeze_to(Points& point, double mu, int steps) {
-  double const start = point.solid.density / point.density[0];
+void squeeze_to(Particles& particle, double mu, int steps) {
+  double const start = particle.solid.density / particle.density[0];
   double const ratio = std::pow((1.0 / (1.0 + mu)) / start, 1.0 / steps);
-  for (int k = 0; k < steps; ++k) point.step(swell(ratio));
+  for (int k = 0; k < steps; ++k) particle.step(swell(ratio));
 }
 
 TEST(Compaction, CurveIsContinuousAndRises) {
@@ -100,26 +100,26 @@ TEST(Compaction, UnloadingIsAsStiffAsItSaysAtAnyCompression) {
   }
 }
 
-TEST(ConcretePoint, NoCycleOfCompressionCreatesEnergy) {
+TEST(ConcreteParticle, NoCycleOfCompressionCreatesEnergy) {
   // Loaded to mu, unloaded to no pressure, loaded again and unloaded: after the first unloading there is energy left,
   // the second cycle takes and gives the same, and the sound is no slower than the wave that the slope carries.
   for (Compaction const& eos : compactions()) {
     for (double const most : {0.0004, 0.003, 0.05, 0.15, 0.5, 0.9, 1.5, 3.0}) {
-      Solid solid = concrete();
+      Material solid = concrete();
       solid.eos = eos;
-      Points point(solid);
+      Particles particle(solid);
       Compaction::Curves const c = eos.curves();
       int const steps = 400;
-      squeeze_to(point, most, steps);
-      double const put_in = point.energy[0];
-      EXPECT_NEAR(point.pressure[0] / c.loading(most), 1.0, 1e-9);
-      double const rho = point.density[0];
+      squeeze_to(particle, most, steps);
+      double const put_in = particle.energy[0];
+      EXPECT_NEAR(particle.pressure[0] / c.loading(most), 1.0, 1e-9);
+      double const rho = particle.density[0];
       double const wave = std::sqrt(std::max(c.unloading_slope(most), c.loading_slope(most)) / eos.rho0);
-      EXPECT_GE(point.sound_speed[0] * (1.0 + 1e-9), wave) << most << ' ' << rho;
+      EXPECT_GE(particle.sound_speed[0] * (1.0 + 1e-9), wave) << most << ' ' << rho;
       double const left = most - c.loading(most) / std::max(c.unloading_slope(most), c.loading_slope(most));
-      squeeze_to(point, left, steps);
-      EXPECT_NEAR(point.pressure[0] / c.loading(most), 0.0, 1e-9) << most;
-      double const rest = point.energy[0];
+      squeeze_to(particle, left, steps);
+      EXPECT_NEAR(particle.pressure[0] / c.loading(most), 0.0, 1e-9) << most;
+      double const rest = particle.energy[0];
       // Elastic up to mu_crush: nothing is left. The trapezoidal rule of 400 steps errs by 1e-5 at most.
       if (most < eos.mu_crush) {
         EXPECT_NEAR(rest / put_in, 0.0, 1e-4) << most;
@@ -127,15 +127,15 @@ TEST(ConcretePoint, NoCycleOfCompressionCreatesEnergy) {
         EXPECT_GT(rest, 0.0) << most;
         EXPECT_LT(rest, put_in) << most;
       }
-      squeeze_to(point, most, steps);
-      EXPECT_NEAR(point.pressure[0] / c.loading(most), 1.0, 1e-9);
-      squeeze_to(point, left, steps);
-      EXPECT_NEAR((point.energy[0] - rest) / put_in, 0.0, 1e-9) << most;
+      squeeze_to(particle, most, steps);
+      EXPECT_NEAR(particle.pressure[0] / c.loading(most), 1.0, 1e-9);
+      squeeze_to(particle, left, steps);
+      EXPECT_NEAR((particle.energy[0] - rest) / put_in, 0.0, 1e-9) << most;
     }
   }
 }
 
-TEST(ConcretePoint, HydrostaticLoadingAndUnloadingInThreeZones) {
+TEST(ConcreteParticle, HydrostaticLoadingAndUnloadingInThreeZones) {
   // Loaded to mu, unloaded to no pressure, loaded again. The pressure is a function of mu and the largest mu: the only
   // error is round-off of the density, 1e-13 of K_e or K1.
   Compaction const eos;
@@ -147,20 +147,20 @@ TEST(ConcretePoint, HydrostaticLoadingAndUnloadingInThreeZones) {
   double const m = (0.15 - 0.1) / 1.1;
   for (Case const& row : {Case{0.0005, 8e6, 16e9}, Case{middle, 0.5 * (16e6 + 0.8e9), 0.5 * (16e9 + 85e9 / 1.1)},
                           Case{0.15, 85e9 * m - 171e9 * m * m + 208e9 * m * m * m, 85e9 / 1.1}}) {
-    Points point(concrete());
-    squeeze_to(point, row.mu, 200);
-    EXPECT_NEAR(point.pressure[0], row.pressure, 1e-12 * 85e9) << row.mu;
+    Particles particle(concrete());
+    squeeze_to(particle, row.mu, 200);
+    EXPECT_NEAR(particle.pressure[0], row.pressure, 1e-12 * 85e9) << row.mu;
     double const left = row.mu - row.pressure / row.slope;
-    squeeze_to(point, 0.5 * (row.mu + left), 10);
-    EXPECT_NEAR(point.pressure[0], 0.5 * row.pressure, 1e-12 * 85e9) << row.mu;
-    squeeze_to(point, left, 10);
-    EXPECT_NEAR(point.pressure[0], 0.0, 1e-12 * 85e9) << row.mu;  // residual volume strain
-    squeeze_to(point, row.mu, 10);
-    EXPECT_NEAR(point.pressure[0], row.pressure, 1e-12 * 85e9) << row.mu;
+    squeeze_to(particle, 0.5 * (row.mu + left), 10);
+    EXPECT_NEAR(particle.pressure[0], 0.5 * row.pressure, 1e-12 * 85e9) << row.mu;
+    squeeze_to(particle, left, 10);
+    EXPECT_NEAR(particle.pressure[0], 0.0, 1e-12 * 85e9) << row.mu;  // residual volume strain
+    squeeze_to(particle, row.mu, 10);
+    EXPECT_NEAR(particle.pressure[0], row.pressure, 1e-12 * 85e9) << row.mu;
   }
 }
 
-TEST(ConcretePoint, HysteresisIsTheEnergyThatIsLeft) {
+TEST(ConcreteParticle, HysteresisIsTheEnergyThatIsLeft) {
   // Area between loading curve and unloading line, dmu -> -dV / V0 with V = V0 / (1 + mu): by quadrature of the closed
   // forms in 1e6 intervals. 4000 steps of the trapezoidal rule of the energy leave 1e-7 of kinks inside of steps; the
   // kinks give (dmu / mu)^2 = 6e-8 at most each.
@@ -176,39 +176,40 @@ TEST(ConcretePoint, HysteresisIsTheEnergyThatIsLeft) {
     double const back = left + (k + 0.5) * (most - left) / n;
     area -= K * (back - left) / ((1.0 + back) * (1.0 + back)) * (most - left) / n;
   }
-  Points point(concrete());
-  squeeze_to(point, most, 4000);
-  squeeze_to(point, left, 1000);
-  EXPECT_NEAR(point.energy[0], area / 2440.0, 1e-6 * area / 2440.0);
+  Particles particle(concrete());
+  squeeze_to(particle, most, 4000);
+  squeeze_to(particle, left, 1000);
+  EXPECT_NEAR(particle.energy[0], area / 2440.0, 1e-6 * area / 2440.0);
   EXPECT_GT(area, 1e7);  // J/m3
 }
 
-TEST(ConcretePoint, UniaxialStressAtThreeRates) {
-  // sigma / fc = [A (1 - D) + B p*^N] (1 + C ln r), p = sigma / 3, at the damage and pressure of the point itself; and
-  // the ratio of the strengths of the undamaged material is that of the rate factors. The consistency holds to
+TEST(ConcreteParticle, UniaxialStressAtThreeRates) {
+  // sigma / fc = [A (1 - D) + B p*^N] (1 + C ln r), p = sigma / 3, at the damage and pressure of the particle itself;
+  // and the ratio of the strengths of the undamaged material is that of the rate factors. The consistency holds to
   // round-off (the bisection of the lateral stress leaves 1e-9).
   for (double const rate : {1e-3, 1e2, 1e5}) {
-    Points point(concrete());
+    Particles particle(concrete());
     double const axial = 2e-5;
     // In uniaxial stress the equivalent deviatoric rate is 2/3 (1 + nu') of the axial one: taken from the step itself.
-    point.data.dt = axial / rate;
+    particle.data.dt = axial / rate;
     double peak = 0.0;
     for (int k = 0; k < 300; ++k) {
-      Points const before = point;
-      step_with_lateral_stress(point, -axial, 0.0);
-      EXPECT_NEAR(lateral_stress(point), 0.0, 1e3) << k;
-      double const volumetric = std::log(before.density[0] / point.density[0]);
+      Particles const before = particle;
+      step_with_lateral_stress(particle, -axial, 0.0);
+      EXPECT_NEAR(lateral_stress(particle), 0.0, 1e3) << k;
+      double const volumetric = std::log(before.density[0] / particle.density[0]);
       double const side = 0.5 * (volumetric + axial);
-      double const own_rate = 2.0 / 3.0 * (axial + side) / point.data.dt;
-      if (point.plastic_strain[0] > before.plastic_strain[0]) {
-        EXPECT_NEAR(point.mises() / strength(hjc_of(point), point.pressure[0], point.damage[0], own_rate), 1.0, 1e-9)
+      double const own_rate = 2.0 / 3.0 * (axial + side) / particle.data.dt;
+      if (particle.plastic_strain[0] > before.plastic_strain[0]) {
+        EXPECT_NEAR(particle.mises() / strength(hjc_of(particle), particle.pressure[0], particle.damage[0], own_rate),
+                    1.0, 1e-9)
             << rate << ' ' << k;
       }
-      peak = std::max(peak, -axial_stress(point));
+      peak = std::max(peak, -axial_stress(particle));
     }
     // The peak is where yielding begins: sigma = fc (A (1 - D) + B (sigma / 3 fc)^N) r, solved by iteration, with the
     // damage by the collapse of pores between P_crush and sigma / 3 (3 to 5 %). A step is 0.7 MPa, 1 % of the peak.
-    Hjc const& m = hjc_of(point);
+    Hjc const& m = hjc_of(particle);
     Compaction::Curves const c = Compaction{}.curves();
     double sigma = m.fc;
     for (int k = 0; k < 100; ++k) {
@@ -226,57 +227,58 @@ TEST(ConcretePoint, UniaxialStressAtThreeRates) {
   }
 }
 
-TEST(ConcretePoint, StrengthRatioIsThatOfTheRateFactor) {
+TEST(ConcreteParticle, StrengthRatioIsThatOfTheRateFactor) {
   // At the same pressure and damage, with the rate of pure shear gamma' / sqrt3: exact.
   double const pressure_mu = 0.0005;
   double reference = 0.0;
   for (double const rate : {0.1, 1.0, 1e2, 1e4}) {
-    Points point(concrete());
-    squeeze_to(point, pressure_mu, 1);
+    Particles particle(concrete());
+    squeeze_to(particle, pressure_mu, 1);
     double const gamma = 1e-2;
-    point.data.dt = gamma / std::sqrt(3.0) / rate;
-    point.solid.strength = [] {
+    particle.data.dt = gamma / std::sqrt(3.0) / rate;
+    particle.solid.strength = [] {
       Hjc m;
       m.D1 = 100.0;  // hardly any damage
       m.ef_min = 10.0;
       return m;
     }();
-    point.step(pure_shear_xy(gamma));
-    double const own = strength(hjc_of(point), point.pressure[0], point.damage[0], rate);
-    EXPECT_NEAR(point.mises() / own, 1.0, 1e-12) << rate;
-    double const undamaged = point.mises() / strength(hjc_of(point), point.pressure[0], point.damage[0], 0.0);
+    particle.step(pure_shear_xy(gamma));
+    double const own = strength(hjc_of(particle), particle.pressure[0], particle.damage[0], rate);
+    EXPECT_NEAR(particle.mises() / own, 1.0, 1e-12) << rate;
+    double const undamaged =
+        particle.mises() / strength(hjc_of(particle), particle.pressure[0], particle.damage[0], 0.0);
     if (rate <= 1.0) reference = undamaged;
     EXPECT_NEAR(undamaged / reference, 1.0 + 0.007 * std::log(std::max(1.0, rate)), 1e-12) << rate;
   }
 }
 
-TEST(ConcretePoint, TriaxialAtFourConfinementsUpToTheLargestStrength) {
+TEST(ConcreteParticle, TriaxialAtFourConfinementsUpToTheLargestStrength) {
   // Confined to -sigma_3, then driven along x: on the surface all the way; at the highest confinement S_max bounds it.
   for (double const confinement : {10e6, 50e6, 200e6, 1.5e9}) {
-    Points point(concrete());
-    point.data.dt = 1.0;  // slow: the rate is below the reference
+    Particles particle(concrete());
+    particle.data.dt = 1.0;  // slow: the rate is below the reference
     Compaction::Curves const c = Compaction{}.curves();
     double low = 0.0;
     double high = 0.5;
     for (int k = 0; k < 200; ++k) (c.loading(0.5 * (low + high)) > confinement ? high : low) = 0.5 * (low + high);
-    squeeze_to(point, low, 400);
-    ASSERT_NEAR(point.pressure[0], confinement, 1e-6 * confinement);
-    double const crushed = point.damage[0];
+    squeeze_to(particle, low, 400);
+    ASSERT_NEAR(particle.pressure[0], confinement, 1e-6 * confinement);
+    double const crushed = particle.damage[0];
     bool yielded = false;
     double most = 0.0;
-    for (int k = 0; k < 60 && point.damage[0] < 1.0; ++k) {
-      double const before = point.plastic_strain[0];
-      step_with_lateral_stress(point, -2e-3, -confinement);
-      if (point.damage[0] >= 1.0) break;
-      if (point.plastic_strain[0] > before) {
+    for (int k = 0; k < 60 && particle.damage[0] < 1.0; ++k) {
+      double const before = particle.plastic_strain[0];
+      step_with_lateral_stress(particle, -2e-3, -confinement);
+      if (particle.damage[0] >= 1.0) break;
+      if (particle.plastic_strain[0] > before) {
         yielded = true;
-        double const own = strength(hjc_of(point), point.pressure[0], point.damage[0], 2e-3);
-        EXPECT_NEAR(point.mises() / own, 1.0, 1e-9) << confinement << ' ' << k;
+        double const own = strength(hjc_of(particle), particle.pressure[0], particle.damage[0], 2e-3);
+        EXPECT_NEAR(particle.mises() / own, 1.0, 1e-9) << confinement << ' ' << k;
       }
-      most = std::max(most, point.mises());
+      most = std::max(most, particle.mises());
     }
     EXPECT_TRUE(yielded) << confinement;
-    EXPECT_GT(most, strength(hjc_of(point), confinement, std::max(crushed, 0.5), 0.0)) << confinement;
+    EXPECT_GT(most, strength(hjc_of(particle), confinement, std::max(crushed, 0.5), 0.0)) << confinement;
     if (confinement > 1e9) {
       EXPECT_NEAR(most, 7.0 * 48e6, 1e-9 * 48e6);
     } else {
@@ -285,70 +287,71 @@ TEST(ConcretePoint, TriaxialAtFourConfinementsUpToTheLargestStrength) {
   }
 }
 
-TEST(ConcretePoint, DamageGrowsToOneAsTheSumOfItsIncrements) {
+TEST(ConcreteParticle, DamageGrowsToOneAsTheSumOfItsIncrements) {
   // Constant pressure (shear without change of volume): dD = d ep / ef until D = 1 at ep = ef, whatever the steps, for
   // the softening is implicit and linear in D. After it no shear is left, and the pressure stays.
   for (int const steps : {7, 100, 1000}) {
-    Points point(concrete());
-    squeeze_to(point, 0.0008, 1);
-    double const p = point.pressure[0];
-    Hjc const& m = hjc_of(point);
+    Particles particle(concrete());
+    squeeze_to(particle, 0.0008, 1);
+    double const p = particle.pressure[0];
+    Hjc const& m = hjc_of(particle);
     double const ef = 0.04 * (p / 48e6 + 4.0 / 48.0);
     ASSERT_GT(ef, m.ef_min);
     double last = 0.0;
     for (int k = 0; k < steps; ++k) {
-      point.data.dt = 1.0;
-      point.step(pure_shear_xy(0.9 * std::sqrt(3.0) * ef / steps));
-      EXPECT_GE(point.damage[0], last);
-      last = point.damage[0];
-      EXPECT_NEAR(point.damage[0], point.plastic_strain[0] / ef, 1e-12);
+      particle.data.dt = 1.0;
+      particle.step(pure_shear_xy(0.9 * std::sqrt(3.0) * ef / steps));
+      EXPECT_GE(particle.damage[0], last);
+      last = particle.damage[0];
+      EXPECT_NEAR(particle.damage[0], particle.plastic_strain[0] / ef, 1e-12);
     }
-    EXPECT_LT(point.damage[0], 1.0);
-    for (int k = 0; k < steps; ++k) point.step(pure_shear_xy(0.3 * std::sqrt(3.0) * ef / steps));
-    EXPECT_EQ(point.damage[0], 1.0);
-    EXPECT_EQ(point.mises(), 0.0);
-    EXPECT_NEAR(point.pressure[0], p, 1e-9 * p);
+    EXPECT_LT(particle.damage[0], 1.0);
+    for (int k = 0; k < steps; ++k) particle.step(pure_shear_xy(0.3 * std::sqrt(3.0) * ef / steps));
+    EXPECT_EQ(particle.damage[0], 1.0);
+    EXPECT_EQ(particle.mises(), 0.0);
+    EXPECT_NEAR(particle.pressure[0], p, 1e-9 * p);
   }
 }
 
-TEST(ConcretePoint, CrushedConcreteKeepsWhatPartOfItsFrictionTheDeckAsks) {
+TEST(ConcreteParticle, CrushedConcreteKeepsWhatPartOfItsFrictionTheDeckAsks) {
   for (double const part : {0.0, 0.5, 1.0}) {
-    Solid solid = concrete();
+    Material solid = concrete();
     Hjc m;
     m.residual = part;
     solid.strength = m;
-    Points point(solid);
-    squeeze_to(point, 0.0008, 1);
-    point.data.dt = 1.0;
-    for (int k = 0; k < 50; ++k) point.step(pure_shear_xy(2e-3));
-    ASSERT_EQ(point.damage[0], 1.0);
-    EXPECT_NEAR(point.mises(), part * 1.6 * 48e6 * std::pow(point.pressure[0] / 48e6, 0.61), 1e-3) << part;
+    Particles particle(solid);
+    squeeze_to(particle, 0.0008, 1);
+    particle.data.dt = 1.0;
+    for (int k = 0; k < 50; ++k) particle.step(pure_shear_xy(2e-3));
+    ASSERT_EQ(particle.damage[0], 1.0);
+    EXPECT_NEAR(particle.mises(), part * 1.6 * 48e6 * std::pow(particle.pressure[0] / 48e6, 0.61), 1e-3) << part;
   }
 }
 
-TEST(ConcretePoint, TensionIsCutOff) {
+TEST(ConcreteParticle, TensionIsCutOff) {
   // p = K_e mu down to -T, where it stays; voids that close meet the same line again. Shear strength at -T is 0.
-  Points point(concrete());
-  point.data.dt = 1.0;
-  squeeze_to(point, -2e-4, 3);
-  EXPECT_NEAR(point.pressure[0], -16e9 * 2e-4, 1.0);
-  squeeze_to(point, -1e-3, 7);
-  EXPECT_EQ(point.pressure[0], -4e6);
-  point.step(pure_shear_xy(1e-4));
-  EXPECT_NEAR(point.mises(), 0.0, 1e-6);  // A fc times round-off
-  squeeze_to(point, -1e-4, 7);
-  EXPECT_NEAR(point.pressure[0], -1.6e6, 1.0);
+  Particles particle(concrete());
+  particle.data.dt = 1.0;
+  squeeze_to(particle, -2e-4, 3);
+  EXPECT_NEAR(particle.pressure[0], -16e9 * 2e-4, 1.0);
+  squeeze_to(particle, -1e-3, 7);
+  EXPECT_EQ(particle.pressure[0], -4e6);
+  particle.step(pure_shear_xy(1e-4));
+  EXPECT_NEAR(particle.mises(), 0.0, 1e-6);  // A fc times round-off
+  squeeze_to(particle, -1e-4, 7);
+  EXPECT_NEAR(particle.pressure[0], -1.6e6, 1.0);
   // Half way to the cut-off the shear strength is half the cohesion.
-  squeeze_to(point, -1.25e-4, 1);
-  point.step(pure_shear_xy(1e-2));
-  EXPECT_NEAR(point.mises(), strength(hjc_of(point), point.pressure[0], point.damage[0], 0.0), 1e-3);
+  squeeze_to(particle, -1.25e-4, 1);
+  particle.step(pure_shear_xy(1e-2));
+  EXPECT_NEAR(particle.mises(), strength(hjc_of(particle), particle.pressure[0], particle.damage[0], 0.0), 1e-3);
 }
 
-TEST(ConcretePoint, FailedPointsCarryNoTensionAndNoShear) {
+TEST(ConcreteParticle, FailedParticlesCarryNoTensionAndNoShear) {
   // Random strains of many points: damage never falls and never exceeds 1; what has failed never carries tension or
-  // shear again but does carry pressure; the energy is the work of the stresses. Some points of both kinds of damage.
-  Points points(concrete(true), 64);
-  points.data = {1e-6, 0.005};
+  // shear again but does carry pressure; the energy is the work of the stresses. Some particles of both kinds of
+  // damage.
+  Particles particles(concrete(true), 64);
+  particles.data = {1e-6, 0.005};
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   std::vector<double> last(64, 0.0);
@@ -360,29 +363,29 @@ TEST(ConcretePoint, FailedPointsCarryNoTensionAndNoShear) {
       for (double& e : increments[k].strain) e = size * normal(random);
       for (double& w : increments[k].spin) w = size * normal(random);
     }
-    points.step(increments);
+    particles.step(increments);
     for (int k = 0; k < 64; ++k) {
-      EXPECT_GE(points.damage[k], last[k]);
-      EXPECT_LE(points.damage[k], 1.0);
-      last[k] = points.damage[k];
-      if (points.damage[k] < 1.0) continue;
-      EXPECT_EQ(points.mises(k), 0.0);
-      EXPECT_GE(points.pressure[k], 0.0);
-      carried = carried || points.pressure[k] > 1e6;
-      ASSERT_TRUE(std::isfinite(points.energy[k]));
+      EXPECT_GE(particles.damage[k], last[k]);
+      EXPECT_LE(particles.damage[k], 1.0);
+      last[k] = particles.damage[k];
+      if (particles.damage[k] < 1.0) continue;
+      EXPECT_EQ(particles.mises(k), 0.0);
+      EXPECT_GE(particles.pressure[k], 0.0);
+      carried = carried || particles.pressure[k] > 1e6;
+      ASSERT_TRUE(std::isfinite(particles.energy[k]));
     }
   }
-  long const failed = std::count(points.damage.begin(), points.damage.end(), 1.0);
+  long const failed = std::count(particles.damage.begin(), particles.damage.end(), 1.0);
   EXPECT_GT(failed, 16);
   EXPECT_LT(failed, 64);
   EXPECT_TRUE(carried);
-  for (int k = 0; k < 64; ++k) EXPECT_NEAR(points.energy[k], points.work[k], 1e-12 * points.path[k]);
+  for (int k = 0; k < 64; ++k) EXPECT_NEAR(particles.energy[k], particles.work[k], 1e-12 * particles.path[k]);
   // Rubble that drifts apart is no faster than the solid.
-  double const fastest = sound_speed(points.solid, points.solid.density, 0.0);
-  for (int step = 0; step < 92; ++step) points.step(std::vector<Increment>(64, swell(1.05)));
+  double const fastest = sound_speed(particles.solid, particles.solid.density, 0.0);
+  for (int step = 0; step < 92; ++step) particles.step(std::vector<Increment>(64, swell(1.05)));
   for (int k = 0; k < 64; ++k) {
-    EXPECT_LT(points.density[k], 0.012 * points.solid.density);
-    EXPECT_LE(points.sound_speed[k], fastest * (1.0 + 1e-9));
+    EXPECT_LT(particles.density[k], 0.012 * particles.solid.density);
+    EXPECT_LE(particles.sound_speed[k], fastest * (1.0 + 1e-9));
   }
 }
 
@@ -404,13 +407,13 @@ TEST(TensileDamage, GrowsAsTheLogisticLawForAnyStep) {
 }
 
 /// Largest uniaxial stress [Pa] at a constant strain rate.
-double tensile_strength(Solid const& solid, double rate, double strain_step, double length) {
-  Points point(solid);
-  point.data = {strain_step / rate, length};
+double tensile_strength(Material const& solid, double rate, double strain_step, double length) {
+  Particles particle(solid);
+  particle.data = {strain_step / rate, length};
   double most = 0.0;
-  for (int k = 0; k < 4000 && point.damage[0] < 0.9999; ++k) {
-    step_with_lateral_stress(point, strain_step, 0.0);
-    double const stress = axial_stress(point);
+  for (int k = 0; k < 4000 && particle.damage[0] < 0.9999; ++k) {
+    step_with_lateral_stress(particle, strain_step, 0.0);
+    double const stress = axial_stress(particle);
     if (stress < 0.7 * most) break;
     most = std::max(most, stress);
   }
@@ -427,7 +430,7 @@ double increase(double rate, double fc) {
 TEST(TensileDamage, StrengthRisesWithTheRateAsCalibrated) {
   // The calibration leaves 16 % at most for 48 MPa over 1e-6 to 200 /s (materials/concrete_48mpa.toml); the strain
   // steps of 4e-6 (0.13 MPa) add 1 to 2 %.
-  Solid const solid = concrete(true);
+  Material const solid = concrete(true);
   for (double const rate : {1e-6, 1e-3, 1.0, 10.0, 100.0, 200.0}) {
     double const factor = tensile_strength(solid, rate, 4e-6, 0.005) / 4e6;
     EXPECT_NEAR(factor / increase(rate, 48e6), 1.0, 0.175) << rate;
@@ -439,32 +442,32 @@ TEST(TensileDamage, CrackBandDissipatesTheFractureEnergy) {
   // strength, less what is left of it when the cracks join (`open` of 33.7 MPa), over sigma0; within 3 %, for a strain
   // step opens 0.6 % of the crack and the elastic energy of the last stress is not given back.
   for (double const h : {0.0025, 0.01, 0.02}) {
-    Solid solid = concrete(true);
-    Points point(solid);
+    Material solid = concrete(true);
+    Particles particle(solid);
     double const strain_step = 2e-6;
-    point.data = {strain_step / 1e-3, h};
+    particle.data = {strain_step / 1e-3, h};
     double most = 0.0;
-    for (int k = 0; k < 40000 && point.damage[0] < 1.0; ++k) {
-      step_with_lateral_stress(point, strain_step, 0.0);
-      most = std::max(most, axial_stress(point));
+    for (int k = 0; k < 40000 && particle.damage[0] < 1.0; ++k) {
+      step_with_lateral_stress(particle, strain_step, 0.0);
+      most = std::max(most, axial_stress(particle));
     }
-    ASSERT_EQ(point.damage[0], 1.0) << h;
+    ASSERT_EQ(particle.damage[0], 1.0) << h;
     double const asked = 90.0 * (most - TensileDamage::open * 33.7e6) / 4.57e6;
-    EXPECT_NEAR(point.energy[0] * 2440.0 * h / asked, 1.0, 0.03) << h;
+    EXPECT_NEAR(particle.energy[0] * 2440.0 * h / asked, 1.0, 0.03) << h;
   }
 }
 
 TEST(TensileDamage, RateLawAloneKnowsNoLength) {
-  Solid solid = concrete(true);
+  Material solid = concrete(true);
   double energy[2];
   for (int which = 0; which < 2; ++which) {
-    Points point(solid);
-    point.data = {2e-6 / 1e-3, which == 0 ? 0.0025 : 0.02};
-    point.data.crack_band = false;
-    point.data.linear_viscosity = point.data.quadratic_viscosity = 0.0;  // which knows the cell
-    for (int k = 0; k < 40000 && point.damage[0] < 1.0; ++k) step_with_lateral_stress(point, 2e-6, 0.0);
-    ASSERT_EQ(point.damage[0], 1.0);
-    energy[which] = point.energy[0];
+    Particles particle(solid);
+    particle.data = {2e-6 / 1e-3, which == 0 ? 0.0025 : 0.02};
+    particle.data.crack_band = false;
+    particle.data.linear_viscosity = particle.data.quadratic_viscosity = 0.0;  // which knows the cell
+    for (int k = 0; k < 40000 && particle.damage[0] < 1.0; ++k) step_with_lateral_stress(particle, 2e-6, 0.0);
+    ASSERT_EQ(particle.damage[0], 1.0);
+    energy[which] = particle.energy[0];
   }
   EXPECT_EQ(energy[0], energy[1]);  // per volume: per area eight times as much
 }
@@ -473,18 +476,18 @@ TEST(TensileDamage, SlowTensionHoldsForAnyStep) {
   // Strain steps from 1e-6 to 1e-3 (33 MPa elastic): finite, within the surface, at the end without tension.
   for (double const strain_step : {1e-6, 1e-5, 1e-4, 1e-3}) {
     for (double const dt : {1e-9, 1e-6, 1e-3, 10.0}) {
-      Points point(concrete(true));
-      point.data = {dt, 0.005};
+      Particles particle(concrete(true));
+      particle.data = {dt, 0.005};
       double const most = 1.0 / (1.0 / (0.79 * 48e6 * 1.1) + 1.0 / 300e6);
       for (double strain = 0.0; strain < 0.05; strain += strain_step) {
-        point.step(stretch_x(1.0 + strain_step));
-        ASSERT_TRUE(std::isfinite(point.energy[0]));
-        ASSERT_LE(point.damage[0], 1.0);
-        ASSERT_LE(axial_stress(point), 3.0 * most);
+        particle.step(stretch_x(1.0 + strain_step));
+        ASSERT_TRUE(std::isfinite(particle.energy[0]));
+        ASSERT_LE(particle.damage[0], 1.0);
+        ASSERT_LE(axial_stress(particle), 3.0 * most);
       }
       if (dt < 1e-6) continue;  // the strain has come to its end before the cracks have
-      EXPECT_EQ(point.damage[0], 1.0) << strain_step << ' ' << dt;
-      EXPECT_EQ(axial_stress(point), 0.0);
+      EXPECT_EQ(particle.damage[0], 1.0) << strain_step << ' ' << dt;
+      EXPECT_EQ(axial_stress(particle), 0.0);
     }
   }
 }

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "point_driver.hpp"
+#include "particle_driver.hpp"
 
 namespace {
 
@@ -21,7 +21,7 @@ constexpr double rho_air = 1.225;
 
 Fluids air_and(Eos const& second, Eos const& ambient = IdealGas{1.4}) { return {{ambient, second}, 2, p_air}; }
 
-/// State of a point: the fluids' own densities [kg/m3], the volume fraction of the second, the pressure [Pa].
+/// State of a particle: the fluids' own densities [kg/m3], the volume fraction of the second, the pressure [Pa].
 struct Blend {
   double first = rho_air;
   double second = 0.0;
@@ -29,28 +29,28 @@ struct Blend {
   double pressure = p_air;
 };
 
-/// Points that mix, each in its own state.
-Points points_of(Fluids const& fluids, std::vector<Blend> const& states) {
-  Points points(gas_of(fluids, rho_air, p_air), static_cast<int>(states.size()));
+/// Particles that mix, each in its own state.
+Particles particles_of(Fluids const& fluids, std::vector<Blend> const& states) {
+  Particles particles(gas_of(fluids, rho_air, p_air), static_cast<int>(states.size()));
   for (std::size_t i = 0; i < states.size(); ++i) {
     Blend const& s = states[i];
     double const first = (1.0 - s.alpha) * s.first;
     double const second = s.alpha * s.second;
     double const rho = first + second;
-    points.mass_fraction.push_back(second / rho);
-    points.volume_fraction.push_back(s.alpha);
-    points.density[i] = rho;
-    points.pressure[i] = s.pressure;
-    points.energy[i] = mixture(fluids, {first, second}, Fractions::of(1, s.alpha)).rho_e(s.pressure) / rho;
+    particles.mass_fraction.push_back(second / rho);
+    particles.volume_fraction.push_back(s.alpha);
+    particles.density[i] = rho;
+    particles.pressure[i] = s.pressure;
+    particles.energy[i] = mixture(fluids, {first, second}, Fractions::of(1, s.alpha)).rho_e(s.pressure) / rho;
   }
-  return points;
+  return particles;
 }
 
-/// The closure of point i as a gas cell would have it.
-Mixture cell_of(Points const& points, int i) {
-  double const second = points.mass_fraction[i] * points.density[i];
-  return mixture(*points.solid.mixture, {points.density[i] - second, second},
-                 Fractions::of(1, points.volume_fraction[i]));
+/// The closure of particle i as a gas cell would have it.
+Mixture cell_of(Particles const& particles, int i) {
+  double const second = particles.mass_fraction[i] * particles.density[i];
+  return mixture(*particles.solid.mixture, {particles.density[i] - second, second},
+                 Fractions::of(1, particles.volume_fraction[i]));
 }
 
 /// Pairs of fluids with a state in which they mix; the volume fraction is still free.
@@ -72,24 +72,24 @@ Increment random_swell(std::mt19937& random, double size) {
   return d;
 }
 
-TEST(MixedPoint, PressureOfProductsInAirByHand) {
+TEST(MixedParticle, PressureOfProductsInAirByHand) {
   // rho e = (1 - alpha) p/(gamma - 1) + alpha (p - f)/omega with the products' f at their own density.
   Jwl const jwl{};
   double const alpha = 0.3;
-  Points point = points_of(air_and(jwl), {{2.0, 500.0, alpha, 1e8}});
+  Particles particle = particles_of(air_and(jwl), {{2.0, 500.0, alpha, 1e8}});
   double const squeeze = 0.98;
-  point.step(swell(squeeze));
+  particle.step(swell(squeeze));
   double const V = jwl.rho0 / (500.0 / squeeze);
   double const f = jwl.A * (1.0 - jwl.omega / (jwl.R1 * V)) * std::exp(-jwl.R1 * V) +
                    jwl.B * (1.0 - jwl.omega / (jwl.R2 * V)) * std::exp(-jwl.R2 * V);
   double const rho = (0.7 * 2.0 + alpha * 500.0) / squeeze;
-  EXPECT_NEAR(point.density[0] / rho, 1.0, 1e-15);
-  double const p = (rho * point.energy[0] + alpha / jwl.omega * f) / ((1.0 - alpha) / 0.4 + alpha / jwl.omega);
-  EXPECT_NEAR(point.pressure[0] / p, 1.0, 1e-13);
+  EXPECT_NEAR(particle.density[0] / rho, 1.0, 1e-15);
+  double const p = (rho * particle.energy[0] + alpha / jwl.omega * f) / ((1.0 - alpha) / 0.4 + alpha / jwl.omega);
+  EXPECT_NEAR(particle.pressure[0] / p, 1.0, 1e-13);
   EXPECT_GT(p, 1.01e8);
 }
 
-TEST(MixedPoint, PressureAndSoundSpeedAreThoseOfACell) {
+TEST(MixedParticle, PressureAndSoundSpeedAreThoseOfACell) {
   // 1e-13: round-off of a dozen operations, of the terms that make up the pressure and the stiffness.
   for (auto const& [fluids, blend] : pairs()) {
     std::vector<Blend> states;
@@ -97,23 +97,23 @@ TEST(MixedPoint, PressureAndSoundSpeedAreThoseOfACell) {
       states.push_back(blend);
       states.back().alpha = alpha;
     }
-    Points points = points_of(fluids, states);
+    Particles particles = particles_of(fluids, states);
     std::mt19937 random(17);
-    for (int k = 0; k < 50; ++k) points.step(random_swell(random, 5e-3));
-    for (int i = 0; i < points.n; ++i) {
-      double const rho = points.density[i];
-      double const rho_e = rho * points.energy[i];
-      double const p = points.pressure[i];
-      Mixture const m = cell_of(points, i);
+    for (int k = 0; k < 50; ++k) particles.step(random_swell(random, 5e-3));
+    for (int i = 0; i < particles.n; ++i) {
+      double const rho = particles.density[i];
+      double const rho_e = rho * particles.energy[i];
+      double const p = particles.pressure[i];
+      Mixture const m = cell_of(particles, i);
       double const terms = (std::abs(rho_e) + std::abs(m.B)) / m.xi;
       EXPECT_NEAR(p, m.pressure(rho_e), 1e-13 * terms) << i;
       EXPECT_GT(p, 0.0) << "no tension here";
       double const stiff = (std::abs(p) + std::abs(m.H)) / m.xi + std::abs(p) + terms;
-      EXPECT_NEAR(rho * points.sound_speed[i] * points.sound_speed[i], m.bulk_modulus(p), 1e-13 * stiff) << i;
-      double const Y = points.mass_fraction[i];
-      double const alpha = points.volume_fraction[i];
-      EXPECT_NEAR(pressure(points.solid, rho, points.energy[i], Y, alpha), p, 1e-13 * terms) << i;
-      EXPECT_NEAR(sound_speed(points.solid, rho, p, Y, alpha) / points.sound_speed[i], 1.0,
+      EXPECT_NEAR(rho * particles.sound_speed[i] * particles.sound_speed[i], m.bulk_modulus(p), 1e-13 * stiff) << i;
+      double const Y = particles.mass_fraction[i];
+      double const alpha = particles.volume_fraction[i];
+      EXPECT_NEAR(pressure(particles.solid, rho, particles.energy[i], Y, alpha), p, 1e-13 * terms) << i;
+      EXPECT_NEAR(sound_speed(particles.solid, rho, p, Y, alpha) / particles.sound_speed[i], 1.0,
                   1e-13 * stiff / m.bulk_modulus(p))
           << i;
     }
@@ -121,7 +121,7 @@ TEST(MixedPoint, PressureAndSoundSpeedAreThoseOfACell) {
 }
 
 /// Specific energy on the isentrope of a mixture: de = -p dV by the classical Runge-Kutta method, equal steps in ln V.
-double isentrope(Points const& start, double ratio) {
+double isentrope(Particles const& start, double ratio) {
   Fluids const& fluids = *start.solid.mixture;
   double const Y = start.mass_fraction[0];
   double const alpha = start.volume_fraction[0];
@@ -144,19 +144,19 @@ double isentrope(Points const& start, double ratio) {
   return e;
 }
 
-TEST(MixedPoint, IsentropeOfProductsInAir) {
+TEST(MixedParticle, IsentropeOfProductsInAir) {
   for (double const alpha : {0.01, 0.3, 0.9}) {
     for (double const ratio : {0.5, 0.8, 2.0, 8.0}) {
-      Points const start = points_of(air_and(Jwl{}), {{20.0, 1000.0, alpha, 3e9}});
+      Particles const start = particles_of(air_and(Jwl{}), {{20.0, 1000.0, alpha, 3e9}});
       double const e = isentrope(start, ratio);
       double const rho = start.density[0] / ratio;
       double const Y = start.mass_fraction[0];
       double const p =
           mixture(*start.solid.mixture, {(1.0 - Y) * rho, Y * rho}, Fractions::of(1, alpha)).pressure(rho * e);
       auto const error = [&](int steps) {
-        Points point = start;
-        for (int k = 0; k < steps; ++k) point.step(swell(std::pow(ratio, 1.0 / steps)));
-        return point.pressure[0] / p - 1.0;
+        Particles particle = start;
+        for (int k = 0; k < steps; ++k) particle.step(swell(std::pow(ratio, 1.0 / steps)));
+        return particle.pressure[0] / p - 1.0;
       };
       // The step errs to second order; the reference, of fourth order in 4000 steps, by round-off only.
       EXPECT_NEAR(std::log2(error(200) / error(400)), 2.0, 0.02) << alpha << ' ' << ratio;
@@ -165,36 +165,36 @@ TEST(MixedPoint, IsentropeOfProductsInAir) {
   }
 }
 
-TEST(MixedPoint, ChangeOfEnergyIsTheWork) {
+TEST(MixedParticle, ChangeOfEnergyIsTheWork) {
   // With viscosity and cut-off; 1e-14 per step of what is added: round-off.
   for (auto const& [fluids, blend] : pairs()) {
     for (double const alpha : fractions) {
       Blend state = blend;
       state.alpha = alpha;
-      Points point = points_of(fluids, {state});
-      point.data = {1e-7, 1e-3};
-      double const start = point.energy[0];
+      Particles particle = particles_of(fluids, {state});
+      particle.data = {1e-7, 1e-3};
+      double const start = particle.energy[0];
       std::mt19937 random(11);
       double largest = std::abs(start);
       for (int k = 0; k < 400; ++k) {
-        point.step(random_swell(random, 4e-3));
-        largest = std::max(largest, std::abs(point.energy[0]));
+        particle.step(random_swell(random, 4e-3));
+        largest = std::max(largest, std::abs(particle.energy[0]));
       }
-      EXPECT_NEAR(point.energy[0] - start, point.work[0], 1e-14 * (point.path[0] + 400.0 * largest));
-      EXPECT_GT(point.path[0], 0.0);
+      EXPECT_NEAR(particle.energy[0] - start, particle.work[0], 1e-14 * (particle.path[0] + 400.0 * largest));
+      EXPECT_GT(particle.path[0], 0.0);
     }
   }
 }
 
-TEST(MixedPoint, TensionIsCutOff) {
-  Points point = points_of(air_and(StiffenedGas{}), {{rho_air, 1000.0, 0.999999, p_air}});
-  for (int k = 0; k < 10; ++k) point.step(swell(1.01));
-  EXPECT_EQ(point.pressure[0], 0.0) << "water would pull";
-  EXPECT_LT(cell_of(point, 0).pressure(point.density[0] * point.energy[0]), -1e6);
+TEST(MixedParticle, TensionIsCutOff) {
+  Particles particle = particles_of(air_and(StiffenedGas{}), {{rho_air, 1000.0, 0.999999, p_air}});
+  for (int k = 0; k < 10; ++k) particle.step(swell(1.01));
+  EXPECT_EQ(particle.pressure[0], 0.0) << "water would pull";
+  EXPECT_LT(cell_of(particle, 0).pressure(particle.density[0] * particle.energy[0]), -1e6);
 }
 
 /// Two runs of the same points agree bit for bit.
-void expect_same(Points const& a, int i, Points const& b, int j) {
+void expect_same(Particles const& a, int i, Particles const& b, int j) {
   ASSERT_EQ(a.density[i], b.density[j]) << i;
   ASSERT_EQ(a.energy[i], b.energy[j]) << i;
   ASSERT_EQ(a.pressure[i], b.pressure[j]) << i;
@@ -202,22 +202,22 @@ void expect_same(Points const& a, int i, Points const& b, int j) {
   ASSERT_EQ(a.sound_speed[i], b.sound_speed[j]) << i;
 }
 
-TEST(MixedPoint, AmbientFluidAloneIsThePlainFluid) {
-  // Bit for bit: among its like, with no composition at all, with no second fluid, and beside a point that mixes.
+TEST(MixedParticle, AmbientFluidAloneIsThePlainFluid) {
+  // Bit for bit: among its like, with no composition at all, with no second fluid, and beside a particle that mixes.
   for (auto const& [fluids, blend] : pairs()) {
-    Solid const plain = of(Fluid{"ambient", "", fluids.ambient(), blend.first, blend.pressure});
+    Material const plain = of(Fluid{"ambient", "", fluids.ambient(), blend.first, blend.pressure});
     Fluids single = fluids;
     single.count = 1;
     Blend mixed = blend;
     mixed.alpha = 0.4;
-    Points reference(plain, 9);
-    Points alone = points_of(fluids, std::vector<Blend>(9, blend));
-    Points bare(gas_of(fluids, blend.first, blend.pressure), 9);
-    Points one(gas_of(single, blend.first, blend.pressure), 9);
+    Particles reference(plain, 9);
+    Particles alone = particles_of(fluids, std::vector<Blend>(9, blend));
+    Particles bare(gas_of(fluids, blend.first, blend.pressure), 9);
+    Particles one(gas_of(single, blend.first, blend.pressure), 9);
     std::vector<Blend> states(9, blend);
     states[4] = mixed;
     states[7].alpha = 0.5 * vanishing_fraction;  // without mass
-    Points among = points_of(fluids, states);
+    Particles among = particles_of(fluids, states);
     among.mass_fraction[7] = 0.0;
     for (int i = 0; i < 9; ++i) {
       if (i == 4) continue;
@@ -235,9 +235,9 @@ TEST(MixedPoint, AmbientFluidAloneIsThePlainFluid) {
     for (int k = 0; k < 50; ++k) {
       std::vector<Increment> increments;
       for (int i = 0; i < 9; ++i) increments.push_back(random_swell(random, 5e-3));
-      for (Points* points : {&reference, &alone, &bare, &one, &among}) {
-        points->data = {1e-7, 1e-3};
-        points->step(increments);
+      for (Particles* particles : {&reference, &alone, &bare, &one, &among}) {
+        particles->data = {1e-7, 1e-3};
+        particles->step(increments);
       }
     }
     for (int i = 0; i < 9; ++i) {
@@ -250,38 +250,40 @@ TEST(MixedPoint, AmbientFluidAloneIsThePlainFluid) {
   }
 }
 
-TEST(MixedPoint, SecondFluidAloneIsThePlainFluid) {
+TEST(MixedParticle, SecondFluidAloneIsThePlainFluid) {
   // 1/(1/G) rounds once more than G: 1e-13 per step at most.
   for (auto const& [fluids, blend] : pairs()) {
     Blend state = blend;
     state.alpha = 1.0;
-    Points point = points_of(fluids, {state});
-    Points plain(of(Fluid{"second", "", fluids.eos[1], blend.second, blend.pressure}));
-    EXPECT_EQ(point.mass_fraction[0], 1.0);
-    for (Points* points : {&point, &plain}) {
-      points->data = {1e-7, 1e-3};
+    Particles particle = particles_of(fluids, {state});
+    Particles plain(of(Fluid{"second", "", fluids.eos[1], blend.second, blend.pressure}));
+    EXPECT_EQ(particle.mass_fraction[0], 1.0);
+    for (Particles* particles : {&particle, &plain}) {
+      particles->data = {1e-7, 1e-3};
       std::mt19937 random(5);
-      for (int k = 0; k < 50; ++k) points->step(random_swell(random, 5e-3));
+      for (int k = 0; k < 50; ++k) particles->step(random_swell(random, 5e-3));
     }
-    double const scale = (plain.density[0] * plain.energy[0] + std::abs(cell_of(point, 0).B)) / cell_of(point, 0).xi;
-    EXPECT_EQ(point.density[0], plain.density[0]);
-    EXPECT_NEAR(point.energy[0] / plain.energy[0], 1.0, 50.0 * 1e-13);
-    EXPECT_NEAR(point.pressure[0], plain.pressure[0], 50.0 * 1e-13 * scale);
-    EXPECT_NEAR(point.sound_speed[0] / plain.sound_speed[0], 1.0, 50.0 * 1e-13);
+    double const scale =
+        (plain.density[0] * plain.energy[0] + std::abs(cell_of(particle, 0).B)) / cell_of(particle, 0).xi;
+    EXPECT_EQ(particle.density[0], plain.density[0]);
+    EXPECT_NEAR(particle.energy[0] / plain.energy[0], 1.0, 50.0 * 1e-13);
+    EXPECT_NEAR(particle.pressure[0], plain.pressure[0], 50.0 * 1e-13 * scale);
+    EXPECT_NEAR(particle.sound_speed[0] / plain.sound_speed[0], 1.0, 50.0 * 1e-13);
   }
 }
 
-TEST(MixedPoint, ManyPointsAreTreatedAsOne) {
-  // 37 points fill no whole number of vectors, 300 no whole number of chunks. Bit for bit, whoever the neighbours are.
+TEST(MixedParticle, ManyParticlesAreTreatedAsOne) {
+  // 37 particles fill no whole number of vectors, 300 no whole number of chunks. Bit for bit, whoever the neighbours
+  // are.
   for (auto const& [fluids, blend] : pairs()) {
     for (int const n : {37, 300}) {
       std::vector<Blend> states(n, blend);
       for (int i = 0; i < n; ++i) states[i].alpha = i < 150 ? fractions[i % fractions.size()] : 0.0;
-      Points many = points_of(fluids, states);
+      Particles many = particles_of(fluids, states);
       many.data = {1e-7, 1e-3};
-      std::vector<Points> single;
+      std::vector<Particles> single;
       for (auto const& state : states) {
-        single.push_back(points_of(fluids, {state}));
+        single.push_back(particles_of(fluids, {state}));
         single.back().data = many.data;
       }
       std::mt19937 random(3);
@@ -296,28 +298,29 @@ TEST(MixedPoint, ManyPointsAreTreatedAsOne) {
   }
 }
 
-TEST(MixedPoint, AbsurdStepsStayFinite) {
+TEST(MixedParticle, AbsurdStepsStayFinite) {
   for (auto const& [fluids, blend] : pairs()) {
     for (double const volumetric : {-5.0, -1.0, -0.89, 3.0, 1e3}) {
       Blend state = blend;
       state.alpha = 0.4;
-      Points point = points_of(fluids, {state});
-      point.data = {1e-7, 1e-3};
+      Particles particle = particles_of(fluids, {state});
+      particle.data = {1e-7, 1e-3};
       Increment d;
       d.volumetric = volumetric;
-      for (int k = 0; k < 3; ++k) point.step(d);
-      EXPECT_TRUE(std::isfinite(point.pressure[0]) && std::isfinite(point.energy[0]));
-      EXPECT_TRUE(std::isfinite(point.sound_speed[0]));
-      EXPECT_GT(point.density[0], 0.0);
+      for (int k = 0; k < 3; ++k) particle.step(d);
+      EXPECT_TRUE(std::isfinite(particle.pressure[0]) && std::isfinite(particle.energy[0]));
+      EXPECT_TRUE(std::isfinite(particle.sound_speed[0]));
+      EXPECT_GT(particle.density[0], 0.0);
       d.volumetric = std::nan("");
-      point.step(d);
-      EXPECT_TRUE(std::isnan(point.density[0]) && std::isnan(point.energy[0])) << "what is not a number is not hidden";
+      particle.step(d);
+      EXPECT_TRUE(std::isnan(particle.density[0]) && std::isnan(particle.energy[0]))
+          << "what is not a number is not hidden";
     }
   }
 }
 
 TEST(MixedSolid, StartsAsTheAmbientFluid) {
-  Solid const gas = gas_of(air_and(Jwl{}), rho_air, p_air);
+  Material const gas = gas_of(air_and(Jwl{}), rho_air, p_air);
   EXPECT_TRUE(gas.mixes());
   EXPECT_FALSE(gas.burns());
   EXPECT_FALSE(gas.has_deviator());

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/vec.hpp"
-#include "point_driver.hpp"
+#include "particle_driver.hpp"
 
 namespace {
 
@@ -19,8 +19,8 @@ double const root3 = std::numbers::sqrt3;
 
 JohnsonCook const steel4340{80e9, 792e6, 510e6, 0.26, 0.014, 1.03, 1.0, 298.0, 1793.0};
 
-Solid johnson_cook_solid(JohnsonCook const& model) {
-  Solid solid = elastic_solid(rho_steel, 210e9, 0.3);
+Material johnson_cook_solid(JohnsonCook const& model) {
+  Material solid = elastic_solid(rho_steel, 210e9, 0.3);
   solid.strength = model;
   solid.temperature = model.T_room;
   return solid;
@@ -33,103 +33,103 @@ double flow_stress(JohnsonCook const& j, double ep, double rate, double T) {
          (1.0 - std::pow(hot, j.m));
 }
 
-TEST(VonMisesPoint, UniaxialStrainAndReversal) {
+TEST(VonMisesParticle, UniaxialStrainAndReversal) {
   // Perfectly plastic: |s_xx| = 2 Y / 3 from the strain Y / 2G on, the axial stress is -p -+ 2 Y / 3; the equivalent
-  // plastic strain is 2/3 of the axial strain beyond. Reversed, the point is elastic over the strain Y / G and then
+  // plastic strain is 2/3 of the axial strain beyond. Reversed, the particle is elastic over the strain Y / G and then
   // yields the other way. No error of the step; 1e-12 is round-off.
   double const Y = 4e8;
-  Points point(von_mises_solid(rho_steel, 210e9, 0.3, Y));
-  double const G = shear_modulus(point.solid.strength);
-  double const K = std::get<Linear>(point.solid.eos).K;
+  Particles particle(von_mises_solid(rho_steel, 210e9, 0.3, Y));
+  double const G = shear_modulus(particle.solid.strength);
+  double const K = std::get<Linear>(particle.solid.eos).K;
   double strain = 0.0;
   auto const squeeze = [&](double to, int steps) {
     double const ratio = std::exp((to - strain) / steps);
-    for (int k = 0; k < steps; ++k) point.step(stretch_x(ratio));
+    for (int k = 0; k < steps; ++k) particle.step(stretch_x(ratio));
     strain = to;
   };
   squeeze(-0.9 * Y / (2.0 * G), 10);
-  EXPECT_NEAR(point.deviator[0][0], -0.9 * 2.0 / 3.0 * Y, 1e-12 * Y);
-  EXPECT_EQ(point.plastic_strain[0], 0.0);
+  EXPECT_NEAR(particle.deviator[0][0], -0.9 * 2.0 / 3.0 * Y, 1e-12 * Y);
+  EXPECT_EQ(particle.plastic_strain[0], 0.0);
   squeeze(-0.02, 33);
-  EXPECT_NEAR(point.deviator[0][0], -2.0 / 3.0 * Y, 1e-12 * Y);
-  EXPECT_NEAR(point.deviator[1][0], 1.0 / 3.0 * Y, 1e-12 * Y);
-  EXPECT_NEAR(point.mises(), Y, 1e-12 * Y);
+  EXPECT_NEAR(particle.deviator[0][0], -2.0 / 3.0 * Y, 1e-12 * Y);
+  EXPECT_NEAR(particle.deviator[1][0], 1.0 / 3.0 * Y, 1e-12 * Y);
+  EXPECT_NEAR(particle.mises(), Y, 1e-12 * Y);
   double const first = 2.0 / 3.0 * (0.02 - Y / (2.0 * G));
-  EXPECT_NEAR(point.plastic_strain[0], first, 1e-12);
-  EXPECT_NEAR(point.pressure[0], K * (std::exp(0.02) - 1.0), 1e-10 * K);
+  EXPECT_NEAR(particle.plastic_strain[0], first, 1e-12);
+  EXPECT_NEAR(particle.pressure[0], K * (std::exp(0.02) - 1.0), 1e-10 * K);
   squeeze(-0.02 + 0.5 * Y / G, 10);  // elastic, half of the way: no deviator is left
-  EXPECT_NEAR(point.deviator[0][0], 0.0, 1e-12 * Y);
+  EXPECT_NEAR(particle.deviator[0][0], 0.0, 1e-12 * Y);
   squeeze(0.0, 37);
-  EXPECT_NEAR(point.deviator[0][0], 2.0 / 3.0 * Y, 1e-12 * Y);
-  EXPECT_NEAR(point.plastic_strain[0], first + 2.0 / 3.0 * (0.02 - Y / G), 1e-12);
-  EXPECT_NEAR(point.pressure[0], 0.0, 1e-12 * K);
+  EXPECT_NEAR(particle.deviator[0][0], 2.0 / 3.0 * Y, 1e-12 * Y);
+  EXPECT_NEAR(particle.plastic_strain[0], first + 2.0 / 3.0 * (0.02 - Y / G), 1e-12);
+  EXPECT_NEAR(particle.pressure[0], 0.0, 1e-12 * K);
   // Back at the start: what is left in e is the plastic work and the elastic energy of the deviator. The yield begins
   // inside of a step, where the backward difference s1 : dep differs from the work by at most Y dep of those two steps.
-  double const stored = point.square() / (4.0 * G * rho_steel);
-  EXPECT_NEAR(point.energy[0], point.plastic_work[0] + stored, 2.0 * Y / rho_steel * 0.02 / 33.0);
-  EXPECT_NEAR(point.plastic_work[0], Y * point.plastic_strain[0] / rho_steel, 0.03 * point.plastic_work[0])
+  double const stored = particle.square() / (4.0 * G * rho_steel);
+  EXPECT_NEAR(particle.energy[0], particle.plastic_work[0] + stored, 2.0 * Y / rho_steel * 0.02 / 33.0);
+  EXPECT_NEAR(particle.plastic_work[0], Y * particle.plastic_strain[0] / rho_steel, 0.03 * particle.plastic_work[0])
       << "density varies by 2 per cent";
-  EXPECT_NEAR(point.energy[0], point.work[0], 1e-13 * point.path[0]);
+  EXPECT_NEAR(particle.energy[0], particle.work[0], 1e-13 * particle.path[0]);
 }
 
-TEST(VonMisesPoint, BilinearShear) {
+TEST(VonMisesParticle, BilinearShear) {
   // sqrt3 tau = Y + H ep with ep = (sqrt3 G gamma - Y) / (3 G + H), whatever the step.
   double const Y = 3e8;
   double const H = 5e9;
   for (int steps : {1, 7, 100}) {
-    Points point(von_mises_solid(rho_steel, 210e9, 0.3, Y, H));
-    double const G = shear_modulus(point.solid.strength);
+    Particles particle(von_mises_solid(rho_steel, 210e9, 0.3, Y, H));
+    double const G = shear_modulus(particle.solid.strength);
     double const gamma = 0.05;
-    for (int k = 0; k < steps; ++k) point.step(pure_shear_xy(gamma / steps));
+    for (int k = 0; k < steps; ++k) particle.step(pure_shear_xy(gamma / steps));
     double const ep = (root3 * G * gamma - Y) / (3.0 * G + H);
-    EXPECT_NEAR(point.plastic_strain[0], ep, 1e-13) << steps;
-    EXPECT_NEAR(root3 * point.deviator[3][0], Y + H * ep, 1e-12 * Y) << steps;
+    EXPECT_NEAR(particle.plastic_strain[0], ep, 1e-13) << steps;
+    EXPECT_NEAR(root3 * particle.deviator[3][0], Y + H * ep, 1e-12 * Y) << steps;
   }
 }
 
-TEST(VonMisesPoint, PlasticWorkHeats) {
-  Solid solid = von_mises_solid(rho_steel, 210e9, 0.3, 3e8);
+TEST(VonMisesParticle, PlasticWorkHeats) {
+  Material solid = von_mises_solid(rho_steel, 210e9, 0.3, 3e8);
   solid.specific_heat = 477.0;
-  Points point(solid);
-  for (int k = 0; k < 50; ++k) point.step(pure_shear_xy(1e-3));
-  EXPECT_NEAR(point.plastic_work[0], 3e8 * point.plastic_strain[0] / rho_steel, 1e-12 * point.plastic_work[0]);
-  EXPECT_NEAR(point.temperature[0] - 293.0, 0.9 * point.plastic_work[0] / 477.0, 1e-11);
-  EXPECT_GT(point.temperature[0], 293.4);
+  Particles particle(solid);
+  for (int k = 0; k < 50; ++k) particle.step(pure_shear_xy(1e-3));
+  EXPECT_NEAR(particle.plastic_work[0], 3e8 * particle.plastic_strain[0] / rho_steel, 1e-12 * particle.plastic_work[0]);
+  EXPECT_NEAR(particle.temperature[0] - 293.0, 0.9 * particle.plastic_work[0] / 477.0, 1e-11);
+  EXPECT_GT(particle.temperature[0], 293.4);
 }
 
-TEST(JohnsonCookPoint, FlowStressAtThreeRatesAndTwoTemperatures) {
+TEST(JohnsonCookParticle, FlowStressAtThreeRatesAndTwoTemperatures) {
   for (double rate : {1.0, 1e3, 1e5}) {
     for (double T : {298.0, 800.0}) {
-      Solid solid = johnson_cook_solid(steel4340);
+      Material solid = johnson_cook_solid(steel4340);
       solid.temperature = T;
-      Points point(solid);
+      Particles particle(solid);
       double const step = 1e-3;  // of equivalent strain; gamma = sqrt3 times that
-      point.data.dt = step / rate;
+      particle.data.dt = step / rate;
       double before = 0.0;
       for (int k = 0; k < 200; ++k) {
-        before = point.plastic_strain[0];
-        point.step(pure_shear_xy(root3 * step));
+        before = particle.plastic_strain[0];
+        particle.step(pure_shear_xy(root3 * step));
         // Consistency, with the rate that the step really had.
-        double const own =
-            flow_stress(steel4340, point.plastic_strain[0], (point.plastic_strain[0] - before) / point.data.dt, T);
+        double const own = flow_stress(steel4340, particle.plastic_strain[0],
+                                       (particle.plastic_strain[0] - before) / particle.data.dt, T);
         if (k > 10) {
-          EXPECT_NEAR(point.mises() / own, 1.0, 1e-10) << rate << ' ' << T << ' ' << k;
+          EXPECT_NEAR(particle.mises() / own, 1.0, 1e-10) << rate << ' ' << T << ' ' << k;
         }
       }
       // Against the nominal rate, at ep = 0.2 - sigma/3G. The plastic rate is slower by H / 3G = 0.2 %, H = d sigma /
       // d ep: C times that is 3e-5.
       double sigma = steel4340.A;
       for (int k = 0; k < 20; ++k) sigma = flow_stress(steel4340, 0.2 - sigma / (3.0 * steel4340.G), rate, T);
-      EXPECT_NEAR(root3 * point.deviator[3][0] / sigma, 1.0, 3e-5) << rate << ' ' << T;
-      EXPECT_NEAR(point.plastic_strain[0], 0.2 - point.mises() / (3.0 * steel4340.G), 1e-12);
+      EXPECT_NEAR(root3 * particle.deviator[3][0] / sigma, 1.0, 3e-5) << rate << ' ' << T;
+      EXPECT_NEAR(particle.plastic_strain[0], 0.2 - particle.mises() / (3.0 * steel4340.G), 1e-12);
     }
   }
 }
 
-TEST(JohnsonCookPoint, SlowFlowIsNotWeakened) {
-  Points slow(johnson_cook_solid(steel4340));
+TEST(JohnsonCookParticle, SlowFlowIsNotWeakened) {
+  Particles slow(johnson_cook_solid(steel4340));
   slow.data.dt = 1e3;
-  Points at_reference(johnson_cook_solid(steel4340));
+  Particles at_reference(johnson_cook_solid(steel4340));
   at_reference.data.dt = 1e-3;
   for (int k = 0; k < 50; ++k) {
     slow.step(pure_shear_xy(root3 * 1e-3));
@@ -139,29 +139,29 @@ TEST(JohnsonCookPoint, SlowFlowIsNotWeakened) {
   EXPECT_NEAR(slow.mises(), at_reference.mises(), 1e-10 * slow.mises());
 }
 
-TEST(JohnsonCookPoint, ReversedShearHasNoMemoryOfDirection) {
-  Points point(johnson_cook_solid(steel4340));
-  point.data.dt = 1e-6;
-  for (int k = 0; k < 40; ++k) point.step(pure_shear_xy(root3 * 1e-3));
-  double const forward = point.mises();
-  double const ep = point.plastic_strain[0];
+TEST(JohnsonCookParticle, ReversedShearHasNoMemoryOfDirection) {
+  Particles particle(johnson_cook_solid(steel4340));
+  particle.data.dt = 1e-6;
+  for (int k = 0; k < 40; ++k) particle.step(pure_shear_xy(root3 * 1e-3));
+  double const forward = particle.mises();
+  double const ep = particle.plastic_strain[0];
   // Elastic on the way to the opposite yield, which begins slowly.
   double const slow = flow_stress(steel4340, ep, 0.0, 298.0);
   int const elastic = static_cast<int>((forward + slow) / (3.0 * steel4340.G * 1e-3));
-  for (int k = 0; k < elastic; ++k) point.step(pure_shear_xy(-root3 * 1e-3));
-  EXPECT_EQ(point.plastic_strain[0], ep);
-  for (int k = 0; k < 40; ++k) point.step(pure_shear_xy(-root3 * 1e-3));
-  EXPECT_LT(point.deviator[3][0], 0.0);
-  double const before = point.plastic_strain[0];
-  point.step(pure_shear_xy(-root3 * 1e-3));
-  double const rate = (point.plastic_strain[0] - before) / 1e-6;
-  EXPECT_NEAR(point.mises() / flow_stress(steel4340, point.plastic_strain[0], rate, 298.0), 1.0, 1e-10);
+  for (int k = 0; k < elastic; ++k) particle.step(pure_shear_xy(-root3 * 1e-3));
+  EXPECT_EQ(particle.plastic_strain[0], ep);
+  for (int k = 0; k < 40; ++k) particle.step(pure_shear_xy(-root3 * 1e-3));
+  EXPECT_LT(particle.deviator[3][0], 0.0);
+  double const before = particle.plastic_strain[0];
+  particle.step(pure_shear_xy(-root3 * 1e-3));
+  double const rate = (particle.plastic_strain[0] - before) / 1e-6;
+  EXPECT_NEAR(particle.mises() / flow_stress(steel4340, particle.plastic_strain[0], rate, 298.0), 1.0, 1e-10);
 }
 
-TEST(JohnsonCookPoint, EveryStateIsReturnedToItsYieldStress) {
+TEST(JohnsonCookParticle, EveryStateIsReturnedToItsYieldStress) {
   // Random constants, strains, temperatures, rates and sizes of step, some far beyond any use: consistency to 1e-10 of
   // the yield stress. The rate is recomputed from the rounded difference of two plastic strains, so the increment
-  // enters from a point that starts at none wherever it is much smaller than the strain.
+  // enters from a particle that starts at none wherever it is much smaller than the strain.
   std::mt19937 random(5);
   auto const between = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
   int yielded = 0;
@@ -172,39 +172,39 @@ TEST(JohnsonCookPoint, EveryStateIsReturnedToItsYieldStress) {
     j.B = k % 11 == 0 ? 0.0 : j.B;
     j.m = between(0.3, 2.0);
     j.rate0 = k % 5 == 0 ? std::pow(10.0, between(-4.0, 3.0)) : 1.0;
-    Solid solid = johnson_cook_solid(j);
+    Material solid = johnson_cook_solid(j);
     solid.temperature = between(200.0, 1700.0);
-    Points point(solid);
+    Particles particle(solid);
     double const start = k % 3 == 0 ? 0.0 : std::pow(10.0, between(-8.0, 0.5));
-    point.plastic_strain[0] = start;
-    point.data.dt = std::pow(10.0, between(-9.0, 0.0));
+    particle.plastic_strain[0] = start;
+    particle.data.dt = std::pow(10.0, between(-9.0, 0.0));
     double const stress = flow_stress(j, start, 0.0, solid.temperature);
-    point.deviator[3][0] = stress / root3 * between(0.9, 1.0);
-    point.step(pure_shear_xy(std::pow(10.0, between(-7.0, 0.0))));
-    double const x = point.plastic_strain[0] - start;
+    particle.deviator[3][0] = stress / root3 * between(0.9, 1.0);
+    particle.step(pure_shear_xy(std::pow(10.0, between(-7.0, 0.0))));
+    double const x = particle.plastic_strain[0] - start;
     if (x <= 0.0) continue;
     ++yielded;
     double const rounded = 2.3e-16 * (start + x) / x;  // of the increment
-    double const own = flow_stress(j, start + x, x / point.data.dt, solid.temperature);
-    EXPECT_NEAR(point.mises() / own, 1.0, 1e-10 + j.C * rounded) << k;
+    double const own = flow_stress(j, start + x, x / particle.data.dt, solid.temperature);
+    EXPECT_NEAR(particle.mises() / own, 1.0, 1e-10 + j.C * rounded) << k;
   }
   EXPECT_GT(yielded, 10000);
 }
 
-TEST(JohnsonCookPoint, MoltenPointFlows) {
-  Solid solid = johnson_cook_solid(steel4340);
+TEST(JohnsonCookParticle, MoltenParticleFlows) {
+  Material solid = johnson_cook_solid(steel4340);
   solid.temperature = 2000.0;
-  Points point(solid);
-  point.step(pure_shear_xy(0.01));
-  EXPECT_NEAR(point.mises(), 0.0, 1e-10 * steel4340.A);
-  EXPECT_NEAR(point.plastic_strain[0], 0.01 / root3, 1e-12);
+  Particles particle(solid);
+  particle.step(pure_shear_xy(0.01));
+  EXPECT_NEAR(particle.mises(), 0.0, 1e-10 * steel4340.A);
+  EXPECT_NEAR(particle.plastic_strain[0], 0.01 / root3, 1e-12);
 }
 
-TEST(JohnsonCookPoint, AdiabaticHeatingFollowsItsDifferentialEquation) {
+TEST(JohnsonCookParticle, AdiabaticHeatingFollowsItsDifferentialEquation) {
   // Without rate term, in monotonic shear, with total equivalent strain E as time: q = sigma_y(ep, T) and
   // dq = 3 G (dE - dep) give dep/dE = 3 G / (3 G + d sigma_y/d ep + beta sigma_y/(rho cp) d sigma_y/dT), dT = beta
-  // sigma_y/(rho cp) dep; classical Runge-Kutta method, 20000 steps. The point is of first order: it softens with the
-  // temperature at the start of the step.
+  // sigma_y/(rho cp) dep; classical Runge-Kutta method, 20000 steps. The particle is of first order: it softens with
+  // the temperature at the start of the step.
   JohnsonCook j = steel4340;
   j.C = 0.0;
   double const cp = 477.0;
@@ -232,15 +232,16 @@ TEST(JohnsonCookPoint, AdiabaticHeatingFollowsItsDifferentialEquation) {
     T += h / 6.0 * (a[1] + 2.0 * b[1] + 2.0 * c[1] + d[1]);
   }
   auto const error = [&](int steps) {
-    Solid solid = johnson_cook_solid(j);
+    Material solid = johnson_cook_solid(j);
     solid.specific_heat = cp;
     solid.temperature = 320.0;
-    Points point(solid);
-    point.plastic_strain[0] = start;
-    point.deviator[3][0] = stress(start, 320.0) / root3;
-    for (int k = 0; k < steps; ++k) point.step(pure_shear_xy(root3 * total / steps));
-    EXPECT_NEAR(point.temperature[0] - 320.0, 0.9 * point.plastic_work[0] / cp, 1e-9);
-    return std::array{point.temperature[0] - T, point.mises() / stress(ep, T) - 1.0, point.plastic_strain[0] - ep};
+    Particles particle(solid);
+    particle.plastic_strain[0] = start;
+    particle.deviator[3][0] = stress(start, 320.0) / root3;
+    for (int k = 0; k < steps; ++k) particle.step(pure_shear_xy(root3 * total / steps));
+    EXPECT_NEAR(particle.temperature[0] - 320.0, 0.9 * particle.plastic_work[0] / cp, 1e-9);
+    return std::array{particle.temperature[0] - T, particle.mises() / stress(ep, T) - 1.0,
+                      particle.plastic_strain[0] - ep};
   };
   auto const coarse = error(250);
   auto const fine = error(500);
@@ -254,129 +255,129 @@ TEST(JohnsonCookPoint, AdiabaticHeatingFollowsItsDifferentialEquation) {
 
 JohnsonCookFailure const brittle{0.05, 0.3, -2.12, 0.02, 0.61};
 
-TEST(JohnsonCookFailurePoint, DamageAtConstantTriaxiality) {
+TEST(JohnsonCookFailureParticle, DamageAtConstantTriaxiality) {
   // Perfect von Mises plasticity, isochoric shear under a constant pressure: D = ep / ef exactly, with the scales of
   // rate and temperature that hold without Johnson-Cook strength.
   double const Y = 4e8;
   for (double p : {-1.2e9, -3e8, 0.0, 5e8}) {
-    Solid solid = von_mises_solid(rho_steel, 210e9, 0.3, Y);
+    Material solid = von_mises_solid(rho_steel, 210e9, 0.3, Y);
     solid.failure = brittle;
-    Points point(solid);
+    Particles particle(solid);
     double const K = std::get<Linear>(solid.eos).K;
-    point.density[0] = rho_steel * (1.0 + p / K);
-    point.pressure[0] = p;
+    particle.density[0] = rho_steel * (1.0 + p / K);
+    particle.pressure[0] = p;
     double const triaxiality = std::min(-p / Y, 1.5);
     double const dt = 1e-6;
-    point.data.dt = dt;
+    particle.data.dt = dt;
     double const gamma = 1e-3;
-    point.step(pure_shear_xy(Y / (root3 * shear_modulus(solid.strength))));  // up to the yield stress
+    particle.step(pure_shear_xy(Y / (root3 * shear_modulus(solid.strength))));  // up to the yield stress
     double damage = 0.0;
     for (int k = 0; k < 20; ++k) {
-      point.step(pure_shear_xy(gamma));
+      particle.step(pure_shear_xy(gamma));
       double const ef = (0.05 + 0.3 * std::exp(-2.12 * triaxiality)) * (1.0 + 0.02 * std::log(gamma / root3 / dt));
       damage = std::min(1.0, damage + gamma / root3 / ef);
-      EXPECT_NEAR(point.damage[0], damage, 1e-9) << p;
+      EXPECT_NEAR(particle.damage[0], damage, 1e-9) << p;
     }
     EXPECT_GT(damage, 0.0);
   }
 }
 
-TEST(JohnsonCookFailurePoint, ScalesAreThoseOfTheStrength) {
+TEST(JohnsonCookFailureParticle, ScalesAreThoseOfTheStrength) {
   JohnsonCook j = steel4340;
   j.rate0 = 10.0;
-  Solid solid = johnson_cook_solid(j);
+  Material solid = johnson_cook_solid(j);
   solid.failure = brittle;
   solid.temperature = 700.0;
-  Points point(solid);
-  point.data.dt = 1e-6;
+  Particles particle(solid);
+  particle.data.dt = 1e-6;
   for (int k = 0; k < 20; ++k) {
-    double const before = point.damage[0];
-    double const ep = point.plastic_strain[0];
-    point.step(pure_shear_xy(2e-3));
-    double const x = point.plastic_strain[0] - ep;
+    double const before = particle.damage[0];
+    double const ep = particle.plastic_strain[0];
+    particle.step(pure_shear_xy(2e-3));
+    double const x = particle.plastic_strain[0] - ep;
     if (x == 0.0) continue;
     double const hot = (700.0 - j.T_room) / (j.T_melt - j.T_room);
     double const ef = 0.35 * (1.0 + 0.02 * std::log(std::max(1.0, x / 1e-6 / 10.0))) * (1.0 + 0.61 * hot);
-    EXPECT_NEAR(point.damage[0] - before, x / ef, 1e-12);
+    EXPECT_NEAR(particle.damage[0] - before, x / ef, 1e-12);
   }
-  EXPECT_GT(point.damage[0], 0.02);
+  EXPECT_GT(particle.damage[0], 0.02);
 }
 
-TEST(JohnsonCookFailurePoint, FailedPointBearsOnlyPressure) {
-  Solid solid = johnson_cook_solid(steel4340);
+TEST(JohnsonCookFailureParticle, FailedParticleBearsOnlyPressure) {
+  Material solid = johnson_cook_solid(steel4340);
   solid.failure = JohnsonCookFailure{0.01, 0.02, -2.12, 0.002, 0.61};
   solid.specific_heat = 477.0;
-  Points point(solid);
+  Particles particle(solid);
   double before = 0.0;
   int steps = 0;
-  for (; steps < 1000 && point.damage[0] < 1.0; ++steps) {
+  for (; steps < 1000 && particle.damage[0] < 1.0; ++steps) {
     Increment d = pure_shear_xy(2e-3);
     d.strain[0] = d.strain[1] = d.strain[2] = 1e-5;
-    point.step(d);
-    EXPECT_GE(point.damage[0], before);
-    EXPECT_LE(point.damage[0], 1.0);
-    before = point.damage[0];
+    particle.step(d);
+    EXPECT_GE(particle.damage[0], before);
+    EXPECT_LE(particle.damage[0], 1.0);
+    before = particle.damage[0];
   }
-  ASSERT_EQ(point.damage[0], 1.0);
+  ASSERT_EQ(particle.damage[0], 1.0);
   EXPECT_LT(steps, 100);
-  EXPECT_EQ(point.mises(), 0.0);
-  EXPECT_EQ(point.pressure[0], 0.0) << "it was in tension";
-  double const ep = point.plastic_strain[0];
-  double const T = point.temperature[0];
-  for (int k = 0; k < 10; ++k) point.step(shear_xy(5e-2));
-  EXPECT_EQ(point.mises(), 0.0);
-  EXPECT_EQ(point.plastic_strain[0], ep);
-  EXPECT_EQ(point.temperature[0], T);
-  EXPECT_EQ(point.damage[0], 1.0);
-  for (int k = 0; k < 10; ++k) point.step(swell(0.998));
-  EXPECT_NEAR(point.pressure[0] / std::get<Linear>(solid.eos).reference(point.density[0]), 1.0, 1e-12);
-  EXPECT_GT(point.pressure[0], 1e9);
-  for (int k = 0; k < 40; ++k) point.step(swell(1.002));
-  EXPECT_EQ(point.pressure[0], 0.0);
-  EXPECT_NEAR(point.energy[0], point.work[0], 1e-13 * point.path[0]);
+  EXPECT_EQ(particle.mises(), 0.0);
+  EXPECT_EQ(particle.pressure[0], 0.0) << "it was in tension";
+  double const ep = particle.plastic_strain[0];
+  double const T = particle.temperature[0];
+  for (int k = 0; k < 10; ++k) particle.step(shear_xy(5e-2));
+  EXPECT_EQ(particle.mises(), 0.0);
+  EXPECT_EQ(particle.plastic_strain[0], ep);
+  EXPECT_EQ(particle.temperature[0], T);
+  EXPECT_EQ(particle.damage[0], 1.0);
+  for (int k = 0; k < 10; ++k) particle.step(swell(0.998));
+  EXPECT_NEAR(particle.pressure[0] / std::get<Linear>(solid.eos).reference(particle.density[0]), 1.0, 1e-12);
+  EXPECT_GT(particle.pressure[0], 1e9);
+  for (int k = 0; k < 40; ++k) particle.step(swell(1.002));
+  EXPECT_EQ(particle.pressure[0], 0.0);
+  EXPECT_NEAR(particle.energy[0], particle.work[0], 1e-13 * particle.path[0]);
   // Debris that drifts apart to a hundredth of its density is no faster than the solid.
   double const fastest = sound_speed(solid, solid.density, 0.0);
-  for (int k = 0; k < 92; ++k) point.step(swell(1.05));
-  EXPECT_LT(point.density[0], 0.012 * solid.density);
-  EXPECT_LE(point.sound_speed[0], fastest * (1.0 + 1e-9));
-  EXPECT_GT(point.sound_speed[0], 0.3 * fastest);
+  for (int k = 0; k < 92; ++k) particle.step(swell(1.05));
+  EXPECT_LT(particle.density[0], 0.012 * solid.density);
+  EXPECT_LE(particle.sound_speed[0], fastest * (1.0 + 1e-9));
+  EXPECT_GT(particle.sound_speed[0], 0.3 * fastest);
 }
 
-Solid tearing(Spall spall) {
-  Solid solid = johnson_cook_solid(steel4340);
+Material tearing(Spall spall) {
+  Material solid = johnson_cook_solid(steel4340);
   solid.minimum_pressure = -2e9;
   solid.spall = spall;
   return solid;
 }
 
-TEST(SpallPoint, OpensWhereThePressureReachesTheLimit) {
+TEST(SpallParticle, OpensWhereThePressureReachesTheLimit) {
   for (Spall const spall : {Spall::limit, Spall::pressure}) {
-    Points point(tearing(spall));
+    Particles particle(tearing(spall));
     int steps = 0;
-    for (; steps < 100 && point.pressure[0] > -2e9; ++steps) point.step(swell(1.0005));
-    EXPECT_EQ(point.pressure[0], -2e9);
-    EXPECT_EQ(point.damage[0], spall == Spall::pressure ? 1.0 : 0.0);
-    point.step(pure_shear_xy(1e-3));
-    EXPECT_EQ(point.pressure[0], spall == Spall::pressure ? 0.0 : -2e9);
+    for (; steps < 100 && particle.pressure[0] > -2e9; ++steps) particle.step(swell(1.0005));
+    EXPECT_EQ(particle.pressure[0], -2e9);
+    EXPECT_EQ(particle.damage[0], spall == Spall::pressure ? 1.0 : 0.0);
+    particle.step(pure_shear_xy(1e-3));
+    EXPECT_EQ(particle.pressure[0], spall == Spall::pressure ? 0.0 : -2e9);
     if (spall == Spall::pressure) {
-      EXPECT_EQ(point.mises(), 0.0);
+      EXPECT_EQ(particle.mises(), 0.0);
     } else {
-      EXPECT_GT(point.mises(), 1e7);
+      EXPECT_GT(particle.mises(), 1e7);
     }
     // It bears pressure when it closes again, and never tension.
-    for (int k = 0; k < 2 * steps; ++k) point.step(swell(1.0 / 1.0006));
-    EXPECT_GT(point.pressure[0], 1e8);
+    for (int k = 0; k < 2 * steps; ++k) particle.step(swell(1.0 / 1.0006));
+    EXPECT_GT(particle.pressure[0], 1e8);
     if (spall == Spall::pressure) {
       for (int k = 0; k < 400; ++k) {
-        point.step(swell(1.0005));
-        EXPECT_GE(point.pressure[0], 0.0);
+        particle.step(swell(1.0005));
+        EXPECT_GE(particle.pressure[0], 0.0);
       }
     }
-    EXPECT_NEAR(point.energy[0], point.work[0], 1e-12 * point.path[0]);
+    EXPECT_NEAR(particle.energy[0], particle.work[0], 1e-12 * particle.path[0]);
   }
 }
 
-TEST(SpallPoint, OpensWhereTheLargestPrincipalStressReachesTheLimit) {
+TEST(SpallParticle, OpensWhereTheLargestPrincipalStressReachesTheLimit) {
   // Principal stresses in any directions, a little below the limit and a little above it.
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
@@ -399,21 +400,21 @@ TEST(SpallPoint, OpensWhereTheLargestPrincipalStressReachesTheLimit) {
       }
     }
     double const mean = (principal[0] + principal[1] + principal[2]) / 3.0;
-    Solid const solid = tearing(Spall::principal_stress);
-    Points point(solid);
+    Material const solid = tearing(Spall::principal_stress);
+    Particles particle(solid);
     std::array<double, 6> const deviator{s[0][0] - mean, s[1][1] - mean, s[2][2] - mean, s[0][1], s[1][2], s[2][0]};
-    for (int c = 0; c < 6; ++c) point.deviator[c][0] = deviator[c];
+    for (int c = 0; c < 6; ++c) particle.deviator[c][0] = deviator[c];
     // The density of that mean stress.
     auto const& eos = std::get<Linear>(solid.eos);
-    point.density[0] = eos.rho0 * (1.0 - mean / eos.K);
-    point.pressure[0] = -mean;
-    point.step(Increment{});
-    EXPECT_EQ(point.damage[0], above ? 1.0 : 0.0) << n;
+    particle.density[0] = eos.rho0 * (1.0 - mean / eos.K);
+    particle.pressure[0] = -mean;
+    particle.step(Increment{});
+    EXPECT_EQ(particle.damage[0], above ? 1.0 : 0.0) << n;
   }
 }
 
-TEST(JohnsonCookFailurePoint, DamageIsMonotoneAndBoundedOnAnyPath) {
-  Solid solid = johnson_cook_solid(steel4340);
+TEST(JohnsonCookFailureParticle, DamageIsMonotoneAndBoundedOnAnyPath) {
+  Material solid = johnson_cook_solid(steel4340);
   solid.failure = JohnsonCookFailure{-0.77, 1.45, -0.47, 0.0, 1.6};  // D1 + D2 exp(1.5 D3) is negative
   solid.specific_heat = 477.0;
   solid.minimum_pressure = -2e9;
@@ -421,18 +422,18 @@ TEST(JohnsonCookFailurePoint, DamageIsMonotoneAndBoundedOnAnyPath) {
   std::uniform_real_distribution<double> amount(-5e-3, 5e-3);
   int failed = 0;
   for (int path = 0; path < 50; ++path) {
-    Points point(solid);
-    point.data = {1e-7, 1e-3};
+    Particles particle(solid);
+    particle.data = {1e-7, 1e-3};
     double before = 0.0;
     for (int k = 0; k < 300; ++k) {
       Increment d;
       for (auto& x : d.strain) x = amount(random);
       for (auto& x : d.spin) x = amount(random);
-      point.step(d);
-      ASSERT_GE(point.damage[0], before);
-      ASSERT_LE(point.damage[0], 1.0);
-      ASSERT_GE(point.pressure[0], before < 1.0 && point.damage[0] < 1.0 ? -2e9 : 0.0);
-      before = point.damage[0];
+      particle.step(d);
+      ASSERT_GE(particle.damage[0], before);
+      ASSERT_LE(particle.damage[0], 1.0);
+      ASSERT_GE(particle.pressure[0], before < 1.0 && particle.damage[0] < 1.0 ? -2e9 : 0.0);
+      before = particle.damage[0];
     }
     failed += before == 1.0 ? 1 : 0;
   }

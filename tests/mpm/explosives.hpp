@@ -7,8 +7,8 @@ namespace brisance::test {
 
 inline constexpr double detonation_speed = 6930.0;  // m/s
 
-/// Points of TNT with the constants of materials/tnt.toml.
-inline material::Solid tnt() {
+/// Particles of TNT with the constants of materials/tnt.toml.
+inline material::Material tnt() {
   material::Explosive explosive;
   explosive.products = material::Jwl{};
   explosive.energy = 6.993e9;
@@ -17,7 +17,7 @@ inline material::Solid tnt() {
 }
 
 /// OFHC copper, [JohnsonCook83] with a Mie-Grueneisen equation of state [Steinberg96].
-inline material::Solid copper() {
+inline material::Material copper() {
   material::JohnsonCook strength;
   strength.G = 46e9;
   strength.A = 90e6;
@@ -26,7 +26,7 @@ inline material::Solid copper() {
   strength.C = 0.025;
   strength.m = 1.09;
   strength.T_melt = 1356.0;
-  material::Solid solid;
+  material::Material solid;
   solid.name = "copper";
   solid.density = 8960.0;
   solid.eos = material::MieGruneisen{8960.0, 3940.0, 1.489, 2.02};
@@ -35,9 +35,9 @@ inline material::Solid copper() {
   return solid;
 }
 
-/// The energy of a calculation against that at its start. The velocity of the points belongs to the middle of the step
-/// (symplectic Euler), stress and internal energy to its end: the plain sum therefore lags by half a step's exchange of
-/// energy, which comes and goes. `centred` takes the mean of the kinetic energies on both sides.
+/// The energy of a simulation against that at its start. The velocity of the particles belongs to the middle of the
+/// step (symplectic Euler), stress and internal energy to its end: the plain sum therefore lags by half a step's
+/// exchange of energy, which comes and goes. `centred` takes the mean of the kinetic energies on both sides.
 class EnergyWatch {
  public:
   explicit EnergyWatch(Problem const& problem) : problem_(problem), start_(problem.energy()) {

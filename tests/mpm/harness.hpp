@@ -1,4 +1,5 @@
-/// What the tests of material points share: domains, bodies and fillings in 1D, 2D and 3D, and how to look at points.
+/// What the tests of material points share: domains, bodies and fillings in 1D, 2D and 3D, and how to look at
+/// particles.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -27,19 +28,19 @@ inline constexpr std::array all_shapes{ShapeFunction::linear, ShapeFunction::gim
 inline constexpr std::array all_orders{StressOrder::usf, StressOrder::usl, StressOrder::musl};
 
 /// Unit density and unit Young's modulus: speeds are then those of the bar.
-inline material::Solid unit_solid(double nu) { return material::elastic_solid(1.0, 1.0, nu); }
+inline material::Material unit_solid(double nu) { return material::elastic_solid(1.0, 1.0, nu); }
 
 /// Speed of pressure waves [m/s].
-inline double pressure_wave_speed(material::Solid const& solid) {
+inline double pressure_wave_speed(material::Material const& solid) {
   return material::sound_speed(solid, solid.density, 0.0);
 }
 
 /// Speed of shear waves [m/s].
-inline double shear_wave_speed(material::Solid const& solid) {
+inline double shear_wave_speed(material::Material const& solid) {
   return std::sqrt(material::shear_modulus(solid.strength) / solid.density);
 }
 
-/// Tents give a node that a point just reaches next to no mass, but the full force: its velocity means nothing. Only
+/// Tents give a node that a particle just reaches next to no mass, but the full force: its velocity means nothing. Only
 /// the order that maps the velocity back for the strain, and transfers without its gradient, bear that.
 inline bool tents_bear(ShapeFunction shape, Transfer transfer, StressOrder order) {
   return shape != ShapeFunction::linear || (order == StressOrder::musl && transfer != Transfer::apic);
@@ -72,20 +73,20 @@ struct Problem {
     domain.boundary.fill(boundary);
   }
 
-  int add(material::Solid const& solid, int points_per_direction = 2) {
+  int add(material::Material const& solid, int particles_per_direction = 2) {
     mpm::Body body;
     body.name = "body " + std::to_string(bodies.size());
     body.solid = solid;
-    body.points_per_direction = points_per_direction;
+    body.particles_per_direction = particles_per_direction;
     bodies.push_back(body);
     return static_cast<int>(bodies.size()) - 1;
   }
 
   void start() { mpm = std::make_unique<mpm::Mpm>(domain, bodies, options, constraints, contacts); }
 
-  /// Fills a shape with points at the centres of sub-cells.
+  /// Fills a shape with particles at the centres of sub-cells.
   void fill(int body, shape::Shape const& shape, VelocityAt const& velocity = nullptr) {
-    auto const placed = shape::place_particles(shape, domain, bodies[body].points_per_direction);
+    auto const placed = shape::place_particles(shape, domain, bodies[body].particles_per_direction);
     mpm::Filling filling;
     filling.positions = placed.positions;
     filling.volumes = placed.volumes;
@@ -93,7 +94,7 @@ struct Problem {
     if (velocity) set_velocity(body, velocity);
   }
 
-  /// Fills a box whose corner need not lie on the grid: n points per direction, `spacing` apart.
+  /// Fills a box whose corner need not lie on the grid: n particles per direction, `spacing` apart.
   void fill_lattice(int body, Vec3 const& corner, Index3 const& n, double spacing, Vec3 const& velocity) {
     mpm::Filling filling;
     filling.velocity = velocity;
@@ -112,42 +113,42 @@ struct Problem {
     mpm->fill(body, filling);
   }
 
-  /// Calls visit(set, index) for every point of a body, block by block.
+  /// Calls visit(set, index) for every particle of a body, block by block.
   template <class Visit>
-  void for_each_point(int body, Visit&& visit) {
+  void for_each_particle(int body, Visit&& visit) {
     for (int b = 0; b < mpm->grid().block_count(); ++b) {
-      mpm::PointSet& set = mpm->points(b, body);
+      mpm::ParticleSet& set = mpm->particles(b, body);
       for (int q = 0; q < set.size(); ++q) visit(set, q);
     }
   }
 
   void set_velocity(int body, VelocityAt const& velocity) {
-    for_each_point(body,
-                   [&](mpm::PointSet& set, int q) { put(set, q, Field::velocity_x, velocity(position(set, q))); });
+    for_each_particle(
+        body, [&](mpm::ParticleSet& set, int q) { put(set, q, Field::velocity_x, velocity(position(set, q))); });
   }
 
-  static Vec3 get(mpm::PointSet const& set, int q, Field first) {
+  static Vec3 get(mpm::ParticleSet const& set, int q, Field first) {
     return {set.field(first)[q], set.field(first + 1)[q], set.field(first + 2)[q]};
   }
-  static void put(mpm::PointSet& set, int q, Field first, Vec3 const& value) {
+  static void put(mpm::ParticleSet& set, int q, Field first, Vec3 const& value) {
     for (int d = 0; d < 3; ++d) set.field(first + d)[q] = value[d];
   }
-  static Vec3 position(mpm::PointSet const& set, int q) { return get(set, q, Field::position_x); }
-  static Vec3 origin(mpm::PointSet const& set, int q) { return get(set, q, Field::origin_x); }
-  static double volume(mpm::PointSet const& set, int q) {
+  static Vec3 position(mpm::ParticleSet const& set, int q) { return get(set, q, Field::position_x); }
+  static Vec3 origin(mpm::ParticleSet const& set, int q) { return get(set, q, Field::origin_x); }
+  static double volume(mpm::ParticleSet const& set, int q) {
     return set.field(Field::mass)[q] / set.field(Field::density)[q];
   }
 
   /// Cauchy stress: xx yy zz xy yz zx.
-  static std::array<double, 6> stress(mpm::PointSet const& set, int q) {
+  static std::array<double, 6> stress(mpm::ParticleSet const& set, int q) {
     std::array<double, 6> s{};
     for (int c = 0; c < 6; ++c) s[c] = set.field(Field::deviator_xx + c)[q];
     for (int d = 0; d < 3; ++d) s[d] -= set.field(Field::pressure)[q];
     return s;
   }
 
-  /// Gives a point a stress; the density follows from the linear equation of state, the volume stays.
-  void put_stress(int body, mpm::PointSet& set, int q, std::array<double, 6> const& s) const {
+  /// Gives a particle a stress; the density follows from the linear equation of state, the volume stays.
+  void put_stress(int body, mpm::ParticleSet& set, int q, std::array<double, 6> const& s) const {
     double const p = -(s[0] + s[1] + s[2]) / 3.0;
     for (int c = 0; c < 6; ++c) set.field(Field::deviator_xx + c)[q] = s[c] + (c < 3 ? p : 0.0);
     auto const& eos = std::get<material::Linear>(bodies[body].solid.eos);
@@ -157,28 +158,28 @@ struct Problem {
     set.field(Field::mass)[q] = v * set.field(Field::density)[q];
   }
 
-  /// Values of a field in the order of the points' identities.
+  /// Values of a field in the order of the particles' identities.
   std::vector<double> values(int body, Field field) {
-    std::vector<double> out(static_cast<std::size_t>(mpm::sums(*mpm, body).points));
-    for_each_point(body, [&](mpm::PointSet const& set, int q) {
+    std::vector<double> out(static_cast<std::size_t>(mpm::sums(*mpm, body).particles));
+    for_each_particle(body, [&](mpm::ParticleSet const& set, int q) {
       out.at(static_cast<std::size_t>(set.field(Field::identity)[q])) = set.field(field)[q];
     });
     return out;
   }
 
-  /// Sum over the points of a body of a function of the point.
+  /// Sum over the particles of a body of a function of the particle.
   template <class Of>
   double sum(int body, Of&& of) {
     double total = 0.0;
-    for_each_point(body, [&](mpm::PointSet const& set, int q) { total += of(set, q); });
+    for_each_particle(body, [&](mpm::ParticleSet const& set, int q) { total += of(set, q); });
     return total;
   }
 
-  /// Largest value over the points of a body.
+  /// Largest value over the particles of a body.
   template <class Of>
   double largest(int body, Of&& of) {
     double most = 0.0;
-    for_each_point(body, [&](mpm::PointSet const& set, int q) { most = std::max(most, of(set, q)); });
+    for_each_particle(body, [&](mpm::ParticleSet const& set, int q) { most = std::max(most, of(set, q)); });
     return most;
   }
 
@@ -195,7 +196,7 @@ struct Problem {
     }
     return total;
   }
-  /// All bodies book the work of the nodes, as in a calculation with contacts: to be called before `start`.
+  /// All bodies book the work of the nodes, as in a simulation with contacts: to be called before `start`.
   void book_work() {
     for (mpm::Body& body : bodies) body.books_work = true;
   }

@@ -1,4 +1,4 @@
-// What points beside the axis do that those of a plane do not: scatter of the pressure in a rod that hits a wall.
+// What particles beside the axis do that those of a plane do not: scatter of the pressure in a rod that hits a wall.
 #include <numbers>
 
 #include "mpm/harness.hpp"
@@ -17,7 +17,7 @@ struct Scatter {
 };
 
 /// An elastic rod, 10 cells thick and 40 long, comes with 30 m/s to a mirror plane. Scatter: fourth differences along
-/// the columns of points.
+/// the columns of particles.
 Scatter rod(ShapeFunction shape, bool locking_control) {
   Problem problem;
   double const h = 1e-3;
@@ -47,7 +47,7 @@ Scatter rod(ShapeFunction shape, bool locking_control) {
     if (problem.mpm->time() < next) continue;
     next += 5e-6;
     std::vector<double> p(columns * rows, 0.0);
-    problem.for_each_point(body, [&](mpm::PointSet const& set, int q) {
+    problem.for_each_particle(body, [&](mpm::ParticleSet const& set, int q) {
       Vec3 const x = Problem::origin(set, q);
       p[static_cast<int>(2.0 * x[0] / h) * rows + static_cast<int>(2.0 * x[1] / h)] = set.field(Field::pressure)[q];
     });
@@ -106,7 +106,8 @@ TEST(Axis, APlateGoesOnSwinging) {
   while (problem.mpm->time() < 2.5e-3) {
     problem.mpm->advance(problem.mpm->stable_step());
     mpm::Place const place = mpm::find(*problem.mpm, body, middle);
-    double const away = std::abs(problem.mpm->points(place.block, body).field(Field::position_y)[place.index] - start);
+    double const away =
+        std::abs(problem.mpm->particles(place.block, body).field(Field::position_y)[place.index] - start);
     if (problem.mpm->time() < 0.5e-3) first = std::max(first, away);
     if (problem.mpm->time() > 2.0e-3) last = std::max(last, away);
   }
@@ -116,13 +117,13 @@ TEST(Axis, APlateGoesOnSwinging) {
   EXPECT_GT(last / first, 0.97);
 }
 
-// A point that comes to the axis is a disc: it fills what a disc does, and not without bound.
-TEST(Axis, PointsOnItFillTheirDisc) {
+// A particle that comes to the axis is a disc: it fills what a disc does, and not without bound.
+TEST(Axis, ParticlesOnItFillTheirDisc) {
   mpm::Body body;
-  body.points_per_direction = 2;
+  body.particles_per_direction = 2;
   mpm::FieldList fields;
   for (Field const f : {Field::position_x, Field::mass, Field::density}) fields.add(f);
-  mpm::PointSet set(fields);
+  mpm::ParticleSet set(fields);
   int const q = set.append();
   double const h = 0.01;
   double const width = 0.5 * h;

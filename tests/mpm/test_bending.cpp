@@ -41,7 +41,7 @@ double clamped_strip(ShapeFunction shape, int through, double half_length, doubl
   double const exact = pi / (22.373 * std::sqrt(D / (L * L * L * L)));
   double const dt = 0.5 * h / pressure_wave_speed(problem.bodies[0].solid);
   double const found = half_period(problem, dt, 3.0 * exact, [&] {
-    return problem.sum(0, [&](mpm::PointSet const& set, int q) {
+    return problem.sum(0, [&](mpm::ParticleSet const& set, int q) {
       double const x = Problem::origin(set, q)[0];
       return x < half_length ? set.field(Field::velocity_y)[q] * clamped_mode(x / half_length) : 0.0;
     });
@@ -94,14 +94,14 @@ double cantilever(ShapeFunction shape, bool control, double nu) {
   double const exact = pi / (b * b * std::sqrt(D / (L * L * L * L)));
   double const dt = 0.5 * h / pressure_wave_speed(problem.bodies[0].solid);
   double const found = half_period(problem, dt, 3.0 * exact, [&] {
-    return problem.sum(0, [&](mpm::PointSet const& set, int q) {
+    return problem.sum(0, [&](mpm::ParticleSet const& set, int q) {
       return set.field(Field::velocity_y)[q] * mode(Problem::origin(set, q)[0]);
     });
   });
   return found / exact;
 }
 
-// Nearly incompressible: the points of a cell overconstrain it and the beam is too stiff; averaging the volumetric
+// Nearly incompressible: the particles of a cell overconstrain it and the beam is too stiff; averaging the volumetric
 // strain over the cell frees it. Shear and rotation account for -1.5 % of the frequency at L/H = 8.
 TEST(Locking, ControlFreesABendingBeam) {
   double const nu = 0.49;

@@ -36,34 +36,34 @@ struct CasedCube : Problem {
   }
 };
 
-/// 27 000 points, the acceptance of the method: a peer code ends with -0.08 %, -0.02 % and (linear) -0.55 %.
+/// 27 000 particles, the acceptance of the method: a peer code ends with -0.08 %, -0.02 % and (linear) -0.55 %.
 constexpr double fine = 0.5e-3;
 constexpr double coarse = 1e-3;
 constexpr double end = 6e-6;
 
 TEST(CasedCharge, KeepsItsEnergyWithSplines) {
   CasedCube cube(ShapeFunction::bspline, fine);
-  ASSERT_EQ(mpm::point_count(*cube.mpm), 27000);
+  ASSERT_EQ(mpm::particle_count(*cube.mpm), 27000);
   EnergyWatch const energy = cube.run_to(end);
   // Measured: 0.005 % at the end, at no time more than 0.035 %.
   EXPECT_LT(std::abs(energy.drift), 1e-3);
   EXPECT_LT(energy.worst_centred, 1e-3);
-  EXPECT_EQ(cube.mpm->accounts().losses.points, 0);
+  EXPECT_EQ(cube.mpm->accounts().losses.particles, 0);
   // The explosive has given the casing a good part of its energy: the balance is not one of things at rest.
   EXPECT_GT(mpm::sums(*cube.mpm, 1).kinetic_energy, 0.3 * cube.energy());
 }
 
-TEST(CasedCharge, KeepsItsEnergyWithPointsOfConstantSize) {
+TEST(CasedCharge, KeepsItsEnergyWithParticlesOfConstantSize) {
   CasedCube cube(ShapeFunction::gimp, fine);
   EnergyWatch const energy = cube.run_to(end);
   EXPECT_LT(std::abs(energy.drift), 1e-3);
-  // Measured 0.14 %, while the explosive still expands into gaps between points that do not grow.
+  // Measured 0.14 %, while the explosive still expands into gaps between particles that do not grow.
   EXPECT_LT(energy.worst_centred, 2e-3);
 }
 
 TEST(CasedCharge, KeepsItsEnergyWithTents) {
-  // The loss comes with the points' crossing of cells and falls with the step: 0.61 % at a Courant number of 0.4, more
-  // than the 0.6 % of the acceptance, 0.49 % at 0.3.
+  // The loss comes with the particles' crossing of cells and falls with the step: 0.61 % at a Courant number of 0.4,
+  // more than the 0.6 % of the acceptance, 0.49 % at 0.3.
   CasedCube cube(ShapeFunction::linear, fine, 0.3);
   EnergyWatch const energy = cube.run_to(end);
   EXPECT_LT(std::abs(energy.drift), 6e-3);

@@ -58,7 +58,7 @@ TEST_P(EachShape, EqualBarsExchangeTheirVelocity) {
       double sum = 0.0;
       int count = 0;
       for (int body = 0; body < 2; ++body) {
-        bars.for_each_point(body, [&](mpm::PointSet const& set, int q) {
+        bars.for_each_particle(body, [&](mpm::ParticleSet const& set, int q) {
           if (std::abs(Problem::position(set, q)[0] - bars.gap_at) > 0.5) return;
           sum += Problem::stress(set, q)[0];
           ++count;
@@ -79,7 +79,7 @@ TEST_P(EachShape, EqualBarsExchangeTheirVelocity) {
       "%s: contact %.4f (exact 2), stress %.4f rho c v/2, velocities %.5f %.5f, energy error %.1e, not in motion "
       "%.4f\n",
       word_of(GetParam()), duration, -2.0 * stress / v, left, got, bars.energy() / before - 1.0, loss);
-  // The ends of a bar are known to half a point, 0.25 % of L, and so is the time that a wave takes through it.
+  // The ends of a bar are known to half a particle, 0.25 % of L, and so is the time that a wave takes through it.
   EXPECT_NEAR(duration, 2.0, 0.005);
   // Behind the front the stress is even but for the oscillations that the viscosity damps.
   EXPECT_NEAR(-2.0 * stress / v, 1.0, 0.003);
@@ -211,8 +211,8 @@ TEST_P(EachShape, BlockSlidesWithCoulombFriction) {
   EXPECT_LT(std::abs(end), 0.02);
 }
 
-// Also on cells of a length that has no exact binary form: what the gradients of the floor's points leave within it is
-// round-off then, and no normal.
+// Also on cells of a length that has no exact binary form: what the gradients of the floor's particles leave within it
+// is round-off then, and no normal.
 TEST_P(EachShape, BlockSlidesOnWithoutFriction) {
   for (double const h : {1.0, 0.01}) {
     Slider slider(GetParam(), 0.0, Boundary::outflow, h);
@@ -330,7 +330,7 @@ TEST(SurfacePressure, ActsFromItsFirstTimeToItsLast) {
   }
 }
 
-// A block under pressures on three of its faces at a time: the points at its edges and corners bear them all.
+// A block under pressures on three of its faces at a time: the particles at its edges and corners bear them all.
 TEST(SurfacePressure, OfSeveralFacesMeetAtTheEdges) {
   Problem problem;
   double const p = 1e-6;
@@ -410,8 +410,8 @@ TEST_P(EachShape, ImpulseOfARigidBodyIsTheChangeOfMomentum) {
   EXPECT_NEAR(impulse / change, 1.0, 1e-11);            // sums of 360 steps
 }
 
-/// A body without stiffness: nothing but constraints and filters change the velocity of its points.
-material::Solid dust() { return material::elastic_solid(1.0, 1e-30, 0.0); }
+/// A body without stiffness: nothing but constraints and filters change the velocity of its particles.
+material::Material dust() { return material::elastic_solid(1.0, 1e-30, 0.0); }
 
 /// Two elastic layers, as wide as a periodic domain, that meet along direction d: the second comes with the velocity
 /// `coming` on the first, which is rigid or three times as dense.
@@ -424,7 +424,7 @@ struct Layers : Problem {
     options.shape = shape;
     options.linear_viscosity = 0.06;
     options.quadratic_viscosity = 1.5;
-    material::Solid heavy = unit_solid(0.3);
+    material::Material heavy = unit_solid(0.3);
     heavy.density = std::get<material::Linear>(heavy.eos).rho0 = 3.0;
     add(heavy);
     add(unit_solid(0.3));
@@ -513,7 +513,7 @@ TEST_P(EachShape, KineticEnergyLostAtHeldNodesIsCounted) {
     double const before = problem.energy();
     problem.run(150.0, 0.25);
     double const lost = before + problem.mpm->accounts().outer_work - problem.energy();
-    double const counted = problem.mpm->accounts().dissipation.held;
+    double const counted = problem.mpm->accounts().dissipation.constraints;
     std::printf("%s: of %.4g J %.4g J are lost, counted with an error of %.1e\n", word_of(GetParam()), before, lost,
                 counted / lost - 1.0);
     EXPECT_GT(lost, 0.05 * before);

@@ -10,7 +10,7 @@ namespace {
 using grid::Boundary;
 using grid::Geometry;
 
-/// Two elastic discs that meet, `axis` after `axis` renamed: where x stands in the deck, the calculation has axes[0].
+/// Two elastic discs that meet, `axis` after `axis` renamed: where x stands in the deck, the simulation has axes[0].
 struct Collision : Problem {
   Collision(ShapeFunction shape, StressOrder order, double radius, double speed, double offset, double friction,
             Index3 const& axes = {0, 1, 2}, int dimensions = 2, int block_cells = 0) {
@@ -53,7 +53,7 @@ struct Collision : Problem {
 TEST(ContactEnergy, DiscsThatCollideKeepIt) {
   for (ShapeFunction const shape : {ShapeFunction::bspline, ShapeFunction::gimp, ShapeFunction::linear}) {
     for (StressOrder const order : {StressOrder::musl, StressOrder::usf, StressOrder::usl}) {
-      if (shape == ShapeFunction::linear && order == StressOrder::usl) continue;  // tents tear points apart
+      if (shape == ShapeFunction::linear && order == StressOrder::usl) continue;  // tents tear particles apart
       for (auto const& [speed, offset] : {std::pair{0.05, 5.0}, std::pair{0.01, 0.0}, std::pair{0.01, 4.0}}) {
         Collision discs(shape, order, 8.0, speed, offset, 0.0);
         double const before = discs.energy();
@@ -107,9 +107,9 @@ TEST(ContactEnergy, IsKeptWhereThreeBodiesMeet) {
   }
 }
 
-/// What of a calculation must not depend on how its axes are called.
+/// What of a simulation must not depend on how its axes are called.
 std::vector<double> picture(Collision const& c, Index3 const& axes) {
-  std::vector<double> out{c.kinetic_energy(), c.energy(), c.mpm->accounts().dissipation.held,
+  std::vector<double> out{c.kinetic_energy(), c.energy(), c.mpm->accounts().dissipation.constraints,
                           c.mpm->accounts().dissipation.friction};
   for (int body = 0; body < 2; ++body) {
     auto const sums = mpm::sums(*c.mpm, body);
@@ -119,7 +119,7 @@ std::vector<double> picture(Collision const& c, Index3 const& axes) {
   return out;
 }
 
-// The same with the axes exchanged, the way in which bodies are cut into points included.
+// The same with the axes exchanged, the way in which bodies are cut into particles included.
 TEST(ContactEnergy, NoAxisIsPreferred) {
   for (double const friction : {0.0, 0.3}) {
     for (ShapeFunction const shape : all_shapes) {
@@ -151,7 +151,7 @@ TEST(ContactEnergy, NoAxisIsPreferred) {
   }
 }
 
-// What contact takes is counted once, whichever blocks the nodes and points lie in.
+// What contact takes is counted once, whichever blocks the nodes and particles lie in.
 TEST(ContactEnergy, AccountsDoNotDependOnTheBlocks) {
   std::vector<double> first;
   for (int const block_cells : {64, 8, 5}) {
@@ -178,7 +178,7 @@ TEST(ContactEnergy, WaterThatHitsMetalKeepsIt) {
       p.options.shape = shape;
       p.options.linear_viscosity = 0.06;
       p.options.quadratic_viscosity = 1.5;
-      material::Solid liquid;
+      material::Material liquid;
       liquid.name = "water";
       liquid.eos = material::StiffenedGas{4.4, 6e8};
       liquid.density = 1000.0;
@@ -197,7 +197,7 @@ TEST(ContactEnergy, WaterThatHitsMetalKeepsIt) {
       while (p.mpm->time() < 1e-4) p.mpm->advance(p.mpm->stable_step());
       drift[parts] = (p.accounted() - before) / moving;
       std::printf("%s, %s: drift %.2g %%, %ld points left\n", word_of(shape), parts == 1 ? "parts" : "glued",
-                  100.0 * drift[parts], p.mpm->accounts().losses.points);
+                  100.0 * drift[parts], p.mpm->accounts().losses.particles);
     }
     EXPECT_LT(std::abs(drift[1]), 1e-10);  // two gases of the same energies sum no better
   }
@@ -239,7 +239,7 @@ struct Roller : Problem {
     Vec3 const v = (1.0 / sums.mass) * sums.momentum;
     double spin = 0.0;
     double inertia = 0.0;
-    for_each_point(1, [&](mpm::PointSet const& set, int q) {
+    for_each_particle(1, [&](mpm::ParticleSet const& set, int q) {
       Vec3 const r = position(set, q) - sums.centre;
       Vec3 const u = get(set, q, Field::velocity_x) - v;
       spin += set.field(Field::mass)[q] * (r[0] * u[1] - r[1] * u[0]);
@@ -328,7 +328,7 @@ TEST(ContactEnergy, IsKeptWhereConstraintsHoldTheNodesThatMeet) {
         double const drift = (p.accounted() - before) / moved;
         std::printf("%s, %s, %s, held at %g: drift %.2g %%, held %.2f %%, apic %.2f %%, friction %.2f %%, work %.3g\n",
                     word_of(shape), word_of(transfer), rigid ? "rigid" : "elastic", v, 100.0 * drift,
-                    100.0 * d.held / moved, 100.0 * d.apic / moved, 100.0 * d.friction / moved,
+                    100.0 * d.constraints / moved, 100.0 * d.apic / moved, 100.0 * d.friction / moved,
                     p.mpm->accounts().outer_work);
         EXPECT_GT(moved, 0.0);
         // What is heavier than round-off of masses has a velocity: nodes that a crushed body hardly reaches count for
@@ -368,7 +368,7 @@ TEST(ContactEnergy, IsKeptBetweenAWallAndABody) {
           double const moved = rigid ? p.mpm->accounts().outer_work : before;
           double const drift = (p.accounted() - before) / moved;
           std::printf("%d cells, %s, %s, %s: drift %.2g %%, held %.2f %%, friction %.2f %%\n", cells, word_of(shape),
-                      word_of(order), rigid ? "pressed" : "hit", 100.0 * drift, 100.0 * d.held / moved,
+                      word_of(order), rigid ? "pressed" : "hit", 100.0 * drift, 100.0 * d.constraints / moved,
                       100.0 * d.friction / moved);
           EXPECT_GT(moved, 0.0);
           // Where the stress is updated first, what walls stop is guessed beforehand: 3e-7 was measured, else 1e-15.

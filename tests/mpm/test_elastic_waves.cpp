@@ -1,7 +1,7 @@
 // Standing elastic waves against their closed forms: observed orders of the shape functions, and their energy.
 //
 // A standing wave is exact between mirrors, and, carried along by a uniform velocity, in a periodic box, where every
-// point crosses many cells. A solution with a source is in test_manufactured.cpp.
+// particle crosses many cells. A solution with a source is in test_manufactured.cpp.
 #include <numbers>
 
 #include "mpm/harness.hpp"
@@ -49,7 +49,7 @@ Problem wave_problem(Wave const& wave, mpm::Options const& options, int n, doubl
     // Stress that is updated first stands a whole step before the positions.
     double const K = std::get<material::Linear>(problem.bodies[0].solid.eos).K;
     double const G = material::shear_modulus(problem.bodies[0].solid.strength);
-    problem.for_each_point(0, [&](mpm::PointSet& set, int q) {
+    problem.for_each_particle(0, [&](mpm::ParticleSet& set, int q) {
       double const e = -dt * start * wave.k() * std::cos(wave.k() * Problem::position(set, q)[0]);
       double const across = (K - 2.0 / 3.0 * G) * e;
       problem.put_stress(0, set, q, {(K + 4.0 / 3.0 * G) * e, across, across, 0.0, 0.0, 0.0});
@@ -69,13 +69,13 @@ double displacement_error(Wave const& wave, mpm::Options const& options, int n) 
   problem.run(end, dt * (1.0 + 1e-12));
   double const most = wave.amplitude / w;
   double const phase = most * std::sin(w * end);
-  double const square = problem.sum(0, [&](mpm::PointSet const& set, int q) {
+  double const square = problem.sum(0, [&](mpm::ParticleSet const& set, int q) {
     Vec3 const x0 = Problem::origin(set, q);
     Vec3 const moved = Problem::position(set, q) - x0 - end * wave.carried;
     Vec3 const error = moved - phase * wave.mode(x0);
     return dot(error, error);
   });
-  return std::sqrt(square / static_cast<double>(mpm::point_count(*problem.mpm))) / most;
+  return std::sqrt(square / static_cast<double>(mpm::particle_count(*problem.mpm))) / most;
 }
 
 /// Prints errors and orders of three grids; returns the order between the finest two.
@@ -98,7 +98,7 @@ mpm::Options with(ShapeFunction shape) {
 
 class WaveOrder : public testing::TestWithParam<ShapeFunction> {
  protected:
-  /// What the smooth shape functions owe; tents lose it when points cross cells.
+  /// What the smooth shape functions owe; tents lose it when particles cross cells.
   void demand(double order, bool crossing) const {
     if (crossing && GetParam() == ShapeFunction::linear) return;
     EXPECT_GE(order, 1.8);
@@ -156,7 +156,7 @@ TEST_P(WaveOrder, EnergyOverTenPeriods) {
       Problem problem = wave_problem(wave, options, 32, dt);
       // Seen by who moves along; the energy of the uniform motion would hide all else.
       auto const energy = [&] {
-        return problem.sum(0, [&](mpm::PointSet const& set, int q) {
+        return problem.sum(0, [&](mpm::ParticleSet const& set, int q) {
           Vec3 const v = Problem::get(set, q, Field::velocity_x) - wave.carried;
           return set.field(Field::mass)[q] * (0.5 * dot(v, v) + set.field(Field::energy)[q]);
         });
@@ -171,7 +171,7 @@ TEST_P(WaveOrder, EnergyOverTenPeriods) {
       std::printf("%-8s %-4s %s: energy after 10 periods %+.2e, largest deviation %.2e\n", word_of(GetParam()),
                   word_of(order), moving ? "moving" : "at rest", drift, swing);
       if (moving && GetParam() == ShapeFunction::linear) continue;  // crossing noise: reported only
-      // What the nodes cannot see of the points' velocity is lost, most of it when points cross cells.
+      // What the nodes cannot see of the particles' velocity is lost, most of it when particles cross cells.
       EXPECT_LT(std::abs(drift), 0.05);
     }
   }

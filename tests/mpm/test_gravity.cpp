@@ -1,5 +1,5 @@
-// The body force at walls and mirror planes: what pulls all points alike pulls their images behind the plane the other
-// way.
+// The body force at walls and mirror planes: what pulls all particles alike pulls their images behind the plane the
+// other way.
 #include "mpm/harness.hpp"
 
 namespace brisance::test {
@@ -40,8 +40,9 @@ struct Heap : Problem {
   }
 };
 
-TEST_P(Gravity, IsThePullOnEveryPoint) {
-  // A force that is given to the points one by one goes to the nodes with their images, by the same way as the stress.
+TEST_P(Gravity, IsThePullOnEveryParticle) {
+  // A force that is given to the particles one by one goes to the nodes with their images, by the same way as the
+  // stress.
   auto const [geometry, shape] = GetParam();
   Vec3 g{3e-3, -2e-3, 1e-3};
   if (geometry == Geometry::axisymmetric2d) g[0] = 0.0;
@@ -89,7 +90,7 @@ TEST(DamBreak, FrontRunsAsInTheExperiment) {
   // A column of water, twice as high as wide, between a wall and a floor: where its front is, in widths, at the times
   // t sqrt(2 g/a) of [MartinMoyce52], column of 2.25 inches. Theirs ran over a floor that rubs, after a gate had let it
   // go; this one is ahead by 5 to 10 %, whatever the cells (10 and 20 per width), the shape function and the transfer.
-  // The front is where 0.5 % of the water lie ahead of it; the foremost point is 11 to 19 % ahead.
+  // The front is where 0.5 % of the water lie ahead of it; the foremost particle is 11 to 19 % ahead.
   for (Transfer const transfer : {Transfer::flip, Transfer::apic}) {
     Problem p;
     p.box(Geometry::planar2d, 0.1, {60, 25, 1}, Boundary::wall);
@@ -98,7 +99,7 @@ TEST(DamBreak, FrontRunsAsInTheExperiment) {
     p.options.body_force = {0.0, -1.0, 0.0};
     p.options.linear_viscosity = 0.06;
     p.options.quadratic_viscosity = 1.5;
-    material::Solid water;
+    material::Material water;
     water.density = 1.0;
     water.eos = material::Linear{1.0, 800.0};  // sound at 20 times the speed of a long wave
     water.minimum_pressure = 0.0;

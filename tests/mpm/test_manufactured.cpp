@@ -42,14 +42,14 @@ double displacement_error(ShapeFunction shape, int cells) {
   double const end = 1.2;
   double const dt = end / (4.0 * cells);  // Courant number 0.35
   for (int n = 0; n < 4 * cells; ++n) problem.mpm->advance(dt);
-  double const square = problem.sum(body, [&](mpm::PointSet const& set, int q) {
+  double const square = problem.sum(body, [&](mpm::ParticleSet const& set, int q) {
     Vec3 const x = Problem::origin(set, q);
     Vec3 const exact{a * g(end) * std::sin(pi * x[0]) * std::cos(pi * x[1]),
                      b * g(end) * std::cos(pi * x[0]) * std::sin(pi * x[1]), 0.0};
     Vec3 const error = Problem::position(set, q) - x - exact;
     return dot(error, error);
   });
-  return std::sqrt(square / static_cast<double>(mpm::point_count(*problem.mpm))) / (a * g(end));
+  return std::sqrt(square / static_cast<double>(mpm::particle_count(*problem.mpm))) / (a * g(end));
 }
 
 class Manufactured : public testing::TestWithParam<ShapeFunction> {};

@@ -1,4 +1,4 @@
-// Gas points that carry their composition: contacts, tubes against plain gases, viscosity of a body, refusals.
+// Gas particles that carry their composition: contacts, tubes against plain gases, viscosity of a body, refusals.
 #include <numbers>
 
 #include "core/error.hpp"
@@ -35,7 +35,7 @@ struct Tube : Problem {
   void fill_with(int body, Blend const& s, double from, double to, double u = 0.0) {
     Fluids const& fluids = *bodies[body].solid.mixture;
     auto const placed = shape::place_particles(shape::Box{{from, -1.0, -1.0}, {to, 1.0, 1.0}}, domain,
-                                               bodies[body].points_per_direction);
+                                               bodies[body].particles_per_direction);
     double const first = (1.0 - s.alpha) * s.first;
     double const second = s.alpha * s.second;
     mpm::Filling filling;
@@ -58,8 +58,8 @@ struct Tube : Problem {
 
 TEST(MixedGas, ContactsMoveAtUniformPressure) {
   // Products, products half in air, and air at one pressure in a uniform flow round a ring: nothing but the densities
-  // and the compositions may move, and each point keeps its own. Splines see no force, for the gradients of a spline
-  // cancel on points at equal distances.
+  // and the compositions may move, and each particle keeps its own. Splines see no force, for the gradients of a spline
+  // cancel on particles at equal distances.
   Tube ring(60, Boundary::periodic);
   double const p = 1e8;
   double const u = 800.0;
@@ -84,7 +84,7 @@ TEST(MixedGas, ContactsMoveAtUniformPressure) {
   EXPECT_EQ(ring.values(0, Field::volume_fraction), alpha);
 }
 
-/// Largest difference of a field between points of two runs, relative to the largest value.
+/// Largest difference of a field between particles of two runs, relative to the largest value.
 double difference(std::vector<double> const& a, std::vector<double> const& b) {
   double most = 0.0;
   double scale = 0.0;
@@ -121,7 +121,7 @@ TEST(MixedGas, ProductsIntoAirAreTwoPlainBodies) {
     auto expected = two.values(0, field);
     auto const right = two.values(1, field);
     expected.insert(expected.end(), right.begin(), right.end());
-    // Round-off of 150 steps: the sums over points run in another order.
+    // Round-off of 150 steps: the sums over particles run in another order.
     EXPECT_LT(difference(one.values(0, field), expected), 1e-10) << static_cast<int>(field);
   }
   EXPECT_GT(one.largest(0, [](auto const& set, int q) { return set.field(Field::velocity_x)[q]; }), 500.0);
@@ -179,7 +179,7 @@ TEST(ViscosityOfABody, StandsInForThatOfTheOptions) {
 }
 
 TEST(MixedGas, RefusesCompositionsThatCannotBe) {
-  auto const message = [](material::Solid const& solid, double Y, double alpha) -> std::string {
+  auto const message = [](material::Material const& solid, double Y, double alpha) -> std::string {
     Tube tube(4, Boundary::wall);
     tube.add(solid);
     tube.start();
@@ -195,7 +195,7 @@ TEST(MixedGas, RefusesCompositionsThatCannotBe) {
     }
     return "";
   };
-  material::Solid const mixing = material::gas_of(air_and(material::Jwl{}), 1.225, p_air);
+  material::Material const mixing = material::gas_of(air_and(material::Jwl{}), 1.225, p_air);
   Fluids one = air_and(material::Jwl{});
   one.count = 1;
   EXPECT_EQ(message(mixing, 0.2, 0.1), "");
@@ -236,7 +236,7 @@ TEST(MixedGas, ShockedAgainAndAgainKeepsItsEnergy) {
     double const size = box.domain.cells[0];
     box.start();
     box.fill(0, shape::Box{{0.0, -1.0, -1.0}, {size, 50.0, 1.0}});
-    box.for_each_point(0, [&](mpm::PointSet& set, int q) {
+    box.for_each_particle(0, [&](mpm::ParticleSet& set, int q) {
       if (Problem::position(set, q)[0] > 0.5 * size) return;
       set.field(Field::energy)[q] *= 10.0;
       set.field(Field::pressure)[q] *= 10.0;
@@ -248,8 +248,8 @@ TEST(MixedGas, ShockedAgainAndAgainKeepsItsEnergy) {
   }
 }
 
-// Points that believe to fill 5 % more than there is room for come back to the room as soon as the gas is strained, and
-// change nothing while it is not.
+// Particles that believe to fill 5 % more than there is room for come back to the room as soon as the gas is strained,
+// and change nothing while it is not.
 TEST(MixedGas, VolumesFollowTheRoomThatThereIs) {
   for (double const speed : {0.0, 60.0}) {
     Box box(Geometry::planar1d, true);
@@ -258,10 +258,10 @@ TEST(MixedGas, VolumesFollowTheRoomThatThereIs) {
     box.fill(0, shape::Box{{0.0, -1.0, -1.0}, {size, 1.0, 1.0}}, [&](Vec3 const& x) {
       return Vec3{speed * std::sin(std::numbers::pi * x[0] / size), 0.0, 0.0};
     });
-    box.for_each_point(0, [&](mpm::PointSet& set, int q) { set.field(Field::density)[q] /= 1.05; });
+    box.for_each_particle(0, [&](mpm::ParticleSet& set, int q) { set.field(Field::density)[q] /= 1.05; });
     auto const filled = [&] {
       double volume = 0.0;
-      box.for_each_point(0, [&](mpm::PointSet& set, int q) { volume += Problem::volume(set, q); });
+      box.for_each_particle(0, [&](mpm::ParticleSet& set, int q) { volume += Problem::volume(set, q); });
       return volume / size;
     };
     double const mass = mpm::sums(*box.mpm, 0).mass;
@@ -273,8 +273,8 @@ TEST(MixedGas, VolumesFollowTheRoomThatThereIs) {
   }
 }
 
-// Where points of APIC share nodes with others, whose velocities are not those of the nodes, the gas gets the heat of
-// its own meeting with them, not of their noise: that they keep themselves.
+// Where particles of APIC share nodes with others, whose velocities are not those of the nodes, the gas gets the heat
+// of its own meeting with them, not of their noise: that they keep themselves.
 TEST(MixedGas, TakesNoEnergyFromTheNoiseOfOthers) {
   Box box(Geometry::planar2d);
   double const size = box.domain.cells[0];

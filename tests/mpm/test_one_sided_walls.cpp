@@ -14,7 +14,7 @@ constexpr double h = 0.1;
 constexpr std::array all_geometries{Geometry::planar1d, Geometry::planar2d, Geometry::axisymmetric2d,
                                     Geometry::cartesian3d};
 
-/// A way to move points.
+/// A way to move particles.
 struct Way {
   Transfer transfer;
   StressOrder order;
@@ -68,7 +68,7 @@ struct Block : Problem {
       return;
     }
     fill(0, shape::Box{{0.0, 0.0, 0.0}, {3.0 * h, length_ * h, 1.0}});
-    for_each_point(0, [&](mpm::PointSet& set, int q) {
+    for_each_particle(0, [&](mpm::ParticleSet& set, int q) {
       set.field(Field::position_y)[q] += gap;
       put(set, q, Field::velocity_x, velocity);
     });
@@ -82,11 +82,12 @@ struct Block : Problem {
     auto const s = mpm::sums(*mpm, 0);
     return s.momentum[d] / s.mass;
   }
-  /// Least distance of a point from the wall, in cells.
+  /// Least distance of a particle from the wall, in cells.
   double nearest() {
     double least = 1e9;
-    for_each_point(
-        0, [&](mpm::PointSet const& set, int q) { least = std::min(least, set.field(Field::position_x + d)[q] / h); });
+    for_each_particle(0, [&](mpm::ParticleSet const& set, int q) {
+      least = std::min(least, set.field(Field::position_x + d)[q] / h);
+    });
     return least;
   }
   void step() { mpm->advance(0.5 * mpm->stable_step()); }
@@ -236,7 +237,7 @@ TEST(OneSidedWall, IsNoMirrorAsSymmetryIs) {
   EXPECT_LT(block.nearest(), 0.3);
 }
 
-/// Every field of every point of a heap of two bodies in a corner of walls that rubs.
+/// Every field of every particle of a heap of two bodies in a corner of walls that rubs.
 std::vector<double> heap(ShapeFunction shape, Transfer transfer, int threads) {
   Problem p;
   p.box(Geometry::planar2d, 1.0, {12, 12, 1}, Boundary::wall);
@@ -255,7 +256,7 @@ std::vector<double> heap(ShapeFunction shape, Transfer transfer, int threads) {
   for (int n = 0; n < 25; ++n) p.mpm->advance(0.2);
   std::vector<double> all;
   for (int body = 0; body < 2; ++body) {
-    p.for_each_point(body, [&](mpm::PointSet const& set, int q) {
+    p.for_each_particle(body, [&](mpm::ParticleSet const& set, int q) {
       for (int f = 0; f < mpm::field_count; ++f) {
         if (double const* values = set.field(static_cast<Field>(f))) all.push_back(values[q]);
       }

@@ -1,5 +1,5 @@
-// Splitting and merging of gas points: what is conserved, what is bounded, and what it does to a gas that expands or is
-// compressed.
+// Splitting and merging of gas particles: what is conserved, what is bounded, and what it does to a gas that expands or
+// is compressed.
 #include <cstring>
 #include <map>
 #include <random>
@@ -13,11 +13,11 @@ namespace {
 
 using grid::Boundary;
 using grid::Geometry;
-using mpm::PointSet;
+using mpm::ParticleSet;
 using mpm::PopulationCount;
 using mpm::PopulationOptions;
 
-material::Solid gas(double rho, double p, double gamma = 1.4) {
+material::Material gas(double rho, double p, double gamma = 1.4) {
   material::Fluid fluid;
   fluid.name = "gas";
   fluid.eos = material::IdealGas{gamma};
@@ -26,7 +26,7 @@ material::Solid gas(double rho, double p, double gamma = 1.4) {
   return material::of(fluid);
 }
 
-/// Sums over points that splitting and merging keep, each with the sum of the magnitudes of its terms for the
+/// Sums over particles that splitting and merging keep, each with the sum of the magnitudes of its terms for the
 /// round-off.
 struct Sums {
   std::map<std::string, std::pair<double, double>> values;
@@ -34,7 +34,7 @@ struct Sums {
     values[name].first += value;
     values[name].second += std::abs(value);
   }
-  void add(PointSet const& set) {
+  void add(ParticleSet const& set) {
     for (int q = 0; q < set.size(); ++q) {
       auto const at = [&](Field f) { return set.field(f)[q]; };
       double const m = at(Field::mass);
@@ -91,8 +91,8 @@ struct Synthetic {
     }
     if (affine) fields.add(Field::affine_xx, 9);
     if (sized) fields.add(Field::half_x, 3);
-    set = PointSet(fields);
-    out.points = PointSet(fields);
+    set = ParticleSet(fields);
+    out.particles = ParticleSet(fields);
   }
 
   int add(Vec3 const& x, double volume, double rho = 1.0, double p = 1.0) {
@@ -111,9 +111,9 @@ struct Synthetic {
 
   PopulationCount control(PopulationOptions const& options = {}) {
     mpm::PopulationPlace const place{grid.get(), 0, patches.data(), 2};
-    PopulationCount count = mpm::split_points(set, place, options, scratch, out);
+    PopulationCount count = mpm::split_particles(set, place, options, scratch, out);
     EXPECT_TRUE(out.destination.empty());
-    PopulationCount const merged = mpm::merge_points(set, place, options, scratch);
+    PopulationCount const merged = mpm::merge_particles(set, place, options, scratch);
     count.merged = merged.merged;
     count.heat += merged.heat;
     return count;
@@ -138,12 +138,12 @@ struct Synthetic {
   grid::Domain domain;
   std::unique_ptr<grid::Grid> grid;
   std::vector<mpm::Patch> patches;
-  PointSet set;
+  ParticleSet set;
   mpm::Outbox out;
   mpm::PopulationScratch scratch;
 };
 
-/// Volumes and places change at random; together the points keep filling the domain.
+/// Volumes and places change at random; together the particles keep filling the domain.
 void stir(Synthetic& s, std::mt19937_64& random, bool mixed, bool fills) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int q = 0; q < s.set.size(); ++q) {
@@ -170,9 +170,9 @@ void stir(Synthetic& s, std::mt19937_64& random, bool mixed, bool fills) {
   for (int q = 0; q < s.set.size(); ++q) s.set.field(Field::density)[q] *= volume / whole;
 }
 
-class RandomPoints : public testing::TestWithParam<std::tuple<Geometry, bool, bool>> {};
+class RandomParticles : public testing::TestWithParam<std::tuple<Geometry, bool, bool>> {};
 
-INSTANTIATE_TEST_SUITE_P(All, RandomPoints,
+INSTANTIATE_TEST_SUITE_P(All, RandomParticles,
                          testing::Combine(testing::Values(Geometry::planar1d, Geometry::spherical1d,
                                                           Geometry::axisymmetric2d, Geometry::cartesian3d),
                                           testing::Bool(), testing::Bool()),
@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(All, RandomPoints,
                                   (std::get<1>(one.param) ? "_apic" : "") + (std::get<2>(one.param) ? "_mixed" : "");
                          });
 
-TEST_P(RandomPoints, KeepTheirSumsAndTheirBounds) {
+TEST_P(RandomParticles, KeepTheirSumsAndTheirBounds) {
   auto const [geometry, affine, mixed] = GetParam();
   Synthetic s(geometry, affine, geometry == Geometry::cartesian3d);
   int const dims = s.domain.dimensions();
@@ -256,8 +256,8 @@ TEST(Splitting, KeepsEverySumAndBoundsTheVolume) {
       Sums const before = s.sums();
       mpm::PopulationPlace const place{s.grid.get(), 0, s.patches.data(), 2};
       mpm::PopulationOptions options;
-      options.crowd = 1e6;  // these points overlap; no cell shall count as crowded
-      auto const count = mpm::split_points(s.set, place, options, s.scratch, s.out);
+      options.crowd = 1e6;  // these particles overlap; no cell shall count as crowded
+      auto const count = mpm::split_particles(s.set, place, options, s.scratch, s.out);
       EXPECT_GT(count.split, 100);
       EXPECT_EQ(s.set.size(), 60 + count.split);
       for (int q = 0; q < s.set.size(); ++q) EXPECT_LE(Problem::volume(s.set, q), 2.0 * s.standard(q));
@@ -272,19 +272,19 @@ TEST(Splitting, KeepsEverySumAndBoundsTheVolume) {
 TEST(Splitting, LeavesACrowdedCellAlone) {
   // More volume than the cell has, in as many points as it may hold: their halves would merge at once and split again,
   // in every call.
-  for (int const points : {15, 16, 30}) {
+  for (int const particles : {15, 16, 30}) {
     Synthetic s(Geometry::planar2d, false, false);
-    for (int n = 0; n < points; ++n) s.add({0.1 + 0.001 * n, 0.1, 0.0}, 1.0);
+    for (int n = 0; n < particles; ++n) s.add({0.1 + 0.001 * n, 0.1, 0.0}, 1.0);
     mpm::PopulationPlace const place{s.grid.get(), 0, s.patches.data(), 2};
-    auto const count = mpm::split_points(s.set, place, {}, s.scratch, s.out);
-    EXPECT_EQ(count.split > 0, points < 16) << points;
+    auto const count = mpm::split_particles(s.set, place, {}, s.scratch, s.out);
+    EXPECT_EQ(count.split > 0, particles < 16) << particles;
     // A pass may double what a cell that is not crowded holds, no more.
-    EXPECT_LE(s.set.size(), 32) << points;
+    EXPECT_LE(s.set.size(), 32) << particles;
   }
 }
 
 TEST(Splitting, FillsTheLargestGap) {
-  // A lattice twice as long along y as along x: the new points halve the distance along y.
+  // A lattice twice as long along y as along x: the new particles halve the distance along y.
   Synthetic s(Geometry::planar2d, false, false);
   for (int j = 0; j < 4; ++j) {
     for (int i = 0; i < 8; ++i) s.add({0.125 * (i + 0.5), 0.25 * (j + 0.5), 0.0}, 0.125 * 0.2501);
@@ -298,11 +298,11 @@ TEST(Splitting, FillsTheLargestGap) {
   }
 }
 
-TEST(Merging, LeavesUnlikePointsAlone) {
-  // Forty points at one place, in 2D: forty is above the crowd (16), and above twice the crowd all merge that can.
-  auto const merged = [](int points, auto&& change) {
+TEST(Merging, LeavesUnlikeParticlesAlone) {
+  // Forty particles at one place, in 2D: forty is above the crowd (16), and above twice the crowd all merge that can.
+  auto const merged = [](int particles, auto&& change) {
     Synthetic s(Geometry::planar2d, false, false);
-    for (int n = 0; n < points; ++n) change(s, s.add({0.1 + 0.001 * n, 0.1, 0.0}, 1e-4), n);
+    for (int n = 0; n < particles; ++n) change(s, s.add({0.1 + 0.001 * n, 0.1, 0.0}, 1e-4), n);
     return s.control().merged;
   };
   EXPECT_EQ(merged(30, [](Synthetic&, int, int) {}), 14);
@@ -333,10 +333,10 @@ TEST(Population, RefusesWhatIsNoGas) {
   EXPECT_THROW(problem.mpm->control_population(1, wrong), InputError);
 }
 
-/// Every field of every point, in the order in which they are kept.
+/// Every field of every particle, in the order in which they are kept.
 std::vector<double> everything(Problem& problem) {
   std::vector<double> all;
-  problem.for_each_point(0, [&](PointSet const& set, int q) {
+  problem.for_each_particle(0, [&](ParticleSet const& set, int q) {
     for (int f = 0; f < mpm::field_count; ++f) {
       if (double const* values = set.field(static_cast<Field>(f))) all.push_back(values[q]);
     }
@@ -390,16 +390,16 @@ struct Expansion : Problem {
     }
     drift = energy() / start - 1.0;
   }
-  /// Cells that hold no point, and all of them, within the distance from the corner that holds 99 % of the mass. The
+  /// Cells that hold no particle, and all of them, within the distance from the corner that holds 99 % of the mass. The
   /// rest is the front to the vacuum, which nothing resolves.
   std::pair<int, int> holes() {
     std::vector<std::pair<double, double>> distances;
     double whole = 0.0;
-    std::vector<int> points(static_cast<std::size_t>(domain.cell_count()), 0);
-    for_each_point(0, [&](PointSet const& set, int q) {
+    std::vector<int> particles(static_cast<std::size_t>(domain.cell_count()), 0);
+    for_each_particle(0, [&](ParticleSet const& set, int q) {
       Vec3 x = position(set, q);
       Index3 const i = mpm->grid().cell_at(x);
-      ++points[i[0] + static_cast<std::size_t>(domain.cells[0]) * i[1]];
+      ++particles[i[0] + static_cast<std::size_t>(domain.cells[0]) * i[1]];
       for (int d = domain.dimensions(); d < 3; ++d) x[d] = 0.0;
       distances.emplace_back(norm(x), set.field(Field::mass)[q]);
       whole += set.field(Field::mass)[q];
@@ -417,7 +417,7 @@ struct Expansion : Problem {
         double const y = domain.dimensions() > 1 ? (j + 0.5) * domain.h : 0.0;
         if (std::hypot((i + 0.5) * domain.h, y) > reach) continue;
         ++count.second;
-        count.first += points[i + static_cast<std::size_t>(domain.cells[0]) * j] == 0 ? 1 : 0;
+        count.first += particles[i + static_cast<std::size_t>(domain.cells[0]) * j] == 0 ? 1 : 0;
       }
     }
     return count;
@@ -427,7 +427,7 @@ struct Expansion : Problem {
   double drift = 0.0;
 };
 
-/// A gas too thin of pressure to matter, each point with the velocity of its place, a x: rho = rho0/(1 + a t)^D
+/// A gas too thin of pressure to matter, each particle with the velocity of its place, a x: rho = rho0/(1 + a t)^D
 /// exactly.
 TEST(Expansion, StaysWholeInAUniformFlow) {
   for (Geometry const geometry : {Geometry::planar1d, Geometry::planar2d}) {
@@ -444,11 +444,11 @@ TEST(Expansion, StaysWholeInAUniformFlow) {
       auto const [empty, all] = flow.holes();
       int const dims = flow.domain.dimensions();
       double const exact = std::pow(1.0 + flow.mpm->time(), -dims);
-      // Within four fifths of the radius: points at the rim see the gradient on one side only.
+      // Within four fifths of the radius: particles at the rim see the gradient on one side only.
       double const rim = 0.5 * (1.0 + flow.mpm->time());
       double error = 0.0;
       double mass = 0.0;
-      flow.for_each_point(0, [&](PointSet const& set, int q) {
+      flow.for_each_particle(0, [&](ParticleSet const& set, int q) {
         Vec3 x = Problem::position(set, q);
         for (int d = dims; d < 3; ++d) x[d] = 0.0;
         if (norm(x) > 0.8 * rim) return;
@@ -457,10 +457,10 @@ TEST(Expansion, StaysWholeInAUniformFlow) {
       });
       error /= mass;
       std::printf("uniform %dD %s: %d of %d cells empty, %ld points, density off by %.2g, energy %+.2e\n", dims,
-                  controlled ? "controlled" : "free", empty, all, mpm::point_count(*flow.mpm), error, flow.drift);
-      // Measured: without control two of three cells in 1D and nine of ten in 2D are empty, and the points nearly keep
-      // the density that they had when they lost sight of each other; with it none, and 0.9 %. The rest of the error is
-      // that of one to two points per cell and direction.
+                  controlled ? "controlled" : "free", empty, all, mpm::particle_count(*flow.mpm), error, flow.drift);
+      // Measured: without control two of three cells in 1D and nine of ten in 2D are empty, and the particles nearly
+      // keep the density that they had when they lost sight of each other; with it none, and 0.9 %. The rest of the
+      // error is that of one to two particles per cell and direction.
       if (controlled) {
         EXPECT_LE(empty, dims == 1 ? 0 : 0.015 * all);
         EXPECT_LT(error, 0.4 * without);
@@ -482,9 +482,9 @@ TEST(Expansion, FillsTheTubeBehindTheFront) {
       tube.go(0.3);
       auto const [empty, all] = tube.holes();
       std::printf("1D %s %s: %d of %d cells empty, %ld points, %ld split, energy %+.2e\n", word_of(shape),
-                  controlled ? "controlled" : "free", empty, all, mpm::point_count(*tube.mpm), tube.total.split,
+                  controlled ? "controlled" : "free", empty, all, mpm::particle_count(*tube.mpm), tube.total.split,
                   tube.drift);
-      EXPECT_EQ(tube.mpm->accounts().losses.points, 0);
+      EXPECT_EQ(tube.mpm->accounts().losses.particles, 0);
       if (controlled) {
         // Measured 2 % (splines) and 1 %; energy -1.8e-3 and -1.3e-3, without control -3.2e-3.
         EXPECT_LE(empty, 0.03 * all);
@@ -506,12 +506,13 @@ TEST(Expansion, FillsThePlaneBehindTheFront) {
       disk.go(0.3);
       auto const [empty, all] = disk.holes();
       std::printf("2D %s %s: %d of %d cells empty, %ld points, %ld split, energy %+.2e\n", word_of(transfer),
-                  controlled ? "controlled" : "free", empty, all, mpm::point_count(*disk.mpm), disk.total.split,
+                  controlled ? "controlled" : "free", empty, all, mpm::particle_count(*disk.mpm), disk.total.split,
                   disk.drift);
-      // With APIC the energy that the transfer would lose is kept as heat: the thinnest points of the front outrun it.
-      EXPECT_LE(disk.mpm->accounts().losses.points, mpm::point_count(*disk.mpm) / 1000);
-      // Measured 4 to 5 % with control, 67 to 68 % without. APIC loses 6 % of the energy where points are alone, 0.9 %
-      // where they are not; FLIP 0.24 and 0.20 %.
+      // With APIC the energy that the transfer would lose is kept as heat: the thinnest particles of the front outrun
+      // it.
+      EXPECT_LE(disk.mpm->accounts().losses.particles, mpm::particle_count(*disk.mpm) / 1000);
+      // Measured 4 to 5 % with control, 67 to 68 % without. APIC loses 6 % of the energy where particles are alone, 0.9
+      // % where they are not; FLIP 0.24 and 0.20 %.
       if (controlled) {
         EXPECT_LE(empty, 0.06 * all);
         EXPECT_LT(std::abs(disk.drift), std::abs(without));
@@ -547,19 +548,19 @@ TEST(Compression, KeepsTheNumberBounded) {
         total.split += count.split;
         total.heat += count.heat;
       }
-      std::vector<int> points(1600, 0);
-      problem.for_each_point(0, [&](PointSet const& set, int q) {
+      std::vector<int> particles(1600, 0);
+      problem.for_each_particle(0, [&](ParticleSet const& set, int q) {
         Index3 const i = problem.mpm->grid().cell_at(Problem::position(set, q));
-        crowded = std::max(crowded, ++points[i[0] + 40 * i[1]]);
+        crowded = std::max(crowded, ++particles[i[0] + 40 * i[1]]);
       });
     }
     std::printf("implosion %s: up to %d points in a cell, %ld points, %ld merged, %ld split, heat %.2e, energy %+.2e\n",
-                controlled ? "controlled" : "free", crowded, mpm::point_count(*problem.mpm), total.merged, total.split,
-                total.heat, problem.energy() / start - 1.0);
+                controlled ? "controlled" : "free", crowded, mpm::particle_count(*problem.mpm), total.merged,
+                total.split, total.heat, problem.energy() / start - 1.0);
     if (controlled) {
       EXPECT_LE(crowded, 32);  // twice the crowd; measured 16, the crowd itself
       EXPECT_GT(total.merged, 0);
-      // The energy of this rough calculation drifts by 2.4 %, with and without merging; measured difference 1e-4.
+      // The energy of this rough simulation drifts by 2.4 %, with and without merging; measured difference 1e-4.
       EXPECT_NEAR(problem.energy() / start, without, 1e-3);
     } else {
       EXPECT_GT(crowded, 32);  // measured 84
@@ -582,10 +583,10 @@ TEST(Population, IsTheSameOnAnyNumberOfThreads) {
         });
         disk.go(0.3);
         EXPECT_GT(disk.total.split, 0);
-        // No two points have the same identity.
+        // No two particles have the same identity.
         std::vector<double> identities;
-        disk.for_each_point(0,
-                            [&](PointSet const& set, int q) { identities.push_back(set.field(Field::identity)[q]); });
+        disk.for_each_particle(
+            0, [&](ParticleSet const& set, int q) { identities.push_back(set.field(Field::identity)[q]); });
         std::sort(identities.begin(), identities.end());
         EXPECT_GE(identities.front(), 0.0);
         EXPECT_EQ(std::adjacent_find(identities.begin(), identities.end()), identities.end());
@@ -621,9 +622,9 @@ TEST(Population, CostsLittle) {
   double sum = 0.0;
   for (auto const& [phase, seconds] : problem.mpm->timings()) sum += seconds;
   double const part = problem.mpm->timings().at("population") / sum;
-  std::printf("%ld points, %.2f %% of the time\n", mpm::point_count(*problem.mpm), 100.0 * part);
+  std::printf("%ld points, %.2f %% of the time\n", mpm::particle_count(*problem.mpm), 100.0 * part);
   EXPECT_LT(part, 0.03);
-  // A ball that grows to three times its number of points in some forty steps; measured 20 %.
+  // A ball that grows to three times its number of particles in some forty steps; measured 20 %.
   Expansion ball(Geometry::cartesian3d, 0.05, 30, ShapeFunction::bspline, Transfer::flip, true);
   ball.start();
   ball.fill(0, shape::Sphere{{0.0, 0.0, 0.0}, 0.6});
@@ -631,7 +632,7 @@ TEST(Population, CostsLittle) {
   double const spent = ball.mpm->timings().at("population");
   sum = 0.0;
   for (auto const& [phase, seconds] : ball.mpm->timings()) sum += seconds;
-  std::printf("%ld points, %ld split, %.2f %% of the time, %.2g us per split\n", mpm::point_count(*ball.mpm),
+  std::printf("%ld points, %ld split, %.2f %% of the time, %.2g us per split\n", mpm::particle_count(*ball.mpm),
               ball.total.split, 100.0 * spent / sum, 1e6 * spent / static_cast<double>(ball.total.split));
   EXPECT_LT(spent, 0.5 * sum);
 }

@@ -70,7 +70,7 @@ double half_period_ratio(Geometry geometry, bool sphere, ShapeFunction shape, in
   problem.fill(0, body, [&](Vec3 const& x) { return 1e-6 * mode(x); });
   double const exact = pi / (k * c);
   double const found = half_period(problem, 0.3 * h / c, 3.0 * exact, [&] {
-    return problem.sum(0, [&](mpm::PointSet const& set, int q) {
+    return problem.sum(0, [&](mpm::ParticleSet const& set, int q) {
       return set.field(Field::mass)[q] * dot(Problem::get(set, q, Field::velocity_x), mode(Problem::origin(set, q)));
     });
   });
@@ -82,7 +82,7 @@ class Radial : public testing::TestWithParam<ShapeFunction> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, Radial, testing::ValuesIn(all_shapes),
                          [](auto const& one) { return word_of(one.param); });
 
-TEST_P(Radial, LinesOfPoints) {
+TEST_P(Radial, LinesOfParticles) {
   for (bool const sphere : {true, false}) {
     auto const geometry = sphere ? Geometry::spherical1d : Geometry::cylindrical1d;
     double const coarse = half_period_ratio(geometry, sphere, GetParam(), 40) - 1.0;
@@ -98,13 +98,13 @@ TEST_P(Radial, LinesOfPoints) {
 TEST_P(Radial, AxisymmetricCylinder) {
   double const off = half_period_ratio(Geometry::axisymmetric2d, false, GetParam(), 40) - 1.0;
   std::printf("axisymmetric cylinder %s: half period off by %+.3f %%\n", word_of(GetParam()), 100.0 * off);
-  EXPECT_LT(std::abs(off), 4e-4);  // as the line of points
+  EXPECT_LT(std::abs(off), 4e-4);  // as the line of particles
 }
 
 TEST_P(Radial, AxisymmetricSphere) {
   double const off = half_period_ratio(Geometry::axisymmetric2d, true, GetParam(), 24) - 1.0;
   std::printf("axisymmetric sphere %s: half period off by %+.3f %%\n", word_of(GetParam()), 100.0 * off);
-  // The cut points of the surface carry their volume, but not its shape: a tenth of a cell, 0.4 % of R.
+  // The cut particles of the surface carry their volume, but not its shape: a tenth of a cell, 0.4 % of R.
   EXPECT_LT(std::abs(off), 0.004);
 }
 

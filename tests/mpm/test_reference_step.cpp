@@ -1,4 +1,4 @@
-// One step of the engine against the same step written down from the definitions: all points times all nodes, dense.
+// One step of the engine against the same step written down from the definitions: all particles times all nodes, dense.
 #include <random>
 
 #include "mpm/harness.hpp"
@@ -36,7 +36,7 @@ double slope(ShapeFunction shape, double x, double half) {
   }
 }
 
-struct Point {
+struct Particle {
   Vec3 x{}, v{};
   double mass = 0.0;
   double density = 0.0;
@@ -47,7 +47,7 @@ struct Point {
 /// The same step, slowly. `density` at the end is that of Eq. (27) with the velocities that the stress order takes.
 struct Reference {
   Problem const& problem;
-  std::vector<Point> points;
+  std::vector<Particle> particles;
   int dims;
   std::vector<Vec3> nodes;
   std::vector<double> mass;
@@ -63,14 +63,14 @@ struct Reference {
     }
   }
 
-  double w(Point const& p, Vec3 const& node) const {
+  double w(Particle const& p, Vec3 const& node) const {
     double product = 1.0;
     for (int d = 0; d < dims; ++d)
       product *= weight(problem.options.shape, (p.x[d] - node[d]) / problem.domain.h, half());
     return product;
   }
-  double half() const { return 0.5 / problem.bodies[0].points_per_direction; }
-  Vec3 gradient(Point const& p, Vec3 const& node) const {
+  double half() const { return 0.5 / problem.bodies[0].particles_per_direction; }
+  Vec3 gradient(Particle const& p, Vec3 const& node) const {
     Vec3 g{0.0, 0.0, 0.0};
     for (int d = 0; d < dims; ++d) {
       double product = 1.0 / problem.domain.h;
@@ -88,30 +88,30 @@ struct Reference {
     return x;
   }
 
-  /// Velocity of the nodes from that of the points.
-  std::vector<Vec3> map(std::vector<Vec3> const& of_points, bool affine) {
+  /// Velocity of the nodes from that of the particles.
+  std::vector<Vec3> map(std::vector<Vec3> const& of_particles, bool affine) {
     mass.assign(nodes.size(), 0.0);
     std::vector<Vec3> out(nodes.size(), Vec3{0.0, 0.0, 0.0});
     for (std::size_t n = 0; n < nodes.size(); ++n) {
-      for (std::size_t q = 0; q < points.size(); ++q) {
-        double const m = points[q].mass * w(points[q], nodes[n]);
+      for (std::size_t q = 0; q < particles.size(); ++q) {
+        double const m = particles[q].mass * w(particles[q], nodes[n]);
         mass[n] += m;
-        Vec3 v = of_points[q];
-        if (affine) v = v + times(points[q].affine, flat(nodes[n] - points[q].x));
+        Vec3 v = of_particles[q];
+        if (affine) v = v + times(particles[q].affine, flat(nodes[n] - particles[q].x));
         out[n] = out[n] + m * v;
       }
       if (mass[n] > 0.0) out[n] = (1.0 / mass[n]) * out[n];
     }
     return out;
   }
-  Vec3 at(Point const& p, std::vector<Vec3> const& field) const {
+  Vec3 at(Particle const& p, std::vector<Vec3> const& field) const {
     Vec3 sum{0.0, 0.0, 0.0};
     for (std::size_t n = 0; n < nodes.size(); ++n) sum = sum + w(p, nodes[n]) * field[n];
     return sum;
   }
-  /// Density after the volume change of a step; the points still stand where they were.
+  /// Density after the volume change of a step; the particles still stand where they were.
   void stretch(std::vector<Vec3> const& field, double dt) {
-    for (Point& p : points) {
+    for (Particle& p : particles) {
       double change = 0.0;
       for (std::size_t n = 0; n < nodes.size(); ++n) change += dot(gradient(p, nodes[n]), field[n]);
       p.density /= 1.0 + dt * change;
@@ -122,12 +122,12 @@ struct Reference {
     mpm::Options const& o = problem.options;
     bool const affine = o.transfer == Transfer::apic;
     std::vector<Vec3> own;
-    for (Point const& p : points) own.push_back(p.v);
+    for (Particle const& p : particles) own.push_back(p.v);
     old_velocity = map(own, affine);
     velocity = old_velocity;
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       Vec3 force{0.0, 0.0, 0.0};
-      for (Point const& p : points) {
+      for (Particle const& p : particles) {
         Vec3 const g = gradient(p, nodes[n]);
         auto const& s = p.stress;
         Vec3 const pull{s[0] * g[0] + s[3] * g[1] + s[5] * g[2], s[3] * g[0] + s[1] * g[1] + s[4] * g[2],
@@ -139,11 +139,11 @@ struct Reference {
     std::vector<Vec3> noise = own;  // XPIC: (1 - S+ S)^m v
     for (int m = 0; o.transfer == Transfer::xpic && m < o.xpic_order; ++m) {
       auto const seen = map(noise, false);
-      for (std::size_t q = 0; q < points.size(); ++q) noise[q] = noise[q] - at(points[q], seen);
+      for (std::size_t q = 0; q < particles.size(); ++q) noise[q] = noise[q] - at(particles[q], seen);
     }
     std::vector<Vec3> moved;
-    for (std::size_t q = 0; q < points.size(); ++q) {
-      Point& p = points[q];
+    for (std::size_t q = 0; q < particles.size(); ++q) {
+      Particle& p = particles[q];
       Vec3 const now = at(p, velocity);
       Vec3 const flip = p.v + (now - at(p, old_velocity));
       moved.push_back(p.x + dt * flat(now));
@@ -174,12 +174,12 @@ struct Reference {
     }
     if (o.order == StressOrder::musl) {
       own.clear();
-      for (Point const& p : points) own.push_back(p.v);
+      for (Particle const& p : particles) own.push_back(p.v);
       stretch(map(own, affine), dt);
     } else {
       stretch(velocity, dt);
     }
-    for (std::size_t q = 0; q < points.size(); ++q) points[q].x = moved[q];
+    for (std::size_t q = 0; q < particles.size(); ++q) particles[q].x = moved[q];
   }
 };
 
@@ -224,8 +224,8 @@ TEST_P(ReferenceStep, AgreesWithTheDefinitions) {
       }
       problem.mpm->fill(0, filling);
       Reference reference(problem);
-      reference.points.resize(count);
-      problem.for_each_point(0, [&](mpm::PointSet& set, int q) {
+      reference.particles.resize(count);
+      problem.for_each_particle(0, [&](mpm::ParticleSet& set, int q) {
         std::array<double, 6> s{};
         for (double& c : s) c = 0.1 * (uniform(random) - 0.5);
         problem.put_stress(0, set, q, s);
@@ -234,7 +234,7 @@ TEST_P(ReferenceStep, AgreesWithTheDefinitions) {
         Problem::put(set, q, Field::velocity_x, v);
         double const viscosity = 0.01 * uniform(random);
         set.field(Field::viscosity)[q] = viscosity;
-        Point& p = reference.points[static_cast<std::size_t>(set.field(Field::identity)[q])];
+        Particle& p = reference.particles[static_cast<std::size_t>(set.field(Field::identity)[q])];
         p.x = Problem::position(set, q);
         p.v = v;
         p.mass = set.field(Field::mass)[q];
@@ -252,8 +252,8 @@ TEST_P(ReferenceStep, AgreesWithTheDefinitions) {
       reference.step(dt);
       problem.mpm->advance(dt);
       double error = 0.0;
-      problem.for_each_point(0, [&](mpm::PointSet const& set, int q) {
-        Point const& p = reference.points[static_cast<std::size_t>(set.field(Field::identity)[q])];
+      problem.for_each_particle(0, [&](mpm::ParticleSet const& set, int q) {
+        Particle const& p = reference.particles[static_cast<std::size_t>(set.field(Field::identity)[q])];
         Vec3 const dx = Problem::position(set, q) - p.x;
         Vec3 const dv = Problem::get(set, q, Field::velocity_x) - p.v;
         error = std::max({error, norm(dx), norm(dv), std::abs(set.field(Field::density)[q] - p.density)});

@@ -1,4 +1,4 @@
-// Bars smeared over the points around their axes.
+// Bars smeared over the particles around their axes.
 #include "core/error.hpp"
 #include "harness.hpp"
 #include "mpm/reinforcement.hpp"
@@ -22,13 +22,13 @@ std::unique_ptr<Mpm> prism(double low = 0.0, bool mirror = false) {
   body.name = "prism";
   body.solid = material::elastic_solid(2400.0, E_matrix, 0.0);
   Options options;
-  auto points = std::make_unique<Mpm>(domain, std::vector<Body>{body}, options);
+  auto particles = std::make_unique<Mpm>(domain, std::vector<Body>{body}, options);
   auto const placed = shape::place_particles(shape::Box{{0.0, low, 0.0}, {0.4, 0.12, 0.12}}, domain, 2);
   Filling filling;
   filling.positions = placed.positions;
   filling.volumes = placed.volumes;
-  points->fill(0, filling);
-  return points;
+  particles->fill(0, filling);
+  return particles;
 }
 
 Bar along_x(double y, double diameter) {
@@ -39,12 +39,12 @@ Bar along_x(double y, double diameter) {
   return bar;
 }
 
-double steel_volume(Mpm& points) {
+double steel_volume(Mpm& particles) {
   double sum = 0.0;
-  for (int b = 0; b < points.grid().block_count(); ++b) {
-    PointSet& set = points.points(b, 0);
+  for (int b = 0; b < particles.grid().block_count(); ++b) {
+    ParticleSet& set = particles.particles(b, 0);
     for (int q = 0; q < set.size(); ++q) {
-      sum += set.field(Field::bar_part)[q] * set.field(Field::mass)[q] / set.field(Field::density)[q];
+      sum += set.field(Field::bar_fraction)[q] * set.field(Field::mass)[q] / set.field(Field::density)[q];
     }
   }
   return sum;
@@ -66,13 +66,13 @@ TEST(Reinforcement, BilinearAndReversible) {
 
 TEST(Reinforcement, SteelIsThatOfTheBar) {
   for (double const y : {0.06, 0.0637}) {
-    auto points = prism();
-    auto const report = points->reinforce(along_x(y, 0.012));
+    auto particles = prism();
+    auto const report = particles->reinforce(along_x(y, 0.012));
     double const asked = 0.25 * M_PI * 0.012 * 0.012 * 0.4;
     EXPECT_NEAR(report.volume, asked, 1e-12 * asked);
-    EXPECT_NEAR(steel_volume(*points), asked, 1e-12 * asked);
-    // The tube of one cell radius holds 8 to 16 points of its section: f = (d / 2h)^2 within a third.
-    EXPECT_NEAR(report.part, 0.09, 0.03);
+    EXPECT_NEAR(steel_volume(*particles), asked, 1e-12 * asked);
+    // The tube of one cell radius holds 8 to 16 particles of its section: f = (d / 2h)^2 within a third.
+    EXPECT_NEAR(report.fraction, 0.09, 0.03);
   }
   // In a mirror plane half of it is there.
   auto half = prism(0.0, true);
@@ -89,17 +89,17 @@ std::unique_ptr<Mpm> about_plane(bool half) {
   Body body;
   body.name = "prism";
   body.solid = material::elastic_solid(2400.0, E_matrix, 0.0);
-  auto points = std::make_unique<Mpm>(domain, std::vector<Body>{body}, Options{});
+  auto particles = std::make_unique<Mpm>(domain, std::vector<Body>{body}, Options{});
   auto const placed = shape::place_particles(shape::Box{{-0.2, 0.0, 0.0}, {0.2, 0.12, 0.12}}, domain, 2);
   Filling filling;
   filling.positions = placed.positions;
   filling.volumes = placed.volumes;
-  points->fill(0, filling);
-  return points;
+  particles->fill(0, filling);
+  return particles;
 }
 
 // A bar through a mirror plane goes on behind it as its image: the half model holds half of the steel, at the same part
-// of each point as the whole one.
+// of each particle as the whole one.
 TEST(Reinforcement, ThroughAMirrorPlaneHalfOfItIsThere) {
   Bar straight;
   straight.from = {-0.2, 0.06, 0.06};
@@ -114,7 +114,7 @@ TEST(Reinforcement, ThroughAMirrorPlaneHalfOfItIsThere) {
     auto half = about_plane(true);
     auto const report = half->reinforce(bar);
     EXPECT_NEAR(report.volume, 0.5 * asked, 1e-12 * asked);
-    EXPECT_NEAR(report.part, whole.part, 1e-12);
+    EXPECT_NEAR(report.fraction, whole.fraction, 1e-12);
     EXPECT_NEAR(steel_volume(*half), 0.5 * asked, 1e-12 * asked);
   }
   // One that only begins beyond it: what is on this side.
@@ -128,37 +128,37 @@ TEST(Reinforcement, ThroughAMirrorPlaneHalfOfItIsThere) {
   double const length = std::hypot(0.2, 0.04);
   auto const slant = about_plane(true)->reinforce(slanting);
   EXPECT_NEAR(slant.volume, 0.125 * M_PI * 0.012 * 0.012 * length, 1e-15);
-  EXPECT_NEAR(slant.part, 0.09, 0.03);
+  EXPECT_NEAR(slant.fraction, 0.09, 0.03);
 }
 
 // Along the plane, nearer to it than the tube is wide: the whole bar is on this side, and no surface is near.
 TEST(Reinforcement, BesideAMirrorPlaneItIsWhole) {
-  auto points = prism(0.0, true);
+  auto particles = prism(0.0, true);
   double const asked = 0.25 * M_PI * 0.008 * 0.008 * 0.4;
-  EXPECT_NEAR(points->reinforce(along_x(0.005, 0.008)).volume, asked, 1e-12 * asked);
-  EXPECT_NEAR(steel_volume(*points), asked, 1e-12 * asked);
+  EXPECT_NEAR(particles->reinforce(along_x(0.005, 0.008)).volume, asked, 1e-12 * asked);
+  EXPECT_NEAR(steel_volume(*particles), asked, 1e-12 * asked);
 }
 
 TEST(Reinforcement, StretchedWithTheBodyItCarriesItsShare) {
   // Uniform stretching: the bar has E e, the force and the energy are those of both materials side by side. The strain
-  // of the points is exact for a linear velocity; the stress has run for `steps` at the rate, e = rate t to 2e-3 at the
-  // middle, where the free ends have not been heard of yet but for what runs ahead of the wave on the grid.
-  auto points = prism();
-  points->reinforce(along_x(0.06, 0.012));
+  // of the particles is exact for a linear velocity; the stress has run for `steps` at the rate, e = rate t to 2e-3 at
+  // the middle, where the free ends have not been heard of yet but for what runs ahead of the wave on the grid.
+  auto particles = prism();
+  particles->reinforce(along_x(0.06, 0.012));
   double const rate = 5.0;
-  for (int b = 0; b < points->grid().block_count(); ++b) {
-    PointSet& set = points->points(b, 0);
+  for (int b = 0; b < particles->grid().block_count(); ++b) {
+    ParticleSet& set = particles->particles(b, 0);
     for (int q = 0; q < set.size(); ++q) {
       set.field(Field::velocity_x)[q] = rate * (set.field(Field::position_x)[q] - 0.2);
     }
   }
-  points->update_signals();
-  auto const start = mpm::sums(*points, 0);
-  for (int k = 0; k < 96; ++k) points->advance(0.25e-6);
+  particles->update_signals();
+  auto const start = mpm::sums(*particles, 0);
+  for (int k = 0; k < 96; ++k) particles->advance(0.25e-6);
   double const strain = rate * 24e-6;
   int seen = 0;
-  for (int b = 0; b < points->grid().block_count(); ++b) {
-    PointSet& set = points->points(b, 0);
+  for (int b = 0; b < particles->grid().block_count(); ++b) {
+    ParticleSet& set = particles->particles(b, 0);
     for (int q = 0; q < set.size(); ++q) {
       if (std::abs(set.field(Field::position_x)[q] - 0.2) > 0.03 || set.field(Field::bar_number)[q] == 0.0) continue;
       ++seen;
@@ -166,17 +166,17 @@ TEST(Reinforcement, StretchedWithTheBodyItCarriesItsShare) {
     }
   }
   EXPECT_GT(seen, 20);
-  // Energy: what the points lose in motion is in their strain and in the bar's. Velocities stand half a step behind:
+  // Energy: what the particles lose in motion is in their strain and in the bar's. Velocities stand half a step behind:
   // the sum is off by dt / 2 times the power, with power ~ time dt / T = 1/96 of the energy gained; twice that is asked
   // for.
-  auto const end = mpm::sums(*points, 0);
+  auto const end = mpm::sums(*particles, 0);
   double const lost = start.kinetic_energy - end.kinetic_energy;
   double const gained = end.internal_energy - start.internal_energy;
   EXPECT_GT(lost, 0.0);
   EXPECT_LT(std::abs(lost - gained), gained / 48.0);
   auto plain = prism();
   for (int b = 0; b < plain->grid().block_count(); ++b) {
-    PointSet& set = plain->points(b, 0);
+    ParticleSet& set = plain->particles(b, 0);
     for (int q = 0; q < set.size(); ++q) {
       set.field(Field::velocity_x)[q] = rate * (set.field(Field::position_x)[q] - 0.2);
     }
@@ -228,18 +228,18 @@ struct BarInACube {
   }
 
   template <class Visit>
-  void for_each_point(Visit&& visit) {
+  void for_each_particle(Visit&& visit) {
     for (int b = 0; b < mpm->grid().block_count(); ++b) {
-      PointSet& set = mpm->points(b, 0);
+      ParticleSet& set = mpm->particles(b, 0);
       for (int q = 0; q < set.size(); ++q) visit(set, q);
     }
   }
-  static Vec3 get(PointSet const& set, int q, Field first) {
+  static Vec3 get(ParticleSet const& set, int q, Field first) {
     return {set.field(first)[q], set.field(first + 1)[q], set.field(first + 2)[q]};
   }
-  /// Gives all points the velocity L x.
+  /// Gives all particles the velocity L x.
   void move(std::array<Vec3, 3> const& L) {
-    for_each_point([&](PointSet& set, int q) {
+    for_each_particle([&](ParticleSet& set, int q) {
       Vec3 const x = get(set, q, Field::position_x);
       for (int d = 0; d < 3; ++d) set.field(Field::velocity_x + d)[q] = dot(L[d], x);
     });
@@ -263,22 +263,22 @@ std::vector<std::pair<grid::Geometry, Vec3>> bar_directions() {
 TEST(Reinforcement, PullsAlongItsAxisWhateverThatIs) {
   // The virial theorem: with the stress sigma of the bar and nothing else, sum m dv_i x_j = -dt sigma n_i n_j V_steel,
   // for all nine components. Exact but for round-off where the nodes around the bar have the mass of whole cells, for
-  // then the points' mean position at a node is the node's.
+  // then the particles' mean position at a node is the node's.
   double const stress = 1e6;
   double const dt = 1e-9;
   double const steel = 0.25 * M_PI * 0.012 * 0.012 * 0.12;
   for (auto const& [geometry, axis] : bar_directions()) {
     BarInACube cube(geometry, axis);
-    cube.for_each_point([&](PointSet& set, int q) {
+    cube.for_each_particle([&](ParticleSet& set, int q) {
       if (set.field(Field::bar_number)[q] > 0.0) set.field(Field::bar_stress)[q] = stress;
     });
     int const dims = cube.mpm->grid().domain().dimensions();
     std::vector<Vec3> at;
-    cube.for_each_point([&](PointSet const& set, int q) { at.push_back(cube.get(set, q, Field::position_x)); });
+    cube.for_each_particle([&](ParticleSet const& set, int q) { at.push_back(cube.get(set, q, Field::position_x)); });
     cube.mpm->advance(dt);
     std::array<Vec3, 3> virial{};
     std::size_t next = 0;
-    cube.for_each_point([&](PointSet const& set, int q) {
+    cube.for_each_particle([&](ParticleSet const& set, int q) {
       Vec3 const v = cube.get(set, q, Field::velocity_x);
       for (int i = 0; i < dims; ++i) {
         for (int j = 0; j < dims; ++j) virial[i][j] += set.field(Field::mass)[q] * v[i] * at[next][j];
@@ -296,7 +296,7 @@ TEST(Reinforcement, PullsAlongItsAxisWhateverThatIs) {
 
 TEST(Reinforcement, StretchesAndTurnsWithTheBodyAlongAnyAxis) {
   // An even velocity gradient L: the strain of a bar along n is dt n . L n, and n turns with the spin W of L, to W n
-  // dt; both exact for points within the body but for the square of the strain (1e-6 of it).
+  // dt; both exact for particles within the body but for the square of the strain (1e-6 of it).
   std::array<Vec3, 3> const gradient{Vec3{0.7, -1.3, 0.4}, Vec3{0.6, -0.2, 1.1}, Vec3{-0.9, 0.5, 0.35}};
   double const dt = 1e-7;
   for (auto const& [geometry, axis] : bar_directions()) {
@@ -318,7 +318,7 @@ TEST(Reinforcement, StretchesAndTurnsWithTheBodyAlongAnyAxis) {
       }
     }
     int seen = 0;
-    cube.for_each_point([&](PointSet const& set, int q) {
+    cube.for_each_particle([&](ParticleSet const& set, int q) {
       if (set.field(Field::bar_number)[q] == 0.0) return;
       ++seen;
       EXPECT_NEAR(set.field(Field::bar_stress)[q], 200e9 * strain * dt, 1e-5 * 200e9 * dt);
@@ -354,11 +354,11 @@ TEST(Reinforcement, GivesBackTheEnergyThatItTookAlongAnyAxis) {
     auto const end = mpm::sums(*cube.mpm, 0);
     double const lost = start.kinetic_energy - end.kinetic_energy;
     double const gained = end.internal_energy - start.internal_energy;
-    cube.for_each_point([&](PointSet const& set, int q) {
+    cube.for_each_particle([&](ParticleSet const& set, int q) {
       if (set.field(Field::bar_number)[q] == 0.0) return;
       double const volume = set.field(Field::mass)[q] / set.field(Field::density)[q];
       double const stress = set.field(Field::bar_stress)[q];
-      bar_work += 0.5 * stress * stress / 200e9 * set.field(Field::bar_part)[q] * volume;
+      bar_work += 0.5 * stress * stress / 200e9 * set.field(Field::bar_fraction)[q] * volume;
     });
     double const strain = rate * steps * dt;
     double const steel = 0.25 * M_PI * 0.012 * 0.012 * cube.length;
@@ -369,18 +369,18 @@ TEST(Reinforcement, GivesBackTheEnergyThatItTookAlongAnyAxis) {
   }
 }
 
-TEST(Reinforcement, SharesNoPointsAndStaysInside) {
-  auto points = prism();
-  points->reinforce(along_x(0.06, 0.012));
-  double const before = steel_volume(*points);
+TEST(Reinforcement, SharesNoParticlesAndStaysInside) {
+  auto particles = prism();
+  particles->reinforce(along_x(0.06, 0.012));
+  double const before = steel_volume(*particles);
   Bar across = along_x(0.0, 0.012);
   across.from = {0.2, 0.0, 0.06};
   across.to = {0.2, 0.12, 0.06};
-  points->reinforce(across);  // the first keeps the crossing
-  EXPECT_NEAR(steel_volume(*points) - before, 0.25 * M_PI * 0.012 * 0.012 * 0.12, 1e-12);
-  EXPECT_THROW(points->reinforce(along_x(0.06, 0.012)), InputError);  // no room
-  EXPECT_THROW(points->reinforce(along_x(0.12, 0.012)), InputError);  // half of it outside
-  EXPECT_THROW(points->reinforce(along_x(0.5, 0.012)), InputError);
+  particles->reinforce(across);  // the first keeps the crossing
+  EXPECT_NEAR(steel_volume(*particles) - before, 0.25 * M_PI * 0.012 * 0.012 * 0.12, 1e-12);
+  EXPECT_THROW(particles->reinforce(along_x(0.06, 0.012)), InputError);  // no room
+  EXPECT_THROW(particles->reinforce(along_x(0.12, 0.012)), InputError);  // half of it outside
+  EXPECT_THROW(particles->reinforce(along_x(0.5, 0.012)), InputError);
 }
 
 /// A quarter of a beam of concrete of 0.8 m x 0.08 m x 0.08 m on supports 0.76 m apart that moves down at 1 m/s.
@@ -416,11 +416,11 @@ struct Beam {
     if (reinforced) mpm->reinforce(bar);
   }
 
-  /// Calls visit(set, q) for the points within 50 mm of the middle.
+  /// Calls visit(set, q) for the particles within 50 mm of the middle.
   template <class Visit>
   void in_the_middle(Visit&& visit) const {
     for (int b = 0; b < mpm->grid().block_count(); ++b) {
-      PointSet const& set = mpm->points(b, 0);
+      ParticleSet const& set = mpm->particles(b, 0);
       for (int q = 0; q < set.size(); ++q) {
         if (set.field(Field::origin_x)[q] < 0.05) visit(set, q);
       }
@@ -429,7 +429,7 @@ struct Beam {
   [[nodiscard]] double mean(Field z, Field from) const {
     double sum = 0.0;
     int count = 0;
-    in_the_middle([&](PointSet const& set, int q) {
+    in_the_middle([&](ParticleSet const& set, int q) {
       sum += set.field(z)[q] - (from == Field::count ? 0.0 : set.field(from)[q]);
       ++count;
     });
@@ -448,7 +448,7 @@ TEST(Reinforcement, BarsStopABeamThatBreaksWithoutThem) {
     plain.mpm->advance(dt);
     reinforced.mpm->advance(dt);
     deepest = std::max(deepest, -reinforced.mean(Field::position_z, Field::origin_z));
-    reinforced.in_the_middle([&](PointSet const& set, int q) {
+    reinforced.in_the_middle([&](ParticleSet const& set, int q) {
       largest_stress = std::max(largest_stress, set.field(Field::bar_stress)[q]);
     });
   }

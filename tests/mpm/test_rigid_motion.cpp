@@ -25,7 +25,7 @@ struct Change {
 Change change_of(Problem& problem, Vec3 const& v, double time, double stress) {
   Change c;
   int const dims = problem.domain.dimensions();
-  problem.for_each_point(0, [&](mpm::PointSet const& set, int q) {
+  problem.for_each_particle(0, [&](mpm::ParticleSet const& set, int q) {
     c.velocity = std::max(c.velocity, norm(Problem::get(set, q, Field::velocity_x) - v) / norm(v));
     auto const s = Problem::stress(set, q);
     for (int i = 0; i < 6; ++i) c.stress = std::max(c.stress, std::abs(s[i] - (i < 3 ? stress : 0.0)));
@@ -52,8 +52,8 @@ TEST_P(Motion, FreeBlockFliesThroughTheGrid) {
         for (int d = problem.domain.dimensions(); d < 3; ++d) v[d] = 0.0;
         problem.fill_lattice(0, {2.1317, 2.3719, 2.7123}, {6, 6, 6}, 0.5, v);
         double const time = 30.0;  // 6 cells along x
-        // Tents do not hold this: a point that comes to lie on a node leaves the next one next to no mass, but the full
-        // gradient, and round-off in the stress throws that node off.
+        // Tents do not hold this: a particle that comes to lie on a node leaves the next one next to no mass, but the
+        // full gradient, and round-off in the stress throws that node off.
         if (GetParam() == ShapeFunction::linear && geometry != Geometry::planar1d) continue;
         problem.run(time, 0.3);
         Change const c = change_of(problem, v, time, 0.0);
@@ -85,7 +85,7 @@ TEST_P(Motion, StressedMediumMovesThroughTheGrid) {
     for (int d = problem.domain.dimensions(); d < 3; ++d) v[d] = 0.0;
     problem.fill(0, shape::Everywhere{}, [&](Vec3 const&) { return v; });
     double const pressure = 1e-3;
-    problem.for_each_point(0, [&](mpm::PointSet& set, int q) {
+    problem.for_each_particle(0, [&](mpm::ParticleSet& set, int q) {
       problem.put_stress(0, set, q, {-pressure, -pressure, -pressure, 0.0, 0.0, 0.0});
     });
     double const time = 25.0;
@@ -93,7 +93,7 @@ TEST_P(Motion, StressedMediumMovesThroughTheGrid) {
     Change const c = change_of(problem, v, time, -pressure);
     std::printf("%s %s under pressure: velocity %.1e, stress %.1e p, place %.1e\n", word_of(geometry),
                 word_of(GetParam()), c.velocity, c.stress / pressure, c.place);
-    // The forces of evenly spaced points cancel but for round-off; those of tents jump when points reach a node.
+    // The forces of evenly spaced particles cancel but for round-off; those of tents jump when particles reach a node.
     if (GetParam() == ShapeFunction::linear && geometry != Geometry::planar1d) continue;
     EXPECT_LT(c.velocity, 1e-11);
     EXPECT_LT(c.stress / pressure, 1e-11);
@@ -138,7 +138,7 @@ Tensor rotation(Vec3 const& axis, double angle) {
 double off_turned(Problem& problem, std::vector<Tensor> const& before, Tensor const& R) {
   double off = 0.0;
   double whole = 0.0;
-  problem.for_each_point(0, [&](mpm::PointSet const& set, int q) {
+  problem.for_each_particle(0, [&](mpm::ParticleSet const& set, int q) {
     Tensor const& a = before[static_cast<std::size_t>(set.field(Field::identity)[q])];
     Tensor const now = tensor(Problem::stress(set, q));
     for (int i = 0; i < 3; ++i) {
@@ -156,14 +156,14 @@ double off_turned(Problem& problem, std::vector<Tensor> const& before, Tensor co
 }
 
 std::vector<Tensor> all_stresses(Problem& problem) {
-  std::vector<Tensor> out(static_cast<std::size_t>(mpm::point_count(*problem.mpm)));
-  problem.for_each_point(0, [&](mpm::PointSet const& set, int q) {
+  std::vector<Tensor> out(static_cast<std::size_t>(mpm::particle_count(*problem.mpm)));
+  problem.for_each_particle(0, [&](mpm::ParticleSet const& set, int q) {
     out[static_cast<std::size_t>(set.field(Field::identity)[q])] = tensor(Problem::stress(set, q));
   });
   return out;
 }
 
-// Every node is held at the velocity of a rigid rotation, a steady field on the grid: nothing but the points' motion
+// Every node is held at the velocity of a rigid rotation, a steady field on the grid: nothing but the particles' motion
 // and the spin is left. A block with an arbitrary stress, in the plane and about an oblique axis.
 TEST_P(Motion, StressTurnsWithAGivenRotation) {
   for (Geometry const geometry : {Geometry::planar2d, Geometry::cartesian3d}) {
@@ -192,7 +192,7 @@ TEST_P(Motion, StressTurnsWithAGivenRotation) {
       problem.fill(
           0, solid ? shape::Box{{-1.0, -2.0, -1.5}, {1.0, 1.0, 1.5}} : shape::Box{{-2.0, -3.0, -1.0}, {3.0, 1.0, 1.0}},
           velocity);
-      problem.for_each_point(0, [&](mpm::PointSet& set, int q) {
+      problem.for_each_particle(0, [&](mpm::ParticleSet& set, int q) {
         Vec3 const x = Problem::position(set, q);
         problem.put_stress(0, set, q,
                            {0.01 * x[0], -0.02 + 0.01 * x[1], 0.013, 0.02, solid ? 0.01 : 0.0, solid ? -0.015 : 0.0});
@@ -245,7 +245,7 @@ Turned turn(ShapeFunction shape, Transfer transfer, Geometry geometry, double ra
   problem.fill(0, shape::Cylinder{{0.0, 0.0, 0.0}, 1.0, 1.0, {0.0, 0.0, 1.0}}, [&](Vec3 const& x) {
     return rim * cross(axis, {x[0], x[1], solid ? x[2] : 0.0});
   });
-  problem.for_each_point(0, [&](mpm::PointSet& set, int q) {
+  problem.for_each_particle(0, [&](mpm::ParticleSet& set, int q) {
     Vec3 const x = Problem::position(set, q);
     auto const s = residual_stress(x[0], x[1]);
     std::array<double, 6> full{amplitude * s[0], amplitude * s[1], 0.0, amplitude * s[2], 0.0, 0.0};
@@ -277,8 +277,9 @@ Turned turn(ShapeFunction shape, Transfer transfer, Geometry geometry, double ra
   return out;
 }
 
-// Free bodies at a coarse resolution. The nodes beyond the rim know only the points inside, so the outer points see too
-// little spin and some strain; FLIP keeps the vibrations that this drives, APIC damps them and pays with energy.
+// Free bodies at a coarse resolution. The nodes beyond the rim know only the particles inside, so the outer particles
+// see too little spin and some strain; FLIP keeps the vibrations that this drives, APIC damps them and pays with
+// energy.
 TEST(FreeRotation, DiscTurnsItsStress) {
   for (ShapeFunction const shape : {ShapeFunction::gimp, ShapeFunction::bspline}) {
     for (Transfer const transfer : {Transfer::flip, Transfer::apic}) {

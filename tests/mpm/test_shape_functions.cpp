@@ -71,7 +71,7 @@ TYPED_TEST(ShapeFunctions, GradientIsTheDerivative) {
   EXPECT_LT(worst, 1e-9);  // round-off of the quotient, 1e-16/1e-6; all pieces are at most quadratic
 }
 
-// GIMP and B-splines are smooth where tents have a kink: the gradient does not jump when a point crosses a cell.
+// GIMP and B-splines are smooth where tents have a kink: the gradient does not jump when a particle crosses a cell.
 TYPED_TEST(ShapeFunctions, GradientJumpsOnlyForTents) {
   double worst = 0.0;
   for (int i = 1; i < 2 * cells; ++i) {
@@ -93,7 +93,7 @@ TYPED_TEST(ShapeFunctions, GradientJumpsOnlyForTents) {
   }
 }
 
-// A point of any length averages the tent over itself.
+// A particle of any length averages the tent over itself.
 TEST(GimpFunction, IsTheAverageOfTheTent) {
   for (double const half : {0.01, 0.2, 0.35, 0.5}) {
     for (int n = 0; n < 100; ++n) {

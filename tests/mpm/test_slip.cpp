@@ -23,7 +23,7 @@ struct Stream : Problem {
     if (slope == 0.0) domain.boundary[0] = domain.boundary[1] = Boundary::periodic;
     options.linear_viscosity = 0.06;
     options.quadratic_viscosity = 1.5;
-    material::Solid fluid;
+    material::Material fluid;
     fluid.name = "gas";
     fluid.eos = material::IdealGas{1.4};
     fluid.density = density;
@@ -38,7 +38,7 @@ struct Stream : Problem {
 
   [[nodiscard]] double above(Vec3 const& x) const { return x[1] - 0.4 - slope * (x[0] - 0.5); }
 
-  /// Fills both, each point where it belongs, but for a margin around them.
+  /// Fills both, each particle where it belongs, but for a margin around them.
   void fill_both(Vec3 const& velocity, double margin = 0.0) {
     mpm::Filling fluid;
     mpm::Filling solid;
@@ -58,9 +58,9 @@ struct Stream : Problem {
     mpm->fill(body, solid);
   }
 
-  /// How far points of the gas have come into the body [cells].
+  /// How far particles of the gas have come into the body [cells].
   double deepest() {
-    return largest(gas, [&](mpm::PointSet const& set, int q) { return -above(position(set, q)) / domain.h; });
+    return largest(gas, [&](mpm::ParticleSet const& set, int q) { return -above(position(set, q)) / domain.h; });
   }
 
   /// Mean of the gas's velocity along the face over that at the start, in the cell next to the face, away from the
@@ -68,7 +68,7 @@ struct Stream : Problem {
   double next_to_face(Vec3 const& start) {
     double sum = 0.0;
     double mass = 0.0;
-    for_each_point(gas, [&](mpm::PointSet const& set, int q) {
+    for_each_particle(gas, [&](mpm::ParticleSet const& set, int q) {
       Vec3 const x = position(set, q);
       if (above(x) > domain.h || x[0] < 0.3 || x[0] > 0.7) return;
       sum += set.field(Field::mass)[q] * dot(get(set, q, Field::velocity_x), start);
@@ -99,8 +99,8 @@ TEST(Slip, GasFlowsAlongABody) {
   }
 }
 
-// The same on a slope: the normal comes from the points of the body, which stand in steps of half a cell and make the
-// face rough.
+// The same on a slope: the normal comes from the particles of the body, which stand in steps of half a cell and make
+// the face rough.
 TEST(Slip, GasFlowsAlongASlope) {
   double const slope = 0.5;
   double const length = std::sqrt(1.0 + slope * slope);
@@ -186,7 +186,7 @@ struct Room : Problem {
     options.linear_viscosity = 0.06;
     options.quadratic_viscosity = 1.5;
     options.block_cells = 8;
-    material::Solid fluid;
+    material::Material fluid;
     fluid.name = "gas";
     fluid.eos = material::IdealGas{1.4};
     fluid.density = density;
@@ -198,22 +198,22 @@ struct Room : Problem {
     start();
     mpm->set_reference_pressure(gas, reference);
     mpm->set_reference_pressure(block, reference - pressure);
-    mpm::Filling fluid_points;
-    mpm::Filling solid_points;
+    mpm::Filling fluid_particles;
+    mpm::Filling solid_particles;
     double const spacing = 0.5 * domain.h;
     for (int j = 0; j < 2 * cells; ++j) {
       for (int i = 0; i < 2 * cells; ++i) {
         Vec3 const x{(i + 0.5) * spacing, (j + 0.5) * spacing, 0.0};
         bool const inside = std::abs(x[0] - 0.5) < 0.2 && x[1] > lift && x[1] < 0.3 + lift;
-        mpm::Filling& to = inside ? solid_points : fluid_points;
+        mpm::Filling& to = inside ? solid_particles : fluid_particles;
         to.positions.push_back(x);
         to.volumes.push_back(spacing * spacing);
       }
     }
-    fluid_points.specific_energy = pressure / (0.4 * density);
-    solid_points.velocity = {0.0, speed, 0.0};
-    mpm->fill(gas, fluid_points);
-    mpm->fill(block, solid_points);
+    fluid_particles.specific_energy = pressure / (0.4 * density);
+    solid_particles.velocity = {0.0, speed, 0.0};
+    mpm->fill(gas, fluid_particles);
+    mpm->fill(block, solid_particles);
   }
 };
 
@@ -225,7 +225,7 @@ TEST(Slip, AtAWallGasAndBodyUnderAnEvenPressureStayAtRest) {
       double worst = 0.0;
       for (int const body : {room.gas, room.block}) {
         double const fastest = room.largest(
-            body, [](mpm::PointSet const& set, int q) { return norm(Problem::get(set, q, Field::velocity_x)); });
+            body, [](mpm::ParticleSet const& set, int q) { return norm(Problem::get(set, q, Field::velocity_x)); });
         std::printf("reference %.1f lift %.1f, %s: %.3g m/s\n", reference, lift, body == room.gas ? "gas" : "block",
                     fastest);
         worst = std::max(worst, fastest);
@@ -243,8 +243,9 @@ TEST(Slip, AtAWallABodyLeavesThroughTheGas) {
   std::printf("momentum kept: %.4f\n", after / before);
   EXPECT_NEAR(after / before, 1.0, 0.05);
   double least = 1.0;
-  room.for_each_point(
-      room.block, [&](mpm::PointSet const& set, int q) { least = std::min(least, set.field(Field::position_y)[q]); });
+  room.for_each_particle(room.block, [&](mpm::ParticleSet const& set, int q) {
+    least = std::min(least, set.field(Field::position_y)[q]);
+  });
   EXPECT_NEAR(least, 0.0125 + 0.1, 0.01);
 }
 

@@ -16,7 +16,7 @@ struct Sod : Problem {
   static constexpr double end = 0.143;
   static constexpr double gamma = 1.4;
 
-  /// With the same number of points per cell on both sides, `ppc`.
+  /// With the same number of particles per cell on both sides, `ppc`.
   Sod(int cells, ShapeFunction shape, std::function<void(mpm::Options&)> const& change = nullptr, int ppc = 2) {
     box(grid::Geometry::planar1d, 1.0 / cells, {cells, 1, 1}, grid::Boundary::wall);
     options = mpm::Options{};
@@ -32,7 +32,7 @@ struct Sod : Problem {
   }
   double start_energy = 0.0;
 
-  static material::Solid gas(double rho, double p) {
+  static material::Material gas(double rho, double p) {
     material::Fluid fluid;
     fluid.name = "gas";
     fluid.eos = material::IdealGas{gamma};
@@ -41,13 +41,13 @@ struct Sod : Problem {
     return material::of(fluid);
   }
 
-  /// Mean deviation from the exact solution over the length of the tube, every point counting with its volume.
+  /// Mean deviation from the exact solution over the length of the tube, every particle counting with its volume.
   Errors errors() {
     material::Eos const eos = material::IdealGas{gamma};
     exact::Riemann const riemann(eos, {1.0, 0.0, 1.0}, eos, {0.125, 0.0, 0.1});
     Errors e;
     for (int body = 0; body < 2; ++body) {
-      for_each_point(body, [&](mpm::PointSet const& set, int q) {
+      for_each_particle(body, [&](mpm::ParticleSet const& set, int q) {
         auto const s = riemann.at((set.field(Field::position_x)[q] - 0.5) / end).s;
         double const v = volume(set, q);
         e.rho += v * std::abs(set.field(Field::density)[q] - s.rho);
@@ -79,20 +79,22 @@ void converges(ShapeFunction shape, double factor, Errors const& bound) {
 }
 
 // The bounds are the measured errors and a tenth.
-TEST(SodOfPoints, ConvergesWithSplines) { converges(ShapeFunction::bspline, 1.25, {0.0028, 0.0068, 0.0034}); }
+TEST(SodOfParticles, ConvergesWithSplines) { converges(ShapeFunction::bspline, 1.25, {0.0028, 0.0068, 0.0034}); }
 
-TEST(SodOfPoints, ConvergesWithPointsThatStretch) { converges(ShapeFunction::cpgimp, 1.25, {0.0026, 0.0043, 0.0035}); }
+TEST(SodOfParticles, ConvergesWithParticlesThatStretch) {
+  converges(ShapeFunction::cpgimp, 1.25, {0.0026, 0.0043, 0.0035});
+}
 
-TEST(SodOfPoints, TentsNeedMorePointsPerCell) {
-  // The rarefaction draws two points per cell further apart than a cell is long: cells between them are empty.
+TEST(SodOfParticles, TentsNeedMoreParticlesPerCell) {
+  // The rarefaction draws two particles per cell further apart than a cell is long: cells between them are empty.
   Sod two(250, ShapeFunction::linear);
   Sod four(250, ShapeFunction::linear, nullptr, 4);
   EXPECT_LT(four.errors().p, 0.5 * two.errors().p);
   EXPECT_LT(four.errors().p, 0.021);
 }
 
-TEST(SodOfPoints, ViscosityDampsTheRinging) {
-  // Without viscosity the points ring behind the shock: measured 2.5 times the error.
+TEST(SodOfParticles, ViscosityDampsTheRinging) {
+  // Without viscosity the particles ring behind the shock: measured 2.5 times the error.
   Sod usual(500, ShapeFunction::bspline);
   Sod without(500, ShapeFunction::bspline, [](mpm::Options& o) { o.linear_viscosity = o.quadratic_viscosity = 0.0; });
   EXPECT_LT(1.5 * usual.errors().p, without.errors().p);

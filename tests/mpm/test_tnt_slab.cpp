@@ -1,4 +1,4 @@
-// A slab of TNT lit over one face: the detonation runs through its points as a plane wave.
+// A slab of TNT lit over one face: the detonation runs through its particles as a plane wave.
 #include "material/chapman_jouguet.hpp"
 #include "mpm/explosives.hpp"
 
@@ -47,11 +47,11 @@ struct Slab : Problem {
       for (auto& station : watched) {
         station.place = mpm::find(*mpm, 0, station.identity, station.place);
         if (station.place.block < 0) continue;
-        double const p = mpm->points(station.place.block, 0).field(Field::pressure)[station.place.index];
+        double const p = mpm->particles(station.place.block, 0).field(Field::pressure)[station.place.index];
         station.history.push_back({mpm->time(), p});
       }
       if (step % 10 == 0) {
-        for_each_point(0, [&](mpm::PointSet const& set, int q) {
+        for_each_particle(0, [&](mpm::ParticleSet const& set, int q) {
           highest = std::max(highest, set.field(Field::pressure)[q] / cj);
         });
         energy.look();
@@ -76,23 +76,23 @@ struct Slab : Problem {
   }
 };
 
-TEST(TntSlabOfPoints, RunsAtTheDetonationSpeedWithItsChapmanJouguetPressure) {
-  // 4000 points. A peer code loses 16.8 % of the energy and shows a false peak of 37.6 GPa.
+TEST(TntSlabOfParticles, RunsAtTheDetonationSpeedWithItsChapmanJouguetPressure) {
+  // 4000 particles. A peer code loses 16.8 % of the energy and shows a false peak of 37.6 GPa.
   Slab const slab(ShapeFunction::bspline, 0.025e-3);
-  EXPECT_EQ(mpm::point_count(*slab.mpm), 4000);
+  EXPECT_EQ(mpm::particle_count(*slab.mpm), 4000);
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(slab.arrivals[k], 1.0, 0.005) << Slab::stations[k];
     EXPECT_NEAR(slab.peaks[k], 1.0, 0.05) << Slab::stations[k];
   }
-  // No point ever sees more than the Chapman-Jouguet pressure; the tip of the wave stays below it.
+  // No particle ever sees more than the Chapman-Jouguet pressure; the tip of the wave stays below it.
   EXPECT_LT(slab.highest, 1.0);
   EXPECT_GT(slab.highest, 0.95);
   EXPECT_LT(slab.drift, 0.01);
   EXPECT_LT(std::abs(slab.late), 0.01);
-  EXPECT_EQ(slab.mpm->accounts().losses.points, 0);
+  EXPECT_EQ(slab.mpm->accounts().losses.particles, 0);
 }
 
-TEST(TntSlabOfPoints, PeakApproachesTheChapmanJouguetPressureWithTheCellSize) {
+TEST(TntSlabOfParticles, PeakApproachesTheChapmanJouguetPressureWithTheCellSize) {
   double last = 1.0;
   for (double spacing : {0.4e-3, 0.2e-3, 0.1e-3}) {
     Slab const slab(ShapeFunction::bspline, spacing);
@@ -103,7 +103,7 @@ TEST(TntSlabOfPoints, PeakApproachesTheChapmanJouguetPressureWithTheCellSize) {
   EXPECT_LT(last, 0.08);  // measured 0.059
 }
 
-TEST(TntSlabOfPoints, PointsThatStretchKeepTheEnergyBest) {
+TEST(TntSlabOfParticles, ParticlesThatStretchKeepTheEnergyBest) {
   Slab const slab(ShapeFunction::cpgimp, 0.1e-3);
   EXPECT_LT(slab.drift, 2e-3);  // measured 0.0008
   EXPECT_LT(slab.highest, 1.05);

@@ -242,7 +242,7 @@ TEST(ExpectedPeak, HalfWidthOfAFriedlanderWave) {
 }
 
 TEST(ExpectedPeak, DecayBehindAStrongSphericalShockIsThatOfSedov) {
-  // The strong point explosion, gamma = 1.4: R = a t^(2/5), p2 ~ R^-3. Its self-similar profile begins at the front
+  // The strong particle explosion, gamma = 1.4: R = a t^(2/5), p2 ~ R^-3. Its self-similar profile begins at the front
   // with d ln p / d ln r = (2 gamma^2 + 7 gamma - 3) / (gamma^2 - 1) = 10.72 / 0.96 in three dimensions, so that at a
   // place d ln p / d ln t = -6/5 - 2/5 * 11.167 = -5.667.
   material::Primitive const gas{1.225, 101325.0, {0.0, 0.0, 0.0}};

@@ -1,11 +1,11 @@
-/// What gauges and dumps show of a gas that points carry in an MPM region.
+/// What gauges and dumps show of a gas that particles carry in an MPM region.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "observe/gas_fields.hpp"
 #include "observe/gas_view.hpp"
-#include "observe/point_fields.hpp"
+#include "observe/particle_fields.hpp"
 #include "setup/place_region.hpp"
 #include "watched.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using namespace run;
 
-/// Air at rest under a shock tube's pressures, in one half of which points calculate; `body`: with a block of steel.
+/// Air at rest under a shock tube's pressures, in one half of which particles calculate; `body`: with a block of steel.
 Case tube(bool body) {
   Case c;
   c.domain.geometry = grid::Geometry::planar1d;
@@ -34,7 +34,7 @@ Case tube(bool body) {
     block.name = "block";
     block.shape = shape::Box{{1.6, -1.0, -1.0}, {1.795, 1.0, 1.0}};
     block.solid = material::elastic_solid(7800.0, 200e9, 0.3);
-    c.points.bodies.push_back(block);
+    c.particles.bodies.push_back(block);
   }
   c.end.time = 3e-3;
   c.output.fields = {"pressure"};
@@ -58,7 +58,7 @@ std::vector<double> line(Watched const& w, std::string const& name) {
 
 TEST(RegionOutput, GaugesAndFieldsSeeTheSameGasOnBothSidesOfTheBridge) {
   Case c = tube(false);
-  for (double const x : {0.905, 1.035, 1.505}) gauge_at(c, x);  // gas, bridge, points: centres of cells
+  for (double const x : {0.905, 1.035, 1.505}) gauge_at(c, x);  // gas, bridge, particles: centres of cells
   Watched coupled(c);
   c.mpm_region.reset();
   Watched gas(std::move(c));
@@ -72,8 +72,8 @@ TEST(RegionOutput, GaugesAndFieldsSeeTheSameGasOnBothSidesOfTheBridge) {
   for (std::size_t g = 0; g < 3; ++g) {
     auto const& record = coupled.gauges.gas[g].records.back();
     auto const& reference = gas.gauges.gas[g].records.back();
-    EXPECT_EQ(coupled.gauges.gas[g].records.front().pressure, 101325.0) << g;  // the points hold the ambient state
-    // Behind a shock of 0.4 atm; points and cells each smear it over some cells.
+    EXPECT_EQ(coupled.gauges.gas[g].records.front().pressure, 101325.0) << g;  // the particles hold the ambient state
+    // Behind a shock of 0.4 atm; particles and cells each smear it over some cells.
     EXPECT_GT(reference.pressure, 1.35 * 101325.0);
     EXPECT_NEAR(record.pressure, reference.pressure, 0.01 * reference.pressure) << g;
     EXPECT_NEAR(record.density, reference.density, 0.01 * reference.density) << g;
@@ -114,19 +114,19 @@ TEST(RegionOutput, CellsInsideSolidsHoldNoGas) {
   EXPECT_EQ(solid[180], 0.0);
 }
 
-TEST(RegionOutput, GasPointsAreDumpedWhenAskedFor) {
+TEST(RegionOutput, GasParticlesAreDumpedWhenAskedFor) {
   Case c = tube(true);
   Watched without(c);
-  c.output.gas_points = true;
+  c.output.gas_particles = true;
   Watched with(std::move(c));
-  EXPECT_EQ(dumped_points(without), mpm::sums(*without.points, 0).points);
-  EXPECT_EQ(dumped_points(with), mpm::point_count(*with.points));
-  EXPECT_GT(dumped_points(with), dumped_points(without));
+  EXPECT_EQ(dumped_particles(without), mpm::sums(*without.particles, 0).particles);
+  EXPECT_EQ(dumped_particles(with), mpm::particle_count(*with.particles));
+  EXPECT_GT(dumped_particles(with), dumped_particles(without));
   std::vector<double> body;
-  point_field(without, "body", body);
-  EXPECT_EQ(static_cast<long>(body.size()), dumped_points(without));
+  particle_field(without, "body", body);
+  EXPECT_EQ(static_cast<long>(body.size()), dumped_particles(without));
   for (double const b : body) EXPECT_EQ(b, 0.0);
-  point_field(with, "body", body);
+  particle_field(with, "body", body);
   EXPECT_EQ(*std::max_element(body.begin(), body.end()), 1.0);  // the gas is the last
 }
 

@@ -9,7 +9,7 @@
 #include "../observe/watched.hpp"
 #include "cases.hpp"
 #include "core/parallel.hpp"
-#include "points_case.hpp"
+#include "particles_case.hpp"
 
 namespace brisance::run {
 namespace {
@@ -45,7 +45,7 @@ Case pool() {
   water.name = "pool";
   water.solid = material::of(*deck::library().fluid("water"));
   water.shape = shape::Box{{0.1, 0.1, 0.0}, {1.1, 0.6, 0.0}};
-  c.points.bodies = {water};
+  c.particles.bodies = {water};
   return c;
 }
 
@@ -236,7 +236,7 @@ TEST(Verdict, KnowsWhatIsAtWorkInARegion) {
   plate.name = "plate";
   plate.solid = material::elastic_solid(2700.0, 70e9, 0.3);
   plate.shape = shape::Box{{0.22, 0.2, 0.0}, {0.26, 0.28, 0.0}};
-  c.points.bodies = {plate};
+  c.particles.bodies = {plate};
   c.mpm_region.emplace();
   c.mpm_region->boxes = {shape::Box{{0.1, 0.1, 0.0}, {0.38, 0.38, 0.0}}};
   observe::Watched const still(c);
@@ -252,7 +252,7 @@ TEST(Verdict, KnowsWhatIsAtWorkInARegion) {
   EXPECT_TRUE(observe::Watched(c).for_comparison());
 }
 
-// The ledger holds half a point of each lane; gas that gathers there belongs to neither side.
+// The ledger holds half a particle of each lane; gas that gathers there belongs to neither side.
 TEST(Verdict, GasInTheLedgerIsAnError) {
   Case c = air_case(grid::Geometry::planar1d, {200, 1, 1}, 0.005, grid::Boundary::wall);
   c.mpm_region.emplace();
@@ -282,15 +282,15 @@ TEST(Verdict, GasInTheLedgerIsAnError) {
 // there is, whenever it begins.
 TEST(FollowAudit, FirstMomentsOfALoadAreNoDrift) {
   Case rest = two_blocks();
-  rest.points.bodies.resize(2);
-  rest.points.gauges.clear();
-  for (Body& body : rest.points.bodies) body.velocity = {0.0, 0.0, 0.0};
+  rest.particles.bodies.resize(2);
+  rest.particles.gauges.clear();
+  for (Body& body : rest.particles.bodies) body.velocity = {0.0, 0.0, 0.0};
   Case fall = rest;
-  fall.points.options.body_force = {0.0, -1e7, 0.0};
+  fall.particles.options.body_force = {0.0, -1e7, 0.0};
   fall.end.time = 10e-6;
   Case push = rest;
-  push.points.pressures = {{}};
-  mpm::SurfacePressure& load = push.points.pressures.front();
+  push.particles.pressures = {{}};
+  mpm::SurfacePressure& load = push.particles.pressures.front();
   load.body = 1;
   load.within = shape::Box{{0.042, 0.0, 0.0}, {0.043, 0.03, 0.0}};
   load.normal = {1.0, 0.0, 0.0};
@@ -318,7 +318,8 @@ TEST(FollowAudit, StopsWhereTheEnergyRunsAway) {
   Case c = two_blocks();
   observe::Watched w(c);
   auto const heat = [&](double part) {
-    mpm::PointSet& set = w.points->points(w.points->grid().block_of(w.points->grid().cell_at({0.03, 0.012, 0.0})), 1);
+    mpm::ParticleSet& set =
+        w.particles->particles(w.particles->grid().block_of(w.particles->grid().cell_at({0.03, 0.012, 0.0})), 1);
     ASSERT_GT(set.size(), 0);
     set.field(mpm::Field::energy)[0] += part * w.audit.memory.scale / set.field(mpm::Field::mass)[0];
   };
@@ -350,7 +351,7 @@ TEST(FollowAudit, RemembersTheSameWhateverIsWritten) {
   Case c = air_case(grid::Geometry::planar2d, {40, 16, 1}, 0.01, grid::Boundary::wall);
   c.mpm_region.emplace();
   c.mpm_region->boxes = {shape::Box{{0.16, 0.0, 0.0}, {0.4, 0.16, 0.0}}};
-  c.points.options.block_cells = 8;
+  c.particles.options.block_cells = 8;
   c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.08, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
   c.end.time = 0.1;  // the looks by the time are far apart, those by steps are not
   std::vector<double> first;

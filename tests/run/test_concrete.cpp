@@ -7,7 +7,7 @@
 
 #include "../observe/watched.hpp"
 #include "core/parallel.hpp"
-#include "observe/point_fields.hpp"
+#include "observe/particle_fields.hpp"
 #include "observe/zones.hpp"
 
 namespace brisance::run {
@@ -17,8 +17,8 @@ using namespace observe;
 
 using mpm::Field;
 
-material::Solid concrete() {
-  material::Solid solid;
+material::Material concrete() {
+  material::Material solid;
   solid.name = "concrete";
   solid.density = 2440.0;
   solid.eos = material::Compaction{};
@@ -40,22 +40,22 @@ Case bar() {
   body.name = "bar";
   body.solid = concrete();
   body.shape = shape::Box{{0.0, 0.0, 0.0}, {0.25, 0.0, 0.0}};
-  c.points.bodies = {body};
+  c.particles.bodies = {body};
   mpm::SurfacePressure push;
   push.within = shape::Box{{0.0, 0.0, 0.0}, {1e-3, 0.0, 0.0}};
   push.normal = {-1.0, 0.0, 0.0};
   push.thickness = 1e-3;
   push.times = {0.0, 60e-6};
   push.pressures = {24e6, 0.0};
-  c.points.pressures = {push};
-  c.points.options.crack_band = false;
-  c.points.options.linear_viscosity = 0.5;
+  c.particles.pressures = {push};
+  c.particles.options.crack_band = false;
+  c.particles.options.linear_viscosity = 0.5;
   return c;
 }
 
 std::vector<double> field(observe::Watched const& w, char const* name) {
   std::vector<double> out;
-  point_field(w, name, out);
+  particle_field(w, name, out);
   return out;
 }
 
@@ -78,13 +78,13 @@ TEST(ConcreteBar, BreaksWhereTheReflectedPulseSaysAndStaysBroken) {
       ASSERT_EQ(mises[q], 0.0);
       ASSERT_GE(p[q], 0.0);
     }
-    ASSERT_GE(total, last_total - 1e-12 * total);  // no point's damage falls; the order of the points may change
+    ASSERT_GE(total, last_total - 1e-12 * total);  // no particle's damage falls; the order of the particles may change
     last_total = total;
     if (first > 0.0) continue;
     auto const x = field(w, "position");
     int count = 0;
     for (std::size_t q = 0; q < D.size(); ++q) {
-      if (D[q] < 1.0 || x[3 * q] < 0.125) continue;  // the jump of the load may crack the first point under it
+      if (D[q] < 1.0 || x[3 * q] < 0.125) continue;  // the jump of the load may crack the first particle under it
       first += 0.25 - x[3 * q];
       ++count;
     }
@@ -114,15 +114,15 @@ TEST(ConcreteBar, SameBitsForAnyNumberOfThreads) {
     set_threads(count);
     // Two halves that fly apart: it breaks in the middle at once.
     Case c = bar();
-    c.points.pressures.clear();
-    c.points.options.crack_band = true;
-    c.points.options.block_cells = 50;
-    Body right = c.points.bodies[0];
-    c.points.bodies[0].shape = shape::Box{{0.0, 0.0, 0.0}, {0.125, 0.0, 0.0}};
-    c.points.bodies[0].velocity = {-5.0, 0.0, 0.0};
+    c.particles.pressures.clear();
+    c.particles.options.crack_band = true;
+    c.particles.options.block_cells = 50;
+    Body right = c.particles.bodies[0];
+    c.particles.bodies[0].shape = shape::Box{{0.0, 0.0, 0.0}, {0.125, 0.0, 0.0}};
+    c.particles.bodies[0].velocity = {-5.0, 0.0, 0.0};
     right.shape = shape::Box{{0.125, 0.0, 0.0}, {0.25, 0.0, 0.0}};
     right.velocity = {5.0, 0.0, 0.0};
-    c.points.bodies.push_back(right);
+    c.particles.bodies.push_back(right);
     observe::Watched w(c);
     while (w.clock.step < 60) advance(w, 1.0);
     auto const D = field(w, "damage");
@@ -153,7 +153,7 @@ observe::Watched& block_world() {
     body.name = "block";
     body.solid = concrete();
     body.shape = shape::Box{{0.0, 0.0, 0.0}, {0.2, 0.2, 0.1}};
-    c.points.bodies = {body};
+    c.particles.bodies = {body};
     return c;
   }());
   return w;
@@ -161,12 +161,12 @@ observe::Watched& block_world() {
 
 TEST(BrokenZones, AreMeasuredFromTheFaces) {
   // Painted on: a crushed cylinder of 100 mm diameter and 40 mm depth below the upper face, a cracked layer 20 to 30 mm
-  // above the lower one that reaches no face. Points have a spacing of 5 mm: the area of a circle of 10 of them in
+  // above the lower one that reaches no face. Particles have a spacing of 5 mm: the area of a circle of 10 of them in
   // radius is counted to 3 %, layers exactly.
   observe::Watched& w = block_world();
   double volume = 0.0;
-  for (int b = 0; b < w.points->grid().block_count(); ++b) {
-    mpm::PointSet& set = w.points->points(b, 0);
+  for (int b = 0; b < w.particles->grid().block_count(); ++b) {
+    mpm::ParticleSet& set = w.particles->particles(b, 0);
     for (int q = 0; q < set.size(); ++q) {
       Vec3 const x{set.field(Field::origin_x)[q], set.field(Field::origin_y)[q], set.field(Field::origin_z)[q]};
       bool const crushed = std::hypot(x[0], x[1]) < 0.05 && x[2] > 0.06;

@@ -29,7 +29,7 @@ std::vector<double> scab_velocities(std::string const& spall) {
   for (double const from : {2.2e-6, 4e-6, 6e-6}) {
     double sum = 0.0;
     long count = 0;
-    for (PointRecord const& record : world.gauges.points[0].points) {
+    for (ParticleRecord const& record : world.gauges.particles[0].particles) {
       if (record.time < from || record.time > from + 1.8e-6) continue;
       sum += record.velocity[0];
       ++count;

@@ -12,7 +12,7 @@
 #include "core/archive.hpp"
 #include "core/parallel.hpp"
 #include "observe/gas_fields.hpp"
-#include "points_case.hpp"
+#include "particles_case.hpp"
 
 namespace brisance::run {
 namespace {
@@ -76,8 +76,8 @@ std::vector<double> bits_of(observe::Watched& world) {
   }
   if (world.bridge != nullptr) {
     bits.insert(bits.end(), {world.bridge->awake() ? 1.0 : 0.0, double(world.clock.gas_steps),
-                             double(world.clock.point_steps), double(world.bridge->traffic().born),
-                             double(world.bridge->traffic().left), world.bridge->traffic().pressure_work});
+                             double(world.clock.particle_steps), double(world.bridge->traffic().injected),
+                             double(world.bridge->traffic().absorbed), world.bridge->traffic().pressure_work});
     for (bridge::Amounts const& l : world.bridge->accounts()) {
       bits.insert(bits.end(), {l.mass[0], l.mass[1], l.momentum[0], l.momentum[1], l.momentum[2], l.energy});
     }
@@ -92,33 +92,34 @@ std::vector<double> bits_of(observe::Watched& world) {
                                p.speed, double(p.open_rings)});
     }
   }
-  if (world.points == nullptr) return bits;
-  for (int b = 0; b < world.points->grid().block_count(); ++b) {
+  if (world.particles == nullptr) return bits;
+  for (int b = 0; b < world.particles->grid().block_count(); ++b) {
     for (int body = 0; body < static_cast<int>(world.bodies.size()); ++body) {
-      mpm::PointSet const& set = world.points->points(b, body);
+      mpm::ParticleSet const& set = world.particles->particles(b, body);
       bits.push_back(set.size());
       for (int f = 0; f < mpm::field_count; ++f) append(bits, set.field(static_cast<mpm::Field>(f)), set.size());
     }
   }
-  for (double const p : world.points->accounts().constraint_impulse) bits.push_back(p);
-  bits.push_back(world.points->accounts().outer_work);
-  bits.insert(bits.end(), {world.points->accounts().dissipation.held, world.points->accounts().dissipation.filtered,
-                           world.points->accounts().dissipation.apic, world.points->accounts().dissipation.friction});
+  for (double const p : world.particles->accounts().constraint_impulse) bits.push_back(p);
+  bits.push_back(world.particles->accounts().outer_work);
+  bits.insert(bits.end(),
+              {world.particles->accounts().dissipation.constraints, world.particles->accounts().dissipation.filtered,
+               world.particles->accounts().dissipation.apic, world.particles->accounts().dissipation.friction});
   AuditMemory const& memory = world.audit.memory;
   bits.insert(bits.end(),
               {memory.scale, memory.all, memory.drift, memory.content, memory.surplus, memory.gas, memory.unlit});
   auto const add_sums = [&](std::vector<BodyRecord> const& records) {
     for (BodyRecord const& r : records) {
       mpm::BodySums const& s = r.sums;
-      bits.insert(bits.end(), {r.time, double(s.points), s.mass, s.momentum[0], s.centre[0], s.kinetic_energy,
+      bits.insert(bits.end(), {r.time, double(s.particles), s.mass, s.momentum[0], s.centre[0], s.kinetic_energy,
                                s.internal_energy, s.plastic_work, s.largest_displacement, s.damaged_mass});
     }
   };
   for (auto const& history : world.gauges.bodies) add_sums(history);
-  for (PointGaugeHistory const& history : world.gauges.points) {
+  for (ParticleGaugeHistory const& history : world.gauges.particles) {
     add_sums(history.bodies);
     bits.push_back(history.lost ? 1.0 : 0.0);
-    for (PointRecord const& r : history.points) {
+    for (ParticleRecord const& r : history.particles) {
       bits.insert(bits.end(), {r.time, r.position[0], r.displacement[0], r.velocity[0], r.pressure, r.mises, r.density,
                                r.plastic_strain, r.temperature, r.damage});
     }
@@ -162,7 +163,7 @@ void expect_the_same_after_any_stop(Case const& setup, int steps, int every = 1)
   }
 }
 
-/// Sleeping blocks, an obstacle, a charge that burns from two points, gas that leaves.
+/// Sleeping blocks, an obstacle, a charge that burns from two particles, gas that leaves.
 Case burst(Scheme scheme) {
   Case c = air_case(grid::Geometry::axisymmetric2d, {40, 32, 1}, 0.02, grid::Boundary::outflow);
   c.domain.boundary[2] = grid::Boundary::wall;
@@ -221,20 +222,21 @@ TEST(State, OneFluidInOneDimensionGoesOnAfterAnyStep) {
   expect_the_same_after_any_stop(c, 40);
 }
 
-/// The two blocks of the other tests, with all that a point may carry and all that may act on it.
+/// The two blocks of the other tests, with all that a particle may carry and all that may act on it.
 Case everything(mpm::Transfer transfer, mpm::ShapeFunction function, mpm::StressOrder order) {
   Case c = two_blocks();
-  c.points.options.transfer = transfer;
-  c.points.options.shape = function;
-  c.points.options.order = order;
-  c.points.options.block_cells = 8;
-  c.points.options.locking_control = order == mpm::StressOrder::musl;
-  c.points.options.body_force = {0.0, -1e6, 0.0};
-  c.points.bodies[0].velocity = {400.0, 30.0, 0.0};
-  c.points.bodies[2].shape = shape::Box{{0.055, 0.03, 0.0}, {0.0635, 0.04, 0.0}};
-  c.points.bodies[2].velocity = {3000.0, 0.0, 0.0};
-  c.points.contacts = {{0, 1, 0.2}};
-  c.points.constraints = {{shape::Box{{0.04, 0.0, 0.0}, {0.045, 0.03, 0.0}}, {true, true, true}, {0.0, 10.0, 0.0}, 1}};
+  c.particles.options.transfer = transfer;
+  c.particles.options.shape = function;
+  c.particles.options.order = order;
+  c.particles.options.block_cells = 8;
+  c.particles.options.locking_control = order == mpm::StressOrder::musl;
+  c.particles.options.body_force = {0.0, -1e6, 0.0};
+  c.particles.bodies[0].velocity = {400.0, 30.0, 0.0};
+  c.particles.bodies[2].shape = shape::Box{{0.055, 0.03, 0.0}, {0.0635, 0.04, 0.0}};
+  c.particles.bodies[2].velocity = {3000.0, 0.0, 0.0};
+  c.particles.contacts = {{0, 1, 0.2}};
+  c.particles.constraints = {
+      {shape::Box{{0.04, 0.0, 0.0}, {0.045, 0.03, 0.0}}, {true, true, true}, {0.0, 10.0, 0.0}, 1}};
   mpm::SurfacePressure push;
   push.body = 0;
   push.within = shape::Box{{0.0, 0.0, 0.0}, {0.0035, 0.03, 0.0}};
@@ -242,8 +244,8 @@ Case everything(mpm::Transfer transfer, mpm::ShapeFunction function, mpm::Stress
   push.thickness = 1e-3;
   push.times = {0.0, 4e-6, 1e-5};
   push.pressures = {0.0, 1e9, 2e8};
-  c.points.pressures = {push};
-  c.points.gauges.push_back({"gone", 2, Vec3{0.06, 0.035, 0.0}});
+  c.particles.pressures = {push};
+  c.particles.gauges.push_back({"gone", 2, Vec3{0.06, 0.035, 0.0}});
   return c;
 }
 
@@ -263,52 +265,52 @@ TEST(State, ReinforcedConcreteGoesOnAfterAnyStep) {
   left.solid.strength = material::Hjc{};
   left.solid.failure = material::TensileDamage{2.274e5, 4.57e6, 0.881, 0.01, 100e6, 90.0};
   left.shape = shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.04, 0.04}};
-  c.points.bodies = {left};
+  c.particles.bodies = {left};
   mpm::Bar bar;
   bar.from = {0.0, 0.02, 0.02};
   bar.to = {0.1, 0.02, 0.02};
   bar.diameter = 0.005;
-  c.points.bars = {bar};
-  c.points.constraints = {
+  c.particles.bars = {bar};
+  c.particles.constraints = {
       {shape::Box{{-0.02, 0.0, 0.0}, {0.01, 0.04, 0.04}}, {true, true, true}, {-8.0, 0.0, 0.0}, -1}};
-  c.points.options.block_cells = 8;
+  c.particles.options.block_cells = 8;
   mpm::SurfacePressure push;
   push.normal = {1.0, 0.0, 0.0};
   push.thickness = 0.005;
   push.within = shape::Box{{0.095, 0.0, 0.0}, {0.1, 0.04, 0.04}};
   push.times = {0.0, 1e-4};
   push.pressures = {3e7, 3e7};
-  c.points.pressures = {push};
+  c.particles.pressures = {push};
   observe::Watched world(c);
   for (int n = 0; n < 40; ++n) step(world);
-  EXPECT_GT(mpm::sums(*world.points, 0).internal_energy, 0.0);
+  EXPECT_GT(mpm::sums(*world.particles, 0).internal_energy, 0.0);
   expect_the_same_after_any_stop(c, 40, 8);
 }
 
-TEST(State, PointsGoOnAfterAnyStep) {
+TEST(State, ParticlesGoOnAfterAnyStep) {
   using mpm::ShapeFunction;
   using mpm::StressOrder;
   using mpm::Transfer;
-  // Longer than it takes to sort the points twice, to cross blocks and to leave the domain.
+  // Longer than it takes to sort the particles twice, to cross blocks and to leave the domain.
   expect_the_same_after_any_stop(everything(Transfer::flip, ShapeFunction::bspline, StressOrder::musl), 60);
   expect_the_same_after_any_stop(everything(Transfer::apic, ShapeFunction::cpgimp, StressOrder::usl), 30);
   expect_the_same_after_any_stop(everything(Transfer::xpic, ShapeFunction::gimp, StressOrder::usf), 30);
 }
 
-TEST(State, TheCaseOfThePointsHoldsWhatItClaims) {
+TEST(State, TheCaseOfTheParticlesHoldsWhatItClaims) {
   observe::Watched world(everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl));
   world.sample_gauges();
   for (int n = 0; n < 60; ++n) step(world);
-  EXPECT_GT(world.points->accounts().losses.points, 0);
-  EXPECT_NE(world.points->accounts().outer_work, 0.0);
-  EXPECT_NE(norm(world.points->accounts().constraint_impulse), 0.0);
-  EXPECT_NE(world.points->accounts().dissipation.held, 0.0);
-  EXPECT_GT(world.gauges.points[0].points.back().plastic_strain, 0.0);
+  EXPECT_GT(world.particles->accounts().losses.particles, 0);
+  EXPECT_NE(world.particles->accounts().outer_work, 0.0);
+  EXPECT_NE(norm(world.particles->accounts().constraint_impulse), 0.0);
+  EXPECT_NE(world.particles->accounts().dissipation.constraints, 0.0);
+  EXPECT_GT(world.gauges.particles[0].particles.back().plastic_strain, 0.0);
 }
 
-TEST(State, PointsOfABurningChargeGoOnAfterAnyStep) { expect_the_same_after_any_stop(charge_slab(), 60); }
+TEST(State, ParticlesOfABurningChargeGoOnAfterAnyStep) { expect_the_same_after_any_stop(charge_slab(), 60); }
 
-/// A blast that runs into the MPM region and wakes it; with a plate, gas and solid points share the region.
+/// A blast that runs into the MPM region and wakes it; with a plate, gas and solid particles share the region.
 Case coupled(bool with_plate, mpm::Transfer transfer, mpm::StressOrder order) {
   Case c = air_case(grid::Geometry::planar2d, {64, 24, 1}, 0.01, grid::Boundary::wall);
   c.domain.boundary[1] = grid::Boundary::outflow;
@@ -317,7 +319,7 @@ Case coupled(bool with_plate, mpm::Transfer transfer, mpm::StressOrder order) {
   c.mpm_region->boxes = {shape::Box{{0.16, 0.0, 0.0}, {0.64, 0.24, 0.0}}};
   c.mpm_region->transfer = transfer;
   c.mpm_region->order = order;
-  c.points.options.block_cells = 8;
+  c.particles.options.block_cells = 8;
   c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.12, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
   c.gauges = {{"before", {0.14, 0.1, 0.0}}, {"within", {0.5, 0.1, 0.0}}};
   if (!with_plate) return c;
@@ -326,12 +328,12 @@ Case coupled(bool with_plate, mpm::Transfer transfer, mpm::StressOrder order) {
   plate.solid = material::von_mises_solid(2700.0, 70e9, 0.33, 200e6);
   plate.solid.name = "metal";
   plate.shape = shape::Box{{0.36, 0.08, 0.0}, {0.38, 0.16, 0.0}};
-  c.points.bodies = {plate};
-  c.points.gauges = {{"plate", 0, {}}, {"face", 0, Vec3{0.36, 0.12, 0.0}}};
+  c.particles.bodies = {plate};
+  c.particles.gauges = {{"plate", 0, {}}, {"face", 0, Vec3{0.36, 0.12, 0.0}}};
   return c;
 }
 
-TEST(State, GasAndPointsGoOnAfterAnyStep) {
+TEST(State, GasAndParticlesGoOnAfterAnyStep) {
   for (bool const with_plate : {false, true}) {
     auto const transfer = with_plate ? mpm::Transfer::apic : mpm::Transfer::flip;
     auto const order = with_plate ? mpm::StressOrder::usl : mpm::StressOrder::musl;
@@ -340,7 +342,7 @@ TEST(State, GasAndPointsGoOnAfterAnyStep) {
     EXPECT_FALSE(world.bridge->awake());
     for (int n = 0; n < 60; ++n) step(world);
     EXPECT_TRUE(world.bridge->awake());
-    EXPECT_GT(world.bridge->traffic().born, 0);
+    EXPECT_GT(world.bridge->traffic().injected, 0);
     expect_the_same_after_any_stop(c, 60, 11);
   }
 }
@@ -392,10 +394,10 @@ TEST(State, OfAnotherCaseIsRefused) {
   EXPECT_NE(refusal(two_blocks(), checkpoint).find("whether there is gas"), std::string::npos);
 
   observe::Watched blocks(two_blocks());
-  std::string const of_points = written(blocks);
+  std::string const of_particles = written(blocks);
   Case apic = two_blocks();
-  apic.points.options.transfer = mpm::Transfer::apic;
-  EXPECT_NE(refusal(apic, of_points).find("what a point carries"), std::string::npos);
+  apic.particles.options.transfer = mpm::Transfer::apic;
+  EXPECT_NE(refusal(apic, of_particles).find("what a point carries"), std::string::npos);
 }
 
 /// The checkpoint with the first such bytes replaced by others.
@@ -409,7 +411,7 @@ std::string with(std::string checkpoint, std::vector<T> const& before, std::vect
 }
 
 // Whoever writes a checkpoint can give it a checksum that fits. What it says is taken only where it makes sense: by
-// numbers that it holds blocks, points, loads and bars are looked up.
+// numbers that it holds blocks, particles, loads and bars are looked up.
 TEST(State, WhatMakesNoSenseIsRefused) {
   set_threads(1);
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -439,17 +441,17 @@ TEST(State, WhatMakesNoSenseIsRefused) {
   Case const solid = everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl);
   observe::Watched moving(solid);
   for (int n = 0; n < 5; ++n) step(moving);
-  std::string const of_points = written(moving);
-  ASSERT_EQ(refusal(solid, of_points), "");
+  std::string const of_particles = written(moving);
+  ASSERT_EQ(refusal(solid, of_particles), "");
   int block = 0;
-  while (moving.points->points(block, 0).size() < 3) ++block;
-  mpm::PointSet const& set = moving.points->points(block, 0);
+  while (moving.particles->particles(block, 0).size() < 3) ++block;
+  mpm::ParticleSet const& set = moving.particles->particles(block, 0);
   auto const spoilt = [&](Field field, double value) {
     double const* values = set.field(field);
     std::vector<double> before(values, values + set.size());
     std::vector<double> after = before;
     after[1] = value;
-    return with(of_points, before, after);
+    return with(of_particles, before, after);
   };
   for (double const x : {nan, 1e300, -1e300, 10.0}) {
     expect(solid, spoilt(Field::position_x, x), "the position of a point of body");

@@ -20,10 +20,10 @@ Case slab(int cells_per_slab, std::vector<InitiationPoint> initiation) {
       air_case(grid::Geometry::planar1d, {2 * cells_per_slab, 1, 1}, thickness / cells_per_slab, grid::Boundary::wall);
   c.domain.boundary[0] = grid::Boundary::symmetry;
   Charge charge = tnt_charge(shape::Box{{0.0, 0.0, 0.0}, {thickness, 1.0, 1.0}}, c.domain.geometry);
-  for (InitiationPoint& point : initiation) {
+  for (InitiationPoint& particle : initiation) {
     // In 1D the wave is plane: only the distance along x counts.
-    point.position[1] = shape::centre(charge.shape)[1];
-    point.position[2] = shape::centre(charge.shape)[2];
+    particle.position[1] = shape::centre(charge.shape)[1];
+    particle.position[2] = shape::centre(charge.shape)[2];
   }
   charge.initiation = std::move(initiation);
   c.charges = {charge};
@@ -96,7 +96,7 @@ TEST_F(TntSlab, PeakApproachesTheChapmanJouguetPressureWithTheCellSize) {
 }
 
 TEST_F(TntSlab, TwoInitiationPointsWithADelayLightWhatIsNearestInTime) {
-  // The second point fires 5 us later: the waves meet where x / D = delay + (L - x) / D, x = 0.1 m + 2.5 us D.
+  // The second particle fires 5 us later: the waves meet where x / D = delay + (L - x) / D, x = 0.1 m + 2.5 us D.
   double const delay = 5e-6;
   observe::Watched world(slab(400, {{{0.0, 0.0, 0.0}, 0.0}, {{thickness, 0.0, 0.0}, delay}}));
   double const D = world.setup.charges[0].explosive.detonation_speed;

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../observe/watched.hpp"
-#include "../run/points_case.hpp"
+#include "../run/particles_case.hpp"
 #include "core/parallel.hpp"
 #include "gas/layout.hpp"
 #include "observe/kinetic_energy.hpp"
@@ -246,16 +246,16 @@ TEST(Drive, AnOutputFailureEndsTheRunAtOnce) {
 TEST(Drive, EndsWhenAllBodiesHaveLeft) {
   Scratch const scratch;
   auto setup = run::two_blocks();
-  setup.points.bodies = {setup.points.bodies[0]};
-  setup.points.bodies[0].velocity = {-3000.0, 0.0, 0.0};
-  setup.points.gauges = {{"tip", 0, Vec3{0.0195, 0.012, 0.0}}, {"body", 0, {}}};
+  setup.particles.bodies = {setup.particles.bodies[0]};
+  setup.particles.bodies[0].velocity = {-3000.0, 0.0, 0.0};
+  setup.particles.gauges = {{"tip", 0, Vec3{0.0195, 0.012, 0.0}}, {"body", 0, {}}};
   setup.end.time = 1.0;
   observe::Watched world(std::move(setup));
   output::Writer writer(world, world.gauges, scratch.path());
   auto const ending = drive(world, world.gauges, writer, go_on, ignore);
   EXPECT_EQ(ending.code, ExitCode::done);
   EXPECT_TRUE(ending.reason.starts_with("all bodies have left the domain at t = ")) << ending.reason;
-  // Its last points start 22 mm from the face.
+  // Its last particles start 22 mm from the face.
   EXPECT_NEAR(world.clock.time, 0.022 / 3000.0, 0.5e-6);
   EXPECT_EQ(log_of(scratch)["status"], "done");
   auto const summary = nlohmann::json::parse(std::ifstream(scratch.path() / "summary.json"));
@@ -276,12 +276,12 @@ TEST(Drive, GoesOnToTheEndWithRigidBodiesAlone) {
   for (int const movers : {1, 0}) {
     Scratch const scratch;
     auto setup = run::two_blocks();
-    run::Body anvil = setup.points.bodies[1];
+    run::Body anvil = setup.particles.bodies[1];
     anvil.rigid = true;
-    setup.points.bodies = {anvil, setup.points.bodies[0]};
-    setup.points.bodies.resize(1 + movers);
-    if (movers > 0) setup.points.bodies[1].velocity = {-3000.0, 0.0, 0.0};
-    setup.points.gauges.clear();
+    setup.particles.bodies = {anvil, setup.particles.bodies[0]};
+    setup.particles.bodies.resize(1 + movers);
+    if (movers > 0) setup.particles.bodies[1].velocity = {-3000.0, 0.0, 0.0};
+    setup.particles.gauges.clear();
     setup.end.time = 50e-6;
     setup.audit.fail = 0.0;  // the impact at 3 km/s on four cells loses 5 % of the energy
     observe::Watched world(std::move(setup));
@@ -290,7 +290,7 @@ TEST(Drive, GoesOnToTheEndWithRigidBodiesAlone) {
     EXPECT_EQ(ending.code, ExitCode::done);
     EXPECT_EQ(ending.reason, "reached the end time 50 us");
     EXPECT_EQ(world.clock.time, 50e-6);
-    EXPECT_EQ(mpm::sums(*world.points, 0).largest_displacement, 0.0);
+    EXPECT_EQ(mpm::sums(*world.particles, 0).largest_displacement, 0.0);
   }
 }
 
@@ -378,7 +378,7 @@ TEST(Drive, TurningPointsOfAVibrationAreNoEnd) {
   bar.solid = material::elastic_solid(8000.0, 200e9, 0.0);  // 5 km/s
   bar.shape = shape::Box{{0.0, 0.0, 0.0}, {0.05, 0.0, 0.0}};
   bar.velocity = {1.0, 0.0, 0.0};  // away from the plane that holds its other end
-  setup.points.bodies = {bar};
+  setup.particles.bodies = {bar};
   double const period = 4.0 * 0.05 / 5000.0;
   setup.end.time = 3.0 * period;
   setup.end.kinetic_energy = 0.05;

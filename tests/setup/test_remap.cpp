@@ -34,7 +34,7 @@ Case remapped(Geometry geometry, Index3 const& cells, double h, Shape const& sha
 }
 
 /// Momentum per volume that the profile has at a place relative to the charge's centre, by its definition: the cell
-/// that the place lies in, and which way that cell's radius and axis point there. Zero beyond the burst.
+/// that the place lies in, and which way that cell's radius and axis particle there. Zero beyond the burst.
 Vec3 momentum_at(detonation::Profile const& p, Charge const& charge, Geometry geometry, Vec3 x) {
   for (int d = grid::dimensions(geometry); d < 3; ++d) x[d] = 0.0;
   double const h = p.domain.h;
@@ -228,7 +228,7 @@ TEST_F(Remap, KeepsMassEnergyAndMomentumFrom1dTo2d) {
   expect_conservation(half, "half a cylinder in planar 2D");
 }
 
-/// An axisymmetric calculation of a cylinder, until its burst has the given radius; `ground` is the height of its
+/// An axisymmetric simulation of a cylinder, until its burst has the given radius; `ground` is the height of its
 /// middle above a wall, 0: in free air; `halved`: a symmetry plane through the middle leaves the upper half.
 detonation::Profile cylinder_burst(double ground, double burst, double mass_factor = 1.0, bool halved = false) {
   double const scale = std::cbrt(mass_factor);
@@ -294,7 +294,7 @@ TEST_F(Remap, KeepsMassEnergyAndMomentumFromAxisymmetric2dTo3d) {
 
 TEST_F(Remap, ScalesProfilesByTheCubeRootOfTheMass) {
   // Twice the lengths, eight times the mass; lengths are even powers of two of each other, so that the states of the
-  // large calculation are those of the small one but for the round-off of the cube root.
+  // large simulation are those of the small one but for the round-off of the cube root.
   detonation::Profile const small = cylinder_burst(0.0, 0.16);
   detonation::Profile const large = cylinder_burst(0.0, 0.16, 8.0);
   detonation::Profile const made = detonation::scaled(small, 8.0 * small.charge.mass);
@@ -389,21 +389,21 @@ TEST_F(Remap, IsTheSameForAnyNumberOfThreads) {
   set_threads(0);
 }
 
-TEST_F(Remap, PointsGiveTheProfileOfTheGas) {
+TEST_F(Remap, ParticlesGiveTheProfileOfTheGas) {
   // Means over cells of 5 mm, a tenth of the charge's radius: that is what a remap takes from a profile. Both methods
-  // are of first order at the shocks, and on the same cells their shocks lag, those of the points a little more: 2.1 %
-  // between the two on 200 cells per radius, 1.7 % on 250. 2 % is what is asked for; cell by cell, on the cells of the
-  // default: docs/validation/remap.md.
+  // are of first order at the shocks, and on the same cells their shocks lag, those of the particles a little more: 2.1
+  // % between the two on 200 cells per radius, 1.7 % on 250. 2 % is what is asked for; cell by cell, on the cells of
+  // the default: docs/validation/remap.md.
   Case c = remapped(Geometry::axisymmetric2d, {60, 120, 1}, 0.005, Sphere{{0.0, 0.3, 0.0}, radius}, 0.0);
   c.start.radius.reset();
   c.start.time = 45e-6;
   c.start.cell = radius / 250.0;
   auto const gas = calculate_start(c)[0];
-  c.start.method = StartMethod::points;
-  auto const points = calculate_start(c)[0];
-  EXPECT_EQ(points->time, gas->time);
-  // The masses of the points are those of the shapes.
-  EXPECT_NEAR(points->sum(gas::partial_density(1)) / gas->sum(gas::partial_density(1)), 1.0, 1e-12);
+  c.start.method = StartMethod::particles;
+  auto const particles = calculate_start(c)[0];
+  EXPECT_EQ(particles->time, gas->time);
+  // The masses of the particles are those of the shapes.
+  EXPECT_NEAR(particles->sum(gas::partial_density(1)) / gas->sum(gas::partial_density(1)), 1.0, 1e-12);
   constexpr double coarse = 5e-3;
   auto const means = [&](detonation::Profile const& p, int component) {
     std::vector<double> sums(60, 0.0);
@@ -416,10 +416,10 @@ TEST_F(Remap, PointsGiveTheProfileOfTheGas) {
     }
     return sums;
   };
-  double const reach = 1.05 * std::max(gas->reach(), points->reach());
+  double const reach = 1.05 * std::max(gas->reach(), particles->reach());
   for (int const component : {-1, gas::partial_density(0), gas::partial_density(1), gas::momentum_x, gas::energy}) {
     auto const a = means(*gas, component);
-    auto const b = means(*points, component);
+    auto const b = means(*particles, component);
     double difference = 0.0;
     double whole = 0.0;
     for (std::size_t n = 0; static_cast<double>(n) * coarse < reach; ++n) {

@@ -26,8 +26,8 @@ std::vector<double> volumes(std::vector<Shape> const& shapes, Domain const& doma
   std::vector<double> sums(shapes.size(), 0.0);
   for_each_share(shapes, domain, domain.all_cells(), [&](CellRange const& r, std::vector<Share> const& shares) {
     EXPECT_LE(sum_of(shares), 1.0 + 1e-12);
-    for (Share const& s : shares) sums[static_cast<std::size_t>(s.shape)] += s.part * volume_of(r, domain);
-    if (cut != nullptr && (shares.size() != 1 || shares.front().part != 1.0)) ++*cut;
+    for (Share const& s : shares) sums[static_cast<std::size_t>(s.shape)] += s.fraction * volume_of(r, domain);
+    if (cut != nullptr && (shares.size() != 1 || shares.front().fraction != 1.0)) ++*cut;
     return true;
   });
   return sums;
@@ -62,8 +62,8 @@ TEST(Shares, LaterShapesTakeSpaceFromEarlierOnesAndLeaveNoGaps) {
   std::vector<Shape> const halves{Box{{0.0, 0.0, -0.5}, {0.525, 1.0, 0.5}}, Box{{0.525, 0.0, -0.5}, {1.0, 1.0, 0.5}}};
   auto const shares = shares_of_cell(halves, domain, {5, 3, 0});
   ASSERT_EQ(shares.size(), 2U);
-  EXPECT_NEAR(shares[0].part, 0.25, 1e-12);
-  EXPECT_NEAR(shares[1].part, 0.75, 1e-12);
+  EXPECT_NEAR(shares[0].fraction, 0.25, 1e-12);
+  EXPECT_NEAR(shares[1].fraction, 0.75, 1e-12);
   EXPECT_EQ(sum_of(shares), 1.0);
   // A disc within a larger one.
   double const r = 0.237;

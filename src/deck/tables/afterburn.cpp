@@ -59,15 +59,15 @@ bool begins_burnt(Draft const& draft, Section const& section, material::Constant
     return false;
   }
   double burnt = 0.0;
-  // A charge that is remapped burns on the cells of the 1D calculation.
+  // A charge that is remapped burns on the cells of the 1D simulation.
   bool const remapped = draft.deck.text("start") == "remap";
   Section const* remap = draft.deck.section("remap");
-  double const asked = remap != nullptr ? remap->number("cell").value_or(0.0) : 0.0;
+  double const specified = remap != nullptr ? remap->number("cell").value_or(0.0) : 0.0;
   for (run::Charge const& charge : draft.out.charges) {
     auto const bounds = shape::bounds(charge.shape);
     double radius = 0.0;
     for (int d = 0; d < draft.dims(); ++d) radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
-    double const cell = remapped ? setup::start_cell(asked, radius) : draft.out.domain.h;
+    double const cell = remapped ? setup::start_cell(specified, radius) : draft.out.domain.h;
     burnt = std::max(burnt, burnt_at(charge, draft.out.domain, cell));
   }
   if (draft.domain_known && model.begin < burnt) {

@@ -18,7 +18,7 @@ namespace {
 Settings<run::Body> const& settings() {
   using B = run::Body;
   static Settings<B> const all{
-      {&B::points_per_direction,
+      {&B::particles_per_direction,
        typed(Type::integer, "points_per_cell", "1", 1, 8)
            .like("2")
            .means("Material points per cell and direction at the start: 2 makes 8 per cell in 3D")},
@@ -207,7 +207,7 @@ void body(Draft& draft, Section const& section, std::size_t index) {
   }
   settings().read(section, body);
   sound = body_material(draft, section, shape ? &*shape : nullptr, body) && sound;
-  if (sound) draft.out.points.bodies.push_back(std::move(body));
+  if (sound) draft.out.particles.bodies.push_back(std::move(body));
 }
 
 void overlaps(Draft const& draft) {
@@ -274,8 +274,8 @@ bool is_rigid(Draft const& draft, std::size_t body) {
 namespace {
 
 /// A body's material in its state at the start.
-material::Solid as_it_starts(run::Body const& body) {
-  material::Solid start = body.solid;
+material::Material as_it_starts(run::Body const& body) {
+  material::Material start = body.solid;
   start.density = body.density.value_or(start.density);
   start.specific_energy = body.specific_energy.value_or(start.specific_energy);
   return start;
@@ -297,18 +297,18 @@ void warn_of_fluids_in_empty_space(Draft const& draft) {
   constexpr double round_off = 1e-6;
   if (closed && empty <= round_off * whole) return;
   auto const* const sections = draft.deck.sections("body");
-  if (sections == nullptr || sections->size() != draft.out.points.bodies.size()) return;  // there were errors
+  if (sections == nullptr || sections->size() != draft.out.particles.bodies.size()) return;  // there were errors
   for (std::size_t n = 0; n < sections->size(); ++n) {
-    run::Body const& body = draft.out.points.bodies[n];
+    run::Body const& body = draft.out.particles.bodies[n];
     if (body.solid.has_deviator() || body.solid.burns() || !body.initiation.empty()) continue;
-    material::Solid const start = as_it_starts(body);
+    material::Material const start = as_it_starts(body);
     double const pressure = material::start_pressure(start);
     double const c = material::sound_speed(start, start.density, pressure);
-    double const part = pressure / (start.density * c * c);
+    double const fraction = pressure / (start.density * c * c);
     constexpr double little = 1e-7;
-    constexpr double much = 0.1;                                                       // a gas
-    if (body.rigid || !(part > little) || (*sections)[n].given("pressure")) continue;  // what is asked for is meant
-    if (part > much) {
+    constexpr double much = 0.1;                                                           // a gas
+    if (body.rigid || !(fraction > little) || (*sections)[n].given("pressure")) continue;  // what is asked for is meant
+    if (fraction > much) {
       draft.warn((*sections)[n], "material",
                  fmt::format("\"{}\" starts at {:.6g} Pa in empty space and will blow apart: put a gas around it, with "
                              "[ambient] and [mpm_region], or let it fill a box of walls",
@@ -323,13 +323,13 @@ void warn_of_fluids_in_empty_space(Draft const& draft) {
   }
 }
 
-bool points_move(Draft const& draft) {
-  run::Points const& p = draft.out.points;
+bool particles_move(Draft const& draft) {
+  run::Particles const& p = draft.out.particles;
   auto const moves = [](Vec3 const& v) { return norm(v) > 0.0; };
   bool moving = moves(p.options.body_force) || draft.deck.given("surface_pressure");
   for (auto const& c : p.constraints) moving = moving || moves(c.velocity);
   for (run::Body const& b : p.bodies) {
-    material::Solid const start = as_it_starts(b);
+    material::Material const start = as_it_starts(b);
     moving = moving || moves(b.velocity) || start.burns() || material::start_pressure(start) != 0.0;
     if (start.burns() && p.options.order == mpm::StressOrder::usf) {
       draft.report.warning(

@@ -71,12 +71,12 @@ void build_compare(Draft& draft) {
                             charges == nullptr ? 0 : charges->size()));
   }
   if (!draft.has_gas) draft.out.burst = run::Burst::none;
-  bool const points = draft.has_bodies() && points_move(draft);
+  bool const particles = draft.has_bodies() && particles_move(draft);
   // A wind blows against obstacles and walls.
   bool const wind = draft.has_gas && norm(draft.out.ambient.state.velocity) > 0.0;
   bool const gas =
       wind || draft.deck.given("charge") || draft.deck.given("initial_state") || draft.deck.given("inflow");
-  if (points || gas) return;
+  if (particles || gas) return;
   if (!draft.has_gas) {
     draft.report.warning(
         draft.deck.place_of("body"), "body",

@@ -83,7 +83,7 @@ bool check_composition(Draft const& draft, Section const& section, std::string_v
 }  // namespace
 
 std::optional<shape::Shape> build_composed_shape(Draft const& draft, Section const& section) {
-  auto whole = build_shape(draft, section, Use::points, std::nullopt);
+  auto whole = build_shape(draft, section, Use::particles, std::nullopt);
   for (auto const& [key, operation] :
        {std::pair{"add", shape::Operation::united}, std::pair{"cut", shape::Operation::difference},
         std::pair{"common", shape::Operation::intersection}}) {
@@ -92,7 +92,7 @@ std::optional<shape::Shape> build_composed_shape(Draft const& draft, Section con
     if (parts == nullptr || parts->empty()) continue;
     std::vector<shape::Shape> all;
     for (Section const& part : *parts) {
-      auto const one = build_shape(draft, part, Use::points, std::nullopt);
+      auto const one = build_shape(draft, part, Use::particles, std::nullopt);
       if (one) all.push_back(*one);
     }
     if (all.size() < parts->size()) whole.reset();

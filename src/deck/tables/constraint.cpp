@@ -9,17 +9,17 @@
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
 #include "deck/tables/tables.hpp"
-#include "mpm/holds.hpp"
+#include "mpm/constrained_nodes.hpp"
 
 namespace brisance::deck {
 
 Table const& constraint_table() {
   static Table const table = [] {
-    Key held = typed(Type::words, "components")
-                   .note("all resolved directions")
-                   .like("[\"x\", \"y\"]")
-                   .means("fixed, velocity: components of the velocity that are prescribed");
-    held.choices = {"x", "y", "z"};
+    Key components = typed(Type::words, "components")
+                         .note("all resolved directions")
+                         .like("[\"x\", \"y\"]")
+                         .means("fixed, velocity: components of the velocity that are prescribed");
+    components.choices = {"x", "y", "z"};
     return Table{
         "The velocity of material points in a part of space is prescribed, by way of the grid nodes there. Gas that "
         "slips along bodies (`mpm_region.slip`) is not held, but stays at the surface of those that are; gas that "
@@ -36,7 +36,8 @@ Table const& constraint_table() {
              .note("needed by a roller")
              .like("\"z\"")
              .means("roller: the direction in which nothing moves"),
-         velocity().note("needed by kind `velocity`").means("velocity: that of the held components"), std::move(held),
+         velocity().note("needed by kind `velocity`").means("velocity: that of the held components"),
+         std::move(components),
          typed(Type::text, "body").note("all bodies").like("\"plate\"").means("Name of the one body that is held")},
         {},
         {}};
@@ -64,8 +65,8 @@ shape::Box reach_of_bodies(Draft const& draft, int body) {
 }
 
 /// A node of the grid within a box that all the places hold.
-std::optional<Vec3> held_node(Draft const& draft, std::vector<shape::Shape const*> const& regions,
-                              shape::Box const& within) {
+std::optional<Vec3> constrained_node(Draft const& draft, std::vector<shape::Shape const*> const& regions,
+                                     shape::Box const& within) {
   grid::Domain const& domain = draft.out.domain;
   shape::Box box = within;
   for (shape::Shape const* region : regions) box = overlap(box, shape::bounds(*region));
@@ -88,9 +89,10 @@ std::optional<Vec3> held_node(Draft const& draft, std::vector<shape::Shape const
         Index3 const node{i, j, k};
         Vec3 x{0.0, 0.0, 0.0};
         for (int d = 0; d < draft.dims(); ++d) x[d] = domain.lower[d] + node[d] * domain.h;
-        bool const held = std::all_of(regions.begin(), regions.end(),
-                                      [&](shape::Shape const* region) { return mpm::holds_node(*region, domain, x); });
-        if (held) return x;
+        bool const inside = std::all_of(regions.begin(), regions.end(), [&](shape::Shape const* region) {
+          return mpm::contains_node(*region, domain, x);
+        });
+        if (inside) return x;
       }
     }
   }
@@ -98,18 +100,18 @@ std::optional<Vec3> held_node(Draft const& draft, std::vector<shape::Shape const
 }
 
 void check_contradictions(Draft const& draft, std::size_t number) {
-  mpm::Constraint const& c = draft.out.points.constraints[number];
+  mpm::Constraint const& c = draft.out.particles.constraints[number];
   Section const& section = *draft.constraint_sections[number];
   shape::Box const reach = reach_of_bodies(draft, c.body);
   std::string_view const key = section.given("velocity") ? "velocity" : section.given("kind") ? "kind" : "within";
   for (std::size_t m = 0; m < number; ++m) {
-    mpm::Constraint const& other = draft.out.points.constraints[m];
+    mpm::Constraint const& other = draft.out.particles.constraints[m];
     if (c.body >= 0 && other.body >= 0 && c.body != other.body) continue;
     for (int d = 0; d < draft.dims(); ++d) {
-      if (!c.held[static_cast<std::size_t>(d)] || !other.held[static_cast<std::size_t>(d)]) continue;
+      if (!c.components[static_cast<std::size_t>(d)] || !other.components[static_cast<std::size_t>(d)]) continue;
       if (c.velocity[d] == other.velocity[d]) continue;
       auto const node =
-          held_node(draft, {&c.within, &other.within}, overlap(reach, reach_of_bodies(draft, other.body)));
+          constrained_node(draft, {&c.within, &other.within}, overlap(reach, reach_of_bodies(draft, other.body)));
       if (!node) continue;
       draft.error(
           section, key,
@@ -124,7 +126,7 @@ void check_contradictions(Draft const& draft, std::size_t number) {
     int const d = f / 2;
     Boundary const boundary = draft.out.domain.boundary[f];
     double const outwards = (f % 2 == 0 ? -1.0 : 1.0) * c.velocity[d];
-    if (!c.held[static_cast<std::size_t>(d)] || outwards == 0.0) continue;
+    if (!c.components[static_cast<std::size_t>(d)] || outwards == 0.0) continue;
     // Behind a symmetry plane is the image, which moves the other way; a wall stops what moves into it.
     if (boundary != Boundary::symmetry && (boundary != Boundary::wall || outwards < 0.0)) continue;
     double const plane = f % 2 == 0 ? draft.out.domain.lower[d] : draft.out.domain.upper(d);
@@ -135,7 +137,7 @@ void check_contradictions(Draft const& draft, std::size_t number) {
       continue;
     at_plane.lower[d] = plane - draft.tiny();
     at_plane.upper[d] = plane + draft.tiny();
-    auto const node = held_node(draft, {&c.within}, at_plane);
+    auto const node = constrained_node(draft, {&c.within}, at_plane);
     if (!node) continue;
     draft.warn(
         section, "velocity",
@@ -152,8 +154,8 @@ void check_constraints(Draft const& draft) {
   bool const known = std::all_of(draft.body_shapes.begin(), draft.body_shapes.end(), [](auto const& s) { return s; });
   if (!draft.domain_known || !draft.boundaries_known || !known) return;
   shape::Box const everywhere = shape::bounds(shape::Everywhere{});
-  for (std::size_t n = 0; n < draft.out.points.constraints.size(); ++n) {
-    mpm::Constraint const& c = draft.out.points.constraints[n];
+  for (std::size_t n = 0; n < draft.out.particles.constraints.size(); ++n) {
+    mpm::Constraint const& c = draft.out.particles.constraints[n];
     Section const& section = *draft.constraint_sections[n];
     if (c.body >= 0 && is_rigid(draft, static_cast<std::size_t>(c.body))) {
       draft.error(
@@ -173,7 +175,7 @@ void check_constraints(Draft const& draft) {
                                    draft.out.domain.h);
       }
       if (outside) continue;  // reported
-      if (nodes < most_nodes / 4.0 && !held_node(draft, {&c.within}, everywhere)) {
+      if (nodes < most_nodes / 4.0 && !constrained_node(draft, {&c.within}, everywhere)) {
         Section const& region = *section.section("within");
         draft.report.error(
             region.place_of(place_key(region)), region.path,
@@ -183,7 +185,7 @@ void check_constraints(Draft const& draft) {
         continue;
       }
       shape::Box const reach = reach_of_bodies(draft, c.body);
-      if (nodes < most_nodes / 4.0 && !held_node(draft, {&c.within}, reach)) {
+      if (nodes < most_nodes / 4.0 && !constrained_node(draft, {&c.within}, reach)) {
         draft.warn(section, "within", "holds no node of a body at the start: nothing is held until a body comes there");
       }
     }
@@ -192,7 +194,7 @@ void check_constraints(Draft const& draft) {
 }
 
 /// The place and the body that a constraint holds; false after an error.
-bool what_is_held(Draft const& draft, Section const& section, mpm::Constraint& out) {
+bool what_is_constrained(Draft const& draft, Section const& section, mpm::Constraint& out) {
   bool sound = true;
   if (section.given("within")) {
     Section const* region = section.section("within");
@@ -236,10 +238,10 @@ bool has_keys_of(Draft const& draft, Section const& section, std::string const& 
 }
 
 /// The directions in which a constraint holds; false after an error.
-bool held_directions(Draft const& draft, Section const& section, std::string const& kind, mpm::Constraint& out) {
-  std::vector<std::string> held;
-  held.reserve(3);
-  for (int d = 0; d < draft.dims(); ++d) held.emplace_back(1, directions[d]);
+bool constrained_components(Draft const& draft, Section const& section, std::string const& kind, mpm::Constraint& out) {
+  std::vector<std::string> components;
+  components.reserve(3);
+  for (int d = 0; d < draft.dims(); ++d) components.emplace_back(1, directions[d]);
   std::string_view key = "components";
   if (kind == "roller") {
     if (section.given("components")) {
@@ -250,23 +252,23 @@ bool held_directions(Draft const& draft, Section const& section, std::string con
     key = "normal";
     auto const normal = section.text("normal");
     if (!normal) return false;
-    held = {*normal};
+    components = {*normal};
   } else if (section.given("components")) {
     auto const* given = section.strings("components");
     if (given == nullptr) return false;
-    held = *given;
+    components = *given;
   }
-  out.held = {false, false, false};
-  for (std::string const& letter : held) {
+  out.components = {false, false, false};
+  for (std::string const& letter : components) {
     int const d = letter[0] - 'x';
     if (d >= draft.dims()) {
       draft.error(section, key,
                   fmt::format("\"{}\" is not resolved in {}: remove it", letter, word_of(draft.geometry())));
       return false;
     }
-    out.held[static_cast<std::size_t>(d)] = true;
+    out.components[static_cast<std::size_t>(d)] = true;
   }
-  if (held.empty()) {
+  if (components.empty()) {
     draft.error(section, key, "the list is empty, and nothing would be held; write for example components = [\"x\"]");
     return false;
   }
@@ -279,7 +281,7 @@ bool prescribed_velocity(Draft const& draft, Section const& section, mpm::Constr
   if (!velocity) return false;
   out.velocity = *velocity;
   for (int d = 0; d < draft.dims(); ++d) {
-    if (out.held[static_cast<std::size_t>(d)] || out.velocity[d] == 0.0) continue;
+    if (out.components[static_cast<std::size_t>(d)] || out.velocity[d] == 0.0) continue;
     draft.error(section, "velocity",
                 fmt::format("{} has a value in direction {}, which is not held: add \"{}\" to components or write 0",
                             section.shown("velocity"), directions[d], directions[d]));
@@ -300,12 +302,12 @@ void constraint(Draft& draft, Section const& section) {
         "lower = [0, 0, 0], upper = [0.1, 1, 1]}");
     return;
   }
-  bool sound = what_is_held(draft, section, out);
+  bool sound = what_is_constrained(draft, section, out);
   sound = has_keys_of(draft, section, *kind) && sound;
-  if (!held_directions(draft, section, *kind, out)) return;
+  if (!constrained_components(draft, section, *kind, out)) return;
   if (*kind == "velocity" && section.given("velocity") && !prescribed_velocity(draft, section, out)) return;
   if (!sound) return;
-  draft.out.points.constraints.push_back(std::move(out));
+  draft.out.particles.constraints.push_back(std::move(out));
   draft.constraint_sections.push_back(&section);
 }
 

@@ -54,7 +54,7 @@ void build_contacts(Draft& draft) {
                       (*names)[0], (*names)[1]));
       return;
     }
-    for (mpm::Contact const& other : draft.out.points.contacts) {
+    for (mpm::Contact const& other : draft.out.particles.contacts) {
       if (std::minmax(other.first, other.second) != std::minmax(*first, *second)) continue;
       draft.error(section, "bodies",
                   fmt::format("{} and {} have a contact already: remove one of the two", (*names)[0], (*names)[1]));
@@ -62,7 +62,7 @@ void build_contacts(Draft& draft) {
     }
     contact.first = *first;
     contact.second = *second;
-    draft.out.points.contacts.push_back(contact);
+    draft.out.particles.contacts.push_back(contact);
   });
 }
 

@@ -40,7 +40,7 @@ Table const& deck_schema() {
          nested(Type::tables, "contact", contact_table()),
          nested(Type::tables, "surface_pressure", surface_pressure_table()),
          nested(Type::tables, "reinforcement", reinforcement_table()),
-         nested(Type::table, "points", points_table()),
+         nested(Type::table, "points", particles_table()),
          nested(Type::table, "mpm_region", mpm_region_table()),
          nested(Type::table, "numerics", numerics_table()),
          nested(Type::table, "output", output_table()),
@@ -80,7 +80,7 @@ void warn_of_unused_gas(Draft const& draft) {
 }
 
 /// Things of material points without a body.
-void refuse_points(Draft const& draft) {
+void refuse_particles(Draft const& draft) {
   for (auto const* key : {"constraint", "contact", "surface_pressure", "reinforcement"}) {
     auto const* all = draft.deck.sections(key);
     if (all == nullptr || all->empty()) continue;
@@ -118,9 +118,9 @@ void nothing_is_dropped(Draft const& draft) {
     return all == nullptr ? std::size_t{0} : all->size();
   };
   for (auto const& [key, built] :
-       {std::pair{"charge", draft.out.charges.size()}, std::pair{"body", draft.out.points.bodies.size()},
+       {std::pair{"charge", draft.out.charges.size()}, std::pair{"body", draft.out.particles.bodies.size()},
         std::pair{"initial_state", draft.out.initial_states.size()},
-        std::pair{"gauge", draft.out.gauges.size() + draft.out.points.gauges.size()}}) {
+        std::pair{"gauge", draft.out.gauges.size() + draft.out.particles.gauges.size()}}) {
     if (built >= named(key)) continue;  // a line of gauges is many
     throw std::logic_error(fmt::format("of {} [[{}]] {} were built, and nothing says why", named(key), key, built));
   }
@@ -146,7 +146,7 @@ Draft build_case(Section const& deck, Report& report) {
       build_surface_pressures(draft);
       build_reinforcements(draft);
     } else {
-      refuse_points(draft);
+      refuse_particles(draft);
     }
     if (draft.has_gas) {
       build_obstacles(draft);
@@ -158,7 +158,7 @@ Draft build_case(Section const& deck, Report& report) {
     }
     build_gauges(draft);
   }
-  build_points(draft);
+  build_particles(draft);
   if (draft.geometry_known) build_mpm_region(draft);
   build_numerics(draft);
   build_end(draft);

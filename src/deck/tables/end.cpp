@@ -1,4 +1,4 @@
-/// [end]: when the calculation ends.
+/// [end]: when the simulation ends.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,8 +29,9 @@ Settings<run::End> const& settings() {
        number("kinetic_energy", "1", 1e-12, 0.5)
            .note("not by it")
            .like("0.01")
-           .means("End when the kinetic energy of gas and bodies has been below this part of its largest value during "
-                  "the last third of the time so far. Up to 0.06 the turning points of a vibration are no end")},
+           .means(
+               "End when the kinetic energy of gas and bodies has been below this fraction of its largest value during "
+               "the last third of the time so far. Up to 0.06 the turning points of a vibration are no end")},
       {&E::wall_clock,
        number("wall_clock", "s", 1e-3, 1e8)
            .note("no limit")

@@ -234,7 +234,7 @@ void body_gauge(Draft& draft, Section const& section, std::string const& name, s
                        fmt::format("\"{}\" is used by another gauge: choose another name", name));
   }
   if (!body) return;
-  run::PointGauge gauge;
+  run::ParticleGauge gauge;
   gauge.name = name;
   gauge.body = *body;
   if (section.given("point")) {
@@ -251,7 +251,7 @@ void body_gauge(Draft& draft, Section const& section, std::string const& name, s
       return;
     }
   }
-  draft.out.points.gauges.push_back(std::move(gauge));
+  draft.out.particles.gauges.push_back(std::move(gauge));
 }
 
 }  // namespace

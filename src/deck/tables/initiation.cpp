@@ -29,7 +29,7 @@ Table const& initiation_table() {
 }
 
 bool build_initiation(Draft& draft, Section const& section, shape::Shape const& body, char const* what,
-                      run::Detonation& detonation, std::vector<run::InitiationPoint>& points) {
+                      run::Detonation& detonation, std::vector<run::InitiationPoint>& particles) {
   auto const word = section.text("detonation");
   if (!word || section.broken("initiation")) return false;
   choose(section, "detonation", detonation);
@@ -53,7 +53,7 @@ bool build_initiation(Draft& draft, Section const& section, shape::Shape const& 
   }
   if (all == nullptr || all->empty()) {
     if (!middle_is_explosive(section, "initiation")) return false;
-    points.push_back({shape::centre(body), 0.0});
+    particles.push_back({shape::centre(body), 0.0});
     return true;
   }
   bool sound = true;
@@ -88,11 +88,11 @@ bool build_initiation(Draft& draft, Section const& section, shape::Shape const& 
       sound = false;
       continue;
     }
-    points.push_back(p);
+    particles.push_back(p);
   }
-  if (!points.empty()) {
-    auto const first =
-        std::min_element(points.begin(), points.end(), [](auto const& a, auto const& b) { return a.delay < b.delay; });
+  if (!particles.empty()) {
+    auto const first = std::min_element(particles.begin(), particles.end(),
+                                        [](auto const& a, auto const& b) { return a.delay < b.delay; });
     draft.onsets.push_back({&section, first->delay, "initiation", "never detonates"});
   }
   return sound;

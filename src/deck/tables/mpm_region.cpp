@@ -58,10 +58,10 @@ Settings<run::MpmRegion> const& method() {
            .like("\"ledger\"")
            .means("How mass crosses the faces of the region: `ledger` conserves it to round-off, `paper` is Eqs. "
                   "(40)-(51) of [Cui14] as printed, which count twice what flows out of the region")},
-      {&R::points_per_direction, typed(Type::integer, "points_per_direction", "1", 1, 8)
-                                     .note("4 in 1D, 3 in 2D, 2 in 3D")
-                                     .like("2")
-                                     .means("Points of the gas per cell and direction at the start")},
+      {&R::particles_per_direction, typed(Type::integer, "points_per_direction", "1", 1, 8)
+                                        .note("4 in 1D, 3 in 2D, 2 in 3D")
+                                        .like("2")
+                                        .means("Points of the gas per cell and direction at the start")},
       {&R::activation, number("activation", "Pa", 0.0, 1e13)
                            .note("a thousandth of the ambient pressure")
                            .like("\"100 Pa\"")
@@ -135,9 +135,9 @@ void warn_if_only_gauges(Draft const& draft) {
 /// The products of explosives in the region are the fluid beside the ambient one.
 void products_of_bodies(Draft& draft) {
   auto const* const sections = draft.deck.sections("body");
-  if (sections == nullptr || sections->size() != draft.out.points.bodies.size()) return;  // there were errors
+  if (sections == nullptr || sections->size() != draft.out.particles.bodies.size()) return;  // there were errors
   for (std::size_t n = 0; n < sections->size(); ++n) {
-    run::Body const& body = draft.out.points.bodies[n];
+    run::Body const& body = draft.out.particles.bodies[n];
     if (!body.solid.burns()) continue;
     material::Fluid const* other = draft.out.other_fluid(1);
     if (other == nullptr) {
@@ -155,12 +155,12 @@ void products_of_bodies(Draft& draft) {
 /// Fluids that slip share one field of the grid and have no contact of their own.
 void contacts_of_fluids(Draft const& draft, run::MpmRegion const& region) {
   auto const* const sections = draft.deck.sections("contact");
-  auto const& contacts = draft.out.points.contacts;
+  auto const& contacts = draft.out.particles.contacts;
   if (!region.slip || sections == nullptr || sections->size() != contacts.size()) return;
   for (std::size_t n = 0; n < contacts.size(); ++n) {
     for (int const body : {contacts[n].first, contacts[n].second}) {
-      if (body >= static_cast<int>(draft.out.points.bodies.size())) return;  // there were errors
-      run::Body const& fluid = draft.out.points.bodies[body];
+      if (body >= static_cast<int>(draft.out.particles.bodies.size())) return;  // there were errors
+      run::Body const& fluid = draft.out.particles.bodies[body];
       if (fluid.rigid || fluid.solid.has_deviator()) continue;
       draft.error(
           (*sections)[n], "bodies",

@@ -80,15 +80,15 @@ void check_body_place(Draft const& draft, bridge::Region const& region, std::siz
 
 void check_mpm_region(Draft const& draft, bridge::Region const& region) {
   for (std::size_t i = 0; i < draft.body_shapes.size(); ++i) check_body_place(draft, region, i);
-  // The region and the cells beside it that act as points.
+  // The region and the cells beside it that act as particles.
   std::vector<Index3> near;
-  for (Index3 const& cell : region.lent()) near.push_back(region.clamped(cell));
+  for (Index3 const& cell : region.proxy_cells()) near.push_back(region.clamped(cell));
   std::sort(near.begin(), near.end());
   // Elsewhere nothing is wrong, and a large charge is not looked through there.
   shape::Box around;
   around.lower = {1e300, 1e300, 1e300};
   around.upper = {-1e300, -1e300, -1e300};
-  for (auto const* cells : {&region.cells(), &region.lent()}) {
+  for (auto const* cells : {&region.cells(), &region.proxy_cells()}) {
     for (Index3 const& cell : *cells) {
       for (int d = 0; d < draft.dims(); ++d) {
         double const low = draft.out.domain.lower[d] + cell[d] * draft.out.domain.h;

@@ -64,7 +64,7 @@ void cut_over(Draft& draft, double volume) {
   };
   for (auto& charge : draft.out.charges) charge.explosive.products.ideal_beyond = volume;
   for (auto& fluid : draft.out.other_fluids) set(fluid.eos);
-  for (auto& body : draft.out.points.bodies) set(body.solid.eos);
+  for (auto& body : draft.out.particles.bodies) set(body.solid.eos);
   if (found || !draft.out.charges.empty()) return;
   Section const& section = *draft.deck.section("numerics");
   draft.report.warning(section.place_of("ideal_products"), section.path_of("ideal_products"),

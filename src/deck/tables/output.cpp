@@ -9,7 +9,7 @@
 #include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
 #include "observe/gas_fields.hpp"
-#include "observe/point_fields.hpp"
+#include "observe/particle_fields.hpp"
 
 namespace brisance::deck {
 
@@ -45,10 +45,10 @@ Settings<run::Output> const& settings() {
       {&O::fields, words("fields", observe::known_fields(), O{}.fields)
                        .like("[\"pressure\", \"velocity\"]")
                        .means("Fields to write")},
-      {&O::point_fields, words("point_fields", observe::known_point_fields(), O{}.point_fields)
-                             .like("[\"velocity\", \"stress\"]")
-                             .means("Fields of the material points to write, beside position, body and material")},
-      {&O::gas_points,
+      {&O::particle_fields, words("point_fields", observe::known_particle_fields(), O{}.particle_fields)
+                                .like("[\"velocity\", \"stress\"]")
+                                .means("Fields of the material points to write, beside position, body and material")},
+      {&O::gas_particles,
        typed(Type::boolean, "gas_points")
            .like("true")
            .means("Write the gas points of an `[mpm_region]` too; without them the field dumps show their gas "
@@ -99,7 +99,7 @@ void build_output(Draft& draft) {
   auto& o = draft.out.output;
   settings().read(*section, o);
   without_repeats(o.fields);
-  without_repeats(o.point_fields);
+  without_repeats(o.particle_fields);
   for (auto const* key : {"fields", "peak_fields"}) {
     if (!draft.has_gas && section->given(key))
       draft.warn(*section, key, "has no effect in a deck of bodies without gas");
@@ -108,7 +108,7 @@ void build_output(Draft& draft) {
   if (!region && section->given("gas_points")) {
     draft.warn(*section, "gas_points", "has no effect in a deck without an MPM region");
   }
-  if (!draft.has_bodies() && !(region && o.gas_points) && section->given("point_fields")) {
+  if (!draft.has_bodies() && !(region && o.gas_particles) && section->given("point_fields")) {
     draft.warn(*section, "point_fields",
                region ? "has no effect in a deck without bodies, unless gas_points = true"
                       : "has no effect in a deck without bodies");

@@ -59,15 +59,15 @@ Settings<mpm::Options> const& settings() {
 
 }  // namespace
 
-Table const& points_table() {
+Table const& particles_table() {
   static Table const table{"The material point method.", settings().keys(), {}, {}};
   return table;
 }
 
-void build_points(Draft& draft) {
+void build_particles(Draft& draft) {
   Section const* section = draft.deck.section("points");
   if (section == nullptr) return;
-  auto& o = draft.out.points.options;
+  auto& o = draft.out.particles.options;
   settings().read(*section, o);
   if (draft.geometry_known && section->given("body_force")) {
     o.body_force = draft.point(*section, "body_force").value_or(o.body_force);

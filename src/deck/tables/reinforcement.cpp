@@ -1,4 +1,4 @@
-/// [[reinforcement]]: bars of steel, smeared over the points of a body.
+/// [[reinforcement]]: bars of steel, smeared over the particles of a body.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -133,7 +133,7 @@ void reinforcement(Draft& draft, Section const& section) {
         return;
       }
     }
-    draft.out.points.bars.push_back(bar);
+    draft.out.particles.bars.push_back(bar);
   }
 }
 

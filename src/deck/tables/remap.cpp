@@ -91,7 +91,7 @@ void remap_options(Draft const& draft, Section const& section, run::Start& s) {
                       section.shown(other)));
     }
   }
-  if (s.method == run::StartMethod::points && draft.deck.given("afterburn")) {
+  if (s.method == run::StartMethod::particles && draft.deck.given("afterburn")) {
     draft.error(
         section, "method",
         fmt::format("{} does not go with [afterburn], which is of gas cells: write \"gas\", or remove the afterburn",
@@ -106,10 +106,10 @@ void remap_options(Draft const& draft, Section const& section, run::Start& s) {
 }  // namespace
 
 void build_start(Draft& draft) {
-  bool const asked = draft.deck.text("start") == "remap";
+  bool const specified = draft.deck.text("start") == "remap";
   Section const* section = draft.deck.section("remap");
   check_profile(draft);
-  if (!asked) {
+  if (!specified) {
     if (section != nullptr && !draft.deck.broken("start")) {
       draft.report.warning(section->place, section->path,
                            "has no effect without start = \"remap\" at the head of the deck");

@@ -57,7 +57,7 @@ constexpr std::array keys_of_place{
 std::vector<std::string> possible_shapes(Draft const& draft, Use use) {
   switch (draft.geometry()) {
     case Geometry::cartesian3d:
-      if (use == Use::points) return {"sphere", "hemisphere", "cylinder", "box", "stl"};
+      if (use == Use::particles) return {"sphere", "hemisphere", "cylinder", "box", "stl"};
       return {"sphere", "hemisphere", "cylinder", "box"};
     case Geometry::axisymmetric2d: return {"sphere", "hemisphere", "cylinder", "box"};
     case Geometry::planar2d: return {"cylinder", "box"};

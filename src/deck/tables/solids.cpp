@@ -46,7 +46,7 @@ Table model_table(std::string meaning, std::string explanation) {
 }
 
 Table const& solid_eos_table() {
-  static Table const table = model_table<material::PointEos, OfSolids>(
+  static Table const table = model_table<material::ParticleEos, OfSolids>(
       "Equation of state of a solid: the pressure from density and energy.", "Equation of state");
   return table;
 }
@@ -63,8 +63,8 @@ Table const& failure_table() {
   return table;
 }
 
-Settings<material::Solid> const& settings() {
-  using S = material::Solid;
+Settings<material::Material> const& settings() {
+  using S = material::Material;
   static Settings<S> const all{
       density().required().like("2700").means("Density at the start"),
       number("E", "Pa", 1.0, 1e13)
@@ -192,7 +192,7 @@ bool refuse(Section const& section, char const* name, std::string_view key, Repo
 }
 
 /// Do the parts of concrete belong together?
-bool concrete_fits(material::Solid const& solid, Section const& section, Report& report) {
+bool concrete_fits(material::Material const& solid, Section const& section, Report& report) {
   using namespace material;
   auto const* hjc = std::get_if<Hjc>(&solid.strength);
   auto const* eos = std::get_if<Compaction>(&solid.eos);
@@ -243,7 +243,7 @@ bool concrete_fits(material::Solid const& solid, Section const& section, Report&
 }
 
 /// Do the parts of soil belong together?
-bool soil_fits(material::Solid const& solid, Section const& section, Report& report) {
+bool soil_fits(material::Material const& solid, Section const& section, Report& report) {
   using namespace material;
   auto const* soil = std::get_if<DruckerPrager>(&solid.strength);
   if (soil == nullptr) return true;
@@ -266,12 +266,12 @@ bool soil_fits(material::Solid const& solid, Section const& section, Report& rep
 }
 
 /// The models of a solid, with what its own keys tell of them; false after an error.
-bool models(Section const& section, std::map<std::string_view, double> const& derived, material::Solid& out,
+bool models(Section const& section, std::map<std::string_view, double> const& derived, material::Material& out,
             Report& report) {
   using namespace material;
   bool const elastic = derived.contains("K");
   if (auto const* table = section.section("eos")) {
-    auto const eos = model_of<PointEos>(*table, derived);
+    auto const eos = model_of<ParticleEos>(*table, derived);
     if (!eos) {
       missing_modulus(*table, "K", "bulk modulus", derived, report);
       return false;
@@ -313,7 +313,7 @@ bool models(Section const& section, std::map<std::string_view, double> const& de
 }
 
 /// Has the solid what it needs to tear at its tension cut-off?
-bool spall_fits(material::Solid const& solid, Section const& section, Report& report) {
+bool spall_fits(material::Material const& solid, Section const& section, Report& report) {
   using namespace material;
   if (solid.spall == Spall::limit) return true;
   if (!solid.plastic() || std::holds_alternative<Hjc>(solid.strength) ||
@@ -336,9 +336,9 @@ bool spall_fits(material::Solid const& solid, Section const& section, Report& re
 
 }  // namespace
 
-std::optional<material::Solid> build_solid(Section const& section, std::string const& name, Report& report) {
+std::optional<material::Material> build_solid(Section const& section, std::string const& name, Report& report) {
   using namespace material;
-  Solid out;
+  Material out;
   out.name = name;
   out.source = section.text("source").value_or("");
   auto const density = section.number("density");

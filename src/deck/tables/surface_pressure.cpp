@@ -67,9 +67,9 @@ Table const& surface_pressure_table() {
 
 namespace {
 
-constexpr double endless = 1e5;  ///< longer than any calculation [s]
+constexpr double endless = 1e5;  ///< longer than any simulation [s]
 
-/// Length of the pieces of a loaded surface in layers of points.
+/// Length of the pieces of a loaded surface in layers of particles.
 constexpr double facets_per_layer = 1.0 / 3.0;
 
 /// Unit vector of "+x", "-x", ...
@@ -137,21 +137,22 @@ bool is_flat_face(Draft const& draft, shape::Shape const& body, int direction, d
   return std::abs(face - box->lower[direction]) < draft.tiny() || std::abs(face - box->upper[direction]) < draft.tiny();
 }
 
-bool curved_layer(Draft const& draft, Section const& section, double asked, double layer,
+bool curved_layer(Draft const& draft, Section const& section, double specified, double layer,
                   mpm::SurfacePressure& pressure) {
-  pressure.thickness = std::max(1.0, std::round(asked / layer)) * layer;
-  if (!section.given("thickness") || asked < 8.0 * layer + draft.tiny()) return true;
+  pressure.thickness = std::max(1.0, std::round(specified / layer)) * layer;
+  if (!section.given("thickness") || specified < 8.0 * layer + draft.tiny()) return true;
   draft.error(section, "thickness",
               fmt::format("{} is more than eight layers of points, {:.4g} m each: make it smaller",
                           section.shown("thickness"), layer));
   return false;
 }
 
-/// Has the body points in the loaded layer of a surface pressure?
-bool has_points_in(Draft const& draft, shape::Shape const& body, shape::Shape const& layer, long points_per_cell) {
+/// Has the body particles in the loaded layer of a surface pressure?
+bool has_particles_in(Draft const& draft, shape::Shape const& body, shape::Shape const& layer,
+                      long particles_per_cell) {
   grid::Domain fine = draft.out.domain;
-  fine.h /= static_cast<double>(points_per_cell);
-  for (int d = 0; d < draft.dims(); ++d) fine.cells[d] *= static_cast<int>(points_per_cell);
+  fine.h /= static_cast<double>(particles_per_cell);
+  for (int d = 0; d < draft.dims(); ++d) fine.cells[d] *= static_cast<int>(particles_per_cell);
   shape::CellRange range = shape::cells_around(body, fine);
   shape::CellRange const near = shape::cells_around(layer, fine);
   for (int d = 0; d < 3; ++d) {
@@ -174,9 +175,9 @@ struct Loaded {
   shape::Shape const& body;
   shape::Shape within;  ///< of space
   shape::Box reach;     ///< of the body in it
-  long per_cell;        ///< points of the body, per direction
-  double layer;         ///< thickness of a layer of points [m]
-  double asked;         ///< thickness of what takes the pressure [m]
+  long per_cell;        ///< particles of the body, per direction
+  double layer;         ///< thickness of a layer of particles [m]
+  double specified;     ///< thickness of what takes the pressure [m]
   int direction = 0;    ///< that the pressure comes from, where it has one
   bool high = true;     ///< from its high side
   double face = 0.0;    ///< where the body ends there [m]
@@ -229,7 +230,7 @@ std::optional<Loaded> loaded_part(Draft const& draft, Section const& section, st
 /// Is there so much of the body below the loaded face?
 bool deep_enough(Draft const& draft, Section const& section, Loaded const& part) {
   double const depth = part.reach.upper[part.direction] - part.reach.lower[part.direction];
-  if (part.asked <= depth + draft.tiny()) return true;
+  if (part.specified <= depth + draft.tiny()) return true;
   bool const given = section.given("thickness");
   draft.error(
       section,
@@ -240,7 +241,7 @@ bool deep_enough(Draft const& draft, Section const& section, Loaded const& part)
                           section.shown("thickness"), depth)
             : fmt::format("a layer of points is {:.6g} m thick, more than there is of the body below the loaded face, "
                           "{:.6g} m: make it thicker",
-                          part.asked, depth));
+                          part.specified, depth));
   return false;
 }
 
@@ -261,10 +262,10 @@ std::vector<shape::Facet> seen_surface(Draft const& draft, Loaded const& part, V
 
 /// The layer below a flat face.
 bool flat_layer(Draft const& draft, Section const& section, Loaded const& part, mpm::SurfacePressure& pressure) {
-  // The inner side of the layer lies where sub-cells end, so that their points hold just its volume. A sub-cell that
+  // The inner side of the layer lies where sub-cells end, so that their particles hold just its volume. A sub-cell that
   // the body fills by less than a half does not count as a layer.
   int const d = part.direction;
-  double const inner = part.high ? part.face - part.asked : part.face + part.asked;
+  double const inner = part.high ? part.face - part.specified : part.face + part.specified;
   double const origin = draft.out.domain.lower[d];
   double side = origin + std::round((inner - origin) / part.layer) * part.layer;
   if (std::abs(part.face - side) < 0.5 * part.layer) side += part.high ? -part.layer : part.layer;
@@ -279,7 +280,7 @@ bool flat_layer(Draft const& draft, Section const& section, Loaded const& part, 
   slab.upper[d] = part.high ? part.face + part.layer : side;
   pressure.within =
       section.given("within") ? shape::combine(shape::Operation::intersection, {part.within, slab}) : slab;
-  if (has_points_in(draft, part.body, pressure.within, part.per_cell)) return true;
+  if (has_particles_in(draft, part.body, pressure.within, part.per_cell)) return true;
   draft.report.error(
       section.place_of("within"), section.path_of(section.given("within") ? "within" : "normal"),
       fmt::format("no point of the body lies in the loaded layer, {:.4g} m below the face at {} = {:.6g} m: "
@@ -288,7 +289,7 @@ bool flat_layer(Draft const& draft, Section const& section, Loaded const& part, 
   return false;
 }
 
-/// The layer below the loaded face in whole layers of points; false when the body has none there (reported).
+/// The layer below the loaded face in whole layers of particles; false when the body has none there (reported).
 bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressure& pressure) {
   auto part = loaded_part(draft, section, static_cast<std::size_t>(pressure.body));
   if (!part) return false;
@@ -299,7 +300,7 @@ bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressu
                          "no part of the body's surface lies in it: move it, or make it larger");
       return false;
     }
-    return curved_layer(draft, section, part->asked, part->layer, pressure);
+    return curved_layer(draft, section, part->specified, part->layer, pressure);
   }
   part->direction = pressure.normal[0] != 0.0 ? 0 : pressure.normal[1] != 0.0 ? 1 : 2;
   part->high = pressure.normal[part->direction] > 0.0;
@@ -320,7 +321,7 @@ bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressu
     }
     if (!flat || (part->direction == 0 && draft.radial())) {
       pressure.surface = std::move(facets);
-      return curved_layer(draft, section, part->asked, part->layer, pressure);
+      return curved_layer(draft, section, part->specified, part->layer, pressure);
     }
   }
   return flat_layer(draft, section, *part, pressure);
@@ -354,7 +355,7 @@ void surface_pressure(Draft& draft, Section const& section) {
     }
   }
   sound = loaded_layer(draft, section, out) && sound;
-  if (sound) draft.out.points.pressures.push_back(std::move(out));
+  if (sound) draft.out.particles.pressures.push_back(std::move(out));
 }
 
 }  // namespace

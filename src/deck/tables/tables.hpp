@@ -43,7 +43,7 @@ void build_charges(Draft& draft);
 [[nodiscard]] Table const& initiation_table();
 /// Kind of detonation and points of initiation of a charge or body (`what`); false after an error.
 bool build_initiation(Draft& draft, Section const& section, shape::Shape const& body, char const* what,
-                      run::Detonation& detonation, std::vector<run::InitiationPoint>& points);
+                      run::Detonation& detonation, std::vector<run::InitiationPoint>& particles);
 [[nodiscard]] Table const& afterburn_table();
 void build_afterburn(Draft& draft);
 [[nodiscard]] Table const& remap_table();
@@ -66,9 +66,9 @@ void build_bodies(Draft& draft);
 /// Gas, or a liquid at the pressure of the air, that nothing holds together.
 void warn_of_fluids_in_empty_space(Draft const& draft);
 /// Do bodies, loads or constraints set something in motion?
-[[nodiscard]] bool points_move(Draft const& draft);
-[[nodiscard]] Table const& points_table();
-void build_points(Draft& draft);
+[[nodiscard]] bool particles_move(Draft const& draft);
+[[nodiscard]] Table const& particles_table();
+void build_particles(Draft& draft);
 [[nodiscard]] Table const& mpm_region_table();
 void build_mpm_region(Draft& draft);
 /// Bodies, charges and obstacles that do not go with the region.
@@ -92,9 +92,9 @@ void build_reinforcements(Draft& draft);
 
 /// What a shape is for: it decides which shapes are possible and how much of them must be given.
 enum class Use {
-  gas,     ///< obstacle or initial state of the gas
-  charge,  ///< may leave its size to its mass
-  points,  ///< body or place among material points
+  gas,        ///< obstacle or initial state of the gas
+  charge,     ///< may leave its size to its mass
+  particles,  ///< body or place among material points
 };
 
 /// One shape of a table. A charge may leave its size to `volume_asked` [m3].
@@ -131,7 +131,7 @@ void build_solids(Draft& draft);
 [[nodiscard]] std::optional<material::Explosive> build_explosive(Section const& section, std::string const& name);
 [[nodiscard]] std::optional<material::Fluid> build_fluid(Section const& section, std::string const& name);
 /// The same; what its values mean together is checked here, and reported.
-[[nodiscard]] std::optional<material::Solid> build_solid(Section const& section, std::string const& name,
-                                                         Report& report);
+[[nodiscard]] std::optional<material::Material> build_solid(Section const& section, std::string const& name,
+                                                            Report& report);
 
 }  // namespace brisance::deck

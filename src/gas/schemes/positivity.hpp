@@ -277,8 +277,8 @@ class FluxLimiter {
   [[nodiscard]] double heat(PerFluid const& partial, PerFluid const& alpha, double rho_e) const {
     if (s_.most_H > 0.0) return -Margins::unsound;
     double left = rho_e;
-    auto const take_off = [&](int k, double part) {
-      left -= partial[k] * material::cold_energy(s_.fluids->eos[k], phase_density(partial[k], part));
+    auto const take_off = [&](int k, double fraction) {
+      left -= partial[k] * material::cold_energy(s_.fluids->eos[k], phase_density(partial[k], fraction));
     };
     double rest = 1.0;
     for_fluids<1, N>([&](int k) { rest -= alpha[k]; });

@@ -57,7 +57,7 @@ struct Compaction {
     return mu_lock + (1.0 + mu_lock) * m;
   }
 
-  /// The constants of the curves, found once for a loop over points.
+  /// The constants of the curves, found once for a loop over particles.
   struct Curves {
     double rho0, K_e, mu_crush, P_crush, mu_plock, slope, mu_lock, per_dense, K_lock, K1, K2, K3;
 

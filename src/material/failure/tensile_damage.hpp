@@ -1,12 +1,12 @@
 /// Tensile damage of concrete by growing micro-cracks, [Cui14] Eq. (58):
 ///     dD_t/dt = a D_t (1 - D_t) (s / sigma0 - 1)^gamma  where  s > sigma0,  from a seed D_t(0).
-/// s is the largest principal stress between the cracks: that of the point over 1 - D_t. (With the stress of the point
-/// itself the growth would end, and a tension sigma0 remain for ever, as soon as the damage has brought it down there.)
-/// At a constant s the equation is logistic, D / (1 - D) grows exponentially; it is integrated so, which is stable for
-/// any time step. Cracks of which 1 - D_t < `open` have joined: D_t = 1.
+/// s is the largest principal stress between the cracks: that of the particle over 1 - D_t. (With the stress of the
+/// particle itself the growth would end, and a tension sigma0 remain for ever, as soon as the damage has brought it
+/// down there.) At a constant s the equation is logistic, D / (1 - D) grows exponentially; it is integrated so, which
+/// is stable for any time step. Cracks of which 1 - D_t < `open` have joined: D_t = 1.
 ///
 /// The rate law knows no length: the energy of a crack would be proportional to the cell. With a fracture energy G_f
-/// the damage, once the softening has reached the stress of the point, grows no faster than a crack opens,
+/// the damage, once the softening has reached the stress of the particle, grows no faster than a crack opens,
 ///     d D_t = (1 - D_t) (sigma0 h / G_f) d e_open,
 /// so that the stress falls as exp(-sigma0 w / G_f) with the opening w = h e_open: a crack band [BazantOh83] whose
 /// energy is G_f where the fall begins at sigma0, and larger in proportion where the rate has raised the strength.

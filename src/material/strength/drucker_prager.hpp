@@ -60,7 +60,7 @@ struct DruckerPrager {
     double mean;  ///< mean stress, tension positive [Pa]
   };
 
-  /// The constants of the return, found once for a loop over points.
+  /// The constants of the return, found once for a loop over particles.
   struct Cone {
     double q, q_flow, k, s_t, G, K, tau_p, alpha_p, per_flow;
 

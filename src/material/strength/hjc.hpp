@@ -31,7 +31,7 @@ struct Hjc {
   double D1 = 0.04;       ///< damage constant
   double D2 = 1.0;        ///< exponent of the damage
   double ef_min = 0.01;   ///< smallest plastic strain to fracture
-  double residual = 0.0;  ///< part of the frictional strength that failed material keeps
+  double residual = 0.0;  ///< fraction of the frictional strength that failed material keeps
 
   static constexpr char const* name = "hjc";
   static constexpr bool deviatoric = true;

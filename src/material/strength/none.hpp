@@ -1,4 +1,4 @@
-/// No strength: gases, liquids, detonation products. The point carries no deviatoric stress.
+/// No strength: gases, liquids, detonation products. The particle carries no deviatoric stress.
 #pragma once
 
 #include <array>

@@ -1,9 +1,9 @@
 /// The closed list of strength models and what all of them share.
 ///
-/// Contract. Every model is a trivially copyable value with a parameter table, the two flags `deviatoric` (a point
+/// Contract. Every model is a trivially copyable value with a parameter table, the two flags `deviatoric` (a particle
 /// carries deviatoric stress) and `plastic` (it can yield), and shear_modulus() [Pa]. A plastic model adds the scalar
-/// functions of its return mapping; the loops over points stand in stress.cpp, those of the two models whose strength
-/// depends on the pressure in stress_concrete.cpp and stress_soil.cpp.
+/// functions of its return mapping; the loops over particles stand in stress.cpp, those of the two models whose
+/// strength depends on the pressure in stress_concrete.cpp and stress_soil.cpp.
 #pragma once
 
 #include <variant>

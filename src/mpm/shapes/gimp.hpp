@@ -1,5 +1,5 @@
-/// Generalised interpolation material point method, [Bardenhagen04]: the tent function averaged over the point's box.
-/// With a constant half length this is uGIMP; with one that is stretched with the material, cpGIMP [Wallstedt08].
+/// Generalised interpolation material point method, [Bardenhagen04]: the tent function averaged over the particle's
+/// box. With a constant half length this is uGIMP; with one that is stretched with the material, cpGIMP [Wallstedt08].
 #pragma once
 
 namespace brisance::mpm {
@@ -9,10 +9,10 @@ struct Gimp {
   static constexpr int support = 3;
   static constexpr int reach = 1;
   static constexpr bool sized = true;
-  static constexpr double longest_half = 0.5;    ///< in cells: a longer point would touch a fourth node
+  static constexpr double longest_half = 0.5;    ///< in cells: a longer particle would touch a fourth node
   static constexpr double shortest_half = 1e-3;  ///< in cells: below, the average is the tent itself
 
-  /// See `Linear::weights`; `half` is half the point's length in cells.
+  /// See `Linear::weights`; `half` is half the particle's length in cells.
   static void weights(double u, double half, int cells, int& first, double (&w)[support], double (&g)[support]) {
     double const last = cells;
     double const inside = u > 0.0 ? u : 0.0;

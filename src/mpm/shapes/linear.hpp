@@ -6,11 +6,11 @@ namespace brisance::mpm {
 struct Linear {
   static constexpr char const* name = "linear";
   static constexpr int support = 2;  ///< nodes per direction
-  static constexpr int reach = 0;    ///< nodes that a point may touch beyond those of its cell
+  static constexpr int reach = 0;    ///< nodes that a particle may touch beyond those of its cell
   static constexpr bool sized = false;
 
   /// First node, weights and gradients (per cell) at u, the coordinate in cells counted from the block's first node of
-  /// which the block has `cells`. `half` (half the point's length in cells) is not used.
+  /// which the block has `cells`. `half` (half the particle's length in cells) is not used.
   static void weights(double u, double /*half*/, int cells, int& first, double (&w)[support], double (&g)[support]) {
     double const last = cells - 1;
     double const inside = u > 0.0 ? u : 0.0;

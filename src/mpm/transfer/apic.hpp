@@ -1,4 +1,4 @@
-/// Points that take over the velocity of the nodes and its gradient, [Jiang15].
+/// Particles that take over the velocity of the nodes and its gradient, [Jiang15].
 #pragma once
 
 #include "mpm/transfer/set.hpp"
@@ -7,14 +7,14 @@ namespace brisance::mpm {
 
 template <class S, int D>
 struct Apic {
-  /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25): the nodes' new velocity and its gradient. The nodes
-  /// hold kinetic energy per mass in the place of their mass, and what the points' velocity and its gradient C do not
-  /// take up of it, e = v^2/2 + h^2/8 C:C + h^4/32 B:B (B: the mixed derivatives), heats or is counted: h^2/4 is the
-  /// second moment of the B-splines. With other shape functions, whose moments depend on the place, the energy of the
-  /// gradient is no part of a point's, and what it had given the nodes is taken off. Returns what is counted, and what
-  /// friction takes.
+  /// Velocity and motion of the particles, [Cui14] Eqs. (24)-(25): the nodes' new velocity and its gradient. The nodes
+  /// hold kinetic energy per mass in the place of their mass, and what the particles' velocity and its gradient C do
+  /// not take up of it, e = v^2/2 + h^2/8 C:C + h^4/32 B:B (B: the mixed derivatives), heats or is counted: h^2/4 is
+  /// the second moment of the B-splines. With other shape functions, whose moments depend on the place, the energy of
+  /// the gradient is no part of a particle's, and what it had given the nodes is taken off. Returns what is counted,
+  /// and what friction takes.
   static Dissipation move(SetView const& v, double dt, BodyRules const& rules, FieldScratch const& nodes) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     double const h = v.h;
     NodeVelocity const* taken = nodes.taken.data();
     NodeVelocity const* rub = nodes.rubs ? nodes.rub.data() : nullptr;
@@ -73,7 +73,7 @@ struct Apic {
     return dissipated;
   }
 
-  /// Takes off the way of points what only their velocity has, see contact.cpp.
+  /// Takes off the way of particles what only their velocity has, see contact.cpp.
   static void take_kept(SetView const& v, Weights<S, D> const& k, int n, double dt, NodeVelocity const* keep,
                         std::array<double*, 3> const& way) {
     for (int q = 0; q < n; ++q) {
@@ -83,8 +83,8 @@ struct Apic {
     }
   }
 
-  /// What a point gave the nodes by its velocity gradient, 1/2 sum w |C (x_I - x)|^2 [J/kg].
-  static double gradient_energy(PointSet& set, Weights<S, D> const& k, AffineWeights<S, D> const& around, double h,
+  /// What a particle gave the nodes by its velocity gradient, 1/2 sum w |C (x_I - x)|^2 [J/kg].
+  static double gradient_energy(ParticleSet& set, Weights<S, D> const& k, AffineWeights<S, D> const& around, double h,
                                 int begin, int q) {
     double sum = 0.0;
     for (int j = 0; j < D; ++j) {
@@ -102,7 +102,7 @@ struct Apic {
   }
 
   /// Momentum that APIC's velocity gradient adds per distance in each direction.
-  static std::array<Lanes4, 3> affine_columns(PointSet& set, int q, double m) {
+  static std::array<Lanes4, 3> affine_columns(ParticleSet& set, int q, double m) {
     std::array<Lanes4, 3> c{};
     for (int j = 0; j < D; ++j) {
       for (int i = 0; i < 3; ++i) c[j][i] = m * set.field(Field::affine_xx + (3 * i + j))[q];
@@ -111,7 +111,7 @@ struct Apic {
   }
 
   /// The same per product of two distances, from its mixed derivatives.
-  static std::array<Lanes4, 3> mixed_columns(PointSet& set, int q, double m) {
+  static std::array<Lanes4, 3> mixed_columns(ParticleSet& set, int q, double m) {
     std::array<Lanes4, 3> c{};
     if (set.field(Field::cross_xy) == nullptr) return c;
     for (int pair = 0; pair < (D == 3 ? 3 : 1); ++pair) {

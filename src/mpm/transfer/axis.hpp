@@ -11,15 +11,15 @@ namespace brisance::mpm {
 inline constexpr double even_per_strain = 3000.0;
 inline constexpr double even_most = 0.3;   ///< part that a step takes
 inline constexpr double even_cells = 4.0;  ///< radius that it reaches
-/// Nothing is taken off where the cells around a point are filled by no more than the first, all of it from the second
-/// on: the outer two of the points across a plate, of which the nodes see one side only.
+/// Nothing is taken off where the cells around a particle are filled by no more than the first, all of it from the
+/// second on: the outer two of the particles across a plate, of which the nodes see one side only.
 inline constexpr double surface_fill = 0.85;
 inline constexpr double inner_fill = 0.95;
 
 template <class S, int D>
 struct BesideAxis {
-  /// Does a point take part? Those within the reach and, so that their means are whole, some cells around them; those
-  /// that have failed or come loose drift apart and have nothing in common.
+  /// Does a particle take part? Those within the reach and, so that their means are whole, some cells around them;
+  /// those that have failed or come loose drift apart and have nothing in common.
   static bool evened(SetView const& v, double const* damage, int q) {
     constexpr double coherent = 0.9;  // of the density at the start; no solid stretches that far
     double const radius = v.set->field(Field::position_x)[q];
@@ -27,10 +27,10 @@ struct BesideAxis {
            v.set->field(Field::density)[q] > coherent * v.body->solid.density;
   }
 
-  /// What the points of a body beside the axis fill of the cells around the nodes, and the same times density, s_xx and
-  /// s_yy: see `even_out`.
+  /// What the particles of a body beside the axis fill of the cells around the nodes, and the same times density, s_xx
+  /// and s_yy: see `even_out`.
   static void map_even(SetView const& v, grid::Geometry geometry, NodeVelocity* nodes) {
-    PointSet const& set = *v.set;
+    ParticleSet const& set = *v.set;
     double const* damage = set.field(Field::damage);
     double const* density = set.field(Field::density);
     double const* xx = set.field(Field::deviator_xx);
@@ -60,15 +60,15 @@ struct BesideAxis {
     });
   }
 
-  /// Beside the axis stresses that no node feels gather at the points: patterns a cell long whose forces cancel, left
-  /// over by waves that run together there, as strains are taken where the points are while they swing, and worth the
-  /// more stress the less volume a ring has. They are drained as fast as the points are strained. With P, from points
-  /// to nodes and back, (I - P)^2 of density and deviator is taken off: all of such a pattern, of a wave of ten cells a
-  /// hundredth. Mass and energy of a body remain: what the pattern held is heat. At its surface, where P would flatten
-  /// the stress of bending, it stays. `means`: (2 P - P^2) of it at the nodes.
+  /// Beside the axis stresses that no node feels gather at the particles: patterns a cell long whose forces cancel,
+  /// left over by waves that run together there, as strains are taken where the particles are while they swing, and
+  /// worth the more stress the less volume a ring has. They are drained as fast as the particles are strained. With P,
+  /// from particles to nodes and back, (I - P)^2 of density and deviator is taken off: all of such a pattern, of a wave
+  /// of ten cells a hundredth. Mass and energy of a body remain: what the pattern held is heat. At its surface, where P
+  /// would flatten the stress of bending, it stays. `means`: (2 P - P^2) of it at the nodes.
   static void even_out(SetView const& v, int begin, int n, Weights<S, D> const& k, double const (&e)[10][chunk],
                        NodeVelocity const* means) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     double const* radius = set.field(Field::position_x) + begin;
     double const* damage = set.field(Field::damage);
     double* density = set.field(Field::density) + begin;
@@ -76,8 +76,8 @@ struct BesideAxis {
     double* yy = set.field(Field::deviator_yy) + begin;
     double* zz = set.field(Field::deviator_zz) + begin;
     double* pressure = set.field(Field::pressure) + begin;
-    // In soil the pressure is a state that follows the changes of density; it would keep the pattern, and a point that
-    // lost density here would bear pressure however far it flew apart.
+    // In soil the pressure is a state that follows the changes of density; it would keep the pattern, and a particle
+    // that lost density here would bear pressure however far it flew apart.
     auto const* linear = std::get_if<material::Linear>(&v.body->solid.eos);
     bool const soil = linear != nullptr && std::holds_alternative<material::DruckerPrager>(v.body->solid.strength);
     double const stiffness = soil ? linear->K / linear->rho0 : 0.0;
@@ -88,10 +88,10 @@ struct BesideAxis {
       velocity_at<S, D>(*v.patch, k, q, means, seen);
       double const whole_cells = std::clamp((seen[3] - surface_fill) / (inner_fill - surface_fill), 0.0, 1.0);
       double const strained = std::abs(e[0][q]) + std::abs(e[1][q]) + std::abs(e[2][q]) + 2.0 * std::abs(e[3][q]);
-      double const part = whole_cells * near * std::min(even_most, even_per_strain * strained);
-      double const dx = part * (seen[1] - xx[q]);
-      double const dy = part * (seen[2] - yy[q]);
-      double const denser = part * (seen[0] - density[q]);
+      double const fraction = whole_cells * near * std::min(even_most, even_per_strain * strained);
+      double const dx = fraction * (seen[1] - xx[q]);
+      double const dy = fraction * (seen[2] - yy[q]);
+      double const denser = fraction * (seen[0] - density[q]);
       density[q] += denser;
       pressure[q] += stiffness * denser;
       xx[q] += dx;

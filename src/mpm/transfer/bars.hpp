@@ -1,13 +1,13 @@
-/// Steel bars that run through points.
+/// Steel bars that run through particles.
 #pragma once
 
 #include "mpm/transfer/set.hpp"
 
 namespace brisance::mpm {
 
-/// Adds the stress of a bar to that of its point.
-inline void add_bar(PointSet const& set, int q, std::array<double, 6>& s) {
-  double const f = set.field(Field::bar_part)[q] * set.field(Field::bar_stress)[q];
+/// Adds the stress of a bar to that of its particle.
+inline void add_bar(ParticleSet const& set, int q, std::array<double, 6>& s) {
+  double const f = set.field(Field::bar_fraction)[q] * set.field(Field::bar_stress)[q];
   Vec3 const n{set.field(Field::bar_x)[q], set.field(Field::bar_y)[q], set.field(Field::bar_z)[q]};
   for (int d = 0; d < 3; ++d) {
     s[d] += f * n[d] * n[d];
@@ -17,7 +17,7 @@ inline void add_bar(PointSet const& set, int q, std::array<double, 6>& s) {
 
 /// Stress and energy of the bars that run through a chunk; they make sound faster.
 inline void strain_bars(SetView const& v, int begin, int n, double const (&e)[10][chunk], double (&sound)[chunk]) {
-  PointSet& set = *v.set;
+  ParticleSet& set = *v.set;
   double const* const number = set.field(Field::bar_number);
   for (int q = 0; q < n; ++q) {
     int const at = begin + q;
@@ -30,7 +30,7 @@ inline void strain_bars(SetView const& v, int begin, int n, double const (&e)[10
     double& stress = set.field(Field::bar_stress)[at];
     double& flow = set.field(Field::bar_plastic_strain)[at];
     BarState const end = stretched(bar, {stress, flow}, strain);
-    double const per_mass = set.field(Field::bar_part)[at] / set.field(Field::density)[at];
+    double const per_mass = set.field(Field::bar_fraction)[at] / set.field(Field::density)[at];
     set.field(Field::energy)[at] += 0.5 * (stress + end.stress) * strain * per_mass;
     stress = end.stress;
     flow = end.plastic_strain;

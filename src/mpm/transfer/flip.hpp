@@ -1,4 +1,4 @@
-/// Points that add the change of the nodes' velocity to their own: FLIP, with a part of PIC or the filter of XPIC.
+/// Particles that add the change of the nodes' velocity to their own: FLIP, with a part of PIC or the filter of XPIC.
 #pragma once
 
 #include "mpm/transfer/set.hpp"
@@ -7,10 +7,10 @@ namespace brisance::mpm {
 
 template <class S, int D>
 struct Flip {
-  /// Velocity and motion of the points, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity. Returns the
+  /// Velocity and motion of the particles, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity. Returns the
   /// kinetic energy that they lose by constraints and walls (gains count negative), by the filters and by friction.
   static Dissipation move(SetView const& v, Options const& options, double dt, FieldScratch const& nodes) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     double const pic = v.body->transfer.value_or(options.transfer) == Transfer::flip ? options.pic_fraction : 0.0;
     NodeMotion const* motion = nodes.motion.data();
     NodeVelocity const* exchange = nodes.exchanges ? nodes.exchange.data() : nullptr;
@@ -54,7 +54,7 @@ struct Flip {
         BRISANCE_VECTOR_LOOP
         for (int q = 0; q < n; ++q) x[q] = dt * f[q];
       }
-      // PIC takes over the velocity that the points keep where bodies meet, not the one with which the nodes move.
+      // PIC takes over the velocity that the particles keep where bodies meet, not the one with which the nodes move.
       for (int q = 0; keep != nullptr && q < n; ++q) {
         Lanes4 kept;
         velocity_at<S, D>(*v.patch, k, q, keep, kept);
@@ -75,8 +75,8 @@ struct Flip {
     return dissipated;
   }
 
-  /// What constraints, walls and friction take of a point: each at the mean velocity, half of what they change together
-  /// in it. The forces do their work with the stress, and share it with friction alone.
+  /// What constraints, walls and friction take of a particle: each at the mean velocity, half of what they change
+  /// together in it. The forces do their work with the stress, and share it with friction alone.
   static inline __attribute__((always_inline)) void book(SetView const& v, Weights<S, D> const& k, int q,
                                                          std::array<NodeVelocity const*, 3> const& causes, double m,
                                                          Vec3 const& velocity, Vec3 const& change, Dissipation& taken) {
@@ -88,14 +88,14 @@ struct Flip {
       all += by[c];
     }
     for (int d = 0; d < 3; ++d) {
-      taken.held -= m * (by[0][d] + by[1][d]) * (velocity[d] + 0.5 * all[d]);
+      taken.constraints -= m * (by[0][d] + by[1][d]) * (velocity[d] + 0.5 * all[d]);
       taken.friction -= m * by[2][d] * (velocity[d] + 0.5 * change[d]);
     }
   }
 
   /// XPIC: takes from `filtered` what the nodes see of it.
   static void filter(SetView const& v, NodeVelocity const* nodes) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
       auto const u = vector_at(set, Field::filtered_x, begin);
       for (int q = 0; q < n; ++q) {

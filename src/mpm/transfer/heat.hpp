@@ -7,14 +7,14 @@ namespace brisance::mpm {
 
 template <class S, int D>
 struct Heat {
-  /// Part of a point's heat that a step exchanges.
+  /// Fraction of a particle's heat that a step exchanges.
   static double exchanged(double conduction, double p, double q) {
     return q > 0.0 ? std::min(0.5, conduction * q / (std::max(p, 0.0) + q)) : 0.0;
   }
 
-  /// Internal energy and mass of the points, and the part that is exchanged: see `Body::shock_conduction`.
+  /// Internal energy and mass of the particles, and the part that is exchanged: see `Body::shock_conduction`.
   static void map_heat(SetView const& v, NodeVelocity* nodes) {
-    PointSet const& set = *v.set;
+    ParticleSet const& set = *v.set;
     for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
       double const* mass = set.field(Field::mass) + begin;
       double const* energy = set.field(Field::energy) + begin;
@@ -22,16 +22,16 @@ struct Heat {
       double const* viscosity = set.field(Field::viscosity) + begin;
       for (int q = 0; q < n; ++q) {
         double const m = mass[q];
-        double const part = exchanged(v.body->shock_conduction, pressure[q], viscosity[q]);
-        add<S, D>(*v.patch, k, q, nodes, whole, Lanes4{m * energy[q], m * part, 0.0, m});
+        double const fraction = exchanged(v.body->shock_conduction, pressure[q], viscosity[q]);
+        add<S, D>(*v.patch, k, q, nodes, whole, Lanes4{m * energy[q], m * fraction, 0.0, m});
       }
     });
   }
 
-  /// Exchanges heat with the nodes, which hold (energy per mass * part, part, -, mass): what one point gives at a node
-  /// others take.
+  /// Exchanges heat with the nodes, which hold (energy per mass * part, part, -, mass): what one particle gives at a
+  /// node others take.
   static ConductionCount take_heat(SetView const& v, NodeVelocity const* nodes) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     ConductionCount count;
     for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
       double const* mass = set.field(Field::mass) + begin;

@@ -1,4 +1,4 @@
-/// The points of one body in one block, and what the loops between them and the nodes of the block's patch share.
+/// The particles of one body in one block, and what the loops between them and the nodes of the block's patch share.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace brisance::mpm {
 
-inline std::array<double const*, 3> constant_at(PointSet const& set, Field first, int begin) {
+inline std::array<double const*, 3> constant_at(ParticleSet const& set, Field first, int begin) {
   std::array<double const*, 3> out{};
   for (int d = 0; d < 3; ++d) {
     double const* values = set.field(first + d);
@@ -25,7 +25,7 @@ inline std::array<double const*, 3> constant_at(PointSet const& set, Field first
   return out;
 }
 
-inline std::array<double*, 3> vector_at(PointSet& set, Field first, int begin) {
+inline std::array<double*, 3> vector_at(ParticleSet& set, Field first, int begin) {
   std::array<double*, 3> out{};
   for (int d = 0; d < 3; ++d) {
     double* values = set.field(first + d);
@@ -34,9 +34,9 @@ inline std::array<double*, 3> vector_at(PointSet& set, Field first, int begin) {
   return out;
 }
 
-inline HalfLengths half_lengths(PointSet const& set, Body const& body, double h, int begin) {
+inline HalfLengths half_lengths(ParticleSet const& set, Body const& body, double h, int begin) {
   HalfLengths half;
-  double const constant = 0.5 * h / body.points_per_direction;
+  double const constant = 0.5 * h / body.particles_per_direction;
   half.constant = {constant, constant, constant};
   half.own = constant_at(set, Field::half_x, begin);
   return half;
@@ -51,38 +51,38 @@ inline Hoops hoops_of(grid::Geometry geometry) {
   }
 }
 
-/// Part of a point's volume that the gas around does not fill. Debris flies apart and soil bursts, and the volumes of
-/// their points grow with the gaps between them: a solid bears the pressure of the gas with no more than its matter.
-/// With all of it single grains push, and are pushed, as if they filled many cells, and are thrown.
-inline double matter_part(Body const& body, double density) {
+/// Fraction of a particle's volume that the gas around does not fill. Debris flies apart and soil bursts, and the
+/// volumes of their particles grow with the gaps between them: a solid bears the pressure of the gas with no more than
+/// its matter. With all of it single grains push, and are pushed, as if they filled many cells, and are thrown.
+inline double matter_fraction(Body const& body, double density) {
   return body.solid.has_deviator() ? std::min(1.0, density / body.solid.density) : 1.0;
 }
 
 /// What a pass over one set needs.
 struct SetView {
-  PointSet* set;
+  ParticleSet* set;
   Body const* body;
   Patch const* patch;
   double h;
 };
 
-/// Locking control. Replaces the volumetric strain of each point by that of its cell, and the pressure in the forces by
-/// the cell's mean, both weighted with volume: the two are conjugate, so that the work of the forces and the energy of
-/// the points agree (the B-bar method of finite elements, with the cell as the element, [Hughes80]).
+/// Locking control. Replaces the volumetric strain of each particle by that of its cell, and the pressure in the forces
+/// by the cell's mean, both weighted with volume: the two are conjugate, so that the work of the forces and the energy
+/// of the particles agree (the B-bar method of finite elements, with the cell as the element, [Hughes80]).
 class CellMeans {
  public:
-  /// Finds the cell of each point of a set.
+  /// Finds the cell of each particle of a set.
   CellMeans(SetView const& v, Scratch& scratch) : scratch_(&scratch) {
     scratch.cell_sums.assign(v.patch->cell_range().count() * 2, 0.0);
     find_cells(*v.set, *v.patch, scratch.order);
   }
-  void add(int point, double volume, double value) {
-    double* sums = scratch_->cell_sums.data() + 2L * scratch_->order[point];
+  void add(int particle, double volume, double value) {
+    double* sums = scratch_->cell_sums.data() + 2L * scratch_->order[particle];
     sums[0] += volume;
     sums[1] += volume * value;
   }
-  [[nodiscard]] double mean(int point) const {
-    double const* sums = scratch_->cell_sums.data() + 2L * scratch_->order[point];
+  [[nodiscard]] double mean(int particle) const {
+    double const* sums = scratch_->cell_sums.data() + 2L * scratch_->order[particle];
     return sums[1] / sums[0];
   }
 
@@ -90,10 +90,10 @@ class CellMeans {
   Scratch* scratch_;
 };
 
-/// Calls work(begin, n, weights) for the points of a set, a chunk at a time.
+/// Calls work(begin, n, weights) for the particles of a set, a chunk at a time.
 template <class S, int D, class Work>
 void for_chunks(SetView const& v, Work&& work) {
-  PointSet const& set = *v.set;
+  ParticleSet const& set = *v.set;
   Weights<S, D> k;
   for (int begin = 0; begin < set.size(); begin += chunk) {
     int const n = std::min(chunk, set.size() - begin);
@@ -105,7 +105,7 @@ void for_chunks(SetView const& v, Work&& work) {
 
 /// Mean of pressure and bulk viscosity over each cell of a set.
 inline CellMeans mean_pressures(SetView const& v, Scratch& scratch) {
-  PointSet const& set = *v.set;
+  ParticleSet const& set = *v.set;
   double const* mass = set.field(Field::mass);
   double const* density = set.field(Field::density);
   double const* pressure = set.field(Field::pressure);

@@ -1,4 +1,4 @@
-/// Strain of points.
+/// Strain of particles.
 #pragma once
 
 #include "mpm/transfer/set.hpp"
@@ -10,7 +10,7 @@ struct Strain {
   /// Strain and spin increments of a chunk, [Cui14] Eqs. (27)-(28), in rows of `chunk`: 0-5 strain, 6-8 spin, 9 volume.
   static void strain(SetView const& v, Hoops const& hoops, double dt, int begin, int n, Weights<S, D> const& k,
                      NodeVelocity const* nodes, double (&out)[10][chunk]) {
-    PointSet const& set = *v.set;
+    ParticleSet const& set = *v.set;
     double const scale = dt / v.h;
     double const* radius = set.field(Field::position_x) + begin;
     alignas(64) double l[3][3][chunk];  // dv_i/dx_j dt

@@ -1,4 +1,4 @@
-/// Stress of points from their strain.
+/// Stress of particles from their strain.
 #pragma once
 
 #include "material/stress.hpp"
@@ -21,14 +21,14 @@ struct Stress {
   /// Stress of a chunk from its strain. Returns the fastest signal [m/s].
   static double stress(SetView const& v, Options const& options, double time, double dt, int begin, int n,
                        double const (&e)[10][chunk], double const* volumetric) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     auto const at = [&](Field f) {
       double* values = set.field(f);
       return values == nullptr ? nullptr : values + begin;
     };
     alignas(64) double sound[chunk];
     alignas(64) double burnt[chunk];
-    material::PointArrays arrays{};
+    material::ParticleArrays arrays{};
     arrays.n = n;
     for (int c = 0; c < 6; ++c) {
       arrays.strain[c] = e[c];
@@ -78,17 +78,17 @@ struct Stress {
     return largest_of(sound, n);
   }
 
-  /// Takes the volumes of a chunk's points towards the room that there is around them, see `Body::fills_space`;
-  /// `filled` is what the points fill of the cells around the nodes, by `map_filled`. They drift with the strain, and
-  /// come back with it: gas in uniform motion stays as it is, to the last bit. Not beside open faces: nobody knows what
-  /// fills the space behind them.
+  /// Takes the volumes of a chunk's particles towards the room that there is around them, see `Body::fills_space`;
+  /// `filled` is what the particles fill of the cells around the nodes, by `map_filled`. They drift with the strain,
+  /// and come back with it: gas in uniform motion stays as it is, to the last bit. Not beside open faces: nobody knows
+  /// what fills the space behind them.
   static void fill_space(SetView const& v, Options const& options, int begin, int n, Weights<S, D> const& k,
                          double const* volumetric, NodeVelocity const* filled) {
     // Measured: from 5 to 80 the tubes and rooms of `Confined` come out alike.
     constexpr double per_strain = 20.0;
-    constexpr double most_part = 0.3;  // of the difference in a step
-    constexpr double most = 0.02;      // change of a volume in a step
-    PointSet& set = *v.set;
+    constexpr double most_fraction = 0.3;  // of the difference in a step
+    constexpr double most = 0.02;          // change of a volume in a step
+    ParticleSet& set = *v.set;
     double* density = set.field(Field::density) + begin;
     double* energy = set.field(Field::energy) + begin;
     double const reference = v.body->reference_pressure;
@@ -104,8 +104,8 @@ struct Stress {
       if (!known) continue;
       Lanes4 seen;
       velocity_at<S, D>(*v.patch, k, q, filled, seen);
-      double const part = std::min(most_part, per_strain * std::abs(volumetric[q]));
-      double const change = std::clamp(part * (seen[0] - 1.0), -most, most);
+      double const fraction = std::min(most_fraction, per_strain * std::abs(volumetric[q]));
+      double const change = std::clamp(fraction * (seen[0] - 1.0), -most, most);
       double const before = density[q];
       density[q] *= 1.0 + change;
       energy[q] += reference * (1.0 / before - 1.0 / density[q]);
@@ -143,11 +143,11 @@ struct Stress {
       });
       return fastest;
     }
-    PointSet const& set = *v.set;
-    int const points = set.size();
+    ParticleSet const& set = *v.set;
+    int const particles = set.size();
     double const* mass = set.field(Field::mass);
     double const* density = set.field(Field::density);
-    scratch.strain.resize(static_cast<std::size_t>((points + chunk - 1) / chunk) * 10 * chunk);
+    scratch.strain.resize(static_cast<std::size_t>((particles + chunk - 1) / chunk) * 10 * chunk);
     auto* stored = reinterpret_cast<double(*)[10][chunk]>(scratch.strain.data());
     CellMeans means(v, scratch);
     for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
@@ -156,8 +156,8 @@ struct Stress {
       if (even != nullptr) BesideAxis<S, D>::even_out(v, begin, n, k, e, even);
       for (int q = 0; q < n; ++q) means.add(begin + q, mass[begin + q] / density[begin + q], e[9][q]);
     });
-    for (int begin = 0; begin < points; begin += chunk) {
-      int const n = std::min(chunk, points - begin);
+    for (int begin = 0; begin < particles; begin += chunk) {
+      int const n = std::min(chunk, particles - begin);
       auto& e = stored[begin / chunk];
       for (int q = 0; q < n; ++q) e[9][q] = means.mean(begin + q);
       fastest = std::max(fastest, stress_of(begin, n, e));

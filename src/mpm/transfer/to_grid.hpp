@@ -1,4 +1,4 @@
-/// Mass, momentum and forces from the points of a set to the nodes.
+/// Mass, momentum and forces from the particles of a set to the nodes.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 namespace brisance::mpm {
 
 /// Outer forces of a step: the surface pressures [Pa] by their numbers, which multiply `load_x` component by component,
-/// and the body force and acceleration of `Options`. All of them reach the nodes from the points, and so do those of
+/// and the body force and acceleration of `Options`. All of them reach the nodes from the particles, and so do those of
 /// the images behind mirror planes, which are pulled the other way.
 struct OuterForces {
   std::vector<Vec3> pressures;
@@ -21,12 +21,12 @@ struct OuterForces {
 
 template <class S, int D>
 struct ToGrid {
-  /// Mass and momentum, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20); of APIC's points the
-  /// kinetic energy too, that of their velocity gradient included.
+  /// Mass and momentum, [Cui14] Eqs. (18), (21), and the inner and outer forces, Eqs. (19)-(20); of APIC's particles
+  /// the kinetic energy too, that of their velocity gradient included.
   template <bool with_mass, bool with_forces>
   static void map_state(SetView const& v, Hoops const& hoops, OuterForces const& outer, CellMeans const* means,
                         NodeSums* nodes) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     double const inverse_h = 1.0 / v.h;
     bool const affine = with_mass && set.field(Field::affine_xx) != nullptr;
     std::array<double const*, 6> deviator{};
@@ -57,7 +57,7 @@ struct ToGrid {
         Lanes4 cz{};
         if constexpr (with_forces) {
           double const own = means == nullptr ? pressure[q] + viscosity[q] : means->mean(begin + q);
-          double const p = stressed * (own - reference * matter_part(*v.body, density[q]));
+          double const p = stressed * (own - reference * matter_fraction(*v.body, density[q]));
           std::array<double, 6> s{-p, -p, -p, 0.0, 0.0, 0.0};
           if (deviator[0] != nullptr) {
             for (int c = 0; c < 6; ++c) s[c] += deviator[c][begin + q];
@@ -92,17 +92,17 @@ struct ToGrid {
     });
   }
 
-  /// Adds the force of the acceleration where a point is.
-  static void add_acceleration(PointSet const& set, int point, OuterForces const& outer, Lanes4& force) {
-    Vec3 const x{set.field(Field::position_x)[point], set.field(Field::position_y)[point],
-                 set.field(Field::position_z)[point]};
+  /// Adds the force of the acceleration where a particle is.
+  static void add_acceleration(ParticleSet const& set, int particle, OuterForces const& outer, Lanes4& force) {
+    Vec3 const x{set.field(Field::position_x)[particle], set.field(Field::position_y)[particle],
+                 set.field(Field::position_z)[particle]};
     Vec3 const g = outer.acceleration(x, outer.time);
-    for (int d = 0; d < 3; ++d) force[d] += set.field(Field::mass)[point] * g[d];
+    for (int d = 0; d < 3; ++d) force[d] += set.field(Field::mass)[particle] * g[d];
   }
 
-  /// Momentum and mass of a vector that the points carry: their velocity mapped back, [Cui14] Eq. (26).
+  /// Momentum and mass of a vector that the particles carry: their velocity mapped back, [Cui14] Eq. (26).
   static void map_velocity(SetView const& v, Field vector, NodeVelocity* nodes) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     bool const affine = vector == Field::velocity_x && set.field(Field::affine_xx) != nullptr;
     for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
       double const* mass = set.field(Field::mass) + begin;

@@ -1,4 +1,4 @@
-/// The energy of points takes the work that the nodes do.
+/// The energy of particles takes the work that the nodes do.
 #pragma once
 
 #include "mpm/transfer/bars.hpp"
@@ -8,17 +8,17 @@ namespace brisance::mpm {
 
 template <class S, int D>
 struct NodeWork {
-  /// The work of the points' pressure, as the forces on the nodes do it: they push with the pressure of the start of
+  /// The work of the particles' pressure, as the forces on the nodes do it: they push with the pressure of the start of
   /// the step while the nodes move at the mean of their velocities before and after. The energy that a step of the
   /// stress books, with the mean pressure and the new velocity alone, comes to the same in the sum over the steps, but
-  /// for what the way from nodes to points and back changes in the velocity. So one half of each step's work, and half
-  /// of the viscous one, is provisional, and the next step puts the real one in its place. Without this gas that is
-  /// shocked again and again loses energy: a tube at 20 bar 0.6 % in 40 ms, with it 0.004 %. The reference pressure
+  /// for what the way from nodes to particles and back changes in the velocity. So one half of each step's work, and
+  /// half of the viscous one, is provisional, and the next step puts the real one in its place. Without this gas that
+  /// is shocked again and again loses energy: a tube at 20 bar 0.6 % in 40 ms, with it 0.004 %. The reference pressure
   /// does no work at the nodes. `before`: the nodes' velocities at the start of the step; `volumetric`: strain of the
   /// step.
   static void settle_work(SetView const& v, Hoops const& hoops, double dt, int begin, int n, Weights<S, D> const& k,
                           NodeVelocity const* before, double const* volumetric) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     double const scale = dt / v.h;
     double const reference = v.body->reference_pressure;
     double const* radius = set.field(Field::position_x) + begin;
@@ -28,7 +28,7 @@ struct NodeWork {
     double const* provisional = set.field(Field::provisional) + begin;
     double* energy = set.field(Field::energy) + begin;
     for (int q = 0; q < n; ++q) {
-      if (provisional[q] == 0.0) continue;  // a new point, or gas that nothing strains
+      if (provisional[q] == 0.0) continue;  // a new particle, or gas that nothing strains
       std::array<Lanes4, 4> sum;
       value_and_gradient<S, D>(*v.patch, k, k.g, q, before, whole, sum);
       double strain = scale * (sum[1][0] + sum[2][1] + sum[3][2]);
@@ -40,7 +40,7 @@ struct NodeWork {
 
   /// What of the work of the step that has been made is provisional; `density`: at its start.
   static void note_work(SetView const& v, int begin, int n, double const* volumetric, double const* density) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     double const reference = v.body->reference_pressure;
     double const* pressure = set.field(Field::pressure) + begin;
     double const* viscosity = set.field(Field::viscosity) + begin;
@@ -50,16 +50,16 @@ struct NodeWork {
     }
   }
 
-  /// The energy of points that follow increments takes what the forces on the nodes really do, and what of it the
-  /// points do not take up as motion: see `Body::books_work`. The stress of the start of the step works while the nodes
-  /// move at `middle`, the mean of their velocities before and after; it stands in for what the last step booked for
-  /// the time being. Of the squares of the changes the nodes gain the mean, a point the square of the mean: the rest is
-  /// heat. `forced`: change of the nodes' velocity by forces, `change` the whole one and once more what holds and walls
-  /// did of it, which has an account of its own; their product in the place of the mass of `forced`.
-  /// `means`: see `CellMeans`, or null.
+  /// The energy of particles that follow increments takes what the forces on the nodes really do, and what of it the
+  /// particles do not take up as motion: see `Body::books_work`. The stress of the start of the step works while the
+  /// nodes move at `middle`, the mean of their velocities before and after; it stands in for what the last step booked
+  /// for the time being. Of the squares of the changes the nodes gain the mean, a particle the square of the mean: the
+  /// rest is heat. `forced`: change of the nodes' velocity by forces, `change` the whole one and once more what holds
+  /// and walls did of it, which has an account of its own; their product in the place of the mass of `forced`. `means`:
+  /// see `CellMeans`, or null.
   static void book_work(SetView const& v, Hoops const& hoops, double dt, NodeVelocity const* middle,
                         NodeVelocity const* forced, NodeVelocity const* change, CellMeans const* means) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     std::array<double const*, 6> deviator{};
     for (int c = 0; c < 6; ++c) deviator[c] = set.field(Field::deviator_xx + c);
     double const* bar_number = set.field(Field::bar_number);
@@ -75,7 +75,7 @@ struct NodeWork {
       for (int q = 0; q < n; ++q) {
         int const at = begin + q;
         double const own = means == nullptr ? pressure[at] + viscosity[at] : means->mean(at);
-        double const p = own - v.body->reference_pressure * matter_part(*v.body, density[at]);
+        double const p = own - v.body->reference_pressure * matter_fraction(*v.body, density[at]);
         std::array<double, 6> s{-p, -p, -p, 0.0, 0.0, 0.0};
         for (int c = 0; deviator[0] != nullptr && c < 6; ++c) s[c] += deviator[c][at];
         if (bar_number != nullptr && bar_number[at] > 0.0) add_bar(set, at, s);
@@ -86,7 +86,7 @@ struct NodeWork {
         velocity_at<S, D>(*v.patch, k, q, forced, by);
         velocity_at<S, D>(*v.patch, k, q, change, all);
         double const heat = 0.5 * (by[3] - (by[0] * all[0] + by[1] * all[1] + by[2] * all[2]));
-        // What APIC's points do not take up has an account of its own.
+        // What APIC's particles do not take up has an account of its own.
         energy[at] += work / density[at] + (affine ? 0.0 : heat) - provisional[at];
         provisional[at] = 0.0;
       }
@@ -96,7 +96,7 @@ struct NodeWork {
   /// Takes off the first half of the work that the coming update of the stress books, with strains of its own: the
   /// forces have done it. `booked`: the energy without it.
   static void undo_half(SetView const& v, int begin, int n, double const (&e)[10][chunk], double (&booked)[chunk]) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     double* energy = set.field(Field::energy) + begin;
     double const* pressure = set.field(Field::pressure) + begin;
     double const* density = set.field(Field::density) + begin;
@@ -112,9 +112,9 @@ struct NodeWork {
     }
   }
 
-  /// Lifts gas points whose energy is below that of no pressure, see `FloorCount`.
+  /// Lifts gas particles whose energy is below that of no pressure, see `FloorCount`.
   static FloorCount lift_energy(SetView const& v) {
-    PointSet& set = *v.set;
+    ParticleSet& set = *v.set;
     double const* mass = set.field(Field::mass);
     double const* density = set.field(Field::density);
     double const* pressure = set.field(Field::pressure);
@@ -134,7 +134,7 @@ struct NodeWork {
       double const added = -own * scale / (pressure_at(energy[q] + scale) - own);
       energy[q] += added;
       count.energy += mass[q] * added;
-      ++count.points;
+      ++count.particles;
     }
     return count;
   }

@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "../observe/watched.hpp"
-#include "../run/points_case.hpp"
+#include "../run/particles_case.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "observe/point_fields.hpp"
+#include "observe/particle_fields.hpp"
 #include "output/file.hpp"
 #include "output/report.hpp"
 #include "output/run_log.hpp"
@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<double> read_points(fs::path const& file, std::string const& name) {
+std::vector<double> read_particles(fs::path const& file, std::string const& name) {
   hid_t const f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   hid_t const d = H5Dopen2(f, ("/points/" + name).c_str(), H5P_DEFAULT);
   hid_t const space = H5Dget_space(d);
@@ -65,7 +65,7 @@ std::vector<double> numbers(std::string const& line) {
   return out;
 }
 
-TEST(Points, DumpHoldsWhatThePointsCarry) {
+TEST(Particles, DumpHoldsWhatTheParticlesCarry) {
   for (bool const single : {false, true}) {
     auto setup = run::two_blocks();
     setup.output.single_precision = single;
@@ -76,8 +76,8 @@ TEST(Points, DumpHoldsWhatThePointsCarry) {
     std::vector<double> values;
     for (std::string const name :
          {"position", "body", "material", "velocity", "stress", "mises", "identity", "plastic_strain"}) {
-      observe::point_field(world, name, values);
-      auto const read = read_points(file, name);
+      observe::particle_field(world, name, values);
+      auto const read = read_particles(file, name);
       ASSERT_EQ(read.size(), values.size()) << name;
       bool const rounded = single && name != "body" && name != "material" && name != "identity";
       for (std::size_t i = 0; i < read.size(); ++i)
@@ -88,7 +88,7 @@ TEST(Points, DumpHoldsWhatThePointsCarry) {
   }
 }
 
-TEST(Points, IndexListsEveryDump) {
+TEST(Particles, IndexListsEveryDump) {
   observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 10);
@@ -102,7 +102,7 @@ TEST(Points, IndexListsEveryDump) {
     EXPECT_NE(entry.path().extension(), ".part") << "a temporary file is left: " << entry.path();
 }
 
-TEST(Points, OpenInParaViewWithoutAsking) {
+TEST(Particles, OpenInParaViewWithoutAsking) {
   std::string const pvpython = BRISANCE_PVPYTHON;
   if (pvpython.empty()) GTEST_SKIP() << "pvpython was not found when the tests were configured: ParaView is not tested";
   observe::Watched world(run::two_blocks());
@@ -121,7 +121,7 @@ TEST(Points, OpenInParaViewWithoutAsking) {
   std::vector<double> values;
   for (auto const& [name, components] : std::map<std::string, int>{
            {"velocity", 3}, {"stress", 6}, {"mises", 1}, {"identity", 1}, {"body", 1}, {"material", 1}}) {
-    observe::point_field(world, name, values);
+    observe::particle_field(world, name, values);
     auto const& array = last["arrays"][name];
     ASSERT_EQ(array["components"], components) << name;
     for (int c = 0; c < components; ++c) {
@@ -131,7 +131,7 @@ TEST(Points, OpenInParaViewWithoutAsking) {
   }
 }
 
-TEST(Points, GaugesHaveTheirColumns) {
+TEST(Particles, GaugesHaveTheirColumns) {
   observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 25);
@@ -143,7 +143,7 @@ TEST(Points, GaugesHaveTheirColumns) {
             "temperature [K],damage [1]");
   auto const row = numbers(tip.back());
   ASSERT_EQ(row.size(), 16U);
-  auto const& r = world.gauges.points[0].points.back();
+  auto const& r = world.gauges.particles[0].particles.back();
   auto const near = [](double read, double value) { EXPECT_NEAR(read, value, 1e-9 * std::abs(value)); };  // 10 digits
   near(row[0], r.time);
   near(row[1], r.position[0]);
@@ -157,7 +157,7 @@ TEST(Points, GaugesHaveTheirColumns) {
   ASSERT_EQ(target.size(), 27U);
   auto const sums = numbers(target.back());
   ASSERT_EQ(sums.size(), 16U);
-  auto const& s = world.gauges.points[1].bodies.back().sums;
+  auto const& s = world.gauges.particles[1].bodies.back().sums;
   near(sums[1], s.mass);
   near(sums[2], s.momentum[0]);
   near(sums[8], s.momentum[0] / s.mass);
@@ -173,19 +173,19 @@ TEST(Points, GaugesHaveTheirColumns) {
   near(first[1], 0.5 * 8930.0 * 0.02 * 0.02 * 100.0 * 100.0);
 }
 
-TEST(Points, SummaryReadsTheHistories) {
+TEST(Particles, SummaryReadsTheHistories) {
   observe::Watched world(run::two_blocks());
-  auto& gauge = world.gauges.points[0];
+  auto& gauge = world.gauges.particles[0];
   ScratchFolder folder;
   Writer writer(world, world.gauges, folder.path());
   world.sample_gauges();
   auto const record = [&](double time, Vec3 const& u, double mises) {
-    run::PointRecord r = gauge.points.front();
+    run::ParticleRecord r = gauge.particles.front();
     r.time = time;
     r.displacement = u;
     r.velocity = {0.0, 0.0, -time};
     r.mises = mises;
-    gauge.points.push_back(r);
+    gauge.particles.push_back(r);
   };
   record(1.0, {0.0, -3.0, 4.0}, 7.0);
   record(2.0, {4.2, 0.5, 0.0}, 9.0);
@@ -220,7 +220,7 @@ TEST(Points, SummaryReadsTheHistories) {
   EXPECT_EQ(std::ranges::count(csv[3], ','), columns) << csv[3];
 }
 
-TEST(Points, LogTellsBodiesOptionsAndAudit) {
+TEST(Particles, LogTellsBodiesOptionsAndAudit) {
   observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 25);
@@ -228,21 +228,21 @@ TEST(Points, LogTellsBodiesOptionsAndAudit) {
   EXPECT_EQ(log["status"], "done");
   EXPECT_EQ(log["dumps"], 2);
   EXPECT_EQ(log["courant"], 0.4);
-  auto const& points = log["points"];
-  EXPECT_EQ(points["count"], 3600);
-  EXPECT_EQ(points["order"], "musl");
-  EXPECT_EQ(points["transfer"], "flip");
-  EXPECT_EQ(points["shape_function"], word_of(world.points->options().shape));
-  EXPECT_GT(points["point_updates_per_second"].get<double>(), 0.0);
-  ASSERT_EQ(points["bodies"].size(), 3U);
-  auto const& left = points["bodies"][0];
+  auto const& particles = log["points"];
+  EXPECT_EQ(particles["count"], 3600);
+  EXPECT_EQ(particles["order"], "musl");
+  EXPECT_EQ(particles["transfer"], "flip");
+  EXPECT_EQ(particles["shape_function"], word_of(world.particles->options().shape));
+  EXPECT_GT(particles["point_updates_per_second"].get<double>(), 0.0);
+  ASSERT_EQ(particles["bodies"].size(), 3U);
+  auto const& left = particles["bodies"][0];
   EXPECT_EQ(left["material"], "copper");
   EXPECT_EQ(left["source"], "a test");
   EXPECT_EQ(left["points"], 1600);
   EXPECT_NEAR(left["mass"].get<double>(), 8930.0 * 0.0004, 1e-12);
   EXPECT_NEAR(left["geometric_mass"].get<double>(), 8930.0 * 0.0004, 1e-12);
-  EXPECT_LT(points["audit"]["mass"]["relative_error"].get<double>(), 1e-13);
-  auto const& energy = points["audit"]["energy"];
+  EXPECT_LT(particles["audit"]["mass"]["relative_error"].get<double>(), 1e-13);
+  auto const& energy = particles["audit"]["energy"];
   EXPECT_EQ(energy["work"], 0.0);
   double const change =
       energy["current"].get<double>() + energy["lost"].get<double>() - energy["initial"].get<double>();
@@ -254,7 +254,7 @@ TEST(Points, LogTellsBodiesOptionsAndAudit) {
   EXPECT_TRUE(energy["largest_drift"].is_number());
 }
 
-TEST(Points, EarlierResultsAreRefusedAndReplaced) {
+TEST(Particles, EarlierResultsAreRefusedAndReplaced) {
   observe::Watched world(run::two_blocks());
   ScratchFolder folder;
   write_run(world, folder.path(), 3);
@@ -268,16 +268,16 @@ TEST(Points, EarlierResultsAreRefusedAndReplaced) {
   EXPECT_TRUE(fs::is_empty(folder.path() / "points"));
 }
 
-TEST(Points, EmptyDomainIsWritten) {
+TEST(Particles, EmptyDomainIsWritten) {
   auto setup = run::two_blocks();
-  setup.points.bodies.resize(1);
-  setup.points.gauges.resize(1);
-  setup.points.bodies[0].velocity = {-2000.0, 0.0, 0.0};
+  setup.particles.bodies.resize(1);
+  setup.particles.gauges.resize(1);
+  setup.particles.bodies[0].velocity = {-2000.0, 0.0, 0.0};
   observe::Watched world(std::move(setup));
   ScratchFolder folder;
   Writer writer(world, world.gauges, folder.path());
   writer.dump_fields(world);
-  while (mpm::point_count(*world.points) > 0) {
+  while (mpm::particle_count(*world.particles) > 0) {
     run::advance(world, 1.0);
     world.sample_gauges();
     ASSERT_LT(world.clock.time, 1e-4);
@@ -285,21 +285,21 @@ TEST(Points, EmptyDomainIsWritten) {
   writer.dump_fields(world);
   world.update_audit();
   writer.finish(world, "done", 0);
-  EXPECT_TRUE(read_points(folder.path() / "points/points_000001.h5", "velocity").empty());
+  EXPECT_TRUE(read_particles(folder.path() / "points/points_000001.h5", "velocity").empty());
   auto const index = read_file(folder.path() / "points.xmf2");
   EXPECT_EQ(index.find("points_000001"), std::string::npos) << "readers cannot take an empty grid";
   auto const summary = nlohmann::json::parse(read_file(folder.path() / "summary.json"));
   EXPECT_EQ(summary["point_gauges"][0]["left_the_domain"], true);
 }
 
-TEST(Points, FailedWriteLeavesTheSeriesIntact) {
+TEST(Particles, FailedWriteLeavesTheSeriesIntact) {
   ScratchFolder folder;
   std::vector<FieldSpec> const specs{{"position", "m", 3, ""}, {"mises", "Pa", 1, ""}};
   auto const values = [](std::string const& name, std::vector<double>& out) {
     out.resize(name == "position" ? 60000 : 20000);
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::sin(double(i));
   };
-  PointSeries series(folder.path(), {false, 1});
+  ParticleSeries series(folder.path(), {false, 1});
   auto const dump = [&](double time) { series.dump(time, 0, grid::Geometry::cartesian3d, 20000, specs, values); };
   dump(0.0);
   auto const index = read_file(folder.path() / "points.xmf2");
@@ -318,25 +318,25 @@ TEST(Points, FailedWriteLeavesTheSeriesIntact) {
   EXPECT_EQ(series.count(), 2);
 }
 
-TEST(Points, SizeEstimateCountsWhatIsWritten) {
+TEST(Particles, SizeEstimateCountsWhatIsWritten) {
   std::vector<FieldSpec> const specs{
       {"position", "m", 3, ""}, {"body", "1", 1, ""}, {"identity", "1", 1, ""}, {"stress", "Pa", 6, ""}};
-  EXPECT_EQ(PointSeries::bytes_per_dump(10.0, specs, true), 10.0 * (12 + 4 + 8 + 24));
-  EXPECT_EQ(PointSeries::bytes_per_dump(10.0, specs, false), 10.0 * (24 + 4 + 8 + 48));
+  EXPECT_EQ(ParticleSeries::bytes_per_dump(10.0, specs, true), 10.0 * (12 + 4 + 8 + 24));
+  EXPECT_EQ(ParticleSeries::bytes_per_dump(10.0, specs, false), 10.0 * (24 + 4 + 8 + 48));
 }
 
-TEST(Points, DumpedFieldsHoldTheStandingOnesOnce) {
+TEST(Particles, DumpedFieldsHoldTheStandingOnesOnce) {
   auto setup = run::two_blocks();
-  setup.output.point_fields = {"mises", "body", "mises"};
+  setup.output.particle_fields = {"mises", "body", "mises"};
   std::vector<std::string> names;
   EXPECT_TRUE(dumped_fields(setup).empty());  // no gas
-  for (auto const& spec : dumped_point_fields(setup)) names.push_back(spec.name);
+  for (auto const& spec : dumped_particle_fields(setup)) names.push_back(spec.name);
   EXPECT_EQ(names, (std::vector<std::string>{"position", "body", "material", "mises"}));
-  setup.output.point_fields = {"misses"};
-  EXPECT_THROW((void)dumped_point_fields(setup), InputError);
+  setup.output.particle_fields = {"misses"};
+  EXPECT_THROW((void)dumped_particle_fields(setup), InputError);
 }
 
-TEST(Points, SameBytesForAnyNumberOfThreads) {
+TEST(Particles, SameBytesForAnyNumberOfThreads) {
   std::map<std::string, std::string> reference;
   for (int const count : {1, 2, 4}) {
     set_threads(count);
@@ -358,7 +358,7 @@ TEST(Points, SameBytesForAnyNumberOfThreads) {
   set_threads(0);
 }
 
-TEST(Points, ReportIsWritten) {
+TEST(Particles, ReportIsWritten) {
   if (std::system(BRISANCE_PYTHON_EXECUTABLE " -c 'import h5py, matplotlib' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3-h5py or python3-matplotlib is not installed";
   observe::Watched world(run::two_blocks());

@@ -55,9 +55,9 @@ TEST_P(Conservation, MassAndMomentumInFreeFlightWithContact) {
         least_exchange = std::min(least_exchange, std::abs(1.0 - mpm::sums(*problem.mpm, 2).momentum[0] / own));
         double after = 0.0;
         for (int b = 0; b < 3; ++b) after += mpm::sums(*problem.mpm, b).mass;
-        // Not one point's mass changes, but the sums run in another order.
+        // Not one particle's mass changes, but the sums run in another order.
         EXPECT_NEAR(after / mass, 1.0, 1e-14);
-        EXPECT_EQ(problem.mpm->accounts().losses.points, 0);
+        EXPECT_EQ(problem.mpm->accounts().losses.particles, 0);
       }
     }
     std::printf("%s %s: momentum wrong by %.1e of m v, at least %.0f %% exchanged\n", word_of(geometry),
@@ -99,22 +99,22 @@ TEST_P(Conservation, MirroredHalfEqualsTheWhole) {
         p.fill(1, shape::Box{{2.0, start, -2.0}, {4.0, 2.0, 2.0}}, [](Vec3 const&) { return Vec3{-0.03, 0.0, 0.0}; });
         if (half == 0) {
           p.fill(1, shape::Box{{-4.0, start, -2.0}, {-2.0, 2.0, 2.0}});
-          p.for_each_point(1, [&](mpm::PointSet& set, int q) {
+          p.for_each_particle(1, [&](mpm::ParticleSet& set, int q) {
             set.field(Field::velocity_x)[q] = Problem::position(set, q)[0] > 0.0 ? -0.03 : 0.03;
           });
         }
         p.run(8.0, 0.2);
       }
-      // Points of the half by their origin among those of the whole.
+      // Particles of the half by their origin among those of the whole.
       double worst = 0.0;
       int const dims = problems[0]->domain.dimensions();
       for (int body = 0; body < 2; ++body) {
         std::vector<std::array<Vec3, 3>> whole;
-        problems[0]->for_each_point(body, [&](mpm::PointSet const& set, int q) {
+        problems[0]->for_each_particle(body, [&](mpm::ParticleSet const& set, int q) {
           whole.push_back(
               {Problem::origin(set, q), Problem::position(set, q), Problem::get(set, q, Field::velocity_x)});
         });
-        problems[1]->for_each_point(body, [&](mpm::PointSet const& set, int q) {
+        problems[1]->for_each_particle(body, [&](mpm::ParticleSet const& set, int q) {
           Vec3 const from = Problem::origin(set, q);
           double error = 1.0;
           for (auto const& twin : whole) {
@@ -132,7 +132,7 @@ TEST_P(Conservation, MirroredHalfEqualsTheWhole) {
       }
       std::printf("%s %s %s: half and whole differ by %.1e\n", word_of(geometry), word_of(GetParam()),
                   word_of(transfer), worst);
-      // Sums in another order, 40 steps; points that rub and stick turn round-off into little more.
+      // Sums in another order, 40 steps; particles that rub and stick turn round-off into little more.
       EXPECT_LT(worst, 1e-12);
     }
   }

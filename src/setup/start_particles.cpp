@@ -1,4 +1,4 @@
-#include "setup/start_points.hpp"
+#include "setup/start_particles.hpp"
 
 #include <fmt/format.h>
 
@@ -19,21 +19,22 @@ using mpm::Field;
 
 constexpr int products = 0;  // bodies
 constexpr int air = 1;
-/// With fewer, the noise that the detonation leaves in the points' densities stands out in the thin products: L1 of
+/// With fewer, the noise that the detonation leaves in the particles' densities stands out in the thin products: L1 of
 /// their mass 2.1 % with 4, 0.6 % with 8, at 200 cells per radius.
-constexpr int points_per_cell = 8;
+constexpr int particles_per_cell = 8;
 /// The pressure rises within some steps when the explosive burns, and the work of a step is that of its middle: the
 /// energy of the burst is 0.5 % too high at a Courant number of 0.4, 0.1 % at 0.2.
 constexpr double courant = 0.2;
 constexpr int population_interval = 4;
-/// Part of the ambient pressure by which air must differ to belong to the burst; the noise of points is far below.
+/// Fraction of the ambient pressure by which air must differ to belong to the burst; the noise of particles is far
+/// below.
 constexpr double disturbed = 1e-3;
 /// Cells that the profile keeps beyond the outermost disturbed one.
 constexpr int foot = 4;
-/// Cells to each side over which the places of points are averaged in `edges_of`.
+/// Cells to each side over which the places of particles are averaged in `edges_of`.
 constexpr int window = 8;
 
-/// What a point holds.
+/// What a particle holds.
 struct Shell {
   double radius = 0.0;
   double volume = 0.0;
@@ -43,16 +44,16 @@ struct Shell {
   double energy = 0.0;
 };
 
-/// All points from the centre outwards.
-std::vector<Shell> shells_of(mpm::Mpm const& points) {
+/// All particles from the centre outwards.
+std::vector<Shell> shells_of(mpm::Mpm const& particles) {
   std::vector<Shell> shells;
-  for (int b = 0; b < points.grid().block_count(); ++b) {
+  for (int b = 0; b < particles.grid().block_count(); ++b) {
     for (int body : {products, air}) {
-      mpm::PointSet const& set = points.points(b, body);
+      mpm::ParticleSet const& set = particles.particles(b, body);
       for (int q = 0; q < set.size(); ++q) {
         double const mass = set.field(Field::mass)[q];
         double const u = set.field(Field::velocity_x)[q];
-        double const kinetic = 0.5 * u * u + mpm::affine_energy(set, q, points.grid().smallest_cell());
+        double const kinetic = 0.5 * u * u + mpm::affine_energy(set, q, particles.grid().smallest_cell());
         shells.push_back({set.field(Field::position_x)[q], mass / set.field(Field::density)[q], body, mass, mass * u,
                           mass * (set.field(Field::energy)[q] + kinetic)});
       }
@@ -62,9 +63,9 @@ std::vector<Shell> shells_of(mpm::Mpm const& points) {
   return shells;
 }
 
-/// Volumes within the edges of the shells. The density of points, which follows the flow, is far smoother than their
-/// distances: the shells are stacked with their own volumes, and what their places then differ from those of the points
-/// is taken off in the mean over a few cells.
+/// Volumes within the edges of the shells. The density of particles, which follows the flow, is far smoother than their
+/// distances: the shells are stacked with their own volumes, and what their places then differ from those of the
+/// particles is taken off in the mean over a few cells.
 std::vector<double> edges_of(std::vector<Shell> const& shells, grid::Domain const& domain) {
   std::size_t const n = shells.size();
   std::vector<double> stacked(n + 1, 0.0);
@@ -114,14 +115,14 @@ CellContents spread(std::vector<Shell> const& shells, grid::Domain const& domain
       if (from >= high && i > first) break;
       // What reaches over the end of the domain stays in the last cell.
       double const inside = (i == cells - 1 ? high : std::min(high, to)) - std::max(low, from);
-      double const part = high > low ? inside / (high - low) : 1.0;
-      if (part <= 0.0) continue;
+      double const fraction = high > low ? inside / (high - low) : 1.0;
+      if (fraction <= 0.0) continue;
       auto& sum = sums.state[i];
-      sum[gas::partial_density(shell.body == products ? gas::products_fluid : 0)] += part * shell.mass;
-      sum[gas::momentum_x] += part * shell.momentum;
-      sum[gas::energy] += part * shell.energy;
-      if (shell.body == products) sum[gas::volume_fraction(gas::products_fluid)] += part * (high - low);
-      sums.volume[i] += part * (high - low);
+      sum[gas::partial_density(shell.body == products ? gas::products_fluid : 0)] += fraction * shell.mass;
+      sum[gas::momentum_x] += fraction * shell.momentum;
+      sum[gas::energy] += fraction * shell.energy;
+      if (shell.body == products) sum[gas::volume_fraction(gas::products_fluid)] += fraction * (high - low);
+      sums.volume[i] += fraction * (high - low);
     }
   }
   return sums;
@@ -129,9 +130,9 @@ CellContents spread(std::vector<Shell> const& shells, grid::Domain const& domain
 
 }  // namespace
 
-PointsBurst::PointsBurst(Case const& one) : one_(one) {
+ParticlesBurst::ParticlesBurst(Case const& one) : one_(one) {
   Charge const& charge = one_.charges.front();
-  MpmRegion const gas;  // its settings of gas points were chosen by measurement
+  MpmRegion const gas;  // its settings of gas particles were chosen by measurement
   std::vector<mpm::Body> bodies(2);
   bodies[products].name = "products";
   bodies[products].solid = material::of(charge.explosive);
@@ -139,7 +140,7 @@ PointsBurst::PointsBurst(Case const& one) : one_(one) {
   bodies[air].name = "air";
   bodies[air].solid = material::of(one_.ambient.fluid);
   for (mpm::Body& body : bodies) {
-    body.points_per_direction = points_per_cell;
+    body.particles_per_direction = particles_per_cell;
     body.linear_viscosity = gas.linear_viscosity;
     body.viscosity_onset = gas.viscosity_onset;
     body.quadratic_viscosity = gas.quadratic_viscosity;
@@ -150,16 +151,16 @@ PointsBurst::PointsBurst(Case const& one) : one_(one) {
   options.courant = courant;
   grid::Domain domain = one_.domain;
   domain.boundary[1] = grid::Boundary::wall;  // holds the air
-  points_ = std::make_unique<mpm::Mpm>(domain, bodies, options);
+  particles_ = std::make_unique<mpm::Mpm>(domain, bodies, options);
 
   auto const fill = [&](int body, shape::Shape const& shape, double density, double specific_energy) {
-    auto placement = shape::place_particles(shape, domain, points_per_cell);
+    auto placement = shape::place_particles(shape, domain, particles_per_cell);
     mpm::Filling filling;
     filling.positions = std::move(placement.positions);
     filling.volumes = std::move(placement.volumes);
     filling.density = density;
     filling.specific_energy = specific_energy;
-    points_->fill(body, filling);
+    particles_->fill(body, filling);
   };
   fill(products, charge.shape, charge.explosive.density(), charge.explosive.specific_energy());
   Primitive const& ambient = one_.ambient.state;
@@ -169,20 +170,20 @@ PointsBurst::PointsBurst(Case const& one) : one_(one) {
                                : shape::Shape(shape::Cylinder{{0.0, 0.0, 0.0}, far, 1.0, {0.0, 0.0, 1.0}});
   fill(air, shape::combine(shape::Operation::difference, {all, charge.shape}), ambient.density,
        material::internal_energy(one_.ambient.fluid.eos, ambient.density, ambient.pressure));
-  points_->set_reference_pressure(air, ambient.pressure);
-  points_->set_reference_pressure(products, ambient.pressure);
+  particles_->set_reference_pressure(air, ambient.pressure);
+  particles_->set_reference_pressure(products, ambient.pressure);
   if (charge.detonation == Detonation::programmed) {
-    mpm::set_lighting(*points_, products, [&](Vec3 const& x) {
+    mpm::set_lighting(*particles_, products, [&](Vec3 const& x) {
       return detonation::lighting_time(x, charge.initiation, charge.explosive.detonation_speed);
     });
   }
 }
 
-double PointsBurst::front() const {
+double ParticlesBurst::front() const {
   double const ambient = one_.ambient.state.pressure;
   double front = 0.0;
-  for (int b = 0; b < points_->grid().block_count(); ++b) {
-    mpm::PointSet const& set = points_->points(b, air);
+  for (int b = 0; b < particles_->grid().block_count(); ++b) {
+    mpm::ParticleSet const& set = particles_->particles(b, air);
     for (int q = 0; q < set.size(); ++q) {
       if (std::abs(set.field(Field::pressure)[q] - ambient) > disturbed * ambient)
         front = std::max(front, set.field(Field::position_x)[q]);
@@ -191,23 +192,23 @@ double PointsBurst::front() const {
   return front;
 }
 
-double PointsBurst::step_reach() const { return (foot + 2) * one_.domain.smallest_cell(); }
+double ParticlesBurst::step_reach() const { return (foot + 2) * one_.domain.smallest_cell(); }
 
-void PointsBurst::advance(double latest) {
-  double const step = points_->stable_step() * std::min(1.0, 0.1 * static_cast<double>(steps_ + 1));
+void ParticlesBurst::advance(double latest) {
+  double const step = particles_->stable_step() * std::min(1.0, 0.1 * static_cast<double>(steps_ + 1));
   if (!(step > 0.0)) throw NumericalError("the time step of the 1D calculation by points vanished");
-  double const left = latest - points_->time();
+  double const left = latest - particles_->time();
   bool const arrives = left <= step;
-  points_->advance(arrives ? left : std::min(step, left));
-  if (arrives) points_->set_time(latest);
+  particles_->advance(arrives ? left : std::min(step, left));
+  if (arrives) particles_->set_time(latest);
   ++steps_;
   if (steps_ % population_interval == 0) {
-    points_->control_population(products);
-    points_->control_population(air);
+    particles_->control_population(products);
+    particles_->control_population(air);
   }
 }
 
-detonation::Profile PointsBurst::profile() const {
+detonation::Profile ParticlesBurst::profile() const {
   grid::Domain const& domain = one_.domain;
   Charge const& charge = one_.charges.front();
   double const burnt =
@@ -221,7 +222,7 @@ detonation::Profile PointsBurst::profile() const {
   int const cells = domain.cells[0];
   gas::Fluids const fluids = fluids_of(one_);
   Primitive const& ambient = one_.ambient.state;
-  auto [sums, volume] = spread(shells_of(*points_), domain);
+  auto [sums, volume] = spread(shells_of(*particles_), domain);
 
   detonation::Profile p;
   p.time = time();

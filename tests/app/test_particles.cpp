@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../observe/watched.hpp"
-#include "../run/points_case.hpp"
+#include "../run/particles_case.hpp"
 #include "../session/small_case.hpp"
 #include "app/plan_text.hpp"
 #include "app/progress.hpp"
@@ -17,26 +17,26 @@ namespace {
 
 using namespace session;
 
-TEST(PointPlan, KnowsTheBodiesAsTheWorldWillFillThem) {
+TEST(ParticlePlan, KnowsTheBodiesAsTheWorldWillFillThem) {
   auto setup = run::two_blocks();
-  setup.points.bodies[0].shape = shape::Cylinder{{0.012, 0.012, 0.0}, 0.0093, 1.0, {0.0, 0.0, 1.0}};
-  setup.points.bodies[2].density = 2.0;
+  setup.particles.bodies[0].shape = shape::Cylinder{{0.012, 0.012, 0.0}, 0.0093, 1.0, {0.0, 0.0, 1.0}};
+  setup.particles.bodies[2].density = 2.0;
   Plan const p = plan(setup);
   observe::Watched const world{run::Case(setup)};
   ASSERT_EQ(p.bodies.size(), 3U);
-  EXPECT_EQ(p.points, static_cast<double>(mpm::point_count(*world.points)));
+  EXPECT_EQ(p.particles, static_cast<double>(mpm::particle_count(*world.particles)));
   for (int b = 0; b < 3; ++b) {
-    EXPECT_EQ(p.bodies[b].points, world.bodies[b].points);
+    EXPECT_EQ(p.bodies[b].particles, world.bodies[b].particles);
     // Two ways of summing the same points: round-off.
     EXPECT_NEAR(p.bodies[b].mass / world.bodies[b].mass, 1.0, 1e-13);
     EXPECT_NEAR(p.bodies[b].geometric_mass / world.bodies[b].geometric_mass, 1.0, 1e-13);
   }
 }
 
-TEST(PointPlan, StepsAreAsLongAsTheFirst) {
+TEST(ParticlePlan, StepsAreAsLongAsTheFirst) {
   auto setup = run::two_blocks();
   observe::Watched world{run::Case(setup)};
-  double const first = world.points->stable_step();
+  double const first = world.particles->stable_step();
   // The steps of the gentle start come on top.
   EXPECT_NEAR(plan(setup).steps, setup.end.time / first + 5.0, 1e-6 * setup.end.time / first);
   setup.end.steps = 12;
@@ -44,63 +44,63 @@ TEST(PointPlan, StepsAreAsLongAsTheFirst) {
   // Explosives: the detonation is faster than the sound.
   auto const charge = run::charge_slab();
   observe::Watched const slab{run::Case(charge)};
-  EXPECT_NEAR(plan(charge).steps / (charge.end.time / slab.points->stable_step() + 5.0), 1.0, 1e-6);
+  EXPECT_NEAR(plan(charge).steps / (charge.end.time / slab.particles->stable_step() + 5.0), 1.0, 1e-6);
 }
 
-TEST(PointPlan, MemoryIsThatOfThePoints) {
+TEST(ParticlePlan, MemoryIsThatOfTheParticles) {
   auto setup = run::two_blocks();
   double const before = plan(setup).memory_bytes;
   EXPECT_GT(plan(setup).dump_bytes, 3600 * 12.0);
-  for (auto& body : setup.points.bodies) body.points_per_direction = 8;
+  for (auto& body : setup.particles.bodies) body.particles_per_direction = 8;
   Plan const p = plan(setup);
-  EXPECT_EQ(p.points, 16.0 * 3600);
+  EXPECT_EQ(p.particles, 16.0 * 3600);
   EXPECT_NEAR(p.memory_bytes - before, 15 * 3600 * 300.0, 1.0);
-  // What the points really take is not more.
+  // What the particles really take is not more.
   observe::Watched const world{run::Case(setup)};
   double taken = 0.0;
-  for (int block = 0; block < world.points->grid().block_count(); ++block)
-    for (int body = 0; body < 3; ++body) taken += static_cast<double>(world.points->points(block, body).bytes());
-  EXPECT_LT(taken, p.points * 300.0);
-  EXPECT_GT(taken, p.points * 100.0);
+  for (int block = 0; block < world.particles->grid().block_count(); ++block)
+    for (int body = 0; body < 3; ++body) taken += static_cast<double>(world.particles->particles(block, body).bytes());
+  EXPECT_LT(taken, p.particles * 300.0);
+  EXPECT_GT(taken, p.particles * 100.0);
 }
 
-TEST(PointPlan, WhatCannotFitIsNotFilled) {
+TEST(ParticlePlan, WhatCannotFitIsNotFilled) {
   auto setup = run::two_blocks();
   setup.domain.geometry = grid::Geometry::cartesian3d;
   setup.domain.h = 1e-5;
   setup.domain.cells = {20000, 20000, 20000};
-  setup.points.bodies.resize(1);
-  setup.points.bodies[0].shape = shape::Box{{0.0, 0.0, 0.0}, {0.2, 0.2, 0.2}};
+  setup.particles.bodies.resize(1);
+  setup.particles.bodies[0].shape = shape::Box{{0.0, 0.0, 0.0}, {0.2, 0.2, 0.2}};
   Plan const p = plan(setup);
-  EXPECT_GT(p.points, 1e13);
+  EXPECT_GT(p.particles, 1e13);
   EXPECT_THROW(refuse_unless_it_fits(p), InputError);
   EXPECT_EQ(plan_json(setup, p)["bodies"][0]["mass"], nullptr);
 }
 
-// What a machine holds, but a look does not try out: the volume tells the number of points.
-TEST(PointPlan, LargeBodiesAreEstimatedByTheirVolume) {
+// What a machine holds, but a look does not try out: the volume tells the number of particles.
+TEST(ParticlePlan, LargeBodiesAreEstimatedByTheirVolume) {
   auto setup = run::two_blocks();
   setup.domain.geometry = grid::Geometry::cartesian3d;
   setup.domain.h = 0.01;
   setup.domain.cells = {1250, 1250, 1250};
-  setup.points.bodies.resize(1);
-  setup.points.bodies[0].shape = shape::Sphere{{6.0, 6.0, 6.0}, 5.0};
-  double const points = 8.0 * 4.0 / 3.0 * M_PI * 1.25e8;
-  EXPECT_NEAR(plan(setup).points / points, 1.0, 1e-6);
+  setup.particles.bodies.resize(1);
+  setup.particles.bodies[0].shape = shape::Sphere{{6.0, 6.0, 6.0}, 5.0};
+  double const particles = 8.0 * 4.0 / 3.0 * M_PI * 1.25e8;
+  EXPECT_NEAR(plan(setup).particles / particles, 1.0, 1e-6);
 }
 
-TEST(PointPlan, WarnsOfThinBodies) {
+TEST(ParticlePlan, WarnsOfThinBodies) {
   auto setup = run::two_blocks();
   EXPECT_TRUE(plan(setup).warnings.empty());
-  setup.points.bodies[1].shape = shape::Box{{0.03, 0.002, 0.0}, {0.0315, 0.022, 0.0}};
+  setup.particles.bodies[1].shape = shape::Box{{0.03, 0.002, 0.0}, {0.0315, 0.022, 0.0}};
   ASSERT_EQ(plan(setup).warnings.size(), 1U);
   EXPECT_NE(plan(setup).warnings[0].find("only 3 points across"), std::string::npos) << plan(setup).warnings[0];
   // A gas does not bend.
-  setup.points.bodies[2].shape = shape::Box{{0.02, 0.03, 0.0}, {0.0215, 0.04, 0.0}};
+  setup.particles.bodies[2].shape = shape::Box{{0.02, 0.03, 0.0}, {0.0215, 0.04, 0.0}};
   EXPECT_EQ(plan(setup).warnings.size(), 1U);
 }
 
-TEST(PointPlan, TextAndJsonTellTheSame) {
+TEST(ParticlePlan, TextAndJsonTellTheSame) {
   auto const setup = run::two_blocks();
   Plan const p = plan(setup);
   auto const json = plan_json(setup, p);
@@ -117,7 +117,7 @@ TEST(PointPlan, TextAndJsonTellTheSame) {
   EXPECT_EQ(text.find("ambient"), std::string::npos) << "there is no gas";
 }
 
-TEST(PointDriver, RunsToItsEnd) {
+TEST(ParticleDriver, RunsToItsEnd) {
   auto setup = run::two_blocks();
   setup.end.time = 1e-6;
   setup.output.field_interval = 0.5e-6;
@@ -133,7 +133,7 @@ TEST(PointDriver, RunsToItsEnd) {
   EXPECT_EQ(writer.dump_count(), 3);
   EXPECT_TRUE(std::filesystem::exists(scratch.path() / "points/points_000002.h5"));
   EXPECT_EQ(world.gauges.bodies[0].back().time, 1e-6);
-  EXPECT_EQ(world.gauges.points[0].points.back().time, 1e-6);
+  EXPECT_EQ(world.gauges.particles[0].particles.back().time, 1e-6);
 }
 
 }  // namespace

@@ -14,8 +14,8 @@ struct Peak {
   double time = 0.0;  ///< [s]
 };
 
-/// What a gauge on a point has seen.
-struct PointSummary {
+/// What a gauge on a particle has seen.
+struct ParticleSummary {
   std::string name;
   std::string body;
   Vec3 position{0.0, 0.0, 0.0};            ///< at the start [m]
@@ -27,7 +27,7 @@ struct PointSummary {
   Peak mises;                              ///< [Pa]
   double plastic_strain = 0.0;             ///< largest
   double damage = 0.0;                     ///< largest
-  bool lost = false;                       ///< the point left the domain, and the record ended
+  bool lost = false;                       ///< the particle left the domain, and the record ended
 };
 
 /// What became of a body from the start to the end.
@@ -37,15 +37,15 @@ struct BodySummary {
   std::string material;
   mpm::BodySums start;
   mpm::BodySums end;
-  Peak displacement;  ///< largest displacement of any of its points [m]
+  Peak displacement;  ///< largest displacement of any of its particles [m]
   Peak velocity;      ///< of its centre of mass [m/s]
 };
 
-[[nodiscard]] PointSummary summarise_point(run::System const& system, PointGaugeHistory const& history);
+[[nodiscard]] ParticleSummary summarise_particle(run::System const& system, ParticleGaugeHistory const& history);
 /// One of each gauge that watches a body, then one of each body without such a gauge.
 [[nodiscard]] std::vector<BodySummary> summarise_bodies(run::System const& system, Gauges const& gauges);
-/// Of the gauges that ride on a point.
-[[nodiscard]] std::vector<PointSummary> summarise_points(run::System const& system, Gauges const& gauges);
+/// Of the gauges that ride on a particle.
+[[nodiscard]] std::vector<ParticleSummary> summarise_particles(run::System const& system, Gauges const& gauges);
 
 /// Velocity of a body's centre of mass [m/s].
 [[nodiscard]] Vec3 mean_velocity(mpm::BodySums const& sums);

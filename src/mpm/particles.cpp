@@ -1,4 +1,4 @@
-#include "mpm/points.hpp"
+#include "mpm/particles.hpp"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ constexpr std::size_t granule = 8;  ///< doubles of a cache line: every field st
 
 }  // namespace
 
-void PointSet::reserve(std::size_t wanted) {
+void ParticleSet::reserve(std::size_t wanted) {
   if (wanted <= capacity_) return;
   std::size_t const grown = std::max(wanted, capacity_ + capacity_ / 8 + 2 * granule);
   std::size_t const capacity = (grown + granule - 1) / granule * granule;
@@ -23,13 +23,13 @@ void PointSet::reserve(std::size_t wanted) {
   capacity_ = capacity;
 }
 
-int PointSet::append() {
+int ParticleSet::append() {
   reserve(static_cast<std::size_t>(size_) + 1);
   for (int slot = 0; slot < fields_.size(); ++slot) data_[static_cast<std::size_t>(slot) * capacity_ + size_] = 0.0;
   return size_++;
 }
 
-void PointSet::append(PointSet const& from, int index) {
+void ParticleSet::append(ParticleSet const& from, int index) {
   reserve(static_cast<std::size_t>(size_) + 1);
   for (int slot = 0; slot < fields_.size(); ++slot) {
     data_[static_cast<std::size_t>(slot) * capacity_ + size_] =
@@ -38,7 +38,7 @@ void PointSet::append(PointSet const& from, int index) {
   ++size_;
 }
 
-void PointSet::reorder(std::vector<int> const& order) {
+void ParticleSet::reorder(std::vector<int> const& order) {
   std::vector<double> scratch(order.size());
   for (int slot = 0; slot < fields_.size(); ++slot) {
     double* values = data_.data() + static_cast<std::size_t>(slot) * capacity_;
@@ -48,16 +48,16 @@ void PointSet::reorder(std::vector<int> const& order) {
   size_ = static_cast<int>(order.size());
 }
 
-double affine_energy(PointSet const& set, int point, double h) {
+double affine_energy(ParticleSet const& set, int particle, double h) {
   double sum = 0.0;
   for (int c = 0; c < 9; ++c) {
-    double const g = set.field(Field::affine_xx + c)[point];
+    double const g = set.field(Field::affine_xx + c)[particle];
     sum += g * g;
   }
   double mixed = 0.0;
   for (int c = 0; c < 9; ++c) {
     double const* values = set.field(Field::cross_xy + c);
-    if (values != nullptr) mixed += values[point] * values[point];
+    if (values != nullptr) mixed += values[particle] * values[particle];
   }
   return h * h * (0.125 * sum + 0.03125 * mixed);
 }

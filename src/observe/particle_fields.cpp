@@ -1,4 +1,4 @@
-#include "observe/point_fields.hpp"
+#include "observe/particle_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -16,20 +16,26 @@ namespace {
 
 using mpm::Field;
 
-/// Points of a body in a block.
+/// Particles of a body in a block.
 struct SetOf {
   run::System const& system;
-  mpm::PointSet const& set;
+  mpm::ParticleSet const& set;
   int body;
 };
 
 /// A field that is written as it is kept, from its first component on, or what finds it.
-struct PointField {
+struct ParticleField {
   FieldInfo info;
   std::variant<Field, void (*)(SetOf const& s, double* out)> value;
 };
 
-void add_kept(mpm::PointSet const& set, Field first, int components, double* out) {
+/// A row of a quantity that is written as it is kept, under its own name or another.
+ParticleField kept(Field first, std::string meaning, std::string name = {}) {
+  mpm::Quantity const& q = mpm::quantity_of(first);
+  return {{name.empty() ? q.name : std::move(name), q.unit, q.components, std::move(meaning)}, first};
+}
+
+void add_kept(mpm::ParticleSet const& set, Field first, int components, double* out) {
   for (int c = 0; c < components; ++c) {
     double const* const values = set.field(first + c);
     if (values == nullptr) continue;
@@ -38,7 +44,7 @@ void add_kept(mpm::PointSet const& set, Field first, int components, double* out
 }
 
 void add_displacement(SetOf const& s, double* out) {
-  mpm::PointSet const& set = s.set;
+  mpm::ParticleSet const& set = s.set;
   for (int d = 0; d < 3; ++d) {
     double const* const origin = set.field(Field::origin_x + d);
     double const* const position = set.field(Field::position_x + d);
@@ -48,7 +54,7 @@ void add_displacement(SetOf const& s, double* out) {
 }
 
 void add_stress(SetOf const& s, double* out) {
-  mpm::PointSet const& set = s.set;
+  mpm::ParticleSet const& set = s.set;
   add_kept(set, Field::deviator_xx, 6, out);
   double const* const pressure = set.field(Field::pressure);
   for (int q = 0; q < set.size(); ++q) {
@@ -58,11 +64,11 @@ void add_stress(SetOf const& s, double* out) {
 
 /// The burn fraction that the pressure of the last step was taken with, [Cui14] Eqs. (52)-(53).
 void add_burn_fraction(SetOf const& s, double* out) {
-  mpm::PointSet const& set = s.set;
+  mpm::ParticleSet const& set = s.set;
   double const* const lighting = set.field(Field::lighting_time);
   if (lighting == nullptr) return;
-  double const speed = s.system.points->bodies()[s.body].solid.detonation_speed;
-  double const rate = mpm::burn_rate(speed, s.system.points->grid().smallest_cell());
+  double const speed = s.system.particles->bodies()[s.body].solid.detonation_speed;
+  double const rate = mpm::burn_rate(speed, s.system.particles->grid().smallest_cell());
   double const time = s.system.clock.time;
   for (int q = 0; q < set.size(); ++q) out[q] = mpm::burn_fraction(time, lighting[q], rate);
 }
@@ -82,73 +88,72 @@ void add_body(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), s.bo
 
 void add_material(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), material_number(s.system, s.body)); }
 
-std::vector<PointField> const& specified_fields() {
-  static std::vector<PointField> const fields{
-      {{"velocity", "m/s", 3, "velocity"}, Field::velocity_x},
+std::vector<ParticleField> const& specified_fields() {
+  static std::vector<ParticleField> const fields{
+      kept(Field::velocity_x, "velocity"),
       {{"displacement", "m", 3, "displacement since the start; 0 in bodies without strength, which do not know it"},
        add_displacement},
-      {{"pressure", "Pa", 1, "mean stress, compression positive, without the bulk viscosity"}, Field::pressure},
+      kept(Field::pressure, "mean stress, compression positive, without the bulk viscosity"),
       {{"mises", "Pa", 1, "equivalent stress (von Mises)"}, add_mises},
       {{"stress", "Pa", 6, "Cauchy stress without the bulk viscosity, tension positive: xx yy zz xy yz zx"},
        add_stress},
-      {{"density", "kg/m3", 1, "density"}, Field::density},
-      {{"energy", "J/kg", 1, "specific internal energy, the elastic energy of shear included"}, Field::energy},
-      {{"plastic_strain", "1", 1, "equivalent plastic strain"}, Field::plastic_strain},
-      {{"plastic_work", "J/kg", 1, "plastic work"}, Field::plastic_work},
-      {{"temperature", "K", 1, "temperature; 0 in bodies that do not heat"}, Field::temperature},
-      {{"damage", "1", 1, "damage, 1: failed"}, Field::damage},
-      {{"compression_damage", "1", 1, "concrete: damage by compression and shear, 1: crushed"}, Field::crushing},
-      {{"tensile_damage", "1", 1, "concrete: damage by tension, 1: cracked through"}, Field::cracking},
+      kept(Field::density, "density"),
+      kept(Field::energy, "specific internal energy, the elastic energy of shear included"),
+      kept(Field::plastic_strain, "equivalent plastic strain"),
+      kept(Field::plastic_work, "plastic work"),
+      kept(Field::temperature, "temperature; 0 in bodies that do not heat"),
+      kept(Field::damage, "damage, 1: failed"),
+      kept(Field::crushing, "concrete: damage by compression and shear, 1: crushed"),
+      kept(Field::cracking, "concrete: damage by tension, 1: cracked through"),
       {{"burn_fraction", "1", 1, "burn fraction F of programmed burn"}, add_burn_fraction},
-      {{"mass", "kg", 1, "mass of the point"}, Field::mass},
-      {{"products", "1", 1, "mass fraction of the second fluid (detonation products) in gas points"},
-       Field::mass_fraction},
-      {{"bar_part", "1", 1, "part of steel of smeared reinforcement"}, Field::bar_part},
-      {{"bar_stress", "Pa", 1, "stress of the bar that runs through the point"}, Field::bar_stress},
-      {{"identity", "1", 1, "number of the point within its body"}, Field::identity},
-      {{"viscosity", "Pa", 1, "bulk viscosity q of the last step"}, Field::viscosity},
+      kept(Field::mass, "mass of the point"),
+      kept(Field::mass_fraction, "mass fraction of the second fluid (detonation products) in gas points", "products"),
+      kept(Field::bar_fraction, "fraction of steel of smeared reinforcement"),
+      kept(Field::bar_stress, "stress of the bar that runs through the point"),
+      kept(Field::identity, "number of the point within its body"),
+      kept(Field::viscosity, "bulk viscosity q of the last step"),
   };
   return fields;
 }
 
-std::vector<PointField> const& standing_fields() {
-  static std::vector<PointField> const fields{
-      {{"position", "m", 3, "position"}, Field::position_x},
+std::vector<ParticleField> const& standing_fields() {
+  static std::vector<ParticleField> const fields{
+      kept(Field::position_x, "position"),
       {{"body", "1", 1, "number of the body in the deck, from 0"}, add_body},
       {{"material", "1", 1, "number of the first body of the same material"}, add_material},
   };
   return fields;
 }
 
-PointField const& field_of(std::string const& name) {
+ParticleField const& field_of(std::string const& name) {
   for (auto const* list : {&specified_fields(), &standing_fields()}) {
     auto const found =
-        std::find_if(list->begin(), list->end(), [&](PointField const& f) { return f.info.name == name; });
+        std::find_if(list->begin(), list->end(), [&](ParticleField const& f) { return f.info.name == name; });
     if (found != list->end()) return *found;
   }
   throw InputError(fmt::format("there is no field \"{}\" of the material points", name));
 }
 
-std::vector<FieldInfo> infos_of(std::vector<PointField> const& fields) {
+std::vector<FieldInfo> infos_of(std::vector<ParticleField> const& fields) {
   std::vector<FieldInfo> all;
   all.reserve(fields.size());
-  for (PointField const& field : fields) all.push_back(field.info);
+  for (ParticleField const& field : fields) all.push_back(field.info);
   return all;
 }
 
 }  // namespace
 
-std::vector<FieldInfo> const& known_point_fields() {
+std::vector<FieldInfo> const& known_particle_fields() {
   static std::vector<FieldInfo> const infos = infos_of(specified_fields());
   return infos;
 }
 
-std::vector<FieldInfo> const& standing_point_fields() {
+std::vector<FieldInfo> const& standing_particle_fields() {
   static std::vector<FieldInfo> const infos = infos_of(standing_fields());
   return infos;
 }
 
-double mises_of(mpm::PointSet const& set, int q) {
+double mises_of(mpm::ParticleSet const& set, int q) {
   if (!set.fields().has(Field::deviator_xx)) return 0.0;
   double sum = 0.0;
   for (int c = 0; c < 6; ++c) {
@@ -159,28 +164,28 @@ double mises_of(mpm::PointSet const& set, int q) {
 }
 
 int dumped_bodies(run::System const& w) {
-  int const count = static_cast<int>(w.points->bodies().size());
-  return w.gas_body() >= 0 && !w.setup.output.gas_points ? count - 1 : count;
+  int const count = static_cast<int>(w.particles->bodies().size());
+  return w.gas_body() >= 0 && !w.setup.output.gas_particles ? count - 1 : count;
 }
 
-long dumped_points(run::System const& w) {
+long dumped_particles(run::System const& w) {
   long count = 0;
-  for (int block = 0; block < w.points->grid().block_count(); ++block) {
-    for (int body = 0; body < dumped_bodies(w); ++body) count += w.points->points(block, body).size();
+  for (int block = 0; block < w.particles->grid().block_count(); ++block) {
+    for (int body = 0; body < dumped_bodies(w); ++body) count += w.particles->particles(block, body).size();
   }
   return count;
 }
 
-void point_field(run::System const& w, std::string const& name, std::vector<double>& out) {
-  PointField const& field = field_of(name);
+void particle_field(run::System const& w, std::string const& name, std::vector<double>& out) {
+  ParticleField const& field = field_of(name);
   int const components = field.info.components;
-  mpm::Mpm const& points = *w.points;
-  out.assign(static_cast<std::size_t>(dumped_points(w)) * components, 0.0);
+  mpm::Mpm const& particles = *w.particles;
+  out.assign(static_cast<std::size_t>(dumped_particles(w)) * components, 0.0);
   double* at = out.data();
   int const bodies = dumped_bodies(w);
-  for (int block = 0; block < points.grid().block_count(); ++block) {
+  for (int block = 0; block < particles.grid().block_count(); ++block) {
     for (int body = 0; body < bodies; ++body) {
-      mpm::PointSet const& set = points.points(block, body);
+      mpm::ParticleSet const& set = particles.particles(block, body);
       if (Field const* kept = std::get_if<Field>(&field.value)) {
         add_kept(set, *kept, components, at);
       } else {

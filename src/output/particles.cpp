@@ -1,4 +1,4 @@
-#include "output/points.hpp"
+#include "output/particles.hpp"
 
 #include <fmt/format.h>
 
@@ -31,7 +31,7 @@ hid_t file_type(FieldSpec const& spec, bool single_precision) {
 }
 
 void write_field(DumpFile& file, FieldSpec const& spec, long count, FieldOptions const& options,
-                 PointValues const& values, std::vector<double>& buffer) {
+                 ParticleValues const& values, std::vector<double>& buffer) {
   constexpr hsize_t chunk = 65536;
   DumpFile::Layout layout;
   layout.shape = {hsize_t(count)};
@@ -81,10 +81,10 @@ std::string index_entry(std::string const& file, double time, long count, std::v
 
 }  // namespace
 
-PointSeries::PointSeries(fs::path folder, FieldOptions options) : folder_(std::move(folder)), options_(options) {}
+ParticleSeries::ParticleSeries(fs::path folder, FieldOptions options) : folder_(std::move(folder)), options_(options) {}
 
-void PointSeries::dump(double time, long step, grid::Geometry geometry, long count,
-                       std::vector<FieldSpec> const& fields, PointValues const& values) {
+void ParticleSeries::dump(double time, long step, grid::Geometry geometry, long count,
+                          std::vector<FieldSpec> const& fields, ParticleValues const& values) {
   make_folder(folder_ / "points");
   std::string const name = dump_name("points", count_);
   list_files(folder_, {name});
@@ -105,22 +105,22 @@ void PointSeries::dump(double time, long step, grid::Geometry geometry, long cou
     throw;
   }
   rename_file(temporary, folder_ / name);
-  // Readers of XDMF cannot take an empty grid: when all points have left the domain, the index ends before.
+  // Readers of XDMF cannot take an empty grid: when all particles have left the domain, the index ends before.
   if (count > 0) entries_ += index_entry(name, time, count, fields, options_.single_precision);
   replace_file(folder_ / "points.xmf2", time_series_index(entries_));
   ++count_;
 }
 
-void PointSeries::archive(Archive& a) {
+void ParticleSeries::archive(Archive& a) {
   a(count_, entries_);
   a.require(count_ >= 0, "the number of dumps");
   if (a.reading()) drop_later_dumps(folder_, "points", count_, entries_);
 }
 
-double PointSeries::bytes_per_dump(double points, std::vector<FieldSpec> const& fields, bool single_precision) {
+double ParticleSeries::bytes_per_dump(double particles, std::vector<FieldSpec> const& fields, bool single_precision) {
   double bytes = 0.0;
   for (auto const& field : fields) bytes += field.components * value_bytes(field, single_precision);
-  return points * bytes;
+  return particles * bytes;
 }
 
 }  // namespace brisance::output

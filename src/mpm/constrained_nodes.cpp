@@ -1,8 +1,8 @@
-#include "mpm/holds.hpp"
+#include "mpm/constrained_nodes.hpp"
 
 namespace brisance::mpm {
 
-bool holds_node(shape::Shape const& shape, grid::Metric const& cells, Vec3 const& x) {
+bool contains_node(shape::Shape const& shape, grid::Metric const& cells, Vec3 const& x) {
   if (shape::contains(shape, cells, x)) return true;
   double const nudge = 1e-6 * cells.h;
   int const dims = cells.dimensions();

@@ -1,5 +1,5 @@
-/// Material points: point updates per second of a full step (MUSL, 8 points per cell, 3D, double), by material, shape
-/// function, number of points and threads. `--benchmark_filter=...` picks; docs/benchmarks.md has figures.
+/// Material points: particle updates per second of a full step (MUSL, 8 particles per cell, 3D, double), by material,
+/// shape function, number of particles and threads. `--benchmark_filter=...` picks; docs/benchmarks.md has figures.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -14,15 +14,15 @@ using namespace brisance;
 
 enum Matter { gas, elastic, johnson_cook };
 
-material::Solid solid_of(Matter matter) {
+material::Material solid_of(Matter matter) {
   if (matter == gas) {
-    material::Solid air;
+    material::Material air;
     air.density = 1.225;
     air.eos = material::IdealGas{};
     air.specific_energy = 2.0685e5;
     return air;
   }
-  material::Solid solid = material::elastic_solid(8960.0, 124e9, 0.34);
+  material::Material solid = material::elastic_solid(8960.0, 124e9, 0.34);
   if (matter == johnson_cook) {
     solid.strength = material::JohnsonCook{};
     solid.specific_heat = 383.0;
@@ -30,7 +30,7 @@ material::Solid solid_of(Matter matter) {
   return solid;
 }
 
-/// A cube of points with mirror planes all around, stirred: every point strains, spins and (Johnson-Cook) yields.
+/// A cube of particles with mirror planes all around, stirred: every particle strains, spins and (Johnson-Cook) yields.
 void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int per_edge, int threads) {
   set_threads(threads);
   double const h = 1e-3;
@@ -44,7 +44,7 @@ void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int p
   mpm::Body body;
   body.name = "cube";
   body.solid = solid_of(matter);
-  mpm::Mpm points(domain, {body}, options);
+  mpm::Mpm particles(domain, {body}, options);
   mpm::Filling filling;
   for (int k = 0; k < per_edge; ++k) {
     for (int j = 0; j < per_edge; ++j) {
@@ -54,11 +54,11 @@ void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int p
       }
     }
   }
-  points.fill(0, filling);
+  particles.fill(0, filling);
   double const speed = matter == gas ? 100.0 : matter == elastic ? 1.0 : 200.0;
   double const wave = 2.0 * 3.14159265358979 / (cells * h);
-  for (int block = 0; block < points.grid().block_count(); ++block) {
-    mpm::PointSet& set = points.points(block, 0);
+  for (int block = 0; block < particles.grid().block_count(); ++block) {
+    mpm::ParticleSet& set = particles.particles(block, 0);
     for (int q = 0; q < set.size(); ++q) {
       double const x = set.field(mpm::Field::position_x)[q];
       double const y = set.field(mpm::Field::position_y)[q];
@@ -66,18 +66,18 @@ void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int p
       set.field(mpm::Field::velocity_y)[q] = -speed * std::cos(wave * x) * std::sin(wave * y);
     }
   }
-  for (int n = 0; n < 3; ++n) points.advance(points.stable_step());
-  auto const before = points.timings();
+  for (int n = 0; n < 3; ++n) particles.advance(particles.stable_step());
+  auto const before = particles.timings();
   long steps = 0;
   for ([[maybe_unused]] auto _ : state) {
-    points.advance(points.stable_step());
+    particles.advance(particles.stable_step());
     ++steps;
   }
-  auto const updates = static_cast<double>(mpm::point_count(points)) * static_cast<double>(steps);
+  auto const updates = static_cast<double>(mpm::particle_count(particles)) * static_cast<double>(steps);
   state.counters["points/s"] = benchmark::Counter(updates, benchmark::Counter::kIsRate);
   state.counters["bytes/point"] =
-      static_cast<double>(mpm::bytes(points)) / static_cast<double>(mpm::point_count(points));
-  for (auto const& [phase, seconds] : points.timings()) {
+      static_cast<double>(mpm::bytes(particles)) / static_cast<double>(mpm::particle_count(particles));
+  for (auto const& [phase, seconds] : particles.timings()) {
     auto const earlier = before.find(phase);
     double const spent = seconds - (earlier == before.end() ? 0.0 : earlier->second);
     state.counters["ns " + phase] = 1e9 * spent / updates;

@@ -1,4 +1,4 @@
-#include "bridge/gas_points.hpp"
+#include "bridge/gas_particles.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -10,26 +10,26 @@ namespace brisance::bridge {
 
 using mpm::Field;
 
-void set_gradient(mpm::PointSet& set, int q, GasSlopes const& slopes, int dimensions, double h) {
+void set_gradient(mpm::ParticleSet& set, int q, GasSlopes const& slopes, int dimensions, double h) {
   if (set.field(Field::affine_xx) == nullptr) return;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < dimensions; ++c) set.field(Field::affine_xx + (3 * r + c))[q] = slopes.velocity[c][r] / h;
   }
 }
 
-GasPoints::GasPoints(mpm::Mpm& points, int body, material::Fluids const& fluids, Faces const& faces,
-                     std::vector<int> outer_blocks)
-    : points_(&points),
+GasParticles::GasParticles(mpm::Mpm& particles, int body, material::Fluids const& fluids, Faces const& faces,
+                           std::vector<int> outer_blocks)
+    : particles_(&particles),
       body_(body),
-      has_gradient_energy_(mpm::rules_of(points.bodies()[body], points.options()).has_gradient_energy),
+      has_gradient_energy_(mpm::rules_of(particles.bodies()[body], particles.options()).has_gradient_energy),
       fluids_(&fluids),
       faces_(&faces),
       outer_blocks_(std::move(outer_blocks)) {
-  for (std::size_t n = 0; n < outer_blocks_.size(); ++n) leavers_.push_back(empty_set());
+  for (std::size_t n = 0; n < outer_blocks_.size(); ++n) absorbed_.push_back(empty_set());
 }
 
-void GasPoints::append(int face, int lane, double depth, double mass, Primitive const& s, GasSlopes const& slopes,
-                       mpm::PointSet& to) const {
+void GasParticles::append(int face, int lane, double depth, double mass, Primitive const& s, GasSlopes const& slopes,
+                          mpm::ParticleSet& to) const {
   Face const& f = (*faces_)[face];
   grid::Metric const& cells = faces_->region().metric();
   int const dims = cells.dimensions();
@@ -58,7 +58,7 @@ void GasPoints::append(int face, int lane, double depth, double mass, Primitive 
   if (double* alpha = to.field(Field::volume_fraction)) alpha[q] = s.volume_fraction[1];
 }
 
-Amounts GasPoints::carried(mpm::PointSet const& set, int q) const {
+Amounts GasParticles::carried(mpm::ParticleSet const& set, int q) const {
   double const m = set.field(Field::mass)[q];
   double const* fraction = set.field(Field::mass_fraction);
   double const other = fraction == nullptr ? 0.0 : m * fraction[q];
@@ -76,26 +76,26 @@ Amounts GasPoints::carried(mpm::PointSet const& set, int q) const {
   return l;
 }
 
-Amounts GasPoints::handed_over(mpm::PointSet const& set, int q) const {
+Amounts GasParticles::handed_over(mpm::ParticleSet const& set, int q) const {
   Amounts l = carried(set, q);
-  l.energy += points_->bodies()[body_].reference_pressure * l.volume;
+  l.energy += particles_->bodies()[body_].reference_pressure * l.volume;
   return l;
 }
 
-std::vector<mpm::PointSet> const& GasPoints::take_leavers() {
+std::vector<mpm::ParticleSet> const& GasParticles::take_absorbed() {
   Region const& region = faces_->region();
   parallel_for(static_cast<int>(outer_blocks_.size()), [&](int n, int) {
-    leavers_[n].reorder({});
+    absorbed_[n].reorder({});
     mpm::take_out(
-        points_->points(outer_blocks_[n], body_),
-        [&](mpm::PointSet const& set, int q) {
+        particles_->particles(outer_blocks_[n], body_),
+        [&](mpm::ParticleSet const& set, int q) {
           Vec3 const x{set.field(Field::position_x)[q], set.field(Field::position_y)[q],
                        set.field(Field::position_z)[q]};
           return !region.inside(faces_->cell_at(x));
         },
-        leavers_[n]);
+        absorbed_[n]);
   });
-  return leavers_;
+  return absorbed_;
 }
 
 }  // namespace brisance::bridge

@@ -1,4 +1,4 @@
-#include "observe/point_summary.hpp"
+#include "observe/particle_summary.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@ BodySummary summary_of(run::System const& system, int body, std::string const& n
   s.name = name;
   s.body = system.bodies[body].name;
   s.material = system.bodies[body].material;
-  s.end = mpm::sums(*system.points, body);
+  s.end = mpm::sums(*system.particles, body);
   s.start = records.empty() ? s.end : records.front().sums;
   for (BodyRecord const& r : records) {
     raise(s.displacement, r.sums.largest_displacement, r.time);
@@ -35,15 +35,15 @@ BodySummary summary_of(run::System const& system, int body, std::string const& n
 
 Vec3 mean_velocity(mpm::BodySums const& s) { return s.mass > 0.0 ? (1.0 / s.mass) * s.momentum : Vec3{0.0, 0.0, 0.0}; }
 
-PointSummary summarise_point(run::System const& system, PointGaugeHistory const& history) {
-  PointSummary s;
+ParticleSummary summarise_particle(run::System const& system, ParticleGaugeHistory const& history) {
+  ParticleSummary s;
   s.name = history.gauge.name;
   s.body = system.bodies[history.gauge.body].name;
   s.lost = history.lost;
-  if (history.points.empty()) return s;
-  s.position = history.points.front().position;
+  if (history.particles.empty()) return s;
+  s.position = history.particles.front().position;
   std::array<Peak, 3> components;
-  for (PointRecord const& r : history.points) {
+  for (ParticleRecord const& r : history.particles) {
     raise(s.displacement, norm(r.displacement), r.time);
     for (int d = 0; d < 3; ++d)
       if (std::abs(r.displacement[d]) > std::abs(components[d].value)) components[d] = {r.displacement[d], r.time};
@@ -55,21 +55,21 @@ PointSummary summarise_point(run::System const& system, PointGaugeHistory const&
   for (int d = 1; d < 3; ++d)
     if (std::abs(components[d].value) > std::abs(components[s.component].value)) s.component = d;
   s.component_displacement = components[s.component];
-  s.final_displacement = history.points.back().displacement;
+  s.final_displacement = history.particles.back().displacement;
   return s;
 }
 
-std::vector<PointSummary> summarise_points(run::System const& system, Gauges const& gauges) {
-  std::vector<PointSummary> out;
-  for (auto const& history : gauges.points)
-    if (history.gauge.point) out.push_back(summarise_point(system, history));
+std::vector<ParticleSummary> summarise_particles(run::System const& system, Gauges const& gauges) {
+  std::vector<ParticleSummary> out;
+  for (auto const& history : gauges.particles)
+    if (history.gauge.point) out.push_back(summarise_particle(system, history));
   return out;
 }
 
 std::vector<BodySummary> summarise_bodies(run::System const& system, Gauges const& gauges) {
   std::vector<BodySummary> out;
   std::vector<bool> watched(system.bodies.size(), false);
-  for (auto const& history : gauges.points) {
+  for (auto const& history : gauges.particles) {
     if (history.gauge.point) continue;
     out.push_back(summary_of(system, history.gauge.body, history.gauge.name, history.bodies));
     watched[history.gauge.body] = true;

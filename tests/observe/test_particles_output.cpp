@@ -1,13 +1,13 @@
-// What a run of material points records: fields at the points, gauges, energies.
+// What a run of material points records: fields at the particles, gauges, energies.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 
-#include "../run/points_case.hpp"
+#include "../run/particles_case.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "observe/point_fields.hpp"
+#include "observe/particle_fields.hpp"
 #include "watched.hpp"
 
 namespace brisance::observe {
@@ -17,21 +17,21 @@ using namespace run;
 
 std::vector<double> field(Watched const& w, std::string const& name) {
   std::vector<double> out;
-  point_field(w, name, out);
+  particle_field(w, name, out);
   return out;
 }
 
-TEST(PointFields, EveryKnownFieldHasItsComponentsForEveryPoint) {
+TEST(ParticleFields, EveryKnownFieldHasItsComponentsForEveryParticle) {
   Watched const w(two_blocks());
-  auto const count = static_cast<std::size_t>(mpm::point_count(*w.points));
-  for (auto const* list : {&known_point_fields(), &standing_point_fields()}) {
+  auto const count = static_cast<std::size_t>(mpm::particle_count(*w.particles));
+  for (auto const* list : {&known_particle_fields(), &standing_particle_fields()}) {
     for (FieldInfo const& info : *list) EXPECT_EQ(field(w, info.name).size(), count * info.components) << info.name;
   }
   std::vector<double> out;
-  EXPECT_THROW(point_field(w, "presure", out), InputError);
+  EXPECT_THROW(particle_field(w, "presure", out), InputError);
 }
 
-TEST(PointFields, AreInTheSameOrder) {
+TEST(ParticleFields, AreInTheSameOrder) {
   Watched w(two_blocks());
   while (w.clock.step < 30) advance(w, 1.0);
   auto const position = field(w, "position");
@@ -59,7 +59,7 @@ TEST(PointFields, AreInTheSameOrder) {
   EXPECT_GT(moved, 1e-6);
 }
 
-TEST(PointFields, StressIsDeviatorLessPressureAndMisesItsInvariant) {
+TEST(ParticleFields, StressIsDeviatorLessPressureAndMisesItsInvariant) {
   Watched w(two_blocks());
   while (w.clock.step < 30) advance(w, 1.0);
   auto const stress = field(w, "stress");
@@ -78,7 +78,7 @@ TEST(PointFields, StressIsDeviatorLessPressureAndMisesItsInvariant) {
   EXPECT_GT(largest, 1e7);
 }
 
-TEST(PointFields, WhatABodyDoesNotCarryIsZero) {
+TEST(ParticleFields, WhatABodyDoesNotCarryIsZero) {
   Watched const w(two_blocks());
   auto const body = field(w, "body");
   auto const material = field(w, "material");
@@ -94,18 +94,18 @@ TEST(PointFields, WhatABodyDoesNotCarryIsZero) {
   }
 }
 
-TEST(PointFields, BurnFractionFollowsTheDetonation) {
+TEST(ParticleFields, BurnFractionFollowsTheDetonation) {
   Case c = charge_slab();
   Watched w(std::move(c));
   for (double const unburnt : field(w, "burn_fraction")) EXPECT_EQ(unburnt, 0.0);
-  double const D = w.setup.points.bodies[0].solid.detonation_speed;
+  double const D = w.setup.particles.bodies[0].solid.detonation_speed;
   double const half = 0.5 * 0.02 / D;
   while (w.clock.time < half) advance(w, half);
   auto const burnt = field(w, "burn_fraction");
   auto const position = field(w, "position");
   double const h = w.setup.domain.h;
   for (std::size_t q = 0; q < burnt.size(); ++q) {
-    // The points have moved by less than a cell; the front is 1.5 cells wide.
+    // The particles have moved by less than a cell; the front is 1.5 cells wide.
     if (position[3 * q] < 0.01 - 3.5 * h) {
       EXPECT_EQ(burnt[q], 1.0);
     }
@@ -115,18 +115,18 @@ TEST(PointFields, BurnFractionFollowsTheDetonation) {
   }
 }
 
-TEST(PointGauges, RideOnTheirPoint) {
+TEST(ParticleGauges, RideOnTheirParticle) {
   Watched w(two_blocks());
   w.sample_gauges();
   while (w.clock.step < 40) {
     advance(w, 1.0);
     w.sample_gauges();
   }
-  PointGaugeHistory const& gauge = w.gauges.points[0];
-  ASSERT_EQ(gauge.points.size(), 41U);
-  EXPECT_NEAR(gauge.points[0].position[0], 0.0195, 0.26e-3);  // half a point's distance, on the left block
-  EXPECT_EQ(norm(gauge.points[0].displacement), 0.0);
-  auto const& last = gauge.points.back();
+  ParticleGaugeHistory const& gauge = w.gauges.particles[0];
+  ASSERT_EQ(gauge.particles.size(), 41U);
+  EXPECT_NEAR(gauge.particles[0].position[0], 0.0195, 0.26e-3);  // half a particle's distance, on the left block
+  EXPECT_EQ(norm(gauge.particles[0].displacement), 0.0);
+  auto const& last = gauge.particles.back();
   auto const position = field(w, "position");
   auto const displacement = field(w, "displacement");
   auto const mises = field(w, "mises");
@@ -146,31 +146,31 @@ TEST(PointGauges, RideOnTheirPoint) {
   EXPECT_GT(last.displacement[0], 1e-5);
   EXPECT_EQ(last.time, w.clock.time);
 
-  auto const& watched = w.gauges.points[1].bodies;
+  auto const& watched = w.gauges.particles[1].bodies;
   ASSERT_EQ(watched.size(), 41U);
-  EXPECT_EQ(watched.back().sums.kinetic_energy, mpm::sums(*w.points, 1).kinetic_energy);
+  EXPECT_EQ(watched.back().sums.kinetic_energy, mpm::sums(*w.particles, 1).kinetic_energy);
   EXPECT_GT(watched.back().sums.kinetic_energy, watched.front().sums.kinetic_energy);
 }
 
-TEST(PointGauges, KeepTheirLastRecordWhenThePointLeaves) {
+TEST(ParticleGauges, KeepTheirLastRecordWhenTheParticleLeaves) {
   Case c = two_blocks();
-  c.points.bodies[0].velocity = {-2000.0, 0.0, 0.0};
-  c.points.bodies.resize(1);
-  c.points.gauges.resize(1);
+  c.particles.bodies[0].velocity = {-2000.0, 0.0, 0.0};
+  c.particles.bodies.resize(1);
+  c.particles.gauges.resize(1);
   c.domain.boundary[0] = grid::Boundary::outflow;
   Watched w(std::move(c));
   w.sample_gauges();
-  while (w.points->accounts().losses.points < 1600) {  // all 40 x 40
+  while (w.particles->accounts().losses.particles < 1600) {  // all 40 x 40
     advance(w, 1.0);
     w.sample_gauges();
     ASSERT_LT(w.clock.time, 2e-4) << "the block does not leave";
   }
-  auto const& gauge = w.gauges.points[0];
+  auto const& gauge = w.gauges.particles[0];
   EXPECT_TRUE(gauge.lost);
-  ASSERT_GT(gauge.points.size(), 10U);
-  EXPECT_LT(gauge.points.back().time, w.clock.time);
-  EXPECT_LT(gauge.points.back().position[0], 3e-3);
-  EXPECT_EQ(mpm::point_count(*w.points), 0);
+  ASSERT_GT(gauge.particles.size(), 10U);
+  EXPECT_LT(gauge.particles.back().time, w.clock.time);
+  EXPECT_LT(gauge.particles.back().position[0], 3e-3);
+  EXPECT_EQ(mpm::particle_count(*w.particles), 0);
   EXPECT_TRUE(field(w, "stress").empty());
   w.update_audit();
   EXPECT_LT(w.audit.relative_error().mass[0], 1e-12);
@@ -206,16 +206,16 @@ EnergyBalance after_steps(Case const& c) {
 
 TEST(EnergyBalance, CountsTheWorkOfOuterForces) {
   Case c = two_blocks();
-  for (Body& body : c.points.bodies) body.velocity = {0.0, 0.0, 0.0};
+  for (Body& body : c.particles.bodies) body.velocity = {0.0, 0.0, 0.0};
   EXPECT_EQ(after_steps(c).work, 0.0);
   // A body force that dwarfs what the blocks do to each other: all its work is kinetic energy, to the half step by
   // which velocity and position differ (1/100 of the time, of which the work depends quadratically).
-  c.points.options.body_force = {0.0, -1e7, 0.0};
+  c.particles.options.body_force = {0.0, -1e7, 0.0};
   EnergyBalance const falling = after_steps(c);
   EXPECT_GT(falling.work, 0.0);
   EXPECT_NEAR(falling.current + falling.lost - falling.initial, falling.work, 0.02 * falling.work);
-  c.points.options.body_force = {0.0, 0.0, 0.0};
-  c.points.constraints = {{shape::Box{{0, 0, 0}, {1e-3, 1, 1}}, {true, false, false}, {0.0, 0.0, 0.0}, -1}};
+  c.particles.options.body_force = {0.0, 0.0, 0.0};
+  c.particles.constraints = {{shape::Box{{0, 0, 0}, {1e-3, 1, 1}}, {true, false, false}, {0.0, 0.0, 0.0}, -1}};
   EXPECT_EQ(after_steps(c).work, 0.0) << "what holds still does no work";
 }
 
@@ -234,7 +234,7 @@ TEST(EnergyBalance, DriftOfAnElasticImpactIsSmall) {
   EXPECT_NE(energy.drift(), 0.0);
 }
 
-TEST(PointFields, HaveTheSameBitsForAnyNumberOfThreads) {
+TEST(ParticleFields, HaveTheSameBitsForAnyNumberOfThreads) {
   std::vector<std::vector<double>> reference;
   for (int const count : {1, 2, 4}) {
     set_threads(count);
@@ -245,10 +245,10 @@ TEST(PointFields, HaveTheSameBitsForAnyNumberOfThreads) {
       w.sample_gauges();
     }
     std::vector<std::vector<double>> all;
-    for (FieldInfo const& info : known_point_fields()) all.push_back(field(w, info.name));
-    for (FieldInfo const& info : standing_point_fields()) all.push_back(field(w, info.name));
+    for (FieldInfo const& info : known_particle_fields()) all.push_back(field(w, info.name));
+    for (FieldInfo const& info : standing_particle_fields()) all.push_back(field(w, info.name));
     all.emplace_back();
-    for (PointRecord const& r : w.gauges.points[0].points) {
+    for (ParticleRecord const& r : w.gauges.particles[0].particles) {
       all.back().insert(all.back().end(), {r.time, r.position[0], r.velocity[0], r.velocity[1], r.pressure, r.mises});
     }
     all.emplace_back();

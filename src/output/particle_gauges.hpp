@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "observe/point_summary.hpp"
+#include "observe/particle_summary.hpp"
 
 namespace brisance::output {
 
 /// The growing CSV files `gauges/NAME.csv`, and `energies.csv`: energies of every body.
-class PointGaugeFiles {
+class ParticleGaugeFiles {
  public:
   /// Creates the files with their headers; none without material points.
-  PointGaugeFiles(std::filesystem::path const& folder, run::System const& system, observe::Gauges const& gauges);
+  ParticleGaugeFiles(std::filesystem::path const& folder, run::System const& system, observe::Gauges const& gauges);
 
   /// Appends the records that came since the last call.
   void append(observe::Gauges const& gauges);
@@ -29,12 +29,13 @@ class PointGaugeFiles {
   std::size_t energies_ = 0;          ///< rows
 };
 
-/// Writes the table of the gauges on points and bodies, and returns the same as the lists "point_gauges" and "bodies".
-[[nodiscard]] nlohmann::json write_point_table(std::filesystem::path const& path, run::System const& system,
-                                               observe::Gauges const& gauges, std::vector<std::string> const& files);
+/// Writes the table of the gauges on particles and bodies, and returns the same as the lists "point_gauges" and
+/// "bodies".
+[[nodiscard]] nlohmann::json write_particle_table(std::filesystem::path const& path, run::System const& system,
+                                                  observe::Gauges const& gauges, std::vector<std::string> const& files);
 
 /// Writes `summary.csv` and `summary.json` of a run of material points.
-void write_point_summary(std::filesystem::path const& folder, run::System const& system, observe::Gauges const& gauges,
-                         std::vector<std::string> const& files);
+void write_particle_summary(std::filesystem::path const& folder, run::System const& system,
+                            observe::Gauges const& gauges, std::vector<std::string> const& files);
 
 }  // namespace brisance::output

@@ -1,4 +1,4 @@
-// The same answer, bit for bit, on 1, 2 and 4 threads: every field of every point, for every choice of the method.
+// The same answer, bit for bit, on 1, 2 and 4 threads: every field of every particle, for every choice of the method.
 #include <cstring>
 
 #include "core/error.hpp"
@@ -10,7 +10,7 @@ namespace {
 using grid::Boundary;
 using grid::Geometry;
 
-/// Every field of every point, block by block, in the order in which they are kept.
+/// Every field of every particle, block by block, in the order in which they are kept.
 std::vector<double> everything(ShapeFunction shape, Transfer transfer, double pic, StressOrder order, int threads) {
   Problem problem;
   problem.box(Geometry::cartesian3d, 1.0, {12, 8, 8}, Boundary::outflow);
@@ -42,17 +42,17 @@ std::vector<double> everything(ShapeFunction shape, Transfer transfer, double pi
       break;
     }
     std::vector<int> now;
-    for (int b = 0; b < problem.mpm->grid().block_count(); ++b) now.push_back(problem.mpm->points(b, 0).size());
+    for (int b = 0; b < problem.mpm->grid().block_count(); ++b) now.push_back(problem.mpm->particles(b, 0).size());
     crossed += !counts.empty() && now != counts ? 1 : 0;
     counts = now;
   }
   if (tents_bear(shape, transfer, order)) {
     EXPECT_EQ(ended, 12);
-    EXPECT_GT(crossed, 0);  // points did change their block
+    EXPECT_GT(crossed, 0);  // particles did change their block
   }
   std::vector<double> all{static_cast<double>(ended)};
   for (int body = 0; body < 2; ++body) {
-    problem.for_each_point(body, [&](mpm::PointSet const& set, int q) {
+    problem.for_each_particle(body, [&](mpm::ParticleSet const& set, int q) {
       for (int f = 0; f < mpm::field_count; ++f) {
         if (double const* values = set.field(static_cast<Field>(f))) all.push_back(values[q]);
       }

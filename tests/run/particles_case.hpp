@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../observe/watched.hpp"
-#include "material/solid.hpp"
+#include "material/material.hpp"
 
 namespace brisance::run {
 
@@ -39,9 +39,9 @@ inline Case two_blocks() {
   gas.solid.eos = material::IdealGas{1.4};
   gas.solid.specific_energy = 1e5 / 0.4;
   gas.shape = shape::Box{{0.02, 0.03, 0.0}, {0.03, 0.04, 0.0}};
-  c.points.bodies = {left, right, gas};
-  c.points.gauges = {{"tip", 0, Vec3{0.0195, 0.012, 0.0}}, {"target", 1, {}}};
-  c.output.point_fields = {"velocity", "stress", "mises", "identity", "plastic_strain"};
+  c.particles.bodies = {left, right, gas};
+  c.particles.gauges = {{"tip", 0, Vec3{0.0195, 0.012, 0.0}}, {"target", 1, {}}};
+  c.output.particle_fields = {"velocity", "stress", "mises", "identity", "plastic_strain"};
   return c;
 }
 
@@ -63,7 +63,7 @@ inline Case charge_slab() {
   slab.solid.minimum_pressure = 0.0;
   slab.shape = shape::Box{{0.0, 0.0, 0.0}, {0.02, 0.0, 0.0}};
   slab.initiation = {{{0.0, 0.0, 0.0}, 0.0}};
-  c.points.bodies = {slab};
+  c.particles.bodies = {slab};
   return c;
 }
 

@@ -11,7 +11,7 @@
 
 namespace brisance::material {
 
-/// What happens to a point in one step.
+/// What happens to a particle in one step.
 struct Increment {
   std::array<double, 6> strain{};    ///< xx yy zz xy yz zx
   std::array<double, 3> spin{};      ///< axial vector [rad]
@@ -50,10 +50,10 @@ inline Increment swell(double ratio) {
   return d;
 }
 
-/// `n` points of one solid. All arrays exist; only those that the solid has are handed over.
-class Points {
+/// `n` particles of one solid. All arrays exist; only those that the solid has are handed over.
+class Particles {
  public:
-  explicit Points(Solid solid_, int n_ = 1) : solid(std::move(solid_)), n(n_) {
+  explicit Particles(Material solid_, int n_ = 1) : solid(std::move(solid_)), n(n_) {
     for (auto* x : {&pressure, &viscosity, &density, &energy, &plastic_strain, &plastic_work, &temperature, &damage,
                     &crushing, &cracking, &compression, &sound_speed, &work, &path}) {
       x->assign(n, 0.0);
@@ -67,17 +67,17 @@ class Points {
     }
   }
 
-  Solid solid;
+  Material solid;
   int n;
   StepData data{1e-6, 0.0};  ///< no length: no viscosity, unless a test asks for it
   std::array<std::vector<double>, 6> deviator;
   std::vector<double> pressure, viscosity, density, energy, plastic_strain, plastic_work, temperature, damage, crushing,
       cracking, compression, sound_speed;
   std::vector<double> mass_fraction, volume_fraction;  ///< handed over where they are not empty
-  std::vector<double> work;  ///< done on the points since the start, from the stresses before and after [J/kg]
+  std::vector<double> work;  ///< done on the particles since the start, from the stresses before and after [J/kg]
   std::vector<double> path;  ///< sum of the magnitudes of its parts [J/kg]
 
-  /// The same increment for all points.
+  /// The same increment for all particles.
   void step(Increment const& d) { step(std::vector<Increment>(n, d)); }
 
   void step(std::vector<Increment> const& increments) {
@@ -91,7 +91,7 @@ class Points {
       volumetric.push_back(d.volumetric.value_or(d.strain[0] + d.strain[1] + d.strain[2]));
       burn.push_back(d.burn);
     }
-    PointArrays a;
+    ParticleArrays a;
     a.n = n;
     a.volumetric = volumetric.data();
     a.pressure = pressure.data();
@@ -119,7 +119,7 @@ class Points {
       a.compression = compression.data();
     }
 
-    Points const before = *this;
+    Particles const before = *this;
     update_stress(solid, a, data);
 
     for (int i = 0; i < n; ++i) {

@@ -1,4 +1,4 @@
-/// Points of a gas that crowd a cell, or are light beside others, merge; see population.hpp.
+/// Particles of a gas that crowd a cell, or are light beside others, merge; see population.hpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,10 +14,10 @@ namespace {
 /// So many numbers in [0, 1] may all be further apart than a tenth; one more may not.
 constexpr int compositions = 10;
 
-/// How much the states of two points must agree to become one.
+/// How much the states of two particles must agree to become one.
 enum class Likeness {
   composition,  ///< where a cell overflows
-  state,        ///< a light point and any other
+  state,        ///< a light particle and any other
   size,         ///< and what would split again at once stays
 };
 
@@ -45,7 +45,8 @@ double distance_square(GasSet const& gas, int a, int b) {
   return square;
 }
 
-/// The box of a merged point has the volume of both and is longer along the way between them, if that is not too long.
+/// The box of a merged particle has the volume of both and is longer along the way between them, if that is not too
+/// long.
 void merge_halves(GasSet const& gas, int keep, int drop, double share) {
   int const dims = gas.metric->dimensions();
   std::array<double*, 3> half{};
@@ -72,9 +73,9 @@ void merge_halves(GasSet const& gas, int keep, int drop, double share) {
   }
 }
 
-/// Point `drop` becomes a part of `keep`. Returns the heat [J].
+/// Particle `drop` becomes a part of `keep`. Returns the heat [J].
 double merge(GasSet& gas, int keep, int drop) {
-  PointSet& set = *gas.set;
+  ParticleSet& set = *gas.set;
   double const mass = gas.mass[keep] + gas.mass[drop];
   double const volume = gas.volume(keep) + gas.volume(drop);
   double const of_mass = gas.mass[drop] / mass;
@@ -101,13 +102,13 @@ double merge(GasSet& gas, int keep, int drop) {
   return heat;
 }
 
-/// Thins out one cell; the members are its points.
+/// Thins out one cell; the members are its particles.
 class Thinning {
  public:
   Thinning(GasSet& gas, PopulationOptions const& options, PopulationScratch& scratch, PopulationCount& count)
       : gas_(&gas), options_(&options), s_(&scratch), count_(&count) {}
 
-  /// Light points, the lightest first, go into the nearest that takes them.
+  /// Light particles, the lightest first, go into the nearest that takes them.
   void absorb_light() {
     s_->stuck.clear();
     for (;;) {
@@ -139,7 +140,7 @@ class Thinning {
     }
   }
 
-  /// Down to `most` points, or at least to `limit`.
+  /// Down to `most` particles, or at least to `limit`.
   void thin_out(int most, int limit) {
     while (static_cast<int>(s_->members.size()) > most) {
       if (join_best(Likeness::size)) continue;
@@ -186,8 +187,8 @@ class Thinning {
 
 }  // namespace
 
-PopulationCount merge_points(PointSet& set, PopulationPlace const& place, PopulationOptions const& options,
-                             PopulationScratch& scratch) {
+PopulationCount merge_particles(ParticleSet& set, PopulationPlace const& place, PopulationOptions const& options,
+                                PopulationScratch& scratch) {
   PopulationCount count;
   if (set.empty()) return count;
   GasSet gas(set, place);
@@ -218,14 +219,14 @@ PopulationCount merge_points(PointSet& set, PopulationPlace const& place, Popula
   for (int c = 0; c < cells; ++c) {
     if (scratch.busy[c] != 0) scratch.due.push_back(c);
   }
-  list_points(scratch);
+  list_particles(scratch);
   scratch.gone.assign(set.size(), 0);
   Thinning thinning(gas, options, scratch, count);
   for (int const c : scratch.due) {
     scratch.members.assign(scratch.sorted.begin() + scratch.start[c], scratch.sorted.begin() + scratch.start[c + 1]);
     thinning.absorb_light();
     thinning.thin_out(most, limit);
-    thinning.absorb_light();  // what is light beside the points that just merged
+    thinning.absorb_light();  // what is light beside the particles that just merged
   }
   if (count.merged == 0) return count;
   scratch.due.clear();

@@ -1,4 +1,4 @@
-/// Points of a gas that stretched too far split, see population.hpp.
+/// Particles of a gas that stretched too far split, see population.hpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,11 +10,11 @@ namespace brisance::mpm {
 
 namespace {
 
-/// Halvings of one point in one call: more would mean that it grew by this power of two since the last.
+/// Halvings of one particle in one call: more would mean that it grew by this power of two since the last.
 constexpr int most_passes = 16;
 /// Neighbours further away than this many cells count as that far.
 constexpr int longest_sight = 2;
-/// Part of the internal energy that may become kinetic energy of the halves with APIC.
+/// Fraction of the internal energy that may become kinetic energy of the halves with APIC.
 constexpr double largest_loan = 0.01;
 
 /// What limits a block on its low and high sides.
@@ -22,7 +22,7 @@ struct Wall {
   double position = 0.0;  ///< [m]
   int block = grid::no_neighbour;
   bool mirror = false;
-  bool open = false;  ///< points may pass: another block lies behind, and not around the domain
+  bool open = false;  ///< particles may pass: another block lies behind, and not around the domain
 };
 
 using Walls = std::array<std::array<Wall, 2>, 3>;
@@ -49,8 +49,8 @@ struct Gaps {
   bool seen[3][2];
 };
 
-/// Looks at the cells around that of point q, `sight` to each side. A neighbour belongs to the direction in which it is
-/// furthest away.
+/// Looks at the cells around that of particle q, `sight` to each side. A neighbour belongs to the direction in which it
+/// is furthest away.
 Gaps gaps_of(GasSet const& gas, Patch const& patch, Walls const& walls, PopulationScratch const& s, int q, int sight) {
   int const dims = patch.dimensions;
   double const far = longest_sight * gas.h;
@@ -78,7 +78,7 @@ Gaps gaps_of(GasSet const& gas, Patch const& patch, Walls const& walls, Populati
   });
   for (int d = 0; d < dims; ++d) {
     for (int side = 0; side < 2; ++side) {
-      // The nearest neighbour behind a mirror may be the point's own image.
+      // The nearest neighbour behind a mirror may be the particle's own image.
       double const image = 2.0 * std::abs(gas.x[d][q] - walls[d][side].position);
       if (!walls[d][side].mirror || image >= gaps.length[d][side]) continue;
       gaps.length[d][side] = image;
@@ -88,7 +88,7 @@ Gaps gaps_of(GasSet const& gas, Patch const& patch, Walls const& walls, Populati
   return gaps;
 }
 
-/// Room that a point has in each direction: half the way to the neighbours on both sides.
+/// Room that a particle has in each direction: half the way to the neighbours on both sides.
 Vec3 room_of(GasSet const& gas, Patch const& patch, Walls const& walls, PopulationScratch const& s, int q) {
   Vec3 room{0.0, 0.0, 0.0};
   for (int sight = 1; sight <= longest_sight; ++sight) {
@@ -107,9 +107,9 @@ Vec3 room_of(GasSet const& gas, Patch const& patch, Walls const& walls, Populati
   return room;
 }
 
-/// Splits point q along direction d, the halves `offset` to both sides. Returns the kinetic energy gained [J].
+/// Splits particle q along direction d, the halves `offset` to both sides. Returns the kinetic energy gained [J].
 double split(GasSet& gas, int q, int d, double offset, Walls const& walls, Outbox& out) {
-  PointSet& set = *gas.set;
+  ParticleSet& set = *gas.set;
   Vec3 kick{0.0, 0.0, 0.0};
   double gain = 0.0;
   if (set.field(Field::affine_xx) != nullptr) {
@@ -137,12 +137,12 @@ double split(GasSet& gas, int q, int d, double offset, Walls const& walls, Outbo
   gas.x[d][q] -= sign * offset;
   Vec3 const v{gas.v[0][q], gas.v[1][q], gas.v[2][q]};
   for (int i = 0; i < 3; ++i) gas.v[i][q] = v[i] - sign * kick[i];
-  PointSet& to = leaves ? out.points : set;
+  ParticleSet& to = leaves ? out.particles : set;
   to.append(set, q);
-  int const born = to.size() - 1;
-  to.field(Field::position_x + d)[born] = x[d];
-  for (int i = 0; i < 3; ++i) to.field(Field::velocity_x + i)[born] = v[i] + sign * kick[i];
-  to.field(Field::identity)[born] = -1.0;
+  int const injected = to.size() - 1;
+  to.field(Field::position_x + d)[injected] = x[d];
+  for (int i = 0; i < 3; ++i) to.field(Field::velocity_x + i)[injected] = v[i] + sign * kick[i];
+  to.field(Field::identity)[injected] = -1.0;
   if (leaves) {
     out.destination.push_back(walls[d][sign > 0.0 ? 1 : 0].block);
   } else {
@@ -151,7 +151,7 @@ double split(GasSet& gas, int q, int d, double offset, Walls const& walls, Outbo
   return gain;
 }
 
-/// Along the direction with the most room, half of what the point has there and not beyond what is closed.
+/// Along the direction with the most room, half of what the particle has there and not beyond what is closed.
 SplitWay way_of(GasSet const& gas, Patch const& patch, Walls const& walls, PopulationScratch const& s, int q) {
   int const dims = patch.dimensions;
   Vec3 room{0.0, 0.0, 0.0};
@@ -175,8 +175,8 @@ SplitWay way_of(GasSet const& gas, Patch const& patch, Walls const& walls, Popul
 
 }  // namespace
 
-PopulationCount split_points(PointSet& set, PopulationPlace const& place, PopulationOptions const& options,
-                             PopulationScratch& scratch, Outbox& out) {
+PopulationCount split_particles(ParticleSet& set, PopulationPlace const& place, PopulationOptions const& options,
+                                PopulationScratch& scratch, Outbox& out) {
   PopulationCount count;
   GasSet gas(set, place);
   Patch const& patch = *place.patch;
@@ -198,7 +198,7 @@ PopulationCount split_points(PointSet& set, PopulationPlace const& place, Popula
       return scratch.start[c + 1] - scratch.start[c] >= most;
     });
     if (scratch.due.empty()) break;
-    list_points(scratch);
+    list_particles(scratch);
     // All choose before any moves.
     scratch.ways.clear();
     for (int const q : scratch.due) scratch.ways.push_back(way_of(gas, patch, walls, scratch, q));

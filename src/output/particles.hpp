@@ -1,9 +1,10 @@
 /// Dumps of the material points: one HDF5 file per dump and one XDMF index, `points.xmf2`, that ParaView opens as a
-/// time series of points.
+/// time series of particles.
 ///
 /// Layout of a dump `points/points_NNNNNN.h5`: attributes of the root (time [s], step, geometry, count) and one dataset
 /// per field, /points/NAME, shape (n), (n, 3) or (n, 6: xx yy zz xy yz zx), with attributes `unit` and `meaning`. All
-/// datasets have the points in the same order, which changes from dump to dump; `body` and `identity` tell who is who.
+/// datasets have the particles in the same order, which changes from dump to dump; `body` and `identity` tell who is
+/// who.
 #pragma once
 
 #include <functional>
@@ -12,25 +13,25 @@
 
 namespace brisance::output {
 
-/// Values of a field at all points, components interleaved.
-using PointValues = std::function<void(std::string const& field, std::vector<double>& out)>;
+/// Values of a field at all particles, components interleaved.
+using ParticleValues = std::function<void(std::string const& field, std::vector<double>& out)>;
 
-class PointSeries {
+class ParticleSeries {
  public:
   /// Writes into `folder` (which exists). Nothing is created before the first dump.
-  PointSeries(std::filesystem::path folder, FieldOptions options);
+  ParticleSeries(std::filesystem::path folder, FieldOptions options);
 
-  /// Writes one dump of `count` points, whose fields hold "position", and brings the index up to date. Both appear
+  /// Writes one dump of `count` particles, whose fields hold "position", and brings the index up to date. Both appear
   /// under their final names only when they are complete. Throws IoError.
   void dump(double time, long step, grid::Geometry geometry, long count, std::vector<FieldSpec> const& fields,
-            PointValues const& values);
+            ParticleValues const& values);
 
   [[nodiscard]] int count() const { return count_; }
   /// What has been dumped, in a checkpoint. Reading drops the dumps that came later.
   void archive(Archive& a);
 
   /// Bytes of one dump without compression.
-  [[nodiscard]] static double bytes_per_dump(double points, std::vector<FieldSpec> const& fields,
+  [[nodiscard]] static double bytes_per_dump(double particles, std::vector<FieldSpec> const& fields,
                                              bool single_precision);
 
  private:

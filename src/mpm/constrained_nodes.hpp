@@ -7,6 +7,6 @@
 namespace brisance::mpm {
 
 /// Is a node in the shape or on its surface?
-[[nodiscard]] bool holds_node(shape::Shape const& shape, grid::Metric const& cells, Vec3 const& x);
+[[nodiscard]] bool contains_node(shape::Shape const& shape, grid::Metric const& cells, Vec3 const& x);
 
 }  // namespace brisance::mpm
