@@ -525,7 +525,7 @@ def region_section(run):
              "–" if drift is None else f"{100 * drift:+.3g} %", ("text", drift_verdict(energy, run.log))]]
     return (table(["account", "initial", "flowed out", "work of loads", "now", "drift", ("text", "verdict")], rows)
             + f"<p class=\"note\">The region woke at {number(region['awake_since'] * 1e3)} ms. "
-            f"{region['points_born']:,} points of gas came in through its faces and {region['points_left']:,} left; "
+            f"{region['points_injected']:,} points of gas came in through its faces and {region['points_absorbed']:,} left; "
             f"{number(sum(region['ledger']['mass']), 3)} kg are under way between gas and points. The bridge took "
             f"{100 * region['bridge_share']:.0f} % of the time. "
             f"{dissipation_words(energy)}The energy of points is not conserved by "

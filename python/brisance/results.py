@@ -127,7 +127,7 @@ class Profile:
         return (np.arange(self.cells[0]) + 0.5) * self.spacing
 
 
-FORMAT = 1  # of run.json, see src/output/run_log.cpp
+FORMAT = 2  # of run.json, see src/output/run_log.cpp
 
 
 class UnknownFormat(OSError):
