@@ -144,7 +144,7 @@ def write(folder, which, dumps=5, drift=-2e-3):
                                             "fail": 5e-2, "reported": abs(drift) > 5e-3}},
                      "initial": totals, "current": totals, "outflow": totals, "guarded_cells": 0, "guard_mass": 0.0,
                      "guard_energy": 0.0, "relative_error": {"mass": [1e-16, 0.0], "energy": abs(drift)}},
-           "format": 1,
+           "format": 2,
            "versions": {"brisance": "0.1.0", "compiler": "GNU 12.2.0", "compiler_flags": "-O3", "hdf5": "1.10.8"},
            "machine": {"processor": "AMD EPYC 7B13", "cores": 2, "threads": 2},
            "points": {"count": 2000, "bytes": 600000, "shape_function": "bspline", "order": "musl", "transfer": "xpic",

@@ -172,7 +172,7 @@ def write(folder, which, dumps=7):
                      "initial": totals, "current": totals, "outflow": nothing, "guarded_cells": 0 if bare else 12,
                      "guard_mass": 1e-12, "guard_energy": 3.2e-3,
                      "relative_error": {"mass": [3e-16, 1.4e-13], "energy": 2.2e-8}},
-           "format": 1,
+           "format": 2,
            "versions": {"brisance": "0.1.0", "compiler": "GNU 12.2.0", "compiler_flags": "-O3 -march=native",
                         "hdf5": "1.10.8"},
            "machine": {"processor": "AMD EPYC 7B13", "cores": 2, "threads": 2}}

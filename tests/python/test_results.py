@@ -126,7 +126,7 @@ class Reader(unittest.TestCase):
         log = self.root / "line" / "run.json"
         text = log.read_text()
         try:
-            log.write_text(re.sub(r'"format": 1\b', '"format": 2', text))
+            log.write_text(re.sub(r'"format": 2\b', '"format": 3', text))
             with self.assertRaisesRegex(results.UnknownFormat, "format 2, this reader knows 1"):
                 results.Run(self.root / "line")
         finally:
