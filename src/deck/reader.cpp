@@ -75,9 +75,9 @@ class Walker : Values {
       if (key == nullptr) {
         // Keys of a model that was misspelt itself cannot be judged.
         if (!table.variants.empty() && further == nullptr && table.find(name) != nullptr) continue;
-        report_.error(key_place, joined(out.path, shortened(name)),
-                      unknown_key(out, table, further, names, name, node));
         auto const now = present_name(without_indices(out.path), name);
+        report_.error(key_place, joined(out.path, shortened(name)),
+                      now ? renamed_key(name, *now) : unknown_key(out, table, further, names, name, node));
         out.meant.push_back(now ? std::string(*now) : nearest(name, names));
         continue;
       }
@@ -135,15 +135,16 @@ class Walker : Values {
     return found == table.variants.end() ? nullptr : &found->second;
   }
 
+  static std::string renamed_key(std::string_view name, std::string_view now) {
+    return fmt::format(
+        "\"{}\" is now called \"{}\"; `brisance migrate DECK` renames it, and everything else that has "
+        "a new name",
+        name, now);
+  }
+
   static std::string unknown_key(Section const& section, Table const& table, std::vector<Key> const* further,
                                  std::vector<std::string> const& names, std::string_view name, toml::node const& node) {
     std::string const where = section.path.empty() ? "at the top of the deck" : fmt::format("in {}", section.path);
-    if (auto const now = present_name(without_indices(section.path), name)) {
-      return fmt::format(
-          "\"{}\" is now called \"{}\"; `brisance migrate DECK` renames it, and everything else that has "
-          "a new name",
-          name, *now);
-    }
     if (further != nullptr && table.find(name) != nullptr) {
       return fmt::format("unknown key \"{}\" (value {}) {}: it belongs to another {}; allowed keys: {}",
                          shortened(name), show(node), where, table.selector == "eos" ? "equation of state" : "model",

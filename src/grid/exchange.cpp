@@ -148,14 +148,4 @@ void Exchange::fill(Fields const& fields, int direction, AwakeBlocks& awake) {
   });
 }
 
-std::vector<double> Exchange::gather(Fields const& fields, std::vector<Index3> const& cells) const {
-  std::vector<double> values;
-  values.reserve(cells.size() * components_);
-  for (Index3 const& cell : cells) {
-    Cell const at = grid_->locate(cell);
-    for (int c = 0; c < components_; ++c) values.push_back(fields.at(at.block, c)[at.offset]);
-  }
-  return values;
-}
-
 }  // namespace brisance::grid

@@ -1,5 +1,5 @@
 /// Exchange between blocks: the only way by which data of one block reaches another. Message passing can stand behind
-/// the same three functions.
+/// the same two functions.
 #pragma once
 
 #include <array>
@@ -39,9 +39,6 @@ class Exchange {
 
   /// When the grid's blocks have changed, see `BlockStore::rearrange`: makes the plan again. `fill` comes next.
   void follow_blocks(std::vector<int> const& before);
-
-  /// Values of all components in the given cells (domain indices), cell by cell.
-  [[nodiscard]] std::vector<double> gather(Fields const& fields, std::vector<Index3> const& cells) const;
 
  private:
   using Slabs = std::array<Buffer, 2>;  ///< of a block's low and high side, for the direction with the largest faces

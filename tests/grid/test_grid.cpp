@@ -378,15 +378,5 @@ TEST(Nodes, BehindPeriodicFacesAndMirrorsAreImages) {
   expect({13, 11, 0}, {1, 7, 0}, {1.0, -1.0, 1.0});
 }
 
-TEST(Exchange, GathersCellsByDomainIndex) {
-  Grid const grid(box({12, 9, 7}, Boundary::outflow), 5);
-  Exchange const exchange(grid, 1, {{-1, -1, -1}, {}, {0.0}});
-  Fields fields(grid, 1);
-  for (int b = 0; b < grid.block_count(); ++b) std::fill_n(fields.at(b, 0), grid.blocks()[b].cell_count(), b);
-  std::vector<double> const values = exchange.gather(fields, {{0, 0, 0}, {11, 8, 6}});
-  EXPECT_EQ(values[0], grid.block_of({0, 0, 0}));
-  EXPECT_EQ(values[1], grid.block_of({11, 8, 6}));
-}
-
 }  // namespace
 }  // namespace brisance::grid

@@ -83,7 +83,7 @@ TEST_P(Conservation, MirroredHalfEqualsTheWhole) {
         if (half == 1) p.domain.boundary[0] = p.domain.boundary[2] = Boundary::symmetry;
         p.options.shape = GetParam();
         p.options.transfer = transfer;
-        p.options.block_cells = 3;
+        p.options.block_cells = 4;
         p.add(unit_solid(0.3));
         p.add(unit_solid(0.2));
         // On a line the bodies stick: flush bodies that meet squarely make contact or not by the last digit.
