@@ -90,7 +90,7 @@ TEST(ProfileFile, DamageIsRefused) {
   write_file(path, good.substr(0, good.size() / 2));
   EXPECT_NE(problem_of(path).find("cannot be used: it"), std::string::npos) << problem_of(path);
   write_file(path, "no profile at all");
-  EXPECT_NE(problem_of(path).find("it is damaged or no HDF5 file"), std::string::npos) << problem_of(path);
+  EXPECT_NE(problem_of(path).find("it is damaged or not an HDF5 file"), std::string::npos) << problem_of(path);
   // One bit of a number: 1/3 of the pressures.
   double const number = 1e5 / 3.0;
   std::size_t const at = good.find(std::string(reinterpret_cast<char const*>(&number), sizeof number));
@@ -150,7 +150,7 @@ TEST(ProfileFile, WhatIsNoProfileIsRefused) {
   }
   std::array<double, 3> const nowhere{0.0, std::nan(""), 0.0};
   replace_attribute(path, "origin", H5T_IEEE_F64LE, {3}, nowhere.data());
-  expect("about its cells");
+  expect("description of the cells");
   // Two gigabytes that a file of some kilobytes announces; numbers of other files; packed ones.
   std::array<long, 2> const many{1L << 13U, 1L << 13U};
   replace_attribute(path, "cells", H5T_STD_I64LE, {2}, many.data());
@@ -178,10 +178,10 @@ TEST(ProfileFile, WhatIsNoProfileIsRefused) {
   p = made_up();
   p.domain.geometry = grid::Geometry::spherical1d;
   write_profile(path, p);
-  expect("about its cells");
+  expect("description of the cells");
   fs::remove(path);
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  EXPECT_NE(problem_of(path).find("it is no file"), std::string::npos);
+  EXPECT_NE(problem_of(path).find("it is not a regular file"), std::string::npos);
   fs::remove(path);
 }
 
