@@ -438,9 +438,9 @@ def record_table(gauges):
                      ("clipped", percent + "†") if clipped(gauge) else percent])
     note = ('<p class="note">Maximum impulse: maximum of the running integral of the overpressure over the whole '
             "record. Mean at the end: mean over the last tenth of the record. Negative phase: the phase with the "
-            "lowest overpressure. Peak at the front: the peak of the record, extrapolated from the decay behind it. Cells in "
-            "the half width: number of cells that the incident shock passes until the pressure has fallen to half of "
-            "the peak. Clipped by: clipping expected with this number of cells.</p>")
+            "lowest overpressure. Peak at the front: the peak of the record, extrapolated from the decay behind it. "
+            "Cells in the half width: number of cells that the incident shock passes until the pressure has fallen to "
+            "half of the peak. Clipped by: clipping expected with this number of cells.</p>")
     head = ["gauge", "[Pa s]", "at [ms]", "mean at the end [kPa]", "peak [kPa]", "impulse [Pa s]", "duration [ms]",
             "at the front [kPa]", "cells in the half width", "clipped by"]
     groups = [("", 1), ("maximum impulse", 2), ("", 1), ("negative phase", 3), ("peak", 3)]

@@ -189,8 +189,8 @@ class KingeryBulmash(Case):
     def test_the_dynamic_pressure_names_its_own_range(self):
         # 1 kg at 0.8 m: 1521 kPa, 15 ambient pressures; the other curves go down to Z = 0.0531.
         text = self.brisance("kb", "--charge", "1 kg", "--distance", "0.8 m", "--burst", "spherical").stdout
-        self.assertRegex(text, r"dynamic pressure +- \(known for Z from 0\.964\d* to 40: valid up to an overpressure of "
-                               r"10 ambient pressures")
+        self.assertRegex(text, r"dynamic pressure +- \(known for Z from 0\.964\d* to 40: valid up to an "
+                               r"overpressure of 10 ambient pressures")
         self.assertNotIn("two values", text)
         far = self.brisance("kb", "--charge", "1 kg", "--distance", "41 m", "--burst", "spherical").stdout
         self.assertRegex(far, r"dynamic pressure +- \(known for Z from 0\.964\d* to 40\)")
@@ -448,7 +448,8 @@ class Run(Case):
 
     def test_the_clock_stops_a_run_that_goes_on_later(self):
         text = LONG.replace('time = "1 s"', 'time = "1 s"\nwall_clock = "0.3 s"')
-        self.assertIn("stopped by the wall-clock limit", self.brisance("run", self.deck(text), "--output", "out", code=3).stdout)
+        self.assertIn("stopped by the wall-clock limit",
+                      self.brisance("run", self.deck(text), "--output", "out", code=3).stdout)
         before = json.loads((self.folder / "out/run.json").read_text())["step"]
         self.deck(text.replace("wall_clock", f"steps = {before + 20}\n# wall_clock"))
         self.brisance("run", "case.toml", "--output", "out", "--resume", "--quiet")

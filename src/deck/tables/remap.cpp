@@ -32,7 +32,7 @@ Settings<run::Start> const& settings() {
                        .like("\"0.8 m\"")
                        .means("Radius of the shock at the remap, instead of the time; gauges then do not stop it")},
       typed(Type::text, "profile")
-          .note("calculated")
+          .note("none: 1D simulation")
           .like("\"../burst-results/profiles/start_1.h5\"")
           .means("Profile of an earlier run that replaces the 1D simulation, with a path relative to the deck. It may "
                  "come from a 1D run or, for 3D, from axisymmetric2d. It is scaled to the mass of the charge; its "
