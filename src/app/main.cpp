@@ -69,7 +69,8 @@ void add_run(CLI::App& app, brisance::app::RunArguments& arguments, ExitCode& co
   run->add_flag("!--no-progress", arguments.progress, "do not show the progress line");
   run->footer(
       "Ctrl-C completes the current step, writes the results and a checkpoint and exits with code 3; a second Ctrl-C "
-      "exits immediately.\n"
+      "exits\n"
+      "immediately.\n"
       "Example: brisance run cases/hemisphere_3d/deck.toml --output burst --threads 2");
   run->callback([&arguments, &code] { code = guarded([&] { return run_deck(arguments); }); });
 }

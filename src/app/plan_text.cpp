@@ -160,11 +160,10 @@ std::string scheme_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   if (has_particles(p)) {
     auto const& o = setup.particles.options;
-    out +=
-        line("particles",
-             fmt::format("{} material points in {} bod{}{}", large_count(p.particles), p.bodies.size(),
-                         p.bodies.size() == 1 ? "y" : "ies",
-                         p.region ? fmt::format(", and {} gas particles", large_count(p.region->gas_particles)) : ""));
+    double const of_gas = p.region ? p.region->gas_particles : 0.0;
+    out += line("particles", fmt::format("{} material points in {} bod{}{}", large_count(p.particles - of_gas),
+                                         p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
+                                         p.region ? fmt::format(", {} gas particles", large_count(of_gas)) : ""));
     out += line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", word_of(o.shape),
                                       word_of(o.order), word_of(o.transfer), o.courant));
   }

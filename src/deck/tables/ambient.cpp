@@ -49,7 +49,7 @@ bool altitude(Draft const& draft, Section const& section, material::Fluid const&
   for (auto const* key : {"pressure", "density", "temperature"}) {
     if (!section.given(key)) continue;
     draft.error(section, "altitude",
-                fmt::format("{} and {} are both given: remove one of the two", section.shown("altitude"), key));
+                fmt::format("{} is given together with {}: remove one of the two", section.shown("altitude"), key));
     return false;
   }
   if (!std::holds_alternative<material::IdealGas>(fluid.eos)) {
@@ -104,8 +104,9 @@ void build_ambient(Draft& draft) {
   if (section.given("temperature")) {
     auto const temperature = section.number("temperature");
     if (section.given("density")) {
-      draft.error(section, "temperature",
-                  fmt::format("{} and a density are both given: remove one of the two", section.shown("temperature")));
+      draft.error(
+          section, "temperature",
+          fmt::format("{} is given together with a density: remove one of the two", section.shown("temperature")));
     } else if (!std::holds_alternative<material::IdealGas>(found->eos)) {
       draft.error(section, "temperature",
                   fmt::format("{} cannot be used: {} is not an ideal gas; give its density instead",

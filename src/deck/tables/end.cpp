@@ -15,7 +15,7 @@ namespace {
 Settings<run::End> const& settings() {
   using E = run::End;
   static Settings<E> const all{
-      {&E::time, number("time", "s", 1e-12, longest).required().like("\"10 ms\"").means("Latest simulated time")},
+      {&E::time, number("time", "s", 1e-12, longest).required().like("\"10 ms\"").means("Maximum simulated time")},
       {&E::steps, typed(Type::integer, "steps", "1", 1, 1e12).note("no limit").like("1000").means("Number of steps")},
       {&E::gauges, word("gauges", {"positive_phase"})
                        .note("off")

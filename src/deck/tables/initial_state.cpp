@@ -58,7 +58,7 @@ void build_initial_states(Draft& draft) {
     auto const body = build_shape(draft, section, Use::gas, std::nullopt);
     if (body) {
       initial.shape = *body;
-      touches_domain(draft, section, *body);
+      touches_domain(draft, section, *body, "initial state");
     }
     if (section.broken("fluid")) return;
     auto const name = section.text("fluid");

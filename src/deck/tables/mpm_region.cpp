@@ -176,7 +176,7 @@ bool region_boxes(Draft const& draft, Section const& section, run::MpmRegion& re
   Section const* one = section.section("box");
   auto const* several = section.sections("boxes");
   if (one != nullptr && several != nullptr) {
-    draft.error(section, "boxes", "box and boxes are both given: give only one of them");
+    draft.error(section, "boxes", "boxes is given together with box: give only one of them");
     return false;
   }
   if (several != nullptr && several->empty()) {

@@ -132,9 +132,9 @@ void check_obstacles(Draft const& draft) {
     double const t = solid.thickness(n);
     double const cell = std::min(std::holds_alternative<shape::Box>(shape) && thin == 1 ? t : 0.5 * t, 0.5 * h);
     draft.error(section, place_key(section),
-                fmt::format("the obstacle fills no cell by half, so it would not affect the gas: it is {:.4g} m thick "
-                            "and a cell is {:.4g} m; make the cells {:.3g} m or smaller (domain.cell), make the "
-                            "obstacle thicker, or align its faces with cell faces",
+                fmt::format("the obstacle fills less than half of every cell, so it would not affect the gas: it is "
+                            "{:.4g} m thick and a cell is {:.4g} m; make the cells {:.3g} m or smaller (domain.cell), "
+                            "make the obstacle thicker, or align its faces with cell faces",
                             t, h, cell));
   }
   if (!sound) return;
@@ -173,7 +173,7 @@ void build_obstacles(Draft& draft) {
     Section const& section = (*all)[i];
     auto const body = build_shape(draft, section, Use::gas, std::nullopt);
     if (!body) continue;
-    touches_domain(draft, section, *body);
+    touches_domain(draft, section, *body, "obstacle");
     draft.obstacle_shapes.emplace_back(i, *body);
     draft.out.obstacles.push_back({section.text("name").value_or(fmt::format("obstacle-{}", i + 1)), *body});
     run::Release release;

@@ -95,7 +95,7 @@ void remap_options(Draft const& draft, Section const& section, run::Start& s) {
   }
   if (section.given("time") && section.given("radius")) {
     draft.error(section, "radius",
-                fmt::format("{} and a time are both given: remove one of the two", section.shown("radius")));
+                fmt::format("{} is given together with a time: remove one of the two", section.shown("radius")));
   }
 }
 

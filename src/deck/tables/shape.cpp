@@ -155,7 +155,7 @@ std::optional<shape::Shape> cylinder(Draft const& draft, Section const& section,
   if (length && ratio) {
     draft.error(
         section, "length_to_diameter",
-        fmt::format("{} and a length are both given: remove one of the two", section.shown("length_to_diameter")));
+        fmt::format("{} is given together with a length: remove one of the two", section.shown("length_to_diameter")));
     return std::nullopt;
   }
   if (radius && length) return shape::Cylinder{position, *radius, *length, axis};
@@ -186,7 +186,7 @@ std::optional<shape::Shape> box(Draft const& draft, Section const& section, Vec3
     std::string_view const key = section.given("size") ? "size" : "position";
     draft.error(
         section, key,
-        fmt::format("{} is combined with lower or upper: give a box either lower and upper or position and size",
+        fmt::format("{} is given together with lower or upper: give a box either lower and upper or position and size",
                     section.shown(key)));
     return std::nullopt;
   }
