@@ -464,7 +464,7 @@ class Run(Case):
         self.assertIn("1 kg", page)
 
     def test_report_of_nothing(self):
-        self.assertIn("no run.json", self.brisance("report", ".", code=5).stderr)
+        self.assertIn("does not contain run.json", self.brisance("report", ".", code=5).stderr)
 
     def started(self, *before):
         """A long run that has put gauge records on the disk; `before` are words before the command."""

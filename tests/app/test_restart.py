@@ -321,7 +321,7 @@ class Resume(Case):
         good = newest.read_bytes()
         damages = {
             "it is truncated: it has": good[:len(good) // 2],
-            "its header alone takes": good[:7],
+            "the header alone needs": good[:7],
             "it does not begin with": b"x" + good[1:],
             "its header is damaged": good[:20] + bytes([good[20] ^ 4]) + good[21:],
             "its data are damaged": good[:-9] + bytes([good[-9] ^ 128]) + good[-8:],
