@@ -101,7 +101,7 @@ TEST(Archive, SizesThatTheReaderKnowsAreKept) {
               std::string::npos);
     EXPECT_EQ(other.size(), size);
   }
-  EXPECT_NE(problem([&] { reader(bytes).require(false, "the time"); }).find("the time makes no sense"),
+  EXPECT_NE(problem([&] { reader(bytes).require(false, "the time"); }).find("the value of the time is invalid"),
             std::string::npos);
   EXPECT_EQ(problem([&] { writer.require(false, "the time"); }), "");  // what is written is not judged
 }
