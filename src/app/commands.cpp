@@ -103,7 +103,7 @@ ExitCode run_deck(RunArguments const& arguments) {
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(stdout, "{}: {} steps in {}\n", ending.reason, world.clock.step, wall_time(seconds));
   print_results(world, session.gauges());
-  print(stdout, "\nresults: {}\npictures and comparison: brisance report {}\n", folder, folder);
+  print(stdout, "\nresults: {}\nfigures and comparison: brisance report {}\n", folder, folder);
   return ending.code;
 }
 

@@ -136,10 +136,8 @@ class Walker : Values {
   }
 
   static std::string renamed_key(std::string_view name, std::string_view now) {
-    return fmt::format(
-        "\"{}\" is now called \"{}\"; `brisance migrate DECK` renames it, and everything else that has "
-        "a new name",
-        name, now);
+    return fmt::format("\"{}\" is now called \"{}\"; `brisance migrate DECK` renames it and all other renamed keys",
+                       name, now);
   }
 
   static std::string unknown_key(Section const& section, Table const& table, std::vector<Key> const* further,

@@ -22,8 +22,8 @@ Table const& constraint_table() {
     components.choices = {"x", "y", "z"};
     return Table{
         "Prescribes the velocity of material points in a volume, through the grid nodes there. Gas that slips along "
-        "bodies (`mpm_region.slip`) is not constrained, but does not enter constrained bodies; gas that sticks to "
-        "bodies is constrained with them.",
+        "bodies (`mpm_region.slip`) is not constrained itself but follows the surface of constrained bodies; gas that "
+        "sticks to bodies is constrained with them.",
         {word("kind", {"fixed", "roller", "velocity"})
              .of("fixed")
              .like("\"roller\"")
