@@ -181,7 +181,7 @@ def scaled_distance(run):
         readable_log_axis(panel.yaxis)
         panel.grid(True, which="minor", linewidth=0.4)
         panel.legend(loc="best")
-    return image(figure, alt="Blast parameters against scaled distance")
+    return image(figure, alt="Blast parameters versus scaled distance")
 
 
 def readable_log_axis(axis):
@@ -425,7 +425,7 @@ def peak_profile(run):
     seen = (dump.values("peak_overpressure") > 1e-5 * run.ambient_pressure) & (distance > nearest)
     for panel, (name, factor, label, key) in zip(np.atleast_1d(figure.subplots(1, len(quantities))), quantities):
         values = dump.values(name) * factor
-        panel.plot(distance[seen], values[seen], color=BLUE, label="this calculation")
+        panel.plot(distance[seen], values[seen], color=BLUE, label="this simulation")
         if run.curve is not None and seen.any():
             inside = (run.curve["distance"] >= distance[seen].min()) & (run.curve["distance"] <= distance[seen].max())
             panel.plot(run.curve["distance"][inside], run.curve[key][inside] * factor, color=REFERENCE,
@@ -438,7 +438,7 @@ def peak_profile(run):
         panel.set_xlabel("distance [m]")
         panel.set_ylabel(label)
         panel.legend(loc="best")
-    return image(figure, alt="Peak overpressure and impulse over the distance")
+    return image(figure, alt="Peak overpressure and impulse versus distance")
 
 
 def timings(run):
@@ -461,4 +461,4 @@ def timings(run):
     panel.tick_params(axis="y", colors=INK, length=0)
     for side in ("top", "right", "left"):
         panel.spines[side].set_visible(False)
-    return image(figure, alt="Timings per phase")
+    return image(figure, alt="Wall-clock time by phase")

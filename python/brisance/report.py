@@ -100,11 +100,11 @@ def balance_words(log):
         return ""
     if is_unbalanced(log):
         reasons = "".join(f"<li>{text(reason)}</li>" for reason in audit["reasons"])
-        runs_on = ("<p>The scheme is there for comparison: such a run is not stopped.</p>"
+        runs_on = ("<p>The scheme is meant for comparison, so the run is not stopped.</p>"
                    if audit["for_comparison"] else "")
         return f"<p>{badge('bad', 'NOT BALANCED')}</p><ul>{reasons}</ul>{runs_on}"
     if not audit["drift_judged"]:
-        return f"<p>{badge('warn', 'the drift of the energy is not judged')} The deck says <code>warn = 0</code>.</p>"
+        return f"<p>{badge('warn', 'energy drift not checked')} The deck sets <code>warn = 0</code>.</p>"
     return f"<p>{badge('good', 'balanced')}</p>"
 
 
@@ -123,7 +123,7 @@ def facts(log):
     size = [high - low for low, high, n in zip(domain["lower"], domain["upper"], domain["cells"]) if n > 1]
     points = log.get("points")
     region = log.get("mpm_region")
-    steps = f"{region['gas_steps']:,} of the gas, {region['point_steps']:,} of the points" if region else ""
+    steps = f"{region['gas_steps']:,} gas, {region['point_steps']:,} MPM sub-steps" if region else ""
     gas = ("cells", f"{domain['cell_count']:,}", f"in {log['blocks']} blocks")
     material = ("material points", f"{points['count']:,}", f"in {bodies_in_words(points)}") if points else None
     entries = [
@@ -134,7 +134,8 @@ def facts(log):
         ("cell size", f"{number(domain['cell_size'] * 1e3)} mm", ""),
         ("domain", " × ".join(number(s) for s in size) + " m", ""),
         ("wall-clock time", duration(log["wall_seconds"]), f"on {log['machine']['threads']} threads"),
-        ("speed", f"{points['point_updates_per_second'] / 1e6:.3g} million", "points/s") if points and not region else
+        ("speed", f"{points['point_updates_per_second'] / 1e6:.3g} million", "particles/s")
+        if points and not region else
         ("speed", f"{log['cell_updates_per_second'] / 1e6:.3g} million", "cells/s"),
     ]
     cells = "".join(f"<div><dt>{name}</dt><dd>{value} <small>{small}</small></dd></div>"
@@ -158,7 +159,7 @@ def setup_table(log):
         ("ambient", f"{ambient['fluid']}, {ambient['pressure'] * 1e-3:.6g} kPa, {ambient['density']:.4g} kg/m³"),
         ("boundaries", faces),
         ("obstacles, gauges, field dumps", f"{log['obstacles']}, {log['gauges']}, {log['dumps']}"),
-        ("end", log["end_reason"] or "the run has not written its end"),
+        ("end", log["end_reason"] or "the run has not finished"),
     ]
     if log.get("mpm_region"):
         rows = rows[:-1] + region_setup(log) + [row for row in point_setup(log, faces)
@@ -169,7 +170,7 @@ def setup_table(log):
 def region_setup(log):
     region = log["mpm_region"]
     return [("MPM region", f"{region['cells']:,} cells, bridge {region['width']} cells wide, "
-                           f"{region['points_per_direction']} gas points per cell and direction, "
+                           f"{region['points_per_direction']} gas particles per cell and direction, "
                            f"{region['transfer'].upper()}, {region['order'].upper()}"
                            + ("" if region["transport"] == "ledger" else ", transport as printed in [Cui14]"))]
 
@@ -187,16 +188,16 @@ def point_setup(log, faces):
     if any(force):
         acting.append("body force (" + ", ".join(f"{a:g}" for a in force) + ") m/s²")
     if points.get("wall_friction"):
-        acting.append(f"friction {points['wall_friction']:g} of walls")
+        acting.append(f"wall friction {points['wall_friction']:g}")
     return [
         ("method", f"material points, {SHAPES[points['shape_function']]}, {points['order'].upper()}, {transfer}"
                    + (", locking control" if points["locking_control"] else "")
                    + f", Courant number {log['courant']:g}"),
         ("bulk viscosity", f"linear {points['linear_viscosity']:g}, quadratic {points['quadratic_viscosity']:g}"),
         ("boundaries", faces),
-        ("what acts on the bodies", ", ".join(acting)),
+        ("constraints and loads", ", ".join(acting)),
         ("gauges, dumps", f"{points['gauges']}, {log['dumps']}"),
-        ("end", log["end_reason"] or "the run has not written its end"),
+        ("end", log["end_reason"] or "the run has not finished"),
     ]
 
 
@@ -209,12 +210,12 @@ def body_section(run):
         rows.append([text(body["name"]), ("text", text(body["material"]) + (", rigid" if body["rigid"] else "")),
                      f"{body['points']:,}", number(mass, 6), number(shape, 6),
                      number(abs(mass - shape) / shape if shape else None, 2), number(speed)])
-    out = table(["body", ("text", "material"), "points", "mass of the points [kg]", "mass of the shape [kg]",
-                 "relative error", "speed at the start [m/s]"], rows)
+    out = table(["body", ("text", "material"), "particles", "mass of the particles [kg]", "mass of the shape [kg]",
+                 "relative error", "initial speed [m/s]"], rows)
     sources = "; ".join(sorted({f"{b['material']}: {b['source']}" for b in points["bodies"] if b["source"]}))
-    per = {"planar2d": "Masses and energies count per metre of depth.",
-           "planar1d": "Masses and energies count per square metre.",
-           "cylindrical1d": "Masses and energies count per metre of length."}.get(run.geometry, "")
+    per = {"planar2d": "Masses and energies are per metre of depth.",
+           "planar1d": "Masses and energies are per square metre.",
+           "cylindrical1d": "Masses and energies are per metre of length."}.get(run.geometry, "")
     if sources or per:
         out += f'<p class="note">{f"Constants: {text(sources)}. " if sources else ""}{per}</p>'
     if run.bodies:
@@ -235,8 +236,8 @@ def broken_zones(zones):
             rows.append([text(zone["body"]), *whole, *seen])
     if not rows:
         return ""
-    return table(["body", "crushed", "cracked", "half damaged", ("text", "from"), "diameter", "depth", "diameter",
-                  "depth", "at depth"], rows,
+    return table(["body", "crushed", "cracked", "more than half damaged", ("text", "from"), "diameter", "depth",
+                  "diameter", "depth", "at depth"], rows,
                  [("", 1), ("mass [kg]", 3), ("face", 1), ("crushed [mm]", 2), ("cracked [mm]", 2), ("spall [mm]", 1)])
 
 
@@ -251,8 +252,8 @@ def body_results(run):
                     + [number(s[key]) for key in ("kinetic_energy", "internal_energy") for s in (start, end)]
                     + [number(end["plastic_work"]), number(body["peak_displacement"]["value"] * 1e3),
                        "(" + ", ".join(number(v, 3) for v in end["velocity"][:run.dimensions]) + ")"])
-    return table(["body", "start", "end", "start", "end", "plastic work [J]", "largest displacement [mm]",
-                  "mean velocity at the end [m/s]"], rows,
+    return table(["body", "start", "end", "start", "end", "plastic work [J]", "maximum displacement [mm]",
+                  "final mean velocity [m/s]"], rows,
                  [("", 1), ("kinetic energy [J]", 2), ("internal energy [J]", 2), ("", 3)])
 
 
@@ -268,11 +269,11 @@ def point_gauge_table(run):
                      f"{name}: {number(component['value'] * 1e3, 4, True)}", f"({final})",
                      number(gauge["peak_velocity"]["value"], 4, True),
                      number(gauge["peak_mises"]["value"] * 1e-6, 4, True), number(gauge["plastic_strain"], 3)])
-    out = table(["gauge", ("text", "on"), "peak [mm]", "at [ms]", "largest component [mm]", "at the end [mm]",
+    out = table(["gauge", ("text", "on"), "peak [mm]", "at [ms]", "largest component [mm]", "final [mm]",
                  "peak speed [m/s]", "peak Mises [MPa]", "plastic strain"], rows,
                 [("", 2), ("displacement", 4), ("", 3)])
     if any(gauge["left_the_domain"] for gauge in run.point_gauges):
-        out += '<p class="note">* The point left the domain; its record ends there.</p>'
+        out += '<p class="note">* The particle left the domain; its record ends there.</p>'
     return out
 
 
@@ -284,10 +285,10 @@ def drift_verdict(energy, log=None):
     finding = log["audit"].get("findings", {}).get("drift") if log else None
     warn = finding["warn"] if finding else USUAL_WARN
     if not warn:
-        return badge("warn", "not judged")
+        return badge("warn", "not checked")
     if not (finding["reported"] if finding else abs(drift) > warn):
         limit = FINE_DRIFT if abs(drift) <= FINE_DRIFT < warn else warn
-        within = f"within {100 * limit:g} %" if abs(drift) <= limit else "within the latest work of the loads"
+        within = f"within {100 * limit:g} %" if abs(drift) <= limit else "within the most recent work of the loads"
         return badge("good", within)
     return badge("bad", f"more than {100 * warn:g} %")
 
@@ -299,10 +300,11 @@ def dissipation_words(energy):
     lifted = energy.get("lifted") or 0.0
     if not any((held, filtered, apic, friction, lifted)):
         return ""
-    return (f"Points lost {number(held, 3)} J of kinetic energy at held nodes, a plastic impact, PIC and XPIC took "
-            f"{number(filtered, 3)} J, APIC {number(apic, 3)} J, and the friction of contacts {number(friction, 3)} J; "
-            "the drift does not hold them. "
-            + (f"Guards lifted gas points by {number(lifted, 3)} J, which the drift holds. " if lifted else ""))
+    return ("Kinetic energy dissipated by the particles: "
+            f"{number(held, 3)} J at constrained nodes (a plastic impact), {number(filtered, 3)} J by PIC and XPIC, "
+            f"{number(apic, 3)} J by APIC and {number(friction, 3)} J by contact friction. It is accounted for and not "
+            "part of the drift. "
+            + (f"Guards added {number(lifted, 3)} J to gas particles, which is part of the drift. " if lifted else ""))
 
 
 def point_audit_section(log):
@@ -319,13 +321,13 @@ def point_audit_section(log):
                                                          ("initial", "lost", "current")] + ["–", ("text", "")])
     work = energy["work"]
     driven = f"Loads, constraints and body forces did {number(work, 4)} J of work. " if work else ""
-    lost = f"{audit['lost_points']:,} points left the domain. " if audit["lost_points"] else ""
+    lost = f"{audit['lost_points']:,} particles left the domain. " if audit["lost_points"] else ""
     return (balance_words(log)
             + table(["account", "initial", "left the domain", "now", "change", ("text", "verdict")], rows)
             + f'<p class="note">{lost}{driven}{dissipation_words(energy)}'
-            "Points carry their mass, so that it is exact. The energy (kinetic and "
-            "internal) is not conserved by construction: its drift, relative to the largest energy at work in the run "
-            "(kinetic energy, work, and energy above the ambient state), shows how well the motion is resolved. "
+            "Particles carry their mass, so mass is conserved exactly. The method does not conserve energy (kinetic "
+            "and internal) exactly. Its drift relative to the reference energy (the largest value of kinetic energy, "
+            "work, and energy above the ambient state) shows how well the motion is resolved. "
             "Momentum changes where symmetry planes, walls, loads or constraints act.</p>")
 
 
@@ -342,8 +344,8 @@ def charge_section(log):
                      number(charge["cells_per_radius"], 3)])
     sources = "; ".join(sorted({f"{c['explosive']}: {c['source']}" for c in log["charges"] if c.get("source")}))
     note = f'<p class="note">Constants: {text(sources)}.</p>' if sources else ""
-    return table(["explosive", "centre [m]", "detonation", "mass asked [kg]", "mass on the grid [kg]", "relative error",
-                  "energy [MJ]", "cells per radius"], rows) + note + start_table(log)
+    return table(["explosive", "centre [m]", "detonation", "specified mass [kg]", "realised mass [kg]",
+                  "relative error", "energy [MJ]", "cells per radius"], rows) + note + start_table(log)
 
 
 def start_table(log):
@@ -357,8 +359,8 @@ def start_table(log):
                      number(start["cells_per_radius"], 3), number(before["mass"][1], 9), number(after["mass"][1], 9),
                      number(before["mass"][0], 9), number(after["mass"][0], 9), number(before["energy"] * 1e-6, 9),
                      number(after["energy"] * 1e-6, 9), number(start["relative_error"], 2)])
-    note = ('<p class="note">The charge burst in the calculation named first; the table compares what the part of the '
-            "burst in the domain held before and after it was put onto the grid.</p>")
+    note = ('<p class="note">The charge detonated in the simulation given in the first column. The table compares the '
+            "part of the blast wave inside the domain before and after it was mapped onto the grid.</p>")
     return table([("text", "start"), "time [ms]", "radius [m]", "cells per radius", "products before [kg]",
                   "after", "air before [kg]", "after", "energy before [MJ]", "after", "largest relative error"],
                  rows) + note
@@ -399,10 +401,11 @@ def gauge_table(run):
         rows.append(row)
     out = table(head, rows, groups if with_reference else None)
     if any(g["positive_impulse"] and not g["positive_phase_complete"] for g in gauges):
-        out += '<p class="note">* The record ends within the positive phase: the impulse is that up to its end.</p>'
+        out += ('<p class="note">* The record ends within the positive phase; the impulse is that up to the end of the '
+                "record.</p>")
     if any(clipped(g) for g in gauges):
-        out += ('<p class="note">† The cells are expected to cut off 5 % of this peak or more, see the next table. The '
-                "peak at the front is freed from most of that.</p>")
+        out += ('<p class="note">† The cell size is expected to clip this peak by 5 % or more, see the next table. '
+                "The peak at the front is corrected for most of the clipping.</p>")
     return out + record_table(gauges), with_reference
 
 
@@ -433,14 +436,14 @@ def record_table(gauges):
                      value(gauge, "peak_front_overpressure", 1e-3, arrived),
                      value(gauge, "cells_per_half_width", 1.0, arrived, 3),
                      ("clipped", percent + "†") if clipped(gauge) else percent])
-    note = ('<p class="note">Largest impulse: of the running integral of the overpressure over the whole record. Mean '
-            "at the end: of the last tenth of the record. Negative phase: the one that holds the lowest overpressure. "
-            "Peak at the front: the record's peak as the decay behind it tells it. Cells: that the incident shock "
-            "passes until the pressure has fallen to half of the peak; so many clip it by the part in the last "
-            "column.</p>")
+    note = ('<p class="note">Maximum impulse: maximum of the running integral of the overpressure over the whole '
+            "record. Mean at the end: mean over the last tenth of the record. Negative phase: the phase with the "
+            "lowest overpressure. Peak at the front: the peak of the record, extrapolated from the decay behind it. "
+            "Cells in the half width: number of cells that the incident shock passes until the pressure has fallen to "
+            "half of the peak. Clipped by: clipping expected with this number of cells.</p>")
     head = ["gauge", "[Pa s]", "at [ms]", "mean at the end [kPa]", "peak [kPa]", "impulse [Pa s]", "duration [ms]",
             "at the front [kPa]", "cells in the half width", "clipped by"]
-    groups = [("", 1), ("largest impulse", 2), ("", 1), ("negative phase", 3), ("peak", 3)]
+    groups = [("", 1), ("maximum impulse", 2), ("", 1), ("negative phase", 3), ("peak", 3)]
     return table(head, rows, groups) + note
 
 
@@ -458,7 +461,7 @@ def audit_section(log):
 
     def account(name, unit, initial, outflow, guards, current, error):
         added = guards is not None and is_told(log, "guard_energy" if unit == "J" else "guard_mass")
-        judged = badge("bad", "guards added too much") if added else verdict(error)
+        judged = badge("bad", "too much added by guards") if added else verdict(error)
         rows.append([f"{name} [{unit}]", number(initial, 6), number(outflow, 6), number(guards, 3), number(current, 6),
                      number(error, 2), ("text", judged)])
 
@@ -475,24 +478,25 @@ def audit_section(log):
                 audit["current"]["energy"], audit["relative_error"]["energy"])
     lifted = audit["guarded_cells"]
     too_much = is_told(log, "guard_energy") or is_told(log, "guard_mass")
-    guards = badge("good", "no guard acted") if lifted == 0 else badge("bad" if too_much else "warn", "guards acted")
-    words = ("Density and internal energy stayed positive everywhere by themselves." if lifted == 0 else
-             f"In {lifted:,} cell updates density or internal energy had to be lifted to its floor; what that added is "
-             "listed above.")
-    per_metre = {"planar2d": "Sums count per metre of depth.", "planar1d": "Sums count per square metre.",
-                 "cylindrical1d": "Sums count per metre of length."}.get(log["domain"]["geometry"], "")
+    guards = badge("good", "no guards active") if lifted == 0 else badge("bad" if too_much else "warn", "guards active")
+    words = ("Density and internal energy stayed positive everywhere without correction." if lifted == 0 else
+             f"In {lifted:,} cell updates density or internal energy had to be raised to its floor; the added amounts "
+             "are listed above.")
+    per_metre = {"planar2d": "Sums are per metre of depth.", "planar1d": "Sums are per square metre.",
+                 "cylindrical1d": "Sums are per metre of length."}.get(log["domain"]["geometry"], "")
     burnt = log.get("afterburn")
     released = audit.get("afterburn_energy")
     afterburn = "" if not burnt else (
         f"<p>The products released {number(released, 6)} J after the detonation (afterburn "
-        f"<code>{burnt['model']}</code>, {number(burnt['energy'], 4)} J/kg in all); the balance of the energy counts "
-        "it.</p>")
+        f"<code>{burnt['model']}</code>, {number(burnt['energy'], 4)} J/kg in total). The energy balance "
+        "includes it.</p>")
     panels = log.get("panels")
     terms = "guards" + (" plus afterburn" if burnt else "") + (" plus panels" if panels else "")
     return (balance_words(log)
             + table(["account", "initial", "flowed out", "added by guards", "now", "relative error",
                      ("text", "verdict")], rows)
-            + f'<p class="note">Initial less outflow plus {terms} must equal the present content. {per_metre}</p>'
+            + f'<p class="note">Initial content minus outflow plus {terms} must equal the current content. '
+            f"{per_metre}</p>"
             + afterburn
             + panel_words(panels, audit)
             + f"<p>{guards} {words}</p>")
@@ -503,33 +507,34 @@ def panel_words(panels, audit):
     if not panels:
         return ""
     rows = [[("text", html.escape(p["name"])), number(1e-3 * p["fails_at"], 4),
-             ("text", "held" if p["failed_at"] is None else f'{1e3 * p["failed_at"]:.4g}'),
+             ("text", "intact" if p["failed_at"] is None else f'{1e3 * p["failed_at"]:.4g}'),
              number(1e-3 * (p["largest_difference"] if p["difference"] is None else p["difference"]), 4),
              ("text", "-" if p["open_at"] is None else f'{1e3 * p["open_at"]:.4g}'), number(p["area"], 4),
              number(p["open_area"], 4), number(p["speed"], 3)] for p in panels]
     came = audit["panels"]
-    return (table([("text", "panel"), "fails at [kPa]", ("text", "gave way at [ms]"), "difference [kPa]",
+    return (table([("text", "panel"), "fails at [kPa]", ("text", "failed at [ms]"), "difference [kPa]",
                    ("text", "open at [ms]"), "area [m2]", "open [m2]", "speed [m/s]"], rows)
-            + f'<p class="note">With the cells of panels that opened came {number(sum(came["mass"]), 3)} kg and '
-            f'{number(came["energy"], 3)} J more than had counted there.</p>')
+            + f'<p class="note">The cells of panels that opened added {number(sum(came["mass"]), 3)} kg and '
+            f'{number(came["energy"], 3)} J relative to ambient gas.</p>')
 
 
 def region_section(run):
     """What crossed the bridge, and the energy of gas and particles together."""
     region = run.log["mpm_region"]
     if region["awake_since"] is None:
-        return "<p>No wave came near the region: its points slept.</p>"
+        return "<p>No wave reached the MPM region; its particles stayed asleep.</p>"
     energy, drift = region["energy"], region["energy"]["drift"]
-    rows = [["energy of gas and points [J]", number(energy["initial"], 6), number(energy["outflow"], 6),
+    rows = [["energy of gas and particles [J]", number(energy["initial"], 6), number(energy["outflow"], 6),
              number(energy["work"], 3), number(energy["current"], 6),
              "–" if drift is None else f"{100 * drift:+.3g} %", ("text", drift_verdict(energy, run.log))]]
     return (table(["account", "initial", "flowed out", "work of loads", "now", "drift", ("text", "verdict")], rows)
-            + f"<p class=\"note\">The region woke at {number(region['awake_since'] * 1e3)} ms. "
-            f"{region['points_injected']:,} points of gas came in through its faces and {region['points_absorbed']:,} left; "
-            f"{number(sum(region['ledger']['mass']), 3)} kg are under way between gas and points. The bridge took "
+            + f"<p class=\"note\">The MPM region became active at {number(region['awake_since'] * 1e3)} ms. "
+            f"{region['points_injected']:,} gas particles were injected through its faces and "
+            f"{region['points_absorbed']:,} absorbed; {number(sum(region['ledger']['mass']), 3)} kg are in the ledger "
+            "between gas and particles. The bridge took "
             f"{100 * region['bridge_share']:.0f} % of the time. "
-            f"{dissipation_words(energy)}The energy of points is not conserved by "
-            "construction: its drift shows how well the flow around the bodies is resolved.</p>")
+            f"{dissipation_words(energy)}The method does not conserve the energy of "
+            "particles exactly; the drift shows how well the flow around the bodies is resolved.</p>")
 
 
 def deck_section(deck):
@@ -553,26 +558,26 @@ def gas_sections(run, figures):
     if run.summary["gauges"]:
         results, with_reference = gauge_table(run)
         burst = run.summary["burst"]
-        note = (f'<p class="note">KB: {KB_TITLE} values for a {text(burst)} burst of the charge\'s mass of TNT, '
-                "incident wave. They describe an undisturbed wave in free air or over open, rigid ground: in front "
-                "of or behind obstacles the ratio is no measure of quality.</p>" if with_reference else "")
+        note = (f'<p class="note">KB: {KB_TITLE} values for a {text(burst)} burst of the TNT-equivalent mass of the '
+                "charge, incident wave. They describe an undisturbed wave in free air or over open, rigid ground; in "
+                "front of or behind obstacles the ratio does not indicate accuracy.</p>" if with_reference else "")
         yield "Gauges", results + note + figure(
             figures.gauge_histories(run),
-            "Overpressure (blue, left axis; ring: the peak that the decay behind it tells) and running impulse "
+            "Overpressure (blue, left axis; ring: peak extrapolated from the decay behind it) and running impulse "
             "(orange, right axis) at the gauges"
             + (f". {KB_TITLE}: diamond for arrival and peak, tick for the end of the positive "
                "phase, dashed line for the impulse." if with_reference else "."))
-    yield "Scaled distance", figure(figures.scaled_distance(run), "Results of the gauges against scaled distance"
+    yield "Scaled distance", figure(figures.scaled_distance(run), "Gauge results versus scaled distance"
                                     + (f" with the {KB_TITLE} curves." if run.curve is not None else "."))
     yield "Overpressure field", figure(
         figures.pressure_slices(run),
-        "Overpressure at several times, colours logarithmic on both sides of the ambient state (white); "
+        "Overpressure at several times; logarithmic colour scale on both sides of the ambient state (white); "
         "obstacles grey.")
     yield "Profiles", figure(figures.profiles(run), "Profiles at several times.")
     peaks = figures.peak_map(run) or figures.peak_profile(run)
-    yield "Peak values", figure(peaks, "Largest overpressure that each place has seen"
+    yield "Peak values", figure(peaks, "Maximum overpressure at each location"
                                 + ("; contours in kPa, circles: gauges." if run.dimensions > 1
-                                   else ", and largest running impulse."))
+                                   else ", and maximum running impulse."))
     yield "Conservation", audit_section(log)
 
 
@@ -584,12 +589,13 @@ def point_sections(run, figures):
     yield "Pictures", (
         figure(figures.outer_view(run), "The bodies from outside.")
         + figure(pictures, "The material points at several times" + (
-            "; the layer of points next to each plane." if run.dimensions == 3 else ".") + mirrored)
+            "; the layer of particles next to each plane." if run.dimensions == 3 else ".") + mirrored)
         + figure(figures.profiles(run), "Profiles at several times."))
     if run.point_gauges:
         yield "Gauges on bodies" if run.log.get("mpm_region") else "Gauges", point_gauge_table(run) + figure(
-            figures.gauge_histories(run), "Displacement, velocity and stress of the points that the gauges ride on.")
-    together = " Of all points, which take in and give off gas." if run.log.get("mpm_region") else ""
+            figures.gauge_histories(run), "Displacement, velocity and stress of the particles that the gauges follow.")
+    together = (" The sums include all particles; gas particles are injected and absorbed."
+                if run.log.get("mpm_region") else "")
     yield "Energies", figure(figures.energies(run), "Energies over time." + together)
     if not run.log.get("mpm_region"):
         yield "Conservation", point_audit_section(run.log)
@@ -598,7 +604,7 @@ def point_sections(run, figures):
 def sections(run, figures, point_figures):
     """Titles and contents of the page, in order; those with nothing to show are left out."""
     log = run.log
-    yield "Calculation", facts(log) + setup_table(log)
+    yield "Simulation", facts(log) + setup_table(log)
     coupled = log.get("mpm_region")
     if coupled or not run.points:
         yield from gas_sections(run, figures)
@@ -635,7 +641,7 @@ def page(run, figures, point_figures):
 <body>
 <header><div>
 <h1>{text(title)}</h1>
-<p>{kind} calculation with Brisance {text(log['versions']['brisance'])} &nbsp;·&nbsp; {text(log['started_at'][:10])}
+<p>{kind} simulation with Brisance {text(log['versions']['brisance'])} &nbsp;·&nbsp; {text(log['started_at'][:10])}
 &nbsp;
 {status_badge(log)}{' ' + badge('bad', 'NOT BALANCED') if is_unbalanced(log) else ''}</p>
 </div></header>
@@ -658,7 +664,7 @@ def main(arguments):
     try:
         from brisance import figures, point_figures, results
     except ImportError as missing:
-        print(f"the Python package {missing.name} is missing; on Debian: "
+        print(f"the Python package {missing.name} is missing; on Debian run "
               "apt install python3-numpy python3-h5py python3-matplotlib", file=sys.stderr)
         return 5
     folder = Path(arguments[0])

@@ -25,7 +25,7 @@ def text(attribute):
 def nearest(dumps, time):
     """The dump nearest to a time [s]."""
     if not dumps:
-        raise ValueError("there is no dump: the run has written none yet, or was not asked for any")
+        raise ValueError("there is no dump: the run has not written one yet, or the deck requests none")
     return min(dumps, key=lambda dump: abs(dump.time - time))
 
 
@@ -141,10 +141,10 @@ class Run:
         self.folder = Path(folder)
         self.log = self._json("run.json")
         if self.log is None:
-            raise FileNotFoundError(f'"{folder}" is not the output folder of a run: it holds no run.json')
+            raise FileNotFoundError(f'"{folder}" is not the output folder of a run: it does not contain run.json')
         if self.log.get("format") != FORMAT:
-            raise UnknownFormat(f'"{folder}/run.json" has format {self.log.get("format", "none")}, this reader knows '
-                                f'{FORMAT}: run the deck again, or read it with the version that wrote it')
+            raise UnknownFormat(f'"{folder}/run.json" has format {self.log.get("format", "none")}, but this reader '
+                                f'supports {FORMAT}: run the deck again, or read it with the version that wrote it')
         self.points = self.log.get("points")  # of runs of material points
 
     @functools.cached_property
@@ -178,7 +178,7 @@ class Run:
         history = self._table(file)
         if history is None:
             known = ", ".join(self._gauge_files) or "none"
-            raise KeyError(f'"{self.folder}" holds no history of a gauge "{name}"; it has: {known}')
+            raise KeyError(f'"{self.folder}" contains no history of a gauge "{name}"; available: {known}')
         return history
 
     @functools.cached_property

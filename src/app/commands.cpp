@@ -67,7 +67,7 @@ ExitCode run_deck(RunArguments const& arguments) {
                          .begin = start});
   std::string const folder = session.folder().string();
   if (session.had_finished()) {
-    if (!arguments.quiet) print(stdout, "{}: this run had reached its end, nothing is left to do\n", folder);
+    if (!arguments.quiet) print(stdout, "{}: this run has already finished; nothing left to do\n", folder);
     return ExitCode::done;
   }
   if (!arguments.quiet) print_head(session, title);
@@ -82,7 +82,7 @@ ExitCode run_deck(RunArguments const& arguments) {
   });
   if (show) progress.end();
   if (!started) {
-    if (!arguments.quiet) print(stdout, "stopped by the user during the 1D calculation; nothing has been written\n");
+    if (!arguments.quiet) print(stdout, "stopped by the user during the 1D simulation; nothing was written\n");
     return ExitCode::stopped_by_user;
   }
   session.build();
@@ -96,14 +96,14 @@ ExitCode run_deck(RunArguments const& arguments) {
   if (show) progress.end();
 
   if (ending.code != ExitCode::done && ending.code != ExitCode::stopped_by_user) {
-    print(stderr, "brisance: error: {}\nWhat was written until then is in {}\n", ending.reason, folder);
+    print(stderr, "brisance: error: {}\nAll output up to that point is in {}\n", ending.reason, folder);
     return ending.code;
   }
   if (arguments.quiet) return ending.code;
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(stdout, "{}: {} steps in {}\n", ending.reason, world.clock.step, wall_time(seconds));
   print_results(world, session.gauges());
-  print(stdout, "\nresults: {}\npictures and comparison: brisance report {}\n", folder, folder);
+  print(stdout, "\nresults: {}\nfigures and comparison: brisance report {}\n", folder, folder);
   return ending.code;
 }
 
@@ -130,7 +130,7 @@ ExitCode migrate_deck(MigrateArguments const& arguments) {
   std::string const target = arguments.output.empty() ? arguments.deck : arguments.output;
   if (target != arguments.deck || migration.text != text) output::replace_file(target, migration.text);
   print(stdout, "{}: {}\n", target,
-        migration.renamings.empty() ? "every key has its present name" : "written with the present names");
+        migration.renamings.empty() ? "all keys already have their current names" : "written with the current names");
   return ExitCode::done;
 }
 

@@ -58,14 +58,14 @@ void blast_table(std::vector<observe::GaugeSummary> const& gauges, bool compared
   }
   if (gauges.size() > most_rows) out += fmt::format("... and {} more in summary.csv\n", gauges.size() - most_rows);
   if (std::ranges::any_of(gauges, [](auto const& g) { return g.wave.arrival_time && !g.wave.positive_duration; }))
-    out += "+: the calculation ended within the positive phase\n";
+    out += "+: the simulation ended within the positive phase\n";
 }
 
 /// The whole record: rooms, negative phases, and the peak without what the cells clip.
 void record_table(std::vector<observe::GaugeSummary> const& gauges, std::string& out) {
   auto const width = name_width(gauges);
   out += fmt::format("\n{:<{}}  {:>14} {:>14} {:>11} {:>14} {:>14} {:>14} {:>11}\n", "gauge", width, "peak at front",
-                     "most impulse", "at", "mean at end", "negative peak", "impulse", "duration");
+                     "max. impulse", "at", "mean at end", "negative peak", "impulse", "duration");
   for (std::size_t n = 0; n < std::min(gauges.size(), most_rows); ++n) {
     auto const& w = gauges[n].wave;
     bool const arrived = w.arrival_time.has_value();
@@ -88,10 +88,10 @@ void clipping_note(std::vector<observe::GaugeSummary> const& gauges, std::string
   }
   if (worst == nullptr || *worst->wave.expected_clipping < marked_clipping) return;
   out += fmt::format(
-      "clipped: what the cells are expected to cut off the recorded peak; at gauge {} {}, with {} cells in the "
-      "half width of the peak.{}\n",
+      "clipped: expected loss of the recorded peak because of the cell size; at gauge {} it is {}, with {} cells in "
+      "the half width of the peak.{}\n",
       worst->name, percent(*worst->wave.expected_clipping), cell_count(*worst->wave.cells_per_half_width),
-      worst->wave.peak_front_overpressure ? " \"Peak at front\" is the peak that the decay behind it tells." : "");
+      worst->wave.peak_front_overpressure ? " \"Peak at front\" is extrapolated from the decay behind the front." : "");
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ std::string gauge_plan_text(std::vector<session::GaugePlan> const& gauges) {
   }
   std::string out;
   for (session::GaugePlan const* g : known) {
-    out += fmt::format("{:<12} {}: {} cells in the half width of the {}peak; its record will be about {} low\n",
+    out += fmt::format("{:<12} {}: {} cells in the half width of the {}peak; the recorded peak will be about {} low\n",
                        g == known.front() ? "peaks" : "", g->name, cell_count(g->peak->cells_per_half_width),
                        g->peak->reflected ? "reflected " : "", percent(g->peak->clipping));
   }

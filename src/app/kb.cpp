@@ -125,7 +125,7 @@ void print_head(Answer const& a) {
           mass_text(a.by_impulse));
   }
   if (a.at_altitude) {
-    print(stdout, "air at {} and {:.4g} kg/m3; Z is scaled to the sea level, where it would be {:.4g} by mass alone\n",
+    print(stdout, "air at {} and {:.4g} kg/m3; Z is scaled to sea level; without this scaling it would be {:.4g}\n",
           quantity(a.ambient.state.pressure, "Pa", 5), a.ambient.state.density,
           a.distance / std::cbrt(a.by_pressure.value_or(a.mass)));
   }
@@ -143,12 +143,14 @@ void print_table(Answer const& a) {
     } else {
       auto const range = empirical::validity(field, a.burst);
       bool const derived = field.value == &empirical::Blast::dynamic_pressure;
-      print(stdout, "{:<24} {:>10} (known for Z from {:.4g} to {:.4g}{})\n", field.label, "-", range.lowest,
-            range.highest,
-            derived && a.blast.scaled_distance < range.lowest
-                ? fmt::format(": up to an overpressure of {:g} ambient pressures, where air is still an ideal gas",
-                              empirical::strongest_ideal_shock)
-                : "");
+      print(
+          stdout, "{:<24} {:>10} (known for Z from {:.4g} to {:.4g}{})\n", field.label, "-", range.lowest,
+          range.highest,
+          derived && a.blast.scaled_distance < range.lowest
+              ? fmt::format(
+                    ": valid up to an overpressure of {:g} ambient pressures, while air still behaves as an ideal gas",
+                    empirical::strongest_ideal_shock)
+              : "");
     }
   }
 }
@@ -165,8 +167,9 @@ ExitCode kb(KbArguments const& arguments) {
   print_table(a);
   if (a.other) {
     print(stdout,
-          "\nThe incident impulse of hemispherical bursts circulates with two values of one coefficient. This one, of "
-          "the\nmetric listings, joins the curve of small Z better; the other changes the impulse by {:+.1f} %.\n",
+          "\nTwo values of one coefficient for the incident impulse of hemispherical bursts are in use. The value used "
+          "here, from\nthe metric listings, joins the curve for small Z better; the other one changes the impulse by "
+          "{:+.1f} %.\n",
           100.0 * (*a.other - 1.0));
   }
   return ExitCode::done;

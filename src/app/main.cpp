@@ -21,7 +21,7 @@ constexpr char const* exit_codes =
     "Exit codes: 0 done, 2 bad input, 3 stopped by the user or the clock, 4 numerical failure or stopped by the "
     "audit,\n"
     "5 input/output failure.\n"
-    "Documentation: README.md and docs/ of the source tree; `brisance COMMAND --help` for one command.";
+    "Documentation: README.md and docs/ in the source tree; `brisance COMMAND --help` describes one command.";
 
 /// A file of results must not get the number of a standard stream that the caller has closed.
 void occupy_standard_streams() {
@@ -47,7 +47,7 @@ ExitCode guarded(Command const& command) {
     print(stderr, "brisance: error: {}\n", error.what());
     return error.code();
   } catch (std::bad_alloc const&) {
-    print(stderr, "brisance: error: out of memory; `brisance check DECK` tells how much a case needs\n");
+    print(stderr, "brisance: error: out of memory; `brisance check DECK` shows how much memory a case needs\n");
     return ExitCode::io_failure;
   } catch (std::exception const& error) {
     print(stderr, "brisance: internal error: {}; please report it with the deck\n", error.what());
@@ -61,21 +61,22 @@ void add_run(CLI::App& app, brisance::app::RunArguments& arguments, ExitCode& co
   auto* run = app.add_subcommand("run", "Run a deck");
   run->add_option("DECK", arguments.deck, "the case, a TOML file")->required();
   run->add_option("--output", arguments.output,
-                  "folder for the results; without it NAME-results in the working directory");
-  run->add_option("--threads", arguments.threads, "number of threads; without it all cores")
-      ->check(CLI::Range(1, 1024));
+                  "folder for the results; default: NAME-results in the working directory");
+  run->add_option("--threads", arguments.threads, "number of threads; default: all cores")->check(CLI::Range(1, 1024));
   auto* force = run->add_flag("--force", arguments.force, "replace the results of an earlier run");
-  run->add_flag("--resume", arguments.resume, "go on from the newest checkpoint of an earlier run")->excludes(force);
-  run->add_flag("--quiet", arguments.quiet, "say nothing but errors and warnings of the deck");
-  run->add_flag("!--no-progress", arguments.progress, "no progress line");
+  run->add_flag("--resume", arguments.resume, "continue from the newest checkpoint of an earlier run")->excludes(force);
+  run->add_flag("--quiet", arguments.quiet, "print only errors and warnings about the deck");
+  run->add_flag("!--no-progress", arguments.progress, "do not show the progress line");
   run->footer(
-      "Ctrl-C ends the step, writes what there is and a checkpoint and exits with 3; a second Ctrl-C ends at once.\n"
+      "Ctrl-C completes the current step, writes the results and a checkpoint and exits with code 3; a second Ctrl-C "
+      "exits\n"
+      "immediately.\n"
       "Example: brisance run cases/hemisphere_3d/deck.toml --output burst --threads 2");
   run->callback([&arguments, &code] { code = guarded([&] { return run_deck(arguments); }); });
 }
 
 void add_check(CLI::App& app, brisance::app::CheckArguments& arguments, ExitCode& code) {
-  auto* check = app.add_subcommand("check", "Validate a deck and say what it will compute");
+  auto* check = app.add_subcommand("check", "Validate a deck and show what it will compute");
   check->add_option("DECK", arguments.deck, "the case, a TOML file")->required();
   check->add_flag("--json", arguments.json, "answer in JSON");
   check->footer("Example: brisance check cases/hemisphere_3d/deck.toml");
@@ -84,39 +85,42 @@ void add_check(CLI::App& app, brisance::app::CheckArguments& arguments, ExitCode
 
 void add_migrate(CLI::App& app, brisance::app::MigrateArguments& arguments, ExitCode& code) {
   auto* migrate = app.add_subcommand("migrate", "Rename the keys of a deck that was written for an earlier version");
-  migrate->add_option("DECK", arguments.deck, "the case, a TOML file; comments and layout stay")->required();
-  migrate->add_option("--output", arguments.output, "file for the result; without it the deck is replaced");
+  migrate->add_option("DECK", arguments.deck, "the case, a TOML file; comments and layout are kept")->required();
+  migrate->add_option("--output", arguments.output, "file for the result; default: the deck is overwritten");
   migrate->footer("Example: brisance migrate blast.toml");
   migrate->callback([&arguments, &code] { code = guarded([&] { return migrate_deck(arguments); }); });
 }
 
 void add_info(CLI::App& app, brisance::app::InfoArguments& arguments, ExitCode& code) {
-  auto* info = app.add_subcommand("info", "List materials and models, or all about one material");
-  info->add_option("NAME", arguments.name, "an explosive or a fluid");
-  info->add_flag("--deck-reference", arguments.deck_reference, "print the reference manual of decks in Markdown");
-  info->add_flag("--json-schema", arguments.json_schema, "print the JSON Schema of decks for editors");
+  auto* info = app.add_subcommand("info", "List materials and models, or show all data of one material");
+  info->add_option("NAME", arguments.name, "an explosive, a fluid or a solid");
+  info->add_flag("--deck-reference", arguments.deck_reference, "print the deck reference manual in Markdown");
+  info->add_flag("--json-schema", arguments.json_schema, "print the JSON Schema of the deck format, for editors");
   info->footer("Example: brisance info TNT");
   info->callback([&arguments, &code] { code = guarded([&] { return brisance::app::info(arguments); }); });
 }
 
 void add_report(CLI::App& app, std::string& folder, ExitCode& code) {
   auto* report = app.add_subcommand("report", "Write the HTML report of a run and print its path");
-  report->add_option("DIR", folder, "the results of a run")->required();
+  report->add_option("DIR", folder, "the output folder of a run")->required();
   report->footer("Example: brisance report burst");
   report->callback([&folder, &code] { code = guarded([&] { return brisance::app::report(folder); }); });
 }
 
 void add_kb(CLI::App& app, brisance::app::KbArguments& arguments, ExitCode& code) {
-  auto* kb = app.add_subcommand("kb", "Blast parameters after Kingery and Bulmash");
-  kb->add_option("--charge", arguments.charge, "mass of the charge with its unit; a bare number is in kg")->required();
-  kb->add_option("--distance", arguments.distance, "distance from its centre with its unit; a bare number is in m")
+  auto* kb = app.add_subcommand("kb", "Blast parameters according to Kingery and Bulmash");
+  kb->add_option("--charge", arguments.charge, "mass of the charge with a unit; a number without a unit is in kg")
+      ->required();
+  kb->add_option("--distance", arguments.distance,
+                 "distance from its centre with a unit; a number without a unit is in m")
       ->required();
   kb->add_option("--burst", arguments.burst, "hemispherical: on the ground; spherical: in free air")
       ->required()
       ->check(CLI::IsMember({"hemispherical", "spherical"}));
-  kb->add_option("--explosive", arguments.explosive, "an explosive of `brisance info`; without it TNT");
-  kb->add_option("--altitude", arguments.altitude,
-                 "height above the sea in the standard atmosphere, scaled after Sachs; a bare number is in m");
+  kb->add_option("--explosive", arguments.explosive, "an explosive listed by `brisance info`; default: TNT");
+  kb->add_option(
+      "--altitude", arguments.altitude,
+      "altitude above sea level in the standard atmosphere, with Sachs scaling; a number without a unit is in m");
   kb->add_flag("--json", arguments.json, "answer in JSON, SI units");
   kb->footer("Example: brisance kb --charge \"10 kg\" --distance \"5 m\" --burst hemispherical");
   kb->callback([&arguments, &code] { code = guarded([&] { return brisance::app::kb(arguments); }); });
@@ -154,7 +158,7 @@ int main(int argc, char** argv) {
   }
   bool const printed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   if (!printed && code == ExitCode::done && !reader_has_gone()) {
-    print(stderr, "brisance: error: standard output could not be written\n");
+    print(stderr, "brisance: error: cannot write to standard output\n");
     code = ExitCode::io_failure;
   }
   return static_cast<int>(code);

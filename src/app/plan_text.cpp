@@ -52,10 +52,10 @@ std::vector<MaterialLine> materials_of(run::Case const& setup) {
 std::string end_text(run::End const& end) {
   std::string text = quantity(end.time, "s");
   if (end.steps > 0) text += fmt::format(", or {} steps", end.steps);
-  if (end.gauges) text += ", or when all gauges are past their positive phase";
+  if (end.gauges) text += ", or when the positive phase has ended at all gauges";
   if (end.kinetic_energy > 0.0)
-    text += fmt::format(", or when the kinetic energy stays below {:g} of its largest value", end.kinetic_energy);
-  if (end.wall_clock > 0.0) text += fmt::format("; stops after {} on the clock", clock_time(end.wall_clock));
+    text += fmt::format(", or when the kinetic energy stays below {:g} of its maximum", end.kinetic_energy);
+  if (end.wall_clock > 0.0) text += fmt::format("; stops after {} of wall-clock time", clock_time(end.wall_clock));
   return text;
 }
 
@@ -69,7 +69,7 @@ std::string memory_text(session::Plan const& p) {
     text += fmt::format("{}{} {}", text.empty() ? "" : "; ", part.what, bytes(part.bytes));
     rest -= part.bytes;
   }
-  return rest > 0.5e-3 * p.memory_bytes ? text + fmt::format("; the rest {}", bytes(rest)) : text;
+  return rest > 0.5e-3 * p.memory_bytes ? text + fmt::format("; other {}", bytes(rest)) : text;
 }
 
 std::string afterburn_text(material::Afterburn const& a) {
@@ -93,14 +93,14 @@ std::string region_text(run::Case const& setup, session::RegionPlan const& r) {
   for (std::size_t f = 0; f < r.bridge_faces.size(); ++f) {
     if (r.bridge_faces[f] > 0) faces += fmt::format("{}{}", faces.empty() ? "" : ", ", grid::face_names[f]);
   }
-  std::string const kind = setup.mpm_region->boxes.empty()      ? "the box around the bodies"
+  std::string const kind = setup.mpm_region->boxes.empty()      ? "smallest box around the bodies plus margin"
                            : setup.mpm_region->boxes.size() > 1 ? "several boxes"
-                                                                : "as given";
+                                                                : "as specified";
   return fmt::format("{:<12} {} m, {} cells ({})\n", "MPM region", box, large_count(r.cells), kind) +
          fmt::format("{:<12} {}\n", "bridge",
                      faces.empty()
-                         ? "none: the region fills the domain"
-                         : fmt::format("{} cells wide, on the sides {} of the region", setup.mpm_region->width, faces));
+                         ? "none: the MPM region fills the domain"
+                         : fmt::format("{} cells wide, on sides {} of the MPM region", setup.mpm_region->width, faces));
 }
 
 constexpr std::size_t most_listed = 20;
@@ -109,23 +109,23 @@ double density_of(run::Body const& body) { return body.density.value_or(body.sol
 
 std::string initial_state_line(std::size_t number, run::InitialStateReport const& r) {
   return fmt::format(
-      "{:<12} {}: {}, volume asked {:.6g} m3, placed {:.6g}; mass asked {:.6g} kg, placed {:.6g}; energy asked {}, "
-      "placed {}\n",
+      "{:<12} {}: {}, volume specified {:.6g} m3, placed {:.6g}; mass specified {:.6g} kg, placed {:.6g}; energy "
+      "specified {}, placed {}\n",
       "", number + 1, r.fluid, r.specified_volume, r.volume, r.specified_mass, r.mass,
       quantity(r.specified_energy, "J", 6), quantity(r.energy, "J", 6));
 }
 
 std::string obstacle_line(run::ObstacleReport const& o) {
-  return fmt::format("{:<12} {}: volume asked {:.6g} m3, placed {:.6g} in {} cells\n", "", o.name, o.specified_volume,
-                     o.volume, o.cells);
+  return fmt::format("{:<12} {}: volume specified {:.6g} m3, placed {:.6g} in {} cells\n", "", o.name,
+                     o.specified_volume, o.volume, o.cells);
 }
 
 std::string panel_line(run::PanelReport const& p) {
   std::string const mass = p.release.areal_mass > 0.0
-                               ? fmt::format("{:.4g} kg/m2, open after a travel of {}", p.release.areal_mass,
+                               ? fmt::format("{:.4g} kg/m2, fully open after {} of travel", p.release.areal_mass,
                                              quantity(p.place.area / p.place.perimeter, "m", 3))
-                               : "without mass";
-  return fmt::format("{:<12} {}: a panel that gives way along {} at {}, area {:.6g} m2, {}\n", "", p.name,
+                               : "massless";
+  return fmt::format("{:<12} {}: panel that fails in direction {} at {}, area {:.6g} m2, {}\n", "", p.name,
                      "xyz"[p.place.direction], quantity(p.release.pressure, "Pa"), p.place.area, mass);
 }
 
@@ -160,10 +160,10 @@ std::string scheme_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   if (has_particles(p)) {
     auto const& o = setup.particles.options;
-    out += line(
-        "points",
-        fmt::format("{} in {} bod{}{}", large_count(p.particles), p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
-                    p.region ? fmt::format(" and {} of the gas", large_count(p.region->gas_particles)) : ""));
+    double const of_gas = p.region ? p.region->gas_particles : 0.0;
+    out += line("particles", fmt::format("{} material points in {} bod{}{}", large_count(p.particles - of_gas),
+                                         p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
+                                         p.region ? fmt::format(", {} gas particles", large_count(of_gas)) : ""));
     out += line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", word_of(o.shape),
                                       word_of(o.order), word_of(o.transfer), o.courant));
   }
@@ -177,15 +177,14 @@ std::string scheme_text(run::Case const& setup, session::Plan const& p) {
 
 std::string steps_text(session::Plan const& p) {
   if (p.region) {
-    return line(
-        "steps",
-        fmt::format("about {}, in them {} of the gas and {} of the points (estimates; fewer while the region "
-                    "and blocks of the gas sleep)",
-                    large_count(p.steps), large_count(p.region->gas_steps), large_count(p.region->particle_steps)));
+    return line("steps", fmt::format("about {} coupled steps ({} gas, {} MPM sub-steps; estimates, fewer while the MPM "
+                                     "region or gas blocks sleep)",
+                                     large_count(p.steps), large_count(p.region->gas_steps),
+                                     large_count(p.region->particle_steps)));
   }
   if (has_particles(p)) {
-    return line("steps", fmt::format("about {} (as long as at the start; {} point updates)", large_count(p.steps),
-                                     large_count(p.steps * p.particles)));
+    return line("steps", fmt::format("about {} (if the time step stays at its initial value; {} particle updates)",
+                                     large_count(p.steps), large_count(p.steps * p.particles)));
   }
   return line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
                                    large_count(p.steps), large_count(p.steps * p.cells)));
@@ -195,15 +194,15 @@ std::string costs_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   out += line("memory",
               fmt::format("about {} of {}: {}", bytes(p.memory_bytes), bytes(p.machine_memory_bytes), memory_text(p)));
-  out += line("time",
-              fmt::format("up to about {} on {} thread{} (estimate, from the rates of docs/benchmarks.md; less while "
-                          "the gas is quiet)",
-                          wall_time(p.seconds), threads(), threads() == 1 ? "" : "s"));
-  out += line("disk",
-              fmt::format("up to about {} (estimate): {} dumps of {} before compression, gauges {}, {} checkpoints of "
-                          "{} at a time",
-                          bytes(p.disk_bytes), p.dumps, bytes(p.dump_bytes), bytes(p.gauge_bytes),
-                          setup.checkpoint.keep + 1, bytes(p.checkpoint_bytes)));
+  out += line("time", fmt::format("up to about {} on {} thread{} (estimate from the rates in docs/benchmarks.md; less "
+                                  "while the gas is at rest)",
+                                  wall_time(p.seconds), threads(), threads() == 1 ? "" : "s"));
+  out += line(
+      "disk",
+      fmt::format(
+          "up to about {} (estimate): {} dumps of {} each before compression, gauges {}, {} checkpoints of {} each",
+          bytes(p.disk_bytes), p.dumps, bytes(p.dump_bytes), bytes(p.gauge_bytes), setup.checkpoint.keep + 1,
+          bytes(p.checkpoint_bytes)));
   return out;
 }
 
@@ -213,16 +212,15 @@ std::string bodies_text(run::Case const& setup, session::Plan const& p) {
     auto const& b = p.bodies[n];
     auto const& body = setup.particles.bodies[n];
     auto const& v = body.velocity;
-    out += line("body", fmt::format("{}: {}, {} points, {} per cell and direction{}{}", b.name, b.material,
+    out += line("body", fmt::format("{}: {}, {} particles, {} per cell and direction{}{}", b.name, b.material,
                                     large_count(static_cast<double>(b.particles)), body.particles_per_direction,
                                     norm(v) > 0.0 ? fmt::format(", ({:g}, {:g}, {:g}) m/s", v[0], v[1], v[2]) : "",
                                     body.rigid ? ", rigid" : ""));
     if (std::isfinite(b.mass))
-      out += line(
-          "", fmt::format("mass of the points {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}; volume {:.6g} "
-                          "and {:.6g} m3",
-                          b.mass, b.geometric_mass, relative_error(b), b.mass / density_of(body),
-                          b.geometric_mass / density_of(body)));
+      out += line("", fmt::format("mass of the particles {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}; "
+                                  "volume {:.6g} and {:.6g} m3",
+                                  b.mass, b.geometric_mass, relative_error(b), b.mass / density_of(body),
+                                  b.geometric_mass / density_of(body)));
   }
   return out;
 }
@@ -237,17 +235,18 @@ std::string charges_text(run::Case const& setup, session::Plan const& p) {
                 fmt::format("{} at ({:g}, {:g}, {:g}) m, {} detonation", c.explosive, x[0], x[1], x[2],
                             charge.detonation == run::Detonation::programmed ? "programmed" : "instantaneous"));
     out += line("", std::isfinite(c.realised_mass)
-                        ? fmt::format("mass asked {:.8g} kg, realised {:.8g} kg, relative error {:.1e}",
+                        ? fmt::format("mass specified {:.8g} kg, realised {:.8g} kg, relative error {:.1e}",
                                       c.specified_mass, c.realised_mass, relative_error(c))
-                        : fmt::format("mass asked {:.8g} kg, realised: not tried out", c.specified_mass));
+                        : fmt::format("mass specified {:.8g} kg, realised: not computed", c.specified_mass));
     double const density = charge.explosive.density();
     out += line(
-        "", fmt::format("volume asked {:.6g} m3, realised {}; energy asked {}, realised {}; {:.3g} cells per radius",
-                        c.specified_mass / density,
-                        std::isfinite(c.realised_mass) ? fmt::format("{:.6g} m3", c.realised_mass / density)
-                                                       : std::string("not tried out"),
-                        quantity(c.specified_mass * charge.explosive.specific_energy(), "J", 6),
-                        quantity(c.realised_energy, "J", 6), c.cells_per_radius));
+        "", fmt::format(
+                "volume specified {:.6g} m3, realised {}; energy specified {}, realised {}; {:.3g} cells per radius",
+                c.specified_mass / density,
+                std::isfinite(c.realised_mass) ? fmt::format("{:.6g} m3", c.realised_mass / density)
+                                               : std::string("not computed"),
+                quantity(c.specified_mass * charge.explosive.specific_energy(), "J", 6),
+                quantity(c.realised_energy, "J", 6), c.cells_per_radius));
     if (n < p.starts.size()) out += line("start", p.starts[n]);
   }
   return out;
@@ -274,11 +273,12 @@ std::string output_text(run::Case const& setup, session::Plan const& p) {
   std::string fields;
   for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
   auto const particle_fields = output::dumped_particle_fields(setup);
-  if (p.region && !particle_fields.empty()) fields += "; of points:";
+  if (p.region && !particle_fields.empty()) fields += "; of particles:";
   for (std::size_t n = 0; n < particle_fields.size(); ++n)
     fields += (fields.empty() ? "" : n == 0 ? " " : ", ") + particle_fields[n].name;
-  out += line("fields", fmt::format("{} dumps of {} before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
-  out += line("checkpoints", fmt::format("{} of about {} stay", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
+  out +=
+      line("fields", fmt::format("{} dumps of {} each before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
+  out += line("checkpoints", fmt::format("{} kept, about {} each", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
   return out;
 }
 

@@ -74,17 +74,18 @@ void Progress::step(run::System const& system) {
                   system.clock.step, quantity(system.clock.dt, "s", 3));
   std::string speed;
   if (particles) {
-    speed = fmt::format("{:.3g} Mpoints/s", active_updates_ / seconds / 1e6);
+    speed = fmt::format("{:.3g} Mparticles/s", active_updates_ / seconds / 1e6);
   } else {
     double const all_updates = static_cast<double>(steps_) * static_cast<double>(system.setup.domain.cell_count());
     int const awake = sum_at_hand(system.grid.block_count(), [&](int b) { return system.gas->awake(b) ? 1 : 0; });
-    speed = fmt::format("{:.1f} Mcells/s ({:.1f} with sleeping)  {} of {} blocks awake",
+    speed = fmt::format("{:.1f} Mcells/s ({:.1f} including sleeping)  {} of {} blocks awake",
                         active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, system.grid.block_count());
   }
   if (both) {
-    speed += system.bridge->awake()
-                 ? fmt::format("  {} points", large_count(static_cast<double>(mpm::particle_count(*system.particles))))
-                 : "  points asleep";
+    speed +=
+        system.bridge->awake()
+            ? fmt::format("  {} particles", large_count(static_cast<double>(mpm::particle_count(*system.particles))))
+            : "  particles asleep";
   }
   show(fmt::format("{}{}  {}", place, speed, remaining(done, done_, seconds)));
   since_ = now;

@@ -21,8 +21,8 @@ constexpr std::size_t most_rows = 30;  // gauges that the terminal's table shows
 
 void print_guards(run::Audit const& a) {
   if (a.guarded_cells == 0) return;
-  print(stdout, "guards: {} cell updates lifted to the floors; they added {:.3g} kg and {:.3g} J\n", a.guarded_cells,
-        a.guard_mass, a.guard_energy);
+  print(stdout, "guards: {} cell updates were raised to the floors, which added {:.3g} kg and {:.3g} J\n",
+        a.guarded_cells, a.guard_mass, a.guard_energy);
 }
 
 void print_panels(run::World const& world) {
@@ -38,8 +38,8 @@ void print_panels(run::World const& world) {
   auto const& a = world.audit;
   double const mass = a.panels.total();
   if (mass == 0.0 && a.panels.energy == 0.0) return;
-  print(stdout, "panels: {:+.3g} kg and {} came with the cells that opened, which had counted as gas of the ambient\n",
-        mass, quantity(a.panels.energy, "J", 3));
+  print(stdout, "panels: the cells that opened added {:+.3g} kg and {} relative to ambient gas\n", mass,
+        quantity(a.panels.energy, "J", 3));
 }
 
 /// Errors of the masses of the fluids beside the ambient one.
@@ -58,11 +58,11 @@ void print_audit(run::World const& world) {
   auto const& a = world.audit;
   print_guards(a);
   if (world.setup.afterburn) {
-    print(stdout, "afterburn: the products released {}, of {} in all\n", quantity(a.afterburn_energy, "J"),
+    print(stdout, "afterburn: the products released {} of {}\n", quantity(a.afterburn_energy, "J"),
           quantity(world.setup.afterburn->energy * a.initial.mass[gas::products_fluid], "J"));
   }
   if (a.fallback_faces > 0)
-    print(stdout, "fluxes: {} blended with first-order ones, so that density and pressure stay positive\n",
+    print(stdout, "fluxes: {} were blended with first-order fluxes to keep density and pressure positive\n",
           a.fallback_faces);
 }
 
@@ -80,7 +80,7 @@ void print_particles(run::World const& world, observe::Gauges const& histories) 
     std::size_t width = 5;
     for (auto const& g : gauges) width = std::max(width, g.name.size());
     print(stdout, "\n{:<{}}  {:>14} {:>11} {:>15} {:>13} {:>12} {:>10}   {}\n", "gauge", width, "peak displ.", "at",
-          "component", "peak speed", "peak Mises", "pl. strain", "displacement at the end");
+          "component", "peak speed", "peak Mises", "pl. strain", "final displacement");
     for (std::size_t n = 0; n < std::min(gauges.size(), most_rows); ++n) {
       auto const& g = gauges[n];
       print(stdout, "{:<{}}  {:>14} {:>11} {:>15} {:>13} {:>12} {:>10.3g}   {}{}\n", g.name, width,
@@ -129,8 +129,8 @@ void print_dissipation(run::EnergyBalance const& energy) {
   auto const& [constraints, filtered, apic, friction] = energy.dissipated;
   if (constraints == 0.0 && filtered == 0.0 && apic == 0.0 && friction == 0.0) return;
   print(stdout,
-        "kinetic energy lost and counted: {} at held nodes, {} by PIC and XPIC, {} by APIC, {} by the friction of "
-        "contacts; {:.2g} % of the energy at work\n",
+        "kinetic energy dissipated and accounted for: {} at constrained nodes, {} by PIC and XPIC, {} by APIC, {} by "
+        "contact friction; {:.2g} % of the reference energy\n",
         quantity(constraints, "J"), quantity(filtered, "J"), quantity(apic, "J"), quantity(friction, "J"),
         energy.scale > 0.0 ? 100.0 * energy.dissipated.sum() / energy.scale : 0.0);
 }
@@ -138,23 +138,25 @@ void print_dissipation(run::EnergyBalance const& energy) {
 /// Energy that gas particles were given because they had less than none.
 void print_lifted(mpm::Mpm const& particles) {
   if (particles.accounts().floored.particles == 0) return;
-  print(stdout, "guards: {} updates of gas points lifted to no pressure; they added {:.3g} J\n",
+  print(stdout, "guards: {} updates of gas particles were raised to zero pressure, which added {:.3g} J\n",
         particles.accounts().floored.particles, particles.accounts().floored.energy);
 }
 
 void print_particle_audit(run::World const& world) {
   auto const& a = world.audit;
   auto const energy = world.energy_balance();
-  print(stdout, "\naudit: {} (relative error of the mass {:.1e}; energy {} to {}{}, drift {:+.3g} % of {} at work)\n{}",
+  print(stdout,
+        "\naudit: {} (relative error of the mass {:.1e}; energy {} to {}{}, drift {:+.3g} % of the reference energy "
+        "{})\n{}",
         verdict_word(world.verdict()), a.relative_error().mass[0], quantity(energy.initial, "J"),
         quantity(energy.current + energy.lost, "J"),
-        energy.work != 0.0 ? fmt::format(" by the work {} of outer forces", quantity(energy.work, "J")) : "",
+        energy.work != 0.0 ? fmt::format(" through the work {} of external forces", quantity(energy.work, "J")) : "",
         100.0 * energy.drift(), quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
   print_lifted(*world.particles);
   auto const& lost = world.particles->accounts().losses;
   if (lost.particles > 0) {
-    print(stdout, "{} points left the domain with {:.4g} kg and {}\n", lost.particles, lost.mass,
+    print(stdout, "{} particles left the domain with {:.4g} kg and {}\n", lost.particles, lost.mass,
           quantity(lost.energy, "J"));
   }
 }
@@ -164,7 +166,8 @@ void print_region_audit(run::World const& world) {
   bridge::Amounts const ledger = world.bridge->ledger();
   auto const energy = world.energy_balance();
   print(stdout,
-        "\naudit: {} (relative error of the mass: {} {:.1e}{}; energy {} to {}, drift {:+.3g} % of {} at work)\n{}",
+        "\naudit: {} (relative error of the mass: {} {:.1e}{}; energy {} to {}, drift {:+.3g} % of the reference "
+        "energy {})\n{}",
         verdict_word(world.verdict()), world.setup.ambient.fluid.name, error.mass[0], other_errors(world),
         quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"), 100.0 * energy.drift(),
         quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
@@ -172,15 +175,15 @@ void print_region_audit(run::World const& world) {
   print_lifted(*world.particles);
   print_guards(world.audit);
   if (!world.awake_since) {
-    print(stdout, "MPM region: no wave came near, its points slept\n");
+    print(stdout, "MPM region: no wave reached it; its particles stayed asleep\n");
     return;
   }
   double total = 0.0;
   for (auto const& [phase, seconds] : world.timings) total += seconds;
   auto const bridge = world.timings.find("bridge");
   print(stdout,
-        "MPM region: awake since {}; {} steps of the gas and {} of the points; {} points of gas came in, {} left, {} "
-        "under way in the ledger (at most {}); the bridge took {:.0f} % of the time\n",
+        "MPM region: awake since {}; {} gas steps, {} MPM sub-steps; {} gas particles injected, {} absorbed; {} in the "
+        "ledger at the end (at most {} during the run); the bridge took {:.0f} % of the time\n",
         quantity(*world.awake_since, "s"), world.clock.gas_steps, world.clock.particle_steps,
         world.bridge->traffic().injected, world.bridge->traffic().absorbed, quantity(ledger.total(), "kg", 3),
         quantity(world.audit.memory.content, "kg", 3),
@@ -196,15 +199,15 @@ void print_head(session::Session const& session, std::string const& title) {
   std::string const particles = fmt::format("{} material points", large_count(expected.particles));
   std::string const cells = fmt::format("{} cells", large_count(expected.cells));
   std::string const what = expected.region ? cells + " and " + particles : expected.particles > 0.0 ? particles : cells;
-  print(stdout, "{}, about {} steps, {} thread{}; results go to {}\n", what, large_count(expected.steps), threads(),
+  print(stdout, "{}, about {} steps, {} thread{}; output folder: {}\n", what, large_count(expected.steps), threads(),
         threads() == 1 ? "" : "s", session.folder().string());
   for (auto const& body : expected.bodies) {
-    print(stdout, "{}: {}, {} points, {:.8g} kg, the shape has {:.8g} kg\n", body.name, body.material, body.particles,
-          body.mass, body.geometric_mass);
+    print(stdout, "{}: {}, {} particles, {:.8g} kg, mass of the shape {:.8g} kg\n", body.name, body.material,
+          body.particles, body.mass, body.geometric_mass);
   }
   for (auto const& charge : expected.charges) {
     bool const tried = std::isfinite(charge.realised_mass);
-    print(stdout, "{}: asked {:.8g} kg, {}{}\n", charge.explosive, charge.specified_mass,
+    print(stdout, "{}: specified {:.8g} kg, {}{}\n", charge.explosive, charge.specified_mass,
           tried ? fmt::format("realised {:.8g} kg and ", charge.realised_mass) : "",
           quantity(charge.realised_energy, "J"));
   }
@@ -212,7 +215,7 @@ void print_head(session::Session const& session, std::string const& title) {
   for (auto const& warning : expected.warnings) warnings.push_back("warning: " + warning);
   print(stderr, "{}", listed(warnings));
   if (checkpoint != nullptr) {
-    print(stdout, "going on from {}: t = {}, step {}\n", checkpoint->path().string(),
+    print(stdout, "resuming from {}: t = {}, step {}\n", checkpoint->path().string(),
           quantity(checkpoint->info().time, "s"), checkpoint->info().step);
   }
   std::fflush(stdout);
@@ -222,7 +225,7 @@ void print_starts(run::World const& world) {
   for (std::size_t n = 0; n < world.starts.size(); ++n) {
     auto const& report = world.starts[n];
     auto const& r = report.remap;
-    print(stdout, "{}: {}, remapped at {}; the burst has a radius of {}, {:.1f} cells{}\n",
+    print(stdout, "{}: {}, remapped at {}; blast wave radius {}, {:.1f} cells{}\n",
           world.starts.size() == 1 ? "start" : fmt::format("start {}", n + 1),
           output::start_in_words(world.setup, report), quantity(r.time, "s"), quantity(r.radius, "m"),
           r.cells_per_radius, report.by.empty() ? "" : ", near " + report.by);

@@ -23,7 +23,7 @@ void on_stop(int /*signal*/) {
   for (int const other : stopping) std::signal(other, SIG_DFL);
   if (!announce_stop) return;
   constexpr std::string_view heard =
-      "\nbrisance: stopping after this step and writing the results; once more ends it at once\n";
+      "\nbrisance: stopping after this step and writing the results; press Ctrl-C again to exit immediately\n";
   [[maybe_unused]] auto const written = write(STDERR_FILENO, heard.data(), heard.size());
 }
 

@@ -134,9 +134,9 @@ void CellStates::at(int n, double fraction, Primitive& state, GasSlopes& slopes)
 }
 
 void CellStates::archive(Archive& a) {
-  a.same(places_.size(), "the number of cells beside the region");
+  a.same(places_.size(), "the number of cells next to the MPM region");
   a(levels_, times_);
-  a.require(levels_ >= 0 && levels_ <= static_cast<int>(times_.size()), "the number of times beside the region");
+  a.require(levels_ >= 0 && levels_ <= static_cast<int>(times_.size()), "the number of times next to the MPM region");
   for (auto* states : {&earlier_, &later_}) {
     for (Primitive& s : *states) a(s.density, s.velocity, s.pressure, s.mass_fraction, s.volume_fraction);
   }

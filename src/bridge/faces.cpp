@@ -72,7 +72,7 @@ int Faces::crossed(Vec3 const& x, Vec3 const& move) const {
       nearest = distance;
       cell = there;
     });
-    if (nearest == 4) throw NumericalError("a gas point left the MPM region by more than a cell in one step");
+    if (nearest == 4) throw NumericalError("a gas particle left the MPM region by more than one cell in one step");
   }
   for (int d = 0; d < dims; ++d) {
     while (cell[d] != to[d]) {

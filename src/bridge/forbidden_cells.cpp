@@ -35,11 +35,9 @@ std::string ForbiddenCells::intruder() const {
         Vec3 const x{set.field(Field::position_x)[q], set.field(Field::position_y)[q], set.field(Field::position_z)[q]};
         if (!contains(faces_->cell_at(x))) continue;
         trouble[n] = fmt::format(
-            "body \"{}\" has come to the bridge at ({:.6g}, {:.6g}, {:.6g}) m; the MPM region must reach further: "
-            "solids keep "
-            "{} cells away from its faces; give it more room there, by mpm_region.box or, where that is laid around "
-            "the "
-            "bodies, by mpm_region.margin",
+            "body \"{}\" has reached the bridge at ({:.6g}, {:.6g}, {:.6g}) m; solids must stay {} cells away from the "
+            "faces of the MPM region; enlarge the MPM region there with mpm_region.box or, if the box is placed around "
+            "the bodies automatically, with mpm_region.margin",
             particles_->bodies()[body].name, x[0], x[1], x[2], region_->width() + 2);
         return;
       }

@@ -14,25 +14,25 @@ void check_box(grid::Domain const& domain, CellBox const& box) {
   for (int d = 0; d < domain.dimensions(); ++d) {
     char const axis = "xyz"[d];
     if (box.lower[d] < 0 || box.upper[d] > domain.cells[d] || box.lower[d] >= box.upper[d]) {
-      throw InputError(fmt::format("the MPM region reaches beyond the domain in {}, or is empty", axis));
+      throw InputError(fmt::format("the MPM region is empty or extends beyond the domain in {}", axis));
     }
     for (int side = 0; side < 2; ++side) {
       int const gap = side == 0 ? box.lower[d] : domain.cells[d] - box.upper[d];
       grid::Boundary const boundary = domain.boundary[2 * d + side];
       if (gap > 0 && gap < least_gap) {
-        throw InputError(fmt::format(
-            "the MPM region ends {} cells before the boundary {} of the domain; it must lie on the boundary "
-            "or leave the gas at least {} cells",
-            gap, grid::face_names[2 * d + side], least_gap));
+        throw InputError(
+            fmt::format("the MPM region ends {} cells from the boundary {} of the domain; it must touch the boundary "
+                        "or leave at least {} cells of gas",
+                        gap, grid::face_names[2 * d + side], least_gap));
       }
       if (gap == 0 && boundary == grid::Boundary::inflow) {
         throw InputError(
-            fmt::format("the MPM region may not lie on the inflow boundary {}; leave the gas at least {} cells",
+            fmt::format("the MPM region must not touch the inflow boundary {}; leave at least {} cells of gas",
                         grid::face_names[2 * d + side], least_gap));
       }
       if (gap == 0 && boundary == grid::Boundary::periodic && box.upper[d] - box.lower[d] != domain.cells[d]) {
         throw InputError(
-            fmt::format("the MPM region lies on the periodic boundary {} but does not span the domain in {}",
+            fmt::format("the MPM region touches the periodic boundary {} but does not span the domain in {}",
                         grid::face_names[2 * d + side], axis));
       }
     }
@@ -57,7 +57,7 @@ Index3 Region::clamped(Index3 cell) const {
 Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int proxy_layers)
     : domain_(domain), width_(width) {
   if (boxes.empty()) throw InputError("an MPM region needs at least one box");
-  if (width < 1) throw InputError("the bridge needs a width of at least 1 cell");
+  if (width < 1) throw InputError("the bridge must be at least 1 cell wide");
   CellBox hull = boxes.front();
   for (CellBox const& box : boxes) {
     check_box(domain, box);
@@ -70,10 +70,10 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
   find_layers(boxes);
   int const deepest = list_cells();
   if (std::any_of(faces_.begin(), faces_.end(), [](Face const& f) { return !f.open; }) && deepest < width + 3) {
-    throw InputError(fmt::format(
-        "the MPM region is too thin: with a bridge of {} cells it needs at least {} cells between two bridges "
-        "and {} between a bridge and a boundary",
-        width, 2 * width + 5, width + 3));
+    throw InputError(
+        fmt::format("the MPM region is too thin: with a bridge {} cells wide it needs at least {} cells between two "
+                    "bridges and {} between a bridge and a boundary",
+                    width, 2 * width + 5, width + 3));
   }
   list_proxy_cells(proxy_layers);
 }

@@ -14,16 +14,16 @@ void archive(Archive& a, Amounts& l) { a(l.mass, l.momentum, l.energy, l.volume)
 }  // namespace
 
 void Ledger::archive(Archive& a) {
-  a.sized(outwards_, "the number of faces of the region");
+  a.sized(outwards_, "the number of faces of the MPM region");
   for (Amounts& account : accounts_) bridge::archive(a, account);
 }
 
 void Bridge::archive(Archive& a) {
   a.section("bridge");
-  a.same(gas_body_, "the body of the gas points");
+  a.same(gas_body_, "the body of the gas particles");
   a.same(ledger_.accounts().size(), "the size of the ledger");
   a(awake_, last_step_);
-  a.require(last_step_ >= 0.0 && std::isfinite(last_step_), "the last step of the points");
+  a.require(last_step_ >= 0.0 && std::isfinite(last_step_), "the last step of the particles");
   ledger_.archive(a);
   a(traffic_.injected, traffic_.absorbed, traffic_.pressure_work, traffic_.pressure_impulse);
   bridge::archive(a, traffic_.outflow);

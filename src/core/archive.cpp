@@ -24,7 +24,7 @@ std::uint32_t checksum(void const* bytes, std::size_t count, std::uint32_t befor
 void Archive::bytes(void* data, std::size_t count) {
   if (reading()) {
     if (count > left())
-      throw IoError(fmt::format("its data end at byte {}, where {} more bytes were expected", size_, count - left()));
+      throw IoError(fmt::format("its data end at byte {}, but {} more bytes were expected", size_, count - left()));
     if (count > 0) take_(data, count);
   } else if (count > 0) {
     put_(data, count);
@@ -36,7 +36,7 @@ std::uint64_t Archive::counted(std::uint64_t count, std::size_t element) {
   std::uint64_t const at = position_;
   bytes(&count, sizeof count);
   if (reading() && count > left() / element)
-    throw IoError(fmt::format("at byte {} of its data it announces {} elements, more than it can hold", at, count));
+    throw IoError(fmt::format("at byte {} of its data it declares {} elements, more than it can contain", at, count));
   return count;
 }
 
@@ -52,24 +52,26 @@ void Archive::section(std::string_view name) {
   (*this)(mark);
   if (mark != section_mark)
     throw IoError(
-        fmt::format("at byte {} of its data the part \"{}\" should begin, and something else does", at, name));
+        fmt::format("section \"{1}\" should begin at byte {0} of its data, but something else was found", at, name));
   std::string found(name);
   (*this)(found);
   if (found != name)
-    throw IoError(fmt::format("at byte {} of its data the part \"{}\" should begin, and \"{}\" does", at, name, found));
+    throw IoError(
+        fmt::format("section \"{1}\" should begin at byte {0} of its data, but \"{2}\" was found", at, name, found));
 }
 
 void Archive::differs(std::string_view what) const {
-  throw IoError(fmt::format("{} is not that of the case as this program builds it", what));
+  throw IoError(fmt::format("{} differs from the case as this program builds it", what));
 }
 
 void Archive::require(bool sound, std::string_view what) const {
-  if (reading() && !sound) throw IoError(fmt::format("before byte {} of its data {} makes no sense", position_, what));
+  if (reading() && !sound)
+    throw IoError(fmt::format("before byte {} of its data the value of {} is invalid", position_, what));
 }
 
 void Archive::end() const {
   if (reading() && left() > 0)
-    throw IoError(fmt::format("its data should end at byte {}, and go on to byte {}", position_, size_));
+    throw IoError(fmt::format("its data should end at byte {} but continue to byte {}", position_, size_));
 }
 
 }  // namespace brisance

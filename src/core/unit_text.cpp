@@ -165,8 +165,8 @@ class UnitText {
       return fmt::format("; did you mean {}?", shown(power));
     }
     auto const caret = text_.find('^');
-    if (caret == 0) return "; a power of ten is written into the number, as in 1e3";
-    if (caret != std::string_view::npos) return "; powers of units are whole numbers other than 0, as in m^2 or s^-1";
+    if (caret == 0) return "; write a power of ten as part of the number, as in 1e3";
+    if (caret != std::string_view::npos) return "; powers of units must be integers other than 0, as in m^2 or s^-1";
     auto const dash = text_.find('-');
     if (dash != std::string_view::npos && dash > 0 && dash + 1 < text_.size() && letter(text_[dash + 1])) {
       std::string product(text_);

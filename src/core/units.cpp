@@ -55,9 +55,9 @@ std::string slip(Reading const& has, Reading const& wanted) {
       Slip{"kg/m2", "Pa", "lb and kg are masses: did you mean lbf/in2 (psi), lbf/ft2 or kgf/cm2?"},
       Slip{"kg", "N", "lb and kg are masses: did you mean lbf or kgf?"},
       Slip{"N/m3", "kg/m3", "lbf and kgf are forces: did you mean lb or kg?"},
-      Slip{"kg", "m/s2", "g is the gram: did you mean standard_gravity?"},
-      Slip{"kg m3", "kg/m3", "\"/\" already turns the next power round: did you mean kg/m3?"},
-      Slip{"J K/kg", "J/(kg K)", "\"/\" holds for the next unit only: did you mean J/(kg K)?"},
+      Slip{"kg", "m/s2", "g means gram: did you mean standard_gravity?"},
+      Slip{"kg m3", "kg/m3", "\"/\" already inverts the next power: did you mean kg/m3?"},
+      Slip{"J K/kg", "J/(kg K)", "\"/\" applies to the next unit only: did you mean J/(kg K)?"},
       Slip{"kg m", "J", "lb and kg are masses: did you mean ft lbf or kgf m?"},
   };
   for (Slip const& s : slips) {
@@ -126,20 +126,19 @@ Quantity parse(std::string_view text, std::string_view si_unit) {
   std::string const unit(trim(number.substr(static_cast<std::size_t>(end - number.data()))));
   if (unit.empty()) return {value, {}};
   if (unit.front() == ',') {
-    return failed(fmt::format("{} has a comma: write the number with a decimal point, expected {}", shown(text),
+    return failed(fmt::format("{} contains a comma: write the number with a decimal point, expected {}", shown(text),
                               expected(si_unit)));
   }
 
   std::lock_guard const guard(lock());
-  if (unit_system() == nullptr)
-    return failed("the unit table of UDUNITS could not be read; give the number in SI units");
+  if (unit_system() == nullptr) return failed("cannot read the unit table of UDUNITS; give the number in SI units");
   Reading const from = read_unit(unit);
   if (!from.unit) {
     return failed(fmt::format("{} {}{} expected {}", shown(text), from.problem, from.problem.ends_with('?') ? "" : ",",
                               expected(si_unit)));
   }
   Reading const to = read_unit(si_unit);
-  if (!to.unit) return failed(fmt::format("the unit {} is not known", shown(si_unit)));
+  if (!to.unit) return failed(fmt::format("unknown unit {}", shown(si_unit)));
   if (!same_dimension(from, to)) {
     std::string const name = dimension_name(from);
     return failed(fmt::format("{} {}, expected {}{}", shown(text),

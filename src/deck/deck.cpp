@@ -88,7 +88,7 @@ std::string text_of(std::string const& path) {
     text.append(part.data(), static_cast<std::size_t>(file.gcount()));
   }
   // A folder opens, but does not read.
-  if (!file.is_open() || file.bad()) throw IoError(fmt::format("the deck \"{}\" cannot be read", path));
+  if (!file.is_open() || file.bad()) throw IoError(fmt::format("cannot read the deck \"{}\"", path));
   return text;
 }
 

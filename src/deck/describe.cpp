@@ -141,8 +141,7 @@ std::string describe_material(std::string const& name) {
 std::string describe_models() {
   std::string out = words_line("Geometries", "domain", "geometry") + words_line("Boundaries", "boundaries", "all") +
                     words_line("Shapes", "charge", "shape") + words_line("Detonation", "charge", "detonation") +
-                    words_line("Schemes", "numerics", "scheme") +
-                    words_line("Point shapes", "points", "shape_function") +
+                    words_line("Schemes", "numerics", "scheme") + words_line("Shape fn.", "points", "shape_function") +
                     words_line("Stress order", "points", "stress_order") + words_line("Transfer", "points", "transfer");
   out += "\nEquations of state and their parameters\n";
   out += lines_of_models<material::ParticleEos>();
@@ -152,11 +151,11 @@ std::string describe_models() {
   out += lines_of_models<material::Strength>();
   out += "\nFailure models and their parameters\n";
   out += lines_of_models<material::Failure>();
-  out += "\nFields for output\n";
+  out += "\nOutput fields of the gas\n";
   for (auto const& field : observe::known_fields()) {
     out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);
   }
-  out += "\nFields of material points for output\n";
+  out += "\nOutput fields of the material points\n";
   for (auto const& field : observe::known_particle_fields()) {
     out += fmt::format("  {:<18} {:<7} {}\n", field.name, unit_text(field.unit), field.meaning);
   }

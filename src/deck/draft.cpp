@@ -81,7 +81,7 @@ std::vector<std::string> Materials::solid_names() const { return with_own(librar
 
 void wrong_material(Draft& draft, std::string const& name) {
   if (!draft.report.failed())
-    throw std::logic_error(fmt::format("the material \"{}\" cannot be built, and nothing says why", name));
+    throw std::logic_error(fmt::format("the material \"{}\" cannot be built, but no error was reported", name));
   draft.materials.wrong.insert(name);
 }
 

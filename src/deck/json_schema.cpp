@@ -189,8 +189,8 @@ std::string json_schema() {
   Json out{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
            {"title", "Brisance deck"},
            {"description",
-            "One TOML file that describes one calculation. `brisance check` tells the rest: units, and "
-            "what the tables mean together."}};
+            "One TOML file that describes one simulation. `brisance check` checks the rest: units and the combination "
+            "of tables."}};
   Definitions definitions;
   out.update(definitions.object(deck_schema(), ""));
   out["$defs"] = definitions.take();

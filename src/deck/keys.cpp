@@ -22,7 +22,7 @@ std::vector<Key> file_keys(char const* kind) {
           typed(Type::text, "note")
               .of("")
               .like("\"for weak waves\"")
-              .means("What the material is for and how far off it is")};
+              .means("What the material is suited for and how accurate it is")};
 }
 
 }  // namespace brisance::deck

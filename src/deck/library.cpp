@@ -54,8 +54,8 @@ void check(Report const& report, EmbeddedFile const& file) {
 template <class Material>
 Named<Material> named(std::optional<Material> material, Section const& section) {
   if (!material)
-    throw std::logic_error(
-        fmt::format("the material of {} cannot be built, and nothing says why", section.text("name").value_or("?")));
+    throw std::logic_error(fmt::format("the material of {} cannot be built, but no error was reported",
+                                       section.text("name").value_or("?")));
   Named<Material> out{std::move(*material), {}, {}};
   if (auto const* aliases = section.strings("aliases")) out.aliases = *aliases;
   out.note = section.text("note").value_or("");

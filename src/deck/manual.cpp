@@ -73,7 +73,7 @@ std::string deck_table_text(std::string const& name, Table const& table, std::ma
     if (key.table == nullptr) continue;
     auto const [first, fresh] = told.try_emplace(key.table, fmt::format("`{}` of `{}`", key.name, name));
     out += fresh ? table_text(fmt::format("### {}", first->second), *key.table)
-                 : fmt::format("\n### `{}` of `{}`\n\nAs {}.\n", key.name, name, first->second);
+                 : fmt::format("\n### `{}` of `{}`\n\nSame keys as {}.\n", key.name, name, first->second);
   }
   return out;
 }
@@ -82,7 +82,7 @@ constexpr std::string_view introduction = R"manual(# Deck reference
 
 This page is printed from the program's schema by `brisance info --deck-reference`; edit the schema, not this file.
 
-A deck is one TOML file that describes one calculation. Unknown keys are errors, and all errors of a deck are reported in one go.
+A deck is one TOML file that describes one simulation. Unknown keys are errors. All errors of a deck are reported together.
 The shortest useful deck:
 
 ```toml
@@ -100,23 +100,23 @@ point = [4, 2, 1]
 time = "5 ms"
 ```
 
-- A **quantity** is a number in SI units, for an angle in degrees, or a string with a unit, as in `"12.5 kg"`, `"20 us"`, `"25 MPa"`, `"50 mm"`, `"15 degC"`,
-  `"33 deg"`. The dimension is checked; an angle is one of its own, not a pure number. The ranges below are in SI units and degrees.
-- A **unit** is a product of whole powers: `"kg/m3"`, `"kg m^-3"`, `"J/(kg K)"`, `"1/s"`; `/` holds for the next unit alone. There are, with their prefixes and names
+- A **quantity** is a number in SI units (an angle: in degrees) or a string with a unit, as in `"12.5 kg"`, `"20 us"`, `"25 MPa"`, `"50 mm"`, `"15 degC"`,
+  `"33 deg"`. The dimension is checked. An angle is a dimension of its own, not a pure number. The ranges below are in SI units and degrees.
+- A **unit** is a product of whole powers: `"kg/m3"`, `"kg m^-3"`, `"J/(kg K)"`, `"1/s"`; `/` applies to the next unit only. The known units, also with prefixes and written out
   (`"millimeters"`): `m`, `in`, `ft`, `yd`, `mi`, `mil`, `nautical_mile`; `g`, `t`, `lb` (`lbs`, `lbm`), `ounce`, `grain`, `slug`, `short_ton`, `long_ton`; `s`, `sec`, `min`, `h`, `hr`, `d`;
   `K`, `degC`, `degF`, `degR`; `deg`, `°`, `rad`; `N`, `kgf`, `gf`, `lbf`, `ozf`, `kip`, `dyne`; `Pa`, `bar`, `atm`, `psi` (`psia`), `ksi`, `torr`, `mmHg`, `inHg`; `J`, `erg`, `eV`, `Btu`; `W`;
-  `Hz`; `l`, `L`, `cc`; `knot`; `standard_gravity`; `mol`; `A`, `V`; `%`. Case counts in symbols. What has several meanings (`ton`, `kiloton`, `gr`, `cal`, `gallon`) or looks like another
-  unit (`kt`, `oz`, `C`, `F`, `Mm`, `lb/in2` for a pressure) is refused with what to write. `brisance check` prints every number of a material as it was understood.
-- A temperature below 150 K is warned of: a number alone is in kelvin.
+  `Hz`; `l`, `L`, `cc`; `knot`; `standard_gravity`; `mol`; `A`, `V`; `%`. Symbols are case-sensitive. A unit that has several meanings (`ton`, `kiloton`, `gr`, `cal`, `gallon`) or looks like another
+  unit (`kt`, `oz`, `C`, `F`, `Mm`, `lb/in2` for a pressure) is rejected, and the message says what to write instead. `brisance check` prints every number of a material as it was read.
+- A temperature below 150 K gives a warning: a number without a unit is in kelvin.
 - A **point** is a list with one quantity per resolved direction: three in cartesian3d, two in planar2d and axisymmetric2d, one in
-  the 1D geometries, where the brackets may be left out. Directions that are not resolved may be written as 0.
-- Positions in tables of messages are counted from 1: `charge[2].mass` is the mass of the second `[[charge]]`.
-- Extents must be whole numbers of cells, to 1 part in a million.
+  the 1D geometries, where the brackets are optional. Directions that are not resolved may be written as 0.
+- Messages count tables from 1: `charge[2].mass` is the mass of the second `[[charge]]`.
+- Extents must be whole numbers of cells, within one part per million.
 - A deck may have at most 1 MiB, 2^31 cells, 100 charges, 1000 obstacles, 100 bodies and 100000 gauges.
-- The shape `stl` and the combinations `add`, `cut`, `common` (carried out in this order) are for bodies and for the regions of
+- The shape `stl` and the combinations `add`, `cut`, `common` (applied in this order) are available for bodies and for `within` of
   `[[constraint]]` and `[[surface_pressure]]`.
-- In planar2d and cylindrical1d masses and energies are per metre of the direction that is not resolved (`"10 kg"` and `"10 kg/m"`
-  mean the same), in planar1d per square metre. In axisymmetric2d and spherical1d they are those of the whole body.
+- In planar2d and cylindrical1d, masses and energies are per metre of the unresolved direction (`"10 kg"` and `"10 kg/m"`
+  mean the same); in planar1d they are per square metre. In axisymmetric2d and spherical1d they are those of the whole body.
 )manual";
 
 }  // namespace

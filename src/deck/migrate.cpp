@@ -77,8 +77,8 @@ class Finder {
   void rename(toml::table const& table, std::string const& path, toml::key const& key, toml::node const& node,
               std::string_view now) {
     if (table.contains(now)) {
-      throw InputError(fmt::format("{}:{}: {} holds both \"{}\" and \"{}\", which is its present name: remove one",
-                                   name_, key.source().begin.line, path.empty() ? "the deck" : path, key.str(), now));
+      throw InputError(fmt::format("{}:{}: {} contains both \"{}\" and its current name \"{}\": remove one", name_,
+                                   key.source().begin.line, path.empty() ? "the deck" : path, key.str(), now));
     }
     add(key.source().begin, path, key.str(), now);
     // Each header [[NAME]] of an array of tables is a place of its own.
@@ -150,8 +150,8 @@ Migration migrate(std::string_view text, std::string_view name) {
   Finder rest(out.text, name);
   rest.search(parsed(out.text, name), "");
   if (auto const left = rest.places(); !left.empty()) {
-    throw InputError(fmt::format("{}:{}: \"{}\" could not be renamed; write \"{}\" by hand", name,
-                                 left.front().renaming.line, left.front().renaming.was, left.front().renaming.now));
+    throw InputError(fmt::format("{}:{}: cannot rename \"{}\"; write \"{}\" by hand", name, left.front().renaming.line,
+                                 left.front().renaming.was, left.front().renaming.now));
   }
   return out;
 }

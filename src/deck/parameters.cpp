@@ -82,18 +82,20 @@ std::vector<MaterialNumber> numbers_of(material::Fluid const& f) {
 
 std::vector<MaterialNumber> numbers_of(material::Material const& s) {
   std::vector<MaterialNumber> out;
-  out.push_back(number("density", s.density, "kg/m3", "density at the start"));
+  out.push_back(number("density", s.density, "kg/m3", "initial density"));
   add_model(out, "eos", "eos", s.eos);
   add_model(out, "strength", "strength", s.strength);
   add_model(out, "failure", "failure", s.failure);
   out.push_back(number("specific_heat", s.specific_heat, "J/kg/K", "specific heat"));
-  out.push_back(number("temperature", s.temperature, "K", "temperature at the start"));
-  out.push_back(number("taylor_quinney", s.taylor_quinney, "1", "part of the plastic work that heats"));
+  out.push_back(number("temperature", s.temperature, "K", "initial temperature"));
+  out.push_back(
+      number("taylor_quinney", s.taylor_quinney, "1", "fraction of plastic work converted to heat (Taylor-Quinney)"));
   if (s.minimum_pressure > -unbounded)
     out.push_back(number("minimum_pressure", s.minimum_pressure, "Pa",
-                         !s.tears()                             ? "tension cut-off"
-                         : s.spall == material::Spall::pressure ? "tension cut-off, at which it fails"
-                                                                : "tension cut-off; it fails by the principal stress"));
+                         !s.tears() ? "tension cut-off"
+                         : s.spall == material::Spall::pressure
+                             ? "tension cut-off; the material fails when the pressure reaches it"
+                             : "tension cut-off; the material fails when the principal stress reaches it"));
   return out;
 }
 

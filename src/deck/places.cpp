@@ -24,9 +24,8 @@ void touches_domain(Draft const& draft, Section const& section, shape::Shape con
     if (b.upper[d] > draft.out.domain.lower[d] && b.lower[d] < draft.out.domain.upper(d)) continue;
     draft.error(
         section, place_key(section),
-        fmt::format("the {} reaches from {:.6g} to {:.6g} m in direction {} and lies outside the domain ({:.6g} "
-                    "to {:.6g} m): move "
-                    "it or remove it",
+        fmt::format("the {} extends from {:.6g} to {:.6g} m in direction {} and lies outside the domain ({:.6g} to "
+                    "{:.6g} m): move it or remove it",
                     what, b.lower[d], b.upper[d], directions[d], draft.out.domain.lower[d], draft.out.domain.upper(d)));
     return;
   }

@@ -136,17 +136,15 @@ class Walker : Values {
   }
 
   static std::string renamed_key(std::string_view name, std::string_view now) {
-    return fmt::format(
-        "\"{}\" is now called \"{}\"; `brisance migrate DECK` renames it, and everything else that has "
-        "a new name",
-        name, now);
+    return fmt::format("\"{}\" is now called \"{}\"; `brisance migrate DECK` renames it and all other renamed keys",
+                       name, now);
   }
 
   static std::string unknown_key(Section const& section, Table const& table, std::vector<Key> const* further,
                                  std::vector<std::string> const& names, std::string_view name, toml::node const& node) {
     std::string const where = section.path.empty() ? "at the top of the deck" : fmt::format("in {}", section.path);
     if (further != nullptr && table.find(name) != nullptr) {
-      return fmt::format("unknown key \"{}\" (value {}) {}: it belongs to another {}; allowed keys: {}",
+      return fmt::format("unknown key \"{}\" (value {}) {}: this key belongs to another {}; allowed keys: {}",
                          shortened(name), show(node), where, table.selector == "eos" ? "equation of state" : "model",
                          fmt::join(names, ", "));
     }
@@ -157,13 +155,13 @@ class Walker : Values {
   void missing(Key const& key, Section const& out) {
     if (key.type == Type::table) {
       report_.error(out.place, joined(out.path, key.name),
-                    fmt::format("the table [{}] is missing; write for example [{}] with {}", joined(out.path, key.name),
-                                joined(out.path, key.name), key.sample));
+                    fmt::format("the table [{}] is missing; write, for example, [{}] with {}",
+                                joined(out.path, key.name), joined(out.path, key.name), key.sample));
       return;
     }
     std::string const range = has_range(key) ? fmt::format(" ({})", range_text(key)) : "";
     report_.error(out.place, joined(out.path, key.name),
-                  fmt::format("the key \"{}\" is missing: {}; expected {}{}; write for example {}", key.name,
+                  fmt::format("the key \"{}\" is missing: {}; expected {}{}; write, for example, {}", key.name,
                               lowered(key.explanation), expectation(key), range, example(key)));
   }
 
@@ -277,7 +275,7 @@ class Walker : Values {
     };
     if (key.type == Type::name && (text.empty() || text.size() > 64 || !std::all_of(text.begin(), text.end(), plain))) {
       report_.error(out.place, path,
-                    fmt::format("{} is not allowed, expected {}, 1 to 64 of them; write for example {}", show(node),
+                    fmt::format("{} is not allowed, expected {}, 1 to 64 of them; write, for example, {}", show(node),
                                 expectation(key), example(key)));
       return;
     }
@@ -302,7 +300,7 @@ class Walker : Values {
     }
     if (array->empty() || array->size() > 3) {
       report_.error(out.place, path,
-                    fmt::format("{} has {} elements, expected {}; write for example {}", show(node), array->size(),
+                    fmt::format("{} has {} elements, expected {}; write, for example, {}", show(node), array->size(),
                                 expectation(key), example(key)));
       return;
     }
@@ -415,14 +413,14 @@ std::optional<toml::table> parse(std::string_view text, Report& report) {
   }
   if (auto const place = overlong_key(text)) {
     report.error(*place, "",
-                 fmt::format("a key with more than {} parts; no key of a deck has more than a few", most_key_parts));
+                 fmt::format("a key with more than {} parts; every key of a deck has only a few", most_key_parts));
     return std::nullopt;
   }
   try {
     return toml::parse(text);
   } catch (toml::parse_error const& error) {
     report.error(place_in(error.source(), {}), "",
-                 fmt::format("this is not valid TOML: {}; correct this first, the rest was not read",
+                 fmt::format("this is not valid TOML: {}; correct this first; the rest was not read",
                              shortened(error.description(), 300)));
     return std::nullopt;
   }

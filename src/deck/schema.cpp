@@ -106,16 +106,16 @@ std::string expectation(Key const& key) {
   std::string quantity = key.unit == "1" ? "a number" : fmt::format("{} in {}", units::dimension(key.unit), key.unit);
   switch (key.type) {
     case Type::number: return quantity;
-    case Type::integer: return "a whole number";
+    case Type::integer: return "an integer";
     case Type::boolean: return "true or false";
     case Type::text: return "a string";
     case Type::name: return "a name of letters, digits and . _ - +";
     case Type::word: return quoted_list(key.choices);
     case Type::axis: return fmt::format("{} or a vector of three numbers", quoted_list(key.choices));
-    case Type::words: return fmt::format("a list of words out of {}", quoted_list(key.choices));
+    case Type::words: return fmt::format("a list of words from {}", quoted_list(key.choices));
     case Type::names: return "a list of strings";
     case Type::numbers: return fmt::format("a list, each element {}", quantity);
-    case Type::integers: return "a list of whole numbers";
+    case Type::integers: return "a list of integers";
     case Type::point: return fmt::format("a list with one element per resolved direction, each {}", quantity);
     case Type::table: return key.choices.empty() ? "a table" : quoted_list(key.choices) + " or a table";
     case Type::tables: return "an array of tables";

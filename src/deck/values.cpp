@@ -17,7 +17,8 @@ constexpr double right_angle_in_radians = 1.58;  ///< largest number alone that 
 
 /// For a temperature that looks like degrees Celsius.
 std::string in_kelvin(toml::node const& node) {
-  return node.is_number() ? fmt::format("; a number alone is in kelvin, did you mean \"{} degC\"?", show(node)) : "";
+  return node.is_number() ? fmt::format("; a number without a unit is in kelvin; did you mean \"{} degC\"?", show(node))
+                          : "";
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ std::string show(toml::node const& node) {
 
 std::string kind_of(toml::node const& node) {
   if (node.is_string()) return "is a string";
-  if (node.is_integer()) return "is a whole number";
+  if (node.is_integer()) return "is an integer";
   if (node.is_floating_point()) return "is a number";
   if (node.is_boolean()) return "is a boolean";
   if (node.is_array()) return "is a list";
@@ -77,7 +78,7 @@ std::string example(Key const& key) { return fmt::format("{} = {}", key.name, ke
 void Values::wrong_type(Key const& key, toml::node const& node, std::string const& path, Place place) {
   std::string const range = has_range(key) ? fmt::format(", {}", range_text(key)) : "";
   report_.error(place, path,
-                fmt::format("{} {}, expected {}{}; write for example {}", show(node), kind_of(node), expectation(key),
+                fmt::format("{} {}, expected {}{}; write, for example, {}", show(node), kind_of(node), expectation(key),
                             range, example(key)));
 }
 
@@ -95,7 +96,7 @@ std::optional<double> Values::with_unit(Key const& key, std::string const& text,
   if (value && unit != nullptr) *unit = given;
   if (!value) {
     report_.error(place, path,
-                  fmt::format("{}; allowed: {}; write for example {}", read.problem, range_text(key), example(key)));
+                  fmt::format("{}; allowed: {}; write, for example, {}", read.problem, range_text(key), example(key)));
   }
   return value;
 }
@@ -103,24 +104,24 @@ std::optional<double> Values::with_unit(Key const& key, std::string const& text,
 bool Values::in_range(Key const& key, toml::node const& node, double value, std::string const& path, Place place) {
   if (!std::isfinite(value)) {
     report_.error(place, path,
-                  fmt::format("{} is not a finite number; allowed: {}; write for example {}", show(node),
+                  fmt::format("{} is not a finite number; allowed: {}; write, for example, {}", show(node),
                               range_text(key), example(key)));
     return false;
   }
   if (value < key.minimum || value > key.maximum) {
     report_.error(place, path,
-                  fmt::format("{} is out of range; allowed: {}{}; write for example {}", show(node), range_text(key),
+                  fmt::format("{} is out of range; allowed: {}{}; write, for example, {}", show(node), range_text(key),
                               key.unit == "K" && value < key.minimum ? in_kelvin(node) : "", example(key)));
     return false;
   }
   if (key.unit == "K" && value < coldest) {
     report_.warning(place, path,
-                    fmt::format("{} is {:.6g} K or {:.6g} degrees Celsius, colder than any air{}", show(node), value,
-                                value - 273.15, in_kelvin(node)));
+                    fmt::format("{} is {:.6g} K or {:.6g} degrees Celsius, colder than any natural air{}", show(node),
+                                value, value - 273.15, in_kelvin(node)));
   }
   if (key.unit == "deg" && node.is_number() && value > 0.0 && value < right_angle_in_radians) {
     report_.warning(place, path,
-                    fmt::format("{} is {:g} degrees: a number alone is in degrees, did you mean \"{} rad\"?",
+                    fmt::format("{} is {:g} degrees: a number without a unit is in degrees; did you mean \"{} rad\"?",
                                 show(node), value, show(node)));
   }
   return true;
@@ -154,7 +155,7 @@ std::optional<long> Values::whole(Key const& key, toml::node const& node, std::s
   auto const value = static_cast<double>(i->get());
   if (value < key.minimum || value > key.maximum) {
     report_.error(place, path,
-                  fmt::format("{} is out of range; allowed: {}; write for example {}", show(node), range_text(key),
+                  fmt::format("{} is out of range; allowed: {}; write, for example, {}", show(node), range_text(key),
                               example(key)));
     return std::nullopt;
   }
@@ -171,7 +172,7 @@ std::optional<std::string> Values::one_of(Key const& key, toml::node const& node
   if (std::find(key.choices.begin(), key.choices.end(), s->get()) != key.choices.end()) return s->get();
   std::string const near = nearest(s->get(), key.choices);
   report_.error(place, path,
-                fmt::format("{} is not known; {}allowed: {}", show(node),
+                fmt::format("{} is unknown; {}allowed: {}", show(node),
                             near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), quoted_list(key.choices)));
   return std::nullopt;
 }

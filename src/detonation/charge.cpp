@@ -26,8 +26,8 @@ double symmetry_images(shape::Shape const& shape, grid::Domain const& domain, st
       if (axis && std::abs(plane) < slack && std::abs(middle[0]) < slack) continue;  // the volumes count the whole body
       if (domain.boundary[2 * d + side] != grid::Boundary::symmetry) {
         throw InputError(fmt::format(
-            "{} reaches over the {} boundary of the domain ({} = {:.6g} m); move it, enlarge the domain, use a "
-            "symmetry plane through its centre, or shape = \"hemisphere\" for a charge on the ground",
+            "{} extends beyond the {} boundary of the domain ({} = {:.6g} m); move it, enlarge the domain, use a "
+            "symmetry plane through its centre, or use shape = \"hemisphere\" for a charge on the ground",
             what, side == 0 ? "low" : "high", "xyz"[d], plane));
       }
       if (std::abs(middle[d] - plane) > slack) {
@@ -68,10 +68,10 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
     (f < 1.0 ? part : full) += f * domain.cell_volume(cell[0]);
   });
   auto const no_room = [&] {
-    return InputError(fmt::format(
-        "{} does not fit between solid cells: obstacles take the cells that would hold it; move them apart by a cell "
-        "of {:.6g} m, or make the cells smaller",
-        what, grid.smallest_cell()));
+    return InputError(
+        fmt::format("{} does not fit between solid cells: obstacles occupy the cells that would contain it; move them "
+                    "apart by one cell of {:.6g} m, or make the cells smaller",
+                    what, grid.smallest_cell()));
   };
   double const wanted = volume / filled.images;
   if (filled.cells.empty()) {  // smaller than the sampling: one cell takes it all
@@ -96,9 +96,9 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
     if (std::abs(missing) <= 1e-15 * wanted || part <= 0.0) break;
     double const factor = (wanted - full) / part;
     if (!(factor > 0.0))
-      throw InputError(
-          fmt::format("{} cannot be resolved: its cells hold {:.3g} times its volume; use a smaller domain.cell", what,
-                      (full + part) / wanted));
+      throw InputError(fmt::format(
+          "{} cannot be resolved: the volume of its cells is {:.3g} times its own volume; use a smaller domain.cell",
+          what, (full + part) / wanted));
     for (double& f : filled.fractions) {
       if (f < 1.0 || all) f = std::min(1.0, f * factor);
     }

@@ -64,7 +64,8 @@ std::vector<Constant> constants_of(material::Explosive const& explosive, gas::Fl
 
 Profile profile_of(gas::Gas const& gas, gas::Primitive const& ambient, Vec3 const& centre, double time) {
   grid::Domain const& domain = gas.grid().domain();
-  if (gas.burn.burning()) throw InputError("the explosive still burns: the profile would hold unburnt explosive");
+  if (gas.burn.burning())
+    throw InputError("the explosive is still burning: the profile would contain unburnt explosive");
   auto const quiet = gas::conserved_of(gas.fluids(), ambient);
   Index3 first = domain.cells;
   Index3 last{-1, -1, 0};
@@ -81,7 +82,7 @@ Profile profile_of(gas::Gas const& gas, gas::Primitive const& ambient, Vec3 cons
       }
     });
   }
-  if (last[0] < 0) throw InputError("nothing has happened: there is no burst that a profile could hold");
+  if (last[0] < 0) throw InputError("nothing has happened: there is no blast wave to store in a profile");
   first[0] = 0;
 
   Profile p;
@@ -91,8 +92,9 @@ Profile profile_of(gas::Gas const& gas, gas::Primitive const& ambient, Vec3 cons
   for (int d = 0; d < domain.dimensions(); ++d) {
     bool const low = d > 0 && first[d] == 0;
     if (last[d] == domain.cells[d] - 1 || (low && !domain.is_mirror(2 * d))) {
-      throw InputError(fmt::format("the burst has reached the {} end of {} of the domain: stop earlier or enlarge it",
-                                   low ? "low" : "high", "xyz"[d]));
+      throw InputError(
+          fmt::format("the blast wave has reached the {} end of {} of the domain: stop earlier or enlarge the domain",
+                      low ? "low" : "high", "xyz"[d]));
     }
     p.mirrored = p.mirrored || low;
     p.domain.lower[d] = domain.face(d, first[d]) - (d > 0 ? centre[d] : 0.0);

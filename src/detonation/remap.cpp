@@ -88,7 +88,8 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
   });
   if (std::any_of(taken.begin(), taken.end(), [](std::uint8_t t) { return t != 0; })) {
     throw InputError(
-        "the burst reaches gas that is not ambient: another burst, or a region; stop the 1D calculation earlier");
+        "the blast wave reaches gas that is not ambient (another blast wave or an initial state); stop the 1D "
+        "simulation earlier");
   }
   std::vector<Touched> cells;
   for (auto const& part : found) cells.insert(cells.end(), part.begin(), part.end());
@@ -273,12 +274,12 @@ void check_fit(gas::Gas const& gas, Profile const& profile) {
                     : from == Geometry::axisymmetric2d ? to == Geometry::cartesian3d
                                                        : false;
   if (!fits) {
-    throw InputError(fmt::format("a profile of {} does not fit {}", word_of(from), word_of(to)));
+    throw InputError(fmt::format("a profile from {} cannot be used in {}", word_of(from), word_of(to)));
   }
   if (profile.components != gas.fields().components() || profile.components > most_components) {
     throw InputError(
-        fmt::format("the profile has {} components and the gas has {}: was it calculated with another afterburn, or "
-                    "written by another program?",
+        fmt::format("the profile has {} components, but the gas has {}: was it computed with another afterburn model, "
+                    "or written by another program?",
                     profile.components, gas.fields().components()));
   }
 }
@@ -319,7 +320,7 @@ RemapReport remap(gas::Gas& gas, Profile const& profile, Placing const& placing)
   std::vector<Touched> const cells =
       axial ? fill(gas, profile, placing.centre, [&] { return AxialSource(profile, placing); })
             : fill(gas, profile, placing.centre, [&] { return RadialSource(profile, domain.geometry); });
-  if (cells.empty()) throw InputError("the burst lies outside the domain");
+  if (cells.empty()) throw InputError("the blast wave lies outside the domain");
   Target const target = target_of(gas, profile, placing, cells);
 
   RemapReport report;

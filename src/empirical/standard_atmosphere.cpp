@@ -27,7 +27,7 @@ constexpr Layer layers[] = {{0.0, -6.5e-3}, {11000.0, 0.0}, {20000.0, 1e-3}};
 
 AirState standard_atmosphere(double altitude) {
   if (!(altitude >= lowest_altitude && altitude <= highest_altitude)) {
-    throw InputError(fmt::format("the standard atmosphere is known from {:g} m to {:g} m, not at {:g} m",
+    throw InputError(fmt::format("the standard atmosphere is defined from {:g} m to {:g} m, not at {:g} m",
                                  lowest_altitude, highest_altitude, altitude));
   }
   double const height = earth_radius * altitude / (earth_radius + altitude);  // geopotential

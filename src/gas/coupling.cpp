@@ -44,7 +44,7 @@ std::vector<Coupling::WatchedFace> const& Coupling::faces(int block, int directi
 }
 
 void Coupling::archive(Archive& a) {
-  a.same(watched_.size(), "the number of faces between gas and points");
+  a.same(watched_.size(), "the number of faces between gas and particles");
   for (FaceFlux& flux : watched_) gas::archive(a, flux);
 }
 

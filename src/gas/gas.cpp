@@ -170,9 +170,8 @@ void Gas::report_not_a_number(int b, int direction) const {
   grid::Block const& block = grid_->blocks()[b];
   Vec3 const x = block.centre(block.cell_at(blocks_[b].not_a_number));
   throw NumericalError(fmt::format(
-      "the state of the cell at ({:.6g}, {:.6g}, {:.6g}) m became not a number at t = {:.6g} s in the sweep along {}; "
-      "remedies: a smaller numerics.courant, numerics.scheme = \"muscl-hancock\", a finer or coarser domain.cell near "
-      "the charge",
+      "the state of the cell at ({:.6g}, {:.6g}, {:.6g}) m became NaN (not a number) at t = {:.6g} s in the sweep "
+      "along {}; try a smaller numerics.courant, numerics.scheme = \"muscl-hancock\", or another domain.cell",
       x[0], x[1], x[2], time_, "xyz"[direction]));
 }
 

@@ -36,7 +36,7 @@ void Gas::archive(Archive& a) {
     auto const& times = burn.times(b);
     a.same(checksum(solid.data(), solid.size()), "the shape of the obstacles");
     a.same(checksum(roles.data(), roles.size()), "the MPM region");
-    a.same(checksum(times.data(), times.size() * sizeof(BurnTime)), "the lighting of the charges");
+    a.same(checksum(times.data(), times.size() * sizeof(BurnTime)), "the initiation of the charges");
     gas::archive(a, data.account);
     a(data.signal);
     auto const cells = static_cast<std::size_t>(grid_->blocks()[b].cell_count());

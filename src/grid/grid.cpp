@@ -65,8 +65,8 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain) {
   int const dims = domain.dimensions();
   for (int d = 0; d < dims; ++d) {
     if (domain.cells[d] < minimum_cells) {
-      throw InputError(fmt::format("the domain has {} cell(s) in direction {}, at least {} are needed", domain.cells[d],
-                                   "xyz"[d], minimum_cells));
+      throw InputError(fmt::format("the domain has {} cell(s) in direction {}; at least {} are required",
+                                   domain.cells[d], "xyz"[d], minimum_cells));
     }
   }
   Partition const partition = partition_of(domain, block_cells);

@@ -23,7 +23,7 @@ struct ConstantRateAfterburn {
   static constexpr auto parameters() {
     return std::array{
         Parameter<ConstantRateAfterburn>{"begin", "s", &ConstantRateAfterburn::begin, 0.0, 1e4,
-                                         "Time at which the release begins; not before the detonation is over"},
+                                         "Time at which the release begins, not before the end of the detonation"},
         Parameter<ConstantRateAfterburn>{"end", "s", &ConstantRateAfterburn::end, 0.0, 1e4,
                                          "Time at which all energy has been released"},
     };
@@ -49,10 +49,11 @@ struct MillerAfterburn {
     return std::array{
         Parameter<M>{"rate", "s-1", &M::rate, 1e-6, 1e12, "Rate a at lambda = 0 and the reference pressure"},
         Parameter<M>{"reference_pressure", "Pa", &M::reference_pressure, 1.0, 1e13,
-                     "Pressure at which `rate` holds: 1 Mbar for constants in megabar and microseconds", 100e9},
+                     "Reference pressure for `rate`: 1 Mbar for constants in megabar and microseconds", 100e9},
         Parameter<M>{"m", "1", &M::m, 0.0, 0.99, "Exponent of 1 - lambda"},
         Parameter<M>{"n", "1", &M::n, 0.0, 10.0, "Exponent of the pressure"},
-        Parameter<M>{"minimum_pressure", "Pa", &M::minimum_pressure, 0.0, 1e13, "Below it nothing burns", 0.0},
+        Parameter<M>{"minimum_pressure", "Pa", &M::minimum_pressure, 0.0, 1e13,
+                     "Pressure below which there is no afterburn", 0.0},
     };
   }
 

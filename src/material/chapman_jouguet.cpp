@@ -48,7 +48,7 @@ ChapmanJouguet chapman_jouguet(Jwl const& products, double energy) {
   bool const bracketed = std::isfinite(lowest) && compressed > pole && expanded < 1.0 &&
                          sonic_residual(products, energy, compressed) > 0.0 &&
                          sonic_residual(products, energy, expanded) < 0.0;
-  if (!bracketed) throw InputError("the JWL constants and the energy have no Chapman-Jouguet state");
+  if (!bracketed) throw InputError("there is no Chapman-Jouguet state for the JWL constants and the energy");
 
   for (;;) {
     double const middle = 0.5 * (compressed + expanded);

@@ -113,10 +113,10 @@ void centre_weights(std::vector<ParticlesByCell::Weighted>& around, Vec3 const& 
 
 void Mpm::load(SurfacePressure const& pressure) {
   if (pressure.times.size() != pressure.pressures.size() || pressure.times.empty()) {
-    throw InputError("a surface pressure needs as many times as pressures, at least one");
+    throw InputError("a surface pressure needs equal numbers of times and pressures, at least one each");
   }
   if (!(pressure.thickness > 0.0))
-    throw InputError("a surface pressure needs the thickness of the layer that takes it");
+    throw InputError("a surface pressure needs the thickness of the layer that carries it");
   std::vector<ActiveLoad>& loads = work_->loads;
   loads.push_back({pressure.body, pressure.times, pressure.pressures, {}});
   int const number = static_cast<int>(loads.size());
@@ -163,8 +163,8 @@ void Mpm::load(SurfacePressure const& pressure) {
   }
   if (touched) return;
   throw InputError(
-      fmt::format("surface pressure {} acts on nothing: no point of body \"{}\" lies in the layer that it loads; "
-                  "move it, or make it larger than the points are apart",
+      fmt::format("surface pressure {} has no effect: no material point of body \"{}\" lies in the layer that it "
+                  "loads; move it, or make it larger than the particle spacing",
                   number, bodies_[pressure.body].name));
 }
 
@@ -187,7 +187,7 @@ std::vector<std::vector<Vec3>> Mpm::pushes(SurfacePressure const& pressure) cons
     if (!(sum > 0.0)) {
       throw InputError(fmt::format(
           "surface pressure on body \"{}\": no material point lies within 16 layers of its surface at ({:.6g}, {:.6g}, "
-          "{:.6g}) m: the body is thinner there than points resolve; take smaller cells, or load the rest alone",
+          "{:.6g}) m: the body is too thin there to be resolved; use smaller cells, or exclude this part from the load",
           bodies_[pressure.body].name, facet.x[0], facet.x[1], facet.x[2]));
     }
     centre_weights(around, target, dims);

@@ -154,9 +154,9 @@ void Mpm::send_off(int block, int body, std::vector<int>& stay) {
     std::optional<int> wild;
     Fate const fate = fate_of(set, q, grid_, block, patch, wild);
     if (wild) {
-      w.trouble[block] =
-          fmt::format("a point of body \"{}\" moved by more than a cell in one step (velocity {:.4g} m/s in {})",
-                      bodies_[body].name, set.field(Field::velocity_x + *wild)[q], "xyz"[*wild]);
+      w.trouble[block] = fmt::format(
+          "a material point of body \"{}\" moved by more than one cell in one step (velocity {:.4g} m/s in {})",
+          bodies_[body].name, set.field(Field::velocity_x + *wild)[q], "xyz"[*wild]);
     }
     if (fate.lost) {
       lose(w.lost[block], set, q, bodies_[body], rules_[body], patch.h);

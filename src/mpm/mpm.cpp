@@ -67,16 +67,17 @@ void check_composition(Body const& body, Filling const& filling) {
   double const Y = filling.mass_fraction;
   double const alpha = filling.volume_fraction;
   if (!(Y >= 0.0 && Y <= 1.0 && alpha >= 0.0 && alpha <= 1.0)) {
-    throw InputError(fmt::format(
-        "points of body \"{}\": the mass fraction {:.6g} and the volume fraction {:.6g} lie between 0 and 1", body.name,
-        Y, alpha));
+    throw InputError(
+        fmt::format("material points of body \"{}\": the mass fraction {:.6g} and the volume fraction {:.6g} must be "
+                    "between 0 and 1",
+                    body.name, Y, alpha));
   }
   bool const mixes = body.solid.mixes() && body.solid.mixture->mixed();
   if (!mixes && (Y > 0.0 || alpha > 0.0)) {
-    throw InputError(fmt::format(
-        "points of body \"{}\" cannot hold a second fluid (mass fraction {:.6g}, volume fraction {:.6g}): its "
-        "material mixes no two fluids",
-        body.name, Y, alpha));
+    throw InputError(
+        fmt::format("material points of body \"{}\" cannot contain a second fluid (mass fraction {:.6g}, volume "
+                    "fraction {:.6g}): the material does not mix two fluids",
+                    body.name, Y, alpha));
   }
 }
 
@@ -135,8 +136,8 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
       next_identity_(bodies_.size(), 0),
       signals_(grid_.blocks().size(), 0.0),
       work_(std::make_unique<Workspace>()) {
-  if (bodies_.empty()) throw InputError("a calculation with material points needs at least one body");
-  if (options_.xpic_order < 1) throw InputError("the order of XPIC is at least 1");
+  if (bodies_.empty()) throw InputError("a simulation with material points needs at least one body");
+  if (options_.xpic_order < 1) throw InputError("the order of XPIC must be at least 1");
 
   for (Body const& body : bodies_) rules_.push_back(rules_of(body, options_));
   Workspace& w = *work_;
@@ -200,8 +201,8 @@ void Mpm::fill(int body, Filling const& filling) {
     Vec3 const& x = filling.positions[n];
     for (int d = 0; d < domain.dimensions(); ++d) {
       if (x[d] >= domain.lower[d] && x[d] <= domain.upper(d)) continue;
-      throw InputError(
-          fmt::format("a point of body \"{}\" lies outside the domain: {} = {:.6g} m", b.name, "xyz"[d], x[d]));
+      throw InputError(fmt::format("a material point of body \"{}\" lies outside the domain: {} = {:.6g} m", b.name,
+                                   "xyz"[d], x[d]));
     }
     grid::Block const& block = grid_.blocks()[grid_.block_of(grid_.cell_at(x))];
     ParticleSet& set = particles(block.number, body);

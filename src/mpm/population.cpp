@@ -51,15 +51,16 @@ double standard_volume(grid::Metric const& metric, int particles_per_direction, 
 void check(PopulationOptions const& options) {
   auto const at_least = [](char const* name, double value, double bound, char const* why) {
     if (value >= bound) return;
-    throw InputError(fmt::format("population of points: {} = {:.6g} is below {:.6g}, {}", name, value, bound, why));
+    throw InputError(fmt::format("splitting and merging of material points: {} = {:.6g} is below {:.6g} ({})", name,
+                                 value, bound, why));
   };
-  at_least("split_volume", options.split_volume, 1.25, "standard points would split at once; 2 is usual");
-  at_least("crowd", options.crowd, 1.5, "a cell of standard points would be crowded; 4 is usual");
-  at_least("mass_ratio", options.mass_ratio, 2.0, "the halves of a point would merge again; 8 is usual");
-  at_least("small_volume", options.small_volume, 0.0, "0 switches the merging of light points off; 0.5 is usual");
-  at_least("composition", options.composition, 0.1, "the number of points in a mixed cell would have no bound");
-  at_least("pressure_ratio", options.pressure_ratio, 1.0, "a ratio of the larger to the smaller; 1.2 is usual");
-  at_least("density_ratio", options.density_ratio, 1.0, "a ratio of the larger to the smaller; 2 is usual");
+  at_least("split_volume", options.split_volume, 1.25, "standard particles would split immediately; 2 is usual");
+  at_least("crowd", options.crowd, 1.5, "a cell of standard particles would count as crowded; 4 is usual");
+  at_least("mass_ratio", options.mass_ratio, 2.0, "the halves of a particle would merge again; 8 is usual");
+  at_least("small_volume", options.small_volume, 0.0, "0 disables merging of light particles; 0.5 is usual");
+  at_least("composition", options.composition, 0.1, "the number of particles in a mixed cell would be unbounded");
+  at_least("pressure_ratio", options.pressure_ratio, 1.0, "the ratio of the larger to the smaller value; 1.2 is usual");
+  at_least("density_ratio", options.density_ratio, 1.0, "the ratio of the larger to the smaller value; 2 is usual");
   at_least("speed", options.speed, 0.0, "a magnitude; 0.35 is usual");
 }
 

@@ -16,13 +16,14 @@ PopulationCount Mpm::control_population(int body, PopulationOptions const& optio
   Body const& b = bodies_.at(body);
   material::Material const& solid = b.solid;
   if (solid.has_deviator() || solid.plastic() || b.rigid_velocity) {
-    throw InputError(fmt::format("the points of body \"{}\" cannot split and merge: it is no gas", b.name));
+    throw InputError(fmt::format("the material points of body \"{}\" cannot split and merge: it is not a gas", b.name));
   }
   for (ActiveLoad const& load : work_->loads) {
     if (load.body != body) continue;
-    throw InputError(fmt::format(
-        "the points of body \"{}\" cannot split and merge: some carry a surface pressure; load a solid instead",
-        b.name));
+    throw InputError(
+        fmt::format("the material points of body \"{}\" cannot split and merge: some carry a surface pressure; load a "
+                    "solid instead",
+                    b.name));
   }
   Workspace& w = *work_;
   if (static_cast<int>(w.population.size()) < threads()) w.population.resize(threads());

@@ -103,7 +103,7 @@ BarReport Mpm::reinforce(Bar const& bar) {
   grid::Domain const& domain = grid_.domain();
   Body& body = bodies_.at(bar.body);
   if (!body.solid.has_deviator() || body.rigid_velocity) {
-    throw InputError(fmt::format("body \"{}\" cannot hold a bar: it has no strength, or is rigid", body.name));
+    throw InputError(fmt::format("body \"{}\" cannot contain a bar: it has no strength or is rigid", body.name));
   }
   Vec3 const axis = bar.to - bar.from;
   double const length = norm(axis);
@@ -133,16 +133,15 @@ BarReport Mpm::reinforce(Bar const& bar) {
   double const specified = share * 0.25 * std::numbers::pi * bar.diameter * bar.diameter * length;
   double const steel = share_of_tube(bar, radius, domain) * std::numbers::pi * radius * radius * length;
   if (tube + taken < 0.7 * steel) {
-    throw InputError(
-        fmt::format("a bar of body \"{}\" from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) m does not lie within the "
-                    "body: of the points "
-                    "within {:g} m of its axis {:.0f} % are there; keep a cell away from its surface",
-                    body.name, bar.from[0], bar.from[1], bar.from[2], bar.to[0], bar.to[1], bar.to[2], radius,
-                    100.0 * (tube + taken) / steel));
+    throw InputError(fmt::format(
+        "a bar of body \"{}\" from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) m is not inside the body: within {:g} m of "
+        "its axis only {:.0f} % of the expected material points exist; keep a cell away from its surface",
+        body.name, bar.from[0], bar.from[1], bar.from[2], bar.to[0], bar.to[1], bar.to[2], radius,
+        100.0 * (tube + taken) / steel));
   }
   if (!(tube > specified)) {
     throw InputError(fmt::format(
-        "a bar of body \"{}\" finds no room beside the bars before it: place them farther apart", body.name));
+        "there is no room for a bar of body \"{}\" next to the earlier bars: place them farther apart", body.name));
   }
   body.bars.push_back(bar);
   double const number = static_cast<double>(body.bars.size());

@@ -17,13 +17,13 @@ void archive(Archive& a, BodySums& s) {
 }
 
 void ParticleSet::archive(Archive& a) {
-  for (int f = 0; f < field_count; ++f) a.same(fields_.slot(static_cast<Field>(f)), "what a point carries");
+  for (int f = 0; f < field_count; ++f) a.same(fields_.slot(static_cast<Field>(f)), "the set of particle fields");
   int count = size_;
   a(count);
   if (a.reading()) {
     // An announced number beyond what is there must not become memory.
     if (count < 0 || static_cast<std::uint64_t>(count) * fields_.size() > a.left() / sizeof(double))
-      throw IoError(fmt::format("it announces {} points in a block, more than it can hold", count));
+      throw IoError(fmt::format("it declares {} particles in a block, more than it can contain", count));
     size_ = 0;
     reserve(static_cast<std::size_t>(count));
     size_ = count;
@@ -52,12 +52,12 @@ void check_particles(Archive& a, ParticleSet const& set, grid::Grid const& grid,
       double const x = set.field(Field::position_x + d)[q];
       inside = inside && x >= metric.face(d, near.lower[d]) && x <= metric.face(d, near.upper[d]);
     }
-    a.require(inside, fmt::format("the position of a point of body \"{}\"", body.name));
+    a.require(inside, fmt::format("the position of a particle of body \"{}\"", body.name));
     constexpr double most_particles = 9e15;  // whole numbers of a double
     double const identity = set.field(Field::identity)[q];
     a.require(identity >= 0.0 && identity <= most_particles && named(Field::load_number, q, loads) &&
                   named(Field::bar_number, q, body.bars.size()),
-              fmt::format("what a point of body \"{}\" carries", body.name));
+              fmt::format("the fields of a particle of body \"{}\"", body.name));
   }
 }
 
@@ -65,7 +65,7 @@ void check_particles(Archive& a, ParticleSet const& set, grid::Grid const& grid,
 
 void Mpm::archive(Archive& a) {
   a.section("material points");
-  a.same(grid_.block_count(), "the number of blocks of points");
+  a.same(grid_.block_count(), "the number of blocks of particles");
   a.same(bodies_.size(), "the number of bodies");
   a.same(work_->loads.size(), "the number of surface pressures");
   a.sized(next_identity_, "the number of bodies");
@@ -75,8 +75,8 @@ void Mpm::archive(Archive& a) {
   a(dissipated.constraints, dissipated.filtered, dissipated.apic, dissipated.friction);
   a(accounts_.floored.energy, accounts_.floored.particles, accounts_.conducted.moved, accounts_.conducted.made);
   a(fastest_, time_, step_);
-  a.require(fastest_ >= 0.0 && std::isfinite(time_) && step_ >= 0, "the time of the points");
-  a.sized(signals_, "the number of blocks of points");
+  a.require(fastest_ >= 0.0 && std::isfinite(time_) && step_ >= 0, "the time of the particles");
+  a.sized(signals_, "the number of blocks of particles");
   a(timings_);
   for (Body& body : bodies_) a(body.reference_pressure);  // that of a gas follows its particles
   for (int b = 0; b < grid_.block_count(); ++b) {

@@ -81,14 +81,14 @@ std::vector<GasField> const& gas_fields() {
        OfCell{[](CellOf const& c) { return gas::burn_fraction(*c.system.gas, c.at); }}},
       {{"afterburn", "1", 1, "progress of the products' afterburn, 0 to 1"},
        OfCell{[](CellOf const& c) { return gas::afterburn_progress(*c.system.gas, c.at); }}},
-      {{"peak_overpressure", "Pa", 1, "largest overpressure so far"},
+      {{"peak_overpressure", "Pa", 1, "maximum overpressure so far"},
        OfCell{[](CellOf const& c) { return peak(c, c.system.gas->peaks().overpressure(c.at.block)); }}},
-      {{"impulse", "Pa s", 1, "largest running overpressure impulse so far"},
+      {{"impulse", "Pa s", 1, "maximum running overpressure impulse so far"},
        OfCell{[](CellOf const& c) { return peak(c, c.system.gas->peaks().impulse(c.at.block)); }}},
       {{"obstacle", "1", 1, "1 in rigid obstacles"},
        OfCell{[](CellOf const& c) { return c.system.gas->obstacles.contain(c.at) ? 1.0 : 0.0; }}},
-      {{"region", "1", 1, "0: gas cells, 1: bridge of the MPM region, 2: points"}, OfCell{part_of_region}},
-      {{"solid", "1", 1, "part of the cell that bodies of the MPM region fill"},
+      {{"region", "1", 1, "0: gas cells, 1: bridge of the MPM region, 2: particles"}, OfCell{part_of_region}},
+      {{"solid", "1", 1, "fraction of the cell that is filled by bodies of the MPM region"},
        OfCell{[](CellOf const& c) { return c.view == nullptr ? 0.0 : c.view->solid_at(c.cell); }}},
   };
   return fields;

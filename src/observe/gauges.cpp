@@ -223,10 +223,10 @@ void Gauges::archive(Archive& a, run::System const& system) {
     a(history.records);
     archive_sampled(a, gas_columns(), history.records, history.sampled);
   }
-  a.same(particles.size(), "the number of gauges of points and bodies");
+  a.same(particles.size(), "the number of gauges on particles and bodies");
   for (ParticleGaugeHistory& history : particles) {
     a.same(history.gauge.name, "the name of a gauge");
-    a.same(history.identity, "the point of gauge \"" + history.gauge.name + "\"");
+    a.same(history.identity, "the particle of gauge \"" + history.gauge.name + "\"");
     a(history.place.block, history.place.index, history.lost, history.particles, history.bodies);
     a.require(history.place.block < system.particles->grid().block_count() &&
                   (history.place.block < 0 || history.place.index >= 0),

@@ -91,27 +91,28 @@ void add_material(SetOf const& s, double* out) { std::fill_n(out, s.set.size(), 
 std::vector<ParticleField> const& specified_fields() {
   static std::vector<ParticleField> const fields{
       kept(Field::velocity_x, "velocity"),
-      {{"displacement", "m", 3, "displacement since the start; 0 in bodies without strength, which do not know it"},
+      {{"displacement", "m", 3, "displacement since the start; 0 in bodies without strength, which do not record it"},
        add_displacement},
-      kept(Field::pressure, "mean stress, compression positive, without the bulk viscosity"),
+      kept(Field::pressure, "pressure (mean stress, positive in compression), without the bulk viscosity"),
       {{"mises", "Pa", 1, "equivalent stress (von Mises)"}, add_mises},
-      {{"stress", "Pa", 6, "Cauchy stress without the bulk viscosity, tension positive: xx yy zz xy yz zx"},
+      {{"stress", "Pa", 6, "Cauchy stress without the bulk viscosity, positive in tension: xx yy zz xy yz zx"},
        add_stress},
       kept(Field::density, "density"),
-      kept(Field::energy, "specific internal energy, the elastic energy of shear included"),
+      kept(Field::energy, "specific internal energy, including the elastic shear energy"),
       kept(Field::plastic_strain, "equivalent plastic strain"),
       kept(Field::plastic_work, "plastic work"),
-      kept(Field::temperature, "temperature; 0 in bodies that do not heat"),
+      kept(Field::temperature, "temperature; 0 in bodies without heating"),
       kept(Field::damage, "damage, 1: failed"),
       kept(Field::crushing, "concrete: damage by compression and shear, 1: crushed"),
       kept(Field::cracking, "concrete: damage by tension, 1: cracked through"),
       {{"burn_fraction", "1", 1, "burn fraction F of programmed burn"}, add_burn_fraction},
-      kept(Field::mass, "mass of the point"),
-      kept(Field::mass_fraction, "mass fraction of the second fluid (detonation products) in gas points", "products"),
+      kept(Field::mass, "mass of the particle"),
+      kept(Field::mass_fraction, "mass fraction of the second fluid (detonation products) in gas particles",
+           "products"),
       kept(Field::bar_fraction, "fraction of steel of smeared reinforcement"),
-      kept(Field::bar_stress, "stress of the bar that runs through the point"),
-      kept(Field::identity, "number of the point within its body"),
-      kept(Field::viscosity, "bulk viscosity q of the last step"),
+      kept(Field::bar_stress, "stress of the bar through the particle"),
+      kept(Field::identity, "number of the particle within its body"),
+      kept(Field::viscosity, "bulk viscosity q in the last step"),
   };
   return fields;
 }
@@ -131,7 +132,7 @@ ParticleField const& field_of(std::string const& name) {
         std::find_if(list->begin(), list->end(), [&](ParticleField const& f) { return f.info.name == name; });
     if (found != list->end()) return *found;
   }
-  throw InputError(fmt::format("there is no field \"{}\" of the material points", name));
+  throw InputError(fmt::format("there is no field \"{}\" for material points", name));
 }
 
 std::vector<FieldInfo> infos_of(std::vector<ParticleField> const& fields) {

@@ -70,7 +70,7 @@ void write(std::FILE* file, void const* bytes, std::size_t count, fs::path const
 /// Opens a checkpoint to read it; what is no file, a pipe for one, could keep the program waiting for ever.
 File opened_to_read(fs::path const& path) {
   std::error_code error;
-  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) refuse(path, "it is no file");
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) refuse(path, "it is not a regular file");
   return opened(path);
 }
 
@@ -163,7 +163,7 @@ CheckpointReader::CheckpointReader(fs::path path) : path_(std::move(path)), file
   auto const size = fs::file_size(path_, error);
   if (error) throw_io_error("read", path_, error.value());
   if (size < header_size) {
-    refuse(path_, fmt::format("it is truncated: it has {} bytes, its header alone takes {}", size, header_size));
+    refuse(path_, fmt::format("it is truncated: it has {} bytes, but the header alone needs {}", size, header_size));
   }
   auto const read = [this](void* bytes, std::size_t count) {
     if (std::fread(bytes, 1, count, file_.get()) == count) return;
@@ -172,18 +172,19 @@ CheckpointReader::CheckpointReader(fs::path path) : path_(std::move(path)), file
   Header header{};
   read(header.data(), header.size());
   if (!std::equal(magic.begin(), magic.end(), header.begin()))
-    refuse(path_, "it is damaged or no checkpoint: it does not begin with \"BRISANCE STATE\"");
+    refuse(path_, "it is damaged or not a checkpoint: it does not begin with \"BRISANCE STATE\"");
   std::uint32_t const header_sum = checksum(header.data(), at_header_checksum);
   if (auto const said = get<std::uint32_t>(header, at_header_checksum); said != header_sum)
-    refuse(path_, fmt::format("its header is damaged: checksum {:08x}, written was {:08x}", header_sum, said));
+    refuse(path_, fmt::format("its header is damaged: checksum {:08x}, stored checksum {:08x}", header_sum, said));
   if (auto const version = get<std::uint32_t>(header, at_version); version != format_version) {
-    refuse(path_, fmt::format("it has format {}, and this program ({}) reads format {}: go on with the program that "
-                              "wrote it",
-                              version, BRISANCE_VERSION, format_version));
+    refuse(
+        path_,
+        fmt::format("it has format {}, but this program ({}) reads format {}: continue with the program that wrote it",
+                    version, BRISANCE_VERSION, format_version));
   }
   auto const said = get<std::uint64_t>(header, at_size);
   if (said != size - header_size) {
-    refuse(path_, fmt::format("it is {}: it has {} bytes, and should have {}",
+    refuse(path_, fmt::format("it is {}: it has {} bytes but should have {}",
                               said > size - header_size ? "truncated" : "too long", size, said + header_size));
   }
 
@@ -196,7 +197,7 @@ CheckpointReader::CheckpointReader(fs::path path) : path_(std::move(path)), file
     left -= count;
   }
   if (auto const written = get<std::uint32_t>(header, at_checksum); written != sum)
-    refuse(path_, fmt::format("its data are damaged: checksum {:08x}, written was {:08x}", sum, written));
+    refuse(path_, fmt::format("its data are damaged: checksum {:08x}, stored checksum {:08x}", sum, written));
 
   if (std::fseek(file_.get(), header_size, SEEK_SET) != 0) throw_io_error("read", path_, errno);
   archive_.emplace(read, said);

@@ -12,7 +12,7 @@ namespace {
 /// HDF5 marks failure by a negative result. In memory nothing but a lack of it can fail.
 template <class Result>
 Result check(Result result) {
-  if (result < 0) throw IoError("the HDF5 library could not build a dump; is the memory exhausted?");
+  if (result < 0) throw IoError("the HDF5 library could not create a dump; is the memory exhausted?");
   return result;
 }
 

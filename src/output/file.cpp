@@ -78,9 +78,10 @@ void write(File file, std::string_view text, fs::path const& path) {
 }  // namespace
 
 void refuse_link(fs::path const& path) {
-  throw IoError(fmt::format(
-      "\"{}\" is a link, and nothing is written through links: remove it, or name another folder with --output",
-      path.string()));
+  throw IoError(
+      fmt::format("\"{}\" is a link, and the program does not write through links: remove it, or choose another folder "
+                  "with --output",
+                  path.string()));
 }
 
 File create_file(fs::path const& path) { return opened(path, O_WRONLY | O_CREAT | O_TRUNC, "wb", "create"); }

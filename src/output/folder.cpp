@@ -49,14 +49,14 @@ void refuse_strangers(fs::path const& folder, Written const& written, std::set<s
     auto const kind = fs::symlink_status(parent, ignored);
     if (parent != folder && fs::exists(kind)) {
       if (fs::is_symlink(kind)) refuse_link(parent);
-      if (!fs::is_directory(kind)) throw_io_error("use as a folder of results", parent, ENOTDIR);
+      if (!fs::is_directory(kind)) throw_io_error("use as results folder", parent, ENOTDIR);
     }
     if (!is_there(path)) return;
     if (fs::is_symlink(fs::symlink_status(path, ignored))) refuse_link(path);
     if (listed.contains(name) && is_own_file(folder, name)) return;
     throw IoError(
-        fmt::format("\"{}\" is in the way: this run would write it, and it is not on the list of what an earlier run "
-                    "wrote (\"{}\"): move it, or name another folder with --output",
+        fmt::format("\"{}\" already exists: this run would overwrite it, but it is not in the list of files that an "
+                    "earlier run wrote (\"{}\"): move it, or choose another folder with --output",
                     path.string(), (folder / manifest_name).string()));
   };
   for (auto const* names : {&written.first, &written.later})
@@ -130,15 +130,15 @@ void prepare_folder(fs::path const& folder, Earlier what_with_earlier, double ne
   auto const earlier = std::ranges::find_if(listed, [&](std::string const& name) { return is_own_file(folder, name); });
   if (earlier != listed.end() && what_with_earlier == Earlier::refuse)
     throw IoError(
-        fmt::format("the output folder \"{}\" already holds the results of a run ({}): go on with that run with "
-                    "--resume, name another folder with --output, or replace them with --force",
+        fmt::format("the output folder \"{}\" already contains the results of a run ({}): continue that run with "
+                    "--resume, choose another folder with --output, or replace the results with --force",
                     folder.string(), is_there(folder / "run.json") ? "run.json" : *earlier));
   bool const has_list = is_there(folder / manifest_name);
   if (!has_list && what_with_earlier != Earlier::keep && is_there(folder / "run.json"))
     throw IoError(
-        fmt::format("the output folder \"{}\" holds results (run.json) without the list of their files, \"{}\", as "
-                    "earlier versions of the program left them: what a run wrote cannot be told from what is yours; "
-                    "remove them by hand, or name another folder with --output",
+        fmt::format("the output folder \"{}\" contains results (run.json) of an earlier version of the program without "
+                    "the list of their files, \"{}\": the program cannot distinguish files of a run from your own "
+                    "files; remove them by hand, or choose another folder with --output",
                     folder.string(), manifest_name));
 
   // A folder of an earlier version is gone on with: what it holds under the names of results is taken for such.
@@ -168,8 +168,8 @@ void prepare_folder(fs::path const& folder, Earlier what_with_earlier, double ne
   double const available = static_cast<double>(fs::space(folder).available);
   if (available < needed_bytes)
     throw IoError(fmt::format(
-        "not enough space for the results: \"{}\" has {} free and the field dumps and checkpoints need about {}; write "
-        "fewer fields or dumps, keep fewer checkpoints, or name another folder with --output",
+        "not enough space for the results: \"{}\" has {} free, but the field dumps and checkpoints need about {}; "
+        "write fewer fields or dumps, keep fewer checkpoints, or choose another folder with --output",
         folder.string(), readable_size(available), readable_size(needed_bytes)));
 } catch (fs::filesystem_error const& problem) {
   throw_io_error("use the output folder", problem.path1(), problem.code().value());

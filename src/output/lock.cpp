@@ -59,15 +59,14 @@ void FolderLock::acquire() {
       int const reason = errno;
       if (reason == EINTR) continue;
       if (reason != EWOULDBLOCK) {
-        warning_ = fmt::format(
-            "\"{}\" lies on a file system that knows no locks: see to it yourself that no second run writes there",
-            folder_.string());
+        warning_ = fmt::format("\"{}\" is on a file system without locks: make sure that no second run writes there",
+                               folder_.string());
         return;
       }
       std::string const who = holder(descriptor_);
       ::close(descriptor_);
       throw IoError(
-          fmt::format("another run{} is writing to the output folder \"{}\": wait for its end, stop it, or name "
+          fmt::format("another run{} is writing to the output folder \"{}\": wait until it ends, stop it, or choose "
                       "another folder with --output",
                       who, folder_.string()));
     }

@@ -130,13 +130,13 @@ class Reader {
   static hid_t open(fs::path const& path) {
     if (!fs::exists(path)) throw IoError(fmt::format("the profile \"{}\" does not exist", path.string()));
     std::error_code error;
-    if (!fs::is_regular_file(path, error)) refuse(path, "it is no file");
+    if (!fs::is_regular_file(path, error)) refuse(path, "it is not a regular file");
     hid_t const file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-    if (file < 0) refuse(path, "it is damaged or no HDF5 file");
+    if (file < 0) refuse(path, "it is damaged or not an HDF5 file");
     return file;
   }
   [[noreturn]] void missing(char const* name) const {
-    refuse(fmt::format("it holds no good \"{}\": it is damaged or no profile", name));
+    refuse(fmt::format("it does not contain a valid \"{}\": it is damaged or not a profile", name));
   }
 
   QuietHdf5 quiet_;
@@ -179,7 +179,7 @@ void write_profile(fs::path const& path, detonation::Profile const& p) {
   hsize_t const nc = p.components;
   write_values(file, "state", {nc, ny, nx}, p.state, "SI", "conserved components per volume", components);
   write_values(file, "pressure", {ny, nx}, p.pressure, "Pa", "absolute pressure");
-  write_values(file, "ambient", {nc}, p.ambient, "SI", "components of the gas around");
+  write_values(file, "ambient", {nc}, p.ambient, "SI", "components of the surrounding gas");
   std::vector<double> constants;
   std::string names;
   for (auto const& constant : p.constants) {
@@ -204,10 +204,10 @@ void write_profile(fs::path const& path, detonation::Profile const& p) {
 detonation::Profile read_profile(fs::path const& path) {
   Reader const file(path);
   if (H5Aexists(file.root(), "format") <= 0 || file.text(file.root(), "format") != format_name)
-    file.refuse("it is no profile of a burst");
+    file.refuse("it is not a profile of a blast wave");
   if (auto const version = file.number<long>("version"); version != format_version) {
     file.refuse(
-        fmt::format("it has format {}, and this program reads format {}: calculate it anew", version, format_version));
+        fmt::format("it has format {}, but this program reads format {}: compute it again", version, format_version));
   }
   detonation::Profile p;
   std::string const geometry = file.text(file.root(), "geometry");
@@ -223,14 +223,14 @@ detonation::Profile read_profile(fs::path const& path) {
   if (!known || cells[0] < 1 || cells[1] < 1 || cells[0] > most_cells || cells[1] > most_cells / cells[0] ||
       (p.domain.geometry != grid::Geometry::axisymmetric2d && cells[1] != 1) || components < 1 ||
       components > most_components) {
-    file.refuse("what it says about its cells is damaged");
+    file.refuse("its description of the cells is damaged");
   }
   p.domain.cells = {static_cast<int>(cells[0]), static_cast<int>(cells[1]), 1};
   p.domain.boundary.fill(grid::Boundary::symmetry);
   p.components = static_cast<int>(components);
   file.numbers("origin", p.domain.lower);
   if (!std::all_of(p.domain.lower.begin(), p.domain.lower.end(), [](double x) { return std::isfinite(x); }))
-    file.refuse("what it says about its cells is damaged");
+    file.refuse("its description of the cells is damaged");
   p.domain.h = file.amount("spacing");
   p.time = file.amount("time");
   p.ambient_pressure = file.amount("ambient_pressure");
@@ -257,10 +257,10 @@ detonation::Profile read_profile(fs::path const& path) {
     p.charge.initiation.push_back({{initiation[n], initiation[n + 1], initiation[n + 2]}, initiation[n + 3]});
   std::uint32_t const sum = checksum_of(p);
   if (auto const said = file.number<long>("checksum"); said != static_cast<long>(sum))
-    file.refuse(fmt::format("its data are damaged: checksum {:08x}, written was {:08x}", sum, said));
+    file.refuse(fmt::format("its data are damaged: checksum {:08x}, stored checksum {:08x}", sum, said));
   if (p.state.size() != p.cell_count() * p.components || p.pressure.size() != p.cell_count() ||
       p.ambient.size() != static_cast<std::size_t>(p.components) || !(p.domain.h > 0.0) || !(p.charge.mass > 0.0)) {
-    file.refuse("its parts do not belong together");
+    file.refuse("its parts are inconsistent");
   }
   return p;
 }

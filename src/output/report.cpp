@@ -87,18 +87,19 @@ Outcome run_program(std::vector<std::string> arguments) {
 
 fs::path write_report(fs::path const& folder) {
   if (!fs::exists(folder / "run.json"))
-    throw IoError(fmt::format("\"{}\" is not the output folder of a run: it holds no run.json", folder.string()));
+    throw IoError(
+        fmt::format("\"{}\" is not the output folder of a run: it does not contain run.json", folder.string()));
   if (fs::exists(folder / manifest_name)) list_files(real_folder(folder), {"report.html"});
   std::string const python = interpreter();
   fs::path const script = package_folder() / "brisance" / "report.py";
   auto const outcome = run_program({python, script.string(), folder.string()});
   if (outcome.status == not_started)
     throw IoError(
-        fmt::format("cannot start \"{}\", which draws the report: install python3, or name an interpreter in the "
-                    "environment variable BRISANCE_PYTHON",
+        fmt::format("cannot start \"{}\", which writes the report: install python3, or set the environment variable "
+                    "BRISANCE_PYTHON to an interpreter",
                     python));
   if (outcome.status != 0)
-    throw IoError(fmt::format("the report of \"{}\" could not be written: {}", folder.string(), outcome.output));
+    throw IoError(fmt::format("cannot write the report of \"{}\": {}", folder.string(), outcome.output));
   return folder / "report.html";
 }
 

@@ -265,7 +265,7 @@ json mpm_region(run::World const& world, double wall_seconds) {
 
 std::string start_in_words(run::Case const& setup, run::StartReport const& report) {
   if (!setup.start.profile.empty()) return fmt::format("profile \"{}\"", report.from);
-  return fmt::format("{} by {}, {:.4g} cells per charge radius", report.from,
+  return fmt::format("{} with {}, {:.4g} cells per charge radius", report.from,
                      report.method == run::StartMethod::gas ? "the gas scheme" : "material points",
                      report.charge_radius / report.cell);
 }

@@ -132,7 +132,8 @@ double advance(System& w, double latest) {
   bool const at_rest = w.gas == nullptr && std::isinf(stable);
   if ((!std::isfinite(stable) && !at_rest) || stable <= 1e-14 * std::max(w.setup.end.time, 1e-12)) {
     throw NumericalError(
-        fmt::format("the time step vanished (dt = {:.3g} s at t = {:.6g} s, step {}); the state has lost its meaning",
+        fmt::format("the time step has become too small (dt = {:.3g} s at t = {:.6g} s, step {}); the state is no "
+                    "longer meaningful",
                     stable, w.clock.time, w.clock.step));
   }
   double const left = latest - w.clock.time;

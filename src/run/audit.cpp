@@ -285,10 +285,10 @@ void World::follow_audit() {
     bool const guards = finding.kind == Kind::guard_energy || finding.kind == Kind::guard_mass;
     if ((!due && !guards) || !finding.stops()) continue;
     throw NumericalError(fmt::format(
-        "the audit stops the run: {}, and {:g} % is where it ends; {}, and `fail = 0` in [audit] lets it go on",
+        "the audit stopped the run: {}; the limit is {:g} %; {}; `fail = 0` in [audit] lets the run continue",
         in_words(finding), 100.0 * finding.fail,
         guards ? "a smaller numerics.courant or finer cells may help"
-               : "smaller cells, or a smaller Courant number of the points, may help"));
+               : "smaller cells or a smaller Courant number of the particles may help"));
   }
 }
 
@@ -337,27 +337,26 @@ std::string World::in_words(AuditFinding const& f) const {
   double const percent = 100.0 * f.share();
   switch (f.kind) {
     case Kind::mass:
-      return fmt::format("the mass of {} is wrong by {:.2g} of itself",
-                         gas == nullptr ? "the points" : fluid_in_words(setup, f.fluid), f.amount);
-    case Kind::gas_energy: return fmt::format("the energy is wrong by {:.2g} of itself", f.amount);
+      return fmt::format("the mass of {} has a relative error of {:.2g}",
+                         gas == nullptr ? "the particles" : fluid_in_words(setup, f.fluid), f.amount);
+    case Kind::gas_energy: return fmt::format("the energy has a relative error of {:.2g}", f.amount);
     case Kind::guard_energy:
       return fmt::format("guards added {:.3g} J, {:.3g} % of {}", f.amount, percent,
-                         charge_energy(*this) > 0.0 ? "the charges' energy" : "the energy at work");
+                         charge_energy(*this) > 0.0 ? "the energy of the charges" : "the reference energy");
     case Kind::guard_mass:
       return fmt::format("guards added {:.3g} kg, {:.3g} % of {}", f.amount, percent,
-                         !setup.charges.empty() ? "the charges' mass" : "the gas");
+                         !setup.charges.empty() ? "the mass of the charges" : "the gas");
     case Kind::drift:
-      return fmt::format("the energy has drifted by {:+.3g} J, {:+.3g} % of the energy at work", f.amount, percent);
+      return fmt::format("the energy has drifted by {:+.3g} J, {:+.3g} % of the reference energy", f.amount, percent);
     case Kind::ledger:
       return fmt::format(
-          "{:.3g} kg of gas lie in the ledger between cells and points that belong to neither, {:.3g} % of the gas "
-          "points",
+          "the ledger contains {:.3g} kg of gas that belongs neither to cells nor to particles, {:.3g} % of the mass "
+          "of the gas particles",
           f.amount, percent);
     case Kind::unlit:
       return fmt::format(
-          "explosive was compressed by {:.2g} % before it was lit, and unburnt explosive has no strength here; give it "
-          "the "
-          "initiation that it has when the blow of its neighbour arrives, or calculate the charges one by one",
+          "explosive was compressed by {:.2g} % before it was initiated, but the model gives no strength to unburnt "
+          "explosive; initiate it when the shock of its neighbour arrives, or simulate the charges separately",
           percent);
   }
   return "";

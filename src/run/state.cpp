@@ -38,7 +38,7 @@ void World::archive(Archive& a) {
   run::archive(a, audit.initial);
   a(audit.memory.scale, audit.memory.all, audit.memory.drift, audit.memory.content, audit.memory.surplus,
     audit.memory.gas, audit.memory.work, audit.memory.fresh, audit.memory.unlit, gas_rest_energy_);
-  a.same(setup.start.remap, "whether it started by a remap");
+  a.same(setup.start.remap, "whether it started with a remap");
   if (setup.start.remap) {
     // The remap is not repeated.
     a(charges, starts);
@@ -48,7 +48,7 @@ void World::archive(Archive& a) {
   if (panels != nullptr) panels->archive(a, *gas);
   if (gas != nullptr) gas->archive(a);
   if (particles != nullptr) particles->archive(a);
-  a.same(bridge != nullptr, "whether gas and points meet");
+  a.same(bridge != nullptr, "whether gas and particles are coupled");
   if (bridge != nullptr) bridge->archive(a);
 
   if (a.reading()) update_audit();

@@ -190,7 +190,7 @@ std::optional<Ending> Recorder::ending() {
 Ending stopped(run::World const& world, bool by_user) {
   return {ExitCode::stopped_by_user,
           by_user ? "stopped by the user " + place_in_run(world)
-                  : fmt::format("stopped by the clock, end.wall_clock = {}, {}; --resume goes on",
+                  : fmt::format("stopped by the wall-clock limit, end.wall_clock = {}, {}; --resume continues the run",
                                 clock_time(world.setup.end.wall_clock), place_in_run(world))};
 }
 

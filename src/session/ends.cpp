@@ -71,14 +71,14 @@ std::optional<std::string> EndConditions::met(run::World const& world, observe::
   bool const at_rest = end.kinetic_energy > 0.0 && is_at_rest(world);  // also keeps the record of it
   if (!has_been_lit(world)) return std::nullopt;
   if (at_rest) {
-    return fmt::format("the kinetic energy has stayed below {:g} of its largest value (end.kinetic_energy)",
+    return fmt::format("the kinetic energy has stayed below {:g} of its maximum (end.kinetic_energy)",
                        end.kinetic_energy);
   }
   if (end.gauges) {
     auto const summaries = observe::summarise(world.setup, gauges.gas);
     double const ambient = world.setup.ambient.state.pressure;
     if (std::ranges::all_of(summaries, [ambient](auto const& g) { return is_past_positive_phase(g, ambient); }))
-      return "all gauges are past their positive phase (end.gauges)";
+      return "the positive phase has ended at all gauges (end.gauges)";
   }
   return std::nullopt;
 }

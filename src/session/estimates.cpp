@@ -96,7 +96,7 @@ void add_gas_memory(run::Case const& setup, grid::Partition const& partition, Pl
   p.memory.push_back({"ghost layers of the blocks", components * ghost_cells(setup.domain, partition) * double_bytes});
   if (setup.output.peak_fields)
     p.memory.push_back({"peak fields (output.peak_fields)", peak_components * cells * double_bytes});
-  p.memory.push_back({"a field on its way to the disk", std::min(largest_dump_cache, cells * 3.0 * double_bytes)});
+  p.memory.push_back({"output buffer for one field", std::min(largest_dump_cache, cells * 3.0 * double_bytes)});
 }
 
 void sum_memory(Plan& p) {
@@ -151,7 +151,7 @@ void add_particle_memory(run::Particles const& particles, Plan& p, int dimension
   if (p.region) nodes += p.region->cells;
   p.memory.push_back({"material points", p.particles * bytes_per_particle});
   p.memory.push_back({"nodes around the material points", nodes * margins * bytes_per_node});
-  p.memory.push_back({"records of the gauges on bodies", records * sizeof(observe::ParticleRecord)});
+  p.memory.push_back({"records of gauges on bodies", records * sizeof(observe::ParticleRecord)});
 }
 
 double estimated_particle_step(run::Case const& setup) {

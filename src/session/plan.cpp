@@ -87,7 +87,7 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
     realised = share * (half ? 2.0 : 1.0) * profile.sum(gas::partial_density(charge.fluid));
     report.cells_per_radius = profile.charge.radius / profile.domain.smallest_cell();
     reach = profile.reach();
-    p.starts.push_back(fmt::format("profile \"{}\" of {}, time {}, the burst has a radius of {}, {:.3g} cells",
+    p.starts.push_back(fmt::format("profile \"{}\" from {}, time {}, blast wave radius {}, {:.3g} cells",
                                    setup.start.profile, word_of(profile.domain.geometry), quantity(profile.time, "s"),
                                    quantity(reach, "m"), reach / setup.domain.smallest_cell()));
   } else if (setup.start.profile.empty()) {
@@ -101,9 +101,9 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
     std::string const until =
         setup.start.time ? fmt::format("until {}", quantity(*setup.start.time, "s"))
         : setup.start.radius
-            ? fmt::format("until the shock has come to {}", quantity(plan.radius, "m"))
-            : fmt::format("until the shock has come to {}, near {}", quantity(plan.radius, "m"), plan.reach.by);
-    p.starts.push_back(fmt::format("{} by {}, {} cells of {}, {}; then remapped, {:.3g} cells per radius",
+            ? fmt::format("until the shock reaches {}", quantity(plan.radius, "m"))
+            : fmt::format("until the shock reaches {}, near {}", quantity(plan.radius, "m"), plan.reach.by);
+    p.starts.push_back(fmt::format("{} with {}, {} cells of {}, {}; then remapped, {:.3g} cells per radius",
                                    word_of(plan.geometry),
                                    setup.start.method == run::StartMethod::gas ? "the gas scheme" : "material points",
                                    plan.cells, quantity(plan.cell, "m"), until, reach / setup.domain.smallest_cell()));
@@ -114,10 +114,10 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
   report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
   p.charges.push_back(report);
   if (reach < coarse_burst * setup.domain.smallest_cell()) {
-    p.warnings.push_back(fmt::format(
-        "{} is remapped when its burst has only {:.2g} cells per radius: its shock will be coarse; a cell of {} would "
-        "give {:g}",
-        what, reach / setup.domain.smallest_cell(), quantity(reach / coarse_burst, "m", 2), coarse_burst));
+    p.warnings.push_back(
+        fmt::format("the blast wave of {} is remapped with only {:.2g} cells per radius: its shock will be coarse; a "
+                    "cell size of {} would give {:g}",
+                    what, reach / setup.domain.smallest_cell(), quantity(reach / coarse_burst, "m", 2), coarse_burst));
   }
 }
 
@@ -133,20 +133,20 @@ void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Pl
     double across = std::numeric_limits<double>::infinity();
     for (int d = 0; d < setup.domain.dimensions(); ++d) across = std::min(across, (box.upper[d] - box.lower[d]) / h);
     if (across < 1.0) {
-      p.warnings.push_back(fmt::format(
-          "initial state {} is only {:.2g} cells thick: it has its mass and energy, but they are spread over the "
-          "cells that it touches; a cell of {} would give it one of its own",
-          n + 1, across, quantity(h * across, "m", 2)));
+      p.warnings.push_back(
+          fmt::format("initial state {} is only {:.2g} cells thick: its mass and energy are exact but spread over all "
+                      "cells that it touches; a cell size of {} would resolve it with one cell",
+                      n + 1, across, quantity(h * across, "m", 2)));
     }
   }
   if (auto obstacles = setup::SolidCells(setup.domain, setup.obstacles).reports(most_cut_cells)) {
     p.obstacles = std::move(*obstacles);
     for (run::ObstacleReport const& o : p.obstacles) {
       if (std::abs(o.excess) <= coarse_obstacle * o.specified_volume) continue;
-      p.warnings.push_back(fmt::format(
-          "obstacle \"{}\" is {:.0f} % {} on these cells than it is: smaller cells, or faces between cells, would "
-          "give it its size",
-          o.name, 100.0 * std::abs(o.excess) / o.specified_volume, o.excess > 0.0 ? "larger" : "smaller"));
+      p.warnings.push_back(
+          fmt::format("obstacle \"{}\" is {:.0f} % {} on the grid than specified: use smaller cells, or align its "
+                      "faces with cell faces",
+                      o.name, 100.0 * std::abs(o.excess) / o.specified_volume, o.excess > 0.0 ? "larger" : "smaller"));
     }
     setup::SolidCells const solid(setup.domain, setup.obstacles);
     p.panels = setup::place_panels(setup.domain, setup.obstacles, solid);
@@ -174,15 +174,14 @@ void plan_gas(run::Case const& setup, Plan& p) {
       p.charges.push_back(setup::realised_charge(charge, *grid, what, &solid, &taken));
     } else {
       p.charges.push_back(untried_charge(charge, setup.domain, what));
-      p.warnings.push_back(
-          fmt::format("{} lies in a box of {} cells in a grid of {} blocks: it was not tried out "
-                      "what mass it has there",
-                      what, large_count(around), large_count(p.blocks)));
+      p.warnings.push_back(fmt::format(
+          "{} lies in a box of {} cells in a grid of {} blocks, too many to compute its mass on the grid in advance",
+          what, large_count(around), large_count(p.blocks)));
     }
     double const resolution = p.charges.back().cells_per_radius;
     if (resolution < coarse_charge) {
       p.warnings.push_back(fmt::format(
-          "{} has only {:.2g} cells per radius: the near field will be coarse; a cell of {} would give {:g}", what,
+          "{} has only {:.2g} cells per radius: the near field will be coarse; a cell size of {} would give {:g}", what,
           resolution, quantity(setup.domain.smallest_cell() * resolution / coarse_charge, "m", 2), coarse_charge));
     }
   }
@@ -245,13 +244,14 @@ void plan_particles(run::Case const& setup, Plan& p) {
     p.bodies.push_back(realised(body, setup.domain, most_particles_tried - p.particles));
     p.particles += static_cast<double>(p.bodies.back().particles);
     if (p.bodies.back().particles == 0) {
-      throw InputError(fmt::format("body \"{}\" holds no material point: it is much smaller than a cell", body.name));
+      throw InputError(
+          fmt::format("body \"{}\" contains no material point: it is much smaller than a cell", body.name));
     }
     if (double const across = particles_across(body, setup.domain);
         body.solid.has_deviator() && !body.rigid && across < coarse_body - 0.01) {
       p.warnings.push_back(fmt::format(
-          "body \"{}\" has only {:.2g} points across its shortest side: it will bend and yield poorly; a "
-          "cell of {} would give {:g}",
+          "body \"{}\" has only {:.2g} material points across its shortest side: bending and yielding will be "
+          "inaccurate; a cell size of {} would give {:g}",
           body.name, across, quantity(setup.domain.smallest_cell() * across / coarse_body, "m", 2), coarse_body));
     }
   }
@@ -260,8 +260,8 @@ void plan_particles(run::Case const& setup, Plan& p) {
     auto const& times = particles.pressures[n].times;
     if (times.size() < 2 || !std::isfinite(step) || times.back() - times.front() >= few_steps * step) continue;
     p.warnings.push_back(
-        fmt::format("surface pressure {} acts for {}, and a step takes about {}: its impulse will not be right, or it "
-                    "passes between two steps; a smaller points.courant or cell makes the steps shorter",
+        fmt::format("surface pressure {} acts for {}, but a time step is about {}: its impulse will be wrong, or the "
+                    "steps will miss it; reduce points.courant or the cell size for shorter steps",
                     n + 1, quantity(times.back() - times.front(), "s", 3), quantity(step, "s", 2)));
   }
   double const records =
@@ -350,8 +350,8 @@ std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges
   double const wanted = size * peak.cells_per_half_width /
                         observe::cells_for_clipping(tolerable_clipping, {peak.strength, peak.reflected});
   return fmt::format(
-      "the cells will clip the peak at {} gauge{} by more than {}, at \"{}\" by about {}: a cell of {} would clip that "
-      "one by {}; impulses and arrivals need fewer cells, and the summary tells the peak at the front",
+      "the cells will clip the peak at {} gauge{} by more than {}, at \"{}\" by about {}: a cell size of {} would clip "
+      "it by {}; impulses and arrival times need fewer cells, and the summary reports the peak at the front",
       clipped, clipped == 1 ? "" : "s", percent(alarming_clipping), worst->name, percent(peak.clipping),
       quantity(wanted, "m", 3), percent(tolerable_clipping));
 }
@@ -374,7 +374,7 @@ Plan plan(run::Case const& setup) {
   p.seconds = estimated_seconds(setup, p);
   if (p.memory_bytes > p.machine_memory_bytes) {
     p.warnings.push_back(
-        fmt::format("this machine has {} of memory: the case will be refused here", bytes(p.machine_memory_bytes)));
+        fmt::format("this machine has {} of memory: it will refuse to run the case", bytes(p.machine_memory_bytes)));
   }
   return p;
 }
@@ -382,22 +382,19 @@ Plan plan(run::Case const& setup) {
 void refuse_unless_it_fits(Plan const& p) {
   if (p.memory_bytes <= p.machine_memory_bytes) return;
   std::string const most = p.memory.empty() ? ""
-                                            : fmt::format(" (most of it, {}, for: {})", bytes(p.memory.front().bytes),
-                                                          p.memory.front().what);
+                                            : fmt::format(" (the largest part, {}, for: {})",
+                                                          bytes(p.memory.front().bytes), p.memory.front().what);
   throw InputError(
-      p.region
-          ? fmt::format(
-                "the case needs about {} of memory for its {} cells and {} material points{}, and this machine "
-                "has {}: use larger cells (domain.cell), a smaller domain or MPM region, fewer points per cell, or "
-                "symmetry planes",
-                bytes(p.memory_bytes), large_count(p.cells), large_count(p.particles), most,
-                bytes(p.machine_memory_bytes))
+      p.region ? fmt::format("the case needs about {} of memory for its {} cells and {} material points{}, but this "
+                             "machine has {}: use larger cells (domain.cell), a smaller domain or MPM region, fewer "
+                             "particles per cell, or symmetry planes",
+                             bytes(p.memory_bytes), large_count(p.cells), large_count(p.particles), most,
+                             bytes(p.machine_memory_bytes))
       : p.particles > 0.0
-          ? fmt::format("the case needs about {} of memory for its {} material points{}, and this machine has {}: "
-                        "use "
-                        "larger cells (domain.cell), fewer points per cell, or symmetry planes",
+          ? fmt::format("the case needs about {} of memory for its {} material points{}, but this machine has {}: use "
+                        "larger cells (domain.cell), fewer particles per cell, or symmetry planes",
                         bytes(p.memory_bytes), large_count(p.particles), most, bytes(p.machine_memory_bytes))
-          : fmt::format("the case needs about {} of memory for its {} cells{}, and this machine has {}: use larger "
+          : fmt::format("the case needs about {} of memory for its {} cells{}, but this machine has {}: use larger "
                         "cells (domain.cell), a smaller domain, or symmetry planes",
                         bytes(p.memory_bytes), large_count(p.cells), most, bytes(p.machine_memory_bytes)));
 }

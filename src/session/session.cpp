@@ -52,25 +52,25 @@ std::unique_ptr<output::CheckpointReader> checkpoint_of(fs::path const& folder, 
   for (auto const& problem : found.problems) warnings.push_back("warning: " + problem);
   if (!warnings.empty()) tell(listed(warnings));
   if (found.reader == nullptr) {
-    throw IoError(fmt::format(
-        "--resume: \"{}\" holds no {}checkpoint: the run ended before it wrote one, or --output names another folder; "
-        "start anew with --force in place of --resume",
-        folder.string(), found.problems.empty() ? "" : "good "));
+    throw IoError(
+        fmt::format("--resume: \"{}\" contains no {}checkpoint: the run ended before it wrote one, or --output names "
+                    "another folder; start again with --force instead of --resume",
+                    folder.string(), found.problems.empty() ? "" : "valid "));
   }
   auto const& info = found.reader->info();
   if (auto const key = deck::difference(info.deck, setup.deck_text)) {
-    throw InputError(fmt::format(
-        "--resume: {} of \"{}\" is not that of the deck that \"{}\" was calculated with; only [end], [output] (but for "
-        "peak_fields), [checkpoint], [audit] and the title may change; start anew with --force, or see {} for the "
-        "former deck",
-        *key, setup.deck_path, found.reader->path().string(), (folder / "deck.toml").string()));
+    throw InputError(
+        fmt::format("--resume: {} of \"{}\" differs from the deck that was used for \"{}\"; only [end], [output] "
+                    "(except peak_fields), [checkpoint], [audit] and the title may change; start again with --force, "
+                    "or see {} for the earlier deck",
+                    *key, setup.deck_path, found.reader->path().string(), (folder / "deck.toml").string()));
   }
-  if (!found.problems.empty()) tell(fmt::format("the checkpoint \"{}\" is used\n", found.reader->path().string()));
+  if (!found.problems.empty()) tell(fmt::format("using the checkpoint \"{}\"\n", found.reader->path().string()));
   if (info.program != output::program_build()) {
-    tell(fmt::format(
-        "warning: \"{}\" was written by another build of the program ({}): the results may differ in their last "
-        "digits from those of an uninterrupted run\n",
-        found.reader->path().string(), info.program));
+    tell(
+        fmt::format("warning: \"{}\" was written by another build of the program ({}): the last digits of the results "
+                    "may differ from those of an uninterrupted run\n",
+                    found.reader->path().string(), info.program));
   }
   for (auto const& refused : found.refused) output::put_aside(refused);
   return std::move(found.reader);
@@ -139,10 +139,10 @@ void Session::read_world() {
     world_->archive(checkpoint_->archive());
     gauges_->archive(checkpoint_->archive(), *world_);
   } catch (IoError const& problem) {
-    throw IoError(fmt::format(
-        "--resume: the checkpoint \"{}\" does not fit this case: {}; the program or a file that the deck names has "
-        "changed: restore it, or start anew with --force in place of --resume",
-        checkpoint_->path().string(), problem.what()));
+    throw IoError(
+        fmt::format("--resume: the checkpoint \"{}\" does not match this case: {}; the program or a file named in the "
+                    "deck has changed: restore it, or start again with --force instead of --resume",
+                    checkpoint_->path().string(), problem.what()));
   }
 }
 

@@ -12,22 +12,24 @@ namespace brisance::setup {
 using grid::Geometry;
 
 void check_start(Case const& setup) {
-  if (setup.charges.empty()) throw InputError("there is no charge whose burst could be remapped");
+  if (setup.charges.empty()) throw InputError("there is no charge whose blast wave could be remapped");
   for (double const u : setup.ambient.state.velocity) {
-    if (u != 0.0) throw InputError("the ambient gas moves: a burst in it is not symmetric; set ambient.velocity to 0");
+    if (u != 0.0)
+      throw InputError("the ambient gas moves, so a blast wave in it is not symmetric; set ambient.velocity to 0");
   }
   if (!setup.initial_states.empty())
-    throw InputError("a [[initial_state]] would stand still until the remap: remove it, or start = \"remap\"");
+    throw InputError("an [[initial_state]] would be frozen until the remap: remove it, or remove start = \"remap\"");
   for (int f = 0; f < 2 * setup.domain.dimensions(); ++f) {
     if (setup.domain.boundary[f] == grid::Boundary::inflow)
-      throw InputError("an inflow would begin only at the remap: choose another boundary, or remove start = \"remap\"");
+      throw InputError(
+          "an inflow would not begin until the remap: choose another boundary, or remove start = \"remap\"");
   }
   for (Body const& body : setup.particles.bodies) {
     if (norm(body.velocity) > 0.0 || !body.initiation.empty()) {
-      throw InputError(fmt::format(
-          "body \"{}\" would stand still until the remap: bodies that move or burn at the start do not go with start = "
-          "\"remap\"",
-          body.name));
+      throw InputError(
+          fmt::format("body \"{}\" would be frozen until the remap: bodies that move or detonate at the start cannot "
+                      "be combined with start = \"remap\"",
+                      body.name));
     }
   }
 }
@@ -38,11 +40,10 @@ double ball_radius(Case const& setup, std::size_t number) {
   std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number + 1);
   if (geometry == Geometry::planar2d) {
     if (auto const* disc = std::get_if<shape::Cylinder>(&charge.shape)) return disc->radius;
-    throw InputError(fmt::format("{} is no cylinder: a 1D calculation in planar2d knows cylinders only", what));
+    throw InputError(fmt::format("{} is not a cylinder: a 1D simulation for planar2d supports cylinders only", what));
   }
   if (geometry != Geometry::cartesian3d && geometry != Geometry::axisymmetric2d) {
-    throw InputError(
-        fmt::format("{} is calculated in one direction anyway: remove start = \"remap\"", word_of(geometry)));
+    throw InputError(fmt::format("{} is one-dimensional already: remove start = \"remap\"", word_of(geometry)));
   }
   if (auto const* ball = std::get_if<shape::Sphere>(&charge.shape)) return ball->radius;
   if (auto const* half = std::get_if<shape::Hemisphere>(&charge.shape)) {
@@ -51,12 +52,12 @@ double ball_radius(Case const& setup, std::size_t number) {
       if (planes[d] != 0 && half->normal[d] * planes[d] > 0.5) return half->radius;
     }
     throw InputError(fmt::format(
-        "{} is a hemisphere whose flat side lies on no wall or symmetry plane: it is no half of a 1D burst", what));
+        "{} is a hemisphere whose flat face is not on a wall or symmetry plane, so it is not half of a 1D blast wave",
+        what));
   }
   throw InputError(
-      fmt::format("{} is neither a sphere nor a hemisphere on a wall; a cylinder may be calculated in a deck of "
-                  "axisymmetric2d with "
-                  "[output] profile = true, whose profiles/end.h5 then goes into [remap] profile",
+      fmt::format("{} is neither a sphere nor a hemisphere on a wall; for a cylinder, run a deck in axisymmetric2d "
+                  "with [output] profile = true and use its profiles/end.h5 as [remap] profile",
                   what));
 }
 
@@ -66,7 +67,7 @@ double delay_of(Case const& setup, std::size_t number, double radius) {
   Vec3 off = charge.initiation.front().position - shape::centre(charge.shape);
   for (int d = setup.domain.dimensions(); d < 3; ++d) off[d] = 0.0;
   if (charge.initiation.size() != 1 || norm(off) > 1e-6 * radius)
-    throw InputError("a 1D calculation knows one point of initiation, in the centre of the charge");
+    throw InputError("a 1D simulation supports one point of initiation only, at the centre of the charge");
   return charge.initiation.front().delay;
 }
 

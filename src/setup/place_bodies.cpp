@@ -53,7 +53,7 @@ void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::B
     shape::Placement placement = shape::place_particles(b.shape, w.setup.domain, b.particles_per_direction);
     if (placement.positions.empty()) {
       throw InputError(fmt::format(
-          "body \"{}\" holds no material point: it lies outside the domain or is much smaller than a cell", b.name));
+          "body \"{}\" contains no material point: it lies outside the domain or is much smaller than a cell", b.name));
     }
     mpm::Filling filling;
     filling.positions = std::move(placement.positions);

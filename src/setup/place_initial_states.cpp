@@ -114,8 +114,8 @@ void InitialStatePlacing::fill(gas::Gas& gas) {
         if (!r.single() || gas.primitive(cell).sound_speed > 0.0) return;
         Vec3 const x = block.centre(cell);
         throw InputError(
-            fmt::format("the initial states and the ambient in the cell at ({:.6g}, {:.6g}, {:.6g}) m cannot be "
-                        "mixed: their mean is outside the equation of state; let its faces lie between cells",
+            fmt::format("the initial states and the ambient in the cell at ({:.6g}, {:.6g}, {:.6g}) m cannot be mixed: "
+                        "their mean is outside the equation of state; align its faces with cell faces",
                         x[0], x[1], x[2]));
       });
       return true;

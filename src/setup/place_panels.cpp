@@ -98,8 +98,7 @@ PanelPlace place_panel(grid::Domain const& domain, std::vector<Obstacle> const& 
   auto const list = solid.cells_of(number);
   std::set<Index3> const cells(list.begin(), list.end());
   if (cells.empty()) {
-    throw InputError(
-        "obstacles that are written after it take all the cells of the panel: write it after the wall that it is in");
+    throw InputError("later obstacles occupy all cells of the panel: write the panel after the wall that contains it");
   }
   auto const box = shape::bounds(obstacles[number].shape);
   PanelPlace place;
@@ -119,13 +118,13 @@ PanelPlace place_panel(grid::Domain const& domain, std::vector<Obstacle> const& 
   }
   if (place.columns.empty()) {
     throw InputError(
-        "the panel has no gas on both of its sides, in any direction: let it stand between two volumes of gas, at "
-        "least a cell away from the faces of the domain there");
+        "the panel does not have gas on both sides in any direction: place it between two volumes of gas, at least one "
+        "cell away from the faces of the domain");
   }
   if (alike) {
     throw InputError(
-        "the panel is as thick in one direction as in another and has gas on both sides of either: make it thinner in "
-        "the direction in which it is to give way, or put it into a wall");
+        "the panel has the same thickness in two directions and gas on both sides in both: make it thinner in the "
+        "direction in which it should fail, or place it in a wall");
   }
   std::set<Index3> others = cells;
   for (Column const& c : place.columns) {
@@ -142,14 +141,14 @@ PanelPlace place_panel(grid::Domain const& domain, std::vector<Obstacle> const& 
       place.perimeter = 2.0 * place.area / disc->radius;
     } else if (!std::holds_alternative<shape::Box>(obstacles[number].shape)) {
       throw InputError(
-          "with an areal mass a panel opens along its edge, which is known for boxes and for cylinders that give way "
-          "along their axis: choose one of them, or leave areal_mass away");
+          "a panel with areal_mass opens along its edge, which is known only for boxes and for cylinders that fail "
+          "along their axis: use one of them, or remove areal_mass");
     }
   }
   if (!(place.perimeter > 0.0)) {
     throw InputError(
-        "the panel has no edge in the domain along which it could open: leave areal_mass away, then all of it opens "
-        "at once");
+        "the panel has no edge in the domain along which it could open: remove areal_mass, so that the whole panel "
+        "opens at once");
   }
   return place;
 }

@@ -35,10 +35,10 @@ bridge::CellBox cells_of(grid::Domain const& domain, shape::Box const& box) {
       double const at = domain.in_cells(d, x);
       double const nearest = std::round(at);
       if (std::abs(at - nearest) > 1e-6 * std::max(1.0, std::abs(nearest))) {
-        throw InputError(fmt::format(
-            "the faces of the MPM region must lie between cells: {} = {:.6g} m lies in one; the nearest are {:.6g} and "
-            "{:.6g} m",
-            "xyz"[d], x, domain.place(d, std::floor(at)), domain.place(d, std::ceil(at))));
+        throw InputError(
+            fmt::format("the faces of the MPM region must be cell faces: {} = {:.6g} m lies inside a cell; the nearest "
+                        "cell faces are at {:.6g} and {:.6g} m",
+                        "xyz"[d], x, domain.place(d, std::floor(at)), domain.place(d, std::ceil(at))));
       }
       bounds[side] = static_cast<int>(nearest);
     }
@@ -173,7 +173,8 @@ void check_neighbours(run::System const& w) {
     }
     if (w.gas->burn.burning() && gas::burn_fraction(*w.gas, cell) < 1.0) {
       throw InputError(
-          "a charge lies in the MPM region or within 3 cells of it: make the region smaller, or the charge a body");
+          "a charge lies in the MPM region or within 3 cells of it: make the MPM region smaller, or make the charge a "
+          "body");
     }
   };
   for (Index3 const& cell : region.cells()) check(cell);
@@ -193,10 +194,9 @@ bridge::Region region_of(Case const& setup) {
     cells += count;
   }
   if (cells > most_cells) {
-    throw InputError(
-        fmt::format("the MPM region has {:.4g} cells; allowed: at most {:.3g}: make it smaller, or the "
-                    "cells larger",
-                    cells, most_cells));
+    throw InputError(fmt::format(
+        "the MPM region has {:.4g} cells; allowed: at most {:.3g}: make it smaller, or make the cells larger", cells,
+        most_cells));
   }
   double around = 1.0;  // cells of the smallest box that holds all: they are kept too, a few bytes each
   for (int d = 0; d < setup.domain.dimensions(); ++d) {
@@ -205,10 +205,10 @@ bridge::Region region_of(Case const& setup) {
     around *= std::max(0, high->upper[d] - low->lower[d]);
   }
   if (around > most_cells) {
-    throw InputError(fmt::format(
-        "the boxes of the MPM region lie so far apart that the box around them has {:.4g} cells; allowed: at "
-        "most {:.3g}: put them closer together, or calculate them apart",
-        around, most_cells));
+    throw InputError(
+        fmt::format("the boxes of the MPM region are so far apart that the box around them has {:.4g} cells; allowed: "
+                    "at most {:.3g}: move them closer together, or simulate them separately",
+                    around, most_cells));
   }
   return {setup.domain, boxes, setup.mpm_region->width, proxy_layers(setup.particles.options.shape)};
 }

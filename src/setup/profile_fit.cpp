@@ -31,11 +31,11 @@ void check_kind(Case const& setup, Charge const& charge, detonation::Profile con
                         : from == Geometry::cylindrical1d ? to == Geometry::planar2d
                                                           : to == Geometry::cartesian3d;
   if (!possible) {
-    mismatch(setup, fmt::format("it is of {}, which cannot become {}", word_of(from), word_of(to)));
+    mismatch(setup, fmt::format("it is in {}, which cannot be mapped to {}", word_of(from), word_of(to)));
   }
   if (given.charge.explosive != charge.explosive.name) {
-    mismatch(setup,
-             fmt::format("its explosive is {}, that of the deck is {}", given.charge.explosive, charge.explosive.name));
+    mismatch(setup, fmt::format("its explosive is {}, but that of the deck is {}", given.charge.explosive,
+                                charge.explosive.name));
   }
 }
 
@@ -48,9 +48,9 @@ void check_constants(Case const& setup, Charge const& charge, detonation::Profil
       double const a = given.constants[n].value;
       double const b = own[n].value;
       if (std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b))) continue;
-      mismatch(setup, fmt::format("its {} is {:.10g}, that of the deck is {:.10g}", own[n].name, a, b));
+      mismatch(setup, fmt::format("its {} is {:.10g}, but that of the deck is {:.10g}", own[n].name, a, b));
     }
-    mismatch(setup, fmt::format("its materials have other equations of state: {} in the deck, {} in the profile",
+    mismatch(setup, fmt::format("its materials have different equations of state: {} in the deck, {} in the profile",
                                 n < own.size() ? own[n].name : "nothing",
                                 n < given.constants.size() ? given.constants[n].name : "nothing"));
   }
@@ -66,7 +66,7 @@ std::shared_ptr<detonation::Profile> scaled_profile(Case const& setup, std::size
   auto const* cylinder = std::get_if<shape::Cylinder>(&charge.shape);
   std::string const shape = cylinder != nullptr ? "cylinder" : "sphere";
   if (shape != given.charge.shape) {
-    mismatch(setup, fmt::format("its charge is a {}, that of the deck a {}", given.charge.shape, shape));
+    mismatch(setup, fmt::format("its charge is a {}, but that of the deck is a {}", given.charge.shape, shape));
   }
   if (cylinder != nullptr) {
     radius = cylinder->radius;
@@ -82,10 +82,9 @@ std::shared_ptr<detonation::Profile> scaled_profile(Case const& setup, std::size
                           : charge.explosive.density() * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
   auto profile = std::make_shared<detonation::Profile>(scaled(given, mass));
   if (!same_length(profile->charge.radius, radius, radius) || !same_length(profile->charge.length, length, radius)) {
-    mismatch(setup,
-             fmt::format("scaled to the mass of the deck's charge its charge has radius {:.6g} m and length {:.6g} m, "
-                         "that of the deck {:.6g} m and {:.6g} m",
-                         profile->charge.radius, profile->charge.length, radius, length));
+    mismatch(setup, fmt::format("scaled to the mass of the charge in the deck, its charge has radius {:.6g} m and "
+                                "length {:.6g} m, but that of the deck has {:.6g} m and {:.6g} m",
+                                profile->charge.radius, profile->charge.length, radius, length));
   }
   return profile;
 }
@@ -106,7 +105,7 @@ void check_initiation(Case const& setup, Charge const& charge, detonation::Profi
     lit_alike = same_length(p.position[1], along, radius) && same_length(p.position[0], across, radius) &&
                 std::abs(p.delay - charge.initiation[n].delay) <= 1e-9 * profile.time;
   }
-  if (!lit_alike) mismatch(setup, "its charge was lit elsewhere, or at another time, than the deck says");
+  if (!lit_alike) mismatch(setup, "its charge was initiated at another point or time than the deck specifies");
 }
 
 /// The face of the domain that has reflected the profile's shock, where there must be a mirror too; -1: none.
@@ -117,10 +116,9 @@ int grounded_face(Case const& setup, detonation::Placing const& placing, detonat
   int const grounded = 2 * placing.axis + (placing.sense > 0.0 ? 0 : 1);
   double const plane = placing.sense > 0.0 ? setup.domain.lower[placing.axis] : setup.domain.upper(placing.axis);
   if (std::abs(plane - ground) > 1e-6 * setup.domain.smallest_cell() || !setup.domain.is_mirror(grounded)) {
-    mismatch(setup,
-             fmt::format("its shock has been reflected by a plane that lies at {} = {:.6g} m here: the face {} must be "
-                         "a wall or a symmetry plane there",
-                         "xyz"[placing.axis], ground, grid::face_names[grounded]));
+    mismatch(setup, fmt::format("its shock has been reflected by a plane at {} = {:.6g} m: the face {} must be a wall "
+                                "or a symmetry plane there",
+                                "xyz"[placing.axis], ground, grid::face_names[grounded]));
   }
   return grounded;
 }
@@ -139,11 +137,12 @@ std::shared_ptr<detonation::Profile const> fitted_profile(Case const& setup, std
   int const grounded = grounded_face(setup, placing_of(charge), *profile);
   Reach const reach = reach_of(setup, number, false, grounded);
   if (profile->reach() > reach.radius) {
-    mismatch(setup, fmt::format("its burst reaches {:.6g} m, but {} leaves it {:.6g} m: take an earlier profile",
-                                profile->reach(), reach.by, std::max(0.0, reach.radius)));
+    mismatch(setup,
+             fmt::format("its blast wave extends to {:.6g} m, but {} allows only {:.6g} m: use an earlier profile",
+                         profile->reach(), reach.by, std::max(0.0, reach.radius)));
   }
   if (profile->time >= setup.end.time) {
-    mismatch(setup, fmt::format("its time is {:.6g} s, after the end of the calculation at {:.6g} s", profile->time,
+    mismatch(setup, fmt::format("its time is {:.6g} s, after the end of the simulation at {:.6g} s", profile->time,
                                 setup.end.time));
   }
   return profile;
@@ -154,13 +153,12 @@ detonation::Profile profile_of(run::System const& w) {
   if (geometry != Geometry::spherical1d && geometry != Geometry::cylindrical1d &&
       geometry != Geometry::axisymmetric2d) {
     throw InputError(
-        fmt::format("a state in {} cannot become a profile; possible: spherical1d, cylindrical1d, "
-                    "axisymmetric2d",
+        fmt::format("a state in {} cannot become a profile; allowed: spherical1d, cylindrical1d, axisymmetric2d",
                     word_of(geometry)));
   }
   if (w.gas == nullptr || w.particles != nullptr || w.setup.charges.size() != 1 || !w.setup.obstacles.empty() ||
       !w.setup.initial_states.empty()) {
-    throw InputError("a profile is the burst of one charge, without bodies, obstacles and initial states");
+    throw InputError("a profile describes the blast wave of one charge, without bodies, obstacles and initial states");
   }
   Vec3 const centre = shape::centre(w.setup.charges.front().shape);
   detonation::Profile p = detonation::profile_of(*w.gas, w.setup.ambient.state, centre, w.clock.time);
@@ -187,9 +185,9 @@ void describe_charge(Case const& setup, gas::Fluids const& fluids, detonation::P
     p.charge.radius = half->radius;
     p.charge.mass *= 2.0;
     if (!p.mirrored || std::abs(p.domain.lower[1]) > 1e-6 * p.domain.h)
-      throw InputError("the hemisphere stands on no wall or symmetry plane: its burst cannot become a profile");
+      throw InputError("the hemisphere is not on a wall or symmetry plane, so its blast wave cannot become a profile");
   } else {
-    throw InputError("the charge is no sphere, hemisphere or cylinder: its burst cannot become a profile");
+    throw InputError("the charge is not a sphere, hemisphere or cylinder, so its blast wave cannot become a profile");
   }
   for (InitiationPoint const& particle : charge.initiation) {
     Vec3 const off = particle.position - centre;

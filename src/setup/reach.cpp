@@ -85,7 +85,7 @@ Reach reach_of(Case const& setup, std::size_t number, bool with_gauges, int grou
     // The bursts share the way between them by the sizes of the charges.
     double const own = charge_radius(setup.charges[number].shape);
     double const fraction = own / (own + charge_radius(setup.charges[other].shape));
-    bound(fraction * norm(away) - h, fmt::format("the burst of charge {}", other + 1));
+    bound(fraction * norm(away) - h, fmt::format("the blast wave of charge {}", other + 1));
   }
   SolidCells const solid(domain, setup.obstacles);
   for (Obstacle const& obstacle : setup.obstacles) {

@@ -93,13 +93,12 @@ std::shared_ptr<detonation::Profile const> burst(Case const& setup, std::size_t 
     return !observer || observer(progress);
   };
   auto const too_far = [&](double time) {
-    refuse(setup,
-           fmt::format("{} comes to {:.6g} m, near {}, at {:.6g} s already, before {:.6g} s: give a shorter time",
-                       burst_name(setup, number), plan.radius, plan.reach.by, time, *until));
+    refuse(setup, fmt::format("{} already reaches {:.6g} m, near {}, at {:.6g} s, before {:.6g} s: give a shorter time",
+                              burst_name(setup, number), plan.radius, plan.reach.by, time, *until));
   };
   auto const too_late = [&] {
-    refuse(setup, fmt::format("{} does not come to {:.6g} m, near {}, until the end of the calculation at {:.6g} s: "
-                              "calculate longer, or give the radius or the time of the remap",
+    refuse(setup, fmt::format("{} does not reach {:.6g} m, near {}, before the end of the simulation at {:.6g} s: "
+                              "simulate longer, or give the radius or the time of the remap",
                               burst_name(setup, number), plan.radius, plan.reach.by, end));
   };
 
@@ -136,10 +135,10 @@ std::shared_ptr<detonation::Profile const> burst(Case const& setup, std::size_t 
   if (!until && system.finished()) too_late();
   if (system.gas->burn.burning()) {
     refuse(setup,
-           fmt::format("at {:.6g} s, when {} has come to {:.6g} m (near {}), the explosive still burns: move that "
-                       "away from the charge, give a later time or a larger radius where that is possible, or "
-                       "remove start = \"remap\"",
-                       system.clock.time, burst_name(setup, number), front.find(system), plan.reach.by));
+           fmt::format(
+               "at {:.6g} s, when {} reaches {:.6g} m (near {}), the explosive is still burning: move that obstruction "
+               "away from the charge, give a later time or a larger radius if possible, or remove start = \"remap\"",
+               system.clock.time, burst_name(setup, number), front.find(system), plan.reach.by));
   }
   *profile = profile_of(system);
   return profile;
@@ -202,8 +201,8 @@ StartPlan plan_start(Case const& setup, std::size_t number) {
   plan.radius = plan.reach.radius;
   if (start.radius) {
     if (*start.radius > plan.reach.radius) {
-      throw InputError(fmt::format("a shock at the radius {:.6g} m would meet {}: give at most {:.6g} m", *start.radius,
-                                   plan.reach.by, plan.reach.radius));
+      throw InputError(fmt::format("a shock at the radius {:.6g} m would reach {}: give at most {:.6g} m",
+                                   *start.radius, plan.reach.by, plan.reach.radius));
     }
     plan.radius = *start.radius;
   }
@@ -211,16 +210,16 @@ StartPlan plan_start(Case const& setup, std::size_t number) {
   double const least = 1.1 * plan.charge_radius;
   if (plan.radius < least) {
     throw InputError(fmt::format(
-        "there is no room for a 1D calculation: {} leaves the shock {:.6g} m around the centre of {}, whose radius is "
-        "{:.6g} m; at least {:.6g} m are needed: move that away, give the radius or the time where only gauges are "
-        "near, or remove start = \"remap\"",
+        "there is no room for a 1D simulation: {} limits the shock to {:.6g} m around the centre of {}, whose radius "
+        "is {:.6g} m; at least {:.6g} m are required: move that obstruction away, give the radius or the time if only "
+        "gauges are near, or remove start = \"remap\"",
         plan.reach.by, std::max(plan.radius, 0.0),
         setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number + 1), plan.charge_radius, least));
   }
   double const cells = std::ceil(plan.radius / plan.cell) + spare_cells;
   if (cells > most_start_cells) {
     throw InputError(
-        fmt::format("the 1D calculation would have {:.4g} cells of {:.4g} m; at most {:g}: choose a larger "
+        fmt::format("the 1D simulation would have {:.4g} cells of {:.4g} m; allowed: at most {:g}: choose a larger "
                     "remap.cell, or a smaller radius",
                     cells, plan.cell, most_start_cells));
   }
@@ -267,7 +266,8 @@ void place_start(run::System& w) {
     detonation::Profile const& profile = *setup.start.profiles[n];
     if (std::abs(profile.time - time) > 1e-12 * time) {
       refuse(setup,
-             "the scaled profiles of charges of different mass belong to different times: let them be calculated");
+             "the scaled profiles of charges of different mass belong to different times: remove the profile, so that "
+             "they are computed");
     }
     std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", n + 1);
     double const images = detonation::symmetry_images(charge.shape, setup.domain, what);

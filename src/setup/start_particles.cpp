@@ -196,7 +196,8 @@ double ParticlesBurst::step_reach() const { return (foot + 2) * one_.domain.smal
 
 void ParticlesBurst::advance(double latest) {
   double const step = particles_->stable_step() * std::min(1.0, 0.1 * static_cast<double>(steps_ + 1));
-  if (!(step > 0.0)) throw NumericalError("the time step of the 1D calculation by points vanished");
+  if (!(step > 0.0))
+    throw NumericalError("the time step of the 1D simulation with material points has become too small");
   double const left = latest - particles_->time();
   bool const arrives = left <= step;
   particles_->advance(arrives ? left : std::min(step, left));
@@ -217,7 +218,7 @@ detonation::Profile ParticlesBurst::profile() const {
           : charge.initiation.front().delay +
                 (charge.mass > 0.0 ? shape::bounds(charge.shape).upper[0] + 1.5 * domain.smallest_cell() : 0.0) /
                     charge.explosive.detonation_speed;
-  if (time() < burnt) throw InputError("the explosive still burns at the time of the remap: choose a later one");
+  if (time() < burnt) throw InputError("the explosive is still burning at the time of the remap: choose a later time");
 
   int const cells = domain.cells[0];
   gas::Fluids const fluids = fluids_of(one_);
@@ -242,7 +243,7 @@ detonation::Profile ParticlesBurst::profile() const {
     for (int c = 0; c < components; ++c) u[c] /= gas::is_volume_fraction(c) ? std::max(volume[i], 1e-300) : cell;
     double const rho = gas::mixture_density(fluids.count, [&](int c) { return u[c]; });
     if (!(rho > 0.0)) {
-      throw NumericalError(fmt::format("the points of the 1D calculation left a gap at the radius {:.6g} m",
+      throw NumericalError(fmt::format("the material points of the 1D simulation left a gap at the radius {:.6g} m",
                                        domain.centre({i, 0, 0})[0]));
     }
     double const rho_e = u[gas::energy] - 0.5 * u[gas::momentum_x] * u[gas::momentum_x] / rho;

@@ -152,10 +152,9 @@ double largest_of(std::vector<Vec3> const& corners, std::string const& what) {
     for (double const c : corners[n]) {
       // The moments of the volume take the fourth power.
       if (!(std::abs(c) <= 1e60)) {
-        refuse(what,
-               fmt::format("triangle {} has a coordinate that is not a number or beyond all measure; export the body "
-                           "again",
-                           n / 3 + 1));
+        refuse(what, fmt::format(
+                         "triangle {} has a coordinate that is not a number or is far too large; export the body again",
+                         n / 3 + 1));
       }
       largest = std::max(largest, std::abs(c));
     }
@@ -166,8 +165,7 @@ double largest_of(std::vector<Vec3> const& corners, std::string const& what) {
 }  // namespace
 
 Surface closed_surface(std::vector<Vec3> const& corners, std::string const& what) {
-  if (corners.size() < 3)
-    refuse(what, "there are no triangles in it; export the body as a closed surface of triangles");
+  if (corners.size() < 3) refuse(what, "it contains no triangles; export the body as a closed surface of triangles");
   if (corners.size() > 1'000'000'000) refuse(what, "too many triangles; export the body with a coarser tolerance");
   double const largest = largest_of(corners, what);
   Surface surface = weld(corners, 0.0);
@@ -177,7 +175,7 @@ Surface closed_surface(std::vector<Vec3> const& corners, std::string const& what
     surface = weld(corners, 4.0 * std::numeric_limits<float>::epsilon() * largest);
     edges = check_edges(surface);
   }
-  if (surface.triangles.empty()) refuse(what, "all triangles are points or lines; export the body again");
+  if (surface.triangles.empty()) refuse(what, "all triangles are degenerate (points or lines); export the body again");
   auto const middle = [&](std::array<int, 2> const& edge) {
     return place(0.5 * (surface.vertices[edge[0]] + surface.vertices[edge[1]]));
   };
@@ -188,16 +186,14 @@ Surface closed_surface(std::vector<Vec3> const& corners, std::string const& what
                        edges.open, edges.open == 1 ? "" : "s", middle(edges.first_open)));
   }
   if (edges.branched > 0) {
-    refuse(what,
-           fmt::format("{} edge{} shared by more than two triangles, the first at {}; separate the touching shells or "
-                       "remove double triangles",
-                       edges.branched, edges.branched == 1 ? " is" : "s are", middle(edges.first_branched)));
+    refuse(what, fmt::format("{} edge{} shared by more than two triangles, the first at {}; separate the touching "
+                             "shells or remove duplicate triangles",
+                             edges.branched, edges.branched == 1 ? " is" : "s are", middle(edges.first_branched)));
   }
   if (edges.against > 0) {
-    refuse(what,
-           fmt::format("neighbouring triangles face against each other at {} edge{}, the first at {}; make the normals "
-                       "point outwards everywhere",
-                       edges.against, edges.against == 1 ? "" : "s", middle(edges.first_against)));
+    refuse(what, fmt::format("neighbouring triangles have opposite orientations at {} edge{}, the first at {}; make "
+                             "all normals point outwards",
+                             edges.against, edges.against == 1 ? "" : "s", middle(edges.first_against)));
   }
   return surface;
 }

@@ -234,7 +234,7 @@ Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what) {
       if (!data->spans(y, z, scratch)) {
         refuse(
             fmt::format("its shells overlap or one of them is inside out (seen along x at y = {:.6g} m, z = {:.6g} m); "
-                        "unite the parts into one solid before the export",
+                        "merge the parts into one solid before the export",
                         y, z));
       }
     }

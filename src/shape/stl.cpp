@@ -25,7 +25,7 @@ constexpr std::size_t triangle_size = 50;  // normal, three corners, two bytes o
 
 std::string contents(std::filesystem::path const& file) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) refuse(file, "there is no such file; check the name and the folder");
+  if (!std::filesystem::exists(file, error)) refuse(file, "the file does not exist; check the name and the folder");
   if (!std::filesystem::is_regular_file(file, error)) refuse(file, "this is not a file");
   std::ifstream in(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
@@ -65,9 +65,10 @@ std::vector<Vec3> read_binary(std::filesystem::path const& file, std::string_vie
   std::uint64_t const count = little_endian<std::uint32_t>(bytes.data() + 80);
   std::uint64_t const held = (bytes.size() - header_size) / triangle_size;
   if (held < count) {
-    refuse(file, fmt::format("it announces {} triangles but holds {}: it is cut off or not an STL file; export the "
-                             "body again",
-                             count, held));
+    refuse(file,
+           fmt::format(
+               "it declares {} triangles but contains {}: it is truncated or not an STL file; export the body again",
+               count, held));
   }
   std::vector<Vec3> corners;
   corners.reserve(3 * count);
@@ -124,14 +125,14 @@ class Words {
 
   [[noreturn]] void unexpected(std::string const& word, std::string const& wanted) const {
     if (at_ >= text_.size()) {
-      refuse(file_, fmt::format("it ends in line {} where {} should follow: it is cut off; export the body again",
+      refuse(file_, fmt::format("it ends in line {} where {} is expected: it is truncated; export the body again",
                                 line_, wanted));
     }
     std::string shown = word.substr(0, 30);
     for (char& c : shown) {
       if (c < ' ' || c > '~') c = '?';
     }
-    refuse(file_, fmt::format("line {}: \"{}\" where {} should stand; export the body again", line_, shown, wanted));
+    refuse(file_, fmt::format("line {}: found \"{}\", expected {}; export the body again", line_, shown, wanted));
   }
 
  private:

@@ -94,7 +94,8 @@ TEST(ParticlePlan, WarnsOfThinBodies) {
   EXPECT_TRUE(plan(setup).warnings.empty());
   setup.particles.bodies[1].shape = shape::Box{{0.03, 0.002, 0.0}, {0.0315, 0.022, 0.0}};
   ASSERT_EQ(plan(setup).warnings.size(), 1U);
-  EXPECT_NE(plan(setup).warnings[0].find("only 3 points across"), std::string::npos) << plan(setup).warnings[0];
+  EXPECT_NE(plan(setup).warnings[0].find("only 3 material points across"), std::string::npos)
+      << plan(setup).warnings[0];
   // A gas does not bend.
   setup.particles.bodies[2].shape = shape::Box{{0.02, 0.03, 0.0}, {0.0215, 0.04, 0.0}};
   EXPECT_EQ(plan(setup).warnings.size(), 1U);
@@ -109,9 +110,10 @@ TEST(ParticlePlan, TextAndJsonTellTheSame) {
   EXPECT_EQ(json["gauges"], 2);
   EXPECT_EQ(json["materials"].size(), 2U);
   std::string const text = plan_text(setup, p);
-  for (char const* part : {"3600 in 3 bodies", "material points, ", "left: copper, 1600 points, 2 per cell",
-                           "(100, 0, 0) m/s", "mass of the points 3.572 kg, of the shape 3.572 kg",
-                           "copper (body): a test", "position, body, material, velocity"}) {
+  for (char const* part :
+       {"3600 material points in 3 bodies", "material points, ", "left: copper, 1600 particles, 2 per cell",
+        "(100, 0, 0) m/s", "mass of the particles 3.572 kg, of the shape 3.572 kg", "copper (body): a test",
+        "position, body, material, velocity"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   }
   EXPECT_EQ(text.find("ambient"), std::string::npos) << "there is no gas";

@@ -189,8 +189,8 @@ class KingeryBulmash(Case):
     def test_the_dynamic_pressure_names_its_own_range(self):
         # 1 kg at 0.8 m: 1521 kPa, 15 ambient pressures; the other curves go down to Z = 0.0531.
         text = self.brisance("kb", "--charge", "1 kg", "--distance", "0.8 m", "--burst", "spherical").stdout
-        self.assertRegex(text, r"dynamic pressure +- \(known for Z from 0\.964\d* to 40: up to an overpressure of 10 "
-                               r"ambient pressures")
+        self.assertRegex(text, r"dynamic pressure +- \(known for Z from 0\.964\d* to 40: valid up to an "
+                               r"overpressure of 10 ambient pressures")
         self.assertNotIn("two values", text)
         far = self.brisance("kb", "--charge", "1 kg", "--distance", "41 m", "--burst", "spherical").stdout
         self.assertRegex(far, r"dynamic pressure +- \(known for Z from 0\.964\d* to 40\)")
@@ -198,7 +198,7 @@ class KingeryBulmash(Case):
     def test_the_hemispherical_impulse_tells_its_variant(self):
         def text(distance):
             return self.brisance("kb", "--charge", "1 kg", "--distance", distance, "--burst", "hemispherical").stdout
-        self.assertIn("two values of one coefficient", text("2 m"))
+        self.assertIn("Two values of one coefficient", text("2 m"))
         self.assertIn("changes the impulse by -0.7 %", text("2 m"))
         answer = self.kb("--charge", "1 kg", "--distance", "2 m", "--burst", "hemispherical")
         self.assertAlmostEqual(answer["incident_impulse_of_other_fit"], 0.99314, places=5)
@@ -385,7 +385,7 @@ class Run(Case):
         self.assertTrue((out / "gauges/elsewhere.csv").exists())
         # A file of somebody else in the place of a result: neither written nor removed.
         (out / "gauges/near.csv").write_text("mine")
-        self.assertIn('gauges/near.csv" is in the way',
+        self.assertIn('gauges/near.csv" already exists',
                       self.brisance("run", deck, "--output", "out", "--force", code=5).stderr)
         self.assertEqual((out / "gauges/near.csv").read_text(), "mine")
         self.assertTrue((out / "gauges/elsewhere.csv").exists())
@@ -448,7 +448,8 @@ class Run(Case):
 
     def test_the_clock_stops_a_run_that_goes_on_later(self):
         text = LONG.replace('time = "1 s"', 'time = "1 s"\nwall_clock = "0.3 s"')
-        self.assertIn("stopped by the clock", self.brisance("run", self.deck(text), "--output", "out", code=3).stdout)
+        self.assertIn("stopped by the wall-clock limit",
+                      self.brisance("run", self.deck(text), "--output", "out", code=3).stdout)
         before = json.loads((self.folder / "out/run.json").read_text())["step"]
         self.deck(text.replace("wall_clock", f"steps = {before + 20}\n# wall_clock"))
         self.brisance("run", "case.toml", "--output", "out", "--resume", "--quiet")
@@ -463,7 +464,7 @@ class Run(Case):
         self.assertIn("1 kg", page)
 
     def test_report_of_nothing(self):
-        self.assertIn("no run.json", self.brisance("report", ".", code=5).stderr)
+        self.assertIn("does not contain run.json", self.brisance("report", ".", code=5).stderr)
 
     def started(self, *before):
         """A long run that has put gauge records on the disk; `before` are words before the command."""
@@ -612,7 +613,7 @@ class Remap(Case):
         for command in (("check", "other.toml"), ("run", "other.toml", "--output", "other")):
             errors = self.brisance(*command, code=2).stderr
             self.assertIn("other.toml:11:11: error: remap.profile: ", errors)
-            self.assertIn("its explosive is TNT, that of the deck is C-4", errors)
+            self.assertIn("its explosive is TNT, but that of the deck is C-4", errors)
         self.deck(scaled.replace("start_1", "start_9"), "none.toml")
         self.assertIn("does not exist", self.brisance("check", "none.toml", code=5).stderr)
 
@@ -668,7 +669,7 @@ class Failures(Case):
         guarded = SMALL.replace("0.4 ms", "20 us") + (
             "[ambient]\npressure = '1 kPa'\ndensity = 0.012\n[numerics]\npressure_floor = '10 kPa'\n")
         done = self.brisance("run", self.deck(guarded), "--output", "out", code=4)
-        self.assertIn("the audit stops the run: guards added", done.stderr)
+        self.assertIn("the audit stopped the run: guards added", done.stderr)
         self.assertTrue((self.folder / "out/checkpoints/stopped.brz").exists())
         log = json.loads((self.folder / "out/run.json").read_text(encoding="utf-8"))
         self.assertIs(log["audit"]["balanced"], False)

@@ -321,7 +321,7 @@ class Resume(Case):
         good = newest.read_bytes()
         damages = {
             "it is truncated: it has": good[:len(good) // 2],
-            "its header alone takes": good[:7],
+            "the header alone needs": good[:7],
             "it does not begin with": b"x" + good[1:],
             "its header is damaged": good[:20] + bytes([good[20] ^ 4]) + good[21:],
             "its data are damaged": good[:-9] + bytes([good[-9] ^ 128]) + good[-8:],
@@ -334,8 +334,8 @@ class Resume(Case):
                 self.assertIn(f'the checkpoint "damaged/checkpoints/{newest.name}" cannot be used: ', done.stderr)
                 self.assertIn(words, done.stderr)
                 previous = self.checkpoints("cut")[-2].name
-                self.assertIn(f'"damaged/checkpoints/{previous}" is used', done.stderr)
-                self.assertIn(f"going on from damaged/checkpoints/{previous}: t = ", done.stdout)
+                self.assertIn(f'using the checkpoint "damaged/checkpoints/{previous}"', done.stderr)
+                self.assertIn(f"resuming from damaged/checkpoints/{previous}: t = ", done.stdout)
                 self.assert_same(whole, "damaged")
                 self.assertTrue((self.folder / "damaged/checkpoints" / (newest.name + ".refused")).exists())
                 shutil.rmtree(self.folder / "damaged")
@@ -347,16 +347,16 @@ class Resume(Case):
         before = self.contents("cut")
         done = self.brisance("--output", "cut", "--resume", code=5)
         self.assertEqual(done.stderr.count("it is truncated"), 2)
-        self.assertIn("holds no good checkpoint", done.stderr)
+        self.assertIn("contains no valid checkpoint", done.stderr)
         self.assertIn("--force", done.stderr)
         self.assertEqual(self.contents("cut"), before)
-        self.assertIn("holds no checkpoint", self.brisance("--output", "nowhere", "--resume", code=5).stderr)
+        self.assertIn("contains no checkpoint", self.brisance("--output", "nowhere", "--resume", code=5).stderr)
         self.assertFalse((self.folder / "nowhere").exists())
 
     def test_a_finished_run_is_left_alone(self):
         self.stopped()
         before = self.contents("whole")
-        self.assertIn("had reached its end", self.brisance("--output", "whole", "--resume").stdout)
+        self.assertIn("has already finished", self.brisance("--output", "whole", "--resume").stdout)
         self.assertEqual(self.contents("whole"), before)
 
     def test_a_finished_run_goes_on_when_its_end_is_moved(self):

@@ -25,7 +25,7 @@ TEST(Text, AVerdictSaysBalancedOnlyWhereAllIs) {
   run::Verdict const wrong{false, true, {"one thing", "another"}};
   EXPECT_EQ(verdict_word(wrong), "NOT BALANCED");
   EXPECT_EQ(verdict_reasons(wrong, false), "NOT BALANCED: one thing\nNOT BALANCED: another\n");
-  EXPECT_NE(verdict_reasons(wrong, true).find("there for comparison"), std::string::npos);
+  EXPECT_NE(verdict_reasons(wrong, true).find("meant for comparison"), std::string::npos);
   EXPECT_EQ(verdict_word({true, false, {}}).find("balanced"), std::string::npos);
   EXPECT_EQ(verdict_word({false, false, {"a mass"}}), "NOT BALANCED");
 }

@@ -109,24 +109,24 @@ std::string refusal(grid::Domain const& domain, std::vector<CellBox> const& boxe
 TEST(Region, RefusesWhatDoesNotFit) {
   grid::Domain const line = domain_of(Geometry::planar1d, {60, 1, 1});
   EXPECT_EQ(refusal(line, {}), "an MPM region needs at least one box");
-  EXPECT_EQ(refusal(line, {{{10, 0, 0}, {40, 1, 1}}}, 0), "the bridge needs a width of at least 1 cell");
-  EXPECT_EQ(refusal(line, {{{10, 0, 0}, {61, 1, 1}}}), "the MPM region reaches beyond the domain in x, or is empty");
-  EXPECT_EQ(refusal(line, {{{10, 0, 0}, {10, 1, 1}}}), "the MPM region reaches beyond the domain in x, or is empty");
+  EXPECT_EQ(refusal(line, {{{10, 0, 0}, {40, 1, 1}}}, 0), "the bridge must be at least 1 cell wide");
+  EXPECT_EQ(refusal(line, {{{10, 0, 0}, {61, 1, 1}}}), "the MPM region is empty or extends beyond the domain in x");
+  EXPECT_EQ(refusal(line, {{{10, 0, 0}, {10, 1, 1}}}), "the MPM region is empty or extends beyond the domain in x");
   EXPECT_EQ(refusal(line, {{{3, 0, 0}, {40, 1, 1}}}),
-            "the MPM region ends 3 cells before the boundary x_low of the domain; it must lie on the boundary or leave "
-            "the gas at least 4 cells");
+            "the MPM region ends 3 cells from the boundary x_low of the domain; it must touch the boundary or leave at "
+            "least 4 cells of gas");
   EXPECT_EQ(refusal(line, {{{10, 0, 0}, {20, 1, 1}}}),
-            "the MPM region is too thin: with a bridge of 3 cells it needs at least 11 cells between two bridges and 6 "
-            "between a bridge and a boundary");
+            "the MPM region is too thin: with a bridge 3 cells wide it needs at least 11 cells between two bridges and "
+            "6 between a bridge and a boundary");
   EXPECT_EQ(refusal(line, {{{10, 0, 0}, {21, 1, 1}}}), "accepted");
   EXPECT_EQ(refusal(line, {{{55, 0, 0}, {60, 1, 1}}}),
-            "the MPM region is too thin: with a bridge of 3 cells it needs at least 11 cells between two bridges and 6 "
-            "between a bridge and a boundary");
+            "the MPM region is too thin: with a bridge 3 cells wide it needs at least 11 cells between two bridges and "
+            "6 between a bridge and a boundary");
   EXPECT_EQ(refusal(line, {{{54, 0, 0}, {60, 1, 1}}}), "accepted");
   EXPECT_EQ(refusal(domain_of(Geometry::planar1d, {60, 1, 1}, Boundary::inflow), {{{40, 0, 0}, {60, 1, 1}}}),
-            "the MPM region may not lie on the inflow boundary x_high; leave the gas at least 4 cells");
+            "the MPM region must not touch the inflow boundary x_high; leave at least 4 cells of gas");
   EXPECT_EQ(refusal(domain_of(Geometry::planar1d, {60, 1, 1}, Boundary::periodic), {{{40, 0, 0}, {60, 1, 1}}}),
-            "the MPM region lies on the periodic boundary x_high but does not span the domain in x");
+            "the MPM region touches the periodic boundary x_high but does not span the domain in x");
 }
 
 std::string refusal(run::Case const& c) {
@@ -143,8 +143,8 @@ TEST(RegionOfACase, LiesOnTheGrid) {
   set_region(c, {40, 0, 0}, {100, 1, 1});
   c.mpm_region->boxes[0].lower[0] = 0.403;
   EXPECT_EQ(refusal(c),
-            "the faces of the MPM region must lie between cells: x = 0.403 m lies in one; the nearest are 0.4 and 0.41 "
-            "m");
+            "the faces of the MPM region must be cell faces: x = 0.403 m lies inside a cell; the nearest cell faces "
+            "are at 0.4 and 0.41 m");
 }
 
 TEST(RegionOfACase, KeepsObstaclesAndSolidsAway) {
@@ -161,12 +161,10 @@ TEST(RegionOfACase, KeepsObstaclesAndSolidsAway) {
   body.solid = material::elastic_solid(100.0, 1e3, 0.3);
   body.shape = shape::Box{{0.46, -1.0, -1.0}, {0.50, 1.0, 1.0}};
   c.particles.bodies = {body};
-  EXPECT_EQ(
-      refusal(c),
-      "body \"wall\" has come to the bridge at (0.4625, 0.005, 0.005) m; the MPM region must reach further: "
-      "solids keep 7 "
-      "cells away from its faces; give it more room there, by mpm_region.box or, where that is laid around the bodies, "
-      "by mpm_region.margin");
+  EXPECT_EQ(refusal(c),
+            "body \"wall\" has reached the bridge at (0.4625, 0.005, 0.005) m; solids must stay 7 cells away from the "
+            "faces of the MPM region; enlarge the MPM region there with mpm_region.box or, if the box is placed around "
+            "the bodies automatically, with mpm_region.margin");
   c.particles.bodies[0].shape = shape::Box{{0.47, -1.0, -1.0}, {0.50, 1.0, 1.0}};
   EXPECT_EQ(refusal(c), "accepted");
 }

@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"3 m", "1", "\"3 m\" is a length, expected a pure number"},
         Bad{"5 V", "m", "\"5 V\" has the wrong dimension, expected a length (m)"},
         Bad{"5 kgg", "kg", "\"5 kgg\" has the unknown unit \"kgg\", expected a mass (kg)"},
-        Bad{"1,5 m", "m", "\"1,5 m\" has a comma: write the number with a decimal point, expected a length (m)"},
+        Bad{"1,5 m", "m", "\"1,5 m\" contains a comma: write the number with a decimal point, expected a length (m)"},
         Bad{"", "m", "\"\" is not a number, expected a length (m)"},
         Bad{"kg 5", "kg", "\"kg 5\" is not a number, expected a mass (kg)"},
         Bad{"+-5 m", "m", "\"+-5 m\" is not a number, expected a length (m)"},
@@ -125,8 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"1e999 m", "m", "\"1e999 m\" is not a finite number, expected a length (m)"},
         Bad{"1e300 km", "um", "\"1e300 km\" is not a finite number, expected a quantity (um)"},
         Bad{"5 m^9999", "m",
-            "\"5 m^9999\" has the unknown unit \"m^9999\"; powers of units are whole numbers other than 0, as in m^2 "
-            "or "
+            "\"5 m^9999\" has the unknown unit \"m^9999\"; powers of units must be integers other than 0, as in m^2 or "
             "s^-1, expected a length (m)"},
         Bad{"5 m kg )", "kg", "\"5 m kg )\" has the unknown unit \"m kg )\", expected a mass (kg)"},
         Bad{"5 m/", "m", "\"5 m/\" has the unknown unit \"m/\", expected a length (m)"},
@@ -199,9 +198,9 @@ INSTANTIATE_TEST_SUITE_P(
         Trap{"5 kph", "m/s", {"did you mean \"km/h\"?"}}, Trap{"5 kilos", "kg", {"did you mean \"kg\"?"}},
         Trap{"1 g0", "m/s2", {"did you mean \"standard_gravity\"?"}}, Trap{"1 g0", "1", {"unknown unit \"g0\""}},
         Trap{"1 g", "m/s2", {"is a mass", "did you mean standard_gravity?"}},
-        Trap{"4 m^0.5", "m", {"powers of units are whole numbers"}},
-        Trap{"4 m^1.5", "m", {"powers of units are whole numbers"}}, Trap{"4 m.5", "m", {"unknown unit \"m.5\""}},
-        Trap{"4 m^0", "1", {"powers of units are whole numbers"}}, Trap{"5 m0", "1", {"unknown unit \"m0\""}},
+        Trap{"4 m^0.5", "m", {"powers of units must be integers"}},
+        Trap{"4 m^1.5", "m", {"powers of units must be integers"}}, Trap{"4 m.5", "m", {"unknown unit \"m.5\""}},
+        Trap{"4 m^0", "1", {"powers of units must be integers"}}, Trap{"5 m0", "1", {"unknown unit \"m0\""}},
         Trap{"5 a", "s", {"\"365.25 d\" (a year)"}}, Trap{"0.5 Mm", "m", {"did you mean \"mm\""}},
         Trap{"5 kg/m-3", "kg/m3", {"did you mean kg/m3?"}}, Trap{"5 kg-m-3", "kg/m3", {"did you mean \"kg m-3\"?"}},
         Trap{"5 kPa-ms", "Pa s", {"did you mean \"kPa ms\"?"}}, Trap{"5 Pas", "Pa s", {"did you mean \"Pa s\"?"}},

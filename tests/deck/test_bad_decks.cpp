@@ -72,15 +72,15 @@ TEST(BadDecks, HugeCountsAreRefusedBeforeAnythingIsAllocated) {
   auto const line =
       deck::read_text(head + "[[gauge]]\nline = {from = [0,0,0], to = [1,1,1], count = 9223372036854775807}", "d");
   EXPECT_EQ(all_errors(line),
-            "d:7:47: error: gauge[1].line.count: 9223372036854775807 is out of range; allowed: 2 to 100000; write for "
-            "example count = 5\n");
+            "d:7:47: error: gauge[1].line.count: 9223372036854775807 is out of range; allowed: 2 to 100000; write, for "
+            "example, count = 5\n");
   std::string many = head;
   for (int i = 0; i < 3; ++i) many += "[[gauge]]\nline = {from = [0,0,0], to = [1,1,1], count = 60000}\n";
   auto const lines = deck::read_text(many, "d");
   ASSERT_EQ(lines.errors.size(), 2U);
   EXPECT_EQ(deck::format(lines.errors[0]),
-            "d:9:47: error: gauge[2].line.count: 60000 gauges more make 120000 in all; allowed: at most "
-            "100000; write field dumps for dense data");
+            "d:9:47: error: gauge[2].line.count: 60000 further gauges give 120000 in total; allowed: at most 100000; "
+            "use field dumps for dense data");
 }
 
 TEST(BadDecks, HostileTextsAreErrors) {
@@ -91,7 +91,7 @@ TEST(BadDecks, HostileTextsAreErrors) {
   std::string dotted = "a";
   for (int i = 0; i < 100000; ++i) dotted += ".a";
   EXPECT_EQ(all_errors(deck::read_text(dotted + " = 1", "d")),
-            "d:1:2: error: a key with more than 32 parts; no key of a deck has more than a few\n");
+            "d:1:2: error: a key with more than 32 parts; every key of a deck has only a few\n");
   EXPECT_FALSE(deck::read_text("title = \"\xff\xfe\"", "d").errors.empty());
   EXPECT_FALSE(deck::read_text(std::string_view("a\0b = 1", 7), "d").errors.empty());
 }

@@ -26,9 +26,9 @@ TEST(Manual, ItsShortestDeckIsReadAndShort) {
 // What stands in backquotes in its paragraph on units is a unit; what it says to be refused is.
 TEST(Manual, ItsUnitsAreUnits) {
   std::string const manual = deck::reference_manual();
-  auto const begin = manual.find("There are, with their prefixes");
-  auto const end = manual.find("Case counts in symbols");
-  auto const last = manual.find("is refused with what to write");
+  auto const begin = manual.find("The known units, also with prefixes");
+  auto const end = manual.find("Symbols are case-sensitive");
+  auto const last = manual.find("is rejected, and the message says what to write");
   ASSERT_LT(begin, end);
   ASSERT_LT(end, last);
   auto const words = [&manual](std::size_t from, std::size_t to) {

@@ -178,7 +178,7 @@ TEST(Checkpoint, APipeIsNoFile) {
   ScratchFolder const folder;
   fs::path const path = folder.path() / "checkpoint_00000001.brz";
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  EXPECT_NE(problem_of(path).find("it is no file"), std::string::npos) << problem_of(path);
+  EXPECT_NE(problem_of(path).find("it is not a regular file"), std::string::npos) << problem_of(path);
 }
 
 TEST(Checkpoint, WhileOneIsWrittenTheOthersStand) {

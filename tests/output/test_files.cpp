@@ -55,7 +55,8 @@ TEST(Files, MissingFileIsAnError) {
 
 std::string link_message(fs::path const& path) {
   return "\"" + path.string() +
-         "\" is a link, and nothing is written through links: remove it, or name another folder with --output";
+         "\" is a link, and the program does not write through links: remove it, or choose another folder with "
+         "--output";
 }
 
 TEST(Files, AreNotWrittenThroughLinks) {
@@ -182,8 +183,8 @@ TEST(Folder, WithResultsIsRefusedUntilForced) {
   EXPECT_EQ(
       io_error([&] { prepare_folder(folder, Earlier::refuse, 0.0); }),
       "the output folder \"" + folder.string() +
-          "\" already holds the results of a run (run.json): go on with that run with --resume, name another folder "
-          "with --output, or replace them with --force");
+          "\" already contains the results of a run (run.json): continue that run with --resume, choose another folder "
+          "with --output, or replace the results with --force");
   EXPECT_TRUE(fs::exists(folder / "gauges/g.csv"));
 
   EXPECT_NO_THROW(prepare_folder(folder, Earlier::keep, 0.0));
@@ -209,7 +210,7 @@ TEST(Folder, WithStrangersInTheWayIsRefused) {
       list_files(folder, {"run.json"});
       replace_file(folder / name, "mine");
       auto const message = io_error([&] { prepare_folder(folder, earlier, 0.0, written); });
-      EXPECT_NE(message.find(name + "\" is in the way"), std::string::npos) << message;
+      EXPECT_NE(message.find(name + "\" already exists"), std::string::npos) << message;
       EXPECT_EQ(read_file(folder / name), "mine");
       EXPECT_EQ(fs::exists(folder / "run.json"), earlier != Earlier::refuse);
     }

@@ -90,7 +90,7 @@ TEST(ProfileFile, DamageIsRefused) {
   write_file(path, good.substr(0, good.size() / 2));
   EXPECT_NE(problem_of(path).find("cannot be used: it"), std::string::npos) << problem_of(path);
   write_file(path, "no profile at all");
-  EXPECT_NE(problem_of(path).find("it is damaged or no HDF5 file"), std::string::npos) << problem_of(path);
+  EXPECT_NE(problem_of(path).find("it is damaged or not an HDF5 file"), std::string::npos) << problem_of(path);
   // One bit of a number: 1/3 of the pressures.
   double const number = 1e5 / 3.0;
   std::size_t const at = good.find(std::string(reinterpret_cast<char const*>(&number), sizeof number));
@@ -141,7 +141,7 @@ TEST(ProfileFile, WhatIsNoProfileIsRefused) {
   H5Tset_size(text, 16);
   std::string const three("brisance profilebrisance profilebrisance profile");
   replace_attribute(path, "format", text, {3}, three.data());
-  expect("no good \"format\"");
+  expect("a valid \"format\"");
   for (char const* name : {"spacing", "time", "charge_mass", "ambient_pressure", "charge_radius"}) {
     for (double const value : {-1.0, std::nan(""), HUGE_VAL}) {
       replace_attribute(path, name, H5T_IEEE_F64LE, {}, &value);
@@ -150,38 +150,38 @@ TEST(ProfileFile, WhatIsNoProfileIsRefused) {
   }
   std::array<double, 3> const nowhere{0.0, std::nan(""), 0.0};
   replace_attribute(path, "origin", H5T_IEEE_F64LE, {3}, nowhere.data());
-  expect("about its cells");
+  expect("description of the cells");
   // Two gigabytes that a file of some kilobytes announces; numbers of other files; packed ones.
   std::array<long, 2> const many{1L << 13U, 1L << 13U};
   replace_attribute(path, "cells", H5T_STD_I64LE, {2}, many.data());
   replace_dataset(path, "/profile/state", {8, 1U << 13U, 1U << 13U}, [](hid_t) {});
-  expect("no good \"state\"");
+  expect("a valid \"state\"");
   replace_dataset(path, "/profile/state", {8, 4, 3}, [](hid_t) {});
-  expect("no good \"state\"");
+  expect("a valid \"state\"");
   replace_dataset(path, "/profile/pressure", {4, 3},
                   [](hid_t creation) { H5Pset_external(creation, "/dev/zero", 0, H5F_UNLIMITED); });
-  expect("no good \"pressure\"");
+  expect("a valid \"pressure\"");
   replace_dataset(path, "/profile/pressure", {4, 3}, [](hid_t creation) {
     std::array<hsize_t, 2> const chunk{4, 3};
     H5Pset_chunk(creation, 2, chunk.data());
     H5Pset_deflate(creation, 1);
   });
-  expect("no good \"pressure\"");
+  expect("a valid \"pressure\"");
   replace_dataset(path, "/profile/constants", {100000}, [](hid_t) {});
-  expect("no good \"constants\"");
+  expect("a valid \"constants\"");
   // Numbers that are none, with a checksum that fits.
   detonation::Profile p = made_up();
   p.state[5] = std::nan("");
   write_profile(path, p);
-  expect("no good \"state\"");
+  expect("a valid \"state\"");
   // A radial profile has one row; here it says four.
   p = made_up();
   p.domain.geometry = grid::Geometry::spherical1d;
   write_profile(path, p);
-  expect("about its cells");
+  expect("description of the cells");
   fs::remove(path);
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  EXPECT_NE(problem_of(path).find("it is no file"), std::string::npos);
+  EXPECT_NE(problem_of(path).find("it is not a regular file"), std::string::npos);
   fs::remove(path);
 }
 

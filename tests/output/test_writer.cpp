@@ -129,7 +129,7 @@ TEST(Report, FolderWithoutRunIsAnError) {
     FAIL();
   } catch (IoError const& error) {
     EXPECT_EQ(std::string(error.what()),
-              "\"" + scratch.path().string() + "\" is not the output folder of a run: it holds no run.json");
+              "\"" + scratch.path().string() + "\" is not the output folder of a run: it does not contain run.json");
   }
 }
 
@@ -149,10 +149,9 @@ TEST(Report, MissingInterpreterIsAnErrorThatSaysWhatToDo) {
     write_report(scratch.path());
     FAIL();
   } catch (IoError const& error) {
-    EXPECT_EQ(
-        std::string(error.what()),
-        "cannot start \"/nowhere/python3\", which draws the report: install python3, or name an interpreter in the "
-        "environment variable BRISANCE_PYTHON");
+    EXPECT_EQ(std::string(error.what()),
+              "cannot start \"/nowhere/python3\", which writes the report: install python3, or set the environment "
+              "variable BRISANCE_PYTHON to an interpreter");
   }
 }
 

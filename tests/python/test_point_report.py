@@ -26,14 +26,14 @@ class Folders(report_folders.Folders):
 class Pages(Folders):
     def test_axisymmetric(self):
         page = self.page("2d")
-        self.assertEqual(self.titles(page), ["Calculation", "Bodies", "Pictures", "Gauges", "Energies", "Conservation",
+        self.assertEqual(self.titles(page), ["Simulation", "Bodies", "Pictures", "Gauges", "Energies", "Conservation",
                                              "Cost and versions", "Deck"])
         # Mises, plastic strain, pressure, speed; gauges, energies, timings.
         self.assertEqual(page.count("<img "), 7)
         for part in ("Made-up &lt;points&gt;", "quadratic B-spline, MUSL, XPIC(2), locking control", "2,000",
                      "body force (0, -9.81, 0) m/s²", "Mirrored at the axis", "drift", "-0.2 %", "within 0.5 %",
-                     "copper: a handbook", "z: -2.9", "Points lost 0.25 J of kinetic energy at held nodes",
-                     "the friction of contacts 0.125 J"):
+                     "copper: a handbook", "z: -2.9", "0.25 J at constrained nodes",
+                     "0.125 J by contact friction"):
             self.assertIn(part, page)
         self.assertNotIn("Overpressure field", page)
 
@@ -46,12 +46,12 @@ class Pages(Folders):
     def test_one_dimension_has_profiles(self):
         page = self.page("1d")
         self.assertIn("Profiles at several times", page)
-        self.assertIn("17 points left the domain", page)
-        self.assertIn("* The point left the domain", page)
+        self.assertIn("17 particles left the domain", page)
+        self.assertIn("* The particle left the domain", page)
 
     def test_without_dumps_gauges_and_end(self):
         page = self.page("bare")
-        self.assertEqual(self.titles(page), ["Calculation", "Bodies", "Conservation", "Cost and versions", "Deck"])
+        self.assertEqual(self.titles(page), ["Simulation", "Bodies", "Conservation", "Cost and versions", "Deck"])
         self.assertIn("not finished", page)
 
     def test_of_a_run_that_drifts(self):
@@ -87,8 +87,8 @@ class Verdicts(unittest.TestCase):
                                         {"audit": {"findings": {"drift": {"warn": warn, "reported": told}}}})
         self.assertEqual(verdict(0.04, 0.05, False), report.badge("good", "within 5 %"))
         self.assertEqual(verdict(0.06, 0.05, True), report.badge("bad", "more than 5 %"))
-        self.assertEqual(verdict(0.06, 0.0, False), report.badge("warn", "not judged"))
-        self.assertEqual(verdict(0.06, 0.005, False), report.badge("good", "within the latest work of the loads"))
+        self.assertEqual(verdict(0.06, 0.0, False), report.badge("warn", "not checked"))
+        self.assertEqual(verdict(0.06, 0.005, False), report.badge("good", "within the most recent work of the loads"))
 
 
 class Figures(Folders):

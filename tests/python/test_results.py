@@ -127,7 +127,7 @@ class Reader(unittest.TestCase):
         text = log.read_text()
         try:
             log.write_text(re.sub(r'"format": 2\b', '"format": 3', text))
-            with self.assertRaisesRegex(results.UnknownFormat, "format 3, this reader knows 2"):
+            with self.assertRaisesRegex(results.UnknownFormat, "format 3, but this reader supports 2"):
                 results.Run(self.root / "line")
         finally:
             log.write_text(text)

@@ -387,7 +387,7 @@ TEST(State, OfAnotherCaseIsRefused) {
   EXPECT_NE(refusal(other, checkpoint).find("the shape of the obstacles"), std::string::npos);
   other = gas;
   other.charges[0].initiation[0].delay = 1e-6;
-  EXPECT_NE(refusal(other, checkpoint).find("the lighting of the charges"), std::string::npos);
+  EXPECT_NE(refusal(other, checkpoint).find("the initiation of the charges"), std::string::npos);
   other = gas;
   other.gauges[1].position[0] = 0.71;
   EXPECT_NE(refusal(other, checkpoint).find("the position of gauge \"far\""), std::string::npos);
@@ -397,7 +397,7 @@ TEST(State, OfAnotherCaseIsRefused) {
   std::string const of_particles = written(blocks);
   Case apic = two_blocks();
   apic.particles.options.transfer = mpm::Transfer::apic;
-  EXPECT_NE(refusal(apic, of_particles).find("what a point carries"), std::string::npos);
+  EXPECT_NE(refusal(apic, of_particles).find("the set of particle fields"), std::string::npos);
 }
 
 /// The checkpoint with the first such bytes replaced by others.
@@ -454,11 +454,13 @@ TEST(State, WhatMakesNoSenseIsRefused) {
     return with(of_particles, before, after);
   };
   for (double const x : {nan, 1e300, -1e300, 10.0}) {
-    expect(solid, spoilt(Field::position_x, x), "the position of a point of body");
-    expect(solid, spoilt(Field::position_y, x), "the position of a point of body");
+    expect(solid, spoilt(Field::position_x, x), "the position of a particle of body");
+    expect(solid, spoilt(Field::position_y, x), "the position of a particle of body");
   }
-  for (double const number : {nan, -1.0, 2.0, 1e300}) expect(solid, spoilt(Field::load_number, number), "what a point");
-  for (double const number : {nan, -1.0, 1e300}) expect(solid, spoilt(Field::identity, number), "what a point");
+  for (double const number : {nan, -1.0, 2.0, 1e300})
+    expect(solid, spoilt(Field::load_number, number), "the fields of a particle");
+  for (double const number : {nan, -1.0, 1e300})
+    expect(solid, spoilt(Field::identity, number), "the fields of a particle");
 }
 
 // Any number of a checkpoint replaced by one that it should not hold: refused, or a world that can be looked at.

@@ -133,7 +133,7 @@ TEST(ChargePlacement, OffCentreCutsAndOverhangsAreRefused) {
   EXPECT_NE(message({-0.03, 0.14, 0.14}, Boundary::symmetry).find("would overlap its own mirror image"),
             std::string::npos);
   for (Boundary low : {Boundary::wall, Boundary::outflow, Boundary::periodic}) {
-    EXPECT_NE(message({0.0, 0.14, 0.14}, low).find("reaches over the low boundary of the domain (x = 0 m)"),
+    EXPECT_NE(message({0.0, 0.14, 0.14}, low).find("extends beyond the low boundary of the domain (x = 0 m)"),
               std::string::npos);
   }
 }

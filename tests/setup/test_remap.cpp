@@ -326,29 +326,29 @@ TEST_F(Remap, RefusesProfilesThatDoNotFit) {
   };
   Case other = c;
   other.charges[0].explosive.name = "PETN";
-  expect(other, good, "its explosive is TNT, that of the deck is PETN");
+  expect(other, good, "its explosive is TNT, but that of the deck is PETN");
   other = c;
   other.charges[0].explosive.products.omega = 0.31;
-  expect(other, good, "its products jwl.omega is 0.3, that of the deck is 0.31");
+  expect(other, good, "its products jwl.omega is 0.3, but that of the deck is 0.31");
   other = c;
   other.ambient.state.pressure = 9e4;
-  expect(other, good, "its ambient pressure is 101325, that of the deck is 90000");
+  expect(other, good, "its ambient pressure is 101325, but that of the deck is 90000");
   other = c;
   other.ambient.fluid.eos = material::StiffenedGas{};
-  expect(other, good, "other equations of state");
+  expect(other, good, "different equations of state");
   detonation::Profile plane = good;
   plane.domain.geometry = Geometry::cylindrical1d;
-  expect(c, plane, "it is of cylindrical1d, which cannot become cartesian3d");
+  expect(c, plane, "it is in cylindrical1d, which cannot be mapped to cartesian3d");
   other = c;
   other.charges[0].shape = Sphere{{0.2213, 0.2297, 0.2341}, 2.0 * radius};
   other.charges[0].mass *= 8.0;
-  expect(other, good, "take an earlier profile");
+  expect(other, good, "use an earlier profile");
   detonation::Profile late = good;
   late.charge.initiation[0].delay = 1e-6;
-  expect(c, late, "its charge was lit elsewhere, or at another time");
+  expect(c, late, "its charge was initiated at another point or time");
   other = c;
   other.end.time = 1e-6;
-  expect(other, good, "after the end of the calculation");
+  expect(other, good, "after the end of the simulation");
 }
 
 TEST_F(Remap, TwoChargesBurstAtOneTime) {

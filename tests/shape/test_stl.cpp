@@ -180,21 +180,21 @@ TEST_F(Stl, BrokenFilesAreRefusedWithTheReason) {
   EXPECT_TRUE(mentions(refusal("solid nothing\nendsolid nothing\n"), "no triangles"));
 
   std::string const whole = binary(unit_cube);
-  EXPECT_TRUE(mentions(refusal(whole.substr(0, whole.size() - 60)), "announces 12 triangles but holds 10"));
+  EXPECT_TRUE(mentions(refusal(whole.substr(0, whole.size() - 60)), "declares 12 triangles but contains 10"));
   std::string huge = whole;
   for (int n = 80; n < 84; ++n) huge[n] = static_cast<char>(0xff);
-  EXPECT_TRUE(mentions(refusal(huge), "announces 4294967295 triangles"));
+  EXPECT_TRUE(mentions(refusal(huge), "declares 4294967295 triangles"));
 
   std::string const text = ascii(unit_cube);
   std::size_t const seventh = text.rfind("  facet", text.size() / 2);
-  EXPECT_TRUE(mentions(refusal(text.substr(0, seventh + 60)), "it is cut off"));
+  EXPECT_TRUE(mentions(refusal(text.substr(0, seventh + 60)), "it is truncated"));
   EXPECT_TRUE(mentions(refusal(text.substr(0, seventh)), "not closed"));  // between two facets
   std::string wrong = text;
   wrong.replace(wrong.find("vertex"), 6, "vertix");
-  EXPECT_TRUE(mentions(refusal(wrong), "line 4: \"vertix\" where \"vertex\""));
+  EXPECT_TRUE(mentions(refusal(wrong), "line 4: found \"vertix\", expected \"vertex\""));
   wrong = text;
   wrong.replace(wrong.find("0.000000000e+00"), 15, "zero           ");
-  EXPECT_TRUE(mentions(refusal(wrong), "where a number should stand"));
+  EXPECT_TRUE(mentions(refusal(wrong), "expected a number"));
 
   auto corners = unit_cube;
   corners.resize(corners.size() - 3);
@@ -202,7 +202,7 @@ TEST_F(Stl, BrokenFilesAreRefusedWithTheReason) {
   EXPECT_TRUE(mentions(refusal(ascii(corners)), "not closed: 3 open edges"));
   corners = unit_cube;
   std::swap(corners[0], corners[1]);
-  EXPECT_TRUE(mentions(refusal(binary(corners)), "face against each other at 3 edges"));
+  EXPECT_TRUE(mentions(refusal(binary(corners)), "opposite orientations at 3 edges"));
   corners = unit_cube;
   corners.insert(corners.end(), unit_cube.begin(), unit_cube.begin() + 3);
   EXPECT_TRUE(mentions(refusal(binary(corners)), "shared by more than two"));

@@ -14,18 +14,19 @@ namespace brisance::deck {
 
 Table const& afterburn_table() {
   static Table const table{
-      "Energy that the detonation products release after the detonation, in proportion to their mass and wherever they "
-      "are: none of the models knows how much air has been mixed in. Absent: no afterburn. Gas cells only.",
+      "Energy that the detonation products release after the detonation, in proportion to their mass and independent "
+      "of place: no model accounts for the air that has been mixed in. Without this table there is no afterburn. "
+      "Afterburn is available in gas cells only and cannot be combined with bodies.",
       {word("model", model_names<material::AfterburnRate>())
            .required()
            .like("\"constant_rate\"")
            .means(
                "`constant_rate`: at a constant rate from `begin` to `end`; `miller`: d(lambda)/dt = a (1 - lambda)^m "
-               "p^n [Miller95], lambda the part that has been released, carried along with the products"),
+               "p^n [Miller95], where lambda is the fraction that has been released and is advected with the products"),
        number("energy", "J/kg", 0.0, 1e9)
-           .note("that of the explosive, where it is known")
+           .note("that of the explosive, if known")
            .like("\"10.2 MJ/kg\"")
-           .means("Energy Q in all, per mass of the products")},
+           .means("Total energy Q per mass of products")},
       "model",
       keys_of_models<material::AfterburnRate>()};
   return table;
@@ -54,7 +55,7 @@ double burnt_at(run::Charge const& charge, grid::Domain const& domain, double ce
 bool begins_burnt(Draft const& draft, Section const& section, material::ConstantRateAfterburn const& model) {
   if (!(model.end > model.begin)) {
     draft.error(section, "end",
-                fmt::format("{} does not lie after begin = {}: exchange or correct them", section.shown("end"),
+                fmt::format("{} is not later than begin = {}: swap or correct them", section.shown("end"),
                             section.shown("begin")));
     return false;
   }
@@ -73,13 +74,13 @@ bool begins_burnt(Draft const& draft, Section const& section, material::Constant
   if (draft.domain_known && model.begin < burnt) {
     draft.error(
         section, "begin",
-        fmt::format("{} lies before the end of the detonation, and unburnt explosive has no afterburn: write at "
-                    "least {:.3g} s",
-                    section.shown("begin"), 1.005 * burnt));
+        fmt::format(
+            "{} is before the end of the detonation, and unburnt explosive has no afterburn: write at least {:.3g} s",
+            section.shown("begin"), 1.005 * burnt));
     return false;
   }
   if (draft.end_known && model.begin >= draft.out.end.time) {
-    draft.warn(section, "begin", fmt::format("lies after the end of the calculation at {:g} s", draft.out.end.time));
+    draft.warn(section, "begin", fmt::format("is after the end of the simulation at {:g} s", draft.out.end.time));
   }
   return true;
 }
@@ -90,10 +91,9 @@ void build_afterburn(Draft& draft) {
   Section const* section = draft.deck.section("afterburn");
   if (section == nullptr) return;
   if (draft.has_bodies() || draft.deck.given("mpm_region")) {
-    draft.report.error(
-        section->place, section->path,
-        "material points have no afterburn, only gas cells: remove this table, or calculate without bodies "
-        "and without an MPM region");
+    draft.report.error(section->place, section->path,
+                       "afterburn is available in gas cells only and cannot be combined with material points: remove "
+                       "this table, or simulate without bodies and without an MPM region");
     return;
   }
   if (!draft.products_known || draft.deck.broken("charge")) return;
@@ -109,7 +109,7 @@ void build_afterburn(Draft& draft) {
       if (draft.report.failed()) return;  // what is wrong with them is reported
     }
     draft.report.error(section->place, section->path,
-                       "there are no detonation products that could burn on: add a [[charge]], or remove this table");
+                       "there are no detonation products that could burn: add a [[charge]], or remove this table");
     return;
   }
   auto const word = section->text("model");
@@ -117,7 +117,7 @@ void build_afterburn(Draft& draft) {
   material::Afterburn afterburn;
   if (!section->given("energy") && !products->afterburn_energy) {
     draft.report.error(section->place, section->path_of("energy"),
-                       fmt::format("the afterburn energy of {} is not known: write for example energy = \"10 MJ/kg\"",
+                       fmt::format("the afterburn energy of {} is unknown: write, for example, energy = \"10 MJ/kg\"",
                                    products->name));
     return;
   }

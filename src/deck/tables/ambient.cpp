@@ -10,28 +10,28 @@ namespace brisance::deck {
 
 Table const& ambient_table() {
   static Table const table{
-      "The fluid that fills the domain before anything happens.",
+      "The fluid that fills the domain initially.",
       {typed(Type::text, "fluid")
            .of("air")
            .like("\"air\"")
-           .means("A fluid of the library or of `[fluids.NAME]`. Of the two waters `water` is for shocks of 0.5 to 4 "
-                  "GPa, beside a charge (sound at rest 1625 m/s, peaks of TNT 17 to 21 % above Cole's at 1 to 3.5 "
-                  "m/kg^(1/3)), `water_mg` for shocks below 1 GPa, arrivals and what stands in the water (1480 m/s, 10 "
-                  "to 19 % below with 53 cells per charge radius, more with fewer); see materials.md"),
+           .means("A fluid of the library or of `[fluids.NAME]`. There are two models of water. `water` suits shocks "
+                  "of 0.5 to 4 GPa close to a charge (sound speed at rest 1625 m/s; peaks of TNT 17 to 21 % above "
+                  "Cole's at 1 to 3.5 m/kg^(1/3)). `water_mg` suits shocks below 1 GPa, arrival times and structures "
+                  "in the water (sound speed 1480 m/s; peaks 10 to 19 % below Cole's with 53 cells per charge radius, "
+                  "lower with fewer cells). See materials.md"),
        pressure().note("that of the fluid, 101325 Pa for air").means("Pressure"),
        density().note("that of the fluid, 1.225 kg/m3 for air").means("Density"),
        number("temperature", "K", 1.0, 1e4)
            .note("288.15 K for air")
            .like("\"15 degC\"")
-           .means("Instead of `density`, for ideal gases: the density follows from that of the fluid's own table, "
-                  "which is "
-                  "taken to hold at 288.15 K"),
+           .means("Instead of `density`, for ideal gases: the density is scaled from that of the fluid's own table, "
+                  "which is assumed to apply at 288.15 K"),
        number("altitude", "m", empirical::lowest_altitude, empirical::highest_altitude)
            .note("none")
            .like("\"3 km\"")
-           .means("Instead of `pressure`, `density` and `temperature`, for ideal gases: height above the sea, at which "
-                  "the "
-                  "standard atmosphere [ISO2533] has its pressure and its temperature; the density follows from them"),
+           .means("Instead of `pressure`, `density` and `temperature`, for ideal gases: altitude above sea level. "
+                  "Pressure and temperature are those of the standard atmosphere [ISO2533]; the density follows from "
+                  "them"),
        velocity().note("at rest").means("Velocity")},
       {},
       {}};
@@ -49,12 +49,12 @@ bool altitude(Draft const& draft, Section const& section, material::Fluid const&
   for (auto const* key : {"pressure", "density", "temperature"}) {
     if (!section.given(key)) continue;
     draft.error(section, "altitude",
-                fmt::format("{} is given beside a {}: remove one of the two", section.shown("altitude"), key));
+                fmt::format("{} is given together with {}: remove one of the two", section.shown("altitude"), key));
     return false;
   }
   if (!std::holds_alternative<material::IdealGas>(fluid.eos)) {
     draft.error(section, "altitude",
-                fmt::format("{} cannot be used: {} is no ideal gas; give its pressure and density instead",
+                fmt::format("{} cannot be used: {} is not an ideal gas; give its pressure and density instead",
                             section.shown("altitude"), fluid.name));
     return false;
   }
@@ -78,12 +78,10 @@ std::optional<material::Primitive> fluid_state(Draft const& draft, Section const
   defaults.pressure = section.number("pressure").value_or(defaults.pressure);
   if (!(material::bulk_modulus(of.eos, defaults.density, defaults.pressure) > 0.0)) {
     std::string_view const key = section.given(blamed) ? blamed : "pressure";
-    draft.report.error(
-        section.place_of(key), section.path_of(key),
-        fmt::format(
-            "{} at {:g} kg/m3 and {:g} Pa has no real sound speed: this state is outside its equation of state; "
-            "its own density is {:g} kg/m3",
-            of.name, defaults.density, defaults.pressure, of.density));
+    draft.report.error(section.place_of(key), section.path_of(key),
+                       fmt::format("{} at {:g} kg/m3 and {:g} Pa has no real sound speed: this state is outside its "
+                                   "equation of state; its default density is {:g} kg/m3",
+                                   of.name, defaults.density, defaults.pressure, of.density));
     return std::nullopt;
   }
   return defaults;
@@ -106,11 +104,12 @@ void build_ambient(Draft& draft) {
   if (section.given("temperature")) {
     auto const temperature = section.number("temperature");
     if (section.given("density")) {
-      draft.error(section, "temperature",
-                  fmt::format("{} is given beside a density: remove one of the two", section.shown("temperature")));
+      draft.error(
+          section, "temperature",
+          fmt::format("{} is given together with a density: remove one of the two", section.shown("temperature")));
     } else if (!std::holds_alternative<material::IdealGas>(found->eos)) {
       draft.error(section, "temperature",
-                  fmt::format("{} cannot be used: {} is no ideal gas; give its density instead",
+                  fmt::format("{} cannot be used: {} is not an ideal gas; give its density instead",
                               section.shown("temperature"), found->name));
     } else if (temperature) {
       double const p = section.number("pressure").value_or(found->pressure);

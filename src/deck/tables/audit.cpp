@@ -15,12 +15,12 @@ Settings<run::AuditLimits> const& settings() {
   static Settings<A> const all{
       {&A::warn, number("warn", "1", 0.0, 1.0)
                      .like("0.005")
-                     .means("Drift from which on the run is told to be NOT BALANCED; 0: the drift is not judged")},
+                     .means("Drift above which the run is reported as NOT BALANCED; 0: the drift is not checked")},
       {&A::fail,
        number("fail", "1", 0.0, 1.0)
            .like("0.05")
-           .means("Drift from which on the run stops with exit code 4; 0: it never stops, whatever drifts, guards add "
-                  "or the ledger holds")}};
+           .means("Drift above which the run stops with exit code 4; 0: the audit never stops the run, however large "
+                  "the drift, the energy and mass added by guards, or the contents of the ledger")}};
   return all;
 }
 
@@ -28,11 +28,11 @@ Settings<run::AuditLimits> const& settings() {
 
 Table const& audit_table() {
   static Table const table{
-      "What the run says and does where its energy is not conserved. The energy of material points drifts, alone and "
-      "together with gas; the drift counts as a part of the energy at work (the largest so far of kinetic energy, "
-      "work of loads and gravity, and energy above the ambient state). What the gas scheme's guards add has limits "
-      "of "
-      "its own: told from 1e-4, the run ends from 1e-2 of the charges' energy on. Nothing here changes the results.",
+      "What the run reports and does if its energy is not conserved. The energy of material points, with or without "
+      "gas, is not conserved exactly; it drifts. The drift is a fraction of the reference energy (the largest value so "
+      "far of kinetic energy, work of loads and gravity, and energy above the ambient state). The energy and mass "
+      "added by the gas scheme's guards have separate limits: above 1e-4 of those of the charges they are reported, "
+      "above 1e-2 the run stops. Nothing here changes the results.",
       settings().keys(),
       {},
       {}};
@@ -45,11 +45,10 @@ void build_audit(Draft& draft) {
   auto& limits = draft.out.audit;
   bool const read = settings().read(*section, limits);
   if (read && limits.fail > 0.0 && limits.warn > limits.fail) {
-    draft.error(
-        *section, section->given("fail") ? "fail" : "warn",
-        fmt::format("the run would stop at fail = {:g} before it warns at warn = {:g}: make `fail` larger, `warn` "
-                    "smaller, or `fail = 0` for a run that never stops",
-                    limits.fail, limits.warn));
+    draft.error(*section, section->given("fail") ? "fail" : "warn",
+                fmt::format("the run would stop at fail = {:g} before it warns at warn = {:g}: increase `fail`, "
+                            "decrease `warn`, or write `fail = 0` so that the run never stops",
+                            limits.fail, limits.warn));
   }
 }
 

@@ -21,17 +21,19 @@ Settings<run::Body> const& settings() {
       {&B::particles_per_direction,
        typed(Type::integer, "points_per_cell", "1", 1, 8)
            .like("2")
-           .means("Material points per cell and direction at the start: 2 makes 8 per cell in 3D")},
-      velocity().note("at rest").means("Velocity at the start"),
-      {&B::rigid, typed(Type::boolean, "rigid").like("true").means("It keeps its velocity, whatever it meets")},
-      density().note("that of the fluid").means("Density at the start, of fluids only"),
-      pressure().note("that of the fluid").means("Pressure at the start, of fluids only"),
+           .means("Initial number of material points per cell and direction: 2 gives 8 per cell in 3D")},
+      velocity().note("at rest").means("Initial velocity"),
+      {&B::rigid, typed(Type::boolean, "rigid")
+                      .like("true")
+                      .means("The body keeps its velocity regardless of contacts and loads")},
+      density().note("that of the fluid").means("Initial density, for fluids only"),
+      pressure().note("that of the fluid").means("Initial pressure, for fluids only"),
       word<run::Detonation>("detonation")
           .of(word_of(run::Charge{}.detonation))
           .like("\"programmed\"")
-          .means("Of explosives, as for charges"),
+          .means("For explosives, as for charges"),
       nested(Type::tables, "initiation", initiation_table())
-          .note("one point at the middle of the body, at time 0")
+          .note("one point at the centre of the body, at time 0")
           .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
           .means("Points of initiation of a programmed detonation")};
   return all;
@@ -42,11 +44,10 @@ Settings<run::Body> const& settings() {
 Table const& body_table() {
   static Table const table = [] {
     Table t{
-        "A body of material points. In a deck with `[mpm_region]`, or with charges, regions, obstacles, inflow or "
-        "gauges in the gas, bodies stand in the gas of `[ambient]`. Otherwise they move in empty space; the domain's "
-        "faces `wall` push solids and do not pull them, `symmetry` holds them like a mirror, `outflow` lets them "
-        "leave, `periodic` joins "
-        "opposite faces.",
+        "A body of material points. In a deck with `[mpm_region]`, or with charges, initial states, obstacles, inflow "
+        "or gauges in the gas, bodies are surrounded by the gas of `[ambient]`. Otherwise they move in empty space. "
+        "Faces of the domain act on bodies as follows: `wall` pushes solids but does not pull them, `symmetry` is a "
+        "mirror plane, `outflow` lets them leave, `periodic` joins opposite faces.",
         {typed(Type::name, "name").note("`body-1`, ...").like("\"plate\"").means("Name"),
          typed(Type::text, "material")
              .required()
@@ -85,23 +86,20 @@ bool body_fits(Draft const& draft, Section const& section, shape::Shape const& s
     double const slack = std::holds_alternative<shape::Mesh>(shape) ? 1e-2 * h : draft.tiny();
     Boundary const boundary = draft.out.domain.boundary[f];
     if (boundary == Boundary::symmetry && std::abs(middle - plane) <= slack) continue;
-    std::string const where = fmt::format("the body reaches {:.4g} m over the face {} ({} = {:.6g} m)", beyond,
+    std::string const where = fmt::format("the body extends {:.4g} m beyond the face {} ({} = {:.6g} m)", beyond,
                                           grid::face_names[f], directions[d], plane);
     if (b.upper[d] <= draft.out.domain.lower[d] || b.lower[d] >= draft.out.domain.upper(d)) {
       touches_domain(draft, section, shape);
     } else if (boundary == Boundary::symmetry) {
-      draft.error(
-          section, key,
-          fmt::format(
-              "{}, which is a symmetry plane, but its middle at {} = {:.6g} m does not lie on it: put the middle "
-              "on the plane or the whole body inside",
-              where, directions[d], middle));
+      draft.error(section, key,
+                  fmt::format("{}, which is a symmetry plane, but its centre at {} = {:.6g} m is not on the plane: put "
+                              "the centre on the plane or the whole body inside the domain",
+                              where, directions[d], middle));
     } else {
-      draft.error(
-          section, key,
-          fmt::format("{}, which is \"{}\": move the body inside or enlarge the domain; only a symmetry plane through "
-                      "its middle may cut a body",
-                      where, word_of(boundary)));
+      draft.error(section, key,
+                  fmt::format("{}, which is \"{}\": move the body inside or enlarge the domain; only a symmetry plane "
+                              "through its centre may cut a body",
+                              where, word_of(boundary)));
     }
     return false;
   }
@@ -109,11 +107,10 @@ bool body_fits(Draft const& draft, Section const& section, shape::Shape const& s
     double const extent =
         std::min(b.upper[d], draft.out.domain.upper(d)) - std::max(b.lower[d], draft.out.domain.lower[d]);
     if (extent >= h * (1.0 - 1e-6)) continue;
-    draft.error(
-        section, key,
-        fmt::format("the body is {:.4g} m thick in direction {}, less than a cell of {:.4g} m: make the cells smaller "
-                    "or the body thicker",
-                    extent, directions[d], h));
+    draft.error(section, key,
+                fmt::format("the body is {:.4g} m thick in direction {}, less than one cell of {:.4g} m: make the "
+                            "cells smaller or the body thicker",
+                            extent, directions[d], h));
     return false;
   }
   return true;
@@ -164,16 +161,15 @@ bool body_material(Draft& draft, Section const& section, shape::Shape const* sha
   }
   for (auto const* key : {"density", "pressure"}) {
     if ((!burns && solid == nullptr) || !section.given(key)) continue;
-    draft.error(
-        section, key,
-        fmt::format("{} is {}, which starts with its own density and pressure; only fluids can be given others: "
-                    "remove the key",
-                    *name, kind));
+    draft.error(section, key,
+                fmt::format("{} is {}, which starts with the density and pressure of its material; only fluids can "
+                            "start with others: remove the key",
+                            *name, kind));
     sound = false;
   }
   if (burns && section.given("rigid") && body.rigid) {
     draft.error(section, "rigid",
-                fmt::format("{} is an explosive, and a rigid one could not expand: remove the key", *name));
+                fmt::format("{} is an explosive, and a rigid explosive could not expand: remove the key", *name));
     sound = false;
   }
   if (!sound) return false;
@@ -184,7 +180,7 @@ bool body_material(Draft& draft, Section const& section, shape::Shape const* sha
   if (solid != nullptr) return true;
   if (std::holds_alternative<material::MieGruneisen>(fluid->eos) && fluid->density > lightest_metal) {
     draft.warn(section, "material",
-               fmt::format("\"{}\" is a fluid without strength; solids are {}", *name,
+               fmt::format("\"{}\" is a fluid without strength; the solids are {}", *name,
                            fmt::join(draft.materials.solid_names(), ", ")));
   }
   return body_state(draft, section, *fluid, body);
@@ -217,11 +213,9 @@ void overlaps(Draft const& draft) {
       if (!draft.body_shapes[i] || !draft.body_shapes[j]) continue;
       auto const common = common_point(draft, *draft.body_shapes[i], *draft.body_shapes[j], true);
       if (!common) continue;
-      draft.error(
-          sections[i], place_key(sections[i]),
-          fmt::format("{} overlaps {} around {} m, where two bodies cannot both be: move them apart or cut one out of "
-                      "the other",
-                      sections[i].path, sections[j].path, point_text(*common, draft.dims())));
+      draft.error(sections[i], place_key(sections[i]),
+                  fmt::format("{} overlaps {} around {} m: move them apart or cut one out of the other",
+                              sections[i].path, sections[j].path, point_text(*common, draft.dims())));
     }
   }
 }
@@ -248,7 +242,7 @@ void build_bodies(Draft& draft) {
     }
     if (draft.has_gas && name == "gas") {
       draft.report.error(section.place_of("name"), section.path_of("name"),
-                         "\"gas\" is the name of the gas points of the MPM region: choose another name");
+                         "the name \"gas\" is reserved for the gas particles of the MPM region: choose another name");
     }
     draft.body_names.push_back(name);
     draft.body_shapes.emplace_back();
@@ -310,15 +304,14 @@ void warn_of_fluids_in_empty_space(Draft const& draft) {
     if (body.rigid || !(fraction > little) || (*sections)[n].given("pressure")) continue;  // what is asked for is meant
     if (fraction > much) {
       draft.warn((*sections)[n], "material",
-                 fmt::format("\"{}\" starts at {:.6g} Pa in empty space and will blow apart: put a gas around it, with "
-                             "[ambient] and [mpm_region], or let it fill a box of walls",
+                 fmt::format("\"{}\" starts at {:.6g} Pa in empty space and will expand freely: surround it with gas, "
+                             "with [ambient] and [mpm_region], or let it fill a box of walls",
                              body.name, pressure));
     } else {
-      draft.warn(
-          (*sections)[n], "material",
-          fmt::format("\"{}\" starts at {:.6g} Pa in empty space, so that waves of this pressure will run through it: "
-                      "write pressure = 0.001, or put a gas around it, with [ambient] and [mpm_region]",
-                      body.name, pressure));
+      draft.warn((*sections)[n], "material",
+                 fmt::format("\"{}\" starts at {:.6g} Pa in empty space, so waves of this pressure will travel through "
+                             "it: write pressure = 0.001, or surround it with gas, with [ambient] and [mpm_region]",
+                             body.name, pressure));
     }
   }
 }
@@ -334,7 +327,7 @@ bool particles_move(Draft const& draft) {
     if (start.burns() && p.options.order == mpm::StressOrder::usf) {
       draft.report.warning(
           draft.deck.place_of("points"), "points.stress_order",
-          fmt::format("\"usf\" is unstable where an explosive such as \"{}\" detonates; use \"musl\"", b.name));
+          fmt::format("\"usf\" is unstable when an explosive such as \"{}\" detonates; use \"musl\"", b.name));
     }
   }
   return moving;

@@ -15,22 +15,21 @@ std::vector<std::string> const& faces() {
 Table const& boundaries_table() {
   static Table const table = [] {
     Table t{
-        "What happens at the faces of the domain: `outflow` lets waves out, as if the gas that is there at the start "
-        "went on beyond the face; `wall` is rigid (the ground); `symmetry` is a mirror plane; `inflow` holds the state "
-        "given in `[inflow.FACE]`; `periodic` joins opposite faces; `zero_gradient` repeats the cells next to the "
-        "face, "
-        "which sends back a part of every wave whose strength varies, for comparison.",
+        "Conditions at the faces of the domain. `outflow` lets waves out, as if the initial gas continued beyond the "
+        "face; `wall` is rigid (the ground); `symmetry` is a mirror plane; `inflow` prescribes the state given in "
+        "`[inflow.FACE]`; `periodic` joins opposite faces; `zero_gradient` copies the cells next to the face, which "
+        "reflects part of every wave of varying strength and is meant for comparison.",
         {},
         {},
         {}};
     t.keys.push_back(word<grid::Boundary>("all")
                          .of(word_of(grid::Domain{}.boundary[0]))
                          .like("\"outflow\"")
-                         .means("All faces that are not named"));
+                         .means("All faces that are not listed"));
     for (auto const& face : faces()) {
       t.keys.push_back(
           word(face, all_words<grid::Boundary>())
-              .note(face == "x_low" ? "as `all`; `symmetry` where x is a radius and x_low lies at 0" : "as `all`")
+              .note(face == "x_low" ? "as `all`; `symmetry` if x is a radius and x_low is at 0" : "as `all`")
               .like("\"symmetry\"")
               .means(fmt::format("Face at the {} end of {}", face.substr(2), face.substr(0, 1))));
     }
@@ -51,7 +50,7 @@ void build_boundaries(Draft& draft) {
     if (f / 2 >= draft.dims()) {
       if (given) {
         draft.error(*section, face,
-                    fmt::format("{} has no face {}: it resolves only {}; remove the key", word_of(draft.geometry()),
+                    fmt::format("{} has no face {}: it resolves {} only; remove the key", word_of(draft.geometry()),
                                 face, direction_list(draft.dims())));
       }
       continue;
@@ -68,9 +67,9 @@ void build_boundaries(Draft& draft) {
     if (f == 0 && axis && b != Boundary::symmetry) {
       draft.error(
           *section, face,
-          fmt::format("\"{}\" is not possible at radius 0; allowed: \"symmetry\", which is the default there: remove "
-                      "the key",
-                      *word));
+          fmt::format(
+              "\"{}\" is not possible at radius 0; allowed: \"symmetry\", which is the default there; remove the key",
+              *word));
     }
     if (f / 2 == 0 && draft.radial() && b == Boundary::periodic) {
       draft.error(*section, face,
@@ -87,7 +86,7 @@ void build_boundaries(Draft& draft) {
     draft.error(
         *section,
         section->given(grid::face_names[low ? 2 * d : 2 * d + 1]) ? grid::face_names[low ? 2 * d : 2 * d + 1] : "all",
-        fmt::format("\"periodic\" joins both faces of a direction, but {} is \"{}\": make both periodic",
+        fmt::format("\"periodic\" joins both faces of a direction, but {} is \"{}\": make both faces periodic",
                     grid::face_names[other], word_of(draft.out.domain.boundary[other])));
   }
   build_inflow(draft, section);

@@ -15,38 +15,38 @@ namespace brisance::deck {
 Table const& charge_table() {
   static Table const table = [] {
     Table t{
-        "An explosive charge. Give its `mass` or its size, or both where they agree within 0.1 %. The mass is that of "
-        "the "
-        "whole body, also where symmetry planes pass through its centre; in planar2d and cylindrical1d it is per "
-        "metre, in "
-        "planar1d per square metre.",
+        "An explosive charge. Give its `mass` or its size, or both if they agree within 0.1 %. The mass is that of the "
+        "whole charge, even if symmetry planes pass through its centre. In planar2d and cylindrical1d it is per metre, "
+        "in planar1d per square metre.",
         {typed(Type::text, "explosive")
              .of("TNT")
              .like("\"TNT\"")
-             .means("An explosive of the library or of `[explosives.NAME]`; all charges of a deck have the same"),
+             .means("An explosive of the library or of `[explosives.NAME]`; the same for all charges of a deck"),
          number("mass", "kg", 1e-12, 1e12)
              .or_unit("kg/m")
              .or_unit("kg/m2")
              .note("from the size")
              .like("\"10 kg\"")
-             .means("Mass of the whole body")},
+             .means("Mass of the whole charge")},
         {},
         {}};
     t.keys = joined(t.keys, shape_keys({"sphere", "hemisphere", "cylinder", "box"}));
-    t.keys = joined(t.keys, {number("length_to_diameter", "1", 1e-3, 1e3)
-                                 .note("from `length`")
-                                 .like("1.0")
-                                 .means("Of a cylinder that is given by its mass; instead of `length` or `radius`"),
-                             word<run::Detonation>("detonation")
-                                 .of(word_of(run::Charge{}.detonation))
-                                 .like("\"programmed\"")
-                                 .means("`programmed`: a detonation front runs from the points of initiation at the "
-                                        "listed speed; `instantaneous`: "
-                                        "the products stand at the charge's density and energy at the start"),
-                             nested(Type::tables, "initiation", initiation_table())
-                                 .note("one point at `position`, at time 0")
-                                 .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
-                                 .means("Points of initiation of a programmed detonation")});
+    t.keys = joined(
+        t.keys,
+        {number("length_to_diameter", "1", 1e-3, 1e3)
+             .note("from `length`")
+             .like("1.0")
+             .means("Length over diameter of a cylinder that is given by its mass; instead of `length` or `radius`"),
+         word<run::Detonation>("detonation")
+             .of(word_of(run::Charge{}.detonation))
+             .like("\"programmed\"")
+             .means("`programmed`: a detonation front travels from the points of initiation at the detonation speed of "
+                    "the explosive; `instantaneous`: the simulation starts with products at the density and energy of "
+                    "the charge"),
+         nested(Type::tables, "initiation", initiation_table())
+             .note("one point at `position`, at time 0")
+             .like("[{position = [0, 0, 1.5], delay = \"2 us\"}]")
+             .means("Points of initiation of a programmed detonation")});
     return t;
   }();
   return table;
@@ -66,7 +66,7 @@ bool mass_unit_fits(Draft const& draft, Section const& section) {
                                                                    : "kg";
   if (unit == own) return true;
   draft.error(section, "mass",
-              fmt::format("{} is given in {}, but a charge in {} has its mass in {}", section.shown("mass"), unit,
+              fmt::format("{} is given in {}, but in {} the mass of a charge is in {}", section.shown("mass"), unit,
                           word_of(draft.geometry()), own));
   return false;
 }
@@ -87,21 +87,19 @@ bool inside_domain(Draft const& draft, Section const& section, shape::Shape cons
     Boundary const boundary = draft.out.domain.boundary[f];
     bool const centred = std::abs(c[d] - plane) <= draft.tiny();
     bool const outwards = half != nullptr && half->normal[d] * (low ? -1.0 : 1.0) > 0.0;
-    std::string const where = fmt::format("the charge reaches {:.4g} m over the face {} ({} = {:.6g} m)", beyond,
+    std::string const where = fmt::format("the charge extends {:.4g} m beyond the face {} ({} = {:.6g} m)", beyond,
                                           grid::face_names[f], directions[d], plane);
     if (boundary == Boundary::symmetry) {
       if (centred && !outwards) continue;
       if (outwards) {
         draft.error(section, section.given("normal") ? "normal" : key,
-                    fmt::format("{}, to which its flat side looks: turn its normal to \"{}{}\"", where, low ? '+' : '-',
+                    fmt::format("{}, to which its normal points: change its normal to \"{}{}\"", where, low ? '+' : '-',
                                 directions[d]));
       } else {
-        draft.error(
-            section, key,
-            fmt::format(
-                "{}, which is a symmetry plane, but its centre at {} = {:.6g} m does not lie on it: put the centre "
-                "on the plane or the whole charge inside",
-                where, directions[d], c[d]));
+        draft.error(section, key,
+                    fmt::format("{}, which is a symmetry plane, but its centre at {} = {:.6g} m is not on the plane: "
+                                "put the centre on the plane or the whole charge inside the domain",
+                                where, directions[d], c[d]));
       }
       return false;
     }
@@ -109,11 +107,10 @@ bool inside_domain(Draft const& draft, Section const& section, shape::Shape cons
     bool const third =
         draft.geometry() == Geometry::cartesian3d || (draft.geometry() == Geometry::axisymmetric2d && d == 1);
     if (boundary == Boundary::wall && ball && third) {
-      draft.error(
-          section, key,
-          fmt::format("{}, which is a rigid wall: for a charge on the wall write shape = \"hemisphere\", normal = "
-                      "\"{}{}\" and {} = {:.6g}, or move it inside",
-                      where, low ? '+' : '-', directions[d], directions[d], plane));
+      draft.error(section, key,
+                  fmt::format("{}, which is a rigid wall: for a charge on the wall write shape = \"hemisphere\", "
+                              "normal = \"{}{}\" and {} = {:.6g}, or move it inside the domain",
+                              where, low ? '+' : '-', directions[d], directions[d], plane));
     } else {
       draft.error(
           section, key,
@@ -162,12 +159,10 @@ void charge(Draft& draft, Section const& section, std::string& first_explosive,
     first_explosive = found->name;
     draft.out.other_fluids = {products(*found)};
   } else if (first_explosive != found->name) {
-    draft.error(
-        section, "explosive",
-        fmt::format("\"{}\" differs from the first charge's \"{}\": the two-fluid model has one product fluid for "
-                    "all charges; use one "
-                    "explosive, or convert the mass by its TNT equivalent",
-                    found->name, first_explosive));
+    draft.error(section, "explosive",
+                fmt::format("\"{}\" differs from \"{}\" of the first charge: the two-fluid model has one product fluid "
+                            "for all charges; use one explosive, or convert the mass with its TNT equivalent",
+                            found->name, first_explosive));
     draft.products_known = false;
   }
 
@@ -184,11 +179,10 @@ void charge(Draft& draft, Section const& section, std::string& first_explosive,
     charge.explosive = *found;
     charge.mass = mass.value_or(volume * found->density());
     if (mass && std::abs(volume * found->density() - *mass) > mass_tolerance * *mass) {
-      draft.error(
-          section, "mass",
-          fmt::format(
-              "{} disagrees with the size, which holds {:.6g} kg of {} ({:g} kg/m3): give only one of mass and size",
-              section.shown("mass"), volume * found->density(), found->name, found->density()));
+      draft.error(section, "mass",
+                  fmt::format("{} disagrees with the size, which corresponds to {:.6g} kg of {} ({:g} kg/m3): give "
+                              "only one of mass and size",
+                              section.shown("mass"), volume * found->density(), found->name, found->density()));
       return;
     }
   }
@@ -228,7 +222,7 @@ void build_charges(Draft& draft) {
       if (!common) continue;
       apart = false;
       draft.error(*placed[i].first, place_key(*placed[i].first),
-                  fmt::format("{} reaches into {} around {} m: move one of them", placed[i].first->path,
+                  fmt::format("{} overlaps {} around {} m: move one of them", placed[i].first->path,
                               (*bodies)[index].path, point_text(*common, draft.dims())));
     }
     if (apart) fits_between_obstacles(draft, *placed[i].first, placed[i].second);

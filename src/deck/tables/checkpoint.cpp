@@ -11,24 +11,20 @@ namespace {
 Settings<run::Checkpoint> const& settings() {
   using C = run::Checkpoint;
   static Settings<C> const all{
-      {&C::interval, number("interval", "s", 0.0, longest)
-                         .like("\"1 ms\"")
-                         .means("Simulated time between two checkpoints; 0: not by the simulated time")},
-      {&C::steps, typed(Type::integer, "steps", "1", 0, 1e12)
-                      .like("1000")
-                      .means("Steps between two checkpoints; 0: not by steps")},
+      {&C::interval,
+       number("interval", "s", 0.0, longest).like("\"1 ms\"").means("Simulated time between checkpoints; 0: off")},
+      {&C::steps, typed(Type::integer, "steps", "1", 0, 1e12).like("1000").means("Steps between checkpoints; 0: off")},
       {&C::wall_clock,
        number("wall_clock", "s", 0.0, 1e8)
            .like("\"30 min\"")
-           .means("Time of the clock on the wall between two checkpoints, more where writing one takes more than a "
-                  "twentieth of it; 0: not by the clock")},
+           .means(
+               "Wall-clock time between checkpoints; longer if writing one takes more than a twentieth of it; 0: off")},
       {&C::keep, typed(Type::integer, "keep", "1", 1, 1000)
                      .like("2")
-                     .means("Number of checkpoints that stay on the disk, the newest ones")},
-      {&C::at_end, typed(Type::boolean, "at_end").like("true").means("Write one at the end of the calculation")},
-      {&C::on_signal, typed(Type::boolean, "on_signal")
-                          .like("true")
-                          .means("Write one when the run is stopped by Ctrl-C or a signal")}};
+                     .means("Number of checkpoints kept on disk (the newest ones)")},
+      {&C::at_end, typed(Type::boolean, "at_end").like("true").means("Write one at the end of the simulation")},
+      {&C::on_signal,
+       typed(Type::boolean, "on_signal").like("true").means("Write one when Ctrl-C or a signal stops the run")}};
   return all;
 }
 
@@ -36,9 +32,8 @@ Settings<run::Checkpoint> const& settings() {
 
 Table const& checkpoint_table() {
   static Table const table{
-      "When the whole state is written, so that `brisance run --resume` can go on from there. Nothing here changes "
-      "the "
-      "results.",
+      "When to write the whole state, so that `brisance run --resume` can continue from there. Nothing here changes "
+      "the results.",
       settings().keys(),
       {},
       {}};

@@ -11,15 +11,13 @@ namespace brisance::deck {
 
 Table const& compare_table() {
   static Table const table{
-      "Comparison of the gauges with Kingery and Bulmash's curves.",
+      "Comparison of the gauges with the curves of Kingery and Bulmash.",
       {word("burst", {"auto", "spherical", "hemispherical", "none"})
            .of("auto")
            .like("\"hemispherical\"")
-           .means("Kind of burst. `auto`: hemispherical for one hemispherical charge that stands on a wall or symmetry "
-                  "plane, "
-                  "spherical for one spherical charge in free air, none for everything else (obstacles, initial "
-                  "states, further "
-                  "walls, another ambient fluid)")},
+           .means("Type of burst. `auto`: hemispherical for one hemispherical charge on a wall or symmetry plane, "
+                  "spherical for one spherical charge in free air, none in all other cases (obstacles, initial states, "
+                  "further walls, another ambient fluid)")},
       {},
       {}};
   return table;
@@ -67,7 +65,7 @@ void build_compare(Draft& draft) {
   bool const one = charges != nullptr && charges->size() == 1;
   if (*word != "auto" && *word != "none" && !one && !draft.deck.broken("charge")) {
     draft.error(section, "burst",
-                fmt::format("\"{}\" needs exactly one charge, there are {}: write \"none\"", *word,
+                fmt::format("\"{}\" needs exactly one charge, but there are {}: write \"none\"", *word,
                             charges == nullptr ? 0 : charges->size()));
   }
   if (!draft.has_gas) draft.out.burst = run::Burst::none;
@@ -80,12 +78,11 @@ void build_compare(Draft& draft) {
   if (!draft.has_gas) {
     draft.report.warning(
         draft.deck.place_of("body"), "body",
-        "nothing will happen: no body moves, burns or is under pressure, and no load or body force acts");
+        "nothing will happen: no body moves, detonates or is under pressure, and no load or body force acts");
   } else if (draft.has_bodies()) {
-    draft.report.warning(
-        draft.deck.place, "charge",
-        "nothing will happen: there is no charge, no initial state and no inflow, no body moves or burns, and no "
-        "load or body force acts");
+    draft.report.warning(draft.deck.place, "charge",
+                         "nothing will happen: there is no charge, no initial state and no inflow, no body moves or "
+                         "detonates, and no load or body force acts");
   } else {
     draft.report.warning(draft.deck.place, "charge",
                          "nothing will happen: there is no charge, no initial state and no inflow");

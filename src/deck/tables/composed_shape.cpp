@@ -12,19 +12,19 @@ namespace {
 
 /// Shapes of bodies: those of everything else and meshes.
 std::vector<Key> mesh_shape_keys(std::vector<std::string> shapes) {
-  return joined(
-      shape_keys(std::move(shapes)),
-      {typed(Type::text, "file")
-           .like("\"bracket.stl\"")
-           .means("STL file of shape `stl` (3D only), relative to the deck: a closed surface; `position` moves it"),
-       number("scale", "1", 1e-9, 1e9)
-           .note("1")
-           .like("0.001")
-           .means("Factor on the coordinates of the STL file, 0.001 for a file in mm")});
+  return joined(shape_keys(std::move(shapes)),
+                {typed(Type::text, "file")
+                     .like("\"bracket.stl\"")
+                     .means("STL file of shape `stl` (3D only), with a path relative to the deck; the surface must be "
+                            "closed; `position` moves it"),
+                 number("scale", "1", 1e-9, 1e9)
+                     .note("1")
+                     .like("0.001")
+                     .means("Factor applied to the coordinates of the STL file, for example 0.001 for a file in mm")});
 }
 
 Table const& part_table() {
-  static Table const table{"A shape that is put together with others.",
+  static Table const table{"A shape that is combined with others.",
                            mesh_shape_keys({"sphere", "hemisphere", "cylinder", "box", "stl"}),
                            {},
                            {}};
@@ -38,19 +38,19 @@ std::vector<Key> composed_shape_keys() {
                 {nested(Type::tables, "add", part_table())
                      .note("none")
                      .like("[{shape = \"sphere\", radius = \"5 mm\"}]")
-                     .means("Shapes that are joined to it"),
+                     .means("Shapes that are added to it"),
                  nested(Type::tables, "cut", part_table())
                      .note("none")
                      .like("[{shape = \"cylinder\", radius = \"5 mm\", length = \"1 m\"}]")
-                     .means("Shapes that are then cut out: holes"),
+                     .means("Shapes that are then cut out (holes)"),
                  nested(Type::tables, "common", part_table())
                      .note("none")
                      .like("[{lower = [0, 0, 0], upper = [1, 1, 1], shape = \"box\"}]")
-                     .means("Shapes outside of which nothing is kept, last of all")});
+                     .means("Shapes that are intersected with the result, as the last operation")});
 }
 
 Table const& within_table() {
-  static Table const table{"A part of space.", composed_shape_keys(), {}, {}};
+  static Table const table{"A volume in space.", composed_shape_keys(), {}, {}};
   return table;
 }
 
@@ -65,9 +65,8 @@ bool check_composition(Draft const& draft, Section const& section, std::string_v
   for (std::size_t n = 0; n < shapes.size(); ++n) {
     if (fills(draft, shape::combine(shape::Operation::intersection, {before, shapes[n]}))) continue;
     draft.report.error(parts[n].place_of(place_key(parts[n])), parts[n].path,
-                       key == "cut"
-                           ? "it cuts nothing away, as it does not meet the shape: move it or remove it"
-                           : "it has nothing in common with the shape, of which nothing would be left: move it");
+                       key == "cut" ? "it does not meet the shape and cuts nothing away: move it or remove it"
+                                    : "it does not meet the shape, so nothing would be left: move it");
     sound = false;
   }
   if (!sound) return false;
@@ -76,7 +75,7 @@ bool check_composition(Draft const& draft, Section const& section, std::string_v
   if (fills(draft, shape::combine(key == "cut" ? shape::Operation::difference : shape::Operation::intersection, all))) {
     return true;
   }
-  draft.error(section, key, "nothing of the shape is left: make what it lists smaller, or remove it");
+  draft.error(section, key, "nothing of the shape is left: make the listed shapes smaller, or remove them");
   return false;
 }
 

@@ -18,27 +18,27 @@ Table const& constraint_table() {
     Key components = typed(Type::words, "components")
                          .note("all resolved directions")
                          .like("[\"x\", \"y\"]")
-                         .means("fixed, velocity: components of the velocity that are prescribed");
+                         .means("For `fixed` and `velocity`: components of the velocity that are prescribed");
     components.choices = {"x", "y", "z"};
     return Table{
-        "The velocity of material points in a part of space is prescribed, by way of the grid nodes there. Gas that "
-        "slips along bodies (`mpm_region.slip`) is not held, but stays at the surface of those that are; gas that "
-        "sticks to them is held with them.",
+        "Prescribes the velocity of material points in a volume, through the grid nodes there. Gas that slips along "
+        "bodies (`mpm_region.slip`) is not constrained itself but follows the surface of constrained bodies; gas that "
+        "sticks to bodies is constrained with them.",
         {word("kind", {"fixed", "roller", "velocity"})
              .of("fixed")
              .like("\"roller\"")
              .means("`fixed`: at rest; `roller`: no motion along `normal`; `velocity`: moves with `velocity`"),
          nested(Type::table, "within", within_table())
-             .note("everywhere, for the `body`")
+             .note("everywhere, for `body`")
              .like("{shape = \"box\", lower = [0, 0, 0], upper = [0.1, 1, 1]}")
-             .means("Where; `within` or `body` is needed"),
+             .means("Constrained volume; `within` or `body` is required"),
          word("normal", {"x", "y", "z"})
-             .note("needed by a roller")
+             .note("required for a roller")
              .like("\"z\"")
-             .means("roller: the direction in which nothing moves"),
-         velocity().note("needed by kind `velocity`").means("velocity: that of the held components"),
+             .means("For `roller`: the direction without motion"),
+         velocity().note("required for kind `velocity`").means("For `velocity`: values of the prescribed components"),
          std::move(components),
-         typed(Type::text, "body").note("all bodies").like("\"plate\"").means("Name of the one body that is held")},
+         typed(Type::text, "body").note("all bodies").like("\"plate\"").means("Name of the body that is constrained")},
         {},
         {}};
   }();
@@ -115,8 +115,8 @@ void check_contradictions(Draft const& draft, std::size_t number) {
       if (!node) continue;
       draft.error(
           section, key,
-          fmt::format("{} m/s in direction {} contradicts {}, which prescribes {} m/s for the same node at {} m: let "
-                      "them have no node in common, or hold the direction in one of them",
+          fmt::format("{} m/s in direction {} contradicts {}, which prescribes {} m/s for the same node at {} m: "
+                      "separate them so that they share no node, or constrain this direction in only one of them",
                       c.velocity[d], directions[d], draft.constraint_sections[m]->path, other.velocity[d],
                       point_text(*node, draft.dims())));
       return;
@@ -141,8 +141,8 @@ void check_contradictions(Draft const& draft, std::size_t number) {
     if (!node) continue;
     draft.warn(
         section, "velocity",
-        fmt::format("{:g} m/s in direction {} contradicts the face {}, a {} that holds the node at {} m in this "
-                    "direction: keep it a cell away from that, or hold the other directions only",
+        fmt::format("{:g} m/s in direction {} contradicts the face {}, a {} that constrains the node at {} m in this "
+                    "direction: keep the constraint a cell away from the face, or constrain the other directions only",
                     c.velocity[d], directions[d], grid::face_names[f],
                     boundary == Boundary::symmetry ? "symmetry plane" : "rigid wall", point_text(*node, draft.dims())));
     return;
@@ -158,11 +158,10 @@ void check_constraints(Draft const& draft) {
     mpm::Constraint const& c = draft.out.particles.constraints[n];
     Section const& section = *draft.constraint_sections[n];
     if (c.body >= 0 && is_rigid(draft, static_cast<std::size_t>(c.body))) {
-      draft.error(
-          section, "body",
-          fmt::format("\"{}\" is rigid and keeps its velocity, whatever holds it: remove the constraint, or write the "
-                      "velocity of the body",
-                      draft.body_names[static_cast<std::size_t>(c.body)]));
+      draft.error(section, "body",
+                  fmt::format("\"{}\" is rigid and keeps its velocity regardless of constraints: remove the "
+                              "constraint, or set the velocity of the body",
+                              draft.body_names[static_cast<std::size_t>(c.body)]));
       continue;
     }
     if (section.given("within")) {
@@ -179,14 +178,15 @@ void check_constraints(Draft const& draft) {
         Section const& region = *section.section("within");
         draft.report.error(
             region.place_of(place_key(region)), region.path,
-            fmt::format("it holds no node of the grid, which lie at whole numbers of cells of {:.6g} m from the low "
-                        "corner of the domain: make it thicker than a cell, or lay it over a plane of nodes",
+            fmt::format("it contains no grid node; nodes are at multiples of the cell size {:.6g} m from the low "
+                        "corner of the domain: make it thicker than a cell, or place it over a plane of nodes",
                         draft.out.domain.h));
         continue;
       }
       shape::Box const reach = reach_of_bodies(draft, c.body);
       if (nodes < most_nodes / 4.0 && !constrained_node(draft, {&c.within}, reach)) {
-        draft.warn(section, "within", "holds no node of a body at the start: nothing is held until a body comes there");
+        draft.warn(section, "within",
+                   "contains no node of a body at the start: it has no effect until a body arrives there");
       }
     }
     check_contradictions(draft, n);
@@ -220,7 +220,7 @@ bool has_keys_of(Draft const& draft, Section const& section, std::string const& 
   auto const only_for = [&](std::string_view key, std::string_view word) {
     if (!section.given(key) || kind == word) return;
     draft.error(section, key,
-                fmt::format("{} belongs to kind = \"{}\", and this is \"{}\": remove it or change the kind",
+                fmt::format("{} belongs to kind = \"{}\", but this kind is \"{}\": remove it or change the kind",
                             section.shown(key), word, kind));
     sound = false;
   };
@@ -229,9 +229,9 @@ bool has_keys_of(Draft const& draft, Section const& section, std::string const& 
   for (auto const& [key, word, example] : {std::tuple{"normal", "roller", "normal = \"x\""},
                                            std::tuple{"velocity", "velocity", "velocity = [10, 0, 0]"}}) {
     if (kind != word || section.given(key)) continue;
-    draft.report.error(
-        section.place, section.path_of(key),
-        fmt::format("the key \"{}\" is missing, which kind = \"{}\" needs; write for example {}", key, word, example));
+    draft.report.error(section.place, section.path_of(key),
+                       fmt::format("the key \"{}\" is missing; kind = \"{}\" requires it; write, for example, {}", key,
+                                   word, example));
     sound = false;
   }
   return sound;
@@ -246,7 +246,7 @@ bool constrained_components(Draft const& draft, Section const& section, std::str
   if (kind == "roller") {
     if (section.given("components")) {
       draft.error(section, "components",
-                  "a roller holds along its normal only: remove the key, or write kind = \"fixed\"");
+                  "a roller constrains the direction of its normal only: remove the key, or write kind = \"fixed\"");
       return false;
     }
     key = "normal";
@@ -269,7 +269,8 @@ bool constrained_components(Draft const& draft, Section const& section, std::str
     out.components[static_cast<std::size_t>(d)] = true;
   }
   if (components.empty()) {
-    draft.error(section, key, "the list is empty, and nothing would be held; write for example components = [\"x\"]");
+    draft.error(section, key,
+                "the list is empty, so nothing would be constrained; write, for example, components = [\"x\"]");
     return false;
   }
   return true;
@@ -282,9 +283,10 @@ bool prescribed_velocity(Draft const& draft, Section const& section, mpm::Constr
   out.velocity = *velocity;
   for (int d = 0; d < draft.dims(); ++d) {
     if (out.components[static_cast<std::size_t>(d)] || out.velocity[d] == 0.0) continue;
-    draft.error(section, "velocity",
-                fmt::format("{} has a value in direction {}, which is not held: add \"{}\" to components or write 0",
-                            section.shown("velocity"), directions[d], directions[d]));
+    draft.error(
+        section, "velocity",
+        fmt::format("{} has a value in direction {}, which is not constrained: add \"{}\" to components or write 0",
+                    section.shown("velocity"), directions[d], directions[d]));
     return false;
   }
   return true;
@@ -296,10 +298,9 @@ void constraint(Draft& draft, Section const& section) {
   mpm::Constraint out;
   out.within = shape::Everywhere{};
   if (!section.given("within") && !section.given("body")) {
-    draft.report.error(
-        section.place, section.path,
-        "a constraint needs the place or the body that it holds; write for example within = {shape = \"box\", "
-        "lower = [0, 0, 0], upper = [0.1, 1, 1]}");
+    draft.report.error(section.place, section.path,
+                       "a constraint needs the volume or the body on which it acts; write, for example, within = "
+                       "{shape = \"box\", lower = [0, 0, 0], upper = [0.1, 1, 1]}");
     return;
   }
   bool sound = what_is_constrained(draft, section, out);

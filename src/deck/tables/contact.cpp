@@ -16,7 +16,7 @@ Settings<mpm::Contact> const& settings() {
   using C = mpm::Contact;
   static Settings<C> const all{
       typed(Type::names, "bodies").required().like("[\"rod\", \"plate\"]").means("Names of the two bodies"),
-      {&C::friction, number("friction", "1", 0.0, 10.0).like("0.2").means("Coulomb's coefficient of friction")}};
+      {&C::friction, number("friction", "1", 0.0, 10.0).like("0.2").means("Coulomb friction coefficient")}};
   return all;
 }
 
@@ -24,8 +24,8 @@ Settings<mpm::Contact> const& settings() {
 
 Table const& contact_table() {
   static Table const table{
-      "Two bodies that touch, slide and part. Bodies without a contact share the motion of the grid where they meet: "
-      "they stick together.",
+      "Two bodies that can touch, slide and separate. Bodies without a contact share the motion of the grid where they "
+      "meet: they stick together.",
       settings().keys(),
       {},
       {}};
@@ -39,7 +39,7 @@ void build_contacts(Draft& draft) {
     if (!settings().read(section, contact) || names == nullptr) return;
     if (names->size() != 2 || (*names)[0] == (*names)[1]) {
       draft.error(section, "bodies",
-                  fmt::format("{} does not name two bodies; write for example bodies = [\"rod\", \"plate\"]",
+                  fmt::format("{} does not name two bodies; write, for example, bodies = [\"rod\", \"plate\"]",
                               section.shown("bodies")));
       return;
     }
@@ -47,17 +47,16 @@ void build_contacts(Draft& draft) {
     auto const second = body_named(draft, section, "bodies", (*names)[1]);
     if (!first || !second) return;
     if (is_rigid(draft, static_cast<std::size_t>(*first)) && is_rigid(draft, static_cast<std::size_t>(*second))) {
-      draft.error(
-          section, "bodies",
-          fmt::format("{} and {} are both rigid and keep their velocities, so that their contact does nothing: remove "
-                      "it, or let one of them deform",
-                      (*names)[0], (*names)[1]));
+      draft.error(section, "bodies",
+                  fmt::format("{} and {} are both rigid and keep their velocities, so their contact has no effect: "
+                              "remove it, or make one of them deformable",
+                              (*names)[0], (*names)[1]));
       return;
     }
     for (mpm::Contact const& other : draft.out.particles.contacts) {
       if (std::minmax(other.first, other.second) != std::minmax(*first, *second)) continue;
       draft.error(section, "bodies",
-                  fmt::format("{} and {} have a contact already: remove one of the two", (*names)[0], (*names)[1]));
+                  fmt::format("{} and {} already have a contact: remove one of the two", (*names)[0], (*names)[1]));
       return;
     }
     contact.first = *first;

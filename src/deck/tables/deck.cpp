@@ -22,9 +22,8 @@ Table const& deck_schema() {
          word("start", {"direct", "remap"})
              .of("direct")
              .like("\"remap\"")
-             .means("`direct`: the charges are on the grid from the beginning; `remap`: each bursts in a fine 1D "
-                    "calculation "
-                    "first, see `[remap]`"),
+             .means("`direct`: the charges are on the grid from the beginning; `remap`: each charge first detonates in "
+                    "a fine 1D simulation, see `[remap]`"),
          nested(Type::table, "domain", domain_table()).required().like("size = [4, 4, 3] and cell = \"50 mm\""),
          nested(Type::table, "boundaries", boundaries_table()),
          std::move(inflow),
@@ -74,8 +73,8 @@ void warn_of_unused_gas(Draft const& draft) {
   for (auto const* key : {"ambient", "numerics"}) {
     if (!draft.deck.given(key)) continue;
     draft.report.warning(draft.deck.place_of(key), key,
-                         "has no effect: nothing in this deck is of gas, and its bodies move in empty space; with "
-                         "[mpm_region] they stand in the ambient gas");
+                         "has no effect: this deck contains no gas, and its bodies move in empty space; with "
+                         "[mpm_region] they are surrounded by the ambient gas");
   }
 }
 
@@ -85,7 +84,7 @@ void refuse_particles(Draft const& draft) {
     auto const* all = draft.deck.sections(key);
     if (all == nullptr || all->empty()) continue;
     draft.report.error(all->front().place, all->front().path,
-                       "there is no body that this could act on: add a [[body]] or remove it");
+                       "there is no body on which this could act: add a [[body]] or remove it");
   }
   if (draft.deck.given("points") && !draft.deck.given("mpm_region")) {
     draft.report.warning(draft.deck.place_of("points"), "points", "has no effect in a deck without bodies");
@@ -104,8 +103,7 @@ void unused_materials(Draft const& draft) {
   for (auto const* key : {"explosives", "fluids", "solids"}) {
     draft.each(key, [&](Section const& section) {
       if (used.contains(section.name)) return;
-      draft.report.warning(section.place, section.path,
-                           "nothing in this deck is made of it: name it where it is meant");
+      draft.report.warning(section.place, section.path, "is not used in this deck: refer to it by name, or remove it");
     });
   }
 }
@@ -122,7 +120,8 @@ void nothing_is_dropped(Draft const& draft) {
         std::pair{"initial_state", draft.out.initial_states.size()},
         std::pair{"gauge", draft.out.gauges.size() + draft.out.particles.gauges.size()}}) {
     if (built >= named(key)) continue;  // a line of gauges is many
-    throw std::logic_error(fmt::format("of {} [[{}]] {} were built, and nothing says why", named(key), key, built));
+    throw std::logic_error(
+        fmt::format("of {} [[{}]] only {} were built, but no error was reported", named(key), key, built));
   }
 }
 

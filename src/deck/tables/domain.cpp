@@ -16,16 +16,15 @@ Table const& domain_table() {
       {word<grid::Geometry>("geometry")
            .of(word_of(grid::Domain{}.geometry))
            .like("\"cartesian3d\"")
-           .means("Resolved directions and symmetry. In axisymmetric2d x is the radius and y the axis; in "
-                  "cylindrical1d and "
-                  "spherical1d x is the radius"),
-       number("cell", "m", smallest, 1e4).required().like("\"50 mm\"").means("Edge h of the cubic cells"),
+           .means("Resolved directions and symmetry. In axisymmetric2d, x is the radius and y the axis; in "
+                  "cylindrical1d and spherical1d, x is the radius"),
+       number("cell", "m", smallest, 1e4).required().like("\"50 mm\"").means("Edge length h of the cubic cells"),
        position("lower").note("the origin").like("[0, 0, 0]").means("Low corner"),
-       position("upper").note("from `size`").like("[4, 4, 3]").means("High corner; `upper` or `size` is needed"),
+       position("upper").note("from `size`").like("[4, 4, 3]").means("High corner; `upper` or `size` is required"),
        typed(Type::point, "size", "m", smallest, 2.0 * far)
            .note("from `upper`")
            .like("[4, 4, 3]")
-           .means("Extent, a whole number of cells in each direction; `upper` or `size` is needed")},
+           .means("Extent, a whole number of cells in each direction; `upper` or `size` is required")},
       {},
       {}};
   return table;
@@ -44,8 +43,8 @@ std::optional<double> whole_cells(Draft const& draft, Section const& section, st
   double const h = draft.out.domain.h;
   if (extent <= 0.0) {
     draft.error(section, key,
-                fmt::format("{} leaves no extent in direction {} ({:g} m): it must be positive", section.shown(key),
-                            directions[d], extent));
+                fmt::format("{} gives no positive extent in direction {} ({:g} m): the extent must be positive",
+                            section.shown(key), directions[d], extent));
     return std::nullopt;
   }
   double const cells = extent / h;
@@ -57,18 +56,16 @@ std::optional<double> whole_cells(Draft const& draft, Section const& section, st
         below >= 1.0 ? fmt::format("{:.9g} or {:.9g} m", below * h, (below + 1.0) * h) : fmt::format("{:.9g} m", h);
     draft.error(section, key,
                 fmt::format("{} is not a whole number of cells: {:.9g} m in direction {} are {:.6g} cells of {:.9g} m; "
-                            "make the extent "
-                            "{}, or change the cell",
+                            "make the extent {}, or change the cell size",
                             section.shown(key), extent, directions[d], cells, h, nearest_extents));
     return std::nullopt;
   }
   if (whole < fewest_cells) {
     draft.error(
         section, key,
-        fmt::format(
-            "{} gives {:g} cell{} in direction {}; allowed: at least {:g}: make the extent {:.9g} m or more, or "
-            "the cell smaller",
-            section.shown(key), whole, whole > 1.0 ? "s" : "", directions[d], fewest_cells, fewest_cells * h));
+        fmt::format("{} gives {:g} cell{} in direction {}; allowed: at least {:g}: make the extent {:.9g} m or more, "
+                    "or reduce the cell size",
+                    section.shown(key), whole, whole > 1.0 ? "s" : "", directions[d], fewest_cells, fewest_cells * h));
     return std::nullopt;
   }
   return whole;
@@ -94,12 +91,12 @@ void build_domain(Draft& draft) {
   if (!section->given("upper") && !section->given("size")) {
     draft.report.error(
         section->place, "domain.size",
-        "the extent of the domain is missing; write for example size = [4, 4, 3] (or upper = ...), in m");
+        "the extent of the domain is missing; write, for example, size = [4, 4, 3] (or upper = ...), in m");
     return;
   }
   if (lower && draft.radial() && (*lower)[0] < 0.0) {
     draft.error(*section, "lower",
-                fmt::format("{} starts at a negative radius; in {} x is the radius: write 0 or more",
+                fmt::format("{} starts at a negative radius; in {}, x is the radius: write 0 or more",
                             section->shown("lower"), word_of(draft.geometry())));
     return;
   }
@@ -113,7 +110,7 @@ void build_domain(Draft& draft) {
     double const extent = upper ? (*upper)[d] - (*lower)[d] : (*size)[d];
     if (upper && size && std::abs(extent - (*size)[d]) > cell_tolerance * std::abs(extent)) {
       draft.error(*section, "size",
-                  fmt::format("{} disagrees with lower and upper in direction {}, which are {:g} m apart: give only "
+                  fmt::format("{0} disagrees with lower and upper, which are {2:g} m apart in direction {1}: give only "
                               "one of size and upper",
                               section->shown("size"), directions[d], extent));
       return;
@@ -127,11 +124,10 @@ void build_domain(Draft& draft) {
   if (!sound) return;
   double const coarser = *h * std::pow(count / most_cells, 1.0 / draft.dims());
   if (count >= most_cells) {
-    draft.error(
-        *section, "cell",
-        fmt::format("{} gives {:.4g} cells; allowed: fewer than 2^31 ({:.4g}); choose a cell above {:.3g} m or a "
-                    "smaller domain",
-                    section->shown("cell"), count, most_cells, coarser));
+    draft.error(*section, "cell",
+                fmt::format("{} gives {:.4g} cells; allowed: fewer than 2^31 ({:.4g}); choose a cell size above {:.3g} "
+                            "m or a smaller domain",
+                            section->shown("cell"), count, most_cells, coarser));
     return;
   }
   draft.domain_known = true;

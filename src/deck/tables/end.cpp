@@ -15,30 +15,27 @@ namespace {
 Settings<run::End> const& settings() {
   using E = run::End;
   static Settings<E> const all{
-      {&E::time,
-       number("time", "s", 1e-12, longest).required().like("\"10 ms\"").means("Simulated time, at the latest")},
+      {&E::time, number("time", "s", 1e-12, longest).required().like("\"10 ms\"").means("Maximum simulated time")},
       {&E::steps, typed(Type::integer, "steps", "1", 1, 1e12).note("no limit").like("1000").means("Number of steps")},
-      {&E::gauges,
-       word("gauges", {"positive_phase"})
-           .note("not by gauges")
-           .like("\"positive_phase\"")
-           .means("`positive_phase`: end when a wave of more than 1e-4 of the ambient pressure has arrived at every "
-                  "gauge of the gas and the pressure there has come back to the ambient one for the first time. "
-                  "Reflections that come later are not waited for")},
-      {&E::kinetic_energy,
-       number("kinetic_energy", "1", 1e-12, 0.5)
-           .note("not by it")
-           .like("0.01")
-           .means(
-               "End when the kinetic energy of gas and bodies has been below this fraction of its largest value during "
-               "the last third of the time so far. Up to 0.06 the turning points of a vibration are no end")},
+      {&E::gauges, word("gauges", {"positive_phase"})
+                       .note("off")
+                       .like("\"positive_phase\"")
+                       .means("`positive_phase`: end when a wave of more than 1e-4 of the ambient pressure has arrived "
+                              "at every gauge in the gas and the pressure there has returned to ambient for the first "
+                              "time. Later reflections are ignored")},
+      {&E::kinetic_energy, number("kinetic_energy", "1", 1e-12, 0.5)
+                               .note("off")
+                               .like("0.01")
+                               .means("End when the kinetic energy of gas and bodies has been below this fraction of "
+                                      "its maximum during the last third of the simulated time. With values up to 0.06 "
+                                      "the turning points of a vibration do not end the run")},
       {&E::wall_clock,
        number("wall_clock", "s", 1e-3, 1e8)
            .note("no limit")
            .like("\"2 h\"")
-           .means("Time of the clock on the wall after which this program stops with a checkpoint and exit code 3, "
-                  "whatever `[checkpoint]` says; `--resume` goes on, for as long again. It does not change the "
-                  "results")}};
+           .means(
+               "Wall-clock time after which the program writes a checkpoint, regardless of `[checkpoint]`, and stops "
+               "with exit code 3; `--resume` continues for the same time again. It does not change the results")}};
   return all;
 }
 
@@ -46,8 +43,8 @@ Settings<run::End> const& settings() {
 
 Table const& end_table() {
   static Table const table{
-      "When the calculation ends: at `time`, or before by what comes first of the others. The conditions are looked at "
-      "after every tenth step, from step 1000 on after about every hundredth of the steps done.",
+      "When the simulation ends: at `time`, or earlier if one of the other conditions is met. The conditions are "
+      "checked every 10 steps and, after step 1000, each time the number of steps has grown by about 1 %.",
       settings().keys(),
       {},
       {}};
@@ -64,7 +61,7 @@ void check_onsets(Draft const& draft) {
     std::string_view const key = onset.section->given(onset.key) ? onset.key : "";
     draft.report.warning(key.empty() ? onset.section->place : onset.section->place_of(key),
                          key.empty() ? onset.section->path : onset.section->path_of(key),
-                         fmt::format("{} within this calculation: its time {:g} s lies after the end at {:g} s",
+                         fmt::format("{} within this simulation: its time {:g} s is after the end at {:g} s",
                                      onset.never, onset.time, draft.out.end.time));
   }
 }

@@ -18,34 +18,34 @@ Settings<material::Explosive> const& tnt_equivalents() {
   using E = material::Explosive;
   static Settings<E> const all{
       {&E::tnt_equivalent_pressure,
-       number("pressure", "1", 0.01, 100.0).note("unknown").like("1.37").means("For peak overpressure")},
+       number("pressure", "1", 0.01, 100.0).note("unknown").like("1.37").means("TNT equivalent for peak overpressure")},
       {&E::tnt_equivalent_impulse,
-       number("impulse", "1", 0.01, 100.0).note("unknown").like("1.19").means("For impulse and times")},
+       number("impulse", "1", 0.01, 100.0).note("unknown").like("1.19").means("TNT equivalent for impulse and times")},
       typed(Type::text, "source").of("").like("\"TM 5-855-1\"").means("Source of the two numbers")};
   return all;
 }
 
 Table const& tnt_equivalent_table() {
   static Table const table{
-      "Mass of TNT with the same effect per mass of the explosive.", tnt_equivalents().keys(), {}, {}};
+      "Mass of TNT with the same effect, per mass of the explosive.", tnt_equivalents().keys(), {}, {}};
   return table;
 }
 
 Settings<material::Explosive> const& afterburn_energy() {
   using E = material::Explosive;
   static Settings<E> const all{
-      {&E::afterburn_energy,
-       number("energy", "J/kg", 0.0, 1e9)
-           .required()
-           .like("\"10.2 MJ/kg\"")
-           .means("Energy Q of the products' complete combustion in air, per mass of the explosive, without the energy "
-                  "of the detonation")},
+      {&E::afterburn_energy, number("energy", "J/kg", 0.0, 1e9)
+                                 .required()
+                                 .like("\"10.2 MJ/kg\"")
+                                 .means("Energy Q of complete combustion of the products in air, per mass of the "
+                                        "explosive, without the detonation energy")},
       typed(Type::text, "source").of("").like("\"handbook, page 12\"").means("Source of the number")};
   return all;
 }
 
 Table const& afterburn_energy_table() {
-  static Table const table{"What the products can release after the detonation.", afterburn_energy().keys(), {}, {}};
+  static Table const table{
+      "Energy that the products can release after the detonation.", afterburn_energy().keys(), {}, {}};
   return table;
 }
 
@@ -69,14 +69,12 @@ Settings<material::Explosive> const& settings() {
       nested(Type::table, "tnt_equivalent", tnt_equivalent_table())
           .note("unknown")
           .like("{pressure = 1.37, impulse = 1.19}")
-          .means(
-              "TNT equivalents for the Kingery-Bulmash comparison, which leaves out what an unknown one decides; those "
-              "of TNT are 1"),
+          .means("TNT equivalents for the Kingery-Bulmash comparison; quantities whose TNT equivalent is unknown are "
+                 "not compared. TNT has 1"),
       nested(Type::table, "afterburn", afterburn_energy_table())
           .note("unknown")
           .like("{energy = \"10.2 MJ/kg\"}")
-          .means(
-              "What the products can release after the detonation; without effect unless the deck has `[afterburn]`")};
+          .means("Energy that the products can release after the detonation; used only if the deck has `[afterburn]`")};
   ;
   return all;
 }
@@ -90,8 +88,8 @@ std::map<std::string, std::vector<Key>> explosive_variants() {
 }  // namespace
 
 Table const& explosives_table() {
-  static Table const table{"An explosive of the deck's own, under the name NAME.", joined(explosive_keys(), own_keys()),
-                           "eos", explosive_variants()};
+  static Table const table{"An explosive defined in the deck, with the name NAME.",
+                           joined(explosive_keys(), own_keys()), "eos", explosive_variants()};
   return table;
 }
 
@@ -142,12 +140,12 @@ void build_explosives(Draft& draft) {
       }
     } catch (InputError const& e) {
       draft.report.error(section.place, section.path,
-                         fmt::format("these constants describe no detonation: {}", e.what()));
+                         fmt::format("these constants do not describe a detonation: {}", e.what()));
       wrong_material(draft, section.name);
       return;
     }
     if (library().explosive(section.name) != nullptr) {
-      draft.report.warning(section.place, section.path, "replaces the explosive of the same name in the library");
+      draft.report.warning(section.place, section.path, "replaces the library explosive of the same name");
     }
     draft.materials.explosives.push_back(std::move(*explosive));
   });

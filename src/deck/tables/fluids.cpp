@@ -28,7 +28,7 @@ std::map<std::string, std::vector<Key>> fluid_variants() { return keys_of_models
 }  // namespace
 
 Table const& fluids_table() {
-  static Table const table{"A fluid of the deck's own, under the name NAME.", joined(settings().keys(), own_keys()),
+  static Table const table{"A fluid defined in the deck, with the name NAME.", joined(settings().keys(), own_keys()),
                            "eos", fluid_variants()};
   return table;
 }
@@ -58,7 +58,7 @@ void build_fluids(Draft& draft) {
       return;
     }
     if (library().fluid(section.name) != nullptr) {
-      draft.report.warning(section.place, section.path, "replaces the fluid of the same name in the library");
+      draft.report.warning(section.place, section.path, "replaces the library fluid of the same name");
     }
     draft.materials.fluids.push_back(std::move(*fluid));
   });

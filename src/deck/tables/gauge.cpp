@@ -15,7 +15,7 @@ namespace brisance::deck {
 namespace {
 
 Table const& line_table() {
-  static Table const table{"Gauges at equal distances on a line.",
+  static Table const table{"Gauges at equal spacing on a line.",
                            {position("from").required().like("[1, 0, 0]").means("First gauge"),
                             position("to").required().like("[5, 0, 0]").means("Last gauge"),
                             typed(Type::integer, "count", "1", 2, 1e5).required().like("5").means("Number of gauges")},
@@ -40,14 +40,14 @@ Table const& plane_table() {
 
 Table const& gauge_table() {
   static Table const table{
-      "Gauges record in time. In the gas: pressure, density and velocity at a `point`, on a `line` or on a `plane`. "
-      "Of material points: `body` alone watches a body as a whole, `body` and `point` ride on the body's point that is "
-      "nearest at the start. At most 100000 in all.",
+      "Gauges record time histories. In the gas: pressure, density and velocity at a `point`, on a `line` or on a "
+      "`plane`. In bodies: `body` alone records a body as a whole; `body` with `point` follows the material point of "
+      "the body that is initially nearest. At most 100000 in total.",
       {typed(Type::name, "name")
            .note("`g1`, `g2`, ...; lines and planes append `-1`, `-2`, ...")
            .like("\"roof\"")
            .means("Name"),
-       typed(Type::text, "body").like("\"plate\"").means("Name of a body that is watched"),
+       typed(Type::text, "body").like("\"plate\"").means("Name of a body that is recorded"),
        position("point").like("[2, 0, 1]").means("One gauge"),
        nested(Type::table, "line", line_table())
            .like("{from = [1, 0, 0], to = [5, 0, 0], count = 5}")
@@ -68,7 +68,7 @@ bool room_for_gauges(Draft const& draft, Section const& section, std::string_vie
   if (static_cast<double>(draft.out.gauges.size()) + count <= most_gauges) return true;
   draft.error(
       section, key,
-      fmt::format("{:.0f} gauges more make {:.0f} in all; allowed: at most {:.0f}; write field dumps for dense data",
+      fmt::format("{:.0f} further gauges give {:.0f} in total; allowed: at most {:.0f}; use field dumps for dense data",
                   count, static_cast<double>(draft.out.gauges.size()) + count, most_gauges));
   return false;
 }
@@ -81,7 +81,7 @@ void line(Draft& draft, Section const& section, std::string const& name) {
   auto const count = given->integer("count");
   if (!from || !to || !count) return;
   if (norm(*to - *from) <= draft.tiny()) {
-    draft.error(*given, "to", "is the same point as `from`: a line has a length; write one gauge with a point");
+    draft.error(*given, "to", "is the same point as `from`, so the line has no length: write one gauge with `point`");
     return;
   }
   if (!room_for_gauges(draft, *given, "count", static_cast<double>(*count))) return;
@@ -99,19 +99,20 @@ void plane(Draft& draft, Section const& section, std::string const& name) {
   auto const edge2 = draft.point(*given, "edge2");
   auto const* counts = given->numbers("counts");
   if (draft.dims() < 2) {
-    draft.error(section, "plane", fmt::format("{} resolves only x: use a line", word_of(draft.geometry())));
+    draft.error(section, "plane", fmt::format("{} resolves x only: use a line", word_of(draft.geometry())));
     return;
   }
   if (counts != nullptr && counts->size() != 2) {
     draft.error(*given, "counts",
-                fmt::format("{} has {} elements, expected two whole numbers; write for example counts = [5, 5]",
+                fmt::format("{} has {} elements, expected two integers; write, for example, counts = [5, 5]",
                             given->shown("counts"), counts->size()));
     return;
   }
   if (!origin || !edge1 || !edge2 || counts == nullptr) return;
   double const along = dot(*edge1, *edge2);
   if (dot(*edge1, *edge1) * dot(*edge2, *edge2) - along * along <= std::pow(draft.tiny(), 4)) {
-    draft.error(*given, "edge2", "it spans no plane with edge1: the edges are parallel, or one of them has no length");
+    draft.error(*given, "edge2",
+                "it does not span a plane with edge1: the edges are parallel, or one of them has no length");
     return;
   }
   if (!room_for_gauges(draft, *given, "counts", (*counts)[0] * (*counts)[1])) return;
@@ -183,11 +184,10 @@ void check_gauges(Draft const& draft, Section const& section, std::string_view k
       place_reported = true;
     }
     if (!place_reported && solid.any() && walled_in(draft, solid, gauge.position)) {
-      draft.error(
-          section, key,
-          fmt::format("gauge {} at {} m has only solid cells of obstacles around it and would record nothing: move it "
-                      "half a cell ({:.4g} m) or more away from the obstacle",
-                      gauge.name, point_text(gauge.position, draft.dims()), 0.5 * draft.out.domain.h));
+      draft.error(section, key,
+                  fmt::format("gauge {} at {} m is surrounded by solid cells of obstacles and would record nothing: "
+                              "move it at least half a cell ({:.4g} m) away from the obstacle",
+                              gauge.name, point_text(gauge.position, draft.dims()), 0.5 * draft.out.domain.h));
       place_reported = true;
     }
     for (std::size_t k = 0; k < draft.body_shapes.size() && !place_reported; ++k) {
@@ -222,7 +222,7 @@ void body_gauge(Draft& draft, Section const& section, std::string const& name, s
   }
   for (auto const* key : {"line", "plane"}) {
     if (!section.given(key)) continue;
-    draft.error(section, key, "does not go with body: write one gauge with a point for each place");
+    draft.error(section, key, "cannot be combined with body: write one gauge with a point for each place");
     return;
   }
   if (!room_for_gauges(draft, section, "body", 1.0)) return;
@@ -245,7 +245,7 @@ void body_gauge(Draft& draft, Section const& section, std::string const& name, s
     if (shape && !near_body(draft, *shape, *p)) {
       auto const b = shape::bounds(*shape);
       draft.error(section, "point",
-                  fmt::format("{} lies outside {}, which reaches from {} to {} m: move the gauge into it",
+                  fmt::format("{} lies outside {}, which extends from {} to {} m: move the gauge into it",
                               section.shown("point"), *body_name, point_text(b.lower, draft.dims()),
                               point_text(b.upper, draft.dims())));
       return;
@@ -272,8 +272,8 @@ void build_gauges(Draft& draft) {
                       static_cast<int>(section.given("plane"));
     if (forms != 1) {
       draft.report.error(section.place, section.path,
-                         fmt::format("a gauge has exactly one of point, line and plane, this one has {}; write for "
-                                     "example point = [2, 0, 1]",
+                         fmt::format("a gauge has exactly one of point, line and plane, but this one has {}; write, "
+                                     "for example, point = [2, 0, 1]",
                                      forms == 0 ? "none" : std::to_string(forms)));
       continue;
     }

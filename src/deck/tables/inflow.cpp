@@ -12,7 +12,7 @@ namespace brisance::deck {
 Table const& inflow_table() {
   static Table const table{
       "State of the ambient fluid that enters through a face whose boundary is `inflow`.",
-      {density().note("that of the ambient").means("Density"), pressure().note("that of the ambient").means("Pressure"),
+      {density().note("that of `[ambient]`").means("Density"), pressure().note("that of `[ambient]`").means("Pressure"),
        velocity().required().means("Velocity")},
       {},
       {}};
@@ -24,10 +24,9 @@ namespace {
 void refuse_inflow(Draft const& draft, Section const* boundaries) {
   for (int f = 0; f < 2 * draft.dims(); ++f) {
     if (draft.out.domain.boundary[f] != Boundary::inflow) continue;
-    draft.error(
-        *boundaries, boundaries->given(grid::face_names[f]) ? grid::face_names[f] : "all",
-        "\"inflow\" is not possible here: the bodies of this deck move in empty space; allowed: \"outflow\", \"wall\", "
-        "\"symmetry\" or \"periodic\"; with [mpm_region] there is gas");
+    draft.error(*boundaries, boundaries->given(grid::face_names[f]) ? grid::face_names[f] : "all",
+                "\"inflow\" is not possible here because the bodies of this deck move in empty space; allowed: "
+                "\"outflow\", \"wall\", \"symmetry\" or \"periodic\"; with [mpm_region] there is gas");
     return;
   }
 }
@@ -48,10 +47,10 @@ void build_inflow(Draft& draft, Section const* section) {
     if (f / 2 >= draft.dims() || draft.out.domain.boundary[f] != Boundary::inflow) {
       draft.report.error(
           given.place, given.path,
-          fmt::format(
-              "the face {} is \"{}\", so that this table is without use: write {} = \"inflow\" in [boundaries] or "
-              "remove the table",
-              given.name, f / 2 >= draft.dims() ? "not resolved" : word_of(draft.out.domain.boundary[f]), given.name));
+          fmt::format("the face {} is \"{}\", so this table has no effect: write {} = \"inflow\" in [boundaries] or "
+                      "remove the table",
+                      given.name, f / 2 >= draft.dims() ? "not resolved" : word_of(draft.out.domain.boundary[f]),
+                      given.name));
       return;
     }
     if (auto const s = fluid_state(draft, given, draft.out.ambient.fluid, draft.out.ambient.state, "density"))

@@ -11,19 +11,18 @@ namespace brisance::deck {
 
 Table const& initial_state_table() {
   static Table const table{
-      "A part of the domain with another state or fluid at the start. It fills its own volume: a cell that it cuts "
-      "gets "
-      "that part of its mass, momentum and energy. Later ones overwrite earlier ones, charges and obstacles all.",
+      "A volume of the domain with another initial state or fluid. Its volume is exact: a cell that it covers partly "
+      "receives the corresponding fraction of mass, momentum and energy. Later initial states overwrite earlier ones; "
+      "charges and obstacles overwrite all.",
       joined(shape_keys({"sphere", "hemisphere", "cylinder", "box"}),
              {typed(Type::text, "fluid")
-                  .note("that of the ambient")
+                  .note("that of `[ambient]`")
                   .like("\"helium\"")
-                  .means("Fluid. A deck has at most two: that of the ambient and one other, which is the explosive "
-                         "where there are "
-                         "charges"),
-              density().note("that of the ambient, or of the other fluid's table").means("Density"),
-              pressure().note("that of the ambient").means("Pressure"),
-              velocity().note("that of the ambient").means("Velocity")}),
+                  .means("Fluid. A deck has at most two fluids: the ambient fluid and one other, which is the "
+                         "explosive if there are charges"),
+              density().note("that of `[ambient]`, or of the table of the other fluid").means("Density"),
+              pressure().note("that of `[ambient]`").means("Pressure"),
+              velocity().note("that of `[ambient]`").means("Velocity")}),
       {},
       {}};
   return table;
@@ -43,12 +42,11 @@ void check_initial_states(Draft const& draft) {
     }
     if (outside || !placing.vanishes(n)) continue;  // outside: reported
     Section const& section = *draft.initial_state_sections[n];
-    draft.error(
-        section, place_key(section),
-        fills(draft, draft.out.initial_states[n].shape)
-            ? "it fills nothing: later initial states or obstacles take all of its place; remove it, or write it "
-              "after those that cover it"
-            : "it fills nothing of the domain: move it, or make it larger");
+    draft.error(section, place_key(section),
+                fills(draft, draft.out.initial_states[n].shape)
+                    ? "it fills nothing, because later initial states or obstacles cover it completely: remove it, or "
+                      "write it after those that cover it"
+                    : "it fills no part of the domain: move it, or make it larger");
   }
 }
 
@@ -60,7 +58,7 @@ void build_initial_states(Draft& draft) {
     auto const body = build_shape(draft, section, Use::gas, std::nullopt);
     if (body) {
       initial.shape = *body;
-      touches_domain(draft, section, *body);
+      touches_domain(draft, section, *body, "initial state");
     }
     if (section.broken("fluid")) return;
     auto const name = section.text("fluid");
@@ -77,11 +75,10 @@ void build_initial_states(Draft& draft) {
       if (!draft.ambient_known || own.name != draft.out.ambient.fluid.name) {
         material::Fluid const* other = draft.out.other_fluid(1);
         if (draft.ambient_known && draft.products_known && other != nullptr && other->name != own.name) {
-          draft.error(
-              section, "fluid",
-              fmt::format("\"{}\" would be a third fluid beside \"{}\" and \"{}\"; a calculation has at most two: use "
-                          "one of these",
-                          *name, draft.out.ambient.fluid.name, other->name));
+          draft.error(section, "fluid",
+                      fmt::format("\"{}\" would be a third fluid in addition to \"{}\" and \"{}\"; a simulation has at "
+                                  "most two: use one of these",
+                                  *name, draft.out.ambient.fluid.name, other->name));
           return;
         }
         if (draft.products_known) draft.out.other_fluids = {own};

@@ -16,8 +16,8 @@ namespace {
 Settings<run::InitiationPoint> const& settings() {
   using P = run::InitiationPoint;
   static Settings<P> const all{
-      position("position").note("the charge's `position`").like("[0, 0, 1.5]").means("Where"),
-      {&P::delay, number("delay", "s", 0.0, longest).like("\"2 us\"").means("When, after the start")}};
+      position("position").note("the charge's `position`").like("[0, 0, 1.5]").means("Location"),
+      {&P::delay, number("delay", "s", 0.0, longest).like("\"2 us\"").means("Time of initiation, after the start")}};
   return all;
 }
 
@@ -37,18 +37,17 @@ bool build_initiation(Draft& draft, Section const& section, shape::Shape const& 
   // A body may be hollow.
   auto const middle_is_explosive = [&](Section const& blamed, std::string_view key) {
     if (!draft.domain_known || shape::contains(body, draft.out.domain, shape::centre(body))) return true;
-    draft.report.error(
-        blamed.place_of(key), blamed.path_of(key),
-        fmt::format("the middle of the {}, {} m, holds no explosive that could be lit there: give a position "
-                    "within the explosive, initiation = [{{position = [...]}}]",
-                    what, point_text(shape::centre(body), draft.dims())));
+    draft.report.error(blamed.place_of(key), blamed.path_of(key),
+                       fmt::format("there is no explosive at the centre of the {}, {} m: give a position within the "
+                                   "explosive, initiation = [{{position = [...]}}]",
+                                   what, point_text(shape::centre(body), draft.dims())));
     return false;
   };
   if (detonation == run::Detonation::instantaneous) {
     if (all == nullptr) return true;
-    draft.error(section, "initiation",
-                "an instantaneous detonation has no points of initiation: remove them, or write detonation = "
-                "\"programmed\"");
+    draft.error(
+        section, "initiation",
+        "an instantaneous detonation has no points of initiation: remove them, or write detonation = \"programmed\"");
     return false;
   }
   if (all == nullptr || all->empty()) {
@@ -78,7 +77,7 @@ bool build_initiation(Draft& draft, Section const& section, shape::Shape const& 
       if (!shape::contains(body, draft.out.domain, p.position) && !shape::contains(body, draft.out.domain, moved)) {
         auto const b = shape::bounds(body);
         draft.error(given, "position",
-                    fmt::format("{} lies outside the {}, which reaches from {} to {} m: move the point inside",
+                    fmt::format("{} lies outside the {}, which extends from {} to {} m: move the point inside",
                                 given.shown("position"), what, point_text(b.lower, draft.dims()),
                                 point_text(b.upper, draft.dims())));
         sound = false;

@@ -31,19 +31,19 @@ Settings<run::MpmRegion> const& extent() {
       nested_or(Type::table, "box", box_table(), {"auto"})
           .of("auto")
           .like("{lower = [\"110 mm\", 0], upper = [\"160 mm\", \"500 mm\"]}")
-          .means("Where: a table with `lower` and `upper`, whose faces lie between cells, on a boundary of "
-                 "the domain or at least 4 cells from it; `auto`: the smallest box around the bodies with "
-                 "`margin`, and the whole domain where an explosive throws out soil"),
+          .means("Extent of the MPM region: a table with `lower` and `upper`, whose faces are cell faces, either on a "
+                 "boundary of the domain or at least 4 cells from it; `auto`: the smallest box around the bodies plus "
+                 "`margin`, or the whole domain if an explosive ejects soil"),
       nested(Type::tables, "boxes", box_table())
           .note("none")
           .like("[{lower = [0, 0], upper = [1, 2]}, {lower = [1, 0], upper = [2, 1]}]")
-          .means("Several boxes, instead of `box`: the region is what they cover together"),
+          .means("Several boxes, instead of `box`: the region is their union"),
       {&R::margin,
        typed(Type::integer, "margin", "1", 1, 1e6)
            .note("`width` + 10")
            .like("20")
-           .means("Cells between the bodies and the faces of the box, with `box = \"auto\"`: room for the bodies to "
-                  "move. A box that ends near a boundary of the domain is drawn out to it")},
+           .means("With `box = \"auto\"`: number of cells between the bodies and the faces of the box, in which the "
+                  "bodies can move. A box that ends near a boundary of the domain is extended to it")},
       {&R::width,
        typed(Type::integer, "width", "1", 1, 50).like("5").means("Width w of the bridge in cells, 5 in [Cui14]")}};
   return all;
@@ -56,51 +56,51 @@ Settings<run::MpmRegion> const& method() {
       {&R::transport,
        word<bridge::Transport>("transport")
            .like("\"ledger\"")
-           .means("How mass crosses the faces of the region: `ledger` conserves it to round-off, `paper` is Eqs. "
-                  "(40)-(51) of [Cui14] as printed, which count twice what flows out of the region")},
+           .means("How mass crosses the faces of the region: `ledger` conserves it to round-off; `paper` uses Eqs. "
+                  "(40)-(51) of [Cui14] as printed, which count outflow from the region twice")},
       {&R::particles_per_direction, typed(Type::integer, "points_per_direction", "1", 1, 8)
                                         .note("4 in 1D, 3 in 2D, 2 in 3D")
                                         .like("2")
-                                        .means("Points of the gas per cell and direction at the start")},
+                                        .means("Initial number of gas particles per cell and direction")},
       {&R::activation, number("activation", "Pa", 0.0, 1e13)
-                           .note("a thousandth of the ambient pressure")
+                           .note("0.1 % of the ambient pressure")
                            .like("\"100 Pa\"")
-                           .means("Overpressure next to the region that wakes it")},
-      {&R::subcycling,
-       typed(Type::boolean, "subcycling")
-           .like("true")
-           .means("Gas and points take steps of their own within a common one; else both take the shorter one")},
+                           .means("Overpressure next to the region that activates it")},
+      {&R::subcycling, typed(Type::boolean, "subcycling")
+                           .like("true")
+                           .means("true: gas and particles use their own sub-steps within a common step; false: both "
+                                  "use the shorter step")},
       {&R::transfer, word<mpm::Transfer>("transfer")
                          .like("\"apic\"")
-                         .means("Of the gas points; `points.transfer` is that of the bodies")},
+                         .means("For the gas particles; `points.transfer` applies to the bodies")},
       {&R::order, word("order", {"usl", "musl"})
                       .like("\"usl\"")
-                      .means("Of the gas points; `points.stress_order` is that of the bodies")},
+                      .means("For the gas particles; `points.stress_order` applies to the bodies")},
       {&R::linear_viscosity, number("linear_viscosity", "1", 0.0, 10.0)
                                  .like("0.06")
-                                 .means("Linear coefficient of the bulk viscosity of the gas points")},
+                                 .means("Linear coefficient of the bulk viscosity of the gas particles")},
       {&R::quadratic_viscosity, number("quadratic_viscosity", "1", 0.0, 100.0)
                                     .like("1.5")
-                                    .means("Quadratic coefficient of the bulk viscosity of the gas points")},
-      {&R::slip,
-       typed(Type::boolean, "slip")
-           .like("false")
-           .means("Gas slips along solids: it shares their velocity across their surfaces only. false: gas sticks to "
-                  "them, by the shared grid of [Cui14]; it then loads a plate some 20 % too much on 4 cells over its "
-                  "thickness")},
+                                    .means("Quadratic coefficient of the bulk viscosity of the gas particles")},
+      {&R::slip, typed(Type::boolean, "slip")
+                     .like("false")
+                     .means("true: gas slips along solids and shares only the normal component of their velocity; "
+                            "false: gas sticks to them through the shared grid, as in [Cui14], and then overloads a "
+                            "plate by about 20 % with 4 cells over its thickness")},
       {&R::shock_conduction, number("shock_conduction", "1", 0.0, 10.0)
                                  .like("0.2")
-                                 .means("Coefficient of the conduction of heat in shocks of the gas points")},
+                                 .means("Coefficient of heat conduction in shocks of the gas particles")},
       {&R::courant, number("courant", "1", 0.01, 1.0)
                         .like("0.8")
-                        .means("Courant number of the gas points; `points.courant` is that of the bodies")},
+                        .means("Courant number of the gas particles; `points.courant` applies to the bodies")},
       {&R::population_interval, typed(Type::integer, "population_interval", "1", 0, 1e6)
                                     .like("4")
-                                    .means("Steps between splits and merges of the gas points; 0: none")},
-      {&R::reference_pressure, number("reference_pressure", "Pa", 0.0, 1e13)
-                                   .note("the lowest pressure of the gas, the ambient one at most")
-                                   .like("\"101.325 kPa\"")
-                                   .means("Taken off the pressure in the forces on the points")}};
+                                    .means("Steps between splitting and merging of gas particles; 0: none")},
+      {&R::reference_pressure,
+       number("reference_pressure", "Pa", 0.0, 1e13)
+           .note("the lowest pressure of the gas, at most the ambient pressure")
+           .like("\"101.325 kPa\"")
+           .means("Pressure that is subtracted when the forces on the particles are computed")}};
   return all;
 }
 
@@ -108,12 +108,13 @@ Settings<run::MpmRegion> const& method() {
 
 Table const& mpm_region_table() {
   static Table const table{
-      "The part of a calculation with gas that material points calculate: the bodies and the gas around them "
-      "([Cui14] Sec. 3). A deck with bodies and anything of the gas (charges, regions, obstacles, inflow, gauges in "
-      "the gas) has one, also without this table; with this table bodies stand in the gas of `[ambient]` whatever "
-      "else there is. Around the inside of the region lies the bridge, `width` cells thick, where gas cells and "
-      "points calculate both. Solids keep `width` + 2 cells away from the faces of the region, charges and obstacles "
-      "4 cells from its outside. The region calculates nothing until a wave comes near.",
+      "The MPM region (\"region\" below): the part of a simulation with gas that is computed with material points, "
+      "namely the bodies and the gas around them ([Cui14] Sec. 3). A deck with bodies and with gas (charges, initial "
+      "states, obstacles, inflow or gauges in the gas) always has an MPM region, even without this table. With this "
+      "table, bodies are always surrounded by the gas of `[ambient]`. The bridge lies along the inside of the region, "
+      "`width` cells thick; there, gas cells and particles are both computed. Solids must stay `width` + 2 cells away "
+      "from the faces of the region; charges and obstacles must stay 4 cells outside it. The region is inactive until "
+      "a wave comes near.",
       joined(extent().keys(), method().keys()),
       {},
       {}};
@@ -126,10 +127,9 @@ void warn_if_only_gauges(Draft const& draft) {
   for (auto const* key : {"charge", "initial_state", "obstacle", "inflow"}) {
     if (draft.deck.given(key)) return;
   }
-  draft.report.warning(
-      draft.deck.place_of("gauge"), "gauge",
-      "gauges in the gas put the bodies into the ambient gas, with an MPM region around them; write body = "
-      "... to measure on a body alone, or [mpm_region] where this is meant");
+  draft.report.warning(draft.deck.place_of("gauge"), "gauge",
+                       "gauges in the gas surround the bodies with ambient gas and an MPM region; write body = ... to "
+                       "record a body only, or add [mpm_region] if this is intended");
 }
 
 /// The products of explosives in the region are the fluid beside the ambient one.
@@ -145,8 +145,8 @@ void products_of_bodies(Draft& draft) {
     } else if (other->name != body.solid.name) {
       draft.error(
           (*sections)[n], "material",
-          fmt::format("the products of \"{}\" would be a third fluid beside \"{}\" and \"{}\"; a calculation has at "
-                      "most two: use one explosive for all, or convert the mass by its TNT equivalent",
+          fmt::format("the products of \"{}\" would be a third fluid in addition to \"{}\" and \"{}\"; a simulation "
+                      "has at most two: use one explosive for all, or convert the mass with its TNT equivalent",
                       body.solid.name, draft.out.ambient.fluid.name, other->name));
     }
   }
@@ -162,11 +162,10 @@ void contacts_of_fluids(Draft const& draft, run::MpmRegion const& region) {
       if (body >= static_cast<int>(draft.out.particles.bodies.size())) return;  // there were errors
       run::Body const& fluid = draft.out.particles.bodies[body];
       if (fluid.rigid || fluid.solid.has_deviator()) continue;
-      draft.error(
-          (*sections)[n], "bodies",
-          fmt::format("\"{}\" is a fluid, and fluids slip along solids in an MPM region, without friction: remove the "
-                      "contact, or write mpm_region.slip = false",
-                      fluid.name));
+      draft.error((*sections)[n], "bodies",
+                  fmt::format("\"{}\" is a fluid, and in an MPM region fluids slip along solids without friction: "
+                              "remove the contact, or write mpm_region.slip = false",
+                              fluid.name));
     }
   }
 }
@@ -177,7 +176,7 @@ bool region_boxes(Draft const& draft, Section const& section, run::MpmRegion& re
   Section const* one = section.section("box");
   auto const* several = section.sections("boxes");
   if (one != nullptr && several != nullptr) {
-    draft.error(section, "boxes", "the region is given by box and by boxes: give only one of the two");
+    draft.error(section, "boxes", "boxes is given together with box: give only one of them");
     return false;
   }
   if (several != nullptr && several->empty()) {
@@ -185,7 +184,7 @@ bool region_boxes(Draft const& draft, Section const& section, run::MpmRegion& re
     return false;
   }
   if (section.given("margin") && (one != nullptr || several != nullptr)) {
-    draft.warn(section, "margin", "has no effect where the box is given");
+    draft.warn(section, "margin", "has no effect if the box is given");
   }
   bool sound = true;
   auto const add = [&](Section const& given) {
@@ -198,8 +197,8 @@ bool region_boxes(Draft const& draft, Section const& section, run::MpmRegion& re
     for (int d = 0; d < draft.dims(); ++d) {
       if ((*upper)[d] > (*lower)[d]) continue;
       draft.error(given, "upper",
-                  fmt::format("{} does not lie above lower = {} in direction {}: exchange or correct them",
-                              given.shown("upper"), given.shown("lower"), directions[d]));
+                  fmt::format("{} is not above lower = {} in direction {}: swap or correct them", given.shown("upper"),
+                              given.shown("lower"), directions[d]));
       sound = false;
       return;
     }
@@ -207,7 +206,7 @@ bool region_boxes(Draft const& draft, Section const& section, run::MpmRegion& re
       bool const below = (*lower)[d] < draft.out.domain.lower[d] - draft.tiny();
       if (!below && (*upper)[d] <= draft.out.domain.upper(d) + draft.tiny()) continue;
       draft.error(given, below ? "lower" : "upper",
-                  fmt::format("{} lies outside the domain, which reaches from {:.6g} to {:.6g} m in direction {}",
+                  fmt::format("{} lies outside the domain, which extends from {:.6g} to {:.6g} m in direction {}",
                               given.shown(below ? "lower" : "upper"), draft.out.domain.lower[d],
                               draft.out.domain.upper(d), directions[d]));
       sound = false;
@@ -242,10 +241,9 @@ void build_mpm_region(Draft& draft) {
   bool const bodies_known =
       std::all_of(draft.body_shapes.begin(), draft.body_shapes.end(), [](auto const& s) { return s; });
   if (automatic && !draft.has_bodies() && sound) {
-    draft.error(
-        *section, "box",
-        "there is no body that the region could be laid around: give its box, for example box = {lower = [0, 0, 0], "
-        "upper = [1, 1, 1]}");
+    draft.error(*section, "box",
+                "there is no body around which the MPM region could be placed: give its box, for example box = {lower "
+                "= [0, 0, 0], upper = [1, 1, 1]}");
     return;
   }
   draft.out.mpm_region = region;
@@ -255,12 +253,11 @@ void build_mpm_region(Draft& draft) {
   try {
     check_mpm_region(draft, setup::region_of(draft.out));
   } catch (InputError const& problem) {
-    std::string const hint =
-        automatic ? fmt::format(
-                        "; this is the box around the bodies with {} cells on each side: write [mpm_region] "
-                        "with a box or another margin",
-                        setup::margin_of(region))
-                  : "";
+    std::string const hint = automatic ? fmt::format(
+                                             "; this is the box around the bodies with a margin of {} cells: write "
+                                             "[mpm_region] with a box or another margin",
+                                             setup::margin_of(region))
+                                       : "";
     bool const given = section != nullptr;
     std::string_view const key = given && section->given("boxes") ? "boxes" : "box";
     if (given) {

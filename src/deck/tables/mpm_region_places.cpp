@@ -68,10 +68,10 @@ void check_body_place(Draft const& draft, bridge::Region const& region, std::siz
   int const layer = region.layer(cell);
   draft.error(
       section, place_key(section),
-      fmt::format("the body reaches at {} m {}: solids keep at least {} cells = {:.6g} m (width + 2) away from the "
-                  "faces of the region; make the region larger, or the bridge narrower (mpm_region.width)",
+      fmt::format("at {} m the body extends {}: solids must stay at least {} cells = {:.6g} m (width + 2) away from "
+                  "the faces of the MPM region; enlarge the MPM region, or make the bridge narrower (mpm_region.width)",
                   point_text(*place, draft.dims()),
-                  layer == 0 ? std::string("out of the MPM region")
+                  layer == 0 ? std::string("beyond the MPM region")
                              : fmt::format("into cell {} from a face of the MPM region", layer),
                   keep, keep * draft.out.domain.h));
 }
@@ -111,11 +111,10 @@ void check_mpm_region(Draft const& draft, bridge::Region const& region) {
     }
     if (!place && taken(cell)) place = middle;
     if (!place) continue;
-    draft.error(
-        *section, place_key(*section),
-        fmt::format("the charge reaches at {} m into the MPM region or the 3 cells beside it: move it, make the "
-                    "region smaller, or write the charge as a [[body]] of its explosive",
-                    point_text(*place, draft.dims())));
+    draft.error(*section, place_key(*section),
+                fmt::format("at {} m the charge extends into the MPM region or the 3 cells next to it: move it, make "
+                            "the MPM region smaller, or write the charge as a [[body]] of its explosive",
+                            point_text(*place, draft.dims())));
   }
   auto const* obstacles = draft.deck.sections("obstacle");
   setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
@@ -133,11 +132,10 @@ void check_mpm_region(Draft const& draft, bridge::Region const& region) {
                             return !place;
                           });
     if (!place) continue;
-    draft.error(
-        (*obstacles)[index], place_key((*obstacles)[index]),
-        fmt::format("the obstacle reaches at {} m into the MPM region or the 3 cells beside it: move it, make the "
-                    "region smaller, or write the obstacle as a [[body]] with rigid = true",
-                    point_text(*place, draft.dims())));
+    draft.error((*obstacles)[index], place_key((*obstacles)[index]),
+                fmt::format("at {} m the obstacle extends into the MPM region or the 3 cells next to it: move it, make "
+                            "the MPM region smaller, or write the obstacle as a [[body]] with rigid = true",
+                            point_text(*place, draft.dims())));
   }
 }
 

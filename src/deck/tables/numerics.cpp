@@ -13,35 +13,34 @@ namespace {
 Settings<run::Numerics> const& settings() {
   using N = run::Numerics;
   static Settings<N> const all{
-      {&N::scheme,
-       word<gas::Scheme>("scheme")
-           .like("\"muscl-hancock\"")
-           .means("`muscl-hancock`: second-order Godunov scheme with the HLLC solver; `lax-wendroff`: the scheme of "
-                  "[Cui14] with "
-                  "adaptive viscosity")},
+      {&N::scheme, word<gas::Scheme>("scheme")
+                       .like("\"muscl-hancock\"")
+                       .means("`muscl-hancock`: second-order Godunov scheme with the HLLC solver; `lax-wendroff`: the "
+                              "scheme of [Cui14] with adaptive viscosity")},
       {&N::courant, number("courant", "1", 0.01, 1.0).like("0.8").means("Courant number")},
       {&N::block_cells, typed(Type::integer, "block_cells", "1", 0, 4096)
                             .like("16")
-                            .means("Cells per block and direction; 0: chosen by the program")},
+                            .means("Cells per block and direction; 0: automatic")},
       {&N::sleep, typed(Type::boolean, "sleep")
                       .like("true")
-                      .means("Skip blocks in which nothing happens; the result is the same")},
-      {&N::limiter_beta, number("limiter_beta", "1", 1.0, 2.0)
-                             .like("1.5")
-                             .means("Generalised monotonised-central limiter: 1 is minmod, 2 the steepest")},
-      {&N::carbuncle_cure, typed(Type::boolean, "carbuncle_cure").like("true").means("Blend to HLL along shocks")},
+                      .means("Skip blocks in which nothing happens; does not change the results")},
+      {&N::limiter_beta,
+       number("limiter_beta", "1", 1.0, 2.0)
+           .like("1.5")
+           .means("Parameter of the generalised monotonised-central limiter: 1 is minmod, 2 is the steepest")},
+      {&N::carbuncle_cure,
+       typed(Type::boolean, "carbuncle_cure").like("true").means("Blend towards HLL along shocks (carbuncle cure)")},
       {&N::density_floor, number("density_floor", "kg/m3", 1e-12, 1.0).like("1e-6").means("Guard: smallest density")},
       {&N::pressure_floor, number("pressure_floor", "Pa", 1e-9, 1e4).like("1e-3").means("Guard: smallest pressure")},
       {&N::viscosity, number("viscosity", "1", 0.0, 1.0)
                           .like("0.5")
                           .means("lax-wendroff: constant eta of the artificial viscosity; 0: eta of [Cui14] Eq. (5)")},
       number("ideal_products", "1", 4.0, 1e6)
-          .note("where double precision no longer tells the difference")
+          .note("where double precision no longer resolves the difference")
           .like("10")
-          .means(
-              "Relative volume V from which detonation products are an ideal gas with gamma = 1 + omega; the "
-              "exponentials of the JWL fade out from half of it on. Saves little; docs/validation/remap.md shows the "
-              "error")};
+          .means("Relative volume V above which detonation products are treated as an ideal gas with gamma = 1 + "
+                 "omega; the exponential terms of the JWL equation are faded out from half of it. Saves little; "
+                 "docs/validation/remap.md shows the error")};
   return all;
 }
 
@@ -68,7 +67,7 @@ void cut_over(Draft& draft, double volume) {
   if (found || !draft.out.charges.empty()) return;
   Section const& section = *draft.deck.section("numerics");
   draft.report.warning(section.place_of("ideal_products"), section.path_of("ideal_products"),
-                       "has no effect: nothing in the deck has a JWL equation of state");
+                       "has no effect: no material of the deck has a JWL equation of state");
 }
 
 }  // namespace
@@ -81,7 +80,7 @@ void build_numerics(Draft& draft) {
   if (auto const volume = section->number("ideal_products")) cut_over(draft, *volume);
   if (n.block_cells != 0 && n.block_cells < 4) {
     draft.error(*section, "block_cells",
-                fmt::format("{} is too small; allowed: 0 (chosen by the program) or 4 to 4096", n.block_cells));
+                fmt::format("{} is too small; allowed: 0 (automatic) or 4 to 4096", n.block_cells));
   }
   if (n.scheme == run::Scheme::lax_wendroff) {
     for (auto const* key : {"limiter_beta", "carbuncle_cure"}) {

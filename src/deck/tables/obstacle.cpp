@@ -18,20 +18,18 @@ namespace {
 Settings<run::Release> const& settings() {
   using R = run::Release;
   static Settings<R> const all{
-      {&R::pressure,
-       number("fails_at", "Pa", 1e-3, 1e13)
-           .note("never")
-           .like("\"10 kPa\"")
-           .means("The obstacle gives way, as a whole, when the difference between the mean pressures on its "
-                  "two sides reaches this, in either sense. Its sides face along the direction in which there "
-                  "is gas on both and it is thinnest")},
+      {&R::pressure, number("fails_at", "Pa", 1e-3, 1e13)
+                         .note("never")
+                         .like("\"10 kPa\"")
+                         .means("The obstacle fails as a whole when the difference between the mean pressures on its "
+                                "two sides reaches this value, in either direction. The sides are those in the "
+                                "direction in which the obstacle is thinnest and has gas on both sides")},
       {&R::areal_mass,
        number("areal_mass", "kg/m2", 1e-6, 1e6)
-           .note("none: all of it opens at once")
+           .note("none: the whole panel opens at once")
            .like("\"10 kg/m2\"")
-           .means("Mass of the panel per area. From `fails_at` on it moves as a whole, mass times acceleration "
-                  "equal to the difference of the pressures, and gas passes through its perimeter times the "
-                  "way that it has gone, until that is its area")}};
+           .means("Mass of the panel per area. After failure the panel moves as a rigid body, accelerated by the "
+                  "pressure difference; the open area is its perimeter times its travel, up to its own area")}};
   return all;
 }
 
@@ -39,10 +37,10 @@ Settings<run::Release> const& settings() {
 
 Table const& obstacle_table() {
   static Table const table{
-      "A rigid body inside the gas. A cell is solid from half its volume on. An obstacle that makes no "
-      "cell solid, and a wall so thin that gas would pass between its cells, is refused. With `fails_at` it is a panel "
-      "that gives way: a vent, a door, a window. An obstacle takes the place of those before it: a panel that is "
-      "written after a wall leaves a hole in the wall.",
+      "A rigid body in the gas. A cell is solid if the obstacle fills at least half of its volume. An obstacle that "
+      "makes no cell solid is rejected, as is a wall so thin that gas would pass between its solid cells. With "
+      "`fails_at` it is a panel that fails: a vent, a door or a window. An obstacle replaces earlier obstacles where "
+      "they overlap: a panel written after a wall makes an opening in the wall.",
       joined(joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
                     shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
              settings().keys()),
@@ -91,10 +89,9 @@ void closed_gaps(Draft const& draft, setup::SolidCells const& solid) {
         other < 0 ? fmt::format("the face {}", grid::face_names[static_cast<std::size_t>(-1 - other)])
                   : fmt::format("obstacle[{}]", draft.obstacle_shapes[static_cast<std::size_t>(other)].first + 1);
     draft.warn(section, place_key(section),
-               fmt::format(
-                   "the gap of {:.4g} m between it and {} at {} m is narrower than a cell and will be closed: cells of "
-                   "{:.3g} m or less (domain.cell) keep it open",
-                   to - from, what, point_text(middle, draft.dims()), 0.5 * (to - from)));
+               fmt::format("the gap of {:.4g} m between it and {} at {} m is narrower than a cell and will be closed: "
+                           "use cells of {:.3g} m or less (domain.cell) to keep it open",
+                           to - from, what, point_text(middle, draft.dims()), 0.5 * (to - from)));
   };
   auto const box_of = [&](std::size_t n) { return std::get_if<shape::Box>(&draft.out.obstacles[n].shape); };
   for (std::size_t n = 0; n < draft.out.obstacles.size(); ++n) {
@@ -134,12 +131,11 @@ void check_obstacles(Draft const& draft) {
     Section const& section = sections[draft.obstacle_shapes[n].first];
     double const t = solid.thickness(n);
     double const cell = std::min(std::holds_alternative<shape::Box>(shape) && thin == 1 ? t : 0.5 * t, 0.5 * h);
-    draft.error(
-        section, place_key(section),
-        fmt::format("the obstacle fills half of no cell, and the gas would not see it: it is {:.4g} m thick and a "
-                    "cell is {:.4g} m; make the cells {:.3g} m or smaller (domain.cell), or the obstacle thicker, or "
-                    "let its faces lie between cells",
-                    t, h, cell));
+    draft.error(section, place_key(section),
+                fmt::format("the obstacle fills less than half of every cell, so it would not affect the gas: it is "
+                            "{:.4g} m thick and a cell is {:.4g} m; make the cells {:.3g} m or smaller (domain.cell), "
+                            "make the obstacle thicker, or align its faces with cell faces",
+                            t, h, cell));
   }
   if (!sound) return;
   closed_gaps(draft, solid);
@@ -148,8 +144,7 @@ void check_obstacles(Draft const& draft) {
   if (!leak && left <= 0) {
     draft.report.warning(
         sections.front().place, "obstacle",
-        "so many cells lie at the surfaces of obstacles that not all were looked at for walls too thin to "
-        "hold the gas");
+        "obstacles have too many surface cells to check all of them for walls that are too thin to hold the gas");
   }
   if (!leak) {
     check_panels(draft, solid);
@@ -157,12 +152,11 @@ void check_obstacles(Draft const& draft) {
   }
   Section const& section = sections[draft.obstacle_shapes[leak->obstacle].first];
   double const t = solid.thickness(leak->obstacle);
-  draft.error(
-      section, place_key(section),
-      fmt::format("gas would flow through the obstacle at {} m, between cells of which it fills less than half: there "
-                  "it is too thin for cells of {:.4g} m; make them {:.3g} m or smaller (domain.cell), or the obstacle "
-                  "thicker, or let its faces lie between cells",
-                  point_text(leak->place, draft.dims()), h, t < 2.0 * h ? std::min(t, 0.5 * h) : 0.5 * h));
+  draft.error(section, place_key(section),
+              fmt::format("gas would flow through the obstacle at {} m, where it fills less than half of the cells: it "
+                          "is too thin there for cells of {:.4g} m; make the cells {:.3g} m or smaller (domain.cell), "
+                          "make the obstacle thicker, or align its faces with cell faces",
+                          point_text(leak->place, draft.dims()), h, t < 2.0 * h ? std::min(t, 0.5 * h) : 0.5 * h));
 }
 
 }  // namespace
@@ -179,17 +173,16 @@ void build_obstacles(Draft& draft) {
     Section const& section = (*all)[i];
     auto const body = build_shape(draft, section, Use::gas, std::nullopt);
     if (!body) continue;
-    touches_domain(draft, section, *body);
+    touches_domain(draft, section, *body, "obstacle");
     draft.obstacle_shapes.emplace_back(i, *body);
     draft.out.obstacles.push_back({section.text("name").value_or(fmt::format("obstacle-{}", i + 1)), *body});
     run::Release release;
     settings().read(section, release);
     if (section.number("fails_at")) draft.out.obstacles.back().release = release;
     if (section.number("areal_mass") && !section.given("fails_at")) {
-      draft.error(
-          section, "areal_mass",
-          "it is the mass of a panel that gives way, and this obstacle does not: give it fails_at, the difference of "
-          "the pressures at which it does, or remove the key");
+      draft.error(section, "areal_mass",
+                  "this key is the mass of a panel that fails, but this obstacle does not fail: add fails_at, the "
+                  "pressure difference at failure, or remove the key");
     }
   }
   check_obstacles(draft);

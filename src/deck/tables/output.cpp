@@ -28,43 +28,44 @@ Settings<run::Output> const& settings() {
   static Settings<O> const all{
       {&O::field_interval, number("field_interval", "s", 0.0, longest)
                                .like("\"0.5 ms\"")
-                               .means("Time between field dumps; 0: none but the last")},
+                               .means("Time between field dumps; 0: only the last one")},
       {&O::field_times, typed(Type::numbers, "field_times", "s", 0.0, longest)
                             .note("none")
                             .like("[\"1 ms\", \"2.5 ms\"]")
-                            .means("Further times of field dumps")},
+                            .means("Additional times of field dumps")},
       {&O::gauge_interval, number("gauge_interval", "s", 0.0, longest)
                                .like("\"10 us\"")
                                .means("Time between gauge records; 0: every step")},
       {&O::peak_fields, typed(Type::boolean, "peak_fields")
                             .like("true")
                             .means("Write peak overpressure and impulse of every cell at the end")},
-      {&O::single_precision, word("precision", {"single", "double"})
-                                 .like("\"single\"")
-                                 .means("Precision of the fields in the files; the calculation is always in double")},
+      {&O::single_precision,
+       word("precision", {"single", "double"})
+           .like("\"single\"")
+           .means("Precision of the fields in the files; the simulation always uses double precision")},
       {&O::fields, words("fields", observe::known_fields(), O{}.fields)
                        .like("[\"pressure\", \"velocity\"]")
                        .means("Fields to write")},
-      {&O::particle_fields, words("point_fields", observe::known_particle_fields(), O{}.particle_fields)
-                                .like("[\"velocity\", \"stress\"]")
-                                .means("Fields of the material points to write, beside position, body and material")},
-      {&O::gas_particles,
-       typed(Type::boolean, "gas_points")
-           .like("true")
-           .means("Write the gas points of an `[mpm_region]` too; without them the field dumps show their gas "
-                  "as cells")},
+      {&O::particle_fields,
+       words("point_fields", observe::known_particle_fields(), O{}.particle_fields)
+           .like("[\"velocity\", \"stress\"]")
+           .means("Fields of the material points to write, in addition to position, body and material")},
+      {&O::gas_particles, typed(Type::boolean, "gas_points")
+                              .like("true")
+                              .means("Write the gas particles of an `[mpm_region]` as well; otherwise the field dumps "
+                                     "show their gas as cells")},
       {&O::profile,
        typed(Type::boolean, "profile")
            .like("true")
-           .means("Write the state at the end as a profile, `profiles/end.h5`, with which a later deck may begin "
-                  "(`[remap]`): of spherical1d, cylindrical1d and axisymmetric2d with one charge")}};
+           .means("Write the final state as a profile, `profiles/end.h5`, from which a later deck can start "
+                  "(`[remap]`); for spherical1d, cylindrical1d and axisymmetric2d with one charge")}};
   return all;
 }
 
 }  // namespace
 
 Table const& output_table() {
-  static Table const table{"What is written, and when.", settings().keys(), {}, {}};
+  static Table const table{"What to write, and when.", settings().keys(), {}, {}};
   return table;
 }
 
@@ -87,7 +88,7 @@ void too_many(Draft const& draft, Section const& section, std::string_view key, 
   if (interval <= 0.0 || draft.out.end.time / interval <= most) return;
   draft.error(
       section, key,
-      fmt::format("{} until {:g} s makes {:.4g} {}; allowed: at most {:g}; write at least {:.3g} s", section.shown(key),
+      fmt::format("{} until {:g} s gives {:.4g} {}; allowed: at most {:g}; write at least {:.3g} s", section.shown(key),
                   draft.out.end.time, draft.out.end.time / interval, things, most, draft.out.end.time / most));
 }
 
@@ -102,7 +103,7 @@ void build_output(Draft& draft) {
   without_repeats(o.particle_fields);
   for (auto const* key : {"fields", "peak_fields"}) {
     if (!draft.has_gas && section->given(key))
-      draft.warn(*section, key, "has no effect in a deck of bodies without gas");
+      draft.warn(*section, key, "has no effect in a deck with bodies but without gas");
   }
   bool const region = draft.has_gas && (draft.has_bodies() || draft.deck.given("mpm_region"));
   if (!region && section->given("gas_points")) {
@@ -118,14 +119,14 @@ void build_output(Draft& draft) {
   double const time = draft.out.end.time;
   if (!o.field_times.empty() && o.field_times.back() > time) {
     draft.error(*section, "field_times",
-                fmt::format("{:g} s lies after the end of the calculation at {:g} s: remove it or calculate longer",
+                fmt::format("{:g} s is after the end of the simulation at {:g} s: remove it or extend the simulation",
                             o.field_times.back(), time));
   }
   for (auto const& [key, interval, what] : {std::tuple{"field_interval", o.field_interval, "dumps are written"},
                                             std::tuple{"gauge_interval", o.gauge_interval, "gauges record"}}) {
     if (section->given(key) && interval > time) {
       draft.warn(*section, key,
-                 fmt::format("is longer than the calculation, {:g} s: {} at its start and its end only", time, what));
+                 fmt::format("is longer than the simulation, {:g} s: {} only at its start and its end", time, what));
     }
   }
   too_many(draft, *section, "field_interval", o.field_interval, most_dumps, "field dumps");

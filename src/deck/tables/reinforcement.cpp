@@ -17,11 +17,14 @@ Settings<mpm::Bar> const& settings() {
   using B = mpm::Bar;
   static Settings<B> const all{
       typed(Type::text, "body").note("the only body").like("\"slab\"").means("Name of the body"),
-      position("from").required().like("[0, 0.1, 0.03]").means("One end of the axis, in the body"),
-      position("to").required().like("[1, 0.1, 0.03]").means("The other"),
+      position("from").required().like("[0, 0.1, 0.03]").means("One end of the bar axis, in the body"),
+      position("to").required().like("[1, 0.1, 0.03]").means("Other end of the bar axis"),
       {&B::diameter, number("diameter", "m", smallest, far).required().like("\"12 mm\"").means("Diameter")},
-      typed(Type::integer, "copies", "1", 1, 10000).of(1L).like("10").means("Number of equal bars side by side"),
-      position("step").note("needed by several copies").like("[0, \"0.1 m\", 0]").means("From one to the next"),
+      typed(Type::integer, "copies", "1", 1, 10000).of(1L).like("10").means("Number of equal parallel bars"),
+      position("step")
+          .note("required for several copies")
+          .like("[0, \"0.1 m\", 0]")
+          .means("Offset from one copy to the next"),
       {&B::E, number("E", "Pa", 1.0, 1e13).like("\"200 GPa\"").means("Young's modulus")},
       {&B::yield, number("yield", "Pa", 0.0, 1e12).like("\"500 MPa\"").means("Yield stress")},
       {&B::hardening,
@@ -33,12 +36,11 @@ Settings<mpm::Bar> const& settings() {
 
 Table const& reinforcement_table() {
   static Table const table{
-      "A steel bar in a body, or a row of them, thinner than the grid resolves: smeared over the points within a cell "
-      "of the "
-      "axis, which carry its stress along it beside their own. In cartesian3d. A bar of two cells and more in diameter "
-      "is a "
-      "`[[body]]` of its own, cut out of the other. Where bars cross, the points belong to the first. A bar with its "
-      "middle on a symmetry plane goes on behind it as its mirror image, as bodies do.",
+      "A steel bar in a body, or a row of bars, too thin for the grid to resolve. The bar is smeared over the material "
+      "points within one cell of its axis; these particles carry the axial stress of the bar in addition to their own "
+      "stress. Only in cartesian3d. Model a bar with a diameter of two cells or more as a separate `[[body]]` that is "
+      "cut out of the other. Where bars cross, the particles belong to the first. A bar with its centre on a symmetry "
+      "plane continues behind it as its mirror image, as bodies do.",
       settings().keys(),
       {},
       {}};
@@ -57,10 +59,10 @@ std::optional<std::string> misplaced(mpm::Bar const& bar, grid::Domain const& do
     double const middle = 0.5 * (depth(bar.from) + depth(bar.to));
     bool const mirror = domain.boundary[f] == grid::Boundary::symmetry;
     if (least < -tiny && !(mirror && std::abs(middle) <= tiny)) {
-      return fmt::format("the bar reaches {:.4g} m over the face {} ({} = {:.6g} m), {}", -least, grid::face_names[f],
+      return fmt::format("the bar extends {:.4g} m beyond the face {} ({} = {:.6g} m), {}", -least, grid::face_names[f],
                          directions[d], plane,
-                         mirror ? fmt::format("which is a symmetry plane, but its middle at {} = {:.6g} m does not lie "
-                                              "on it: put the middle on the plane, or end the bar there",
+                         mirror ? fmt::format("which is a symmetry plane, but its centre at {} = {:.6g} m is not on "
+                                              "the plane: put the centre on the plane, or end the bar there",
                                               directions[d], f % 2 == 0 ? plane + middle : plane - middle)
                                 : fmt::format("which is \"{}\": end it within the body", word_of(domain.boundary[f])));
     }
@@ -68,8 +70,8 @@ std::optional<std::string> misplaced(mpm::Bar const& bar, grid::Domain const& do
     bool const along = std::abs(depth(bar.from) - depth(bar.to)) <= 1e-3 * norm(bar.to - bar.from);
     if (mirror && along && std::abs(middle) > tiny && least < 0.5 * bar.diameter - tiny) {
       return fmt::format(
-          "the bar lies {:.4g} m from the symmetry plane {} ({} = {:.6g} m), less than its radius: it "
-          "would overlap its own mirror image; put its axis on the plane or farther away",
+          "the bar is {:.4g} m from the symmetry plane {} ({} = {:.6g} m), less than its radius, so it would overlap "
+          "its own mirror image: put its axis on the plane or farther away",
           least, grid::face_names[f], directions[d], plane);
     }
   }
@@ -87,14 +89,14 @@ void reinforcement(Draft& draft, Section const& section) {
   } else if (draft.body_names.size() > 1) {
     draft.report.error(
         section.place, section.path_of("body"),
-        fmt::format("there are several bodies: name the one that holds the bar; write for example body = \"{}\"",
+        fmt::format("there are several bodies: name the one that contains the bar; write, for example, body = \"{}\"",
                     draft.body_names.front()));
     return;
   }
   if (draft.geometry() != grid::Geometry::cartesian3d) {
     draft.report.error(
         section.place, section.path,
-        fmt::format("bars are those of cartesian3d, and this is {}: remove them", word_of(draft.geometry())));
+        fmt::format("bars are available in cartesian3d only, but this is {}: remove them", word_of(draft.geometry())));
     return;
   }
   auto const from = draft.point(section, "from");
@@ -103,15 +105,14 @@ void reinforcement(Draft& draft, Section const& section) {
   if (!settings().read(section, bar)) return;
   if (!from || !to || !copies || draft.body_names.empty()) return;
   if (norm(*to - *from) == 0.0) {
-    draft.error(section, "to", "is the same point as `from`: a bar has a length");
+    draft.error(section, "to", "is the same point as `from`, so the bar has no length");
     return;
   }
   if (bar.diameter >= 2.0 * draft.out.domain.h) {
-    draft.error(
-        section, "diameter",
-        fmt::format("{} is two cells of {:g} m or more: the grid resolves this bar, make it a [[body]] with shape = "
-                    "\"cylinder\" and cut it out of the other",
-                    section.shown("diameter"), draft.out.domain.h));
+    draft.error(section, "diameter",
+                fmt::format("{} is two cells of {:g} m or more, so the grid resolves this bar: make it a [[body]] with "
+                            "shape = \"cylinder\" and cut it out of the other",
+                            section.shown("diameter"), draft.out.domain.h));
     return;
   }
   Vec3 step{0.0, 0.0, 0.0};
@@ -120,8 +121,9 @@ void reinforcement(Draft& draft, Section const& section) {
     if (!given) return;
     step = *given;
   } else if (*copies > 1) {
-    draft.report.error(section.place, section.path_of("step"),
-                       "several copies need the way from one to the next; write for example step = [0, \"0.1 m\", 0]");
+    draft.report.error(
+        section.place, section.path_of("step"),
+        "several copies need the offset from one to the next; write, for example, step = [0, \"0.1 m\", 0]");
     return;
   }
   for (long n = 0; n < *copies; ++n) {

@@ -20,24 +20,23 @@ Settings<run::Start> const& settings() {
       {&S::method, word<run::StartMethod>("method").like("\"gas\"").means(
                        "`gas`: the gas scheme; `points`: material points, as in [Cui14]")},
       {&S::cell, number("cell", "m", smallest, 1e4)
-                     .note("a 400th of the charge's radius")
+                     .note("1/400 of the charge radius")
                      .like("\"0.5 mm\"")
-                     .means("Cell of the 1D calculation")},
+                     .means("Cell size of the 1D simulation")},
       {&S::time, number("time", "s", 1e-12, longest)
-                     .note("when the shock is about to meet something")
+                     .note("when the shock is about to reach something")
                      .like("\"0.2 ms\"")
                      .means("Time of the remap; gauges then do not stop it")},
       {&S::radius, number("radius", "m", smallest, far)
-                       .note("where the shock is about to meet something")
+                       .note("where the shock is about to reach something")
                        .like("\"0.8 m\"")
                        .means("Radius of the shock at the remap, instead of the time; gauges then do not stop it")},
       typed(Type::text, "profile")
-          .note("calculated")
+          .note("none: 1D simulation")
           .like("\"../burst-results/profiles/start_1.h5\"")
-          .means(
-              "Profile of an earlier run, relative to the deck, that stands in for the calculation: of 1D, or of "
-              "axisymmetric2d for 3D. It is scaled to the mass of the charge; its explosive and its ambient gas must "
-              "be those of the deck")};
+          .means("Profile of an earlier run that replaces the 1D simulation, with a path relative to the deck. It may "
+                 "come from a 1D run or, for 3D, from axisymmetric2d. It is scaled to the mass of the charge; its "
+                 "explosive and its ambient gas must be those of the deck")};
   return all;
 }
 
@@ -45,12 +44,10 @@ Settings<run::Start> const& settings() {
 
 Table const& remap_table() {
   static Table const table{
-      "Settings of `start = \"remap\"`: each charge bursts in a calculation with one direction (spherical; in planar2d "
-      "cylindrical) until its shock is about to meet a boundary, an obstacle, the MPM region, another burst or a "
-      "gauge. "
-      "Its profile then goes onto the grid, with the mass of both fluids, the energy and the momentum that it has, and "
-      "the "
-      "calculation goes on from that time.",
+      "Settings of `start = \"remap\"`: each charge detonates in a one-dimensional simulation (spherical; cylindrical "
+      "in planar2d) until its shock is about to reach a boundary, an obstacle, the MPM region, another blast wave or a "
+      "gauge. The profile is then mapped onto the grid with the mass of both fluids, the energy and the momentum "
+      "conserved, and the simulation continues from that time.",
       settings().keys(),
       {},
       {}};
@@ -70,11 +67,11 @@ void check_profile(Draft const& draft) {
       draft.deck.given("mpm_region")) {
     draft.error(
         *draft.deck.section("output"), "profile",
-        fmt::format("a profile is the burst of one charge in spherical1d, cylindrical1d or axisymmetric2d without "
-                    "bodies, obstacles and initial states; this deck {}: remove the key",
-                    !possible ? fmt::format("is of {}", word_of(draft.geometry()))
+        fmt::format("a profile describes the blast wave of one charge in spherical1d, cylindrical1d or axisymmetric2d "
+                    "without bodies, obstacles and initial states, but this deck {}: remove the key",
+                    !possible ? fmt::format("is in {}", word_of(draft.geometry()))
                     : !one    ? fmt::format("has {} charges", charges == nullptr ? 0 : charges->size())
-                              : "has one of these"));
+                              : "contains one of these"));
   }
 }
 
@@ -85,21 +82,20 @@ void remap_options(Draft const& draft, Section const& section, run::Start& s) {
     s.profile = (std::filesystem::path(draft.report.file()).parent_path() / *file).string();
     for (auto const* other : {"method", "cell", "time", "radius"}) {
       if (!section.given(other)) continue;
-      draft.error(
-          section, other,
-          fmt::format("{} belongs to the 1D calculation, in whose place the profile stands: remove one of the two",
-                      section.shown(other)));
+      draft.error(section, other,
+                  fmt::format("{} belongs to the 1D simulation, which the profile replaces: remove one of the two",
+                              section.shown(other)));
     }
   }
   if (s.method == run::StartMethod::particles && draft.deck.given("afterburn")) {
-    draft.error(
-        section, "method",
-        fmt::format("{} does not go with [afterburn], which is of gas cells: write \"gas\", or remove the afterburn",
-                    section.shown("method")));
+    draft.error(section, "method",
+                fmt::format("{} cannot be combined with [afterburn], which is available in gas cells only: write "
+                            "\"gas\", or remove the afterburn",
+                            section.shown("method")));
   }
   if (section.given("time") && section.given("radius")) {
     draft.error(section, "radius",
-                fmt::format("{} is given beside a time: remove one of the two", section.shown("radius")));
+                fmt::format("{} is given together with a time: remove one of the two", section.shown("radius")));
   }
 }
 
@@ -112,7 +108,7 @@ void build_start(Draft& draft) {
   if (!specified) {
     if (section != nullptr && !draft.deck.broken("start")) {
       draft.report.warning(section->place, section->path,
-                           "has no effect without start = \"remap\" at the head of the deck");
+                           "has no effect without start = \"remap\" at the top of the deck");
     }
     return;
   }
@@ -132,14 +128,14 @@ void build_start(Draft& draft) {
   s.place = fmt::format("{}:{}:{}: error: {}", draft.report.file(), place.line, place.column, blamed->path_of(key));
   if (!draft.has_gas && draft.geometry_known) {
     draft.error(draft.deck, "start",
-                "\"remap\" needs a charge in gas, and this deck has bodies in empty space: remove it");
+                "\"remap\" needs a charge in gas, but this deck has bodies in empty space: remove it");
     return;
   }
   if (s.time && draft.end_known && *s.time >= draft.out.end.time) {
     draft.error(
         *section, "time",
         fmt::format(
-            "{} is not before the end of the calculation at {:g} s: choose an earlier time, or calculate longer",
+            "{} is not before the end of the simulation at {:g} s: choose an earlier time, or extend the simulation",
             section->shown("time"), draft.out.end.time));
     return;
   }

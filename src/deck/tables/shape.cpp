@@ -20,26 +20,24 @@ std::vector<Key> shape_keys(std::vector<std::string> shapes) {
       word("shape", std::move(shapes))
           .note("`sphere`; in planar2d and cylindrical1d `cylinder`, in planar1d `box`")
           .like("\"sphere\"")
-          .means("Shape. In planar2d a cylinder is a disc and a box a rectangle; in axisymmetric2d a cylinder stands "
-                 "around the "
-                 "axis, a box turned around the axis is a ring; cylindrical1d and spherical1d know the concentric "
-                 "cylinder "
-                 "and sphere, and boxes as tubes and shells"),
+          .means("Shape. In planar2d a cylinder is a disc and a box is a rectangle. In axisymmetric2d a cylinder is "
+                 "centred on the axis, and a box is revolved around the axis to a ring. In cylindrical1d and "
+                 "spherical1d cylinders and spheres are concentric, and boxes are tubes and shells"),
       position("position")
           .note("the origin")
           .like("[0, 0, \"1.5 m\"]")
-          .means("Centre of a sphere, cylinder or box; of a hemisphere the centre of its flat face"),
+          .means("Centre of a sphere, cylinder or box; for a hemisphere, centre of its flat face"),
       number("radius", "m", smallest, far).like("\"50 mm\"").means("Radius of a sphere, hemisphere or cylinder"),
       number("length", "m", smallest, far).like("\"0.2 m\"").means("Length of a cylinder along its axis"),
       axis("axis")
           .note("`z`; in axisymmetric2d `y`")
           .like("\"z\"")
-          .means("Direction of a cylinder's axis (in 3D; else it is fixed by the geometry): a letter or, except for a "
-                 "charge, a vector of any length such as [1, 0, 1]"),
+          .means("Direction of the axis of a cylinder (in 3D; otherwise the geometry fixes it): a letter or, except "
+                 "for a charge, a vector of any length such as [1, 0, 1]"),
       face_normal("normal")
           .note("`+z`; in axisymmetric2d `+y`")
           .like("\"+z\"")
-          .means("Side of its flat face on which a hemisphere lies: `+z` stands on the ground"),
+          .means("Side of its flat face on which a hemisphere extends: with `+z` it stands on the ground"),
       typed(Type::point, "size", "m", smallest, far)
           .like("[1, 1, \"20 cm\"]")
           .means("Edges of a box around `position`; instead of `lower` and `upper`"),
@@ -79,8 +77,8 @@ void size_missing(Draft const& draft, Section const& section, std::string_view k
   draft.report.error(
       section.place, section.path_of(key),
       charge
-          ? fmt::format("the charge has neither a mass nor a size; write for example mass = \"10 kg\" or {}", example)
-          : fmt::format("the key \"{}\" is missing; write for example {}", key, example));
+          ? fmt::format("the charge has neither a mass nor a size; write, for example, mass = \"10 kg\" or {}", example)
+          : fmt::format("the key \"{}\" is missing; write, for example, {}", key, example));
 }
 
 /// Are only those size keys given that the shape has?
@@ -117,7 +115,7 @@ std::optional<Vec3> cylinder_axis(Draft const& draft, Section const& section) {
   double const length = norm(axis);
   if (!(length > 0.0)) {
     draft.error(section, "axis",
-                fmt::format("{} has no direction; write for example axis = [1, 0, 1]", section.shown("axis")));
+                fmt::format("{} has no direction; write, for example, axis = [1, 0, 1]", section.shown("axis")));
     return std::nullopt;
   }
   axis = (1.0 / length) * axis;
@@ -155,8 +153,9 @@ std::optional<shape::Shape> cylinder(Draft const& draft, Section const& section,
   auto const length = section.number("length");
   auto const ratio = section.number("length_to_diameter");
   if (length && ratio) {
-    draft.error(section, "length_to_diameter",
-                fmt::format("{} is given beside a length: remove one of the two", section.shown("length_to_diameter")));
+    draft.error(
+        section, "length_to_diameter",
+        fmt::format("{} is given together with a length: remove one of the two", section.shown("length_to_diameter")));
     return std::nullopt;
   }
   if (radius && length) return shape::Cylinder{position, *radius, *length, axis};
@@ -171,12 +170,11 @@ std::optional<shape::Shape> cylinder(Draft const& draft, Section const& section,
   }
   draft.report.error(
       section.place, section.path_of("length"),
-      volume_asked ? "a cylinder of given mass needs its proportions too; write for example length_to_diameter = 1 "
+      volume_asked ? "a cylinder of given mass also needs its proportions; write, for example, length_to_diameter = 1 "
                      "(or length, or radius)"
-      : charge ? "a cylinder needs its mass and proportions or its radius and length; write for example mass = \"10 "
-                 "kg\" and "
-                 "length_to_diameter = 1"
-               : "a cylinder needs radius and length; write for example radius = \"50 mm\" and length = \"0.2 m\"");
+      : charge ? "a cylinder needs its mass and proportions, or its radius and length; write, for example, mass = \"10 "
+                 "kg\" and length_to_diameter = 1"
+               : "a cylinder needs radius and length; write, for example, radius = \"50 mm\" and length = \"0.2 m\"");
   return std::nullopt;
 }
 
@@ -186,9 +184,10 @@ std::optional<shape::Shape> box(Draft const& draft, Section const& section, Vec3
   bool const corners = section.given("lower") || section.given("upper");
   if (corners && (section.given("size") || section.given("position"))) {
     std::string_view const key = section.given("size") ? "size" : "position";
-    draft.error(section, key,
-                fmt::format("{} is given beside lower or upper: a box has either lower and upper or position and size",
-                            section.shown(key)));
+    draft.error(
+        section, key,
+        fmt::format("{} is given together with lower or upper: give a box either lower and upper or position and size",
+                    section.shown(key)));
     return std::nullopt;
   }
   Vec3 low = position;
@@ -197,8 +196,7 @@ std::optional<shape::Shape> box(Draft const& draft, Section const& section, Vec3
     for (auto const* key : {"lower", "upper"}) {
       if (!section.given(key)) {
         draft.report.error(section.place, section.path_of(key),
-                           "a box has both corners; write for example lower = [2, -1, 0] and "
-                           "upper = [3, 1, 2]");
+                           "a box needs both corners; write, for example, lower = [2, -1, 0] and upper = [3, 1, 2]");
         return std::nullopt;
       }
     }
@@ -228,17 +226,17 @@ std::optional<shape::Shape> box(Draft const& draft, Section const& section, Vec3
     if (high[d] - low[d] > 0.0) continue;
     std::string_view const key = corners ? "upper" : "size";
     draft.error(section, key,
-                fmt::format("{} leaves no extent in direction {} ({:g} m): it must be positive", section.shown(key),
-                            directions[d], high[d] - low[d]));
+                fmt::format("{} gives no positive extent in direction {} ({:g} m): the extent must be positive",
+                            section.shown(key), directions[d], high[d] - low[d]));
     return std::nullopt;
   }
   if (draft.radial() && low[0] < 0.0) {
     std::string_view const key = corners ? "lower" : "position";
     draft.error(
         section, key,
-        fmt::format("the box starts at the radius {:g} m; in {} x is the radius: give lower and upper with radii of 0 "
-                    "or more",
-                    low[0], word_of(draft.geometry())));
+        fmt::format(
+            "the box starts at the radius {:g} m; in {}, x is the radius: give lower and upper with radii of 0 or more",
+            low[0], word_of(draft.geometry())));
     return std::nullopt;
   }
   // One metre thick where a direction is not resolved.
@@ -290,8 +288,8 @@ std::optional<shape::Shape> build_shape(Draft const& draft, Section const& secti
     position = *p;
     if (word != "box" && draft.radial() && position[0] != 0.0) {
       draft.error(section, "position",
-                  fmt::format("{} does not lie on the axis; a {} in {} is centred at radius 0: write 0 as its first "
-                              "element, or use a box, which is a ring or shell",
+                  fmt::format("{} is not on the axis; a {} in {} is centred at radius 0: write 0 as its first element, "
+                              "or use a box, which is a ring or shell",
                               section.shown("position"), word, word_of(draft.geometry())));
       return std::nullopt;
     }

@@ -47,26 +47,27 @@ Table model_table(std::string meaning, std::string explanation) {
 
 Table const& solid_eos_table() {
   static Table const table = model_table<material::ParticleEos, OfSolids>(
-      "Equation of state of a solid: the pressure from density and energy.", "Equation of state");
+      "Equation of state of a solid: pressure as a function of density and energy.", "Equation of state");
   return table;
 }
 
 Table const& strength_table() {
   static Table const table =
-      model_table<material::Strength>("Strength of a solid: the rest of the stress.", "Strength model");
+      model_table<material::Strength>("Strength of a solid: deviatoric stress.", "Strength model");
   return table;
 }
 
 Table const& failure_table() {
   static Table const table = model_table<material::Failure>(
-      "Failure of a solid: growing damage, at 1 neither shear stress nor tension.", "Failure model");
+      "Failure of a solid: damage grows; at damage 1 the material carries neither shear stress nor tension.",
+      "Failure model");
   return table;
 }
 
 Settings<material::Material> const& settings() {
   using S = material::Material;
   static Settings<S> const all{
-      density().required().like("2700").means("Density at the start"),
+      density().required().like("2700").means("Initial density"),
       number("E", "Pa", 1.0, 1e13)
           .note("from `G` and `K`")
           .like("\"70 GPa\"")
@@ -74,26 +75,27 @@ Settings<material::Material> const& settings() {
                  "strength"),
       number("nu", "1", -0.9, 0.4999).note("from `G` and `K`").like("0.33").means("Poisson's ratio"),
       {&S::specific_heat,
-       number("specific_heat", "J/kg/K", 0.0, 1e6).like("896").means("Specific heat; 0: plastic work does not heat")},
-      {&S::temperature, number("temperature", "K", 0.0, 1e5).like("293").means("Temperature at the start")},
-      {&S::taylor_quinney,
-       number("taylor_quinney", "1", 0.0, 1.0).like("0.9").means("Part of the plastic work that heats")},
+       number("specific_heat", "J/kg/K", 0.0, 1e6).like("896").means("Specific heat; 0: no heating by plastic work")},
+      {&S::temperature, number("temperature", "K", 0.0, 1e5).like("293").means("Initial temperature")},
+      {&S::taylor_quinney, number("taylor_quinney", "1", 0.0, 1.0)
+                               .like("0.9")
+                               .means("Fraction of plastic work converted to heat (Taylor-Quinney)")},
       {&S::minimum_pressure, number("minimum_pressure", "Pa", -1e13, 0.0)
                                  .note("none")
                                  .like("\"-2 GPa\"")
-                                 .means("Tension cut-off: the pressure never falls below it")},
+                                 .means("Tension cut-off: the pressure never falls below this value")},
       word<material::Spall>("spall")
           .of(word_of(S{}.spall))
           .like("\"pressure\"")
-          .means("What happens to a metal at the tension cut-off. `limit`: it goes on pulling with this pressure; "
-                 "`pressure`: it fails there and opens, with damage 1; `principal_stress`: it fails where the "
+          .means("Behaviour of a metal at the tension cut-off. `limit`: the metal continues to carry this tension; "
+                 "`pressure`: the metal fails and opens (damage 1); `principal_stress`: the metal fails when the "
                  "largest principal stress reaches `-minimum_pressure`"),
       nested(Type::table, "eos", solid_eos_table())
           .note("`linear` from `E` and `nu`")
           .like("{model = \"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}")
           .means("Equation of state"),
       nested(Type::table, "strength", strength_table())
-          .note("`elastic` where `E` and `nu` are given, else none")
+          .note("`elastic` if `E` and `nu` are given, otherwise none")
           .like("{model = \"von_mises\", yield = \"200 MPa\"}")
           .means("Strength"),
       nested(Type::table, "failure", failure_table())
@@ -109,7 +111,8 @@ std::vector<Key> solid_keys() { return settings().keys(); }
 }  // namespace
 
 Table const& solids_table() {
-  static Table const table{"A solid of the deck's own, under the name NAME.", joined(solid_keys(), own_keys()), {}, {}};
+  static Table const table{
+      "A solid defined in the deck, with the name NAME.", joined(solid_keys(), own_keys()), {}, {}};
   return table;
 }
 
@@ -148,7 +151,7 @@ bool moduli(Section const& section, Report& report, std::map<std::string_view, d
   auto const nu = section.number("nu");
   if (E.has_value() != nu.has_value()) {
     report.error(section.place_of(E ? "E" : "nu"), section.path_of(E ? "E" : "nu"),
-                 fmt::format("{} is given without {}: E and nu belong together; write for example {}",
+                 fmt::format("{} is given without {}: E and nu belong together; write, for example, {}",
                              section.shown(E ? "E" : "nu"), E ? "nu" : "E", E ? "nu = 0.33" : "E = \"70 GPa\""));
     return false;
   }
@@ -159,7 +162,7 @@ bool moduli(Section const& section, Report& report, std::map<std::string_view, d
     auto const* given = section.section(table);
     if (given == nullptr || !given->given(key)) continue;
     report.error(given->place_of(key), given->path_of(key),
-                 fmt::format("{} is given beside E and nu, which make it {:.6g} Pa: give only one of the two",
+                 fmt::format("{} is given in addition to E and nu, which imply {:.6g} Pa: give only one of the two",
                              given->shown(key), out[key]));
     return false;
   }
@@ -199,29 +202,30 @@ bool concrete_fits(material::Material const& solid, Section const& section, Repo
   auto const* tensile = std::get_if<TensileDamage>(&solid.failure);
   if (tensile != nullptr && hjc == nullptr) {
     return refuse(section, "failure", "model", report,
-                  "\"tensile_damage\" is that of concrete: give the solid the strength hjc");
+                  "\"tensile_damage\" is a model for concrete: give the solid the strength hjc");
   }
   if (hjc != nullptr && eos == nullptr) {
     return refuse(section, "strength", "model", report,
-                  "\"hjc\" needs the pressure of concrete: give the solid an eos with model = \"compaction\"");
+                  "\"hjc\" needs the equation of state of concrete: give the solid an eos with model = \"compaction\"");
   }
   if (eos == nullptr) return true;
   if (hjc == nullptr) {
-    return refuse(section, "eos", "model", report,
-                  "\"compaction\" keeps its history with the strength of concrete: give the solid the strength hjc");
+    return refuse(
+        section, "eos", "model", report,
+        "\"compaction\" stores its history in the strength model of concrete: give the solid the strength hjc");
   }
   if (!(eos->mu_lock > eos->mu_crush)) {
     return refuse(section, "eos", "mu_lock", report,
-                  fmt::format("mu_lock = {:g} does not lie above mu_crush = {:g}", eos->mu_lock, eos->mu_crush));
+                  fmt::format("mu_lock = {:g} is not above mu_crush = {:g}", eos->mu_lock, eos->mu_crush));
   }
   if (!(eos->P_lock > eos->P_crush)) {
     return refuse(section, "eos", "P_lock", report,
-                  fmt::format("P_lock = {:g} Pa does not lie above P_crush = {:g} Pa", eos->P_lock, eos->P_crush));
+                  fmt::format("P_lock = {:g} Pa is not above P_crush = {:g} Pa", eos->P_lock, eos->P_crush));
   }
   if (eos->K2 < 0.0 && !(eos->K2 * eos->K2 < 3.0 * eos->K1 * eos->K3)) {
     return refuse(section, "eos", "K2", report,
-                  fmt::format("the dense curve K1 m + K2 m^2 + K3 m^3 falls somewhere: K2^2 is not below 3 K1 K3 (K2 = "
-                              "{:g}, K1 = {:g}, K3 = {:g} Pa)",
+                  fmt::format("the dense curve K1 m + K2 m^2 + K3 m^3 is not monotonic: K2^2 is not below 3 K1 K3 (K2 "
+                              "= {:g}, K1 = {:g}, K3 = {:g} Pa)",
                               eos->K2, eos->K1, eos->K3));
   }
   auto const curves = eos->curves();
@@ -235,8 +239,8 @@ bool concrete_fits(material::Material const& solid, Section const& section, Repo
   double const most = 1.0 / (1.0 / (hjc->A * hjc->fc) + 1.0 / (3.0 * tensile->T_max));
   if (!(most > tensile->sigma0)) {
     return refuse(section, "failure", "T_max", report,
-                  fmt::format("with T_max = {:g} Pa uniaxial tension ends at {:.4g} Pa, not above sigma0 = {:g} Pa: "
-                              "nothing would be damaged; raise T_max",
+                  fmt::format("with T_max = {:g} Pa uniaxial tension is limited to {:.4g} Pa, which is not above "
+                              "sigma0 = {:g} Pa, so there would be no damage: raise T_max",
                               tensile->T_max, most, tensile->sigma0));
   }
   return true;
@@ -249,7 +253,7 @@ bool soil_fits(material::Material const& solid, Section const& section, Report& 
   if (soil == nullptr) return true;
   if (!std::holds_alternative<Linear>(solid.eos)) {
     return refuse(section, "eos", "model", report,
-                  "\"drucker_prager\" has a pressure of its own, with a constant bulk modulus: use eos.model = "
+                  "\"drucker_prager\" computes its own pressure with a constant bulk modulus: use eos.model = "
                   "\"linear\", or E and nu alone");
   }
   if (soil->dilation > soil->friction) {
@@ -280,10 +284,9 @@ bool models(Section const& section, std::map<std::string_view, double> const& de
   } else if (elastic) {
     out.eos = Linear{out.density, derived.at("K")};
   } else {
-    report.error(
-        section.place, section.path_of("eos"),
-        "the solid has no equation of state; write E = \"70 GPa\" and nu = 0.33, or for example eos = {model = "
-        "\"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}");
+    report.error(section.place, section.path_of("eos"),
+                 "the solid has no equation of state; write E = \"70 GPa\" and nu = 0.33 or, for example, eos = {model "
+                 "= \"mie_gruneisen\", C0 = 3940, S = 1.489, Gamma = 2.02}");
     return false;
   }
   if (auto const* table = section.section("strength")) {
@@ -304,8 +307,8 @@ bool models(Section const& section, std::map<std::string_view, double> const& de
         std::holds_alternative<VonMises>(out.strength) || std::holds_alternative<JohnsonCook>(out.strength);
     if (std::holds_alternative<JohnsonCookFailure>(out.failure) && !metal) {
       report.error(table->place, table->path,
-                   "this damage grows with the plastic strain of a metal: give the solid the strength von_mises or "
-                   "johnson_cook");
+                   "this damage model depends on the plastic strain of a metal: give the solid the strength von_mises "
+                   "or johnson_cook");
       return false;
     }
   }
@@ -319,16 +322,16 @@ bool spall_fits(material::Material const& solid, Section const& section, Report&
   if (!solid.plastic() || std::holds_alternative<Hjc>(solid.strength) ||
       std::holds_alternative<DruckerPrager>(solid.strength)) {
     report.error(section.place_of("spall"), section.path_of("spall"),
-                 fmt::format("{} is for metals, with the strength von_mises or johnson_cook; concrete tears by "
-                             "failure = {{model = \"tensile_damage\"}}, soil by its own limit of tension",
+                 fmt::format("{} is for metals with the strength von_mises or johnson_cook; for concrete use failure = "
+                             "{{model = \"tensile_damage\"}}; soil has its own tension limit",
                              section.shown("spall")));
     return false;
   }
   if (!(solid.minimum_pressure > -unbounded && solid.minimum_pressure < 0.0)) {
-    report.error(section.place_of("spall"), section.path_of("spall"),
-                 fmt::format("{} needs the tension at which the solid tears: write for example minimum_pressure = "
-                             "\"-2 GPa\"",
-                             section.shown("spall")));
+    report.error(
+        section.place_of("spall"), section.path_of("spall"),
+        fmt::format("{} needs the tension at which the solid fails: write, for example, minimum_pressure = \"-2 GPa\"",
+                    section.shown("spall")));
     return false;
   }
   return true;
@@ -356,9 +359,8 @@ std::optional<material::Material> build_solid(Section const& section, std::strin
   if (!spall_fits(out, section, report)) return std::nullopt;
   if (auto const* jc = std::get_if<JohnsonCook>(&out.strength); jc != nullptr && !(jc->T_melt > jc->T_room)) {
     Section const& table = *section.section("strength");
-    report.error(
-        table.place_of("T_melt"), table.path_of("T_melt"),
-        fmt::format("{} does not lie above the room temperature T_room, {:g} K", table.shown("T_melt"), jc->T_room));
+    report.error(table.place_of("T_melt"), table.path_of("T_melt"),
+                 fmt::format("{} is not above the room temperature T_room, {:g} K", table.shown("T_melt"), jc->T_room));
     return std::nullopt;
   }
   if (!concrete_fits(out, section, report) || !soil_fits(out, section, report)) return std::nullopt;
@@ -373,7 +375,7 @@ void build_solids(Draft& draft) {
       return;
     }
     if (library().solid(section.name) != nullptr) {
-      draft.report.warning(section.place, section.path, "replaces the solid of the same name in the library");
+      draft.report.warning(section.place, section.path, "replaces the library solid of the same name");
     }
     draft.materials.solids.push_back(std::move(*solid));
   });

@@ -16,8 +16,11 @@ namespace {
 
 Table const& history_table() {
   static Table const table{
-      "Pressure in time: linear between the times, none before the first and after the last.",
-      {typed(Type::numbers, "times", "s", 0.0, longest).required().like("[0, \"0.1 ms\"]").means("Times, rising"),
+      "Pressure over time: linear between the given times, zero before the first and after the last.",
+      {typed(Type::numbers, "times", "s", 0.0, longest)
+           .required()
+           .like("[0, \"0.1 ms\"]")
+           .means("Times, in increasing order"),
        typed(Type::numbers, "pressures", "Pa", -1e13, 1e13)
            .required()
            .like("[\"2 MPa\", 0]")
@@ -31,35 +34,36 @@ Table const& history_table() {
 
 Table const& surface_pressure_table() {
   static Table const table{
-      "A pressure on the surface of a body, by its true normal and area: with `normal` on what is seen from that side, "
-      "so "
-      "that the force is the pressure times the body's shadow; without it on the whole surface, or on all of it in "
-      "`within`. The layer of material points below the surface takes it. Areas and normals are those of the start.",
+      "A pressure on the surface of a body, applied with the true normal and area of the surface. With `normal` it "
+      "acts on the part that is visible from that side, so that the force is the pressure times the projected area of "
+      "the body. Without `normal` it acts on the whole surface, or on all of it inside `within`. The layer of material "
+      "points below the surface carries the pressure. Areas and normals are those of the initial geometry.",
       {typed(Type::text, "body").note("the only body").like("\"plate\"").means("Name of the body"),
        face_normal("normal")
            .note("all sides")
            .like("\"+z\"")
-           .means("Side that the pressure comes from: `+z` loads what is seen from above, and pushes a flat top down"),
+           .means(
+               "Side from which the pressure acts: `+z` loads what is visible from above and pushes a flat top down"),
        nested(Type::table, "within", within_table())
            .note("everywhere")
            .like("{shape = \"cylinder\", radius = \"50 mm\", length = 1}")
-           .means("Part of the surface that is loaded"),
+           .means("Volume that contains the loaded part of the surface"),
        number("thickness", "m", smallest, far)
-           .note("one layer of points")
+           .note("one layer of particles")
            .like("\"1 mm\"")
-           .means("Depth of the layer that takes the pressure, rounded to whole layers of points"),
+           .means("Depth of the layer that carries the pressure, rounded to whole layers of particles"),
        nested(Type::table, "history", history_table())
            .note("from `pressure`")
            .like("{times = [0, \"0.1 ms\"], pressures = [\"2 MPa\", 0]}")
-           .means("Pressure in time; instead of `pressure`"),
+           .means("Pressure over time; instead of `pressure`"),
        number("pressure", "Pa", -1e13, 1e13)
            .note("from `history`")
            .like("\"2 MPa\"")
            .means("A constant pressure; instead of `history`"),
        number("duration", "s", 1e-12, longest)
-           .note("to the end")
+           .note("until the end")
            .like("\"0.1 ms\"")
-           .means("How long a constant pressure acts, from the start")},
+           .means("Duration of a constant pressure, from the start")},
       {},
       {}};
   return table;
@@ -82,11 +86,10 @@ Vec3 signed_normal(std::string const& word) {
 bool pressure_history(Draft& draft, Section const& section, mpm::SurfacePressure& pressure) {
   bool const constant = section.given("pressure");
   if (constant == section.given("history")) {
-    draft.report.error(
-        section.place, section.path,
-        fmt::format("a surface pressure has either pressure or history, this one has {}; write for example "
-                    "pressure = \"2 MPa\" and duration = \"0.1 ms\"",
-                    constant ? "both" : "none"));
+    draft.report.error(section.place, section.path,
+                       fmt::format("a surface pressure has either pressure or history, but this one has {}; write, for "
+                                   "example, pressure = \"2 MPa\" and duration = \"0.1 ms\"",
+                                   constant ? "both" : "none"));
     return false;
   }
   if (constant) {
@@ -98,7 +101,7 @@ bool pressure_history(Draft& draft, Section const& section, mpm::SurfacePressure
   }
   if (section.given("duration")) {
     draft.error(section, "duration",
-                "belongs to a constant pressure; a history ends with its last time: remove the key");
+                "applies to a constant pressure only; a history ends at its last time: remove the key");
     return false;
   }
   Section const* history = section.section("history");
@@ -108,14 +111,14 @@ bool pressure_history(Draft& draft, Section const& section, mpm::SurfacePressure
   if (times == nullptr || pressures == nullptr) return false;
   if (times->size() != pressures->size() || times->size() < 2) {
     draft.error(*history, "pressures",
-                fmt::format("there are {} times and {} pressures; expected as many of each, at least two",
-                            times->size(), pressures->size()));
+                fmt::format("there are {} times and {} pressures; expected equal numbers, at least two", times->size(),
+                            pressures->size()));
     return false;
   }
   for (std::size_t i = 1; i < times->size(); ++i) {
     if ((*times)[i] > (*times)[i - 1]) continue;
     draft.error(*history, "times",
-                fmt::format("{:g} s follows {:g} s: the times must rise", (*times)[i], (*times)[i - 1]));
+                fmt::format("{:g} s follows {:g} s: the times must increase", (*times)[i], (*times)[i - 1]));
     return false;
   }
   pressure.times = *times;
@@ -123,7 +126,7 @@ bool pressure_history(Draft& draft, Section const& section, mpm::SurfacePressure
   std::size_t acts = 0;
   while (acts < pressures->size() && (*pressures)[acts] == 0.0) ++acts;
   if (acts == pressures->size()) {
-    draft.warn(*history, "pressures", "they are all 0: the load has no effect");
+    draft.warn(*history, "pressures", "all pressures are 0: the load has no effect");
   } else {
     draft.onsets.push_back({&section, (*times)[acts > 0 ? acts - 1 : 0], "history", "never acts"});
   }
@@ -142,7 +145,7 @@ bool curved_layer(Draft const& draft, Section const& section, double specified, 
   pressure.thickness = std::max(1.0, std::round(specified / layer)) * layer;
   if (!section.given("thickness") || specified < 8.0 * layer + draft.tiny()) return true;
   draft.error(section, "thickness",
-              fmt::format("{} is more than eight layers of points, {:.4g} m each: make it smaller",
+              fmt::format("{} is more than eight layers of particles of {:.4g} m each: make it smaller",
                           section.shown("thickness"), layer));
   return false;
 }
@@ -192,8 +195,8 @@ bool meets(Draft const& draft, Section const& section, shape::Shape const& regio
     reach.upper[d] = std::min(b.upper[d], r.upper[d]);
     if (reach.upper[d] - reach.lower[d] > draft.tiny()) continue;
     draft.error(section, "within",
-                fmt::format("it reaches from {:.6g} to {:.6g} m in direction {} and does not meet the body, which "
-                            "reaches from {:.6g} to {:.6g} m: move it",
+                fmt::format("it extends from {:.6g} to {:.6g} m in direction {} and does not meet the body, which "
+                            "extends from {:.6g} to {:.6g} m: move it",
                             r.lower[d], r.upper[d], directions[d], b.lower[d], b.upper[d]));
     return false;
   }
@@ -212,7 +215,7 @@ std::optional<Loaded> loaded_part(Draft const& draft, Section const& section, st
   if (section.broken("thickness")) return std::nullopt;
   if (is_rigid(draft, number)) {
     draft.report.error(section.place_of("body"), section.path_of("body"),
-                       fmt::format("\"{}\" is rigid and keeps its velocity, whatever pushes: remove the pressure",
+                       fmt::format("\"{}\" is rigid and keeps its velocity regardless of loads: remove the pressure",
                                    draft.body_names[number]));
     return std::nullopt;
   }
@@ -237,10 +240,10 @@ bool deep_enough(Draft const& draft, Section const& section, Loaded const& part)
       given                     ? "thickness"
       : section.given("within") ? "within"
                                 : "normal",
-      given ? fmt::format("{} is more than the body has below the loaded face, {:.6g} m: make it smaller",
+      given ? fmt::format("{} is more than the thickness of the body below the loaded face, {:.6g} m: make it smaller",
                           section.shown("thickness"), depth)
-            : fmt::format("a layer of points is {:.6g} m thick, more than there is of the body below the loaded face, "
-                          "{:.6g} m: make it thicker",
+            : fmt::format("a layer of particles is {:.6g} m thick, more than the body below the loaded face, {:.6g} m: "
+                          "make the body thicker",
                           part.specified, depth));
   return false;
 }
@@ -281,11 +284,10 @@ bool flat_layer(Draft const& draft, Section const& section, Loaded const& part, 
   pressure.within =
       section.given("within") ? shape::combine(shape::Operation::intersection, {part.within, slab}) : slab;
   if (has_particles_in(draft, part.body, pressure.within, part.per_cell)) return true;
-  draft.report.error(
-      section.place_of("within"), section.path_of(section.given("within") ? "within" : "normal"),
-      fmt::format("no point of the body lies in the loaded layer, {:.4g} m below the face at {} = {:.6g} m: "
-                  "move it, or make it larger than the points are apart, {:.4g} m",
-                  pressure.thickness, directions[d], part.face, part.layer));
+  draft.report.error(section.place_of("within"), section.path_of(section.given("within") ? "within" : "normal"),
+                     fmt::format("no material point of the body lies in the loaded layer, {:.4g} m below the face at "
+                                 "{} = {:.6g} m: move it, or make it larger than the particle spacing, {:.4g} m",
+                                 pressure.thickness, directions[d], part.face, part.layer));
   return false;
 }
 
@@ -297,7 +299,7 @@ bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressu
     pressure.surface = shape::surface(part->body, part->within, draft.out.domain, facets_per_layer * part->layer);
     if (pressure.surface.empty()) {
       draft.report.error(section.place_of("within"), section.path_of("within"),
-                         "no part of the body's surface lies in it: move it, or make it larger");
+                         "it contains no part of the surface of the body: move it, or make it larger");
       return false;
     }
     return curved_layer(draft, section, part->specified, part->layer, pressure);
@@ -313,10 +315,10 @@ bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressu
       std::string_view const key = section.given("within") ? "within" : "normal";
       draft.report.error(
           section.place_of(key), section.path_of(key),
-          fmt::format("no part of the body's surface{} is seen from the side of {}: {}",
-                      section.given("within") ? " that lies in it" : "", *section.text("normal"),
+          fmt::format("no part of the surface of the body{} is visible from side {}: {}",
+                      section.given("within") ? " inside it" : "", *section.text("normal"),
                       section.given("within") ? "move it, or make it larger"
-                                              : "give another normal, or none to load the whole surface"));
+                                              : "give another normal, or omit it to load the whole surface"));
       return false;
     }
     if (!flat || (part->direction == 0 && draft.radial())) {
@@ -339,7 +341,7 @@ void surface_pressure(Draft& draft, Section const& section) {
   } else if (draft.body_names.size() > 1) {
     draft.report.error(
         section.place, section.path_of("body"),
-        fmt::format("there are several bodies: name the one that is loaded; write for example body = \"{}\"",
+        fmt::format("there are several bodies: name the one that is loaded; write, for example, body = \"{}\"",
                     draft.body_names.front()));
     return;
   }

@@ -33,10 +33,11 @@ struct Compaction {
     using P = Parameter<Compaction>;
     return std::array{
         P{"rho0", "kg/m3", &Compaction::rho0, 1.0, 1e5, "stress-free density"},
-        P{"P_crush", "Pa", &Compaction::P_crush, 1.0, 1e12, "pressure at which the pores begin to collapse"},
-        P{"mu_crush", "1", &Compaction::mu_crush, 1e-8, 1.0, "compression there"},
-        P{"P_lock", "Pa", &Compaction::P_lock, 1.0, 1e13, "pressure at which no pores are left"},
-        P{"mu_lock", "1", &Compaction::mu_lock, 1e-6, 10.0, "compression of the dense material at no pressure"},
+        P{"P_crush", "Pa", &Compaction::P_crush, 1.0, 1e12, "pressure at which pore collapse begins"},
+        P{"mu_crush", "1", &Compaction::mu_crush, 1e-8, 1.0, "volumetric strain mu at P_crush"},
+        P{"P_lock", "Pa", &Compaction::P_lock, 1.0, 1e13, "pressure at which all pores are closed"},
+        P{"mu_lock", "1", &Compaction::mu_lock, 1e-6, 10.0,
+          "volumetric strain mu of the dense material at zero pressure"},
         P{"K1", "Pa", &Compaction::K1, 1.0, 1e13, "dense material: linear coefficient"},
         P{"K2", "Pa", &Compaction::K2, -1e14, 1e14, "dense material: quadratic coefficient"},
         P{"K3", "Pa", &Compaction::K3, -1e14, 1e14, "dense material: cubic coefficient"},

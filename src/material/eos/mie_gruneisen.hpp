@@ -22,7 +22,8 @@ struct MieGruneisen {
     return std::array{
         Parameter<MieGruneisen>{"rho0", "kg/m3", &MieGruneisen::rho0, 1.0, 1e5, "stress-free density"},
         Parameter<MieGruneisen>{"C0", "m/s", &MieGruneisen::C0, 1.0, 1e5, "bulk sound speed"},
-        Parameter<MieGruneisen>{"S", "1", &MieGruneisen::S, 0.0, 10.0, "slope of Us against up"},
+        Parameter<MieGruneisen>{"S", "1", &MieGruneisen::S, 0.0, 10.0,
+                                "slope of shock speed Us over particle velocity up"},
         Parameter<MieGruneisen>{"Gamma", "1", &MieGruneisen::Gamma, 0.01, 10.0, "Grueneisen coefficient"}};
   }
 

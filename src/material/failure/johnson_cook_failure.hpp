@@ -23,10 +23,10 @@ struct JohnsonCookFailure {
   static constexpr bool damages = true;
   static constexpr auto parameters() {
     using P = Parameter<JohnsonCookFailure>;
-    return std::array{P{"D1", "1", &JohnsonCookFailure::D1, -10.0, 100.0, "failure strain at high tension, D1"},
+    return std::array{P{"D1", "1", &JohnsonCookFailure::D1, -10.0, 100.0, "failure strain at high triaxiality, D1"},
                       P{"D2", "1", &JohnsonCookFailure::D2, 0.0, 100.0, "coefficient of triaxiality D2"},
                       P{"D3", "1", &JohnsonCookFailure::D3, -100.0, 100.0, "exponent of triaxiality D3"},
-                      P{"D4", "1", &JohnsonCookFailure::D4, -1.0, 10.0, "coefficient of the rate D4"},
+                      P{"D4", "1", &JohnsonCookFailure::D4, -1.0, 10.0, "coefficient of the strain rate D4"},
                       P{"D5", "1", &JohnsonCookFailure::D5, -1.0, 100.0, "coefficient of the temperature D5"}};
   }
 

@@ -32,12 +32,12 @@ struct TensileDamage {
   static constexpr auto parameters() {
     using P = Parameter<TensileDamage>;
     return std::array{
-        P{"a", "1/s", &TensileDamage::a, 1e-6, 1e12, "rate of growth a"},
+        P{"a", "1/s", &TensileDamage::a, 1e-6, 1e12, "growth rate a"},
         P{"sigma0", "Pa", &TensileDamage::sigma0, 1.0, 1e12, "threshold stress sigma_0"},
-        P{"gamma", "1", &TensileDamage::gamma, 0.01, 20.0, "exponent of the excess stress gamma"},
-        P{"seed", "1", &TensileDamage::seed, 1e-12, 0.5, "damage at the start D_t(0)", 0.01},
+        P{"gamma", "1", &TensileDamage::gamma, 0.01, 20.0, "exponent gamma of the excess stress"},
+        P{"seed", "1", &TensileDamage::seed, 1e-12, 0.5, "initial damage D_t(0)", 0.01},
         P{"T_max", "Pa", &TensileDamage::T_max, 1.0, 1e12,
-          "mean tension that no rate exceeds, in the place of T of the strength"},
+          "mean tension that is never exceeded at any strain rate; replaces T of the strength model"},
         P{"fracture_energy", "J/m2", &TensileDamage::fracture_energy, 0.0, 1e9,
           "fracture energy G_f of the crack band (0: none)", 0.0},
     };

@@ -32,9 +32,10 @@ struct DruckerPrager {
         P{"G", "Pa", &DruckerPrager::G, 1.0, 1e13, "shear modulus"},
         P{"cohesion", "Pa", &DruckerPrager::cohesion, 0.0, 1e12, "cohesion c"},
         P{"friction", "deg", &DruckerPrager::friction, 0.0, 89.0, "angle of friction"},
-        P{"dilation", "deg", &DruckerPrager::dilation, 0.0, 89.0, "angle of dilation, at most that of friction", 0.0},
+        P{"dilation", "deg", &DruckerPrager::dilation, 0.0, 89.0, "angle of dilation, at most the angle of friction",
+          0.0},
         P{"tension", "Pa", &DruckerPrager::tension, 0.0, 1e13,
-          "largest mean tension, if the apex of the cone does not lie before it", 0.0},
+          "maximum mean tension, unless the apex of the cone is reached first", 0.0},
     };
   }
 

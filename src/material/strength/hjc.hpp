@@ -44,16 +44,16 @@ struct Hjc {
         P{"fc", "Pa", &Hjc::fc, 1.0, 1e12, "quasi-static uniaxial compressive strength f'_c"},
         P{"A", "1", &Hjc::A, 0.0, 100.0, "normalised cohesive strength A"},
         P{"B", "1", &Hjc::B, 0.0, 100.0, "normalised pressure hardening B"},
-        P{"N", "1", &Hjc::N, 0.01, 5.0, "exponent of pressure hardening N"},
+        P{"N", "1", &Hjc::N, 0.01, 5.0, "pressure hardening exponent N"},
         P{"C", "1", &Hjc::C, 0.0, 1.0, "rate coefficient C"},
         P{"S_max", "1", &Hjc::S_max, 1e-3, 1e4, "normalised maximum strength S_max"},
-        P{"T", "Pa", &Hjc::T, 1.0, 1e12, "largest mean tension T"},
+        P{"T", "Pa", &Hjc::T, 1.0, 1e12, "maximum mean tension T"},
         P{"rate0", "1/s", &Hjc::rate0, 1e-9, 1e9, "reference strain rate", 1.0},
         P{"D1", "1", &Hjc::D1, 0.0, 100.0, "damage constant D1"},
-        P{"D2", "1", &Hjc::D2, 0.0, 10.0, "exponent of the damage D2"},
-        P{"ef_min", "1", &Hjc::ef_min, 1e-6, 10.0, "smallest plastic strain to fracture, EF_min"},
+        P{"D2", "1", &Hjc::D2, 0.0, 10.0, "damage exponent D2"},
+        P{"ef_min", "1", &Hjc::ef_min, 1e-6, 10.0, "minimum plastic strain to fracture, EF_min"},
         P{"residual", "1", &Hjc::residual, 0.0, 1.0,
-          "part of the frictional strength B p*^N that failed material keeps; 1 in [HJC93]", 0.0},
+          "fraction of the frictional strength B p*^N that failed material retains; 1 in [HJC93]", 0.0},
     };
   }
 

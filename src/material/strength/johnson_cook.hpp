@@ -33,7 +33,7 @@ struct JohnsonCook {
         P{"B", "Pa", &JohnsonCook::B, 0.0, 1e12, "hardening coefficient B"},
         P{"n", "1", &JohnsonCook::n, 0.01, 5.0, "hardening exponent n"},
         P{"C", "1", &JohnsonCook::C, 0.0, 1.0, "rate coefficient C"},
-        P{"m", "1", &JohnsonCook::m, 0.01, 20.0, "exponent of thermal softening m"},
+        P{"m", "1", &JohnsonCook::m, 0.01, 20.0, "thermal softening exponent m"},
         P{"rate0", "1/s", &JohnsonCook::rate0, 1e-9, 1e9, "reference strain rate", 1.0},
         P{"T_room", "K", &JohnsonCook::T_room, 0.0, 1e4, "room temperature", 293.0},
         P{"T_melt", "K", &JohnsonCook::T_melt, 1.0, 1e5, "melting temperature"},
