@@ -25,10 +25,10 @@ void check_box(grid::Domain const& domain, CellBox const& box) {
             "or leave the gas at least {} cells",
             gap, grid::face_names[2 * d + side], least_gap));
       }
-      if (gap == 0 && boundary == grid::Boundary::inflow) {
+      if (gap == 0 && grid::is_given(boundary)) {
         throw InputError(
-            fmt::format("the MPM region may not lie on the inflow boundary {}; leave the gas at least {} cells",
-                        grid::face_names[2 * d + side], least_gap));
+            fmt::format("the MPM region may not lie on the {} boundary {}; leave the gas at least {} cells",
+                        word_of(boundary), grid::face_names[2 * d + side], least_gap));
       }
       if (gap == 0 && boundary == grid::Boundary::periodic && box.upper[d] - box.lower[d] != domain.cells[d]) {
         throw InputError(

@@ -9,8 +9,7 @@
 #include "gas/gas.hpp"
 #include "gas/primitives.hpp"
 #include "gas/schemes/cold_products.hpp"
-#include "gas/schemes/lax_wendroff.hpp"
-#include "gas/schemes/muscl_hancock.hpp"
+#include "gas/schemes/schemes.hpp"
 
 namespace brisance::gas {
 
@@ -263,9 +262,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     s.near_walls = obstacles.near_walls(b, s.direction, index);
     bool const checked = with_fluids(s.present, [&]<int N>() {
       primitives<N>(s, layout, a, guards);
-      if (options_.scheme == Scheme::muscl_hancock) return muscl_hancock<N>(s, layout, a, guards);
-      lax_wendroff<N>(s, layout, a, guards);
-      return false;
+      return face_fluxes<N>(options_.scheme, s, layout, a, guards);
     });
     if (s.progress) progress_fluxes(s, layout, a);
     if (at_boundary) account_boundaries(b, layout, s, a);

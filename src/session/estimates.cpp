@@ -117,7 +117,7 @@ double estimated_steps(run::Case const& setup) {
     quiet = std::max(quiet, signal(other != nullptr ? other->eos : setup.ambient.fluid.eos, initial.state));
   }
   for (int face = 0; face < 6; ++face) {
-    if (setup.domain.boundary[face] == grid::Boundary::inflow)
+    if (grid::is_given(setup.domain.boundary[face]))
       quiet = std::max(quiet, signal(setup.ambient.fluid.eos, setup.inflow[face]));
   }
   double const end = setup.end.time;

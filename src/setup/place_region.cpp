@@ -61,9 +61,7 @@ bool throws_out(Case const& setup) {
 bridge::CellBox whole_domain(grid::Domain const& domain) {
   bridge::CellBox cells;
   for (int d = 0; d < domain.dimensions(); ++d) {
-    auto const kept = [&](int side) {
-      return domain.boundary[2 * d + side] == grid::Boundary::inflow ? bridge::least_gap : 0;
-    };
+    auto const kept = [&](int side) { return grid::is_given(domain.boundary[2 * d + side]) ? bridge::least_gap : 0; };
     cells.lower[d] = kept(0);
     cells.upper[d] = domain.cells[d] - kept(1);
   }

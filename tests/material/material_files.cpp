@@ -81,11 +81,12 @@ class Keys {
 
 material::Eos read_eos(Keys& keys) {
   auto const name = keys.text("eos");
-  if (name == material::IdealGas::name) return keys.model<material::IdealGas>();
-  if (name == material::StiffenedGas::name) return keys.model<material::StiffenedGas>();
-  if (name == material::MieGruneisen::name) return keys.model<material::MieGruneisen>();
-  if (name == material::Jwl::name) return keys.model<material::Jwl>();
-  keys.fail("eos", "is unknown");
+  std::optional<material::Eos> eos;
+  for_each_model<material::Eos>([&]<class Model>() {
+    if (name == Model::name) eos = keys.model<Model>();
+  });
+  if (!eos) keys.fail("eos", "is unknown");
+  return *eos;
 }
 
 /// A model of a solid: like model(), but a modulus may be left to E and nu, and rho0 to the density.
