@@ -208,13 +208,17 @@ void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, Bund
   material::Afterburn const& afterburn = *options_.afterburn;
   if (!s.burning) std::fill_n(a[a_burn], layout.total, 1.0);
   bool released = true;
-  if (auto const* constant = std::get_if<material::ConstantRateAfterburn>(&afterburn.rate)) {
-    double const share = constant->progress(time_at_step_end_) - constant->progress(time_at_step_end_ - s.dt);
-    released = share > 0.0;
-    if (released) release_at_once(layout, afterburn.energy * share, a);
-  } else {
-    release_after_miller(layout, s.dt, afterburn.energy, std::get<material::MillerAfterburn>(afterburn.rate), a);
-  }
+  std::visit(
+      [&](auto const& law) {
+        if constexpr (requires { law.progress(0.0); }) {
+          double const share = law.progress(time_at_step_end_) - law.progress(time_at_step_end_ - s.dt);
+          released = share > 0.0;
+          if (released) release_at_once(layout, afterburn.energy * share, a);
+        } else {
+          release_by_law(layout, s.dt, afterburn.energy, law, a);
+        }
+      },
+      afterburn.rate);
   if (!released) return;
   grid::Block const& block = grid_->blocks()[b];
   double const* const release = a[a_release];
