@@ -36,13 +36,17 @@ struct Joined<std::variant<Models...>, std::variant<More...>, Rest...> {
 
 /// A value of an enumeration and its word in decks and results. An enumeration E that has words declares beside it
 ///     constexpr auto words(E) { return std::array{Word{E::first, "first"}, ...}; }
+/// A meaning, where there is one, goes behind the description of the keys of decks that take the word.
 template <class E>
 struct Word {
   E value;
   char const* name;
+  char const* meaning = "";
 };
 template <class E>
 Word(E, char const*) -> Word<E>;
+template <class E>
+Word(E, char const*, char const*) -> Word<E>;
 
 /// Does an enumeration have this value? The compiler writes the name of a value that it has, and the number of another
 /// behind its type in brackets.

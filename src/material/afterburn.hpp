@@ -71,6 +71,7 @@ struct MillerAfterburn {
 
 /// The closed list of rates. Contract: a trivially copyable value with a parameter table and either progress(time),
 /// where lambda follows from the time alone, or advance(1 - lambda, pressure, dt), where the products carry it along.
+/// A `meaning` goes into the manual.
 using AfterburnRate = std::variant<ConstantRateAfterburn, MillerAfterburn>;
 
 struct Afterburn {

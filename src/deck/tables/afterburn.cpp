@@ -16,7 +16,7 @@ Table const& afterburn_table() {
   static Table const table{
       "Energy that the detonation products release after the detonation, in proportion to their mass and wherever they "
       "are: none of the models knows how much air has been mixed in. Absent: no afterburn. Gas cells only.",
-      {word("model", model_names<material::AfterburnRate>())
+      {model_word<material::AfterburnRate>("model")
            .required()
            .like("\"constant_rate\"")
            .means(
