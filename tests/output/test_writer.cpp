@@ -2,6 +2,7 @@
 
 #include "../observe/watched.hpp"
 #include "core/error.hpp"
+#include "observe/gauge_columns.hpp"
 #include "output/file.hpp"
 #include "output/report.hpp"
 #include "output/writer.hpp"

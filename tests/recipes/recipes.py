@@ -109,14 +109,14 @@ def copy_of_the_tree(tree):
 
 
 def run(command, log, cwd, **more):
-    """Runs a command; its output goes to the log. Raises Failure with the last line that says what is wrong."""
+    """Runs a command; its output goes to the log. Raises Failure with the line that says what is wrong."""
     done = subprocess.run(command, cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **more)
     with log.open("a") as out:
         out.write(f"$ {' '.join(map(str, command))}\n{done.stdout}\n")
     if done.returncode:
-        lines = [line for line in done.stdout.splitlines() if re.search(r"error|FAILED|Failure", line)]
-        last = (lines or done.stdout.strip().splitlines() or ["no output"])[0]
-        raise Failure(f"{pathlib.Path(command[0]).name}: {last.strip()}")
+        lines = done.stdout.strip().splitlines() or ["no output"]
+        telling = [line for sign in ("error:", "Failure", "FAILED") for line in lines if sign in line]
+        raise Failure(f"{pathlib.Path(command[0]).name}: {(telling or lines)[0].strip()}")
     return done.stdout
 
 
