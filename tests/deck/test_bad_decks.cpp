@@ -27,7 +27,10 @@ std::vector<std::pair<std::string, std::vector<std::string>>> lists() {
     for (auto const& field : fields) all.push_back(field.name);
     return all;
   };
+  auto empty = all_words<grid::Boundary>();
+  std::erase_if(empty, [](std::string const& name) { return grid::is_given(*value_of<grid::Boundary>(name)); });
   return {{"{Boundary}", all_words<grid::Boundary>()},
+          {"{Boundary in empty space}", empty},
           {"{Scheme}", all_words<gas::Scheme>()},
           {"{ShapeFunction}", all_words<mpm::ShapeFunction>()},
           {"{Transfer}", all_words<mpm::Transfer>()},

@@ -115,8 +115,8 @@ def run(command, log, cwd, **more):
         out.write(f"$ {' '.join(map(str, command))}\n{done.stdout}\n")
     if done.returncode:
         lines = done.stdout.strip().splitlines() or ["no output"]
-        telling = [line for sign in ("error:", "Failure", "FAILED") for line in lines if sign in line]
-        raise Failure(f"{pathlib.Path(command[0]).name}: {(telling or lines)[0].strip()}")
+        telling = [line for sign in (": error: ", "[  FAILED  ]", "FAILED", "error") for line in lines if sign in line]
+        raise Failure(f"{pathlib.Path(command[0]).name}: {(telling or lines)[0].strip()[:200]}")
     return done.stdout
 
 
