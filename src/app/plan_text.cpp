@@ -72,16 +72,22 @@ std::string memory_text(session::Plan const& p) {
   return rest > 0.5e-3 * p.memory_bytes ? text + fmt::format("; other {}", bytes(rest)) : text;
 }
 
+template <class Law>
+std::string rate_text(Law const& law) {
+  std::string text = law.name;
+  for (auto const& p : Law::parameters()) text += fmt::format(", {} = {}", p.key, quantity(law.*p.member, p.unit));
+  return text;
+}
+std::string rate_text(material::MillerAfterburn const& m) {
+  return fmt::format("d(lambda)/dt = {:g}/s (1 - lambda)^{:g} (p/{})^{:g} above {}", m.rate, m.m,
+                     quantity(m.reference_pressure, "Pa"), m.n, quantity(m.minimum_pressure, "Pa"));
+}
+std::string rate_text(material::ConstantRateAfterburn const& c) {
+  return fmt::format("at a constant rate from {} to {}", quantity(c.begin, "s"), quantity(c.end, "s"));
+}
+
 std::string afterburn_text(material::Afterburn const& a) {
-  std::string const rate =
-      a.carried() ? [m = std::get<material::MillerAfterburn>(a.rate)] {
-        return fmt::format("d(lambda)/dt = {:g}/s (1 - lambda)^{:g} (p/{})^{:g} above {}", m.rate, m.m,
-                           quantity(m.reference_pressure, "Pa"), m.n, quantity(m.minimum_pressure, "Pa"));
-      }()
-                  : [c = std::get<material::ConstantRateAfterburn>(a.rate)] {
-                      return fmt::format("at a constant rate from {} to {}", quantity(c.begin, "s"),
-                                         quantity(c.end, "s"));
-                    }();
+  std::string const rate = std::visit([](auto const& law) { return rate_text(law); }, a.rate);
   return fmt::format("{}/kg of products, {}", quantity(a.energy, "J"), rate);
 }
 

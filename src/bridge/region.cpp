@@ -25,10 +25,9 @@ void check_box(grid::Domain const& domain, CellBox const& box) {
                         "or leave at least {} cells of gas",
                         gap, grid::face_names[2 * d + side], least_gap));
       }
-      if (gap == 0 && boundary == grid::Boundary::inflow) {
-        throw InputError(
-            fmt::format("the MPM region must not touch the inflow boundary {}; leave at least {} cells of gas",
-                        grid::face_names[2 * d + side], least_gap));
+      if (gap == 0 && grid::is_given(boundary)) {
+        throw InputError(fmt::format("the MPM region must not touch the {} boundary {}; leave at least {} cells of gas",
+                                     word_of(boundary), grid::face_names[2 * d + side], least_gap));
       }
       if (gap == 0 && boundary == grid::Boundary::periodic && box.upper[d] - box.lower[d] != domain.cells[d]) {
         throw InputError(

@@ -226,7 +226,7 @@ struct Case {
   std::string deck_path;  ///< as given
   std::string deck_text;  ///< as read
   grid::Domain domain;
-  std::array<Primitive, 6> inflow;  ///< used on faces whose boundary is inflow
+  std::array<Primitive, 6> inflow;  ///< beyond the faces where it is given (`grid::is_given`)
   Ambient ambient;
   /// Fluids beside the ambient one, in the order of their numbers from 1 on: products of the charges' explosive, or the
   /// fluid of an initial state.

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "core/error.hpp"
 #include "core/parameter.hpp"
@@ -55,11 +54,15 @@ char const* model_name(Variant const& model) {
 
 /// Yield stress at the start [Pa], of concrete f'c, of soil that at no pressure; 0 without one.
 double yield_of(material::Strength const& strength) {
-  if (auto const* v = std::get_if<material::VonMises>(&strength)) return v->yield;
-  if (auto const* j = std::get_if<material::JohnsonCook>(&strength)) return j->A;
-  if (auto const* h = std::get_if<material::Hjc>(&strength)) return h->fc;
-  if (auto const* d = std::get_if<material::DruckerPrager>(&strength)) return std::numbers::sqrt3 * d->k();
-  return 0.0;
+  return std::visit(
+      [](auto const& model) {
+        if constexpr (requires { model.first_yield(); }) {
+          return model.first_yield();
+        } else {
+          return 0.0;
+        }
+      },
+      strength);
 }
 
 template <class Material>

@@ -45,7 +45,9 @@ inline Key word(std::string name, std::vector<std::string> choices) {
 /// One of the words of an enumeration.
 template <class E>
 Key word(std::string name) {
-  return word(std::move(name), all_words<E>());
+  Key key = word(std::move(name), all_words<E>());
+  for (auto const& w : words(E{})) key.add_meaning(w.name, w.meaning);
+  return key;
 }
 inline Key nested(Type type, std::string name, Table const& table) {
   Key key = typed(type, std::move(name));

@@ -79,6 +79,16 @@ std::vector<std::string> model_names() {
   return names;
 }
 
+/// The key that chooses a model of a list.
+template <class List>
+Key model_word(std::string name) {
+  Key key = word(std::move(name), model_names<List>());
+  for_each_model<List>([&]<class Model>() {
+    if constexpr (requires { Model::meaning; }) key.add_meaning(Model::name, Model::meaning);
+  });
+  return key;
+}
+
 /// The keys of each model of a list.
 template <class List, class Which = Every>
 std::map<std::string, std::vector<Key>> keys_of_models() {

@@ -43,6 +43,7 @@ struct Key {
   std::string fallback_note;  ///< for people, where the default is computed or the absence has a meaning
   bool needed = false;
   std::string explanation;
+  std::string meanings;                ///< of its words, where they have one of their own: goes behind the explanation
   std::string sample;                  ///< right-hand side of an example, as TOML
   std::vector<std::string> choices;    ///< for words, words instead of a table, and the names of `named`
   std::vector<std::string> also_unit;  ///< further units accepted, e.g. kg/m for a mass in planar geometry
@@ -73,8 +74,11 @@ struct Key {
     return *this;
   }
   Key& means(std::string text) {
-    explanation = std::move(text);
+    explanation = std::move(text) + meanings;
     return *this;
+  }
+  void add_meaning(std::string const& word_, std::string const& text) {
+    if (!text.empty()) meanings += "; `" + word_ + "`: " + text;
   }
   Key& like(std::string text) {
     sample = std::move(text);

@@ -73,10 +73,10 @@ inline void release_at_once(BundleLayout const& b, double per_mass, BundleArrays
   }
 }
 
-/// The same by Miller's law, with the pressure that the cell had before the sweep; energy [J/kg] is that of the whole
-/// progress from 0 to 1.
-inline void release_after_miller(BundleLayout const& b, double dt, double energy_per_mass,
-                                 material::MillerAfterburn const model, BundleArrays& a) {
+/// The same by a law whose progress the products carry along, with the pressure that the cell had before the sweep;
+/// energy [J/kg] is that of the whole progress from 0 to 1.
+template <class Law>
+void release_by_law(BundleLayout const& b, double dt, double energy_per_mass, Law const model, BundleArrays& a) {
   double const* const products = a[partial_density(products_fluid)];
   double const* const F = a[a_burn];
   double const* const p = a[a_p];

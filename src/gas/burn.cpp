@@ -97,9 +97,7 @@ double afterburn_progress(Gas const& gas, grid::Cell const& cell) {
   if (!gas.fluids().mixed() || !afterburn) return 0.0;
   double const products = gas.fields().at(cell.block, partial_density(products_fluid))[cell.offset];
   if (!(products > 0.0)) return 0.0;
-  if (auto const* constant = std::get_if<material::ConstantRateAfterburn>(&afterburn->rate)) {
-    return constant->progress(gas.time());
-  }
+  if (auto const same = afterburn->progress(gas.time())) return *same;
   return std::clamp(gas.fields().at(cell.block, progress)[cell.offset] / products, 0.0, 1.0);
 }
 

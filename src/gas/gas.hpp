@@ -62,7 +62,8 @@ struct Account {
 
 class Gas {
  public:
-  /// All cells are filled with `quiescent` (the ambient state). `inflow` gives the state outside each inflow face.
+  /// All cells are filled with `quiescent` (the ambient state). `inflow` gives the state beyond each
+  /// face where it is given (`grid::is_given`).
   Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, Primitive const& quiescent,
       std::array<Primitive, 6> const& inflow = {});
 

@@ -5,8 +5,7 @@
 #include "core/parallel.hpp"
 #include "gas/gas.hpp"
 #include "gas/primitives.hpp"
-#include "gas/schemes/lax_wendroff.hpp"
-#include "gas/schemes/muscl_hancock.hpp"
+#include "gas/schemes/schemes.hpp"
 
 namespace brisance::gas {
 
@@ -37,10 +36,7 @@ Components Gas::quiescent_flux(SweepContext s) const {
   BundleArrays a = row_of(conserved_of(fluids_, quiescent_), layout);
   GuardCount guards;
   primitives<1>(s, layout, a, guards);
-  if (options_.scheme == Scheme::muscl_hancock)
-    muscl_hancock<1>(s, layout, a, guards);
-  else
-    lax_wendroff<1>(s, layout, a, guards);
+  face_fluxes<1>(options_.scheme, s, layout, a, guards);
   Components flux{};
   for (int c = 0; c <= energy; ++c) flux[c] = a[a_flux + c][layout.begin(0) + row_cells / 2];
   return flux;

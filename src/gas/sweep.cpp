@@ -9,8 +9,7 @@
 #include "gas/gas.hpp"
 #include "gas/primitives.hpp"
 #include "gas/schemes/cold_products.hpp"
-#include "gas/schemes/lax_wendroff.hpp"
-#include "gas/schemes/muscl_hancock.hpp"
+#include "gas/schemes/schemes.hpp"
 
 namespace brisance::gas {
 
@@ -209,13 +208,17 @@ void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, Bund
   material::Afterburn const& afterburn = *options_.afterburn;
   if (!s.burning) std::fill_n(a[a_burn], layout.total, 1.0);
   bool released = true;
-  if (auto const* constant = std::get_if<material::ConstantRateAfterburn>(&afterburn.rate)) {
-    double const share = constant->progress(time_at_step_end_) - constant->progress(time_at_step_end_ - s.dt);
-    released = share > 0.0;
-    if (released) release_at_once(layout, afterburn.energy * share, a);
-  } else {
-    release_after_miller(layout, s.dt, afterburn.energy, std::get<material::MillerAfterburn>(afterburn.rate), a);
-  }
+  std::visit(
+      [&](auto const& law) {
+        if constexpr (requires { law.progress(0.0); }) {
+          double const share = law.progress(time_at_step_end_) - law.progress(time_at_step_end_ - s.dt);
+          released = share > 0.0;
+          if (released) release_at_once(layout, afterburn.energy * share, a);
+        } else {
+          release_by_law(layout, s.dt, afterburn.energy, law, a);
+        }
+      },
+      afterburn.rate);
   if (!released) return;
   grid::Block const& block = grid_->blocks()[b];
   double const* const release = a[a_release];
@@ -263,9 +266,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     s.near_walls = obstacles.near_walls(b, s.direction, index);
     bool const checked = with_fluids(s.present, [&]<int N>() {
       primitives<N>(s, layout, a, guards);
-      if (options_.scheme == Scheme::muscl_hancock) return muscl_hancock<N>(s, layout, a, guards);
-      lax_wendroff<N>(s, layout, a, guards);
-      return false;
+      return face_fluxes<N>(options_.scheme, s, layout, a, guards);
     });
     if (s.progress) progress_fluxes(s, layout, a);
     if (at_boundary) account_boundaries(b, layout, s, a);

@@ -17,7 +17,7 @@ namespace brisance::grid {
 struct ExchangeRules {
   /// Per direction the component that changes sign in a mirror (the momentum along it).
   std::array<int, 3> mirrored_component{-1, -1, -1};
-  /// Per face the values of all components outside an inflow boundary.
+  /// Per face the values of all components beyond it, where they are given (`is_given`).
   std::array<std::vector<double>, 6> inflow;
   /// Values of all components in a quiescent cell.
   std::vector<double> quiescent;

@@ -25,7 +25,7 @@ Transfer transfer_across(Grid const& grid, Block const& block, int direction, in
     return t;
   }
   Boundary const boundary = grid.domain().boundary[t.face];
-  if (boundary == Boundary::inflow) {
+  if (is_given(boundary)) {
     t.kind = TransferKind::fill;
     return t;
   }

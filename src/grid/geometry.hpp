@@ -48,6 +48,10 @@ enum class Boundary { outflow, wall, symmetry, inflow, periodic, zero_gradient }
 /// May gas and bodies leave through the face, and nothing is held there?
 [[nodiscard]] constexpr bool is_open(Boundary b) { return b == Boundary::outflow || b == Boundary::zero_gradient; }
 
+/// Is the state of the gas beyond the face given, that of the ambient gas unless the deck says otherwise? In empty
+/// space there is no such face, and the particles of an MPM region stay away from it.
+[[nodiscard]] constexpr bool is_given(Boundary b) { return b == Boundary::inflow; }
+
 /// Does the face mirror what lies before it?
 [[nodiscard]] constexpr bool is_mirror(Boundary b) { return b == Boundary::symmetry || b == Boundary::wall; }
 

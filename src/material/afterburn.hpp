@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <variant>
 
 #include "core/math.hpp"
@@ -69,6 +70,9 @@ struct MillerAfterburn {
   }
 };
 
+/// The closed list of rates. Contract: a trivially copyable value with a parameter table and either progress(time),
+/// where lambda follows from the time alone, or advance(1 - lambda, pressure, dt), where the products carry it along.
+/// A `meaning` goes into the manual.
 using AfterburnRate = std::variant<ConstantRateAfterburn, MillerAfterburn>;
 
 struct Afterburn {
@@ -76,7 +80,25 @@ struct Afterburn {
   AfterburnRate rate;
 
   /// Has every part of the products a lambda of its own, which must be carried along with them?
-  [[nodiscard]] bool carried() const { return std::holds_alternative<MillerAfterburn>(rate); }
+  [[nodiscard]] bool carried() const {
+    return std::visit(
+        [](auto const& law) {
+          return requires { law.advance(1.0, 0.0, 0.0); };
+        },
+        rate);
+  }
+  /// lambda at a time [s] where it is the same everywhere, else none.
+  [[nodiscard]] std::optional<double> progress(double time) const {
+    return std::visit(
+        [time](auto const& law) -> std::optional<double> {
+          if constexpr (requires { law.progress(time); }) {
+            return law.progress(time);
+          } else {
+            return std::nullopt;
+          }
+        },
+        rate);
+  }
 };
 
 }  // namespace brisance::material

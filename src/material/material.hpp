@@ -69,6 +69,14 @@ struct Material {
   [[nodiscard]] bool plastic() const {
     return std::visit([](auto const& model) { return model.plastic; }, strength);
   }
+  /// Does it yield like a metal, whatever its pressure?
+  [[nodiscard]] bool is_metal() const {
+    return std::visit(
+        []<class Model>(Model const& /*model*/) {
+          return Model::plastic && !requires { Model::pressure_dependent; };
+        },
+        strength);
+  }
   /// Does its temperature change?
   [[nodiscard]] bool heats() const { return plastic() && specific_heat > 0.0; }
   /// Is it concrete: damage of two kinds, compression that stays?

@@ -13,7 +13,9 @@ namespace brisance::material {
 
 /// Increments of plastic strain from the trial Mises stresses, 0 where nothing yields. Returns whether any point
 /// yields.
-inline bool plastic_increments(VonMises const model, ParticleArrays const& a, double /*dt*/, Scratch& t) {
+template <class Model>
+requires requires(Model const model) { model.plastic_increment(0.0, 0.0); }
+bool plastic_increments(Model const model, ParticleArrays const& a, double /*dt*/, Scratch& t) {
   int const n = a.n;
   double const* const ep = a.plastic_strain;
   double const* const mises = t.mises;
@@ -115,7 +117,10 @@ struct Scales {
   double T_room = 0.0;
   double inverse_span = 0.0;  ///< 1 / (T_melt - T_room) [1/K]; 0: no dependence on temperature
 };
-inline Scales scales_of(VonMises const& /*model*/) { return {}; }
+template <class Model>
+Scales scales_of(Model const& /*model*/) {
+  return {};
+}
 inline Scales scales_of(JohnsonCook const& model) {
   return {model.rate0, model.T_room, 1.0 / (model.T_melt - model.T_room)};
 }

@@ -9,9 +9,7 @@
 #include "core/vec.hpp"
 #include "mpm/particles.hpp"
 #include "mpm/patches.hpp"
-#include "mpm/shapes/bspline.hpp"
-#include "mpm/shapes/gimp.hpp"
-#include "mpm/shapes/linear.hpp"
+#include "mpm/shapes/shapes.hpp"
 
 namespace brisance::mpm {
 

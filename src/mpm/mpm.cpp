@@ -10,6 +10,7 @@
 #include "core/parallel.hpp"
 #include "mpm/burn.hpp"
 #include "mpm/constrained_nodes.hpp"
+#include "mpm/shapes/shapes.hpp"
 #include "mpm/workspace.hpp"
 
 namespace brisance::mpm {
@@ -143,7 +144,7 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   Workspace& w = *work_;
   static_cast<GridFields&>(w) = make_grid_fields(domain, options_, bodies_, rules_, contacts);
   int const blocks = grid_.block_count();
-  w.patches = make_patches(grid_, options_.shape == ShapeFunction::linear ? Linear::reach : Gimp::reach);
+  w.patches = make_patches(grid_, reach_of(options_.shape));
   for (int b = 0; b < blocks; ++b) {
     w.constrained_nodes.push_back(
         constrained_nodes_of(grid_.blocks()[b].metric, w.patches[b], constraints, w.field_of));

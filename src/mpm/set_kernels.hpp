@@ -45,7 +45,7 @@ struct Kernels : ToGrid<S, D>,
 /// Calls call(Kernels<S, D>) for the shape function and dimension of a simulation.
 template <class Call>
 void with_kernels(ShapeFunction shape, int dimensions, Call&& call) {
-  auto const with_shape = [&]<class S>(S) {
+  with_shape(shape, [&]<class S>(S) {
     if (dimensions == 1) {
       call(Kernels<S, 1>{});
     } else if (dimensions == 2) {
@@ -53,12 +53,7 @@ void with_kernels(ShapeFunction shape, int dimensions, Call&& call) {
     } else {
       call(Kernels<S, 3>{});
     }
-  };
-  switch (shape) {
-    case ShapeFunction::linear: with_shape(Linear{}); break;
-    case ShapeFunction::bspline: with_shape(BSpline{}); break;
-    default: with_shape(Gimp{});
-  }
+  });
 }
 
 }  // namespace brisance::mpm

@@ -52,7 +52,7 @@ void Mpm::map_gaps(int block) {
         grid::CellRange touched = patch.plane(d, wall.plane);
         for (int e = 0; e < patch.dimensions; ++e) {
           if (e == d) continue;
-          double reach = options_.shape == ShapeFunction::bspline ? 1.5 : 1.0;
+          double reach = width_of(options_.shape);
           if (options_.shape == ShapeFunction::gimp) reach += 0.5 / bodies_[body].particles_per_direction;
           if (options_.shape == ShapeFunction::cpgimp) reach += set.field(Field::half_x + e)[q] / h;
           double const u = (set.field(Field::position_x + e)[q] - patch.first[e]) / h + patch.reach;

@@ -101,10 +101,13 @@ Gauges::Gauges(run::System const& system) {
   if (system.gas != nullptr) {
     for (Gauge const& gauge : setup.gauges) gas.push_back({gauge, {}, {}});
     Primitive const& quiet = setup.ambient.state;
+    // As a cell of it is read, with its sound speed and energy.
+    gas::Fluids const& fluids = system.gas->fluids();
+    Primitive const read = gas::primitive_of(fluids, gas::conserved_of(fluids, quiet).data(), 1.0);
     for (GaugeHistory& history : gas) {
       if (!setup.start.remap || setup.start.from_checkpoint) break;
       history.records.push_back({0.0, quiet.pressure, quiet.density, quiet.velocity});
-      for_each_sampled(gas_columns(), [&](std::size_t, auto of) { history.sampled.push_back(of(quiet)); });
+      for_each_sampled(gas_columns(), [&](std::size_t, auto of) { history.sampled.push_back(of(read)); });
     }
   }
   if (system.particles == nullptr) return;

@@ -9,6 +9,7 @@
 
 #include "core/parallel.hpp"
 #include "gas/layout.hpp"
+#include "mpm/shapes/shapes.hpp"
 #include "observe/gauges.hpp"
 #include "setup/fluids.hpp"
 
@@ -117,7 +118,7 @@ double estimated_steps(run::Case const& setup) {
     quiet = std::max(quiet, signal(other != nullptr ? other->eos : setup.ambient.fluid.eos, initial.state));
   }
   for (int face = 0; face < 6; ++face) {
-    if (setup.domain.boundary[face] == grid::Boundary::inflow)
+    if (grid::is_given(setup.domain.boundary[face]))
       quiet = std::max(quiet, signal(setup.ambient.fluid.eos, setup.inflow[face]));
   }
   double const end = setup.end.time;
@@ -179,7 +180,7 @@ double estimated_seconds(run::Case const& setup, Plan const& p) {
     seconds += p.cells * (p.region ? p.region->gas_steps : p.steps) * sweeps / per_second;
   }
   if (p.particles > 0.0) {
-    bool const linear = setup.particles.options.shape == mpm::ShapeFunction::linear;
+    bool const linear = mpm::reach_of(setup.particles.options.shape) == 0;
     seconds +=
         p.particles * (p.region ? p.region->particle_steps : p.steps) / (linear ? linear_particle_rate : particle_rate);
   }

@@ -42,7 +42,7 @@ void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::B
   for (int d = 0; d < w.setup.domain.dimensions(); ++d) {
     for (int side = 0; side < 2; ++side) {
       auto const boundary = w.setup.domain.boundary[2 * d + side];
-      if (!grid::is_open(boundary) && boundary != grid::Boundary::inflow) continue;
+      if (grid::has_images(boundary)) continue;
       options.ends[2 * d + side] = side == 0 ? w.setup.domain.lower[d] : w.setup.domain.upper(d);
     }
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "mpm/shapes/shapes.hpp"
 #include "run/products.hpp"
 #include "run/system.hpp"
 #include "setup/place_bodies.hpp"
@@ -24,7 +25,7 @@ constexpr double most_cells = 5e7;  // of a region, and of the box around it: 8 
 
 /// Layers of cells outside the region that give the nodes there all they need: B-splines of particles near the face
 /// reach nodes one cell outside, and these reach as far again.
-int proxy_layers(mpm::ShapeFunction shape) { return shape == mpm::ShapeFunction::linear ? 1 : 3; }
+int proxy_layers(mpm::ShapeFunction shape) { return 1 + 2 * mpm::reach_of(shape); }
 
 bridge::CellBox cells_of(grid::Domain const& domain, shape::Box const& box) {
   bridge::CellBox cells;
@@ -61,9 +62,7 @@ bool throws_out(Case const& setup) {
 bridge::CellBox whole_domain(grid::Domain const& domain) {
   bridge::CellBox cells;
   for (int d = 0; d < domain.dimensions(); ++d) {
-    auto const kept = [&](int side) {
-      return domain.boundary[2 * d + side] == grid::Boundary::inflow ? bridge::least_gap : 0;
-    };
+    auto const kept = [&](int side) { return grid::is_given(domain.boundary[2 * d + side]) ? bridge::least_gap : 0; };
     cells.lower[d] = kept(0);
     cells.upper[d] = domain.cells[d] - kept(1);
   }

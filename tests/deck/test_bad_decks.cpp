@@ -1,11 +1,15 @@
-/// Every broken deck of bad/ gives exactly the messages of its .expected file, word for word.
+/// Every broken deck of bad/ gives exactly the messages of its .expected file, word for word. `{Boundary}` in such a
+/// file stands for the words of the enumeration, `{Eos}` for the names of the models: see `lists`.
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "core/error.hpp"
 #include "deck/deck.hpp"
+#include "deck/models.hpp"
 #include "files.hpp"
+#include "observe/gas_fields.hpp"
+#include "observe/particle_fields.hpp"
 
 namespace brisance {
 namespace {
@@ -16,6 +20,36 @@ std::string all_errors(deck::Result const& result) {
   return out;
 }
 
+/// The lists that the program has once, by what stands for them in the files.
+std::vector<std::pair<std::string, std::vector<std::string>>> lists() {
+  auto const names = [](std::vector<observe::FieldInfo> const& fields) {
+    std::vector<std::string> all;
+    for (auto const& field : fields) all.push_back(field.name);
+    return all;
+  };
+  auto empty = all_words<grid::Boundary>();
+  std::erase_if(empty, [](std::string const& name) { return grid::is_given(*value_of<grid::Boundary>(name)); });
+  return {{"{Boundary}", all_words<grid::Boundary>()},
+          {"{Boundary in empty space}", empty},
+          {"{Scheme}", all_words<gas::Scheme>()},
+          {"{ShapeFunction}", all_words<mpm::ShapeFunction>()},
+          {"{Transfer}", all_words<mpm::Transfer>()},
+          {"{Eos}", deck::model_names<material::Eos>()},
+          {"{Strength}", deck::model_names<material::Strength>()},
+          {"{gas fields}", names(observe::known_fields())},
+          {"{particle fields}", names(observe::known_particle_fields())}};
+}
+
+std::string expected_of(std::filesystem::path const& file) {
+  std::string text = test::file_text(file);
+  for (auto const& [mark, words] : lists()) {
+    std::string const list = deck::quoted_list(words);
+    for (auto at = text.find(mark); at != std::string::npos; at = text.find(mark, at + list.size()))
+      text.replace(at, mark.size(), list);
+  }
+  return text;
+}
+
 class BadDeck : public testing::TestWithParam<std::filesystem::path> {};
 
 TEST_P(BadDeck, GivesItsMessages) {
@@ -23,7 +57,7 @@ TEST_P(BadDeck, GivesItsMessages) {
   expected.replace_extension(".expected");
   auto const result = deck::read_text(test::file_text(GetParam()), GetParam().filename().string());
   EXPECT_FALSE(result.case_.has_value());
-  EXPECT_EQ(all_errors(result), test::file_text(expected));
+  EXPECT_EQ(all_errors(result), expected_of(expected));
 }
 
 INSTANTIATE_TEST_SUITE_P(Decks, BadDeck, testing::ValuesIn(test::files_in(test::root() / "tests/deck/bad", ".toml")),

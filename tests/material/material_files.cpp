@@ -81,11 +81,12 @@ class Keys {
 
 material::Eos read_eos(Keys& keys) {
   auto const name = keys.text("eos");
-  if (name == material::IdealGas::name) return keys.model<material::IdealGas>();
-  if (name == material::StiffenedGas::name) return keys.model<material::StiffenedGas>();
-  if (name == material::MieGruneisen::name) return keys.model<material::MieGruneisen>();
-  if (name == material::Jwl::name) return keys.model<material::Jwl>();
-  keys.fail("eos", "is unknown");
+  std::optional<material::Eos> eos;
+  for_each_model<material::Eos>([&]<class Model>() {
+    if (name == Model::name) eos = keys.model<Model>();
+  });
+  if (!eos) keys.fail("eos", "is unknown");
+  return *eos;
 }
 
 /// A model of a solid: like model(), but a modulus may be left to E and nu, and rho0 to the density.
@@ -104,6 +105,20 @@ Model read_model(Keys& keys, std::map<std::string, double> const& derived) {
   return m;
 }
 
+/// The model of a list that the table names.
+template <class List>
+void read_choice(Keys keys, std::map<std::string, double> const& derived, List& out) {
+  auto const name = keys.text("model");
+  bool known = false;
+  for_each_model<List>([&]<class Model>() {
+    if (name != Model::name) return;
+    out = read_model<Model>(keys, derived);
+    known = true;
+  });
+  if (!known) keys.fail("model", "is unknown");
+  keys.refuse_others();
+}
+
 material::Material read_solid(Keys& keys, std::string const& where) {
   material::Material solid;
   solid.source = keys.text("source");
@@ -120,48 +135,10 @@ material::Material read_solid(Keys& keys, std::string const& where) {
     solid.specific_heat = keys.number("specific_heat");
     solid.temperature = keys.number("temperature");
   }
-  if (auto const* table = keys.table("eos")) {
-    Keys eos(*table, where + ": eos");
-    auto const model = eos.text("model");
-    if (model == material::Linear::name) {
-      solid.eos = read_model<material::Linear>(eos, derived);
-    } else if (model == material::MieGruneisen::name) {
-      solid.eos = read_model<material::MieGruneisen>(eos, derived);
-    } else if (model == material::Compaction::name) {
-      solid.eos = read_model<material::Compaction>(eos, derived);
-    } else {
-      eos.fail("model", "is unknown");
-    }
-    eos.refuse_others();
-  }
-  if (auto const* table = keys.table("strength")) {
-    Keys strength(*table, where + ": strength");
-    auto const model = strength.text("model");
-    if (model == material::VonMises::name) {
-      solid.strength = read_model<material::VonMises>(strength, derived);
-    } else if (model == material::JohnsonCook::name) {
-      solid.strength = read_model<material::JohnsonCook>(strength, derived);
-    } else if (model == material::Hjc::name) {
-      solid.strength = read_model<material::Hjc>(strength, derived);
-    } else if (model == material::DruckerPrager::name) {
-      solid.strength = read_model<material::DruckerPrager>(strength, derived);
-    } else {
-      strength.fail("model", "is unknown");
-    }
-    strength.refuse_others();
-  }
-  if (auto const* table = keys.table("failure")) {
-    Keys failure(*table, where + ": failure");
-    auto const model = failure.text("model");
-    if (model == material::JohnsonCookFailure::name) {
-      solid.failure = failure.model<material::JohnsonCookFailure>();
-    } else if (model == material::TensileDamage::name) {
-      solid.failure = read_model<material::TensileDamage>(failure, derived);
-    } else {
-      failure.fail("model", "is unknown");
-    }
-    failure.refuse_others();
-  }
+  if (auto const* table = keys.table("eos")) read_choice(Keys(*table, where + ": eos"), derived, solid.eos);
+  if (auto const* table = keys.table("strength"))
+    read_choice(Keys(*table, where + ": strength"), derived, solid.strength);
+  if (auto const* table = keys.table("failure")) read_choice(Keys(*table, where + ": failure"), derived, solid.failure);
   return solid;
 }
 

@@ -2,6 +2,7 @@
 
 #include "../observe/watched.hpp"
 #include "core/error.hpp"
+#include "observe/gauge_columns.hpp"
 #include "output/file.hpp"
 #include "output/report.hpp"
 #include "output/writer.hpp"
@@ -27,6 +28,12 @@ run::Case air_box() {
   return setup;
 }
 
+/// Standard air at a time; sampled columns are 0.
+void record_air(observe::GaugeHistory& gauge, double time) {
+  gauge.records.push_back({time, 101325.0, 1.225, {0.0, 0.0, 0.0}});
+  gauge.sampled.resize(gauge.records.size() * observe::sampled_columns(observe::gas_columns()), 0.0);
+}
+
 TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   observe::Watched world(air_box());
   ScratchFolder scratch;
@@ -36,11 +43,11 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   EXPECT_EQ(nlohmann::json::parse(read_file(folder / "run.json"))["status"], "running");
 
   writer.dump_fields(world);
-  world.gauges.gas[0].records.push_back({0.0, 101325.0, 1.225, {0.0, 0.0, 0.0}});
+  record_air(world.gauges.gas[0], 0.0);
   writer.append_gauges();
   world.timings["sweeps"] = 0.5;
   world.audit.fallback_faces = 7;
-  world.gauges.gas[0].records.push_back({1e-3, 101325.0, 1.225, {0.0, 0.0, 0.0}});
+  record_air(world.gauges.gas[0], 1e-3);
   writer.finish(world, "end time reached", 0);
 
   auto const log = nlohmann::json::parse(read_file(folder / "run.json"));

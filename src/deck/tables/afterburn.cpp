@@ -17,7 +17,7 @@ Table const& afterburn_table() {
       "Energy that the detonation products release after the detonation, in proportion to their mass and independent "
       "of place: no model accounts for the air that has been mixed in. Without this table there is no afterburn. "
       "Afterburn is available in gas cells only and cannot be combined with bodies.",
-      {word("model", model_names<material::AfterburnRate>())
+      {model_word<material::AfterburnRate>("model")
            .required()
            .like("\"constant_rate\"")
            .means(

@@ -21,12 +21,21 @@ Table const& inflow_table() {
 
 namespace {
 
-void refuse_inflow(Draft const& draft, Section const* boundaries) {
+/// In empty space nothing lies beyond a face.
+void refuse_given(Draft const& draft, Section const* boundaries) {
+  std::vector<std::string> possible;
+  for (auto const& w : words(Boundary{})) {
+    if (!grid::is_given(w.value)) possible.emplace_back(w.name);
+  }
   for (int f = 0; f < 2 * draft.dims(); ++f) {
-    if (draft.out.domain.boundary[f] != Boundary::inflow) continue;
-    draft.error(*boundaries, boundaries->given(grid::face_names[f]) ? grid::face_names[f] : "all",
-                "\"inflow\" is not possible here because the bodies of this deck move in empty space; allowed: "
-                "\"outflow\", \"wall\", \"symmetry\" or \"periodic\"; with [mpm_region] there is gas");
+    Boundary const boundary = draft.out.domain.boundary[f];
+    if (!grid::is_given(boundary)) continue;
+    draft.error(
+        *boundaries, boundaries->given(grid::face_names[f]) ? grid::face_names[f] : "all",
+        fmt::format(
+            "\"{}\" is not possible here because the bodies of this deck move in empty space; allowed: {}; with "
+            "[mpm_region] there is gas",
+            word_of(boundary), quoted_list(possible)));
     return;
   }
 }
@@ -36,7 +45,7 @@ void refuse_inflow(Draft const& draft, Section const* boundaries) {
 void build_inflow(Draft& draft, Section const* section) {
   for (auto& state : draft.out.inflow) state = draft.out.ambient.state;
   if (!draft.has_gas) {
-    refuse_inflow(draft, section);
+    refuse_given(draft, section);
     return;
   }
   std::array<bool, 6> described{};

@@ -82,14 +82,16 @@ void build_numerics(Draft& draft) {
     draft.error(*section, "block_cells",
                 fmt::format("{} is too small; allowed: 0 (automatic) or 4 to 4096", n.block_cells));
   }
-  if (n.scheme == run::Scheme::lax_wendroff) {
-    for (auto const* key : {"limiter_beta", "carbuncle_cure"}) {
-      if (section->given(key))
-        draft.report.warning(section->place_of(key), section->path_of(key), "has no effect with lax-wendroff");
-    }
-  } else if (section->given("viscosity")) {
-    draft.report.warning(section->place_of("viscosity"), section->path_of("viscosity"),
-                         "has no effect with muscl-hancock");
+  struct OfScheme {
+    char const* key;
+    run::Scheme scheme;
+  };
+  for (OfScheme const& of :
+       {OfScheme{"limiter_beta", run::Scheme::muscl_hancock}, OfScheme{"carbuncle_cure", run::Scheme::muscl_hancock},
+        OfScheme{"viscosity", run::Scheme::lax_wendroff}}) {
+    if (!section->given(of.key) || n.scheme == of.scheme) continue;
+    draft.report.warning(section->place_of(of.key), section->path_of(of.key),
+                         fmt::format("has no effect with {}", word_of(n.scheme)));
   }
 }
 

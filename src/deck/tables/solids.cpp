@@ -303,9 +303,8 @@ bool models(Section const& section, std::map<std::string_view, double> const& de
     auto const failure = model_of<Failure>(*table, derived);
     if (!failure) return false;
     out.failure = *failure;
-    bool const metal =
-        std::holds_alternative<VonMises>(out.strength) || std::holds_alternative<JohnsonCook>(out.strength);
-    if (std::holds_alternative<JohnsonCookFailure>(out.failure) && !metal) {
+    bool const by_plastic_strain = std::visit([](auto const& model) { return model.damages; }, out.failure);
+    if (by_plastic_strain && !out.is_metal()) {
       report.error(table->place, table->path,
                    "this damage model depends on the plastic strain of a metal: give the solid the strength von_mises "
                    "or johnson_cook");
@@ -319,8 +318,7 @@ bool models(Section const& section, std::map<std::string_view, double> const& de
 bool spall_fits(material::Material const& solid, Section const& section, Report& report) {
   using namespace material;
   if (solid.spall == Spall::limit) return true;
-  if (!solid.plastic() || std::holds_alternative<Hjc>(solid.strength) ||
-      std::holds_alternative<DruckerPrager>(solid.strength)) {
+  if (!solid.is_metal()) {
     report.error(section.place_of("spall"), section.path_of("spall"),
                  fmt::format("{} is for metals with the strength von_mises or johnson_cook; for concrete use failure = "
                              "{{model = \"tensile_damage\"}}; soil has its own tension limit",

@@ -40,6 +40,7 @@ struct DruckerPrager {
   }
 
   [[nodiscard]] double shear_modulus() const { return G; }
+  [[nodiscard]] double first_yield() const { return std::numbers::sqrt3 * k(); }
 
   /// Slope q of the cone that touches the pyramid of an angle [degrees].
   [[nodiscard]] static double slope(double degrees) {

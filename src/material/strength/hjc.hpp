@@ -58,6 +58,7 @@ struct Hjc {
   }
 
   [[nodiscard]] double shear_modulus() const { return G; }
+  [[nodiscard]] double first_yield() const { return fc; }
 
   /// 1 + C ln r of an equivalent strain rate [1/s].
   [[nodiscard]] double rate_factor(double rate) const {

@@ -41,6 +41,7 @@ struct JohnsonCook {
   }
 
   [[nodiscard]] double shear_modulus() const { return G; }
+  [[nodiscard]] double first_yield() const { return A; }
 
   /// T*, 0..1, of a temperature [K].
   [[nodiscard]] double homologous_temperature(double T) const {

@@ -23,6 +23,7 @@ struct VonMises {
   }
 
   [[nodiscard]] double shear_modulus() const { return G; }
+  [[nodiscard]] double first_yield() const { return yield; }
 
   /// Yield stress [Pa] at equivalent plastic strain ep.
   [[nodiscard]] double yield_stress(double ep) const { return yield + hardening * ep; }

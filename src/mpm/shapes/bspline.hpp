@@ -7,6 +7,7 @@ struct BSpline {
   static constexpr char const* name = "bspline";
   static constexpr int support = 3;
   static constexpr int reach = 1;
+  static constexpr double width = 1.5;
   static constexpr bool sized = false;
 
   /// See `Linear::weights`.

@@ -8,6 +8,7 @@ struct Gimp {
   static constexpr char const* name = "gimp";
   static constexpr int support = 3;
   static constexpr int reach = 1;
+  static constexpr double width = 1.0;
   static constexpr bool sized = true;
   static constexpr double longest_half = 0.5;    ///< in cells: a longer particle would touch a fourth node
   static constexpr double shortest_half = 1e-3;  ///< in cells: below, the average is the tent itself

@@ -5,8 +5,9 @@ namespace brisance::mpm {
 
 struct Linear {
   static constexpr char const* name = "linear";
-  static constexpr int support = 2;  ///< nodes per direction
-  static constexpr int reach = 0;    ///< nodes that a particle may touch beyond those of its cell
+  static constexpr int support = 2;     ///< nodes per direction
+  static constexpr int reach = 0;       ///< nodes that a particle may touch beyond those of its cell
+  static constexpr double width = 1.0;  ///< how far it reaches from its node [cells]; `sized`: and half the particle
   static constexpr bool sized = false;
 
   /// First node, weights and gradients (per cell) at u, the coordinate in cells counted from the block's first node of
