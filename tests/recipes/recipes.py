@@ -139,16 +139,19 @@ def manual_of(tree, log):
     return manual
 
 
-def prove(name, head, tree, manual, log):
-    """The tests, the manual and the deck of a toy in a built tree."""
+def prove(name, head, tree, manual, log, passed):
+    """The tests, the manual and the deck of a toy in a built tree; `passed`: tests that need not run again."""
     for text in head["Info"]:
         if text not in manual:
             raise Failure(f"the manual does not hold \"{text}\"")
     for test in head["Tests"]:
         program, _, pattern = test.partition(" ")
+        if test in passed:
+            continue
         output = run([tree / "build/bin" / program, f"--gtest_filter={pattern}"], log, tree)
         if not re.search(r"\[  PASSED  \] [1-9]", output):
             raise Failure(f"{program} has no test {pattern}")
+        passed.add(test)
     out = tree / "out" / name
     run([tree / "build/bin/brisance", "run", "--quiet", "--force", "--output", out, head["Deck"][0]], log, tree)
     for holds in head["Holds"]:
@@ -179,6 +182,7 @@ def build_and_prove(recipes, folder, say, jobs):
             return
     targets = sorted({test.split()[0] for head in recipes.values() for test in head["Tests"]})
     manual = []
+    passed = set()
 
     def make():
         build(tree, targets, log, jobs)
@@ -186,7 +190,7 @@ def build_and_prove(recipes, folder, say, jobs):
     if failed_at(make, recipes, say):
         return
     for name, head in recipes.items():
-        if not failed_at(lambda: prove(name, head, tree, manual[0], log), [name], say):
+        if not failed_at(lambda: prove(name, head, tree, manual[0], log, passed), [name], say):
             say(name, "")
 
 
