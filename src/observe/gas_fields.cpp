@@ -11,8 +11,6 @@
 
 namespace brisance::observe {
 
-namespace {
-
 /// A cell of a block.
 struct CellOf {
   run::System const& system;
@@ -33,6 +31,8 @@ struct GasField {
   double (*without_gas)(run::System const& system) =
       nullptr;  ///< where particles hold the cell and there is no gas; null: 0
 };
+
+namespace {
 
 /// 0: gas cells, 1: bridge, 2: particles.
 double part_of_region(CellOf const& c) {
@@ -113,29 +113,42 @@ std::vector<FieldInfo> const& known_fields() {
   return infos;
 }
 
-void block_field(run::System const& w, int b, std::string const& name, std::vector<double>& out, GasView const* view) {
-  auto const& fields = gas_fields();
-  auto const found = std::find_if(fields.begin(), fields.end(), [&](GasField const& f) { return f.info.name == name; });
-  if (found == fields.end()) throw InputError(fmt::format("there is no field \"{}\"", name));
-  GasField const& field = *found;
-  grid::Block const& block = w.grid.blocks()[b];
-  out.assign(static_cast<std::size_t>(block.cell_count()) * field.info.components, 0.0);
-  OfCell const* const of_cell = std::get_if<OfCell>(&field.value);
-  for_each_cell(block, [&](grid::Cell const& cell) {
-    CellOf const c{w, view, cell, block.index(cell)};
-    if (of_cell != nullptr) {
-      out[cell.offset] = (*of_cell)(c);
-      return;
-    }
-    auto const gas = gas_in(c);
-    if (!gas) {
-      if (field.without_gas != nullptr) out[cell.offset] = field.without_gas(w);
-    } else if (OfGas const* scalar = std::get_if<OfGas>(&field.value)) {
-      out[cell.offset] = (*scalar)(*gas, w);
+FieldValues::FieldValues(run::System const& system, std::vector<std::string> const& fields, GasView const* view)
+    : system_(&system), view_(view) {
+  for (std::string const& name : fields) {
+    auto const& known = gas_fields();
+    auto const found = std::find_if(known.begin(), known.end(), [&](GasField const& f) { return f.info.name == name; });
+    if (found == known.end()) throw InputError(fmt::format("there is no field \"{}\"", name));
+    fields_.push_back(&*found);
+    components_ += found->info.components;
+    need_gas_ = need_gas_ || !std::holds_alternative<OfCell>(found->value);
+  }
+}
+
+void FieldValues::at(grid::Cell const& cell, double* out) const {
+  CellOf const c{*system_, view_, cell, system_->grid.block(cell).index(cell)};
+  std::optional<gas::Primitive> const gas = need_gas_ ? gas_in(c) : std::nullopt;
+  for (GasField const* field : fields_) {
+    if (OfCell const* of_cell = std::get_if<OfCell>(&field->value)) {
+      *out = (*of_cell)(c);
+    } else if (!gas) {
+      std::fill_n(out, field->info.components, field->without_gas != nullptr ? field->without_gas(*system_) : 0.0);
+    } else if (OfGas const* scalar = std::get_if<OfGas>(&field->value)) {
+      *out = (*scalar)(*gas, *system_);
     } else {
-      Vec3 const v = std::get<VectorOfGas>(field.value)(*gas, w);
-      std::copy(v.begin(), v.end(), out.begin() + 3L * cell.offset);
+      Vec3 const v = std::get<VectorOfGas>(field->value)(*gas, *system_);
+      std::copy(v.begin(), v.end(), out);
     }
+    out += field->info.components;
+  }
+}
+
+void block_field(run::System const& w, int b, std::string const& name, std::vector<double>& out, GasView const* view) {
+  FieldValues const values(w, {name}, view);
+  grid::Block const& block = w.grid.blocks()[b];
+  out.assign(static_cast<std::size_t>(block.cell_count()) * values.components(), 0.0);
+  for_each_cell(block, [&](grid::Cell const& cell) {
+    values.at(cell, out.data() + static_cast<std::ptrdiff_t>(values.components()) * cell.offset);
   });
 }
 

@@ -1,6 +1,11 @@
 #include "output/dump_file.hpp"
 
+#include <libdeflate.h>
+
 #include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <memory>
 
 #include "core/error.hpp"
 #include "output/file.hpp"
@@ -24,26 +29,65 @@ hid_t create(std::size_t expected_bytes) {
   return H5Fcreate("dump", H5F_ACC_TRUNC, H5P_DEFAULT, access);
 }
 
-/// The cache holds a whole dataset up to 256 MiB, so that each chunk is compressed once although the parts that fill it
-/// come in any order.
-void compress(hid_t creation, hid_t access, DumpFile::Layout const& layout) {
-  std::vector<hsize_t> chunk;
-  std::size_t chunks = 1;
-  std::size_t bytes = H5Tget_size(layout.type);
-  for (std::size_t d = 0; d < layout.shape.size(); ++d) {
-    chunk.push_back(std::max<hsize_t>(1, std::min(layout.shape[d], layout.edge[d])));
-    std::size_t const along = (layout.shape[d] + chunk[d] - 1) / chunk[d];
-    chunks *= along;
-    bytes *= along * chunk[d];
-  }
+/// Readers undo the filters in reverse order.
+void compress(hid_t creation, DumpFile::Layout const& layout) {
+  std::vector<hsize_t> const chunk = layout.chunk();
   check(H5Pset_chunk(creation, static_cast<int>(chunk.size()), chunk.data()));
   check(H5Pset_shuffle(creation));
   check(H5Pset_deflate(creation, unsigned(layout.compression)));
-  constexpr std::size_t largest_cache = std::size_t{256} << 20U;
-  check(H5Pset_chunk_cache(access, 10 * chunks + 1, std::clamp(bytes, std::size_t{1} << 20U, largest_cache), 1.0));
+}
+
+hid_t file_type(NumberType type) {
+  switch (type) {
+    case NumberType::float32: return H5T_IEEE_F32LE;
+    case NumberType::float64: return H5T_IEEE_F64LE;
+    case NumberType::int32: return H5T_STD_I32LE;
+    case NumberType::int64: return H5T_STD_I64LE;
+  }
+  return H5T_IEEE_F64LE;
+}
+
+static_assert(std::endian::native == std::endian::little, "the numbers of a dump are written as they are in memory");
+
+/// The values as numbers of a type, byte by byte: first the first byte of all, then the second and so on.
+template <class Number>
+std::vector<char> shuffled(std::vector<double> const& values) {
+  std::size_t const n = values.size();
+  std::vector<char> bytes(n * sizeof(Number));
+  for (std::size_t i = 0; i < n; ++i) {
+    auto const number = std::bit_cast<std::array<char, sizeof(Number)>>(static_cast<Number>(values[i]));
+    for (std::size_t b = 0; b < sizeof(Number); ++b) bytes[b * n + i] = number[b];
+  }
+  return bytes;
+}
+
+std::vector<char> shuffled(std::vector<double> const& values, NumberType type) {
+  switch (type) {
+    case NumberType::float32: return shuffled<float>(values);
+    case NumberType::float64: return shuffled<double>(values);
+    case NumberType::int32: return shuffled<std::int32_t>(values);
+    case NumberType::int64: return shuffled<std::int64_t>(values);
+  }
+  return {};
 }
 
 }  // namespace
+
+std::vector<char> encoded_chunk(std::vector<double> const& values, NumberType type, int level) {
+  std::vector<char> const bytes = shuffled(values, type);
+  std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> const compressor(
+      libdeflate_alloc_compressor(level), libdeflate_free_compressor);
+  if (!compressor) throw IoError("no memory to compress a dump");
+  std::vector<char> out(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()));
+  out.resize(libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), out.data(), out.size()));
+  return out;
+}
+
+std::vector<hsize_t> DumpFile::Layout::chunk() const {
+  std::vector<hsize_t> edges(shape.size());
+  for (std::size_t d = 0; d < shape.size(); ++d) edges[d] = std::max<hsize_t>(1, std::min(shape[d], edge[d]));
+  return edges;
+}
 
 DumpFile::DumpFile(std::size_t expected_bytes, char const* group)
     : file_(check(create(expected_bytes)), H5Fclose),
@@ -69,12 +113,12 @@ DumpFile::Dataset DumpFile::dataset(std::string const& name, Layout const& layou
                                     std::string const& meaning) {
   int const rank = static_cast<int>(layout.shape.size());
   Handle creation(check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
-  Handle access(check(H5Pcreate(H5P_DATASET_ACCESS)), H5Pclose);
   // The wall clock has no place in the bytes.
   check(H5Pset_obj_track_times(creation, false));
-  if (layout.compression > 0) compress(creation, access, layout);
+  if (layout.compression > 0) compress(creation, layout);
   hid_t const space = check(H5Screate_simple(rank, layout.shape.data(), nullptr));
-  hid_t const data = H5Dcreate2(group_, name.c_str(), layout.type, space, H5P_DEFAULT, creation, access);
+  hid_t const data =
+      H5Dcreate2(group_, name.c_str(), file_type(layout.type), space, H5P_DEFAULT, creation, H5P_DEFAULT);
   if (data < 0) H5Sclose(space);
   check(data);
   Dataset dataset(data, space);
@@ -88,6 +132,10 @@ void DumpFile::Dataset::write(std::vector<hsize_t> const& start, std::vector<hsi
   check(H5Sselect_hyperslab(space_, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr));
   Handle memory(check(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr)), H5Sclose);
   check(H5Dwrite(data_, H5T_NATIVE_DOUBLE, memory, space_, H5P_DEFAULT, values));
+}
+
+void DumpFile::Dataset::write_chunk(std::vector<hsize_t> const& start, std::vector<char> const& encoded) const {
+  check(H5Dwrite_chunk(data_, H5P_DEFAULT, 0, start.data(), encoded.size(), encoded.data()));
 }
 
 void DumpFile::write(std::filesystem::path const& path) const {

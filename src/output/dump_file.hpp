@@ -45,6 +45,14 @@ class QuietHdf5 {
   void* data_ = nullptr;
 };
 
+/// How numbers are kept in a file, little-endian.
+enum class NumberType { float32, float64, int32, int64 };
+
+/// A chunk as HDF5 keeps it: numbers of the type, the bytes of equal rank side by side, deflated with gzip's `level`.
+/// `values`: all of the chunk's, in the order of the file. May be called from several threads, which the HDF5 library
+/// may not. The same values give the same bytes.
+[[nodiscard]] std::vector<char> encoded_chunk(std::vector<double> const& values, NumberType type, int level);
+
 /// A dump that is being put together in memory, and then written in one go: the HDF5 library cannot be used any more
 /// once a write of its own has failed, so that it must never meet a full disk. The same content gives the same bytes.
 class DumpFile {
@@ -70,14 +78,19 @@ class DumpFile {
   struct Layout {
     std::vector<hsize_t> shape;
     std::vector<hsize_t> edge;
-    hid_t type = H5T_IEEE_F32LE;  ///< in the file
-    int compression = 1;          ///< gzip level, 0: none
+    NumberType type = NumberType::float32;
+    int compression = 1;  ///< gzip level, 0: none, and no chunks
+
+    /// Edges of a chunk; at the ends of the dataset they reach beyond it.
+    [[nodiscard]] std::vector<hsize_t> chunk() const;
   };
   class Dataset {
    public:
     Dataset(hid_t data, hid_t space) : data_(data, H5Dclose), space_(space, H5Sclose) {}
     /// Writes a part of it; values in the order of the file.
     void write(std::vector<hsize_t> const& start, std::vector<hsize_t> const& count, double const* values) const;
+    /// Writes the chunk that begins at `start`, see `encoded_chunk`.
+    void write_chunk(std::vector<hsize_t> const& start, std::vector<char> const& encoded) const;
     [[nodiscard]] hid_t id() const { return data_; }
 
    private:

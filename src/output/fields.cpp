@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
-#include <stdexcept>
+#include <memory>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "output/dump_file.hpp"
 #include "output/file.hpp"
 #include "output/folder.hpp"
@@ -17,9 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void write_field(DumpFile& file, FieldSpec const& spec, grid::Grid const& grid, FieldOptions const& options,
-                 BlockValues const& values) {
-  auto const& cells = grid.domain().cells;
+DumpFile::Layout layout_of(FieldSpec const& spec, Index3 const& cells, FieldOptions const& options) {
   hsize_t const edge = cells[2] > 1 ? 64 : (cells[1] > 1 ? 256 : 65536);
   DumpFile::Layout layout;
   layout.shape = {hsize_t(cells[2]), hsize_t(cells[1]), hsize_t(cells[0])};
@@ -28,26 +28,100 @@ void write_field(DumpFile& file, FieldSpec const& spec, grid::Grid const& grid, 
     layout.shape.push_back(hsize_t(spec.components));
     layout.edge.push_back(hsize_t(spec.components));
   }
-  layout.type = options.single_precision ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+  layout.type = options.single_precision ? NumberType::float32 : NumberType::float64;
   layout.compression = options.compression;
-  auto const data = file.dataset(spec.name, layout, spec.unit, spec.meaning);
+  return layout;
+}
 
-  std::vector<double> buffer;
-  for (int b = 0; b < grid.block_count(); ++b) {
-    auto const& block = grid.blocks()[b];
-    buffer.clear();
-    values(b, spec.name, buffer);
-    if (buffer.size() != std::size_t(block.cell_count()) * spec.components)
-      throw std::logic_error("field \"" + spec.name + "\": wrong number of values in a block");
-    auto const& o = block.origin;
-    auto const& n = block.n;
-    std::vector<hsize_t> start{hsize_t(o[2]), hsize_t(o[1]), hsize_t(o[0])};
-    std::vector<hsize_t> count{hsize_t(n[2]), hsize_t(n[1]), hsize_t(n[0])};
-    if (spec.components > 1) {
-      start.push_back(0);
-      count.push_back(hsize_t(spec.components));
+/// Parts of the domain that are written at a time, x fastest: a chunk of each field, which may reach beyond the domain,
+/// or without compression what of it lies within.
+std::vector<grid::CellRange> chunks_of(Index3 const& cells, DumpFile::Layout const& layout) {
+  std::vector<hsize_t> const edges = layout.chunk();
+  Index3 const n{int(edges[2]), int(edges[1]), int(edges[0])};
+  std::vector<grid::CellRange> chunks;
+  for (int k = 0; k < cells[2]; k += n[2]) {
+    for (int j = 0; j < cells[1]; j += n[1]) {
+      for (int i = 0; i < cells[0]; i += n[0]) chunks.push_back({{i, j, k}, {i + n[0], j + n[1], k + n[2]}});
     }
-    data.write(start, count, buffer.data());
+  }
+  if (layout.compression == 0) {
+    for (grid::CellRange& chunk : chunks) chunk = grid::common(chunk, {{0, 0, 0}, cells});
+  }
+  return chunks;
+}
+
+/// What the fields have in the cells of a chunk.
+class ChunkValues {
+ public:
+  /// Beyond the domain the values are 0.
+  ChunkValues(grid::CellRange const& chunk, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
+              CellValues const& values) {
+    std::size_t const cells = chunk.count();
+    std::size_t components = 0;
+    for (FieldSpec const& field : fields) {
+      of_field_.emplace_back(cells * field.components, 0.0);
+      components += field.components;
+    }
+    std::vector<double> all(components);
+    Index3 const domain = grid.domain().cells;
+    for (std::size_t n = 0; n < cells; ++n) {
+      Index3 const cell = chunk.at(n);
+      if (cell[0] >= domain[0] || cell[1] >= domain[1] || cell[2] >= domain[2]) continue;
+      values(grid.locate(cell), all.data());
+      double const* from = all.data();
+      for (std::size_t f = 0; f < fields.size(); ++f) {
+        int const count = fields[f].components;
+        std::copy_n(from, count, of_field_[f].begin() + static_cast<std::ptrdiff_t>(n * count));
+        from += count;
+      }
+    }
+  }
+  [[nodiscard]] std::vector<double> const& of_field(std::size_t number) const { return of_field_[number]; }
+
+ private:
+  std::vector<std::vector<double>> of_field_;
+};
+
+/// The fields, chunk by chunk: values and their compression on all threads, the HDF5 library on this one.
+void write_fields(DumpFile& file, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
+                  FieldOptions const& options, CellValues const& values) {
+  Index3 const cells = grid.domain().cells;
+  std::vector<DumpFile::Dataset> datasets;
+  for (FieldSpec const& field : fields)
+    datasets.push_back(file.dataset(field.name, layout_of(field, cells, options), field.unit, field.meaning));
+  if (fields.empty()) return;
+  auto const chunks = chunks_of(cells, layout_of(fields.front(), cells, options));
+  int const total = static_cast<int>(chunks.size());
+  int const together = 2 * threads();  // so many at a time bound the memory
+  for (int first = 0; first < total; first += together) {
+    int const count = std::min(together, total - first);
+    std::vector<std::vector<std::vector<char>>> encoded(count);
+    std::vector<std::unique_ptr<ChunkValues>> plain(count);
+    parallel_for(count, [&](int n, int) {
+      auto chunk = std::make_unique<ChunkValues>(chunks[first + n], grid, fields, values);
+      if (options.compression == 0) {
+        plain[n] = std::move(chunk);
+        return;
+      }
+      for (std::size_t f = 0; f < fields.size(); ++f) {
+        NumberType const type = options.single_precision ? NumberType::float32 : NumberType::float64;
+        encoded[n].push_back(encoded_chunk(chunk->of_field(f), type, options.compression));
+      }
+    });
+    for (int n = 0; n < count; ++n) {
+      grid::CellRange const& chunk = chunks[first + n];
+      for (std::size_t f = 0; f < fields.size(); ++f) {
+        std::vector<hsize_t> start{hsize_t(chunk.lower[2]), hsize_t(chunk.lower[1]), hsize_t(chunk.lower[0])};
+        if (fields[f].components > 1) start.push_back(0);
+        if (options.compression > 0) {
+          datasets[f].write_chunk(start, encoded[n][f]);
+        } else {
+          std::vector<hsize_t> extent{hsize_t(chunk.n(2)), hsize_t(chunk.n(1)), hsize_t(chunk.n(0))};
+          if (fields[f].components > 1) extent.push_back(hsize_t(fields[f].components));
+          datasets[f].write(start, extent, plain[n]->of_field(f).data());
+        }
+      }
+    }
   }
 }
 
@@ -106,7 +180,7 @@ void drop_later_dumps(fs::path const& folder, std::string const& kind, int count
 FieldSeries::FieldSeries(fs::path folder, FieldOptions options) : folder_(std::move(folder)), options_(options) {}
 
 void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
-                       BlockValues const& values) {
+                       CellValues const& values) {
   make_folder(folder_ / "fields");
   std::string const name = dump_name("fields", count_);
   list_files(folder_, {name});
@@ -121,7 +195,7 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
     file.attribute(file.root(), "origin", domain.lower);
     file.attribute(file.root(), "spacing", std::array{domain.smallest_cell()});
     file.attribute(file.root(), "cells", std::array<long, 3>{domain.cells[0], domain.cells[1], domain.cells[2]});
-    for (auto const& field : fields) write_field(file, field, grid, options_, values);
+    write_fields(file, grid, fields, options_, values);
     file.write(temporary);
   } catch (...) {
     std::error_code ignored;

@@ -28,10 +28,11 @@ struct FieldOptions {
   int compression = 1;  ///< gzip level 0 (none) to 9, after byte shuffling
 };
 
-/// Values of a field in one block: x fastest, components interleaved.
-using BlockValues = std::function<void(int block, std::string const& field, std::vector<double>& out)>;
+/// Writes the values of all fields in a cell to `out`, field by field, component by component. It is called from
+/// several threads.
+using CellValues = std::function<void(grid::Cell const& cell, double* out)>;
 
-/// Makes a series of dumps ("fields" or "particles") end with its first `count`: removes the later ones and writes the
+/// Makes a series of dumps ("fields" or "points") end with its first `count`: removes the later ones and writes the
 /// index anew.
 void drop_later_dumps(std::filesystem::path const& folder, std::string const& kind, int count,
                       std::string const& entries);
@@ -47,7 +48,7 @@ class FieldSeries {
   /// Writes one dump and brings the index up to date. Both appear under their final names only when they are complete.
   /// Throws IoError.
   void dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
-            BlockValues const& values);
+            CellValues const& values);
 
   [[nodiscard]] int count() const { return count_; }
   /// What has been dumped, in a checkpoint. Reading drops the dumps that came later.

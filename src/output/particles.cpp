@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "output/dump_file.hpp"
 #include "output/file.hpp"
 #include "output/folder.hpp"
@@ -24,10 +26,30 @@ int value_bytes(FieldSpec const& spec, bool single_precision) {
   return single_precision ? 4 : 8;
 }
 
-hid_t file_type(FieldSpec const& spec, bool single_precision) {
+NumberType number_type(FieldSpec const& spec, bool single_precision) {
   bool const small = value_bytes(spec, single_precision) == 4;
-  if (counts(spec)) return small ? H5T_STD_I32LE : H5T_STD_I64LE;
-  return small ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+  if (counts(spec)) return small ? NumberType::int32 : NumberType::int64;
+  return small ? NumberType::float32 : NumberType::float64;
+}
+
+/// Writes a field chunk by chunk; they are compressed on all threads.
+void write_chunks(DumpFile::Dataset const& data, DumpFile::Layout const& layout, std::vector<double> const& values) {
+  std::size_t const components = layout.shape.size() > 1 ? layout.shape[1] : 1;
+  std::size_t const size = layout.chunk()[0] * components;
+  int const count = static_cast<int>((values.size() + size - 1) / size);
+  std::vector<std::vector<char>> encoded(count);
+  parallel_for(count, [&](int n, int) {
+    std::vector<double> chunk(size, 0.0);
+    std::size_t const first = size * static_cast<std::size_t>(n);
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(first), std::min(size, values.size() - first),
+                chunk.begin());
+    encoded[n] = encoded_chunk(chunk, layout.type, layout.compression);
+  });
+  for (int n = 0; n < count; ++n) {
+    std::vector<hsize_t> start(layout.shape.size(), 0);
+    start[0] = layout.chunk()[0] * static_cast<hsize_t>(n);
+    data.write_chunk(start, encoded[n]);
+  }
 }
 
 void write_field(DumpFile& file, FieldSpec const& spec, long count, FieldOptions const& options,
@@ -40,14 +62,18 @@ void write_field(DumpFile& file, FieldSpec const& spec, long count, FieldOptions
     layout.shape.push_back(hsize_t(spec.components));
     layout.edge.push_back(hsize_t(spec.components));
   }
-  layout.type = file_type(spec, options.single_precision);
+  layout.type = number_type(spec, options.single_precision);
   layout.compression = count > 0 ? options.compression : 0;
   auto const data = file.dataset(spec.name, layout, spec.unit, spec.meaning);
   buffer.clear();
   values(spec.name, buffer);
   if (buffer.size() != std::size_t(count) * spec.components)
     throw std::logic_error("field \"" + spec.name + "\": wrong number of values");
-  if (count > 0) data.write(std::vector<hsize_t>(layout.shape.size(), 0), layout.shape, buffer.data());
+  if (layout.compression > 0) {
+    write_chunks(data, layout, buffer);
+  } else if (count > 0) {
+    data.write(std::vector<hsize_t>(layout.shape.size(), 0), layout.shape, buffer.data());
+  }
 }
 
 std::string data_item(std::string const& file, FieldSpec const& spec, long count, bool single_precision) {

@@ -43,7 +43,7 @@ void write_values(DumpFile& file, std::string const& name, std::vector<hsize_t> 
   DumpFile::Layout layout;
   layout.shape = shape;
   layout.edge = shape;
-  layout.type = H5T_IEEE_F64LE;
+  layout.type = NumberType::float64;
   layout.compression = 0;
   auto const data = file.dataset(name, layout, unit, meaning);
   if (!names.empty()) file.attribute(data.id(), "names", names);

@@ -168,10 +168,11 @@ void Writer::dump_fields(run::World const& world) {
       view_->update();
       view_->update_solids();
     }
+    std::vector<std::string> names;
+    for (FieldSpec const& field : fields_) names.push_back(field.name);
+    observe::FieldValues const values(world, names, view_.get());
     series_.dump(world.clock.time, world.clock.step, world.grid, fields_,
-                 [this, &world](int block, std::string const& field, std::vector<double>& out) {
-                   observe::block_field(world, block, field, out, view_.get());
-                 });
+                 [&values](grid::Cell const& cell, double* out) { values.at(cell, out); });
   }
   write_log(world, "running", "", 0);
 }
