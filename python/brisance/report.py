@@ -336,10 +336,10 @@ def charge_section(log):
         return "<p>No charge.</p>"
     rows = []
     for charge in log["charges"]:
-        asked, realised = charge["specified_mass"], charge["realised_mass"]
-        error = abs(realised - asked) / asked if asked else None
+        specified, realised = charge["specified_mass"], charge["realised_mass"]
+        error = abs(realised - specified) / specified if specified else None
         centre = ", ".join(number(x) for x in charge["centre"]) if "centre" in charge else "–"
-        rows.append([text(charge["explosive"]), f"({centre})", text(charge.get("detonation", "–")), number(asked, 7),
+        rows.append([text(charge["explosive"]), f"({centre})", text(charge.get("detonation", "–")), number(specified, 7),
                      number(realised, 7), number(error, 2), number(charge["realised_energy"] * 1e-6),
                      number(charge["cells_per_radius"], 3)])
     sources = "; ".join(sorted({f"{c['explosive']}: {c['source']}" for c in log["charges"] if c.get("source")}))

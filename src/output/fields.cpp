@@ -87,6 +87,7 @@ void write_fields(DumpFile& file, grid::Grid const& grid, std::vector<FieldSpec>
                   FieldOptions const& options, CellValues const& values) {
   Index3 const cells = grid.domain().cells;
   std::vector<DumpFile::Dataset> datasets;
+  datasets.reserve(fields.size());
   for (FieldSpec const& field : fields)
     datasets.push_back(file.dataset(field.name, layout_of(field, cells, options), field.unit, field.meaning));
   if (fields.empty()) return;
