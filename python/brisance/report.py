@@ -339,8 +339,9 @@ def charge_section(log):
         specified, realised = charge["specified_mass"], charge["realised_mass"]
         error = abs(realised - specified) / specified if specified else None
         centre = ", ".join(number(x) for x in charge["centre"]) if "centre" in charge else "–"
-        rows.append([text(charge["explosive"]), f"({centre})", text(charge.get("detonation", "–")), number(specified, 7),
-                     number(realised, 7), number(error, 2), number(charge["realised_energy"] * 1e-6),
+        rows.append([text(charge["explosive"]), f"({centre})", text(charge.get("detonation", "–")),
+                     number(specified, 7), number(realised, 7), number(error, 2),
+                     number(charge["realised_energy"] * 1e-6),
                      number(charge["cells_per_radius"], 3)])
     sources = "; ".join(sorted({f"{c['explosive']}: {c['source']}" for c in log["charges"] if c.get("source")}))
     note = f'<p class="note">Constants: {text(sources)}.</p>' if sources else ""
