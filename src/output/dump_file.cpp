@@ -1,11 +1,10 @@
 #include "output/dump_file.hpp"
 
-#include <libdeflate.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <memory>
 
 #include "core/error.hpp"
 #include "output/file.hpp"
@@ -75,11 +74,12 @@ std::vector<char> shuffled(std::vector<double> const& values, NumberType type) {
 
 std::vector<char> encoded_chunk(std::vector<double> const& values, NumberType type, int level) {
   std::vector<char> const bytes = shuffled(values, type);
-  std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> const compressor(
-      libdeflate_alloc_compressor(level), libdeflate_free_compressor);
-  if (!compressor) throw IoError("no memory to compress a dump");
-  std::vector<char> out(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()));
-  out.resize(libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), out.data(), out.size()));
+  uLongf size = compressBound(bytes.size());
+  std::vector<char> out(size);
+  int const result = compress2(reinterpret_cast<Bytef*>(out.data()), &size,
+                               reinterpret_cast<Bytef const*>(bytes.data()), bytes.size(), level);
+  if (result != Z_OK) throw IoError("no memory to compress a dump");
+  out.resize(size);
   return out;
 }
 
