@@ -91,7 +91,8 @@ void write_fields(DumpFile& file, grid::Grid const& grid, std::vector<FieldSpec>
   for (FieldSpec const& field : fields)
     datasets.push_back(file.dataset(field.name, layout_of(field, cells, options), field.unit, field.meaning));
   if (fields.empty()) return;
-  auto const chunks = chunks_of(cells, layout_of(fields.front(), cells, options));
+  DumpFile::Layout const layout = layout_of(fields.front(), cells, options);  // chunks, type and level are those of all
+  auto const chunks = chunks_of(cells, layout);
   int const total = static_cast<int>(chunks.size());
   int const together = 2 * threads();  // so many at a time bound the memory
   for (int first = 0; first < total; first += together) {
@@ -100,13 +101,12 @@ void write_fields(DumpFile& file, grid::Grid const& grid, std::vector<FieldSpec>
     std::vector<std::unique_ptr<ChunkValues>> plain(count);
     parallel_for(count, [&](int n, int) {
       auto chunk = std::make_unique<ChunkValues>(chunks[first + n], grid, fields, values);
-      if (options.compression == 0) {
+      if (layout.compression == 0) {
         plain[n] = std::move(chunk);
         return;
       }
       for (std::size_t f = 0; f < fields.size(); ++f) {
-        NumberType const type = options.single_precision ? NumberType::float32 : NumberType::float64;
-        encoded[n].push_back(encoded_chunk(chunk->of_field(f), type, options.compression));
+        encoded[n].push_back(encoded_chunk(chunk->of_field(f), layout.type, layout.compression));
       }
     });
     for (int n = 0; n < count; ++n) {
@@ -114,7 +114,7 @@ void write_fields(DumpFile& file, grid::Grid const& grid, std::vector<FieldSpec>
       for (std::size_t f = 0; f < fields.size(); ++f) {
         std::vector<hsize_t> start{hsize_t(chunk.lower[2]), hsize_t(chunk.lower[1]), hsize_t(chunk.lower[0])};
         if (fields[f].components > 1) start.push_back(0);
-        if (options.compression > 0) {
+        if (layout.compression > 0) {
           datasets[f].write_chunk(start, encoded[n][f]);
         } else {
           std::vector<hsize_t> extent{hsize_t(chunk.n(2)), hsize_t(chunk.n(1)), hsize_t(chunk.n(0))};
@@ -165,6 +165,24 @@ std::string time_series_index(std::string const& entries) {
          entries + "    </Grid>\n  </Domain>\n</Xdmf>\n";
 }
 
+std::string add_dump(fs::path const& folder, std::string const& kind, int number,
+                     std::function<void(fs::path const& temporary)> const& write) {
+  make_folder(folder / kind);
+  std::string name = dump_name(kind, number);
+  list_files(folder, {name});
+  fs::path const temporary = folder / (name + ".part");
+  QuietHdf5 const quiet;
+  try {
+    write(temporary);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
+  }
+  rename_file(temporary, folder / name);
+  return name;
+}
+
 void drop_later_dumps(fs::path const& folder, std::string const& kind, int count, std::string const& entries) {
   for (auto const& name : listed_files(folder)) {
     auto const number = dump_number(kind, name);
@@ -182,13 +200,8 @@ FieldSeries::FieldSeries(fs::path folder, FieldOptions options) : folder_(std::m
 
 void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
                        CellValues const& values) {
-  make_folder(folder_ / "fields");
-  std::string const name = dump_name("fields", count_);
-  list_files(folder_, {name});
-  fs::path const temporary = folder_ / (name + ".part");
   auto const& domain = grid.domain();
-  QuietHdf5 const quiet;
-  try {
+  std::string const name = add_dump(folder_, "fields", count_, [&](fs::path const& temporary) {
     DumpFile file(std::size_t(bytes_per_dump(domain, fields, options_.single_precision)), "cells");
     file.attribute(file.root(), "time", std::array{time});
     file.attribute(file.root(), "step", std::array{step});
@@ -198,12 +211,7 @@ void FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vect
     file.attribute(file.root(), "cells", std::array<long, 3>{domain.cells[0], domain.cells[1], domain.cells[2]});
     write_fields(file, grid, fields, options_, values);
     file.write(temporary);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw;
-  }
-  rename_file(temporary, folder_ / name);
+  });
   entries_ += index_entry(name, time, domain, fields, options_.single_precision);
   replace_file(folder_ / "fields.xmf2", time_series_index(entries_));
   ++count_;

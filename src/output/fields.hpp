@@ -32,6 +32,11 @@ struct FieldOptions {
 /// several threads.
 using CellValues = std::function<void(grid::Cell const& cell, double* out)>;
 
+/// Writes dump `number` of a kind ("fields" or "points"): `write` puts it together and writes it under the path that it
+/// is given; the dump gets its name when it is complete. Returns that name, relative to the folder. Throws IoError.
+std::string add_dump(std::filesystem::path const& folder, std::string const& kind, int number,
+                     std::function<void(std::filesystem::path const& temporary)> const& write);
+
 /// Makes a series of dumps ("fields" or "points") end with its first `count`: removes the later ones and writes the
 /// index anew.
 void drop_later_dumps(std::filesystem::path const& folder, std::string const& kind, int count,

@@ -111,12 +111,7 @@ ParticleSeries::ParticleSeries(fs::path folder, FieldOptions options) : folder_(
 
 void ParticleSeries::dump(double time, long step, grid::Geometry geometry, long count,
                           std::vector<FieldSpec> const& fields, ParticleValues const& values) {
-  make_folder(folder_ / "points");
-  std::string const name = dump_name("points", count_);
-  list_files(folder_, {name});
-  fs::path const temporary = folder_ / (name + ".part");
-  QuietHdf5 const quiet;
-  try {
+  std::string const name = add_dump(folder_, "points", count_, [&](fs::path const& temporary) {
     DumpFile file(std::size_t(bytes_per_dump(static_cast<double>(count), fields, options_.single_precision)), "points");
     file.attribute(file.root(), "time", std::array{time});
     file.attribute(file.root(), "step", std::array{step});
@@ -125,12 +120,7 @@ void ParticleSeries::dump(double time, long step, grid::Geometry geometry, long 
     std::vector<double> buffer;
     for (auto const& field : fields) write_field(file, field, count, options_, values, buffer);
     file.write(temporary);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw;
-  }
-  rename_file(temporary, folder_ / name);
+  });
   // Readers of XDMF cannot take an empty grid: when all particles have left the domain, the index ends before.
   if (count > 0) entries_ += index_entry(name, time, count, fields, options_.single_precision);
   replace_file(folder_ / "points.xmf2", time_series_index(entries_));
