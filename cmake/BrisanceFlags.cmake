@@ -9,6 +9,12 @@ target_compile_options(brisance_flags INTERFACE -fno-math-errno -fno-trapping-ma
 if(BRISANCE_NATIVE)
   target_compile_options(brisance_flags INTERFACE -march=native)
 endif()
+# Kernels in several sets of vector instructions, of which a run takes the best that its processor has. Without
+# optimisation they would share inline functions with files that must run on any processor.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+  set(BRISANCE_SIMD_SETS ON)
+  target_compile_definitions(brisance_flags INTERFACE BRISANCE_SIMD_SETS)
+endif()
 if(BRISANCE_SANITIZE)
   target_compile_options(brisance_flags INTERFACE -fsanitize=${BRISANCE_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(brisance_flags INTERFACE -fsanitize=${BRISANCE_SANITIZE})

@@ -14,6 +14,7 @@
 #include "app/run_text.hpp"
 #include "app/signals.hpp"
 #include "core/parallel.hpp"
+#include "core/simd.hpp"
 #include "core/text.hpp"
 #include "deck/deck.hpp"
 #include "deck/library.hpp"
@@ -43,6 +44,22 @@ deck::Result load_deck(std::string const& path) {
   return result;
 }
 
+/// Throws InputError where there is no such set, or the processor has not got it.
+void choose_simd_set(std::string const& word) {
+  if (word == "auto") return;
+  auto const set = value_of<SimdSet>(word);
+  std::vector<std::string> usable{"auto"};
+  for (Word<SimdSet> const& w : words(SimdSet{})) {
+    if (has_simd_set(w.value)) usable.emplace_back(w.name);
+  }
+  if (!set || !has_simd_set(*set)) {
+    throw InputError(fmt::format("--simd {}: {}; possible here: {}", word,
+                                 set ? "this processor has no such instructions" : "no set of vector instructions",
+                                 fmt::join(usable, ", ")));
+  }
+  use_simd_set(set);
+}
+
 run::Case load(std::string const& path) { return std::move(*load_deck(path).case_); }
 
 }  // namespace
@@ -59,6 +76,7 @@ ExitCode run_deck(RunArguments const& arguments) {
   run::Case setup = load(arguments.deck);
   std::string const title = setup.title;
   set_threads(arguments.threads);
+  choose_simd_set(arguments.simd);
   session::Session session(
       std::move(setup), {.folder = arguments.output.empty() ? default_output_folder(arguments.deck) : arguments.output,
                          .force = arguments.force,

@@ -9,11 +9,12 @@ namespace brisance::app {
 
 struct RunArguments {
   std::string deck;
-  std::string output;   ///< folder; empty: chosen from the deck's name
-  int threads = 0;      ///< 0: all cores
-  bool force = false;   ///< replace earlier results
-  bool resume = false;  ///< go on from the newest checkpoint
-  bool quiet = false;   ///< say nothing but errors
+  std::string output;         ///< folder; empty: chosen from the deck's name
+  int threads = 0;            ///< 0: all cores
+  std::string simd = "auto";  ///< set of vector instructions
+  bool force = false;         ///< replace earlier results
+  bool resume = false;        ///< go on from the newest checkpoint
+  bool quiet = false;         ///< say nothing but errors
   bool progress = true;
 };
 [[nodiscard]] ExitCode run_deck(RunArguments const& arguments);

@@ -63,6 +63,9 @@ void add_run(CLI::App& app, brisance::app::RunArguments& arguments, ExitCode& co
   run->add_option("--output", arguments.output,
                   "folder for the results; default: NAME-results in the working directory");
   run->add_option("--threads", arguments.threads, "number of threads; default: all cores")->check(CLI::Range(1, 1024));
+  run->add_option("--simd", arguments.simd,
+                  "vector instructions: sse2, avx2, avx512, or scalar for none; default: auto, the best of this "
+                  "processor");
   auto* force = run->add_flag("--force", arguments.force, "replace the results of an earlier run");
   run->add_flag("--resume", arguments.resume, "continue from the newest checkpoint of an earlier run")->excludes(force);
   run->add_flag("--quiet", arguments.quiet, "print only errors and warnings about the deck");

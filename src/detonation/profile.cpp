@@ -129,4 +129,32 @@ Profile scaled(Profile p, double mass) {
   return p;
 }
 
+Profile merged(Profile const& fine, int together) {
+  Profile p = fine;
+  int const shells = fine.domain.cells[0];
+  int const count = (shells + together - 1) / together;
+  p.domain.cells[0] = count;
+  p.domain.h = together * fine.domain.h;
+  p.state.assign(static_cast<std::size_t>(p.components) * count, 0.0);
+  p.pressure.assign(count, 0.0);
+  for (int n = 0; n < count; ++n) {
+    double const whole = p.domain.cell_volume(n);
+    auto const mean = [&](double const* values, double ambient) {
+      double sum = 0.0;
+      double filled = 0.0;
+      for (int i = n * together; i < std::min(shells, (n + 1) * together); ++i) {
+        double const volume = fine.domain.cell_volume(i);
+        sum += volume * values[i];
+        filled += volume;
+      }
+      bool const cut = (n + 1) * together > shells;
+      return (sum + (cut ? ambient * (whole - filled) : 0.0)) / whole;
+    };
+    for (int c = 0; c < p.components; ++c)
+      p.state[static_cast<std::size_t>(c) * count + n] = mean(fine.component(c), p.ambient[c]);
+    p.pressure[n] = mean(fine.pressure.data(), p.ambient_pressure);
+  }
+  return p;
+}
+
 }  // namespace brisance::detonation

@@ -71,4 +71,8 @@ struct Profile {
 /// masses (by the square root in the plane), states stay.
 [[nodiscard]] Profile scaled(Profile profile, double mass);
 
+/// A spherical or cylindrical profile in shells that are so many times as thick: what a shell holds is the sum of what
+/// its parts hold, its pressure their mean. The last shell may reach beyond the burst, into ambient gas.
+[[nodiscard]] Profile merged(Profile const& profile, int together);
+
 }  // namespace brisance::detonation

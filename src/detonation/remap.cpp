@@ -19,6 +19,9 @@ namespace {
 
 using grid::Geometry;
 
+/// Shells of a radial profile per cell of the grid, at least.
+constexpr double shells_per_cell = 20.0;
+
 /// A cell that the burst touches.
 struct Touched {
   int block = 0;
@@ -317,9 +320,14 @@ RemapReport remap(gas::Gas& gas, Profile const& profile, Placing const& placing)
   check_fit(gas, profile);
   grid::Domain const& domain = gas.grid().domain();
   bool const axial = profile.domain.geometry == Geometry::axisymmetric2d;
+  auto const fill_radial = [&] {
+    // Shells far thinner than a cell cost time and move nothing.
+    int const together = static_cast<int>(domain.smallest_cell() / (shells_per_cell * profile.domain.smallest_cell()));
+    Profile const shells = merged(profile, std::max(1, together));
+    return fill(gas, shells, placing.centre, [&] { return RadialSource(shells, domain.geometry); });
+  };
   std::vector<Touched> const cells =
-      axial ? fill(gas, profile, placing.centre, [&] { return AxialSource(profile, placing); })
-            : fill(gas, profile, placing.centre, [&] { return RadialSource(profile, domain.geometry); });
+      axial ? fill(gas, profile, placing.centre, [&] { return AxialSource(profile, placing); }) : fill_radial();
   if (cells.empty()) throw InputError("the blast wave lies outside the domain");
   Target const target = target_of(gas, profile, placing, cells);
 

@@ -43,12 +43,12 @@ void archive(Archive& a, RemapReport& report);
 
 /// Puts the burst into gas that is ambient wherever the burst goes.
 ///
-/// Every cell gets the integrals of the conserved components over the part of it that the burst fills (radial profiles:
-/// exact along lines, by Gauss's rule across them; axisymmetric ones alike along the axis), and the ambient state in
-/// the rest. Then the sums are made those of the profile to round-off; the kinetic energy that averaging takes from the
-/// momentum is internal energy of the cell. The volume fraction, which nothing conserves, is chosen so that the
-/// pressure of a mixed cell is the mean of that of the profile, where a fraction within half the way to 0 or 1 does
-/// that. Cells that the burst does not touch keep every bit.
+/// Every cell gets the integrals of the conserved components over the part of it that the burst fills (radial profiles,
+/// in shells merged to 20 or more per cell: exact along lines, by Gauss's rule across them; axisymmetric ones alike
+/// along the axis), and the ambient state in the rest. Then the sums are made those of the profile to round-off; the
+/// kinetic energy that averaging takes from the momentum is internal energy of the cell. The volume fraction, which
+/// nothing conserves, is chosen so that the pressure of a mixed cell is the mean of that of the profile, where a
+/// fraction within half the way to 0 or 1 does that. Cells that the burst does not touch keep every bit.
 ///
 /// Throws InputError where the profile does not fit the gas, or where two bursts share a cell.
 RemapReport remap(gas::Gas& gas, Profile const& profile, Placing const& placing);

@@ -6,7 +6,7 @@
 
 #include "core/loops.hpp"
 #include "gas/kernels.hpp"
-#include "gas/schemes/muscl_hancock.hpp"
+#include "gas/limiters.hpp"
 #include "material/afterburn.hpp"
 
 namespace brisance::gas {
@@ -23,7 +23,7 @@ inline void progress_fluxes(SweepContext const& s, BundleLayout const& b, Bundle
   double* const lambda = a[a_lambda];
   double* const flux = a[a_progress_flux];
   double const ahead = s.dt / s.h;
-  double const beta = s.beta;
+  double const half_beta = 0.5 * s.beta;
   // Lax-Wendroff overshoots: where the partial density is negative so is what it carries, and their ratio still counts.
   constexpr double nothing = 1e-300;
   BRISANCE_VECTOR_LOOP
@@ -44,10 +44,10 @@ inline void progress_fluxes(SweepContext const& s, BundleLayout const& b, Bundle
     double const beyond = lambda[r + st] - lambda[r];
     bool const left_known = (std::abs(products[q - st]) > nothing) & has_right;
     bool const right_known = has_left & (std::abs(products[r + st]) > nothing);
-    double const left_slope = left_known ? limited(behind, between, beta) : 0.0;
-    double const right_slope = right_known ? limited(between, beyond, beta) : 0.0;
-    double const left = lambda[q] + 0.5 * (1.0 - std::min(1.0, std::max(0.0, u[q] * ahead))) * left_slope;
-    double const right = lambda[r] - 0.5 * (1.0 - std::min(1.0, std::max(0.0, -u[r] * ahead))) * right_slope;
+    double const left_slope = left_known ? limited_half(behind, between, half_beta) : 0.0;
+    double const right_slope = right_known ? limited_half(between, beyond, half_beta) : 0.0;
+    double const left = lambda[q] + (1.0 - std::min(1.0, std::max(0.0, u[q] * ahead))) * left_slope;
+    double const right = lambda[r] - (1.0 - std::min(1.0, std::max(0.0, -u[r] * ahead))) * right_slope;
     flux[q] = mass[q] * (forth ? left : right);
   }
 }

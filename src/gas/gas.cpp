@@ -125,17 +125,8 @@ void Gas::start(double time) {
 }
 
 void Gas::prepare_workspaces() {
-  int capacity = 0;
-  int width = 1;
-  for (grid::Block const& block : grid_->blocks()) {
-    for (int d = 0; d < grid_->domain().dimensions(); ++d) {
-      grid::Bundles const bundles(block, d, options_.bundle_cells);
-      capacity = std::max(capacity, bundles.capacity());
-      width = std::max(width, d == 0 ? 1 : bundles.width());
-    }
-  }
   workspaces_.clear();
-  for (int t = 0; t < threads(); ++t) workspaces_.emplace_back(array_count, capacity, width);
+  for (int t = 0; t < threads(); ++t) workspaces_.emplace_back(array_count);
 }
 
 Primitive Gas::primitive(grid::Cell const& cell) const {
@@ -190,8 +181,18 @@ SweepContext Gas::sweep_context(int direction, double dt) const {
   context.progress = components() > progress;
   context.most_H = most_H();
   context.bounded_phase = fluids_.mixed() && std::holds_alternative<material::IdealGas>(fluids_.ambient());
+  for (int k = 1; k < fluids_.count; ++k) {
+    context.xi_slope[k] = 1.0 / material::gruneisen(fluids_.eos[k]) - 1.0 / material::gruneisen(fluids_.ambient());
+  }
   context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
   return context;
+}
+
+void Gas::set_present(int present, SweepContext& s) const {
+  s.present = present;
+  auto const* ideal = std::get_if<material::IdealGas>(&fluids_.ambient());
+  bool const constant = present == 1 && ideal != nullptr && options_.scheme == Scheme::muscl_hancock;
+  s.gamma = constant ? ideal->gamma : 0.0;
 }
 
 void Gas::advance(double dt, bool reverse) {

@@ -123,7 +123,6 @@ class Gas {
   /// Areas and volumes of the rings or shells of a bundle along a radius.
   void load_shells(grid::Block const& block, BundleLayout const& layout, SweepContext const& context,
                    BundleArrays& arrays) const;
-  static void update(BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   void store(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   /// Does a step change the quiescent blocks? Wakes those that it does change: in a wind an obstacle, a wall or an axis
   /// disturbs the gas from the first step on, and only the scheme itself knows what it changes in the last bit.
@@ -134,6 +133,8 @@ class Gas {
   /// Books what goes through the domain's faces in front of a sleeping block, as an awake one would.
   void account_asleep(int block, SweepContext const& context, Components const& flux);
   [[nodiscard]] SweepContext sweep_context(int direction, double dt) const;
+  /// How many fluids a row holds, and what follows from it.
+  void set_present(int present, SweepContext& s) const;
   void account_boundaries(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   /// Guards, wave speed and peak fields of the bundle's own cells after the last sweep of a step.
   void measure(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,

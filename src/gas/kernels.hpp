@@ -1,7 +1,9 @@
 /// What the sweep kernels share: the arrays of a bundle and the constants of a sweep.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "gas/closure.hpp"
@@ -52,23 +54,18 @@ inline constexpr int a_sensor = a_face_speed + 1;  ///< the shock sensor's new v
 inline constexpr int a_signal = a_sensor + 1;      ///< |u| + c
 inline constexpr int a_theta = a_signal + 1;       ///< lax-wendroff: theta of [Cui14] Eq. (4)
 inline constexpr int a_inverse = a_theta + 1;      ///< 1 / density of the mixture
-inline constexpr int a_contact = a_inverse + 1;    ///< 1 where a contact is to be steepened
-inline constexpr int a_keep = a_contact + 1;       ///< 0 where a cell falls back to its own state at its faces
-inline constexpr int a_squeeze = a_keep + 1;       ///< dt/2 div u
-inline constexpr int a_slope = a_squeeze + 1;  ///< limited differences over the cell, in the order of the face values
-inline constexpr int a_viscosity = a_slope;    ///< lax-wendroff, in the place of the slopes: nu h / dt per face
-inline constexpr int a_half_u = a_slope + 1;   ///< velocity and pressure at half time per face
-inline constexpr int a_half_p = a_slope + 2;
+inline constexpr int a_keep = a_inverse + 1;       ///< lax-wendroff: 0 where a face gets Rusanov's flux
+inline constexpr int a_viscosity = a_keep + 1;     ///< lax-wendroff: nu h / dt per face
+inline constexpr int a_half_u = a_viscosity + 1;   ///< lax-wendroff: velocity and pressure at half time per face
+inline constexpr int a_half_p = a_half_u + 1;
 // The progress of the afterburn stands apart from the other components, so that without one nothing is moved.
-inline constexpr int a_progress = a_slope + face_values(most_fluids);  ///< alpha rho lambda of the products
+inline constexpr int a_progress = a_half_p + 1;  ///< alpha rho lambda of the products
 inline constexpr int a_progress_flux = a_progress + 1;
 inline constexpr int a_lambda = a_progress + 2;   ///< lambda
 inline constexpr int a_release = a_progress + 3;  ///< energy that the afterburn released in the step [J/m3]
 inline constexpr int a_risk = a_progress + 4;     ///< 1 where the fluxes beside the cell are checked for positivity
 inline constexpr int a_share = a_progress + 5;    ///< of the slopes that a shock near a wall keeps
-/// 1 where the own density of a fluid from number 1 on is bounded.
-[[nodiscard]] constexpr int a_uneven(int fluid) { return a_progress + 5 + fluid; }
-inline constexpr int array_count = a_uneven(most_fluids - 1) + 1;
+inline constexpr int array_count = a_progress + 6;
 
 /// The arrays of a conserved component and of its flux.
 inline constexpr int state_array(int component) { return component == progress ? a_progress : a_state + component; }
@@ -150,6 +147,18 @@ template <int N>
   return arrays;
 }
 
+/// The arrays of a bundle by their names, at hand in a register.
+class Arrays {
+ public:
+  explicit Arrays(BundleArrays& a) : first_(a[0]) {}
+  [[nodiscard]] double* operator[](int name) const {
+    return first_ + static_cast<std::ptrdiff_t>(name) * grid::bundle_pitch;
+  }
+
+ private:
+  double* first_;
+};
+
 /// Where the guards begin.
 struct Floors {
   double density = 1e-6;   ///< [kg/m3]
@@ -184,14 +193,33 @@ struct SweepContext {
   bool solid = false;
   bool burning = false;
   bool progress = false;                             ///< the products carry a progress of their afterburn
-  bool bounded_phase = false;                        ///< see `bound_phase_density` and `bound_reference_energy`
+  bool bounded_phase = false;                        ///< see `FacePass::bound_density` and `bound_energy`
+  bool flattened = false;                            ///< `a_share` weakens the slopes of some cells
   double most_H = 0.0;                               ///< infinite where a fluid bears tension, else 0: see `margin`
+  double gamma = 0.0;                                ///< where `present` is 1 and that fluid an ideal gas: its gamma
+  PerFluid xi_slope{};                               ///< what the volume fraction of a fluid adds to xi
   std::vector<WallRun> const* near_walls = nullptr;  ///< cells of the bundle near rigid surfaces
 
+  /// Is the only fluid of the row an ideal gas? Its closure sums are constants then, and stand in no array.
+  [[nodiscard]] bool ideal() const { return gamma > 0.0; }
   [[nodiscard]] int normal() const { return momentum_x + direction; }
   [[nodiscard]] int transverse1() const { return momentum_x + (direction + 1) % 3; }
   [[nodiscard]] int transverse2() const { return momentum_x + (direction + 2) % 3; }
 };
+
+// Where fluxes are checked for positivity: the pressure changes by this factor within three cells, or the kinetic
+// energy is this multiple of margin / xi, a Mach number of about 8.
+inline constexpr double steep_pressure = 4.0;
+inline constexpr double cold_flow = 30.0;
+
+/// How far a state is from losing its meaning [Pa]: where a fluid bears tension (`most_H` infinite) the stiffness
+/// xi rho c^2 = p (xi + 1) + H; where none does (0) a negative pressure has no meaning either, for the energy is then
+/// less than that of the cold products.
+template <class V>
+[[nodiscard]] inline V margin(V const& p, V const& xi, V const& H, V const& most_H) {
+  using std::min;
+  return p * (xi + 1.0) + min(H, most_H);
+}
 
 /// Density of the mixture in a cell.
 [[nodiscard]] inline double mixture_density(SweepContext const& s, BundleArrays& a, int q) {

@@ -23,7 +23,7 @@ BundleLayout row_layout(int direction) {
 }
 
 BundleArrays row_of(Components const& quiet, BundleLayout const& layout) {
-  BundleArrays a(array_count, layout.total, 1);
+  BundleArrays a(array_count);
   for (int c = 0; c <= shock; ++c) std::fill_n(a[state_array(c)], layout.total, quiet[c]);
   return a;
 }
@@ -31,12 +31,13 @@ BundleArrays row_of(Components const& quiet, BundleLayout const& layout) {
 }  // namespace
 
 Components Gas::quiescent_flux(SweepContext s) const {
+  set_present(1, s);
   s.radial = false;
   BundleLayout const layout = row_layout(s.direction);
   BundleArrays a = row_of(conserved_of(fluids_, quiescent_), layout);
   GuardCount guards;
-  primitives<1>(s, layout, a, guards);
-  face_fluxes<1>(options_.scheme, s, layout, a, guards);
+  primitives(s, layout, a, guards);
+  face_fluxes(options_.scheme, s, layout, a, guards);
   Components flux{};
   for (int c = 0; c <= energy; ++c) flux[c] = a[a_flux + c][layout.begin(0) + row_cells / 2];
   return flux;
@@ -46,7 +47,9 @@ double Gas::quiescent_pressure() const {
   BundleLayout const layout = row_layout(0);
   BundleArrays a = row_of(conserved_of(fluids_, quiescent_), layout);
   GuardCount guards;
-  signals<1>(sweep_context(0, 0.0), layout, a, layout.begin(0), row_cells, grid_->domain().dimensions(), guards);
+  SweepContext s = sweep_context(0, 0.0);
+  set_present(1, s);
+  signals(s, layout, a, layout.begin(0), row_cells, grid_->domain().dimensions(), guards);
   return a[a_p][layout.begin(0) + row_cells / 2];
 }
 

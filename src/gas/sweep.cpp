@@ -36,11 +36,12 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
   if (s.shock_sensor) load_component(shock);
   // Rows of the ambient fluid alone cost what a single fluid costs. Faces of such a row carry no other, also seen from
   // the other side.
-  s.present = 1;
+  int present = 1;
   for (int k = 1; k < fluids_.count; ++k) {
     load_component(volume_fraction(k));
-    if (count_beyond(a[volume_fraction(k)], layout.total, vanishing_fraction) > 0) s.present = fluids_.count;
+    if (count_beyond(a[volume_fraction(k)], layout.total, vanishing_fraction) > 0) present = fluids_.count;
   }
+  set_present(present, s);
   for (int k = 1; k < s.present; ++k) load_component(partial_density(k));
   s.progress = s.progress && s.present > products_fluid;
   if (s.progress) load_component(progress);
@@ -75,63 +76,6 @@ void Gas::load_shells(grid::Block const& block, BundleLayout const& layout, Swee
       std::copy_n(a[name] + first - grid::ghost_layers, whole_row, a[name] + layout.begin(r) - grid::ghost_layers);
     }
   }
-}
-
-void Gas::update(BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
-  int const st = layout.stride;
-  double const lambda = s.dt / s.h;
-  double const* const solid = a[a_solid];
-  auto const advance_component = [&](int c) {
-    double* const u = a[state_array(c)];
-    double const* const flux = a[flux_array(c)];
-    for (int r = 0; r < layout.rows; ++r) {
-      int const begin = layout.begin(r);
-      int const end = begin + layout.count();
-      if (!s.radial && !s.solid) {
-        BRISANCE_VECTOR_LOOP
-        for (int q = begin; q < end; ++q) u[q] -= lambda * (flux[q] - flux[q - st]);
-        continue;
-      }
-      double const* const high = a[a_area_high];
-      double const* const low = a[a_area_low];
-      // The pressure in the flux acts on the difference to the cell's own: uniform pressure then leaves a ring or shell
-      // exactly at rest.
-      double const* const own = a[a_p_half];
-      double const with_pressure = c == s.normal() ? 1.0 : 0.0;
-      BRISANCE_VECTOR_LOOP
-      for (int q = begin; q < end; ++q) {
-        double const p = s.radial ? with_pressure * own[q] : 0.0;
-        double const change =
-            s.radial ? high[q] * (flux[q] - p) - low[q] * (flux[q - st] - p) : lambda * (flux[q] - flux[q - st]);
-        double const fluid = s.solid ? 1.0 - solid[q] : 1.0;
-        u[q] -= fluid * change;
-      }
-    }
-  };
-  for (int k = 1; k < s.present; ++k) {
-    // d(alpha)/dt + u d(alpha)/dx = 0, as a flux minus alpha times the divergence of the face velocities
-    // [JohnsenColonius06].
-    double* const alpha = a[volume_fraction(k)];
-    double const* const flux = a[a_flux + volume_fraction(k)];
-    double const* const speed = a[a_face_speed];
-    double const* const high = a[a_area_high];
-    double const* const low = a[a_area_low];
-    for (int r = 0; r < layout.rows; ++r) {
-      int const begin = layout.begin(r);
-      int const end = begin + layout.count();
-      BRISANCE_VECTOR_LOOP
-      for (int q = begin; q < end; ++q) {
-        double const above = s.radial ? high[q] : lambda;
-        double const below = s.radial ? low[q] : lambda;
-        double const fluid = s.solid ? 1.0 - solid[q] : 1.0;
-        alpha[q] -=
-            fluid * (above * (flux[q] - alpha[q] * speed[q]) - below * (flux[q - st] - alpha[q] * speed[q - st]));
-      }
-    }
-    advance_component(partial_density(k));
-  }
-  if (s.progress) advance_component(progress);
-  for (int c = 0; c <= energy; ++c) advance_component(c);
 }
 
 void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
@@ -235,8 +179,7 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
   grid::Block const& block = grid_->blocks()[b];
   int const dims = grid_->domain().dimensions();
   for (int r = 0; r < layout.rows; ++r) {
-    double const fastest = with_fluids(
-        s.present, [&]<int N>() { return signals<N>(s, layout, a, layout.begin(r), layout.count(), dims, guards); });
+    double const fastest = signals(s, layout, a, layout.begin(r), layout.count(), dims, guards);
     blocks_[b].signal = std::max(blocks_[b].signal, fastest);
   }
   if (grid::radial_exponent(grid_->domain().geometry) > 0 && block.in_domain().lower[0] == 0) {
@@ -256,6 +199,7 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
   BlockData& data = blocks_[b];
   if (last) data.signal = 0.0;
   bool const at_boundary = block.at_boundary(2 * sweep.direction) || block.at_boundary(2 * sweep.direction + 1);
+  auto const slab = static_cast<std::ptrdiff_t>(block.cell_count() / block.n[sweep.direction]) * grid::ghost_layers;
   grid::Bundles const bundles(block, sweep.direction, options_.bundle_cells);
   for (int index = 0; index < bundles.count(); ++index) {
     BundleLayout const layout = bundles.layout(index);
@@ -264,14 +208,23 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     load_bundle(b, layout, s, a);
     GuardCount guards;
     s.near_walls = obstacles.near_walls(b, s.direction, index);
-    bool const checked = with_fluids(s.present, [&]<int N>() {
-      primitives<N>(s, layout, a, guards);
-      return face_fluxes<N>(options_.scheme, s, layout, a, guards);
-    });
+    // What the next bundle needs is fetched while this one is calculated.
+    auto const prefetch_next = [&](int begin, int end) {
+      if (index + 1 == bundles.count()) return;
+      BundleLayout const next = bundles.layout(index + 1);
+      for (int c = begin; c < end; ++c) {
+        double const* const slabs[] = {exchange_.ghosts(b, 0) + c * slab, exchange_.ghosts(b, 1) + c * slab};
+        grid::prefetch(next, block, fields_.at(b, c), slabs[0], slabs[1]);
+      }
+    };
+    prefetch_next(0, momentum_z);
+    primitives(s, layout, a, guards);
+    prefetch_next(momentum_z, s.present > 1 ? components() : components_of(1));
+    bool const checked = face_fluxes(options_.scheme, s, layout, a, guards);
     if (s.progress) progress_fluxes(s, layout, a);
     if (at_boundary) account_boundaries(b, layout, s, a);
     account_watched(b, index, layout, s, a);
-    update(layout, s, a);
+    passes_of(s).update(s, layout, a);
     if (checked && s.present > products_fluid) expand_cold_products(s, layout, a);
     if (!coupling.roles(b).empty()) restore_frozen(b, layout, a);
     if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a);
@@ -306,7 +259,7 @@ void Gas::measure_all() {
       BundleLayout const layout = bundles.layout(index);
       SweepContext s = context;
       s.h = block.h();
-      s.present = fluids_.count;
+      set_present(fluids_.count, s);
       s.burning = s.present > products_fluid && burn.burning_in(b);
       for_each_run(layout, block, [&](int q, int offset, int count) {
         for (int c = 0; c < components(); ++c) std::copy_n(fields_.at(b, c) + offset, count, a[state_array(c)] + q);

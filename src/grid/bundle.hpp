@@ -58,23 +58,22 @@ struct BundleLayout {
   [[nodiscard]] int count() const { return length * stride; }
 };
 
+/// Cells that a bundle has at most, ghosts counted, and the distance of its arrays: a constant, so that all of them are
+/// addressed from one register. It is no multiple of a power of two: arrays lie in different cache sets. Kernels run
+/// over the ends by less than a vector.
+inline constexpr int most_bundle_cells = 384;
+inline constexpr int bundle_margin = 16;
+inline constexpr int bundle_pitch = most_bundle_cells + 2 * bundle_margin + 8;
+
 /// The arrays of a bundle.
 class BundleArrays {
  public:
-  /// Room for `names` arrays of bundles of at most `capacity` cells and strides of at most `max_stride`.
-  BundleArrays(int names, int capacity, int max_stride) : margin_((max_stride + 15) / 8 * 8) {
-    // Distances that are no multiple of 4096 bytes keep the arrays in different cache sets.
-    pitch_ = (capacity + 7) / 8 * 8 + 2 * margin_;
-    if (pitch_ % 64 == 0) pitch_ += 8;
-    data_ = Buffer(static_cast<std::size_t>(pitch_) * names);
-  }
+  explicit BundleArrays(int names) : data_(static_cast<std::size_t>(bundle_pitch) * names) {}
   [[nodiscard]] double* operator[](int name) {
-    return data_.data() + static_cast<std::size_t>(pitch_) * name + margin_;
+    return data_.data() + static_cast<std::size_t>(bundle_pitch) * name + bundle_margin;
   }
 
  private:
-  int margin_;
-  int pitch_ = 0;
   Buffer data_;
 };
 
@@ -91,12 +90,12 @@ class Bundles {
     }
     width_ = std::clamp(cells / with_ghosts, 1, lines_);
     if (direction != 0 && lines_ > 8) width_ = std::max(8, width_ / 8 * 8);
+    // Whole vectors of columns side by side, or an even part of one.
+    while (width_ * with_ghosts > most_bundle_cells) width_ = (width_ + 1) / 2;
     width_ = std::min(width_, lines_);
     per_plane_ = (lines_ + width_ - 1) / width_;
   }
   [[nodiscard]] int count() const { return per_plane_ * planes_; }
-  [[nodiscard]] int capacity() const { return width_ * (block_->n[direction_] + 2 * ghost_layers); }
-  [[nodiscard]] int width() const { return width_; }
   /// The bundle that a cell of the block belongs to.
   [[nodiscard]] int index_of(Cell const& cell) const {
     switch (direction_) {
@@ -184,6 +183,33 @@ void for_each_run(BundleLayout const& b, Block const& block, Visit&& visit) {
   int const layer = b.direction == 1 ? nx : nx * block.n[1];
   int const start = b.first + (b.direction == 1 ? nx * block.n[1] * b.plane : 0);
   for (int l = 0; l < b.length; ++l) visit((g + l) * b.stride, start + layer * l, b.stride);
+}
+
+/// Asks for what `load` reads before it does. It lies scattered over the block, where the processor does not foresee
+/// it.
+inline void prefetch(BundleLayout const& b, Block const& block, double const* from, double const* low,
+                     double const* high) {
+  constexpr int line = 8;
+  constexpr int g = ghost_layers;
+  // To the compiler a function that only fetches does nothing, and it leaves out the call: the statements keep it.
+  asm volatile("");
+  for_each_run(b, block, [=](int, int offset, int count) {
+    asm volatile("");
+    for (int n = 0; n < count; n += line) __builtin_prefetch(from + offset + n, 0, 2);
+  });
+  if (b.direction == 0) {
+    for (int n = 0; n < g * b.rows; n += line) {
+      __builtin_prefetch(low + static_cast<std::ptrdiff_t>(g) * b.first + n, 0, 2);
+      __builtin_prefetch(high + static_cast<std::ptrdiff_t>(g) * b.first + n, 0, 2);
+    }
+    return;
+  }
+  int const layer = b.direction == 1 ? block.n[0] : block.n[0] * block.n[1];
+  std::ptrdiff_t const slab = b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(block.n[0]) * g * b.plane : 0);
+  for (int l = 0; l < g; ++l) {
+    __builtin_prefetch(low + slab + static_cast<std::ptrdiff_t>(layer) * l, 0, 2);
+    __builtin_prefetch(high + slab + static_cast<std::ptrdiff_t>(layer) * l, 0, 2);
+  }
 }
 
 /// Calls visit(q) for every cell of the block with the index i = 0 in a bundle.

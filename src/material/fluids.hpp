@@ -45,41 +45,45 @@ inline constexpr double vanishing_fraction = 1e-14;
 /// Smallest burn fraction in the closure: 1/F must stay finite. p - p_0 of unburnt TNT is then about 10 Pa.
 inline constexpr double smallest_burn_fraction = 1e-9;
 
-/// The sums xi, B, H of one cell.
-struct Mixture {
-  double xi = 0.0;
-  double B = 0.0;
-  double H = 0.0;
+/// The sums xi, B, H of one cell, or of several side by side.
+template <class V>
+struct MixtureOf {
+  V xi = V(0.0);
+  V B = V(0.0);
+  V H = V(0.0);
 
-  [[nodiscard]] double pressure(double rho_e) const { return (rho_e - B) / xi; }
-  [[nodiscard]] double rho_e(double p) const { return xi * p + B; }
-  [[nodiscard]] double bulk_modulus(double p) const { return p + (p + H) / xi; }
+  [[nodiscard]] V pressure(V const& rho_e) const { return (rho_e - B) / xi; }
+  [[nodiscard]] V rho_e(V const& p) const { return xi * p + B; }
+  [[nodiscard]] V bulk_modulus(V const& p) const { return p + (p + H) / xi; }
 };
+using Mixture = MixtureOf<double>;
 
 /// Density of a fluid from its partial density; a fluid that is as good as absent gets a harmless small one.
 /// Lax-Wendroff overshoots the range of the volume fraction: where it is negative so is the partial density, and their
 /// ratio is still the fluid's density.
-[[nodiscard]] inline double phase_density(double partial_density, double alpha) {
-  bool const present = std::abs(alpha) > vanishing_fraction;
-  double const rho = partial_density / (present ? alpha : 1.0);
-  return present & (rho > 1e-6) ? rho : 1e-6;
+template <class V>
+[[nodiscard]] inline V phase_density(V const& partial_density, V const& alpha) {
+  using std::abs;
+  auto const present = abs(alpha) > vanishing_fraction;
+  V const rho = partial_density / select(present, alpha, V(1.0));
+  return select(present & (rho > 1e-6), rho, V(1e-6));
 }
 
 /// Adds one fluid's part.
-template <class E>
-inline void add_fluid(E const& eos, double alpha, double rho, Mixture& m) {
+template <class E, class V>
+inline void add_fluid(E const& eos, V const& alpha, V const& rho, MixtureOf<V>& m) {
   double const xi = 1.0 / eos.gruneisen();
-  double const f = eos.reference(rho);
+  V const f = eos.reference(rho);
   m.xi += alpha * xi;
   m.B -= alpha * xi * f;
   m.H += alpha * xi * (eos.rho_d_reference(rho) - f);
 }
 
 /// Adds the part of a fluid with burn fraction F.
-template <class E>
-inline void add_burning_fluid(E const& eos, double alpha, double rho, double F, double p0, Mixture& m) {
-  double const xi = 1.0 / (F * eos.gruneisen());
-  double const f = F * eos.reference(rho) + (1.0 - F) * p0;
+template <class E, class V>
+inline void add_burning_fluid(E const& eos, V const& alpha, V const& rho, V const& F, double p0, MixtureOf<V>& m) {
+  V const xi = 1.0 / (F * eos.gruneisen());
+  V const f = F * eos.reference(rho) + (1.0 - F) * p0;
   m.xi += alpha * xi;
   m.B -= alpha * xi * f;
   m.H += alpha * xi * (F * eos.rho_d_reference(rho) - f);

@@ -18,13 +18,27 @@ namespace brisance::mpm {
 namespace {
 
 /// Blocks small enough that a patch stays in the cache of a core, and that a small problem has some for every thread.
+/// Between the limits the one is taken that divides the domain best: a last block of a few cells carries as many nodes
+/// and ghost particles around them as a whole one.
 int block_cells_of(grid::Domain const& domain, int specified) {
   if (specified > 0) return specified;
-  switch (domain.dimensions()) {
-    case 3: return 8;
-    case 2: return 32;
-    default: return 256;
+  int const usual = domain.dimensions() == 3 ? 8 : domain.dimensions() == 2 ? 32 : 256;
+  int best = usual;
+  double least_waste = std::numeric_limits<double>::infinity();
+  for (int size = usual - usual / 8; size <= usual + usual / 8; ++size) {
+    double whole = 1.0;
+    for (int d = 0; d < domain.dimensions(); ++d) {
+      double const n = domain.cells[d];
+      whole *= std::ceil(n / size) * size / n;
+    }
+    // Of equal ones that nearest to the usual size.
+    double const waste = whole + 1e-3 * std::abs(size - usual);
+    if (waste < least_waste) {
+      least_waste = waste;
+      best = size;
+    }
   }
+  return best;
 }
 
 FieldList fields_of(Body const& body, Options const& options, int dimensions) {

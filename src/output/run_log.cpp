@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/parallel.hpp"
+#include "core/simd.hpp"
 #include "output/fields.hpp"
 #include "output/json.hpp"
 #include "output/placed.hpp"
@@ -308,7 +309,10 @@ json versions() {
 }
 
 json machine() {
-  return {{"processor", processor_model()}, {"cores", std::thread::hardware_concurrency()}, {"threads", threads()}};
+  return {{"processor", processor_model()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"threads", threads()},
+          {"simd", word_of(simd_set())}};
 }
 
 json run_log(run::World const& world, RunStatus const& status) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/archive.hpp"
+#include "core/simd.hpp"
 #include "run/world.hpp"
 
 namespace brisance::run {
@@ -26,6 +27,10 @@ void World::archive(Archive& a) {
   a.same(particles != nullptr, "whether there are material points");
   a.same(setup.domain.cells, "the number of cells");
   a.same(grid.smallest_cell(), "the size of the cells");
+  auto set = static_cast<int>(simd_set());
+  a(set);
+  a.require(set >= 0 && set < static_cast<int>(words(SimdSet{}).size()), "the vector instructions");
+  written_with = static_cast<SimdSet>(set);
   a(clock.time, clock.dt, clock.step, clock.gas_steps, clock.particle_steps, timings);
   a.require(std::isfinite(clock.time) && std::isfinite(clock.dt) && clock.step >= 0 && clock.gas_steps >= 0 &&
                 clock.particle_steps >= 0,

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/simd.hpp"
 #include "run/audit.hpp"
 #include "run/system.hpp"
 
@@ -38,6 +39,8 @@ class World : public System {
   /// Writes the whole state into a checkpoint or takes it from one: the world is then the one that was written, to the
   /// last bit. Throws IoError where the checkpoint is not of this case; the state is worthless afterwards.
   void archive(Archive& a);
+  /// The vector instructions of the run that wrote the checkpoint: others round sums of products differently.
+  SimdSet written_with = simd_set();
 
  private:
   [[nodiscard]] Totals gas_totals() const;

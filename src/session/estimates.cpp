@@ -22,8 +22,8 @@ constexpr double largest_dump_cache = 268.5e6;  // chunk cache of the field writ
 constexpr double bytes_per_node = 160.0;        // mass, momentum, force and velocity of a node on one grid field
 
 // Rates of docs/benchmarks.md: cells of a 3D step, or particles, per second on one thread.
-constexpr double one_fluid_rate = 14e6;
-constexpr double mixed_rate = 12e6;           // products in a part of the domain
+constexpr double one_fluid_rate = 22e6;
+constexpr double mixed_rate = 18e6;           // products in a part of the domain
 constexpr double afterburn_share = 0.84;      // of the rate, where the afterburn's progress is carried
 constexpr double linear_particle_rate = 8e6;  // of linear shape functions
 constexpr double particle_rate = 5e6;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "core/simd.hpp"
 #include "core/text.hpp"
 #include "deck/deck.hpp"
 #include "output/file.hpp"
@@ -144,6 +145,17 @@ void Session::read_world() {
                     "deck has changed: restore it, or start again with --force instead of --resume",
                     checkpoint_->path().string(), problem.what()));
   }
+  // The same instructions as before give the same bits as a run that was never interrupted.
+  SimdSet const before = world_->written_with;
+  if (before == simd_set()) return;
+  if (!simd_set_is_specified() && has_simd_set(before)) {
+    use_simd_set(before);
+    return;
+  }
+  settings_.tell(
+      fmt::format("warning: the run began with the vector instructions {} and goes on with {}: its last "
+                  "digits will differ from those of a run without a stop\n",
+                  word_of(before), word_of(simd_set())));
 }
 
 }  // namespace brisance::session

@@ -149,10 +149,10 @@ TEST(Plan, TellsWhatTheMemoryIsFor) {
 
 TEST(Plan, TellsTimeAndDisk) {
   auto setup = small_case("[output]\nfield_interval = \"50 us\"\n[end]\ntime = \"0.2 ms\"\n");
-  setup.domain.cells[0] = 1000;  // one block: one thread
+  setup.domain.cells[0] = 300;  // one block: one thread
   Plan p = plan(setup);
-  // One of three sweeps at 12 million cells a second, docs/benchmarks.md.
-  EXPECT_NEAR(p.seconds * 12e6 / (p.steps * 1000.0 / 3.0), 1.0, 1e-12);
+  // One of three sweeps at 18 million cells a second, docs/benchmarks.md.
+  EXPECT_NEAR(p.seconds * 18e6 / (p.steps * 300.0 / 3.0), 1.0, 1e-12);
   EXPECT_EQ(p.disk_bytes, 5.0 * p.dump_bytes + p.gauge_bytes + 3.0 * p.checkpoint_bytes);
   std::string const text = plan_text(setup, p);
   for (char const* part : {"up to about", "(estimate from the rates in docs/benchmarks.md", "5 dumps of"})
@@ -162,7 +162,7 @@ TEST(Plan, TellsTimeAndDisk) {
   EXPECT_EQ(json["disk_bytes"], p.disk_bytes);
   setup.charges.clear();
   setup.other_fluids.clear();
-  EXPECT_NEAR(plan(setup).seconds * 14e6 / (plan(setup).steps * 1000.0 / 3.0), 1.0, 1e-12);
+  EXPECT_NEAR(plan(setup).seconds * 22e6 / (plan(setup).steps * 300.0 / 3.0), 1.0, 1e-12);
 }
 
 // 2e9 cells, in any form: answered by arithmetic.

@@ -55,7 +55,7 @@ def hash_of_run(threads):
     with tempfile.TemporaryDirectory() as folder:
         results = pathlib.Path(folder) / "results"
         command = [ROOT / "build" / "portable" / "bin" / "brisance", "run", DECK, "--output", results, "--quiet",
-                   "--threads", str(threads)]
+                   "--threads", str(threads), "--simd", "sse2"]
         subprocess.run(command, check=True, env=os.environ | BASELINE)
         newest = max((results / "checkpoints").glob("*.brz"))
         return hashlib.sha256(state_of(newest)).hexdigest()

@@ -20,7 +20,6 @@ KERNEL = "a kernel: one vector loop over points, whose lines name the components
 CELLS = "a kernel: a row of small vector loops over cells, which pass on their arrays"
 EXCEPTIONS = {
     ("function", "src/material/stress_stages.hpp", "trial_deviator"): KERNEL,
-    ("function", "src/gas/schemes/muscl_hancock.hpp", "reconstruct"): CELLS,
     ("function", "src/gas/schemes/lax_wendroff.hpp", "lax_wendroff_faces"): CELLS,
 }
 

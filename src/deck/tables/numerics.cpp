@@ -20,7 +20,7 @@ Settings<run::Numerics> const& settings() {
       {&N::courant, number("courant", "1", 0.01, 1.0).like("0.8").means("Courant number")},
       {&N::block_cells, typed(Type::integer, "block_cells", "1", 0, 4096)
                             .like("16")
-                            .means("Cells per block and direction; 0: automatic")},
+                            .means("Cells per block and direction, never more than 376; 0: automatic")},
       {&N::sleep, typed(Type::boolean, "sleep")
                       .like("true")
                       .means("Skip blocks in which nothing happens; does not change the results")},

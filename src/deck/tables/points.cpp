@@ -52,7 +52,7 @@ Settings<mpm::Options> const& settings() {
            .means("Coulomb friction coefficient between bodies and faces of the domain of type `wall`")},
       {&O::block_cells, typed(Type::integer, "block_cells", "1", 0, 4096)
                             .like("8")
-                            .means("Cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D")}};
+                            .means("Cells per block and direction; 0: about 8 in 3D, 32 in 2D, 256 in 1D")}};
   return all;
 }
 

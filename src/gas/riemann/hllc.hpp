@@ -5,47 +5,61 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
+
+#include "core/math.hpp"
 
 namespace brisance::gas {
 
 /// State beside a face. u is the velocity normal to it; E the total energy per volume.
-struct FaceSide {
-  double rho, u, p, E, c;
+template <class V>
+struct FaceSideOf {
+  V rho, u, p, E, c;
 };
+using FaceSide = FaceSideOf<double>;
 
-struct HllcFlux {
-  double speed;     ///< face velocity of everything advected from the upwind side [m/s]
-  bool from_left;   ///< upwind side
-  double momentum;  ///< flux of normal momentum, pressure included [Pa]
-  double energy;    ///< flux of total energy [W/m2]
+template <class V>
+struct HllcFluxOf {
+  V speed;                                                    ///< of the face, for what is carried from upwind [m/s]
+  decltype(std::declval<V>() > std::declval<V>()) from_left;  ///< upwind side
+  V momentum;                                                 ///< flux of normal momentum, pressure included [Pa]
+  V energy;                                                   ///< flux of total energy [W/m2]
 };
+using HllcFlux = HllcFluxOf<double>;
 
 /// Wave speeds are the Davis bounds min(uL - cL, uR - cR), max(uL + cL, uR + cR).
-[[nodiscard]] inline HllcFlux hllc(FaceSide const& L, FaceSide const& R) {
-  double const SL = std::min(L.u - L.c, R.u - R.c);
-  double const SR = std::max(L.u + L.c, R.u + R.c);
-  double const mL = L.rho * (SL - L.u);
-  double const mR = R.rho * (SR - R.u);
+template <class V>
+[[nodiscard]] inline HllcFluxOf<V> hllc(FaceSideOf<V> const& L, FaceSideOf<V> const& R) {
+  using std::max;
+  using std::min;
+  V const SL = min(L.u - L.c, R.u - R.c);
+  V const SR = max(L.u + L.c, R.u + R.c);
+  V const mL = L.rho * (SL - L.u);
+  V const mR = R.rho * (SR - R.u);
   // (pR - pL + mL uL - mR uR) / (mL - mR), written so that mirrored states give exactly 0: nothing leaks through a
   // wall.
-  double const SM = 0.5 * (L.u + R.u) + (0.5 * (mL + mR) * (R.u - L.u) + (L.p - R.p)) / (mR - mL);
-  bool const left = SM >= 0.0;
-  double const S = left ? SL : SR;
-  double const rho = left ? L.rho : R.rho;
-  double const u = left ? L.u : R.u;
-  double const p = left ? L.p : R.p;
-  double const E = left ? L.E : R.E;
-  double const m = left ? mL : mR;
-  bool const supersonic = (left ? S : -S) >= 0.0;
-  double const r = 1.0 / (S - SM);
-  double const chi = (S - u) * r;
-  double const p_star = p + m * (SM - u);
-  double const energy_star = SM * (chi * (E + (SM - u) * rho * SM) + (SM - u) * p * r);
-  HllcFlux flux;
+  V const SM = 0.5 * (L.u + R.u) + (0.5 * (mL + mR) * (R.u - L.u) + (L.p - R.p)) / (mR - mL);
+  auto const left = SM >= 0.0;
+  V const S = select(left, SL, SR);
+  V const rho = select(left, L.rho, R.rho);
+  V const u = select(left, L.u, R.u);
+  V const p = select(left, L.p, R.p);
+  V const E = select(left, L.E, R.E);
+  V const m = select(left, mL, mR);
+  auto const supersonic = S * SM > 0.0;
+  V const r = 1.0 / (S - SM);
+  V const chi = (S - u) * r;
+  V const p_star = p + m * (SM - u);
+  HllcFluxOf<V> flux;
   flux.from_left = left;
-  flux.speed = supersonic ? u : SM * chi;
-  flux.momentum = supersonic ? rho * u * u + p : rho * flux.speed * SM + p_star;
-  flux.energy = supersonic ? u * (E + p) : energy_star + p_star * SM;
+  flux.speed = SM * chi;
+  flux.momentum = rho * flux.speed * SM + p_star;
+  flux.energy = SM * (chi * (E + (SM - u) * rho * SM) + (SM - u) * p * r + p_star);
+  if (any(supersonic)) {
+    flux.speed = select(supersonic, u, flux.speed);
+    flux.momentum = select(supersonic, rho * u * u + p, flux.momentum);
+    flux.energy = select(supersonic, u * (E + p), flux.energy);
+  }
   return flux;
 }
 

@@ -9,12 +9,62 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "core/loops.hpp"
 #include "gas/kernels.hpp"
 #include "gas/primitives.hpp"
 
 namespace brisance::gas {
+
+/// Closure sums where the ambient fluid is alone.
+inline void closure_row_single(SweepContext const& s, int n, double const* rho, double* xi, double* B, double* H) {
+  std::visit(
+      [=](auto const eos) {
+        double const x = 1.0 / eos.gruneisen();
+        BRISANCE_VECTOR_LOOP
+        for (int q = 0; q < n; ++q) {
+          double const f = eos.reference(rho[q]);
+          xi[q] = x;
+          B[q] = -x * f;
+          H[q] = x * (eos.rho_d_reference(rho[q]) - f);
+        }
+      },
+      s.fluids->ambient());
+}
+
+/// Closure sums of `n` cells with the given partial densities and, of the fluids beside the ambient one, volume
+/// fractions. `F`: burn fraction; null where all is burnt.
+template <int N>
+void closure_row(SweepContext const& s, int n, std::array<double const*, N> const& partial,
+                 std::array<double const*, N> const& alpha, double const* F, double* xi, double* B, double* H) {
+  if constexpr (N > 1) {
+    material::Rest<N - 1> rest{};
+    for_fluids<1, N>([&](int k) { rest.alpha[k - 1] = alpha[k]; });
+    if (auto const* ideal = std::get_if<material::IdealGas>(&s.fluids->ambient())) {
+      double const x = 1.0 / ideal->gruneisen();
+      BRISANCE_VECTOR_LOOP
+      for (int q = 0; q < n; ++q) xi[q] = rest(q) * x;
+      std::fill_n(B, n, 0.0);
+      std::fill_n(H, n, 0.0);
+    } else {
+      std::fill_n(xi, n, 0.0);
+      std::fill_n(B, n, 0.0);
+      std::fill_n(H, n, 0.0);
+      std::visit([&](auto const& eos) { add_fluid_row(eos, n, rest, partial[0], nullptr, 0.0, xi, B, H); },
+                 s.fluids->ambient());
+    }
+    for (int k = 1; k < N; ++k) {
+      std::visit(
+          [&](auto const& eos) {
+            add_fluid_row(eos, n, material::Own{alpha[k]}, partial[k], F, s.fluids->ambient_pressure, xi, B, H);
+          },
+          s.fluids->eos[k]);
+    }
+  } else {
+    closure_row_single(s, n, partial[0], xi, B, H);
+  }
+}
 
 /// What the pressure does in the flux of a component: nothing, momentum flux p, or energy flux p u.
 enum class PressurePart { none, force, work };

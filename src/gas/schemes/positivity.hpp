@@ -23,10 +23,29 @@
 
 namespace brisance::gas {
 
-// Where fluxes are checked: the pressure changes by this factor within three cells, or the kinetic energy is this
-// multiple of margin / xi, a Mach number of about 8.
-inline constexpr double steep_pressure = 4.0;
-inline constexpr double cold_flow = 30.0;
+/// Marks the cells beside which fluxes are checked in `a_risk`. Returns how many there are.
+inline long mark_risks(SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
+  int const st = b.stride;
+  double const most_H = s.most_H;
+  double const* const p = a[a_p];
+  double const* const E = a[energy];
+  double const* const xi = a[a_xi];
+  double const* const B = a[a_B];
+  double const* const H = a[a_H];
+  double const* const expansion = a[a_expansion];
+  double* const risk = a[a_risk];
+  double const fast = s.radial ? 0.5 * s.dt / s.h : 0.0;
+  long risks = 0;
+  for (int q = st; q < b.total - st; ++q) {
+    double const least = std::min(p[q], std::min(p[q - st], p[q + st]));
+    double const most = std::max(p[q], std::max(p[q - st], p[q + st]));
+    bool const cold = (E[q] - B[q] - p[q] * xi[q]) * xi[q] > cold_flow * margin(p[q], xi[q], H[q], most_H);
+    bool const risky = (most > steep_pressure * least) || cold || (s.radial && std::abs(expansion[q]) > fast);
+    risk[q] = risky ? 1.0 : 0.0;
+    risks += risky ? 1 : 0;
+  }
+  return risks;
+}
 
 /// A state of a cell, or a flux, in the directions of the sweep.
 struct Flow {
@@ -298,7 +317,7 @@ class FluxLimiter {
   BundleArrays& a_;
 };
 
-/// Limits the fluxes beside the cells that `find_contacts_and_risks` marked.
+/// Limits the fluxes beside the cells that `mark_risks` marked.
 template <int N>
 void limit_fluxes(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
   int const st = b.stride;

@@ -9,12 +9,13 @@ namespace brisance::gas {
 
 /// The face fluxes of a bundle of which the primitive variables are known. Returns whether cold products must be
 /// expanded after the update.
-template <int N>
-bool face_fluxes(Scheme scheme, SweepContext const& s, BundleLayout const& layout, BundleArrays& a,
-                 GuardCount& guards) {
+inline bool face_fluxes(Scheme scheme, SweepContext const& s, BundleLayout const& layout, BundleArrays& a,
+                        GuardCount& guards) {
   switch (scheme) {
-    case Scheme::muscl_hancock: return muscl_hancock<N>(s, layout, a, guards);
-    case Scheme::lax_wendroff: lax_wendroff<N>(s, layout, a, guards); return false;
+    case Scheme::muscl_hancock: return muscl_hancock(s, layout, a, guards);
+    case Scheme::lax_wendroff:
+      with_fluids(s.present, [&]<int N>() { lax_wendroff<N>(s, layout, a, guards); });
+      return false;
   }
   return false;
 }

@@ -2,7 +2,7 @@
 ///
 /// Contract. Every EOS is a trivially copyable value in Mie-Grueneisen form with a constant Grueneisen coefficient G,
 ///     p(rho, e) = f(rho) + G rho e,
-/// and provides three scalar functions and a constant plus its parameter table:
+/// and provides functions of a number or of a vector of numbers V, constants, and its parameter table:
 ///     gruneisen()           G, pure number
 ///     reference(rho)        f(rho) [Pa]; equals p_ref - G rho e_ref in the usual notation
 ///     rho_d_reference(rho)  rho f'(rho) [Pa]

@@ -18,8 +18,14 @@ struct IdealGas {
   }
 
   [[nodiscard]] double gruneisen() const { return gamma - 1.0; }
-  [[nodiscard]] double reference(double /*rho*/) const { return 0.0; }
-  [[nodiscard]] double rho_d_reference(double /*rho*/) const { return 0.0; }
+  template <class V>
+  [[nodiscard]] V reference(V const& /*rho*/) const {
+    return V(0.0);
+  }
+  template <class V>
+  [[nodiscard]] V rho_d_reference(V const& /*rho*/) const {
+    return V(0.0);
+  }
   [[nodiscard]] double cold_energy(double /*rho*/) const { return 0.0; }
   [[nodiscard]] double cold_pressure(double /*rho*/) const { return 0.0; }
 };

@@ -40,21 +40,23 @@ struct Jwl {
 
   [[nodiscard]] double gruneisen() const { return omega; }
   // Quotients of constants stand in brackets: they leave a loop, a division of a variable would not.
-  [[nodiscard]] double reference(double rho) const {
-    double const v = rho0 / rho;
-    double const x = rho * (omega / rho0);  // omega / V
-    double const full = curve(x, exp_nonpositive(-R1 * v), exp_nonpositive(-R2 * v));
-    double const t = remaining(v);
+  template <class V>
+  [[nodiscard]] V reference(V const& rho) const {
+    V const v = rho0 / rho;
+    V const x = rho * (omega / rho0);  // omega / V
+    V const full = curve(x, exp_nonpositive(-R1 * v), exp_nonpositive(-R2 * v));
+    V const t = remaining(v);
     return full * (t * t * (3.0 - 2.0 * t));
   }
-  [[nodiscard]] double rho_d_reference(double rho) const {
-    double const v = rho0 / rho;
-    double const x = rho * (omega / rho0);
-    double const e1 = exp_nonpositive(-R1 * v);
-    double const e2 = exp_nonpositive(-R2 * v);
-    double const derivative = A * (R1 * v - omega - x * (1.0 / R1)) * e1 + B * (R2 * v - omega - x * (1.0 / R2)) * e2;
-    double const full = curve(x, e1, e2);
-    double const t = remaining(v);
+  template <class V>
+  [[nodiscard]] V rho_d_reference(V const& rho) const {
+    V const v = rho0 / rho;
+    V const x = rho * (omega / rho0);
+    V const e1 = exp_nonpositive(-R1 * v);
+    V const e2 = exp_nonpositive(-R2 * v);
+    V const derivative = A * (R1 * v - omega - x * (1.0 / R1)) * e1 + B * (R2 * v - omega - x * (1.0 / R2)) * e2;
+    V const full = curve(x, e1, e2);
+    V const t = remaining(v);
     return derivative * (t * t * (3.0 - 2.0 * t)) + full * (v * (6.0 * t * (1.0 - t)) * (2.0 / ideal_beyond));
   }
   /// Specific energy of the curve without thermal energy, the terms of A and B on an isentrope [J/kg].
@@ -74,13 +76,17 @@ struct Jwl {
 
  private:
   /// The terms of A and B, from omega / V and their exponentials [Pa].
-  [[nodiscard]] double curve(double x, double e1, double e2) const {
+  template <class V>
+  [[nodiscard]] V curve(V const& x, V const& e1, V const& e2) const {
     return A * (1.0 - x * (1.0 / R1)) * e1 + B * (1.0 - x * (1.0 / R2)) * e2;
   }
   /// Way from `ideal_beyond` (0) back to half of it (1).
-  [[nodiscard]] double remaining(double v) const {
-    double const t = (ideal_beyond - v) * (2.0 / ideal_beyond);
-    return std::min(1.0, std::max(0.0, t));
+  template <class V>
+  [[nodiscard]] V remaining(V const& v) const {
+    using std::max;
+    using std::min;
+    V const t = (ideal_beyond - v) * (2.0 / ideal_beyond);
+    return min(V(1.0), max(V(0.0), t));
   }
 };
 

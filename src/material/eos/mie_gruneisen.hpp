@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "core/math.hpp"
 #include "core/parameter.hpp"
 
 namespace brisance::material {
@@ -28,23 +29,26 @@ struct MieGruneisen {
   }
 
   [[nodiscard]] double gruneisen() const { return Gamma; }
-  [[nodiscard]] double reference(double rho) const {
-    double const mu = rho / rho0 - 1.0;
+  template <class V>
+  [[nodiscard]] V reference(V const& rho) const {
+    V const mu = rho / rho0 - 1.0;
     return hugoniot(mu) * (1.0 - 0.5 * Gamma * mu);
   }
-  [[nodiscard]] double rho_d_reference(double rho) const {
-    double const mu = rho / rho0 - 1.0;
+  template <class V>
+  [[nodiscard]] V rho_d_reference(V const& rho) const {
+    V const mu = rho / rho0 - 1.0;
     double const k = rho0 * C0 * C0;
-    double const squeezed = mu > 0.0 ? mu : 0.0;
-    double const slope =
+    V const squeezed = select(mu > 0.0, mu, V(0.0));
+    V const slope =
         k * (1.0 + 2.0 * (2.0 * S - 1.0) * squeezed + 3.0 * (S - 1.0) * (3.0 * S - 1.0) * squeezed * squeezed);
     return (1.0 + mu) * (slope * (1.0 - 0.5 * Gamma * mu) - 0.5 * Gamma * hugoniot(mu));
   }
 
  private:
-  [[nodiscard]] double hugoniot(double mu) const {
+  template <class V>
+  [[nodiscard]] V hugoniot(V const& mu) const {
     double const k = rho0 * C0 * C0;
-    double const squeezed = mu > 0.0 ? mu : 0.0;
+    V const squeezed = select(mu > 0.0, mu, V(0.0));
     return k *
            (mu + (2.0 * S - 1.0) * squeezed * squeezed + (S - 1.0) * (3.0 * S - 1.0) * squeezed * squeezed * squeezed);
   }

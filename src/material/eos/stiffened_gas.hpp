@@ -20,8 +20,14 @@ struct StiffenedGas {
   }
 
   [[nodiscard]] double gruneisen() const { return gamma - 1.0; }
-  [[nodiscard]] double reference(double /*rho*/) const { return -gamma * p_inf; }
-  [[nodiscard]] double rho_d_reference(double /*rho*/) const { return 0.0; }
+  template <class V>
+  [[nodiscard]] V reference(V const& /*rho*/) const {
+    return V(-gamma * p_inf);
+  }
+  template <class V>
+  [[nodiscard]] V rho_d_reference(V const& /*rho*/) const {
+    return V(0.0);
+  }
 };
 
 }  // namespace brisance::material
