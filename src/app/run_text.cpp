@@ -200,8 +200,9 @@ void print_head(session::Session const& session, std::string const& title) {
   std::string const particles = fmt::format("{} material points", large_count(expected.particles));
   std::string const cells = fmt::format("{} cells", large_count(expected.cells));
   std::string const what = expected.region ? cells + " and " + particles : expected.particles > 0.0 ? particles : cells;
-  print(stdout, "{}, about {} steps, {} thread{}, {}; output folder: {}\n", what, large_count(expected.steps),
-        threads(), threads() == 1 ? "" : "s", word_of(simd_set()), session.folder().string());
+  print(stdout, "{}, about {} steps, {} thread{}{}; output folder: {}\n", what, large_count(expected.steps), threads(),
+        threads() == 1 ? "" : "s", checkpoint == nullptr ? fmt::format(", {}", word_of(simd_set())) : "",
+        session.folder().string());
   for (auto const& body : expected.bodies) {
     print(stdout, "{}: {}, {} particles, {:.8g} kg, mass of the shape {:.8g} kg\n", body.name, body.material,
           body.particles, body.mass, body.geometric_mass);

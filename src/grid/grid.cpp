@@ -46,7 +46,7 @@ Index3 fast_block_sizes(Index3 const& n, int dims) {
   constexpr int page = 512;  // in doubles
   constexpr std::array sizes{40, 36, 32, 28, 24};
   auto const cost_of = [&](int cells, int size) {
-    double const parts = cells / size + (cells % size != 0 ? 1 : 0);
+    int const parts = cells / size + (cells % size != 0 ? 1 : 0);
     return 4.0 * parts / cells + (size % 8 != 0 ? 0.03 : 0.0);
   };
   auto const candidates = [&](int cells) {

@@ -456,6 +456,29 @@ class Run(Case):
         log = json.loads((self.folder / "out/run.json").read_text())
         self.assertEqual((log["status"], log["step"]), ("done", before + 20))
 
+    def test_a_resumed_run_goes_on_with_its_vector_instructions(self):
+        kept = SMALL + "[checkpoint]\nat_end = true\n"
+        whole = self.deck(kept)
+        short = self.deck(kept.replace('time = "0.4 ms"', 'time = "0.4 ms"\nsteps = 40'), "short.toml")
+
+        def results(folder):
+            log = json.loads((self.folder / folder / "run.json").read_text())
+            return log["machine"]["simd"], (self.folder / folder / "gauges" / "near.csv").read_bytes()
+
+        self.brisance("run", whole, "--simd", "scalar", "--output", "straight")
+        self.brisance("run", short, "--simd", "scalar", "--output", "stopped")
+        resumed = self.brisance("run", whole, "--resume", "--output", "stopped")
+        self.assertNotIn("vector instructions", resumed.stderr)
+        self.assertEqual(results("stopped")[0], "scalar")
+        self.assertEqual(results("stopped"), results("straight"))
+        if ", scalar;" not in self.brisance("run", short, "--output", "other").stdout:
+            other = self.brisance("run", whole, "--resume", "--simd", "scalar", "--output", "other")
+            self.assertRegex(other.stderr, "the run began with the vector instructions .* and goes on with scalar")
+
+    def test_unknown_vector_instructions_are_refused(self):
+        run = self.brisance("run", self.deck(SMALL), "--simd", "mmx", code=2)
+        self.assertIn("--simd mmx: no set of vector instructions; possible here: auto, scalar", run.stderr)
+
     def test_report(self):
         self.brisance("run", self.deck(SMALL), "--output", "out", "--quiet")
         path = self.brisance("report", "out").stdout.strip()
