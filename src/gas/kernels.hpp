@@ -99,11 +99,9 @@ decltype(auto) with_fluids(int fluids, Use const& use) {
   }
 }
 
-/// An array for each of N fluids, to be read or to be written.
+/// An array for each of N fluids, to be read.
 template <int N>
 using FluidRows = std::array<double const*, N>;
-template <int N>
-using FluidArrays = std::array<double*, N>;
 
 /// Partial densities and volume fractions of the cells from `begin` on; the ambient fluid's volume fraction is null.
 template <int N>
@@ -117,34 +115,6 @@ template <int N>
   FluidRows<N> rows{};
   for_fluids<1, N>([&](int k) { rows[k] = a[a_state + volume_fraction(k)] + begin; });
   return rows;
-}
-
-/// The same of the face values `first` on: `a_left`, `a_right` or `a_slope`.
-template <int N>
-[[nodiscard]] FluidArrays<N> face_densities(BundleArrays& a, int first) {
-  FluidArrays<N> arrays{};
-  for_fluids<0, N>([&](int k) { arrays[k] = a[first + f_partial(k)]; });
-  return arrays;
-}
-template <int N>
-[[nodiscard]] FluidArrays<N> face_fractions(BundleArrays& a, int first) {
-  FluidArrays<N> arrays{};
-  for_fluids<1, N>([&](int k) { arrays[k] = a[first + f_alpha(k)]; });
-  return arrays;
-}
-
-/// The same of the fluxes.
-template <int N>
-[[nodiscard]] FluidArrays<N> density_fluxes(BundleArrays& a) {
-  FluidArrays<N> arrays{};
-  for_fluids<0, N>([&](int k) { arrays[k] = a[a_flux + partial_density(k)]; });
-  return arrays;
-}
-template <int N>
-[[nodiscard]] FluidArrays<N> fraction_fluxes(BundleArrays& a) {
-  FluidArrays<N> arrays{};
-  for_fluids<1, N>([&](int k) { arrays[k] = a[a_flux + volume_fraction(k)]; });
-  return arrays;
 }
 
 /// The arrays of a bundle by their names, at hand in a register.

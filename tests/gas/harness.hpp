@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -110,6 +111,23 @@ struct Problem {
     return static_cast<double>(sum);
   }
 };
+
+/// Makes an obstacle of the cells (domain indices) for which `inside(cell)` holds. To be called before `Gas::start`.
+template <class Inside>
+void place_obstacle(Problem& problem, Inside const& inside) {
+  for (int b = 0; b < problem.grid->block_count(); ++b) {
+    grid::Block const& block = problem.grid->blocks()[b];
+    grid::CellRange const box = block.with_ghosts();
+    std::vector<std::uint8_t> solid(box.count(), 0);
+    bool any = false;
+    for_each_cell(box, [&](Index3 const& within) {
+      bool const here = inside(grid::image_cell(problem.domain, block.index(within)));
+      solid[box.offset(within)] = here ? 1 : 0;
+      any = any || here;
+    });
+    if (any) problem.gas->obstacles.set(b, std::move(solid));
+  }
+}
 
 inline Mixed state(double rho, double u, double p) {
   Mixed s;

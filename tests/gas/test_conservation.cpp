@@ -38,17 +38,9 @@ TEST_P(Closed, MassAndEnergyAreConserved) {
     return s;
   });
   if (obstacle) {
-    for (int b = 0; b < problem.grid->block_count(); ++b) {
-      grid::Block const& block = problem.grid->blocks()[b];
-      grid::CellRange const box = block.with_ghosts();
-      std::vector<std::uint8_t> solid(box.count(), 0);
-      for_each_cell(box, [&](Index3 const& within) {
-        Index3 const cell = grid::image_cell(problem.domain, block.index(within));
-        bool const inside = cell[0] > n / 2 && cell[0] < n / 2 + 4 && (dims < 2 || (cell[1] > 2 && cell[1] < n / 2));
-        solid[box.offset(within)] = inside ? 1 : 0;
-      });
-      problem.gas->obstacles.set(b, std::move(solid));
-    }
+    place_obstacle(problem, [&](Index3 const& cell) {
+      return cell[0] > n / 2 && cell[0] < n / 2 + 4 && (dims < 2 || (cell[1] > 2 && cell[1] < n / 2));
+    });
     problem.gas->start();
   }
   double const air = problem.total(gas::partial_density(0));

@@ -33,23 +33,6 @@ struct Setting {
   double step_of_pressure = 3.0;
 };
 
-/// An obstacle of 3 cells across, its low corner in the middle of the domain.
-void place_obstacle(Problem& problem) {
-  int const first = problem.domain.cells[0] / 2;
-  for (int b = 0; b < problem.grid->block_count(); ++b) {
-    grid::Block const& block = problem.grid->blocks()[b];
-    grid::CellRange const box = block.with_ghosts();
-    std::vector<std::uint8_t> solid(box.count(), 0);
-    for_each_cell(box, [&](Index3 const& within) {
-      Index3 const cell = grid::image_cell(problem.domain, block.index(within));
-      bool inside = true;
-      for (int d = 0; d < problem.domain.dimensions(); ++d) inside = inside && cell[d] >= first && cell[d] < first + 3;
-      solid[box.offset(within)] = inside ? 1 : 0;
-    });
-    problem.gas->obstacles.set(b, std::move(solid));
-  }
-}
-
 /// All values of the state after some steps, the peak fields and the account.
 std::vector<double> outcome(Setting const& s, SimdSet set) {
   UseSet const use(set);
@@ -83,7 +66,14 @@ std::vector<double> outcome(Setting const& s, SimdSet set) {
     }
     return cell;
   });
-  if (s.obstacle) place_obstacle(problem);
+  if (s.obstacle) {
+    int const first = s.cells / 2;
+    place_obstacle(problem, [&](Index3 const& cell) {
+      bool inside = true;
+      for (int d = 0; d < problem.domain.dimensions(); ++d) inside = inside && cell[d] >= first && cell[d] < first + 3;
+      return inside;
+    });
+  }
   for (int b = 0; b < problem.grid->block_count() && s.frozen; ++b) {
     std::vector<gas::Role> roles(problem.grid->blocks()[b].cell_count(), gas::Role::own);
     for (std::size_t n = 0; n < roles.size(); n += 5) roles[n] = gas::Role::frozen;

@@ -33,21 +33,12 @@ struct Outcome {
 void place_obstacle(Problem& problem) {
   int const dims = problem.domain.dimensions();
   int const n = problem.domain.cells[0];
-  for (int b = 0; b < problem.grid->block_count(); ++b) {
-    grid::Block const& block = problem.grid->blocks()[b];
-    grid::CellRange const box = block.with_ghosts();
-    std::vector<std::uint8_t> solid(box.count(), 0);
-    bool any = false;
-    for_each_cell(box, [&](Index3 const& within) {
-      Index3 const cell = grid::image_cell(problem.domain, block.index(within));
-      bool inside = true;
-      // Its lower face lies between two blocks.
-      for (int d = 0; d < dims; ++d) inside = inside && cell[d] >= n / 2 && cell[d] < n / 2 + 2;
-      solid[box.offset(within)] = inside ? 1 : 0;
-      any = any || inside;
-    });
-    if (any) problem.gas->obstacles.set(b, std::move(solid));
-  }
+  test::place_obstacle(problem, [&](Index3 const& cell) {
+    bool inside = true;
+    // Its lower face lies between two blocks.
+    for (int d = 0; d < dims; ++d) inside = inside && cell[d] >= n / 2 && cell[d] < n / 2 + 2;
+    return inside;
+  });
 }
 
 Outcome outcome(Setting const& s, bool sleep) {

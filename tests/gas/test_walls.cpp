@@ -65,17 +65,10 @@ Reading reflect(double mach, double courant, grid::Geometry geometry, int direct
   });
   int const thick = surface == Surface::obstacle ? obstacle : 0;
   if (thick > 0) {
-    for (int b = 0; b < problem.grid->block_count(); ++b) {
-      grid::Block const& block = problem.grid->blocks()[b];
-      grid::CellRange const box = block.with_ghosts();
-      std::vector<std::uint8_t> solid(box.count(), 0);
-      for_each_cell(box, [&](Index3 const& within) {
-        Index3 const cell = grid::image_cell(problem.domain, block.index(within));
-        int const s = towards_high ? cell[direction] : n - 1 - cell[direction];
-        solid[box.offset(within)] = s >= n - thick ? 1 : 0;
-      });
-      problem.gas->obstacles.set(b, std::move(solid));
-    }
+    place_obstacle(problem, [&](Index3 const& cell) {
+      int const s = towards_high ? cell[direction] : n - 1 - cell[direction];
+      return s >= n - thick;
+    });
     problem.gas->start();
   }
   Index3 cell{1, 1, 1};
