@@ -271,13 +271,25 @@ std::string placed_text(run::Case const& setup, session::Plan const& p) {
   return out;
 }
 
+/// The fields of the gas that the dumps hold, and those of the last one alone.
+std::string field_names(run::Case const& setup) {
+  std::vector<std::string> in_all;
+  std::vector<std::string> in_last;
+  for (auto const& f : output::dumped_fields(setup, output::IsLast::no)) in_all.push_back(f.name);
+  for (auto const& f : output::dumped_fields(setup, output::IsLast::yes)) {
+    if (std::ranges::find(in_all, f.name) == in_all.end()) in_last.push_back(f.name);
+  }
+  std::string names = fmt::format("{}", fmt::join(in_all, ", "));
+  if (!in_last.empty()) names += fmt::format("; only in the last dump: {}", fmt::join(in_last, ", "));
+  return names;
+}
+
 std::string output_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   std::size_t const gauges = setup.particles.gauges.size() + setup.gauges.size();
   out += line("gauges", gauges == 0 ? "none" : fmt::format("{}, about {}", gauges, bytes(p.gauge_bytes)));
   out += gauge_plan_text(p.gauges);
-  std::string fields;
-  for (auto const& f : output::dumped_fields(setup)) fields += (fields.empty() ? "" : ", ") + f.name;
+  std::string fields = field_names(setup);
   auto const particle_fields = output::dumped_particle_fields(setup);
   if (p.region && !particle_fields.empty()) fields += "; of particles:";
   for (std::size_t n = 0; n < particle_fields.size(); ++n)
@@ -348,7 +360,8 @@ std::string plan_text(run::Case const& setup, session::Plan const& p) {
   out += bodies_text(setup, p) + charges_text(setup, p) + placed_text(setup, p);
   for (MaterialLine const& m : materials_of(setup))
     out += line("material", fmt::format("{} ({}): {}", m.name, m.role, m.source));
-  out += "\n" + output_text(setup, p);
+  out += '\n';
+  out += output_text(setup, p);
   std::vector<std::string> warnings;
   for (auto const& w : p.warnings) warnings.push_back(fmt::format("\nwarning: {}", w));
   return out + listed(warnings);
@@ -365,7 +378,7 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
   for (int f = 0; f < 2 * setup.domain.dimensions(); ++f)
     boundaries[grid::face_names[f]] = word_of(setup.domain.boundary[f]);
   json fields = json::array();
-  for (auto const& f : output::dumped_fields(setup)) fields.push_back(f.name);
+  for (auto const& f : output::dumped_fields(setup, output::IsLast::yes)) fields.push_back(f.name);
   for (auto const& f : output::dumped_particle_fields(setup)) fields.push_back(f.name);
   return {{"title", setup.title},
           {"geometry", word_of(setup.domain.geometry)},

@@ -12,6 +12,8 @@ namespace brisance {
 [[nodiscard]] inline double select(bool condition, double a, double b) { return condition ? a : b; }
 /// Does it hold anywhere?
 [[nodiscard]] inline bool any(bool condition) { return condition; }
+/// Does it hold everywhere?
+[[nodiscard]] inline bool all(bool condition) { return condition; }
 
 /// What is done with the bits of a number.
 template <class V>

@@ -1,9 +1,11 @@
 #include "core/parallel.hpp"
 
 #include <omp.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <exception>
+#include <vector>
 
 #if defined(__SSE2__)
 #include <xmmintrin.h>
@@ -37,6 +39,19 @@ void parallel_for(int count, std::function<void(int, int)> const& body) {
     }
   }
   if (failure) std::rethrow_exception(failure);
+}
+
+void use_all_cores() {
+  int const places = omp_get_num_places();
+  if (places == 0) return;  // nothing is bound
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  for (int place = 0; place < places; ++place) {
+    std::vector<int> numbers(omp_get_place_num_procs(place));
+    omp_get_place_proc_ids(place, numbers.data());
+    for (int const core : numbers) CPU_SET(core, &cores);
+  }
+  sched_setaffinity(0, sizeof cores, &cores);  // where it fails, the thread stays where it is
 }
 
 #if defined(__SSE2__)

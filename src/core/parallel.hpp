@@ -14,6 +14,10 @@ void set_threads(int count);
 /// on). An exception from a body is rethrown here after all others have ended.
 void parallel_for(int count, std::function<void(int index, int thread)> const& body);
 
+/// Lets the calling thread run on all cores that the process may use: a thread that one of `parallel_for` starts is
+/// else bound to the same core where those are bound (OMP_PROC_BIND).
+void use_all_cores();
+
 /// Lets the floating-point unit treat subnormal numbers as zero on this thread while the guard lives: products of many
 /// small fractions at a diffuse interface would otherwise run at a tenth of the speed.
 class FlushSubnormals {

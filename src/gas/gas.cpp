@@ -54,6 +54,12 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
       peaks_(grid, options.peak_fields) {
   auto const u = conserved_of(fluids, quiescent);
   open_faces_.set_sources(options.wave_sources);
+  for (int direction = 0; direction < grid.domain().dimensions(); ++direction) {
+    for (int b = 0; b < grid.block_count(); ++b) {
+      for (Part const& part : parts_of(b, direction)) parts_[direction].push_back(part);
+    }
+    tallies_.resize(std::max(tallies_.size(), parts_[direction].size()));
+  }
   for (int b = 0; b < grid.block_count(); ++b) {
     for (int c = 0; c < components(); ++c) std::fill_n(fields_.at(b, c), grid.blocks()[b].cell_count(), u[c]);
   }
@@ -195,6 +201,16 @@ void Gas::set_present(int present, SweepContext& s) const {
   s.gamma = constant ? ideal->gamma : 0.0;
 }
 
+void Gas::add_tallies(std::vector<Part> const& parts) {
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    Tally& sum = blocks_[parts[n].block];
+    Tally const& tally = tallies_[n];
+    sum.account += tally.account;
+    sum.signal = std::max(sum.signal, tally.signal);
+    if (sum.not_a_number < 0) sum.not_a_number = tally.not_a_number;
+  }
+}
+
 void Gas::advance(double dt, bool reverse) {
   int const dims = grid_->domain().dimensions();
   time_at_step_end_ = time_ + dt;
@@ -219,13 +235,20 @@ void Gas::advance(double dt, bool reverse) {
     SweepContext const context = sweep_context(direction, dt);
     bool const all_awake = std::all_of(awake_.begin(), awake_.end(), [](std::uint8_t awake) { return awake != 0; });
     Components const quiet_flux = all_awake ? Components{} : quiescent_flux(context);
-    parallel_for(grid_->block_count(), [&](int b, int thread) {
-      if (coupling.all_frozen(b)) return;
-      if (awake_[b])
-        sweep_block(b, context, last, workspaces_[thread]);
+    std::vector<Part> const& parts = parts_[direction];
+    parallel_for(static_cast<int>(parts.size()), [&](int n, int thread) {
+      Part const& part = parts[n];
+      tallies_[n] = {};
+      if (coupling.all_frozen(part.block)) return;
+      if (awake_[part.block])
+        sweep_part(part, context, last, workspaces_[thread], tallies_[n]);
       else
-        account_asleep(b, context, quiet_flux);
+        account_asleep(part, context, quiet_flux, tallies_[n].account);
     });
+    for (int b = 0; b < grid_->block_count(); ++b) {
+      if (last && awake_[b] && !coupling.all_frozen(b)) blocks_[b].signal = 0.0;
+    }
+    add_tallies(parts);
     for (int b = 0; b < grid_->block_count(); ++b) {
       if (blocks_[b].not_a_number >= 0) report_not_a_number(b, direction);
     }

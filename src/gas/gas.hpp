@@ -45,6 +45,7 @@ struct Options {
   std::optional<material::Afterburn> afterburn;  ///< of the products
   Index3 sweep_order{0, 1, 2};  ///< directions in the order of the forward step; those not resolved are skipped
   int bundle_cells = 320;  ///< cells that a sweep works on at a time; their arrays should stay in the nearest caches
+  int part_cells = 16384;  ///< cells that a thread sweeps at a time: so few that all threads end at about the same time
 };
 
 /// Guards and boundary flows since the start, summed over blocks in fixed order.
@@ -110,14 +111,24 @@ class Gas {
   void archive(Archive& a);  ///< in a checkpoint, see state.cpp
 
  private:
-  struct BlockData {
+  /// What sweeps find in a block, or in a part of it.
+  struct Tally {
     Account account;
     double signal = 0.0;
     int not_a_number = -1;  ///< offset of a cell that is no number
   };
+  /// Bundles [first, end) of a block, which a thread sweeps at a time.
+  struct Part {
+    int block;
+    int first, end;
+  };
 
   [[nodiscard]] int components() const { return fields_.components(); }
-  void sweep_block(int block, SweepContext const& context, bool last, BundleArrays& arrays);
+  /// The parts of a block for sweeps along a direction. They do not depend on the number of threads.
+  [[nodiscard]] std::vector<Part> parts_of(int block, int direction) const;
+  void sweep_part(Part const& part, SweepContext const& context, bool last, BundleArrays& arrays, Tally& tally);
+  /// Adds what has been found in the parts of all blocks, in their order.
+  void add_tallies(std::vector<Part> const& parts);
   void load_burn(int block, BundleLayout const& layout, BundleArrays& arrays) const;
   void load_bundle(int block, BundleLayout const& layout, SweepContext& context, BundleArrays& arrays) const;
   /// Areas and volumes of the rings or shells of a bundle along a radius.
@@ -131,16 +142,20 @@ class Gas {
   [[nodiscard]] Components quiescent_flux(SweepContext context) const;
   [[nodiscard]] double quiescent_pressure() const;
   /// Books what goes through the domain's faces in front of a sleeping block, as an awake one would.
-  void account_asleep(int block, SweepContext const& context, Components const& flux);
+  void account_asleep(Part const& part, SweepContext const& context, Components const& flux, Account& account) const;
   [[nodiscard]] SweepContext sweep_context(int direction, double dt) const;
   /// How many fluids a row holds, and what follows from it.
   void set_present(int present, SweepContext& s) const;
-  void account_boundaries(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
+  void account_boundaries(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
+                          Account& account) const;
   /// Guards, wave speed and peak fields of the bundle's own cells after the last sweep of a step.
   void measure(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
-               GuardCount& guards);
+               GuardCount& guards, Tally& tally);
   /// Releases the energy of the afterburn in the bundle's own cells, after the last sweep of a step.
-  void burn_on(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
+  void burn_on(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
+               Account& account) const;
+  /// Counts what the guards of a bundle have done.
+  void account_guards(int block, BundleLayout const& layout, GuardCount const& guards, Tally& tally) const;
   /// Puts the frozen cells of a bundle back to what they were.
   void restore_frozen(int block, BundleLayout const& layout, BundleArrays& arrays) const;
   /// Adds what goes through the watched faces.
@@ -161,7 +176,9 @@ class Gas {
   OpenFaces open_faces_;
   double quiet_pressure_ = 0.0;  ///< of quiescent gas as `measure` finds it
   grid::AwakeBlocks awake_;
-  grid::BlockStore<BlockData> blocks_;
+  grid::BlockStore<Tally> blocks_;
+  std::array<std::vector<Part>, 3> parts_;  ///< of all blocks, by the direction of the sweep
+  std::vector<Tally> tallies_;              ///< of the parts
   Peaks peaks_;
   std::vector<BundleArrays> workspaces_;
   std::map<std::string, double> timings_;

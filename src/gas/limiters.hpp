@@ -9,15 +9,17 @@
 namespace brisance::gas {
 
 /// Half the limited difference over a cell from the backward and forward differences: generalised monotonised-central
-/// limiter [VanLeer77], minmod for beta = 1, the classical one for beta = 2.
+/// limiter [VanLeer77], minmod for beta = 1, the classical one for beta = 2. Of the two terms one is 0 at least: the
+/// first where a difference is negative, the second where one is positive.
 template <class V>
 [[nodiscard]] inline V limited_half(V const& backward, V const& forward, V const& half_beta) {
-  using std::abs;
-  using std::copysign;
+  using std::max;
   using std::min;
+  V const zero(0.0);
   V const centred = 0.25 * (backward + forward);
-  V const size = min(abs(centred), half_beta * min(abs(backward), abs(forward)));
-  return select(backward * forward > 0.0, copysign(size, centred), V(0.0));
+  V const rise = min(centred, half_beta * min(backward, forward));
+  V const fall = max(centred, half_beta * max(backward, forward));
+  return max(zero, rise) + min(zero, fall);
 }
 
 /// The compressive counterpart for contacts: Roe's superbee [Sweby84].

@@ -214,14 +214,11 @@ class FacePass {
   /// Where a face would be left without density or stiffness a cell falls back to its own state at its faces; and where
   /// explosive burns, for there the pressure is no function of the neighbours' energy.
   [[nodiscard]] Mask has_sound_faces(int q, Values const& x, Values const& d, Values const& t,
-                                     ClosureAt<V, Ideal> const& c, V const& div) const {
+                                     ClosureAt<V, Ideal> const& c) const {
     using std::abs;
-    V const advance = lambda_ * x.u;
-    V const rho = x.density();
-    V const d_rho = d.density();
     V const lowest_p = x.p + t.p - abs(d.p);
     double const lowest_pressure = 0.5 * s_.floors.pressure;
-    Mask good = rho - (advance * d_rho + rho * div) - abs(d_rho) > 0.5 * s_.floors.density;
+    Mask good = x.density() + t.density() - abs(d.density()) > 0.5 * s_.floors.density;
     if constexpr (Ideal) {
       good = good & (lowest_p > lowest_pressure);
     } else {
@@ -229,10 +226,11 @@ class FacePass {
       good = good & (margin(lowest_p, c.xi, c.H, most_H) > lowest_pressure * (c.xi + 1.0));
       if constexpr (N > 1) {
         // xi changes with the volume fractions.
+        V const advance = lambda_ * x.u;
         V most_xi = c.xi;
         for_fluids<1, N>([&](int k) { most_xi += std::abs(s_.xi_slope[k]) * (1.0 + abs(advance)) * abs(d.alpha[k]); });
         good = good & (margin(lowest_p, most_xi, c.H, most_H) > lowest_pressure * (most_xi + 1.0));
-        V const round_off = -1e-13 * rho;
+        V const round_off = -1e-13 * x.density();
         for_fluids<0, N>([&](int k) { good = good & (x.partial[k] + t.partial[k] - abs(d.partial[k]) >= round_off); });
         if (s_.burning) good = good & (load(a_burn, q) >= 1.0);
       }
@@ -252,8 +250,8 @@ class FacePass {
     V div = lambda_ * d.u;
     if constexpr (Radial) div += load(a_expansion, q) * x.u;
     Values t = half_step(q, x, d, closure, div);
-    Mask const good = has_sound_faces(q, x, d, t, closure, div);
-    if (any(!good)) {
+    Mask const good = has_sound_faces(q, x, d, t, closure);
+    if (!all(good)) {
       auto const keep = [&good](V& value) { value = select(good, value, V(0.0)); };
       d.each(keep);
       t.each(keep);

@@ -104,7 +104,7 @@ template <class V, int N, bool Ideal>
     store(a[a_p] + q, p);
     sound = sound & floors.check(rho, p, c);
   }
-  return !any(!sound);
+  return all(sound);
 }
 
 /// A cell remembers a shock for the next sweeps, whatever their direction, because the carbuncle grows along the shock.
@@ -223,7 +223,7 @@ template <class V, int N, bool Ideal>
   Lanes<V>::store(each.data(), fastest);
   Signals found;
   for (double const x : each) found.fastest = x > found.fastest ? x : found.fastest;
-  found.sound = !any(!sound);
+  found.sound = all(sound);
   return found;
 }
 

@@ -65,10 +65,8 @@ void Gas::wake_where_wind_changes() {
     SweepContext const context = sweep_context(direction, dt);
     parallel_for(grid_->block_count(), [&](int b, int thread) {
       if (slept[b] != 0 || coupling.all_frozen(b)) return;
-      Account const before = blocks_[b].account;
-      sweep_block(b, context, false, workspaces_[thread]);
-      blocks_[b].account = before;
-      blocks_[b].not_a_number = -1;
+      Tally ignored;
+      for (Part const& part : parts_of(b, direction)) sweep_part(part, context, false, workspaces_[thread], ignored);
       int const cells = grid_->blocks()[b].cell_count();
       for (int component = 0; component < components(); ++component) {
         double* const u = fields_.at(b, component);
@@ -86,14 +84,14 @@ void Gas::wake_where_wind_changes() {
   coupling.clear_watched();
 }
 
-void Gas::account_asleep(int b, SweepContext const& s, Components const& flux) {
-  grid::Block const& block = grid_->blocks()[b];
+void Gas::account_asleep(Part const& part, SweepContext const& s, Components const& flux, Account& account) const {
+  grid::Block const& block = grid_->blocks()[part.block];
   int const low = 2 * s.direction;
   if (!block.at_boundary(low) && !block.at_boundary(low + 1)) return;
-  auto& outflow = blocks_[b].account.outflow;
+  Components& outflow = account.outflow;
   grid::Bundles const bundles(block, s.direction, options_.bundle_cells);
   // In the order of `account_boundaries`.
-  for (int index = 0; index < bundles.count(); ++index) {
+  for (int index = part.first; index < part.end; ++index) {
     BundleLayout const layout = bundles.layout(index);
     for (int side = 0; side < 2; ++side) {
       if (!block.at_boundary(low + side)) continue;

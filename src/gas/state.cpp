@@ -29,7 +29,7 @@ void Gas::archive(Archive& a) {
   coupling.archive(a);
   open_faces_.archive(a);
   for (int b = 0; b < grid_->block_count(); ++b) {
-    BlockData& data = blocks_[b];
+    Tally& data = blocks_[b];
     a.same(grid_->blocks()[b].n, "the size of a gas block");
     auto const& solid = obstacles.solid(b);
     auto const& roles = coupling.roles(b);

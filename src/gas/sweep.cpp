@@ -94,7 +94,8 @@ void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, Bundle
   if (s.progress) store_component(a_progress, progress);
 }
 
-void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
+void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a,
+                             Account& account) const {
   grid::Block const& block = grid_->blocks()[b];
   for (int side = 0; side < 2; ++side) {
     if (!block.at_boundary(2 * s.direction + side)) continue;
@@ -106,7 +107,7 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
       grid::Cell const cell = layout.end_cell(block, side, line);
       if (!coupling.is_own(cell)) continue;
       double const area = block.face_area(s.direction, side, cell);
-      auto& outflow = blocks_[b].account.outflow;
+      Components& outflow = account.outflow;
       for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
       for (int k = 1; k < s.present; ++k) {
         int const c = partial_density(k);
@@ -148,7 +149,7 @@ void Gas::restore_frozen(int b, BundleLayout const& layout, BundleArrays& a) con
   });
 }
 
-void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
+void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a, Account& account) const {
   material::Afterburn const& afterburn = *options_.afterburn;
   if (!s.burning) std::fill_n(a[a_burn], layout.total, 1.0);
   bool released = true;
@@ -172,15 +173,16 @@ void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, Bund
       sum += release[q + n] * block.volume(block.column(offset + n));
     }
   });
-  blocks_[b].account.afterburn_energy += sum;
+  account.afterburn_energy += sum;
 }
 
-void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a, GuardCount& guards) {
+void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a, GuardCount& guards,
+                  Tally& tally) {
   grid::Block const& block = grid_->blocks()[b];
   int const dims = grid_->domain().dimensions();
   for (int r = 0; r < layout.rows; ++r) {
     double const fastest = signals(s, layout, a, layout.begin(r), layout.count(), dims, guards);
-    blocks_[b].signal = std::max(blocks_[b].signal, fastest);
+    tally.signal = std::max(tally.signal, fastest);
   }
   if (grid::radial_exponent(grid_->domain().geometry) > 0 && block.in_domain().lower[0] == 0) {
     // What leaves a cell at an axis or a centre empties it two or three times as fast.
@@ -188,20 +190,46 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
     double const factor = (inmost.high_area - inmost.low_area) * block.h() / inmost.volume;
     for_each_row_begin(layout, block, [&](int q) {
       double const rho = mixture_density(s, a, q);
-      blocks_[b].signal = std::max(blocks_[b].signal, factor * a[momentum_x][q] / rho);
+      tally.signal = std::max(tally.signal, factor * a[momentum_x][q] / rho);
     });
   }
   if (s.dt > 0.0) peaks_.follow(b, layout, a[a_p], quiet_pressure_, s.dt);
 }
 
-void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays& a) {
+void Gas::account_guards(int b, BundleLayout const& layout, GuardCount const& guards, Tally& tally) const {
   grid::Block const& block = grid_->blocks()[b];
-  BlockData& data = blocks_[b];
-  if (last) data.signal = 0.0;
+  tally.account.fallback_faces += guards.fallback_faces;
+  for (Lift const& lift : guards.lifts) {
+    for_each_run(layout, block, [&](int q, int offset, int count) {
+      if (lift.q < q || lift.q >= q + count) return;
+      int const at = offset + lift.q - q;
+      if (coupling.role(b, at) != Role::own && lift.finite) return;
+      double const volume = block.volume(block.column(at));
+      ++tally.account.guarded_cells;
+      tally.account.guard_mass += lift.mass * volume;
+      tally.account.guard_energy += lift.energy * volume;
+      if (!lift.finite && tally.not_a_number < 0) tally.not_a_number = at;
+    });
+  }
+}
+
+std::vector<Gas::Part> Gas::parts_of(int b, int direction) const {
+  grid::Block const& block = grid_->blocks()[b];
+  int const bundles = grid::Bundles(block, direction, options_.bundle_cells).count();
+  int const count = std::clamp(block.cell_count() / options_.part_cells, 1, bundles);
+  std::vector<Part> parts;
+  parts.reserve(count);
+  for (int n = 0; n < count; ++n) parts.push_back({b, bundles * n / count, bundles * (n + 1) / count});
+  return parts;
+}
+
+void Gas::sweep_part(Part const& part, SweepContext const& sweep, bool last, BundleArrays& a, Tally& tally) {
+  int const b = part.block;
+  grid::Block const& block = grid_->blocks()[b];
   bool const at_boundary = block.at_boundary(2 * sweep.direction) || block.at_boundary(2 * sweep.direction + 1);
   auto const slab = static_cast<std::ptrdiff_t>(block.cell_count() / block.n[sweep.direction]) * grid::ghost_layers;
   grid::Bundles const bundles(block, sweep.direction, options_.bundle_cells);
-  for (int index = 0; index < bundles.count(); ++index) {
+  for (int index = part.first; index < part.end; ++index) {
     BundleLayout const layout = bundles.layout(index);
     SweepContext s = sweep;
     s.h = block.h();
@@ -222,27 +250,15 @@ void Gas::sweep_block(int b, SweepContext const& sweep, bool last, BundleArrays&
     prefetch_next(momentum_z, s.present > 1 ? components() : components_of(1));
     bool const checked = face_fluxes(options_.scheme, s, layout, a, guards);
     if (s.progress) progress_fluxes(s, layout, a);
-    if (at_boundary) account_boundaries(b, layout, s, a);
+    if (at_boundary) account_boundaries(b, layout, s, a, tally.account);
     account_watched(b, index, layout, s, a);
     passes_of(s).update(s, layout, a);
     if (checked && s.present > products_fluid) expand_cold_products(s, layout, a);
     if (!coupling.roles(b).empty()) restore_frozen(b, layout, a);
-    if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a);
-    if (last) measure(b, layout, s, a, guards);
+    if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a, tally.account);
+    if (last) measure(b, layout, s, a, guards, tally);
     store(b, layout, s, a);
-    data.account.fallback_faces += guards.fallback_faces;
-    for (Lift const& lift : guards.lifts) {
-      for_each_run(layout, block, [&](int q, int offset, int count) {
-        if (lift.q < q || lift.q >= q + count) return;
-        int const at = offset + lift.q - q;
-        if (coupling.role(b, at) != Role::own && lift.finite) return;
-        double const volume = block.volume(block.column(at));
-        ++data.account.guarded_cells;
-        data.account.guard_mass += lift.mass * volume;
-        data.account.guard_energy += lift.energy * volume;
-        if (!lift.finite && data.not_a_number < 0) data.not_a_number = at;
-      });
-    }
+    account_guards(b, layout, guards, tally);
   }
 }
 
@@ -266,7 +282,7 @@ void Gas::measure_all() {
       });
       if (s.burning) load_burn(b, layout, a);
       GuardCount ignored;
-      measure(b, layout, s, a, ignored);
+      measure(b, layout, s, a, ignored, blocks_[b]);
     }
   });
   fastest_signal_ = largest_at_hand(grid_->block_count(), 0.0, [this](int b) { return blocks_[b].signal; });

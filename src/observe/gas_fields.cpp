@@ -143,6 +143,11 @@ void FieldValues::at(grid::Cell const& cell, double* out) const {
   }
 }
 
+void FieldValues::row(grid::Cell const& first, int count, double* out) const {
+  grid::Cell cell = first;
+  for (int n = 0; n < count; ++n, ++cell.i, ++cell.offset) at(cell, out + static_cast<std::ptrdiff_t>(n) * components_);
+}
+
 void block_field(run::System const& w, int b, std::string const& name, std::vector<double>& out, GasView const* view) {
   FieldValues const values(w, {name}, view);
   grid::Block const& block = w.grid.blocks()[b];

@@ -32,6 +32,8 @@ class FieldValues {
   [[nodiscard]] int components() const { return components_; }
   /// Those of a cell, field by field. May be called from several threads.
   void at(grid::Cell const& cell, double* out) const;
+  /// Those of `count` cells of a block, from `first` on along x.
+  void row(grid::Cell const& first, int count, double* out) const;
 
  private:
   run::System const* system_;

@@ -15,12 +15,13 @@
 
 namespace brisance::observe {
 
-namespace {
-
+/// Cells and their weights.
 struct Stencil {
   std::vector<Index3> cells;
   std::vector<double> weights;
 };
+
+namespace {
 
 /// The cells around x and their weights; beyond the last cell centre the nearest cell counts alone.
 Stencil stencil_at(grid::Domain const& domain, Vec3 const& x) {
@@ -132,18 +133,20 @@ void Gauges::sample_gas(run::System const& system) {
   if (view_ == nullptr) {
     std::vector<Index3> cells;
     for (GaugeHistory const& history : gas) {
-      Stencil const s = stencil_at(system.setup.domain, history.gauge.position);
+      Stencil const& s = stencils_.emplace_back(stencil_at(system.setup.domain, history.gauge.position));
       cells.insert(cells.end(), s.cells.begin(), s.cells.end());
     }
     view_ = std::make_unique<GasView>(system, cells);
   }
   view_->update();
-  for (GaugeHistory& history : gas) {
-    Stencil const s = stencil_at(system.setup.domain, history.gauge.position);
+  std::vector<double> sampled;
+  for (std::size_t g = 0; g < gas.size(); ++g) {
+    GaugeHistory& history = gas[g];
+    Stencil const& s = stencils_[g];
     GaugeRecord record;
     record.time = system.clock.time;
     double sum = 0.0;
-    std::vector<double> sampled(sampled_columns(gas_columns()), 0.0);
+    sampled.assign(sampled_columns(gas_columns()), 0.0);
     for (std::size_t n = 0; n < s.cells.size(); ++n) {
       auto const seen = view_->at(s.cells[n]);
       if (!seen) continue;

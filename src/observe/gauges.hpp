@@ -19,6 +19,7 @@ class System;
 namespace brisance::observe {
 
 class GasView;
+struct Stencil;
 
 /// What a gauge in the gas records.
 struct GaugeRecord {
@@ -92,6 +93,8 @@ class Gauges {
  private:
   void sample_gas(run::System const& system);
   void sample_particles(run::System const& system);
+
+  std::vector<Stencil> stencils_;  ///< of the gas gauges, made with `view_`
   std::unique_ptr<GasView> view_;  ///< made with the first sample
 };
 

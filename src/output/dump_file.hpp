@@ -48,10 +48,13 @@ class QuietHdf5 {
 /// How numbers are kept in a file, little-endian.
 enum class NumberType { float32, float64, int32, int64 };
 
-/// A chunk as HDF5 keeps it: numbers of the type, the bytes of equal rank side by side, deflated with gzip's `level`.
-/// `values`: all of the chunk's, in the order of the file. May be called from several threads, which the HDF5 library
-/// may not. The same values give the same bytes.
-[[nodiscard]] std::vector<char> encoded_chunk(std::vector<double> const& values, NumberType type, int level);
+/// The numbers of a chunk as bytes of the type, the bytes of equal rank side by side. `values`: all of the chunk's, in
+/// the order of the file.
+[[nodiscard]] std::vector<char> shuffled(std::vector<double> const& values, NumberType type);
+
+/// A shuffled chunk as HDF5 keeps it, compressed with gzip's `level`. May be called from several threads, which the
+/// HDF5 library may not. The same bytes give the same bytes. Throws IoError where the memory is exhausted.
+[[nodiscard]] std::vector<char> compressed(std::vector<char> const& bytes, int level);
 
 /// A dump that is being put together in memory, and then written in one go: the HDF5 library cannot be used any more
 /// once a write of its own has failed, so that it must never meet a full disk. The same content gives the same bytes.
@@ -89,8 +92,8 @@ class DumpFile {
     Dataset(hid_t data, hid_t space) : data_(data, H5Dclose), space_(space, H5Sclose) {}
     /// Writes a part of it; values in the order of the file.
     void write(std::vector<hsize_t> const& start, std::vector<hsize_t> const& count, double const* values) const;
-    /// Writes the chunk that begins at `start`, see `encoded_chunk`.
-    void write_chunk(std::vector<hsize_t> const& start, std::vector<char> const& encoded) const;
+    /// Writes the chunk that begins at `start`, see `compressed`.
+    void write_chunk(std::vector<hsize_t> const& start, std::vector<char> const& compressed) const;
     [[nodiscard]] hid_t id() const { return data_; }
 
    private:

@@ -12,62 +12,40 @@
 
 #include "core/archive.hpp"
 #include "grid/grid.hpp"
+#include "output/dump_series.hpp"
+#include "output/field_spec.hpp"
 
 namespace brisance::output {
 
-/// A field as it is written.
-struct FieldSpec {
-  std::string name;
-  std::string unit;
-  int components = 1;  ///< 1 or 3, of particles 6 too: symmetric tensors, xx yy zz xy yz zx
-  std::string meaning;
-};
-
 struct FieldOptions {
   bool single_precision = true;
-  int compression = 1;  ///< gzip level 0 (none) to 9, after byte shuffling
+  int compression = 1;  ///< gzip level 1 to 9, after byte shuffling
 };
 
-/// Writes the values of all fields in a cell to `out`, field by field, component by component. It is called from
-/// several threads.
-using CellValues = std::function<void(grid::Cell const& cell, double* out)>;
-
-/// Writes dump `number` of a kind ("fields" or "points"): `write` puts it together and writes it under the path that it
-/// is given; the dump gets its name when it is complete. Returns that name, relative to the folder. Throws IoError.
-std::string add_dump(std::filesystem::path const& folder, std::string const& kind, int number,
-                     std::function<void(std::filesystem::path const& temporary)> const& write);
-
-/// Makes a series of dumps ("fields" or "points") end with its first `count`: removes the later ones and writes the
-/// index anew.
-void drop_later_dumps(std::filesystem::path const& folder, std::string const& kind, int count,
-                      std::string const& entries);
-
-/// An XDMF index that lists the dumps' <Grid> elements as a time series.
-[[nodiscard]] std::string time_series_index(std::string const& entries);
+/// Writes the values of all fields in `count` cells of a block, from `first` on along x, to `out`: cell by cell, of a
+/// cell field by field, component by component. It is called from several threads.
+using RowValues = std::function<void(grid::Cell const& first, int count, double* out)>;
 
 class FieldSeries {
  public:
   /// Writes into `folder` (which exists). Nothing is created before the first dump.
-  FieldSeries(std::filesystem::path folder, FieldOptions options);
+  FieldSeries(std::filesystem::path const& folder, FieldOptions options);
 
-  /// Writes one dump and brings the index up to date. Both appear under their final names only when they are complete.
-  /// Throws IoError.
-  void dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
-            CellValues const& values);
+  /// Gathers one dump; what it returns writes it.
+  [[nodiscard]] GatheredDump dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
+                                  RowValues const& values, DumpPlace place = DumpPlace::next);
 
-  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] DumpSeries const& series() const { return series_; }
   /// What has been dumped, in a checkpoint. Reading drops the dumps that came later.
-  void archive(Archive& a);
+  void archive(Archive& a) { series_.archive(a); }
 
   /// Bytes of one dump without compression.
   [[nodiscard]] static double bytes_per_dump(grid::Domain const& domain, std::vector<FieldSpec> const& fields,
                                              bool single_precision);
 
  private:
-  std::filesystem::path folder_;
+  DumpSeries series_;
   FieldOptions options_;
-  int count_ = 0;
-  std::string entries_;  ///< the index's <Grid> elements so far
 };
 
 }  // namespace brisance::output

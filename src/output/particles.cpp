@@ -5,16 +5,10 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "output/dump_file.hpp"
-#include "output/file.hpp"
-#include "output/folder.hpp"
-#include "output/manifest.hpp"
+#include "output/dump.hpp"
 
 namespace brisance::output {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -32,48 +26,37 @@ NumberType number_type(FieldSpec const& spec, bool single_precision) {
   return small ? NumberType::float32 : NumberType::float64;
 }
 
-/// Writes a field chunk by chunk; they are compressed on all threads.
-void write_chunks(DumpFile::Dataset const& data, DumpFile::Layout const& layout, std::vector<double> const& values) {
-  std::size_t const components = layout.shape.size() > 1 ? layout.shape[1] : 1;
-  std::size_t const size = layout.chunk()[0] * components;
-  int const count = static_cast<int>((values.size() + size - 1) / size);
-  std::vector<std::vector<char>> encoded(count);
-  parallel_for(count, [&](int n, int) {
-    std::vector<double> chunk(size, 0.0);
-    std::size_t const first = size * static_cast<std::size_t>(n);
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(first), std::min(size, values.size() - first),
-                chunk.begin());
-    encoded[n] = encoded_chunk(chunk, layout.type, layout.compression);
-  });
-  for (int n = 0; n < count; ++n) {
-    std::vector<hsize_t> start(layout.shape.size(), 0);
-    start[0] = layout.chunk()[0] * static_cast<hsize_t>(n);
-    data.write_chunk(start, encoded[n]);
-  }
-}
-
-void write_field(DumpFile& file, FieldSpec const& spec, long count, FieldOptions const& options,
-                 ParticleValues const& values, std::vector<double>& buffer) {
-  constexpr hsize_t chunk = 65536;
+/// Adds a field to a dump, chunk by chunk.
+void gather(Dump& dump, FieldSpec const& spec, long count, FieldOptions const& options, ParticleValues const& values,
+            std::vector<double>& buffer) {
+  constexpr hsize_t most = 65536;
   DumpFile::Layout layout;
   layout.shape = {hsize_t(count)};
-  layout.edge = {chunk};
+  layout.edge = {most};
   if (spec.components > 1) {
     layout.shape.push_back(hsize_t(spec.components));
     layout.edge.push_back(hsize_t(spec.components));
   }
   layout.type = number_type(spec, options.single_precision);
   layout.compression = count > 0 ? options.compression : 0;
-  auto const data = file.dataset(spec.name, layout, spec.unit, spec.meaning);
+  int const dataset = dump.add_dataset(spec, layout);
   buffer.clear();
   values(spec.name, buffer);
   if (buffer.size() != std::size_t(count) * spec.components)
     throw std::logic_error("field \"" + spec.name + "\": wrong number of values");
-  if (layout.compression > 0) {
-    write_chunks(data, layout, buffer);
-  } else if (count > 0) {
-    data.write(std::vector<hsize_t>(layout.shape.size(), 0), layout.shape, buffer.data());
-  }
+  if (count == 0) return;
+  std::size_t const size = layout.chunk()[0] * spec.components;
+  std::size_t const chunks = (buffer.size() + size - 1) / size;
+  std::size_t const first_chunk = dump.add_chunks(chunks);
+  parallel_for(static_cast<int>(chunks), [&](int n, int) {
+    std::vector<double> chunk(size, 0.0);
+    std::size_t const first = size * static_cast<std::size_t>(n);
+    std::copy_n(buffer.begin() + static_cast<std::ptrdiff_t>(first), std::min(size, buffer.size() - first),
+                chunk.begin());
+    std::vector<hsize_t> start(layout.shape.size(), 0);
+    start[0] = layout.chunk()[0] * static_cast<hsize_t>(n);
+    dump.set_chunk(first_chunk + n, dataset, std::move(start), shuffled(chunk, layout.type));
+  });
 }
 
 std::string data_item(std::string const& file, FieldSpec const& spec, long count, bool single_precision) {
@@ -107,30 +90,25 @@ std::string index_entry(std::string const& file, double time, long count, std::v
 
 }  // namespace
 
-ParticleSeries::ParticleSeries(fs::path folder, FieldOptions options) : folder_(std::move(folder)), options_(options) {}
+ParticleSeries::ParticleSeries(std::filesystem::path const& folder, FieldOptions options)
+    : series_(folder, "points"), options_(options) {}
 
-void ParticleSeries::dump(double time, long step, grid::Geometry geometry, long count,
-                          std::vector<FieldSpec> const& fields, ParticleValues const& values) {
-  std::string const name = add_dump(folder_, "points", count_, [&](fs::path const& temporary) {
-    DumpFile file(std::size_t(bytes_per_dump(static_cast<double>(count), fields, options_.single_precision)), "points");
-    file.attribute(file.root(), "time", std::array{time});
-    file.attribute(file.root(), "step", std::array{step});
-    file.attribute(file.root(), "geometry", word_of(geometry));
-    file.attribute(file.root(), "count", std::array{count});
-    std::vector<double> buffer;
-    for (auto const& field : fields) write_field(file, field, count, options_, values, buffer);
-    file.write(temporary);
+GatheredDump ParticleSeries::dump(double time, long step, grid::Geometry geometry, long count,
+                                  std::vector<FieldSpec> const& fields, ParticleValues const& values) {
+  auto dump = std::make_shared<Dump>(
+      "points", std::size_t(bytes_per_dump(static_cast<double>(count), fields, options_.single_precision)),
+      [time, step, geometry, count](DumpFile& file) {
+        file.attribute(file.root(), "time", std::array{time});
+        file.attribute(file.root(), "step", std::array{step});
+        file.attribute(file.root(), "geometry", word_of(geometry));
+        file.attribute(file.root(), "count", std::array{count});
+      });
+  std::vector<double> buffer;
+  for (FieldSpec const& field : fields) gather(*dump, field, count, options_, values, buffer);
+  return series_.add(std::move(dump), DumpPlace::next, [&](std::string const& file) {
+    // Readers of XDMF cannot take an empty grid: when all particles have left the domain, the index ends before.
+    return count > 0 ? index_entry(file, time, count, fields, options_.single_precision) : std::string();
   });
-  // Readers of XDMF cannot take an empty grid: when all particles have left the domain, the index ends before.
-  if (count > 0) entries_ += index_entry(name, time, count, fields, options_.single_precision);
-  replace_file(folder_ / "points.xmf2", time_series_index(entries_));
-  ++count_;
-}
-
-void ParticleSeries::archive(Archive& a) {
-  a(count_, entries_);
-  a.require(count_ >= 0, "the number of dumps");
-  if (a.reading()) drop_later_dumps(folder_, "points", count_, entries_);
 }
 
 double ParticleSeries::bytes_per_dump(double particles, std::vector<FieldSpec> const& fields, bool single_precision) {

@@ -19,26 +19,23 @@ using ParticleValues = std::function<void(std::string const& field, std::vector<
 class ParticleSeries {
  public:
   /// Writes into `folder` (which exists). Nothing is created before the first dump.
-  ParticleSeries(std::filesystem::path folder, FieldOptions options);
+  ParticleSeries(std::filesystem::path const& folder, FieldOptions options);
 
-  /// Writes one dump of `count` particles, whose fields hold "position", and brings the index up to date. Both appear
-  /// under their final names only when they are complete. Throws IoError.
-  void dump(double time, long step, grid::Geometry geometry, long count, std::vector<FieldSpec> const& fields,
-            ParticleValues const& values);
+  /// Gathers one dump of `count` particles, whose fields hold "position"; what it returns writes it.
+  [[nodiscard]] GatheredDump dump(double time, long step, grid::Geometry geometry, long count,
+                                  std::vector<FieldSpec> const& fields, ParticleValues const& values);
 
-  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] DumpSeries const& series() const { return series_; }
   /// What has been dumped, in a checkpoint. Reading drops the dumps that came later.
-  void archive(Archive& a);
+  void archive(Archive& a) { series_.archive(a); }
 
   /// Bytes of one dump without compression.
   [[nodiscard]] static double bytes_per_dump(double particles, std::vector<FieldSpec> const& fields,
                                              bool single_precision);
 
  private:
-  std::filesystem::path folder_;
+  DumpSeries series_;
   FieldOptions options_;
-  int count_ = 0;
-  std::string entries_;  ///< the index's <Grid> elements so far
 };
 
 }  // namespace brisance::output

@@ -8,8 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "observe/gas_fields.hpp"
 #include "observe/particle_fields.hpp"
+#include "output/dump.hpp"
 #include "output/file.hpp"
 #include "output/folder.hpp"
 #include "output/json.hpp"
@@ -30,15 +32,13 @@ constexpr double expected_compression = 0.5;
 
 double expected_bytes(run::World const& world, WriterOptions const& options) {
   run::Case const& setup = world.setup;
-  auto const fields = dumped_fields(setup);
   bool const single = setup.output.single_precision;
-  double dump = FieldSeries::bytes_per_dump(setup.domain, fields, single);
+  double dump = FieldSeries::bytes_per_dump(setup.domain, dumped_fields(setup, IsLast::no), single);
   if (world.particles != nullptr) {
     dump += ParticleSeries::bytes_per_dump(static_cast<double>(observe::dumped_particles(world)),
                                            dumped_particle_fields(setup), single);
   }
-  return dump * static_cast<double>(dump_times(setup.output, setup.end.time).size()) *
-             (options.compression > 0 ? expected_compression : 1.0) +
+  return dump * static_cast<double>(dump_times(setup.output, setup.end.time).size()) * expected_compression +
          options.checkpoint_bytes;
 }
 
@@ -86,13 +86,13 @@ FieldSpec spec_of(std::string const& name, std::vector<observe::FieldInfo> const
 
 }  // namespace
 
-std::vector<FieldSpec> dumped_fields(run::Case const& setup) {
+std::vector<FieldSpec> dumped_fields(run::Case const& setup, IsLast last) {
   if (setup.particles.any() && !setup.mpm_region) return {};
   std::vector<std::string> names = setup.output.fields;
   auto const add = [&names](char const* name) {
     if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
   };
-  if (setup.output.peak_fields) {
+  if (setup.output.peak_fields && last == IsLast::yes) {
     add("peak_overpressure");
     add("impulse");
   }
@@ -143,7 +143,8 @@ Writer::Writer(run::World const& world, observe::Gauges const& gauges, fs::path 
                WriterOptions const& options)
     : histories_(&gauges),
       folder_(prepared(folder, world, gauges, options)),
-      fields_(dumped_fields(world.setup)),
+      fields_(dumped_fields(world.setup, IsLast::no)),
+      last_fields_(dumped_fields(world.setup, IsLast::yes)),
       particle_fields_(dumped_particle_fields(world.setup)),
       series_(folder_, {world.setup.output.single_precision, options.compression}),
       particles_(folder_, {world.setup.output.single_precision, options.compression}),
@@ -155,26 +156,57 @@ Writer::Writer(run::World const& world, observe::Gauges const& gauges, fs::path 
   write_log(world, "running", "", 0);
 }
 
-void Writer::dump_fields(run::World const& world) {
+void Writer::dump(run::World const& world, IsLast last) {
+  finish_dumps();
+  std::vector<GatheredDump> dumps;
   if (!particle_fields_.empty()) {
-    particles_.dump(world.clock.time, world.clock.step, world.setup.domain.geometry, observe::dumped_particles(world),
-                    particle_fields_, [&world](std::string const& field, std::vector<double>& out) {
-                      observe::particle_field(world, field, out);
-                    });
+    dumps.push_back(particles_.dump(
+        world.clock.time, world.clock.step, world.setup.domain.geometry, observe::dumped_particles(world),
+        particle_fields_,
+        [&world](std::string const& field, std::vector<double>& out) { observe::particle_field(world, field, out); }));
   }
-  if (world.gas != nullptr) {
-    if (world.bridge != nullptr) {
-      if (view_ == nullptr) view_ = std::make_unique<observe::GasView>(world, world.bridge->region().cells());
-      view_->update();
-      view_->update_solids();
-    }
-    std::vector<std::string> names;
-    for (FieldSpec const& field : fields_) names.push_back(field.name);
-    observe::FieldValues const values(world, names, view_.get());
-    series_.dump(world.clock.time, world.clock.step, world.grid, fields_,
-                 [&values](grid::Cell const& cell, double* out) { values.at(cell, out); });
+  if (world.gas != nullptr) dumps.push_back(gathered_fields(world, last, DumpPlace::next));
+  write_later(world, std::move(dumps));
+}
+
+void Writer::dump_again(run::World const& world, IsLast last) {
+  if (fields_.size() == last_fields_.size()) return;
+  finish_dumps();
+  std::vector<GatheredDump> dumps;
+  dumps.push_back(gathered_fields(world, last, DumpPlace::again));
+  write_later(world, std::move(dumps));
+}
+
+GatheredDump Writer::gathered_fields(run::World const& world, IsLast last, DumpPlace place) {
+  if (world.bridge != nullptr) {
+    if (view_ == nullptr) view_ = std::make_unique<observe::GasView>(world, world.bridge->region().cells());
+    view_->update();
+    view_->update_solids();
   }
-  write_log(world, "running", "", 0);
+  std::vector<FieldSpec> const& fields = last == IsLast::yes ? last_fields_ : fields_;
+  std::vector<std::string> names;
+  names.reserve(fields.size());
+  for (FieldSpec const& field : fields) names.push_back(field.name);
+  observe::FieldValues const values(world, names, view_.get());
+  return series_.dump(
+      world.clock.time, world.clock.step, world.grid, fields,
+      [&values](grid::Cell const& first, int count, double* out) { values.row(first, count, out); }, place);
+}
+
+void Writer::write_later(run::World const& world, std::vector<GatheredDump> dumps) {
+  for (GatheredDump const& one : dumps) under_way_.push_back(one.dump);
+  int const count = std::max(series_.series().count(), particles_.series().count());
+  queue_.add([this, dumps = std::move(dumps), log = log_text(world, "running", "", 0, count)] {
+    for (GatheredDump const& one : dumps) one.write();
+    replace_file(folder_ / "run.json", log);
+  });
+}
+
+void Writer::finish_dumps() {
+  // The calculation waits: its threads may as well help.
+  for (auto const& dump : under_way_) parallel_for(threads(), [&dump](int, int) { dump->compress(); });
+  queue_.finish();
+  under_way_.clear();
 }
 
 Writer::~Writer() = default;
@@ -204,6 +236,7 @@ double Writer::wall_seconds() const {
 }
 
 void Writer::finish(run::World const& world, std::string const& end_reason, int exit_code) {
+  finish_dumps();
   append_gauges();
   if (world.gas == nullptr) {
     write_particle_summary(folder_, world, *histories_, particle_gauges_.names());
@@ -221,16 +254,21 @@ void Writer::finish(run::World const& world, std::string const& end_reason, int 
 }
 
 void Writer::close(run::World const& world, std::string const& end_reason, int exit_code) {
+  queue_.settle();
   tidy_list(folder_);
   write_log(world, exit_code == 0 ? "done" : "stopped", end_reason, exit_code);
 }
 
+std::string Writer::log_text(run::World const& world, std::string const& status, std::string const& end_reason,
+                             int exit_code, int dumps) const {
+  auto const log = run_log(world, {status, end_reason, exit_code, started_at_, wall_seconds(), dumps, resumed_at_});
+  // A deck or a title may hold bytes that are not UTF-8: they are replaced, the log stays valid JSON.
+  return log.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
 void Writer::write_log(run::World const& world, std::string const& status, std::string const& end_reason,
                        int exit_code) {
-  auto const log =
-      run_log(world, {status, end_reason, exit_code, started_at_, wall_seconds(), dump_count(), resumed_at_});
-  // A deck or a title may hold bytes that are not UTF-8: they are replaced, the log stays valid JSON.
-  replace_file(folder_ / "run.json", log.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  replace_file(folder_ / "run.json", log_text(world, status, end_reason, exit_code, dump_count()));
 }
 
 }  // namespace brisance::output

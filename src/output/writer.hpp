@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "core/archive.hpp"
+#include "core/task_queue.hpp"
 #include "observe/gas_view.hpp"
 #include "observe/gauges.hpp"
 #include "output/fields.hpp"
@@ -41,6 +42,9 @@ struct WriterOptions {
   double checkpoint_bytes = 0.0;      ///< space that all checkpoints will take
 };
 
+/// Is a dump the last one of its run?
+enum class IsLast { no, yes };
+
 class Writer {
  public:
   /// Prepares the folder and writes the deck and the first run log. Keeps a reference to the gauges. Throws IoError.
@@ -48,33 +52,49 @@ class Writer {
          WriterOptions const& options = {});
   ~Writer();
 
-  /// Writes one dump of the gas fields, of the material points or of both, and brings the run log up to date.
-  void dump_fields(run::World const& world);
+  /// Gathers one dump of the gas fields, of the material points or of both. A thread of its own writes it and brings
+  /// the run log up to date; a dump before it is waited for. The last one of a run also holds the peak fields.
+  void dump(run::World const& world, IsLast last);
+
+  /// Gathers the fields of the last dump again, from the same state, where the last one of a run holds others.
+  void dump_again(run::World const& world, IsLast last);
+
+  /// Throws what kept a dump from being written.
+  void check() { queue_.check(); }
+
+  /// Waits until all dumps are written. Throws what kept one from it.
+  void finish_dumps();
 
   /// Appends what the gauges recorded since the last call.
   void append_gauges();
 
-  /// Writes the rest of the gauges, the summary, the end profile of a run that is done, and at last the run log that
-  /// says so. `end_reason` is one line for people.
+  /// Waits for the dumps, writes the rest of the gauges, the summary, the end profile of a run that is done, and at
+  /// last the run log that says so. `end_reason` is one line for people.
   void finish(run::World const& world, std::string const& end_reason, int exit_code);
 
   /// Writes the last run log alone: of a run whose other results could not be written.
   void close(run::World const& world, std::string const& end_reason, int exit_code);
 
-  /// What has been written, in a checkpoint. Reading makes the folder what it was when the checkpoint was written:
-  /// later dumps and records go; the world must have been read before.
+  /// What has been written, in a checkpoint; dumps must be finished. Reading makes the folder what it was when the
+  /// checkpoint was written: later dumps and records go; the world must have been read before.
   void archive(Archive& a, run::World const& world);
 
   [[nodiscard]] std::filesystem::path const& folder() const { return folder_; }
-  [[nodiscard]] int dump_count() const { return std::max(series_.count(), particles_.count()); }
+  /// Dumps on the disk.
+  [[nodiscard]] int dump_count() const { return std::max(series_.series().written(), particles_.series().written()); }
 
  private:
+  [[nodiscard]] GatheredDump gathered_fields(run::World const& world, IsLast last, DumpPlace place);
+  void write_later(run::World const& world, std::vector<GatheredDump> dumps);
   [[nodiscard]] double wall_seconds() const;
+  [[nodiscard]] std::string log_text(run::World const& world, std::string const& status, std::string const& end_reason,
+                                     int exit_code, int dumps) const;
   void write_log(run::World const& world, std::string const& status, std::string const& end_reason, int exit_code);
 
   observe::Gauges const* histories_;
   std::filesystem::path folder_;
   std::vector<FieldSpec> fields_;
+  std::vector<FieldSpec> last_fields_;  ///< of the last dump
   std::vector<FieldSpec> particle_fields_;
   std::unique_ptr<observe::GasView> view_;  ///< of all cells, made with the first dump
   FieldSeries series_;
@@ -84,12 +104,14 @@ class Writer {
   std::chrono::steady_clock::time_point begin_;
   std::string started_at_;
   std::vector<long> resumed_at_;  ///< steps at which the run was taken up again
+  std::vector<std::shared_ptr<Dump>> under_way_;
+  TaskQueue queue_{1};  ///< ends before what it writes from
 };
 
-/// The fields of the gas that the dumps of a case hold: the specified ones, the peak fields where asked, the obstacle
-/// mask where there are obstacles, region and solid where there is an MPM region. None without gas. Throws InputError
-/// for an unknown name.
-[[nodiscard]] std::vector<FieldSpec> dumped_fields(run::Case const& setup);
+/// The fields of the gas that the dumps of a case hold: the specified ones, in the last dump the peak fields where
+/// asked, the obstacle mask where there are obstacles, region and solid where there is an MPM region. None without gas.
+/// Throws InputError for an unknown name.
+[[nodiscard]] std::vector<FieldSpec> dumped_fields(run::Case const& setup, IsLast last);
 
 /// Those of material points: position, body, material and the specified ones. None where no particles are dumped.
 /// Throws InputError for an unknown name.

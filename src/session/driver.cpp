@@ -45,6 +45,8 @@ class Recorder {
   void resume(Archive& archive) {
     rest_of_state(archive);
     archive.end();
+    // A run that stopped here made this dump its last one.
+    if (dumped_step_ == world_->clock.step) writer_->dump_again(*world_, output::IsLast::no);
     double const now = world_->clock.time;
     while (next_dump_ < dump_times_.size() && dump_times_[next_dump_] <= now) ++next_dump_;
     if (sampled_step_ >= 0) plan_sample();
@@ -58,10 +60,11 @@ class Recorder {
   }
 
   void record() {
+    writer_->check();
     if (world_->clock.time >= next_gauge_) sample();
     if (world_->clock.time >= next_dump()) {
       while (next_dump_ < dump_times_.size() && dump_times_[next_dump_] <= world_->clock.time) ++next_dump_;
-      dump();
+      dump(next_dump_ == dump_times_.size() ? output::IsLast::yes : output::IsLast::no);
     }
     if (std::chrono::steady_clock::now() >= next_append_) append();
     if (checkpoint_is_due()) checkpoint();
@@ -73,6 +76,7 @@ class Recorder {
     auto const begin = std::chrono::steady_clock::now();
     {
       PhaseTimer const timer(world_->timings["checkpoints"]);
+      writer_->finish_dumps();
       checkpoints_.write(info(), state());
     }
     kept_step_ = world_->clock.step;
@@ -90,7 +94,12 @@ class Recorder {
   void record_last(bool state_is_sound) {
     if (state_is_sound && sampled_step_ != world_->clock.step) sample();
     if (state_is_sound && world_->particles != nullptr) gauges_->record_bodies(*world_);
-    if (dumped_step_ != world_->clock.step || !state_is_sound) dump();
+    if (dumped_step_ != world_->clock.step || !state_is_sound) {
+      dump(output::IsLast::yes);
+    } else if (last_dumped_ == output::IsLast::no) {
+      PhaseTimer const timer(world_->timings["output"]);
+      writer_->dump_again(*world_, output::IsLast::yes);
+    }
   }
 
  private:
@@ -141,11 +150,12 @@ class Recorder {
                                                             std::chrono::duration<double>(plan.wall_clock));
   }
 
-  void dump() {
+  void dump(output::IsLast last) {
     PhaseTimer const timer(world_->timings["output"]);
     world_->update_audit();
-    writer_->dump_fields(*world_);
+    writer_->dump(*world_, last);
     dumped_step_ = world_->clock.step;
+    last_dumped_ = last;
   }
 
   void append() {
@@ -163,6 +173,7 @@ class Recorder {
   std::size_t next_dump_ = 0;
   double next_gauge_ = 0.0;
   long dumped_step_ = -1;
+  output::IsLast last_dumped_ = output::IsLast::no;
   long sampled_step_ = -1;
   double sampled_time_ = 0.0;
   EndConditions conditions_;

@@ -17,9 +17,8 @@ namespace brisance::session {
 
 namespace {
 
-constexpr double program_bytes = 50e6;          // code, libraries, work arrays of the threads
-constexpr double largest_dump_cache = 268.5e6;  // chunk cache of the field writer
-constexpr double bytes_per_node = 160.0;        // mass, momentum, force and velocity of a node on one grid field
+constexpr double program_bytes = 50e6;    // code, libraries, work arrays of the threads
+constexpr double bytes_per_node = 160.0;  // mass, momentum, force and velocity of a node on one grid field
 
 // Rates of docs/benchmarks.md: cells of a 3D step, or particles, per second on one thread.
 constexpr double one_fluid_rate = 22e6;
@@ -97,10 +96,10 @@ void add_gas_memory(run::Case const& setup, grid::Partition const& partition, Pl
   p.memory.push_back({"ghost layers of the blocks", components * ghost_cells(setup.domain, partition) * double_bytes});
   if (setup.output.peak_fields)
     p.memory.push_back({"peak fields (output.peak_fields)", peak_components * cells * double_bytes});
-  p.memory.push_back({"output buffer for one field", std::min(largest_dump_cache, cells * 3.0 * double_bytes)});
 }
 
 void sum_memory(Plan& p) {
+  p.memory.push_back({"the dump that is being written", p.last_dump_bytes});
   p.memory.push_back({"the program itself", program_bytes});
   p.memory_bytes = 0.0;
   for (MemoryPart const& part : p.memory) p.memory_bytes += part.bytes;

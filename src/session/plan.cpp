@@ -188,8 +188,12 @@ void plan_gas(run::Case const& setup, Plan& p) {
   plan_placed(setup, taken, p);
   double const values = gas_components(setup) + (setup.output.peak_fields ? peak_components : 0.0);
   p.checkpoint_bytes = static_cast<double>(setup.domain.cell_count()) * values * double_bytes;
-  p.dump_bytes =
-      output::FieldSeries::bytes_per_dump(setup.domain, output::dumped_fields(setup), setup.output.single_precision);
+  auto const bytes_of_dump = [&setup](output::IsLast last) {
+    return output::FieldSeries::bytes_per_dump(setup.domain, output::dumped_fields(setup, last),
+                                               setup.output.single_precision);
+  };
+  p.dump_bytes = bytes_of_dump(output::IsLast::no);
+  p.last_dump_bytes = bytes_of_dump(output::IsLast::yes);
   double const records =
       setup.output.gauge_interval > 0.0 ? std::min(p.steps, setup.end.time / setup.output.gauge_interval) : p.steps;
   p.gauge_bytes = records * bytes_per_record * static_cast<double>(setup.gauges.size());
@@ -272,6 +276,7 @@ void plan_particles(run::Case const& setup, Plan& p) {
   double const dumped = p.particles - (p.region && !setup.output.gas_particles ? p.region->gas_particles : 0.0);
   p.dump_bytes = output::ParticleSeries::bytes_per_dump(dumped, output::dumped_particle_fields(setup),
                                                         setup.output.single_precision);
+  p.last_dump_bytes = p.dump_bytes;
 }
 
 /// Gas and particles together. Each takes steps of its own within common ones, see `run::stable_step`.
@@ -320,8 +325,10 @@ void plan_region(run::Case const& setup, Plan& p) {
                                          : std::max(r.gas_steps, r.particle_steps);
   add_particle_memory(setup.particles, p, domain.dimensions());
   double const dumped = p.particles - (setup.output.gas_particles ? 0.0 : r.gas_particles);
-  p.dump_bytes = gas.dump_bytes + output::ParticleSeries::bytes_per_dump(dumped, output::dumped_particle_fields(setup),
-                                                                         setup.output.single_precision);
+  double const particle_bytes = output::ParticleSeries::bytes_per_dump(dumped, output::dumped_particle_fields(setup),
+                                                                       setup.output.single_precision);
+  p.dump_bytes = gas.dump_bytes + particle_bytes;
+  p.last_dump_bytes = gas.last_dump_bytes + particle_bytes;
   p.gauge_bytes += gas.gauge_bytes;
   p.checkpoint_bytes = gas.checkpoint_bytes + p.particles * bytes_per_particle;
   p.warnings.insert(p.warnings.end(), gas.warnings.begin(), gas.warnings.end());
@@ -369,8 +376,8 @@ Plan plan(run::Case const& setup) {
     plan_gas(setup, p);
   }
   sum_memory(p);
-  p.disk_bytes =
-      static_cast<double>(p.dumps) * p.dump_bytes + p.gauge_bytes + (setup.checkpoint.keep + 1) * p.checkpoint_bytes;
+  p.disk_bytes = static_cast<double>(p.dumps - 1) * p.dump_bytes + p.last_dump_bytes + p.gauge_bytes +
+                 (setup.checkpoint.keep + 1) * p.checkpoint_bytes;
   p.seconds = estimated_seconds(setup, p);
   if (p.memory_bytes > p.machine_memory_bytes) {
     p.warnings.push_back(

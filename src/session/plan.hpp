@@ -54,6 +54,7 @@ struct Plan {
   std::optional<RegionPlan> region;
   long dumps = 0;
   double dump_bytes = 0.0;        ///< of one dump, of fields and particles, uncompressed
+  double last_dump_bytes = 0.0;   ///< of the last dump, which holds the peak fields too
   std::vector<GaugePlan> gauges;  ///< of the gas
   double gauge_bytes = 0.0;       ///< of all gauge files, estimate
   double checkpoint_bytes = 0.0;  ///< of one checkpoint without gauge histories, estimate for particles

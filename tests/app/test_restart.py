@@ -369,6 +369,22 @@ class Resume(Case):
         self.assertTrue((self.folder / "whole/gauges/near.csv").read_text().startswith(former[:-200]))
         self.assertEqual(len(list((self.folder / "whole/fields").iterdir())), 9)
 
+    def test_only_the_last_dump_holds_peaks_also_when_the_end_is_moved(self):
+        def with_peaks(name):
+            return [n for n, dump in enumerate(sorted((self.folder / name / "fields").iterdir()))
+                    if b"peak_overpressure" in dump.read_bytes()]
+
+        self.deck(self.SMALL)
+        self.brisance("--output", "whole", "--quiet")
+        self.assertEqual(with_peaks("whole"), [6])
+        self.deck(self.SMALL.replace('"0.5 ms"', '"0.4 ms"').replace("steps = 10", "at_end = true"))
+        self.brisance("--output", "moved", "--quiet")
+        self.assertEqual(with_peaks("moved"), [5])
+        self.deck(self.SMALL)
+        self.brisance("--output", "moved", "--resume", "--quiet")
+        self.assertEqual(with_peaks("moved"), [6])
+        self.assert_same(self.contents("whole"), "moved")
+
     def test_another_deck_is_refused(self):
         self.stopped()
         changes = (('"1 kg"', '"2 kg"', "charge"),

@@ -41,8 +41,8 @@ void place_obstacle(Problem& problem) {
   });
 }
 
-Outcome outcome(Setting const& s, bool sleep) {
-  set_threads(1);  // the blocks are tiny
+Outcome outcome(Setting const& s, bool sleep, int threads = 1) {
+  set_threads(threads);
   Problem problem;
   int const dims = grid::dimensions(s.geometry);
   problem.box(s.geometry, dims == 1 ? 48 : dims == 2 ? 24 : 16, 1.0, s.boundary);
@@ -53,6 +53,9 @@ Outcome outcome(Setting const& s, bool sleep) {
   }
   problem.options.scheme = s.scheme;
   problem.options.sleep = sleep;
+  // Several bundles, and several parts, in each of the tiny blocks.
+  problem.options.bundle_cells = 24;
+  problem.options.part_cells = 16;
   problem.options.peak_fields = true;
   problem.options.density_floor = 1e-6;
   problem.options.pressure_floor = 1.0;
@@ -98,6 +101,19 @@ Outcome outcome(Setting const& s, bool sleep) {
   out.values.insert(out.values.end(), account.outflow.begin(), account.outflow.end());
   for (double& x : out.values) x += 0.0;  // no negative zeros
   return out;
+}
+
+TEST(Parts, GiveTheSameBitsForAnyNumberOfThreads) {
+  Setting s;
+  s.geometry = Geometry::cartesian3d;
+  s.wind = {-40.0, 30.0, 20.0};
+  for (Inside const inside : {Inside::obstacle, Inside::held, Inside::burst}) {
+    s.inside = inside;
+    Outcome const one = outcome(s, true);
+    for (int const threads : {2, 3, 8})
+      EXPECT_EQ(outcome(s, true, threads).values, one.values) << threads << " threads";
+  }
+  set_threads(1);
 }
 
 class Wind : public testing::TestWithParam<std::tuple<Geometry, Boundary, gas::Scheme>> {};
@@ -164,6 +180,9 @@ TEST_P(Noh, ReachesTheDensityBehindTheShock) {
   problem.domain.boundary[0] = Boundary::symmetry;
   problem.block_cells = 50;
   problem.options.sleep = sleep;
+  // Several bundles, and several parts, in each of the tiny blocks.
+  problem.options.bundle_cells = 24;
+  problem.options.part_cells = 16;
   problem.fluids.eos[0] = material::IdealGas{5.0 / 3.0};
   problem.quiescent = state(1.0, -1.0, 1e-6);
   problem.fill([&](Vec3 const&) { return problem.quiescent; });

@@ -42,7 +42,7 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   EXPECT_EQ(read_file(folder / "deck.toml"), world.setup.deck_text);
   EXPECT_EQ(nlohmann::json::parse(read_file(folder / "run.json"))["status"], "running");
 
-  writer.dump_fields(world);
+  writer.dump(world, IsLast::yes);
   record_air(world.gauges.gas[0], 0.0);
   writer.append_gauges();
   world.timings["sweeps"] = 0.5;
@@ -99,15 +99,49 @@ TEST(Writer, StoppedRunSaysSo) {
   EXPECT_EQ(log["exit_code"], 3);
 }
 
-TEST(Writer, DumpedFieldsAddPeaksAndObstacleMaskOnce) {
+TEST(Writer, DumpedFieldsAddPeaksToTheLastAndTheObstacleMaskOnce) {
   auto setup = air_box();
   setup.output.fields = {"pressure", "impulse"};
   setup.obstacles.push_back({"wall", shape::Box{}});
-  std::vector<std::string> names;
-  for (auto const& spec : dumped_fields(setup)) names.push_back(spec.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"pressure", "impulse", "peak_overpressure", "obstacle"}));
+  auto const names = [&setup](IsLast last) {
+    std::vector<std::string> all;
+    for (auto const& spec : dumped_fields(setup, last)) all.push_back(spec.name);
+    return all;
+  };
+  EXPECT_EQ(names(IsLast::no), (std::vector<std::string>{"pressure", "impulse", "obstacle"}));
+  EXPECT_EQ(names(IsLast::yes), (std::vector<std::string>{"pressure", "impulse", "peak_overpressure", "obstacle"}));
   setup.output.fields = {"presure"};
-  EXPECT_THROW((void)dumped_fields(setup), InputError);
+  EXPECT_THROW((void)dumped_fields(setup, IsLast::no), InputError);
+}
+
+// What a run writes while it goes on does not depend on how far the thread that writes has come.
+TEST(Writer, LogCountsADumpWhenItIsOnTheDisk) {
+  observe::Watched world(air_box());
+  ScratchFolder scratch;
+  Writer writer(world, world.gauges, scratch.path());
+  for (int n = 1; n <= 3; ++n) {
+    writer.dump(world, IsLast::no);
+    writer.finish_dumps();
+    EXPECT_EQ(writer.dump_count(), n);
+    EXPECT_EQ(nlohmann::json::parse(read_file(scratch.path() / "run.json"))["dumps"], n);
+  }
+}
+
+TEST(Writer, FailedDumpIsReportedOnceAndNotCounted) {
+  observe::Watched world(air_box());
+  ScratchFolder scratch;
+  Writer writer(world, world.gauges, scratch.path());
+  writer.dump(world, IsLast::no);
+  writer.finish_dumps();
+  fs::create_directory(scratch.path() / "fields/fields_000001.h5.part");  // where the dump is to be written
+  writer.dump(world, IsLast::no);
+  EXPECT_THROW(writer.finish_dumps(), IoError);
+  EXPECT_NO_THROW(writer.check());
+  EXPECT_EQ(writer.dump_count(), 1);
+  writer.close(world, "cannot write", 4);
+  auto const log = nlohmann::json::parse(read_file(scratch.path() / "run.json"));
+  EXPECT_EQ(log["dumps"], 1);
+  EXPECT_EQ(log["status"], "stopped");
 }
 
 TEST(DumpTimes, HoldStartMultiplesExtraTimesAndEnd) {
@@ -168,7 +202,7 @@ TEST(Report, IsWrittenForAFinishedRun) {
   observe::Watched world(air_box());
   ScratchFolder scratch;
   Writer writer(world, world.gauges, scratch.path());
-  writer.dump_fields(world);
+  writer.dump(world, IsLast::yes);
   writer.finish(world, "end time reached", 0);
   auto const html = read_file(write_report(scratch.path()));
   EXPECT_NE(html.find("air at rest"), std::string::npos);
