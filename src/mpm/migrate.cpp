@@ -16,8 +16,8 @@ namespace brisance::mpm {
 
 namespace {
 
-/// Steps between two sorts of the particles by cell: a particle needs at least two steps to cross a cell, and the
-/// particles of a block stay close in memory anyhow.
+/// Steps between two sorts, the first one after the first step. A particle needs at least two steps to cross a cell,
+/// and the particles of a block stay close in memory anyhow.
 constexpr long sort_interval = 24;
 
 /// What happens to a particle that moved out of its block.
@@ -133,7 +133,7 @@ void Mpm::migrate() {
     book_block(block);
   }
   if (take_in()) find_active();
-  if (step_ % sort_interval != 0) return;
+  if (step_ % sort_interval != 1) return;
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
       ParticleSet& set = particles(active_[n], body);
@@ -225,15 +225,20 @@ bool Mpm::take_in() {
   return !receivers.empty();
 }
 
+/// Brings particles that touch the same nodes together, see groups.hpp.
 void Mpm::sort(ParticleSet& set, int block, std::vector<int>& order) const {
   Patch const& patch = work_->patches[block];
-  std::vector<int> cell;
+  std::vector<int> place;
   std::vector<int> start;
-  find_cells(set, patch, cell);
-  if (std::is_sorted(cell.begin(), cell.end())) return;
-  find_starts(cell, patch.cell_range().count(), start);
+  if (patch.reach > 0) {
+    find_nearest_nodes(set, patch, place);
+  } else {
+    find_cells(set, patch, place);
+  }
+  if (std::is_sorted(place.begin(), place.end())) return;
+  find_starts(place, patch.reach > 0 ? patch.count() : patch.cell_range().count(), start);
   order.resize(set.size());
-  for (int q = 0; q < set.size(); ++q) order[start[cell[q]]++] = q;
+  for (int q = 0; q < set.size(); ++q) order[start[place[q]]++] = q;
   set.reorder(order);
 }
 
