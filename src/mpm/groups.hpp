@@ -48,6 +48,30 @@ inline __attribute__((always_inline)) void for_groups(Weights<S, D> const& k, in
   }
 }
 
+/// part(node) += w values of the particles begin..end of a group, for plane c of their nodes.
+template <class S, int D, class Node, class Part>
+inline __attribute__((always_inline)) void add_to_plane(Patch const& patch, Weights<S, D> const& k, int begin, int end,
+                                                        int c, Lanes4 const (&values)[chunk], Node* nodes,
+                                                        Part const& part) {
+  constexpr int rows = rows_of<S, D>;
+  Node* first = row_of(patch, nodes + k.base[begin], 0, c);
+  int const stride = patch.stride(1);
+  Lanes4 sum[rows][S::support];
+  for (int b = 0; b < rows; ++b) {
+    for (int s = 0; s < S::support; ++s) sum[b][s] = part(first[b * stride + s]);
+  }
+  for (int q = begin; q < end; ++q) {
+    Lanes4 const of_plane = weight_along<S, D, 2>(k, c, q) * values[q];
+    for (int b = 0; b < rows; ++b) {
+      Lanes4 const of_row = weight_along<S, D, 1>(k, b, q) * of_plane;
+      for (int s = 0; s < S::support; ++s) sum[b][s] += k.w[0][s][q] * of_row;
+    }
+  }
+  for (int b = 0; b < rows; ++b) {
+    for (int s = 0; s < S::support; ++s) part(first[b * stride + s]) = sum[b][s];
+  }
+}
+
 /// What the particles of a chunk give to their nodes: momentum += w m, force += w b + g_x cx + g_y cy + g_z cz.
 struct Gifts {
   alignas(64) Lanes4 momentum[chunk];  ///< m
@@ -55,68 +79,58 @@ struct Gifts {
   alignas(64) Lanes4 along[3][chunk];  ///< cx, cy, cz
 };
 
-/// Adds what the particles begin..end of a group give to plane c of their nodes: mass and momentum, forces, or both;
-/// without `pushed` b is 0.
-template <class S, int D, bool with_mass, bool with_force, bool pushed>
-inline __attribute__((always_inline)) void give_to_plane(Patch const& patch, Weights<S, D> const& k, int begin, int end,
-                                                         int c, Gifts const& gifts, NodeSums* nodes) {
+/// Adds the forces of the particles begin..end of a group to plane c of their nodes; without `pushed` b is 0.
+template <class S, int D, bool pushed>
+inline __attribute__((always_inline)) void give_forces(Patch const& patch, Weights<S, D> const& k, int begin, int end,
+                                                       int c, Gifts const& gifts, NodeSums* nodes) {
   constexpr int rows = rows_of<S, D>;
-  NodeSums* first = row_of(patch, nodes + k.base[begin], 0, c);
-  int const stride = patch.stride(1);
-  Lanes4 momentum[rows][S::support];
-  Lanes4 force[rows][S::support];
-  for (int b = 0; b < rows; ++b) {
-    for (int s = 0; s < S::support; ++s) {
-      if constexpr (with_mass) momentum[b][s] = first[b * stride + s].momentum;
-      if constexpr (with_force) force[b][s] = first[b * stride + s].force;
-    }
-  }
+  // The weights of a row sum to 1 and their gradients to 0: the nearest node gets what the others leave of the whole,
+  // which costs no product. Not of tents: both of their nodes may have next to no weight. The same with rows and planes
+  // is slower: it takes more registers than there are.
+  constexpr int rest = S::support == 3 ? 1 : -1;
+  Lanes4 force[rows][S::support]{};
   for (int q = begin; q < end; ++q) {
     double const wz = weight_along<S, D, 2>(k, c, q);
-    if constexpr (with_mass) {
-      Lanes4 const of_plane = wz * gifts.momentum[q];
-      for (int b = 0; b < rows; ++b) {
-        Lanes4 const m = weight_along<S, D, 1>(k, b, q) * of_plane;
-        for (int s = 0; s < S::support; ++s) momentum[b][s] += k.w[0][s][q] * m;
-      }
-    }
-    if constexpr (with_force) {
-      Lanes4 const x = wz * gifts.along[0][q];
-      Lanes4 const y = wz * gifts.along[1][q];
-      Lanes4 z{};
-      if constexpr (pushed) z = wz * gifts.push[q];
-      if constexpr (D > 2) z += k.g[2][c][q] * gifts.along[2][q];
-      for (int b = 0; b < rows; ++b) {
-        double const wy = weight_along<S, D, 1>(k, b, q);
-        Lanes4 const u = wy * x;
-        Lanes4 t{};
-        if constexpr (pushed || D > 2) t = wy * z;
-        if constexpr (D > 1) t += k.g[1][b][q] * y;
-        for (int s = 0; s < S::support; ++s) {
-          force[b][s] += k.g[0][s][q] * u;
-          if constexpr (pushed || D > 1) force[b][s] += k.w[0][s][q] * t;
+    Lanes4 const x = wz * gifts.along[0][q];
+    Lanes4 const y = wz * gifts.along[1][q];
+    Lanes4 z{};
+    if constexpr (pushed) z = wz * gifts.push[q];
+    if constexpr (D > 2) z += k.g[2][c][q] * gifts.along[2][q];
+    for (int b = 0; b < rows; ++b) {
+      double const wy = weight_along<S, D, 1>(k, b, q);
+      Lanes4 const u = wy * x;
+      Lanes4 t{};
+      if constexpr (pushed || D > 2) t = wy * z;
+      if constexpr (D > 1) t += k.g[1][b][q] * y;
+      for (int s = 0; s < S::support; ++s) {
+        if (s == rest) {
+          force[b][s] += t;
+          continue;
         }
+        force[b][s] += k.g[0][s][q] * u;  // two sums: a sum of both products would cost an operation more
+        force[b][s] += k.w[0][s][q] * t;
       }
     }
   }
   for (int b = 0; b < rows; ++b) {
+    NodeSums* row = row_of(patch, nodes + k.base[begin], b, c);
     for (int s = 0; s < S::support; ++s) {
-      if constexpr (with_mass) first[b * stride + s].momentum = momentum[b][s];
-      if constexpr (with_force) first[b * stride + s].force = force[b][s];
+      if (s == rest) continue;
+      row[s].force += force[b][s];
+      if constexpr (rest >= 0) force[b][rest] -= force[b][s];
     }
+    if constexpr (rest >= 0) row[rest].force += force[b][rest];
   }
 }
 
-/// Adds what a chunk of n particles gives.
+/// Adds what a chunk of n particles gives: forces, and with `with_mass` mass and momentum.
 template <class S, int D, bool with_mass, bool pushed>
 void give(Patch const& patch, Weights<S, D> const& k, int n, Gifts const& gifts, NodeSums* nodes) {
-  // As many sums at a time as there are registers.
-  constexpr bool together = rows_of<S, D> * S::support <= 4;
   for_groups(k, n, [&](int begin, int end) {
     for (int c = 0; c < planes_of<S, D>; ++c) {
-      if constexpr (with_mass && !together)
-        give_to_plane<S, D, true, false, false>(patch, k, begin, end, c, gifts, nodes);
-      give_to_plane<S, D, with_mass && together, true, pushed>(patch, k, begin, end, c, gifts, nodes);
+      // One after the other: together they would need more registers than there are.
+      if constexpr (with_mass) add_to_plane<S, D>(patch, k, begin, end, c, gifts.momentum, nodes, momentum_of);
+      give_forces<S, D, pushed>(patch, k, begin, end, c, gifts, nodes);
     }
   });
 }
@@ -125,26 +139,8 @@ void give(Patch const& patch, Weights<S, D> const& k, int n, Gifts const& gifts,
 template <class S, int D, class Node, class Part>
 void add_values(Patch const& patch, Weights<S, D> const& k, int n, Lanes4 const (&values)[chunk], Node* nodes,
                 Part&& part) {
-  constexpr int rows = rows_of<S, D>;
-  int const stride = patch.stride(1);
   for_groups(k, n, [&](int begin, int end) {
-    for (int c = 0; c < planes_of<S, D>; ++c) {
-      Node* first = row_of(patch, nodes + k.base[begin], 0, c);
-      Lanes4 sum[rows][S::support];
-      for (int b = 0; b < rows; ++b) {
-        for (int s = 0; s < S::support; ++s) sum[b][s] = part(first[b * stride + s]);
-      }
-      for (int q = begin; q < end; ++q) {
-        Lanes4 const of_plane = weight_along<S, D, 2>(k, c, q) * values[q];
-        for (int b = 0; b < rows; ++b) {
-          Lanes4 const m = weight_along<S, D, 1>(k, b, q) * of_plane;
-          for (int s = 0; s < S::support; ++s) sum[b][s] += k.w[0][s][q] * m;
-        }
-      }
-      for (int b = 0; b < rows; ++b) {
-        for (int s = 0; s < S::support; ++s) part(first[b * stride + s]) = sum[b][s];
-      }
-    }
+    for (int c = 0; c < planes_of<S, D>; ++c) add_to_plane<S, D>(patch, k, begin, end, c, values, nodes, part);
   });
 }
 
