@@ -7,22 +7,32 @@
 
 namespace brisance::mpm {
 
-/// Four numbers side by side. Chunks begin on a multiple of four, and arrays of particles have room for whole fours.
-inline Lanes4 four_at(double const* from) { return *reinterpret_cast<Lanes4 const*>(from); }
+/// Are there registers for four numbers? With shorter ones sums and particles in groups would need too many, and each
+/// particle goes by itself.
+#ifdef __AVX__
+inline constexpr bool fours_fit = true;
+#else
+inline constexpr bool fours_fit = false;
+#endif
 
-/// The same from anywhere.
-inline Lanes4 loose_four_at(double const* from) {
-  using Loose = double __attribute__((vector_size(32), may_alias, aligned(8)));
-  return *reinterpret_cast<Loose const*>(from);
+/// Four numbers from anywhere in memory.
+using LooseLanes4 = double __attribute__((vector_size(32), may_alias, aligned(8)));
+
+/// Four numbers of an array. Chunks begin on a multiple of four, and arrays of particles have room for whole fours.
+inline __attribute__((always_inline)) Lanes4 const& four_at(double const* from) {
+  return *reinterpret_cast<Lanes4 const*>(from);
 }
-inline void store_four(double* to, Lanes4 const& four) {
-  using Loose = double __attribute__((vector_size(32), may_alias, aligned(8)));
-  *reinterpret_cast<Loose*>(to) = four;
+inline __attribute__((always_inline)) LooseLanes4 const& loose_four_at(double const* from) {
+  return *reinterpret_cast<LooseLanes4 const*>(from);
+}
+inline __attribute__((always_inline)) void store_four(double* to, Lanes4 const& four) {
+  *reinterpret_cast<LooseLanes4*>(to) = four;
 }
 
 /// Four vectors by component become four records by vector.
 inline __attribute__((always_inline)) void transpose(Lanes4 const& x, Lanes4 const& y, Lanes4 const& z, Lanes4 const& w,
                                                      Lanes4* out) {
+#ifdef __AVX__
   Lanes4 const low_xy = __builtin_shufflevector(x, y, 0, 4, 2, 6);
   Lanes4 const high_xy = __builtin_shufflevector(x, y, 1, 5, 3, 7);
   Lanes4 const low_zw = __builtin_shufflevector(z, w, 0, 4, 2, 6);
@@ -31,6 +41,9 @@ inline __attribute__((always_inline)) void transpose(Lanes4 const& x, Lanes4 con
   out[1] = __builtin_shufflevector(high_xy, high_zw, 0, 1, 4, 5);
   out[2] = __builtin_shufflevector(low_xy, low_zw, 2, 3, 6, 7);
   out[3] = __builtin_shufflevector(high_xy, high_zw, 2, 3, 6, 7);
+#else
+  for (int i = 0; i < 4; ++i) out[i] = Lanes4{x[i], y[i], z[i], w[i]};
+#endif
 }
 
 /// What of a node's motion is read.
@@ -126,6 +139,14 @@ inline __attribute__((always_inline)) void give_forces(Patch const& patch, Weigh
 /// Adds what a chunk of n particles gives: forces, and with `with_mass` mass and momentum.
 template <class S, int D, bool with_mass, bool pushed>
 void give(Patch const& patch, Weights<S, D> const& k, int n, Gifts const& gifts, NodeSums* nodes) {
+  if constexpr (!fours_fit) {
+    for (int q = 0; q < n; ++q) {
+      if constexpr (with_mass) add<S, D>(patch, k, q, nodes, momentum_of, gifts.momentum[q]);
+      add_with_gradient<S, D>(patch, k, q, nodes, force_of, pushed ? gifts.push[q] : Lanes4{}, gifts.along[0][q],
+                              gifts.along[1][q], gifts.along[2][q]);
+    }
+    return;
+  }
   for_groups(k, n, [&](int begin, int end) {
     for (int c = 0; c < planes_of<S, D>; ++c) {
       // One after the other: together they would need more registers than there are.
@@ -139,6 +160,10 @@ void give(Patch const& patch, Weights<S, D> const& k, int n, Gifts const& gifts,
 template <class S, int D, class Node, class Part>
 void add_values(Patch const& patch, Weights<S, D> const& k, int n, Lanes4 const (&values)[chunk], Node* nodes,
                 Part&& part) {
+  if constexpr (!fours_fit) {
+    for (int q = 0; q < n; ++q) add<S, D>(patch, k, q, nodes, part, values[q]);
+    return;
+  }
   for_groups(k, n, [&](int begin, int end) {
     for (int c = 0; c < planes_of<S, D>; ++c) add_to_plane<S, D>(patch, k, begin, end, c, values, nodes, part);
   });
@@ -150,18 +175,19 @@ template <class S, int D, class Four, class One>
 inline __attribute__((always_inline)) void for_fours(Weights<S, D> const& k, int n, Four&& four, One&& one) {
   for_groups(k, n, [&](int begin, int end) {
     int q = begin;
-    for (; q + 4 <= end; q += 4) four(q);
+    for (; fours_fit && q + 4 <= end; q += 4) four(q);
     for (; q < end; ++q) one(q);
   });
 }
 
 /// Weights of four particles along direction d; 1 where it is not resolved.
 template <class S, int D, int d>
-inline __attribute__((always_inline)) Lanes4 weights_along(Weights<S, D> const& k, int s, int q) {
+inline __attribute__((always_inline)) LooseLanes4 const& weights_along(Weights<S, D> const& k, int s, int q) {
+  static constexpr double ones[4] = {1.0, 1.0, 1.0, 1.0};
   if constexpr (d < D) {
     return loose_four_at(&k.w[d][s][q]);
   } else {
-    return Lanes4{1.0, 1.0, 1.0, 1.0};
+    return loose_four_at(ones);
   }
 }
 

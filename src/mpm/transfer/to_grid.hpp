@@ -108,10 +108,9 @@ struct ToGrid {
     double const* mass = set.field(Field::mass) + begin;
     double const* density = set.field(Field::density) + begin;
     double const inverse_h = 1.0 / v.h;
-    auto const factor = [&](int q) { return -inverse_h * four_at(mass + q) / four_at(density + q); };
     if (set.field(Field::deviator_xx) == nullptr) {
       for (int q = 0; q < n; q += 4) {
-        Lanes4 const push = -factor(q) * four_at(pressure + q);
+        Lanes4 const push = inverse_h * four_at(mass + q) / four_at(density + q) * four_at(pressure + q);
         transpose(push, Lanes4{}, Lanes4{}, Lanes4{}, gifts.along[0] + q);
         transpose(Lanes4{}, push, Lanes4{}, Lanes4{}, gifts.along[1] + q);
         transpose(Lanes4{}, Lanes4{}, push, Lanes4{}, gifts.along[2] + q);
@@ -120,7 +119,7 @@ struct ToGrid {
       std::array<double const*, 6> s{};
       for (int c = 0; c < 6; ++c) s[c] = set.field(Field::deviator_xx + c) + begin;
       for (int q = 0; q < n; q += 4) {
-        Lanes4 const f = factor(q);
+        Lanes4 const f = -inverse_h * four_at(mass + q) / four_at(density + q);
         Lanes4 const p = four_at(pressure + q);
         Lanes4 const xy = f * four_at(s[3] + q);
         Lanes4 const yz = f * four_at(s[4] + q);
