@@ -1,8 +1,10 @@
 /// Material points: particle updates per second of a full step (MUSL, 8 particles per cell, 3D, double), by material,
-/// shape function, number of particles and threads. `--benchmark_filter=...` picks; docs/benchmarks.md has figures.
+/// shape function, number of particles and threads; and the sums that the audit takes. `--benchmark_filter=...` picks;
+/// docs/benchmarks.md has figures.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "core/parallel.hpp"
@@ -31,8 +33,7 @@ material::Material solid_of(Matter matter) {
 }
 
 /// A cube of particles with mirror planes all around, stirred: every particle strains, spins and (Johnson-Cook) yields.
-void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int per_edge, int threads) {
-  set_threads(threads);
+std::unique_ptr<mpm::Mpm> stirred_cube(Matter matter, mpm::ShapeFunction shape, int per_edge) {
   double const h = 1e-3;
   int const cells = per_edge / 2;
   grid::Domain domain;
@@ -44,7 +45,8 @@ void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int p
   mpm::Body body;
   body.name = "cube";
   body.solid = solid_of(matter);
-  mpm::Mpm particles(domain, {body}, options);
+  auto cube = std::make_unique<mpm::Mpm>(domain, std::vector<mpm::Body>{body}, options);
+  mpm::Mpm& particles = *cube;
   mpm::Filling filling;
   for (int k = 0; k < per_edge; ++k) {
     for (int j = 0; j < per_edge; ++j) {
@@ -67,6 +69,13 @@ void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int p
     }
   }
   for (int n = 0; n < 3; ++n) particles.advance(particles.stable_step());
+  return cube;
+}
+
+void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int per_edge, int threads) {
+  set_threads(threads);
+  auto const cube = stirred_cube(matter, shape, per_edge);
+  mpm::Mpm& particles = *cube;
   auto const before = particles.timings();
   long steps = 0;
   for ([[maybe_unused]] auto _ : state) {
@@ -84,6 +93,14 @@ void run(benchmark::State& state, Matter matter, mpm::ShapeFunction shape, int p
   }
 }
 
+void run_sums(benchmark::State& state, int per_edge, int threads) {
+  set_threads(threads);
+  auto const cube = stirred_cube(johnson_cook, mpm::ShapeFunction::linear, per_edge);
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(mpm::sums(*cube, 0));
+  state.counters["points/s"] = benchmark::Counter(static_cast<double>(mpm::particle_count(*cube)),
+                                                  benchmark::Counter::kIsIterationInvariantRate);
+}
+
 struct Choice {
   char const* name;
   mpm::ShapeFunction shape;
@@ -99,6 +116,13 @@ constexpr Material materials[] = {{"gas", gas}, {"elastic", elastic}, {"johnson_
 
 bool register_all() {
   for (int const per_edge : {30, 100}) {
+    for (int const threads : {1, 2}) {
+      std::string const name =
+          "sums/" + std::to_string(per_edge * per_edge * per_edge) + "/threads:" + std::to_string(threads);
+      benchmark::RegisterBenchmark(name.c_str(), run_sums, per_edge, threads)
+          ->Unit(benchmark::kMillisecond)
+          ->UseRealTime();
+    }
     for (Material const& material : materials) {
       for (Choice const& choice : shapes) {
         for (int const threads : {1, 2}) {

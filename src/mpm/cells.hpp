@@ -1,4 +1,4 @@
-/// Which cell of its block each particle lies in.
+/// Which cell of its block each particle lies in, and which node is nearest.
 #pragma once
 
 #include <vector>
@@ -10,6 +10,9 @@ namespace brisance::mpm {
 
 /// Place of each particle's cell in arrays over the cells of the patch.
 void find_cells(ParticleSet const& set, Patch const& patch, std::vector<int>& cell);
+
+/// Place of the node that is nearest to each particle in arrays over the nodes of the patch.
+void find_nearest_nodes(ParticleSet const& set, Patch const& patch, std::vector<int>& node);
 
 /// From the cells of the points to where in a list of the particles, cell by cell, each of `cells` cells starts; the
 /// last entry is the number of particles.

@@ -30,17 +30,19 @@ struct HalfLengths {
   std::array<double const*, 3> own{nullptr, nullptr, nullptr};  ///< per particle, of the chunk's first particle
 };
 
-template <class S, int D>
+/// Without `gradients` these are not calculated.
+template <class S, int D, bool gradients = true>
 void find_weights(Patch const& patch, double h, std::array<double const*, 3> const& position, HalfLengths const& half,
                   int n, Weights<S, D>& out) {
   double const inverse_h = 1.0 / h;
-  for (int q = 0; q < n; ++q) out.base[q] = 0;
-  int stride = 1;
+  int const reach = patch.reach;
   for (int d = 0; d < D; ++d) {
     double const* const x = position[d];
     double const origin = patch.first[d];
     int const cells = patch.cells[d];
+    int const stride = patch.stride(d);
     // Plain pointers with constant strides: of arrays of pointers GCC cannot tell that they go on evenly.
+    int* const base = out.base;
     int* const first = out.first[d];
     double* const weight = out.w[d][0];
     double* const gradient = out.g[d][0];
@@ -51,17 +53,15 @@ void find_weights(Patch const& patch, double h, std::array<double const*, 3> con
     for (int q = 0; q < n; ++q) {
       double w[S::support];
       double g[S::support];
-      S::weights((x[q] - origin) * inverse_h, S::sized ? length[q] : 0.0, cells, first[q], w, g);
+      int node = 0;
+      S::weights((x[q] - origin) * inverse_h, S::sized ? length[q] : 0.0, cells, node, w, g);
+      first[q] = node;
+      base[q] = (d == 0 ? 0 : base[q]) + stride * (node + reach);
       for (int s = 0; s < S::support; ++s) {
         weight[s * chunk + q] = w[s];
-        gradient[s * chunk + q] = g[s];
+        if constexpr (gradients) gradient[s * chunk + q] = g[s];
       }
     }
-    int const reach = patch.reach;
-    int* const base = out.base;
-    BRISANCE_VECTOR_LOOP
-    for (int q = 0; q < n; ++q) base[q] += stride * (first[q] + reach);
-    stride *= patch.n[d];
   }
 }
 
@@ -123,25 +123,7 @@ inline __attribute__((always_inline)) void for_rows(Patch const& patch, Weights<
   }
 }
 
-/// momentum += w a, force += w b + g_x cx + g_y cy + g_z cz for one particle.
-template <class S, int D>
-inline __attribute__((always_inline)) void add_state(Patch const& patch, Weights<S, D> const& k, int q, NodeSums* nodes,
-                                                     Lanes4 const& a, Lanes4 const& b, Lanes4 const& cx,
-                                                     Lanes4 const& cy, Lanes4 const& cz) {
-  for_rows<S, D>(patch, k, q, nodes, [&](NodeSums* row, double w, double gy, double gz, int, int) {
-    Lanes4 const m = w * a;
-    Lanes4 t = w * b;
-    if constexpr (D > 1) t += gy * cy;
-    if constexpr (D > 2) t += gz * cz;
-    Lanes4 const u = w * cx;
-    for (int s = 0; s < S::support; ++s) {
-      row[s].momentum += k.w[0][s][q] * m;
-      row[s].force += k.w[0][s][q] * t + k.g[0][s][q] * u;
-    }
-  });
-}
-
-/// force += w b + g_x cx + g_y cy + g_z cz for one particle; `part` picks what is written in a node.
+/// part(node) += w b + g_x cx + g_y cy + g_z cz for one particle; `part` picks what is written in a node.
 template <class S, int D, class Node, class Part>
 inline __attribute__((always_inline)) void add_with_gradient(Patch const& patch, Weights<S, D> const& k, int q,
                                                              Node* nodes, Part&& part, Lanes4 const& b,
@@ -212,19 +194,54 @@ inline __attribute__((always_inline)) void add_affine_energy(Patch const& patch,
   });
 }
 
-/// Sums of w times the nodes' velocity and of its change at one particle.
+/// Row b in plane c of the nodes that a particle touches.
+template <class Node>
+inline __attribute__((always_inline)) Node* row_of(Patch const& patch, Node* first, int b, int c) {
+  return first + (b * patch.stride(1) + c * patch.stride(2));
+}
+
+/// Weight of a row or plane of nodes; 1 in directions that are not resolved.
+template <class S, int D, int d>
+inline __attribute__((always_inline)) double weight_along(Weights<S, D> const& k, int s, int q) {
+  if constexpr (d < D) {
+    return k.w[d][s][q];
+  } else {
+    return 1.0;
+  }
+}
+
+/// How many rows a plane of the nodes that a particle touches has, and how many planes there are.
+template <class S, int D>
+inline constexpr int rows_of = D > 1 ? S::support : 1;
+template <class S, int D>
+inline constexpr int planes_of = D > 2 ? S::support : 1;
+
+/// Sums of w times the nodes' velocity and of its change at one particle: rows, then planes, then all.
 template <class S, int D>
 inline __attribute__((always_inline)) void state_at(Patch const& patch, Weights<S, D> const& k, int q,
                                                     NodeMotion const* nodes, Lanes4& velocity, Lanes4& change) {
+  NodeMotion const* first = nodes + k.base[q];
   Lanes4 v{};
   Lanes4 c{};
-  for_rows<S, D>(patch, k, q, nodes, [&](NodeMotion const* row, double w, double, double, int, int) {
-    for (int s = 0; s < S::support; ++s) {
-      double const weight = w * k.w[0][s][q];
-      v += weight * row[s].velocity;
-      c += weight * row[s].change;
+  for (int plane = 0; plane < planes_of<S, D>; ++plane) {
+    Lanes4 plane_v{};
+    Lanes4 plane_c{};
+    for (int line = 0; line < rows_of<S, D>; ++line) {
+      NodeMotion const* row = row_of(patch, first, line, plane);
+      Lanes4 row_v = k.w[0][0][q] * row[0].velocity;
+      Lanes4 row_c = k.w[0][0][q] * row[0].change;
+      for (int s = 1; s < S::support; ++s) {
+        row_v += k.w[0][s][q] * row[s].velocity;
+        row_c += k.w[0][s][q] * row[s].change;
+      }
+      double const w = weight_along<S, D, 1>(k, line, q);
+      plane_v += w * row_v;
+      plane_c += w * row_c;
     }
-  });
+    double const w = weight_along<S, D, 2>(k, plane, q);
+    v += w * plane_v;
+    c += w * plane_c;
+  }
   velocity = v;
   change = c;
 }
@@ -233,17 +250,23 @@ inline __attribute__((always_inline)) void state_at(Patch const& patch, Weights<
 template <class S, int D>
 inline __attribute__((always_inline)) void velocity_at(Patch const& patch, Weights<S, D> const& k, int q,
                                                        NodeVelocity const* nodes, Lanes4& velocity) {
+  NodeVelocity const* first = nodes + k.base[q];
   Lanes4 v{};
-  for_rows<S, D>(patch, k, q, nodes, [&](NodeVelocity const* row, double w, double, double, int, int) {
-    Lanes4 r = k.w[0][0][q] * row[0];
-    for (int s = 1; s < S::support; ++s) r += k.w[0][s][q] * row[s];
-    v += w * r;
-  });
+  for (int plane = 0; plane < planes_of<S, D>; ++plane) {
+    Lanes4 of_plane{};
+    for (int line = 0; line < rows_of<S, D>; ++line) {
+      NodeVelocity const* row = row_of(patch, first, line, plane);
+      Lanes4 r = k.w[0][0][q] * row[0];
+      for (int s = 1; s < S::support; ++s) r += k.w[0][s][q] * row[s];
+      of_plane += weight_along<S, D, 1>(k, line, q) * r;
+    }
+    v += weight_along<S, D, 2>(k, plane, q) * of_plane;
+  }
   velocity = v;
 }
 
 /// Value and gradient [1/cell] at one particle: out = {value, d/dx, d/dy, d/dz}, and, where it has seven members, the
-/// mixed parts xy, yz and zx; `g` are the gradients to use, `part` what is read of a node.
+/// mixed parts xy, yz and zx; `g` are the gradients to use, `part` what is read of a node. Rows, then planes, then all.
 template <class S, int D, class Node, class Part, std::size_t N>
 inline __attribute__((always_inline)) void value_and_gradient(Patch const& patch, Weights<S, D> const& k,
                                                               double const (&g)[D][S::support][chunk], int q,
@@ -253,32 +276,34 @@ inline __attribute__((always_inline)) void value_and_gradient(Patch const& patch
   constexpr bool mixed = N == 7;
   out.fill(Lanes4{});
   Node const* first = nodes + k.base[q];
-  constexpr int rows = D > 1 ? S::support : 1;
-  constexpr int planes = D > 2 ? S::support : 1;
-  for (int c = 0; c < planes; ++c) {
-    for (int b = 0; b < rows; ++b) {
-      Node const* row = first + b * patch.stride(1) + c * patch.stride(2);
+  for (int c = 0; c < planes_of<S, D>; ++c) {
+    Lanes4 value{};
+    Lanes4 x{};
+    Lanes4 y{};
+    Lanes4 xy{};
+    for (int b = 0; b < rows_of<S, D>; ++b) {
+      Node const* row = row_of(patch, first, b, c);
       Lanes4 r = k.w[0][0][q] * part(row[0]);
       Lanes4 s = g[0][0][q] * part(row[0]);
       for (int i = 1; i < S::support; ++i) {
         r += k.w[0][i][q] * part(row[i]);
         s += g[0][i][q] * part(row[i]);
       }
-      double const wy = D > 1 ? k.w[D > 1 ? 1 : 0][b][q] : 1.0;
-      double const wz = D > 2 ? k.w[D > 2 ? 2 : 0][c][q] : 1.0;
-      out[0] += (wy * wz) * r;
-      out[1] += (wy * wz) * s;
-      if constexpr (D > 1) {
-        double const gy = g[1][b][q];
-        out[2] += (gy * wz) * r;
-        if constexpr (mixed) out[4] += (gy * wz) * s;
-        if constexpr (D > 2) {
-          double const gz = g[2][c][q];
-          out[3] += (wy * gz) * r;
-          if constexpr (mixed) out[5] += (gy * gz) * r;
-          if constexpr (mixed) out[6] += (wy * gz) * s;
-        }
-      }
+      double const w = weight_along<S, D, 1>(k, b, q);
+      value += w * r;
+      x += w * s;
+      if constexpr (D > 1) y += g[1][b][q] * r;
+      if constexpr (D > 1 && mixed) xy += g[1][b][q] * s;
+    }
+    double const w = weight_along<S, D, 2>(k, c, q);
+    out[0] += w * value;
+    out[1] += w * x;
+    if constexpr (D > 1) out[2] += w * y;
+    if constexpr (D > 1 && mixed) out[4] += w * xy;
+    if constexpr (D > 2) out[3] += g[2][c][q] * value;
+    if constexpr (D > 2 && mixed) {
+      out[5] += g[2][c][q] * y;
+      out[6] += g[2][c][q] * x;
     }
   }
 }

@@ -16,9 +16,12 @@ namespace brisance::mpm {
 
 namespace {
 
-/// Steps between two sorts of the particles by cell: a particle needs at least two steps to cross a cell, and the
-/// particles of a block stay close in memory anyhow.
+/// Steps between two sorts of the particles, the first one after the first step, and between two looks whether so many
+/// have moved that one is due at once: where more than a part of them lies before its predecessor. Of eight to a cell a
+/// group with the same nodes has then come apart into two.
 constexpr long sort_interval = 24;
+constexpr long look_interval = 4;
+constexpr double most_backwards = 1.0 / 16.0;
 
 /// What happens to a particle that moved out of its block.
 struct Fate {
@@ -82,9 +85,11 @@ Fate fate_of(ParticleSet& set, int q, grid::Grid const& grid, int block, Patch c
   return fate;
 }
 
-/// Adds the way of the step to the places of a set; returns how many points are no longer in its block.
-long move_on(ParticleSet& set, Patch const& patch) {
+/// Adds the way of the step to the places of a set; returns how many points are no longer in its block, and marks them.
+long move_on(ParticleSet& set, Patch const& patch, std::vector<int>& marks) {
   int const count = set.size();
+  marks.assign(count, 0);
+  int* const mark = marks.data();
   double const inverse_h = 1.0 / patch.h;
   long outside = 0;
   for (int d = 0; d < patch.dimensions; ++d) {
@@ -96,7 +101,9 @@ long move_on(ParticleSet& set, Patch const& patch) {
     for (int q = 0; q < count; ++q) {
       x[q] += move[q];
       double const u = (x[q] - first) * inverse_h;
-      outside += (u >= 0.0) & (u < cells) ? 0 : 1;  // NaN counts as outside
+      int const out = (u >= 0.0) & (u < cells) ? 0 : 1;  // NaN counts as outside
+      mark[q] |= out;
+      outside += out;
     }
   }
   return outside;
@@ -133,7 +140,7 @@ void Mpm::migrate() {
     book_block(block);
   }
   if (take_in()) find_active();
-  if (step_ % sort_interval != 0) return;
+  if (step_ % look_interval != 1) return;
   parallel_for(static_cast<int>(active_.size()), [&](int n, int thread) {
     for (int body = 0; body < static_cast<int>(bodies_.size()); ++body) {
       ParticleSet& set = particles(active_[n], body);
@@ -148,9 +155,13 @@ void Mpm::send_off(int block, int body, std::vector<int>& stay) {
   Patch const& patch = w.patches[block];
   ParticleSet& set = particles(block, body);
   Outbox& out = w.outbox[set_index(block, body)];
-  if (set.empty() || move_on(set, patch) == 0) return;
-  stay.clear();
+  if (set.empty() || move_on(set, patch, stay) == 0) return;
+  std::size_t kept = 0;  // the list takes the place of the marks that have been read
   for (int q = 0; q < set.size(); ++q) {
+    if (stay[q] == 0) {
+      stay[kept++] = q;
+      continue;
+    }
     std::optional<int> wild;
     Fate const fate = fate_of(set, q, grid_, block, patch, wild);
     if (wild) {
@@ -164,10 +175,11 @@ void Mpm::send_off(int block, int body, std::vector<int>& stay) {
       out.particles.append(set, q);
       out.destination.push_back(w.around[block][around_index(fate.offset)]);
     } else {
-      stay.push_back(q);
+      stay[kept++] = q;
     }
   }
-  set.reorder(stay);
+  stay.resize(kept);
+  if (static_cast<int>(kept) < set.size()) set.reorder(stay);
 }
 
 /// Adds what was booked in a block in the step.
@@ -225,15 +237,23 @@ bool Mpm::take_in() {
   return !receivers.empty();
 }
 
+/// Brings particles that touch the same nodes together, see groups.hpp, where they have moved apart.
 void Mpm::sort(ParticleSet& set, int block, std::vector<int>& order) const {
   Patch const& patch = work_->patches[block];
-  std::vector<int> cell;
+  std::vector<int> place;
   std::vector<int> start;
-  find_cells(set, patch, cell);
-  if (std::is_sorted(cell.begin(), cell.end())) return;
-  find_starts(cell, patch.cell_range().count(), start);
+  if (patch.reach > 0) {
+    find_nearest_nodes(set, patch, place);
+  } else {
+    find_cells(set, patch, place);
+  }
+  int backwards = 0;
+  for (int q = 1; q < set.size(); ++q) backwards += place[q] < place[q - 1] ? 1 : 0;
+  bool const due = step_ % sort_interval == 1 || backwards > most_backwards * set.size();
+  if (backwards == 0 || !due) return;
+  find_starts(place, patch.reach > 0 ? patch.count() : patch.cell_range().count(), start);
   order.resize(set.size());
-  for (int q = 0; q < set.size(); ++q) order[start[cell[q]]++] = q;
+  for (int q = 0; q < set.size(); ++q) order[start[place[q]]++] = q;
   set.reorder(order);
 }
 

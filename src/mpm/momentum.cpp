@@ -93,6 +93,7 @@ void Mpm::move_particles(int block, double dt, Hoops const& hoops, OuterForces c
     FieldScratch const& nodes = scratch.of[f];
     SetView const view{&set, &bodies_[body], &patch, patch.h};
     bool const own = !proxies_.owns(block, set);
+    NodeVelocity* back = w.maps_back ? w.velocity[w.slot(block, f)].data() : nullptr;
     with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
       if (own) {
         if (rules_[body].books_work) {
@@ -101,14 +102,14 @@ void Mpm::move_particles(int block, double dt, Hoops const& hoops, OuterForces c
           kernels.book_work(view, hoops, dt, nodes.middle.data(), nodes.forced.data(), nodes.changed.data(),
                             means ? &*means : nullptr);
         }
-        w.dissipation[block] += kernels.move(view, options_, dt, rules_[body], nodes);
+        w.dissipation[block] += kernels.move(view, options_, dt, rules_[body], nodes, back);
         w.work[block] += work_on(block, body, outer);
       } else {
         for (int d = 0; d < 3; ++d) {
           std::copy_n(set.field(Field::next_x + d), set.size(), set.field(Field::velocity_x + d));
         }
+        if (back != nullptr) kernels.map_velocity(view, Field::velocity_x, back);
       }
-      if (w.maps_back) kernels.map_velocity(view, Field::velocity_x, w.velocity[w.slot(block, f)].data());
     });
   });
 }

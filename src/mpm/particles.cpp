@@ -39,11 +39,20 @@ void ParticleSet::append(ParticleSet const& from, int index) {
 }
 
 void ParticleSet::reorder(std::vector<int> const& order) {
-  std::vector<double> scratch(order.size());
+  std::size_t first = 0;  // that changes its place
+  while (first < order.size() && order[first] == static_cast<int>(first)) ++first;
+  // Where some only leave and the others move up, nothing is overwritten that is still wanted.
+  bool const moves_up = std::is_sorted(order.begin(), order.end());
+  std::vector<double> scratch(moves_up ? 0 : order.size());
   for (int slot = 0; slot < fields_.size(); ++slot) {
     double* values = data_.data() + static_cast<std::size_t>(slot) * capacity_;
-    for (std::size_t n = 0; n < order.size(); ++n) scratch[n] = values[order[n]];
-    std::copy(scratch.begin(), scratch.end(), values);
+    if (moves_up) {
+      for (std::size_t n = first; n < order.size(); ++n) values[n] = values[order[n]];
+    } else {
+      for (std::size_t n = first; n < order.size(); ++n) scratch[n] = values[order[n]];
+      std::copy(scratch.begin() + static_cast<std::ptrdiff_t>(first), scratch.end(),
+                values + static_cast<std::ptrdiff_t>(first));
+    }
   }
   size_ = static_cast<int>(order.size());
 }

@@ -25,20 +25,25 @@ struct Kernels : ToGrid<S, D>,
                  BesideAxis<S, D>,
                  Surfaces<S, D>,
                  Heat<S, D> {
-  /// Moves the particles of a set by their transfer; rigid ones go on as they are.
+  /// Moves the particles of a set by their transfer; rigid ones go on as they are. `back`: the nodes that the new
+  /// velocity is mapped back to, or null.
   static Dissipation move(SetView const& v, Options const& options, double dt, BodyRules const& rules,
-                          FieldScratch const& nodes) {
+                          FieldScratch const& nodes, NodeVelocity* back) {
     ParticleSet& set = *v.set;
+    bool const affine = set.field(Field::affine_xx) != nullptr;
+    if (!v.body->rigid_velocity && !affine) return Flip<S, D>::move(v, options, dt, nodes, back);
+    Dissipation dissipated;
     if (v.body->rigid_velocity) {
       auto const u = vector_at(set, Field::velocity_x, 0);
       auto const way = vector_at(set, Field::move_x, 0);
       for (int d = 0; d < 3; ++d) {
         for (int q = 0; q < set.size(); ++q) way[d][q] = dt * u[d][q];
       }
-      return {};
+    } else {
+      dissipated = Apic<S, D>::move(v, dt, rules, nodes);
     }
-    if (set.field(Field::affine_xx) != nullptr) return Apic<S, D>::move(v, dt, rules, nodes);
-    return Flip<S, D>::move(v, options, dt, nodes);
+    if (back != nullptr) ToGrid<S, D>::map_velocity(v, Field::velocity_x, back);
+    return dissipated;
   }
 };
 

@@ -1,8 +1,10 @@
 /// What the particles of a body come to, and where one of them is; see `mpm.hpp`.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "core/loops.hpp"
 #include "core/parallel.hpp"
 #include "core/reduce.hpp"
 #include "mpm/mpm.hpp"
@@ -43,42 +45,87 @@ BodySums& BodySums::operator+=(BodySums const& other) {
   return *this;
 }
 
+namespace {
+
+/// Sum of value(q) over [0, n), in lanes: a plain sum waits for every addition.
+template <class Value>
+double sum_in_lanes(int n, Value&& value) {
+  constexpr int lanes = 8;
+  std::array<double, lanes> part{};
+  int q = 0;
+  for (; q + lanes <= n; q += lanes) {
+    for (int l = 0; l < lanes; ++l) part[l] += value(q + l);
+  }
+  for (; q < n; ++q) part[q % lanes] += value(q);
+  double sum = 0.0;
+  for (double const of_lane : part) sum += of_lane;
+  return sum;
+}
+
+/// Longest way from the places at the start [m]; 0 where the particles do not know them.
+double largest_displacement(ParticleSet const& set) {
+  std::array<double const*, 3> x{};
+  std::array<double const*, 3> origin{};
+  for (int d = 0; d < 3; ++d) {
+    x[d] = set.field(Field::position_x + d);
+    origin[d] = set.field(Field::origin_x + d);
+  }
+  if (origin[0] == nullptr) return 0.0;
+  constexpr int some = 64;
+  std::array<double, some> square{};
+  double most = 0.0;
+  for (int begin = 0; begin < set.size(); begin += some) {
+    int const n = std::min(some, set.size() - begin);
+    square.fill(0.0);
+    for (int d = 0; d < 3; ++d) {
+      double const* at = x[d] + begin;
+      double const* from = origin[d] + begin;
+      for (int q = 0; q < n; ++q) square[q] += (at[q] - from[q]) * (at[q] - from[q]);
+    }
+    most = std::max(most, largest_of(square.data(), n));
+  }
+  return std::sqrt(most);
+}
+
+/// What the particles of a set come to; `centre` holds the sum of mass times place.
+BodySums sums_of(ParticleSet const& set, BodyRules const& rules, bool books, double h) {
+  BodySums s;
+  int const n = set.size();
+  s.particles = n;
+  if (n == 0) return s;
+  double const* m = set.field(Field::mass);
+  auto const times_mass = [&](double const* x) { return sum_in_lanes(n, [=](int q) { return m[q] * x[q]; }); };
+  s.mass = sum_in_lanes(n, [=](int q) { return m[q]; });
+  if (double const* fraction = set.field(Field::mass_fraction)) {
+    s.fluid_mass[0] = sum_in_lanes(n, [=](int q) { return m[q] - m[q] * fraction[q]; });
+    s.fluid_mass[1] = times_mass(fraction);
+  } else {
+    s.fluid_mass[0] = s.mass;
+  }
+  for (int d = 0; d < 3; ++d) {
+    double const* v = set.field(Field::velocity_x + d);
+    s.momentum[d] = times_mass(v);
+    s.centre[d] = times_mass(set.field(Field::position_x + d));
+    s.kinetic_energy += sum_in_lanes(n, [=](int q) { return 0.5 * m[q] * v[q] * v[q]; });
+  }
+  for (int q = 0; rules.has_gradient_energy && q < n; ++q) s.kinetic_energy += m[q] * affine_energy(set, q, h);
+  s.internal_energy = times_mass(set.field(Field::energy));
+  if (books) s.provisional_energy = times_mass(set.field(Field::provisional));
+  if (double const* work = set.field(Field::plastic_work)) s.plastic_work = times_mass(work);
+  if (double const* damage = set.field(Field::damage))
+    s.damaged_mass = sum_in_lanes(n, [=](int q) { return damage[q] >= 1.0 ? m[q] : 0.0; });
+  s.largest_displacement = largest_displacement(set);
+  return s;
+}
+
+}  // namespace
+
 BodySums sums(Mpm const& mpm, int body) {
   Body const& of = mpm.bodies()[body];
   BodyRules const rules = rules_of(of, mpm.options());
+  bool const books = rules.books_work && !of.solid.is_gas();
   BodySums total = sum_over(mpm.grid().block_count(), [&](int block) {
-    ParticleSet const& set = mpm.particles(block, body);
-    double const h = mpm.grid().blocks()[block].h();
-    BodySums s;
-    s.particles = set.size();
-    bool const affine = rules.has_gradient_energy;
-    bool const books = rules.books_work && !of.solid.is_gas();
-    for (int q = 0; q < set.size(); ++q) {
-      double const m = set.field(Field::mass)[q];
-      s.mass += m;
-      double const* fraction = set.field(Field::mass_fraction);
-      double const other = fraction == nullptr ? 0.0 : m * fraction[q];
-      s.fluid_mass[0] += m - other;
-      s.fluid_mass[1] += other;
-      double square = 0.0;
-      double moved = 0.0;
-      for (int d = 0; d < 3; ++d) {
-        double const v = set.field(Field::velocity_x + d)[q];
-        double const x = set.field(Field::position_x + d)[q];
-        s.momentum[d] += m * v;
-        s.centre[d] += m * x;
-        square += v * v;
-        if (double const* origin = set.field(Field::origin_x + d)) moved += (x - origin[q]) * (x - origin[q]);
-      }
-      s.kinetic_energy += 0.5 * m * square;
-      if (affine) s.kinetic_energy += m * affine_energy(set, q, h);
-      s.internal_energy += m * set.field(Field::energy)[q];
-      if (books) s.provisional_energy += m * set.field(Field::provisional)[q];
-      if (double const* work = set.field(Field::plastic_work)) s.plastic_work += m * work[q];
-      if (double const* damage = set.field(Field::damage)) s.damaged_mass += damage[q] >= 1.0 ? m : 0.0;
-      s.largest_displacement = std::max(s.largest_displacement, std::sqrt(moved));
-    }
-    return s;
+    return sums_of(mpm.particles(block, body), rules, books, mpm.grid().blocks()[block].h());
   });
   if (total.mass > 0.0) total.centre = (1.0 / total.mass) * total.centre;
   return total;

@@ -1,4 +1,6 @@
 // Bars smeared over the particles around their axes.
+#include <map>
+
 #include "core/error.hpp"
 #include "harness.hpp"
 #include "mpm/reinforcement.hpp"
@@ -273,17 +275,18 @@ TEST(Reinforcement, PullsAlongItsAxisWhateverThatIs) {
       if (set.field(Field::bar_number)[q] > 0.0) set.field(Field::bar_stress)[q] = stress;
     });
     int const dims = cube.mpm->grid().domain().dimensions();
-    std::vector<Vec3> at;
-    cube.for_each_particle([&](ParticleSet const& set, int q) { at.push_back(cube.get(set, q, Field::position_x)); });
+    std::map<double, Vec3> at;  // by the particles' numbers: the step may sort them
+    cube.for_each_particle([&](ParticleSet const& set, int q) {
+      at[set.field(Field::identity)[q]] = cube.get(set, q, Field::position_x);
+    });
     cube.mpm->advance(dt);
     std::array<Vec3, 3> virial{};
-    std::size_t next = 0;
     cube.for_each_particle([&](ParticleSet const& set, int q) {
       Vec3 const v = cube.get(set, q, Field::velocity_x);
+      Vec3 const& x = at[set.field(Field::identity)[q]];
       for (int i = 0; i < dims; ++i) {
-        for (int j = 0; j < dims; ++j) virial[i][j] += set.field(Field::mass)[q] * v[i] * at[next][j];
+        for (int j = 0; j < dims; ++j) virial[i][j] += set.field(Field::mass)[q] * v[i] * x[j];
       }
-      ++next;
     });
     for (int i = 0; i < dims; ++i) {
       for (int j = 0; j < dims; ++j) {

@@ -9,7 +9,9 @@ template <class S, int D>
 struct Flip {
   /// Velocity and motion of the particles, [Cui14] Eqs. (24)-(25), the latter with the nodes' new velocity. Returns the
   /// kinetic energy that they lose by constraints and walls (gains count negative), by the filters and by friction.
-  static Dissipation move(SetView const& v, Options const& options, double dt, FieldScratch const& nodes) {
+  /// `back`: the nodes that the new velocity is mapped back to, Eq. (26), or null.
+  static Dissipation move(SetView const& v, Options const& options, double dt, FieldScratch const& nodes,
+                          NodeVelocity* back) {
     ParticleSet& set = *v.set;
     double const pic = v.body->transfer.value_or(options.transfer) == Transfer::flip ? options.pic_fraction : 0.0;
     NodeMotion const* motion = nodes.motion.data();
@@ -18,22 +20,19 @@ struct Flip {
     NodeVelocity const* stop = nodes.stops ? nodes.stop.data() : nullptr;
     NodeVelocity const* rub = nodes.rubs ? nodes.rub.data() : nullptr;
     NodeVelocity const* keep = nodes.meets && pic > 0.0 ? nodes.keep.data() : nullptr;
+    bool const books = halt != nullptr || stop != nullptr || rub != nullptr;
     Dissipation dissipated;
-    for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
+    for_chunks<S, D, false>(v, [&](int begin, int n, Weights<S, D> const& k) {
       auto const u = vector_at(set, Field::velocity_x, begin);
       auto const way = vector_at(set, Field::move_x, begin);
       alignas(64) double fresh[3][chunk];
       alignas(64) double change[3][chunk];
-      for (int q = 0; q < n; ++q) {
-        Lanes4 velocity;
-        Lanes4 added;
-        state_at<S, D>(*v.patch, k, q, motion, velocity, added);
-        for (int d = 0; d < 3; ++d) {
-          fresh[d][q] = velocity[d];
-          change[d][q] = added[d];
+      find_motion(v, k, n, motion, fresh, change);
+      for (int q = 0; (books || exchange != nullptr) && q < n; ++q) {
+        if (books) {
+          book(v, k, q, {halt, stop, rub}, set.field(Field::mass)[begin + q], {u[0][q], u[1][q], u[2][q]},
+               {change[0][q], change[1][q], change[2][q]}, dissipated);
         }
-        book(v, k, q, {halt, stop, rub}, set.field(Field::mass)[begin + q], {u[0][q], u[1][q], u[2][q]},
-             {change[0][q], change[1][q], change[2][q]}, dissipated);
         if (exchange == nullptr) continue;
         Lanes4 taken;
         velocity_at<S, D>(*v.patch, k, q, exchange, taken);
@@ -71,8 +70,34 @@ struct Flip {
         }
         for (int q = 0; filters && q < n; ++q) dissipated.filtered -= 0.5 * mass[q] * to[q] * to[q];
       }
+      if (back == nullptr) return;
+      alignas(64) Lanes4 momentum[chunk];
+      find_momentum(n, mass, {u[0], u[1], u[2]}, momentum);
+      add_values<S, D>(*v.patch, k, n, momentum, back, whole);
     });
     return dissipated;
+  }
+
+  /// The nodes' new velocity, and its change, at the particles of a chunk.
+  static void find_motion(SetView const& v, Weights<S, D> const& k, int n, NodeMotion const* motion,
+                          double (&fresh)[3][chunk], double (&change)[3][chunk]) {
+    auto const four = [&](int q) {
+      Lanes4 sum[3];
+      values_at_four<S, D>(*v.patch, k, q, motion, velocity_of, sum);
+      for (int d = 0; d < 3; ++d) store_four(&fresh[d][q], sum[d]);
+      values_at_four<S, D>(*v.patch, k, q, motion, change_of, sum);
+      for (int d = 0; d < 3; ++d) store_four(&change[d][q], sum[d]);
+    };
+    auto const one = [&](int q) {
+      Lanes4 velocity;
+      Lanes4 added;
+      state_at<S, D>(*v.patch, k, q, motion, velocity, added);
+      for (int d = 0; d < 3; ++d) {
+        fresh[d][q] = velocity[d];
+        change[d][q] = added[d];
+      }
+    };
+    for_fours(k, n, four, one);
   }
 
   /// What constraints, walls and friction take of a particle: each at the mean velocity, half of what they change
@@ -96,7 +121,7 @@ struct Flip {
   /// XPIC: takes from `filtered` what the nodes see of it.
   static void filter(SetView const& v, NodeVelocity const* nodes) {
     ParticleSet& set = *v.set;
-    for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
+    for_chunks<S, D, false>(v, [&](int begin, int n, Weights<S, D> const& k) {
       auto const u = vector_at(set, Field::filtered_x, begin);
       for (int q = 0; q < n; ++q) {
         Lanes4 seen;

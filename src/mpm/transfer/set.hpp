@@ -10,6 +10,7 @@
 
 #include "core/loops.hpp"
 #include "mpm/cells.hpp"
+#include "mpm/groups.hpp"
 #include "mpm/kernels.hpp"
 #include "mpm/mpm.hpp"
 #include "mpm/workspace.hpp"
@@ -90,15 +91,15 @@ class CellMeans {
   Scratch* scratch_;
 };
 
-/// Calls work(begin, n, weights) for the particles of a set, a chunk at a time.
-template <class S, int D, class Work>
+/// Calls work(begin, n, weights) for the particles of a set, a chunk at a time; without `gradients` there are none.
+template <class S, int D, bool gradients = true, class Work>
 void for_chunks(SetView const& v, Work&& work) {
   ParticleSet const& set = *v.set;
   Weights<S, D> k;
   for (int begin = 0; begin < set.size(); begin += chunk) {
     int const n = std::min(chunk, set.size() - begin);
-    find_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin),
-                       half_lengths(set, *v.body, v.h, begin), n, k);
+    find_weights<S, D, gradients>(*v.patch, v.h, constant_at(set, Field::position_x, begin),
+                                  half_lengths(set, *v.body, v.h, begin), n, k);
     work(begin, n, k);
   }
 }

@@ -14,17 +14,29 @@ struct Strain {
     double const scale = dt / v.h;
     double const* radius = set.field(Field::position_x) + begin;
     alignas(64) double l[3][3][chunk];  // dv_i/dx_j dt
-    for (int q = 0; q < n; ++q) {
+    alignas(64) double u[3][chunk];     // v_i
+    auto const four = [&](int q) {
+      for (int i = 0; i < 3; ++i) {
+        Lanes4 sum[4];
+        gradient_at_four<S, D>(*v.patch, k, q, nodes, i, sum);
+        store_four(&u[i][q], sum[0]);
+        for (int j = 0; j < 3; ++j) store_four(&l[i][j][q], scale * sum[1 + j]);
+      }
+    };
+    auto const one = [&](int q) {
       std::array<Lanes4, 4> sum;
       value_and_gradient<S, D>(*v.patch, k, k.g, q, nodes, whole, sum);
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) l[i][j][q] = scale * sum[1 + j][i];
+      for (int i = 0; i < 3; ++i) u[i][q] = sum[0][i];
+      for (int j = 0; j < 3; ++j) {
+        Lanes4 const along = scale * sum[1 + j];
+        for (int i = 0; i < 3; ++i) l[i][j][q] = along[i];
       }
-      if (hoops.any()) {
-        double const stretch = dt * sum[0][0] / radius[q];
-        l[1][1][q] += hoops.yy * stretch;
-        l[2][2][q] += hoops.zz * stretch;
-      }
+    };
+    for_fours(k, n, four, one);
+    for (int q = 0; hoops.any() && q < n; ++q) {
+      double const stretch = dt * u[0][q] / radius[q];
+      l[1][1][q] += hoops.yy * stretch;
+      l[2][2][q] += hoops.zz * stretch;
     }
     BRISANCE_VECTOR_LOOP
     for (int q = 0; q < n; ++q) {

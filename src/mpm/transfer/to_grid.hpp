@@ -26,70 +26,143 @@ struct ToGrid {
   template <bool with_mass, bool with_forces>
   static void map_state(SetView const& v, Hoops const& hoops, OuterForces const& outer, CellMeans const* means,
                         NodeSums* nodes) {
-    ParticleSet& set = *v.set;
-    double const inverse_h = 1.0 / v.h;
-    bool const affine = with_mass && set.field(Field::affine_xx) != nullptr;
-    std::array<double const*, 6> deviator{};
-    for (int c = 0; c < 6 && !v.body->rigid_velocity; ++c) deviator[c] = set.field(Field::deviator_xx + c);
-    double const* const bar_number = set.field(Field::bar_number);
-    double const stressed = v.body->rigid_velocity ? 0.0 : 1.0;
-    double const reference = v.body->reference_pressure;
-    bool const driven = with_forces && outer.acceleration != nullptr;
-    Vec3 const& gravity = outer.body_force;
-    bool const heavy = with_forces && dot(gravity, gravity) > 0.0;
-    for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
-      double const* mass = set.field(Field::mass) + begin;
-      double const* density = set.field(Field::density) + begin;
-      double const* pressure = set.field(Field::pressure) + begin;
-      double const* viscosity = set.field(Field::viscosity) + begin;
-      auto const velocity = vector_at(set, Field::velocity_x, begin);
-      double const* radius = set.field(Field::position_x) + begin;
-      double const* load_number = set.field(Field::load_number);
-      AffineWeights<S, D> around;
-      if (affine) find_affine_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, around);
-      for (int q = 0; q < n; ++q) {
-        double const m = mass[q];
-        double const volume = m / density[q];
-        Lanes4 const a{m * velocity[0][q], m * velocity[1][q], m * velocity[2][q], m};
-        Lanes4 b{};
-        Lanes4 cx{};
-        Lanes4 cy{};
-        Lanes4 cz{};
-        if constexpr (with_forces) {
-          double const own = means == nullptr ? pressure[q] + viscosity[q] : means->mean(begin + q);
-          double const p = stressed * (own - reference * matter_fraction(*v.body, density[q]));
-          std::array<double, 6> s{-p, -p, -p, 0.0, 0.0, 0.0};
-          if (deviator[0] != nullptr) {
-            for (int c = 0; c < 6; ++c) s[c] += deviator[c][begin + q];
-          }
-          if (bar_number != nullptr && bar_number[begin + q] > 0.0) add_bar(set, begin + q, s);
-          double const f = -volume * inverse_h;
-          cx = Lanes4{f * s[0], f * s[3], f * s[5], 0.0};
-          cy = Lanes4{f * s[3], f * s[1], f * s[4], 0.0};
-          cz = Lanes4{f * s[5], f * s[4], f * s[2], 0.0};
-          if (hoops.any()) b[0] -= volume * (hoops.yy * s[1] + hoops.zz * s[2]) / radius[q];
-          if (load_number != nullptr && load_number[begin + q] > 0.0) {
-            Vec3 const& push = outer.pressures[static_cast<std::size_t>(load_number[begin + q]) - 1];
-            for (int d = 0; d < 3; ++d) b[d] += volume * push[d] * set.field(Field::load_x + d)[begin + q];
-          }
-        }
-        if (heavy) {
-          for (int d = 0; d < 3; ++d) b[d] += m * gravity[d];
-        }
-        if (driven) add_acceleration(set, begin + q, outer, b);
-        if constexpr (!with_mass) {
-          add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
-        } else if (affine) {
-          add_affine_energy<S, D>(*v.patch, k, around, v.h, q, nodes, a, Apic<S, D>::affine_columns(set, begin + q, m),
-                                  Apic<S, D>::mixed_columns(set, begin + q, m * inverse_h), 1.0 / m);
-          if constexpr (with_forces) add_with_gradient<S, D>(*v.patch, k, q, nodes, force_of, b, cx, cy, cz);
-        } else if constexpr (with_forces) {
-          add_state<S, D>(*v.patch, k, q, nodes, a, b, cx, cy, cz);
+    bool const affine = with_mass && v.set->field(Field::affine_xx) != nullptr;
+    bool const pushed = with_forces && is_pushed(*v.set, hoops, outer);
+    for_chunks<S, D, with_forces || S::support == 2>(v, [&](int begin, int n, Weights<S, D> const& k) {
+      Gifts gifts;
+      if constexpr (with_mass) {
+        if (affine) {
+          give_affine(v, begin, n, k, nodes);
         } else {
-          add<S, D>(*v.patch, k, q, nodes, momentum_of, a);
+          find_momentum(n, v.set->field(Field::mass) + begin, constant_at(*v.set, Field::velocity_x, begin),
+                        gifts.momentum);
+          if constexpr (!with_forces) add_values<S, D>(*v.patch, k, n, gifts.momentum, nodes, momentum_of);
+        }
+      }
+      if constexpr (with_forces) {
+        find_forces(v, hoops, outer, means, begin, n, pushed, gifts);
+        if (with_mass && !affine) {
+          pushed ? give<S, D, true, true>(*v.patch, k, n, gifts, nodes)
+                 : give<S, D, true, false>(*v.patch, k, n, gifts, nodes);
+        } else {
+          pushed ? give<S, D, false, true>(*v.patch, k, n, gifts, nodes)
+                 : give<S, D, false, false>(*v.patch, k, n, gifts, nodes);
         }
       }
     });
+  }
+
+  /// May a particle of a set feel more than its stress?
+  static bool is_pushed(ParticleSet const& set, Hoops const& hoops, OuterForces const& outer) {
+    return hoops.any() || set.field(Field::load_number) != nullptr || outer.acceleration != nullptr ||
+           dot(outer.body_force, outer.body_force) > 0.0;
+  }
+
+  /// Momentum and kinetic energy of APIC's particles.
+  static void give_affine(SetView const& v, int begin, int n, Weights<S, D> const& k, NodeSums* nodes) {
+    ParticleSet& set = *v.set;
+    double const inverse_h = 1.0 / v.h;
+    double const* mass = set.field(Field::mass) + begin;
+    auto const u = vector_at(set, Field::velocity_x, begin);
+    AffineWeights<S, D> around;
+    find_affine_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, around);
+    for (int q = 0; q < n; ++q) {
+      double const m = mass[q];
+      Lanes4 const a{m * u[0][q], m * u[1][q], m * u[2][q], m};
+      add_affine_energy<S, D>(*v.patch, k, around, v.h, q, nodes, a, Apic<S, D>::affine_columns(set, begin + q, m),
+                              Apic<S, D>::mixed_columns(set, begin + q, m * inverse_h), 1.0 / m);
+    }
+  }
+
+  /// Pressure of a chunk as the forces know it.
+  static void find_pressure(SetView const& v, CellMeans const* means, int begin, int n, double (&p)[chunk]) {
+    ParticleSet const& set = *v.set;
+    double const* density = set.field(Field::density) + begin;
+    double const* pressure = set.field(Field::pressure) + begin;
+    double const* viscosity = set.field(Field::viscosity) + begin;
+    double const reference = v.body->reference_pressure;
+    if (means == nullptr) {
+      for (int q = 0; q < n; ++q) p[q] = pressure[q] + viscosity[q];
+    } else {
+      for (int q = 0; q < n; ++q) p[q] = means->mean(begin + q);
+    }
+    for (int q = 0; reference != 0.0 && q < n; ++q) p[q] -= reference * matter_fraction(*v.body, density[q]);
+  }
+
+  /// Inner forces of a chunk, and the outer ones where it is `pushed`.
+  static void find_forces(SetView const& v, Hoops const& hoops, OuterForces const& outer, CellMeans const* means,
+                          int begin, int n, bool pushed, Gifts& gifts) {
+    if (v.body->rigid_velocity) {
+      for (auto& along : gifts.along) std::fill_n(along, n, Lanes4{});
+    } else {
+      alignas(64) double pressure[chunk]{};
+      find_pressure(v, means, begin, n, pressure);
+      give_stress(v, begin, n, pressure, gifts);
+    }
+    if (pushed) give_pushes(v, hoops, outer, begin, n, gifts);
+  }
+
+  /// Inner forces: stress times volume.
+  static void give_stress(SetView const& v, int begin, int n, double const (&pressure)[chunk], Gifts& gifts) {
+    ParticleSet const& set = *v.set;
+    double const* mass = set.field(Field::mass) + begin;
+    double const* density = set.field(Field::density) + begin;
+    double const inverse_h = 1.0 / v.h;
+    if (set.field(Field::deviator_xx) == nullptr) {
+      for (int q = 0; q < n; q += 4) {
+        Lanes4 const push = inverse_h * four_at(mass + q) / four_at(density + q) * four_at(pressure + q);
+        transpose(push, Lanes4{}, Lanes4{}, Lanes4{}, gifts.along[0] + q);
+        transpose(Lanes4{}, push, Lanes4{}, Lanes4{}, gifts.along[1] + q);
+        transpose(Lanes4{}, Lanes4{}, push, Lanes4{}, gifts.along[2] + q);
+      }
+    } else {
+      std::array<double const*, 6> s{};
+      for (int c = 0; c < 6; ++c) s[c] = set.field(Field::deviator_xx + c) + begin;
+      for (int q = 0; q < n; q += 4) {
+        Lanes4 const f = -inverse_h * four_at(mass + q) / four_at(density + q);
+        Lanes4 const p = four_at(pressure + q);
+        Lanes4 const xy = f * four_at(s[3] + q);
+        Lanes4 const yz = f * four_at(s[4] + q);
+        Lanes4 const zx = f * four_at(s[5] + q);
+        transpose(f * (four_at(s[0] + q) - p), xy, zx, Lanes4{}, gifts.along[0] + q);
+        transpose(xy, f * (four_at(s[1] + q) - p), yz, Lanes4{}, gifts.along[1] + q);
+        transpose(zx, yz, f * (four_at(s[2] + q) - p), Lanes4{}, gifts.along[2] + q);
+      }
+    }
+    double const* bar_number = set.field(Field::bar_number);
+    for (int q = 0; bar_number != nullptr && q < n; ++q) {
+      if (bar_number[begin + q] == 0.0) continue;
+      std::array<double, 6> s{};
+      add_bar(set, begin + q, s);
+      double const f = -inverse_h * mass[q] / density[q];
+      gifts.along[0][q] += f * Lanes4{s[0], s[3], s[5], 0.0};
+      gifts.along[1][q] += f * Lanes4{s[3], s[1], s[4], 0.0};
+      gifts.along[2][q] += f * Lanes4{s[5], s[4], s[2], 0.0};
+    }
+  }
+
+  /// Outer forces, and those of hoops.
+  static void give_pushes(SetView const& v, Hoops const& hoops, OuterForces const& outer, int begin, int n,
+                          Gifts& gifts) {
+    ParticleSet const& set = *v.set;
+    double const* mass = set.field(Field::mass) + begin;
+    double const* density = set.field(Field::density) + begin;
+    double const* radius = set.field(Field::position_x) + begin;
+    double const* load_number = set.field(Field::load_number);
+    bool const driven = outer.acceleration != nullptr;
+    Vec3 const& gravity = outer.body_force;
+    for (int q = 0; q < n; ++q) {
+      Lanes4 b = mass[q] * Lanes4{gravity[0], gravity[1], gravity[2], 0.0};
+      // The inner forces hold the stress times -volume/h.
+      if (hoops.any()) b[0] += v.h * (hoops.yy * gifts.along[1][q][1] + hoops.zz * gifts.along[2][q][2]) / radius[q];
+      if (load_number != nullptr && load_number[begin + q] > 0.0) {
+        double const volume = mass[q] / density[q];
+        Vec3 const& push = outer.pressures[static_cast<std::size_t>(load_number[begin + q]) - 1];
+        for (int d = 0; d < 3; ++d) b[d] += volume * push[d] * set.field(Field::load_x + d)[begin + q];
+      }
+      if (driven) add_acceleration(set, begin + q, outer, b);
+      gifts.push[q] = b;
+    }
   }
 
   /// Adds the force of the acceleration where a particle is.
@@ -104,19 +177,19 @@ struct ToGrid {
   static void map_velocity(SetView const& v, Field vector, NodeVelocity* nodes) {
     ParticleSet& set = *v.set;
     bool const affine = vector == Field::velocity_x && set.field(Field::affine_xx) != nullptr;
-    for_chunks<S, D>(v, [&](int begin, int n, Weights<S, D> const& k) {
+    for_chunks<S, D, S::support == 2>(v, [&](int begin, int n, Weights<S, D> const& k) {
+      alignas(64) Lanes4 momentum[chunk];
       double const* mass = set.field(Field::mass) + begin;
-      auto const u = vector_at(set, vector, begin);
+      find_momentum(n, mass, constant_at(set, vector, begin), momentum);
+      if (!affine) {
+        add_values<S, D>(*v.patch, k, n, momentum, nodes, whole);
+        return;
+      }
       AffineWeights<S, D> around;
-      if (affine) find_affine_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, around);
+      find_affine_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, around);
       for (int q = 0; q < n; ++q) {
-        double const m = mass[q];
-        Lanes4 const a{m * u[0][q], m * u[1][q], m * u[2][q], m};
-        if (affine) {
-          add_affine<S, D>(*v.patch, k, around, v.h, q, nodes, whole, a, Apic<S, D>::affine_columns(set, begin + q, m));
-        } else {
-          add<S, D>(*v.patch, k, q, nodes, whole, a);
-        }
+        add_affine<S, D>(*v.patch, k, around, v.h, q, nodes, whole, momentum[q],
+                         Apic<S, D>::affine_columns(set, begin + q, mass[q]));
       }
     });
   }
