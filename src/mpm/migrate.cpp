@@ -85,11 +85,9 @@ Fate fate_of(ParticleSet& set, int q, grid::Grid const& grid, int block, Patch c
   return fate;
 }
 
-/// Adds the way of the step to the places of a set; returns how many points are no longer in its block, and marks them.
-long move_on(ParticleSet& set, Patch const& patch, std::vector<int>& marks) {
+/// Adds the way of the step to the places of a set; returns how many points are no longer in its block.
+long move_on(ParticleSet& set, Patch const& patch) {
   int const count = set.size();
-  marks.assign(count, 0);
-  int* const mark = marks.data();
   double const inverse_h = 1.0 / patch.h;
   long outside = 0;
   for (int d = 0; d < patch.dimensions; ++d) {
@@ -101,12 +99,28 @@ long move_on(ParticleSet& set, Patch const& patch, std::vector<int>& marks) {
     for (int q = 0; q < count; ++q) {
       x[q] += move[q];
       double const u = (x[q] - first) * inverse_h;
-      int const out = (u >= 0.0) & (u < cells) ? 0 : 1;  // NaN counts as outside
-      mark[q] |= out;
-      outside += out;
+      outside += (u >= 0.0) & (u < cells) ? 0 : 1;  // NaN counts as outside
     }
   }
   return outside;
+}
+
+/// Which points are no longer in the block of a set: 1, the others 0.
+void mark_outside(ParticleSet const& set, Patch const& patch, std::vector<int>& marks) {
+  int const count = set.size();
+  marks.assign(count, 0);
+  int* const mark = marks.data();
+  double const inverse_h = 1.0 / patch.h;
+  for (int d = 0; d < patch.dimensions; ++d) {
+    double const* x = set.field(Field::position_x + d);
+    double const first = patch.first[d];
+    double const cells = patch.cells[d];
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < count; ++q) {
+      double const u = (x[q] - first) * inverse_h;
+      mark[q] |= (u >= 0.0) & (u < cells) ? 0 : 1;
+    }
+  }
 }
 
 /// Books a particle that leaves the domain.
@@ -155,7 +169,8 @@ void Mpm::send_off(int block, int body, std::vector<int>& stay) {
   Patch const& patch = w.patches[block];
   ParticleSet& set = particles(block, body);
   Outbox& out = w.outbox[set_index(block, body)];
-  if (set.empty() || move_on(set, patch, stay) == 0) return;
+  if (set.empty() || move_on(set, patch) == 0) return;
+  mark_outside(set, patch, stay);
   std::size_t kept = 0;  // the list takes the place of the marks that have been read
   for (int q = 0; q < set.size(); ++q) {
     if (stay[q] == 0) {
