@@ -48,7 +48,10 @@ void Dump::write(std::filesystem::path const& path) {
   datasets.reserve(datasets_.size());
   for (Dataset const& d : datasets_)
     datasets.push_back(file.dataset(d.spec.name, d.layout, d.spec.unit, d.spec.meaning));
-  for (Chunk const& chunk : chunks_) datasets[chunk.dataset].write_chunk(chunk.start, chunk.bytes);
+  for (Chunk& chunk : chunks_) {
+    datasets[chunk.dataset].write_chunk(chunk.start, chunk.bytes);
+    chunk.bytes = {};  // the file's image in memory holds it now
+  }
   file.write(path);
 }
 

@@ -86,6 +86,7 @@ std::vector<char> compressed(std::vector<char> const& bytes, int level) {
   stream.avail_out = static_cast<uInt>(out.size());
   int const result = deflate(&stream, Z_FINISH);
   out.resize(out.size() - stream.avail_out);
+  out.shrink_to_fit();  // it waits to be written
   deflateEnd(&stream);
   if (result != Z_STREAM_END) throw IoError(failure);
   return out;
