@@ -162,6 +162,12 @@ std::string domain_text(run::Case const& setup, session::Plan const& p) {
   return out;
 }
 
+double largest_courant(run::Case const& setup) {
+  double largest = 0.0;
+  for (run::Body const& body : setup.particles.bodies) largest = std::max(largest, setup.courant_of(body));
+  return largest;
+}
+
 std::string scheme_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   if (has_particles(p)) {
@@ -171,7 +177,7 @@ std::string scheme_text(run::Case const& setup, session::Plan const& p) {
                                          p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
                                          p.region ? fmt::format(", {} gas particles", large_count(of_gas)) : ""));
     out += line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", word_of(o.shape),
-                                      word_of(o.order), word_of(o.transfer), o.courant));
+                                      word_of(o.order), word_of(o.transfer), largest_courant(setup)));
   }
   if (has_gas(p)) {
     out += line(has_particles(p) ? "" : "scheme",

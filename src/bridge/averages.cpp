@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/lanes.hpp"
 #include "core/parallel.hpp"
 
 namespace brisance::bridge {
@@ -18,6 +19,8 @@ struct Image {
   int index;
   bool flip;
 };
+
+void add_four(double* to, Lanes4 const& four) { *reinterpret_cast<LooseLanes4*>(to) += four; }
 
 std::vector<Image> images(grid::Domain const& particles, int d, int i) {
   std::vector<Image> result{{i, false}};
@@ -99,13 +102,18 @@ void Averages::add_particles(mpm::Mpm const& particles, int body, BlockPart& par
   double const* const energy = set.field(Field::energy);
   double const* const mass_fraction = set.field(Field::mass_fraction);
   double const* const volume_fraction = set.field(Field::volume_fraction);
+  std::array<double const*, 3> position{};
+  std::array<double const*, 3> velocity{};
+  for (int d = 0; d < 3; ++d) {
+    position[d] = set.field(Field::position_x + d);
+    velocity[d] = set.field(Field::velocity_x + d);
+  }
   for (int q = 0; q < set.size(); ++q) {
     std::array<std::array<double, 3>, 3> w{{{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}};
     Index3 own = cells.lower;
     Index3 low = cells.lower;
     for (int d = 0; d < dims_; ++d) {
-      double const u =
-          (set.field(Field::position_x + d)[q] - domain_.lower[d]) * inverse_h - static_cast<double>(cells.lower[d]);
+      double const u = (position[d][q] - domain_.lower[d]) * inverse_h - static_cast<double>(cells.lower[d]);
       int const i = std::clamp(static_cast<int>(u), 0, block.n[d] - 1);
       double const t = u - i - 0.5;
       w[d] = {0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)};
@@ -117,21 +125,17 @@ void Averages::add_particles(mpm::Mpm const& particles, int body, BlockPart& par
     double const volume = m / density[q];
     double const other = mass_fraction == nullptr ? 0.0 : m * mass_fraction[q];
     static_assert(most_fluids == 2, "points hold one fluid beside the ambient one");
-    std::array<double, values> const value{volume,
-                                           volume_fraction == nullptr ? 0.0 : volume * volume_fraction[q],
-                                           m - other,
-                                           other,
-                                           m * energy[q],
-                                           m * set.field(Field::velocity_x)[q],
-                                           m * set.field(Field::velocity_y)[q],
-                                           m * set.field(Field::velocity_z)[q]};
+    static_assert(values == 8);
+    Lanes4 const first{volume, volume_fraction == nullptr ? 0.0 : volume * volume_fraction[q], m - other, other};
+    Lanes4 const second = m * Lanes4{energy[q], velocity[0][q], velocity[1][q], velocity[2][q]};
     for (int k = 0; k < span[2]; ++k) {
       for (int j = 0; j < span[1]; ++j) {
         double const wyz = w[1][j] * w[2][k];
         double* row = part.values.data() + values * part.box.offset({low[0], low[1] + j, low[2] + k});
-        for (int i = 0; i < span[0]; ++i) {
+        for (int i = 0; i < span[0]; ++i, row += values) {
           double const weight = w[0][i] * wyz;
-          for (int v = 0; v < values; ++v) row[values * i + v] += weight * value[v];
+          add_four(row, weight * first);
+          add_four(row + 4, weight * second);
         }
       }
     }

@@ -74,6 +74,7 @@ CellStates::CellStates(grid::Grid const& grid, std::vector<Index3> const& cells)
   before_.resize(places_.size());
   earlier_.resize(places_.size());
   later_.resize(places_.size());
+  smooth_.resize(places_.size());
 }
 
 void CellStates::read(gas::Gas const& gas) {
@@ -94,6 +95,15 @@ void CellStates::read(gas::Gas const& gas) {
     }
     signals_[g] = fastest;
   });
+  find_smooth();
+}
+
+void CellStates::find_smooth() {
+  smooth_.assign(places_.size(), 0);
+  for (std::size_t n = 0; levels_ == 3 && n < places_.size(); ++n) {
+    bool const jumps = is_jump(before_[n], earlier_[n], steep) || is_jump(earlier_[n], later_[n], steep);
+    smooth_[n] = jumps ? 0 : 1;
+  }
 }
 
 double CellStates::fastest_signal() const {
@@ -102,27 +112,36 @@ double CellStates::fastest_signal() const {
   return fastest;
 }
 
-void CellStates::at(int n, double fraction, Primitive& state, GasSlopes& slopes) const {
+CellStates::TimeWeights CellStates::time_weights(double fraction) const {
   // Lagrange's weights for the three times, in units of the last step.
   double const back = levels_ < 3 ? 1.0 : (times_[1] - times_[0]) / (times_[2] - times_[1]);
-  std::array<double, 3> const parabola{fraction * (fraction - 1.0) / (back * (back + 1.0)),
-                                       (fraction + back) * (1.0 - fraction) / back,
-                                       fraction * (fraction + back) / (1.0 + back)};
-  std::array<double, 3> const line{0.0, 1.0 - fraction, fraction};
-  auto const value = [&](int index) {
-    Primitive const& a = before_[index];
-    Primitive const& b = earlier_[index];
-    Primitive const& c = later_[index];
-    bool const smooth = levels_ == 3 && !is_jump(a, b, steep) && !is_jump(b, c, steep);
-    return blended(a, b, c, smooth ? parabola : line);
-  };
-  state = value(n);
+  return {{fraction * (fraction - 1.0) / (back * (back + 1.0)), (fraction + back) * (1.0 - fraction) / back,
+           fraction * (fraction + back) / (1.0 + back)},
+          {0.0, 1.0 - fraction, fraction}};
+}
+
+Primitive CellStates::value(int index, TimeWeights const& weights) const {
+  return blended(before_[index], earlier_[index], later_[index], weights_of(index, weights));
+}
+
+Vec3 CellStates::velocity(int index, TimeWeights const& weights) const {
+  auto const& w = weights_of(index, weights);
+  Vec3 v{0.0, 0.0, 0.0};
+  for (int d = 0; d < 3; ++d) {
+    v[d] = w[0] * before_[index].velocity[d] + w[1] * earlier_[index].velocity[d] + w[2] * later_[index].velocity[d];
+  }
+  return v;
+}
+
+void CellStates::at(int n, double fraction, Primitive& state, GasSlopes& slopes) const {
+  TimeWeights const weights = time_weights(fraction);
+  state = value(n, weights);
   slopes = {};
   for (int d = 0; d < dims_; ++d) {
     std::array<Primitive, 2> next{state, state};
     for (int side = 0; side < 2; ++side) {
       Neighbour const& neighbour = neighbours_[n][2 * d + side];
-      next[side] = value(neighbour.index);
+      next[side] = value(neighbour.index, weights);
       if (neighbour.mirror) next[side].velocity[d] *= -1.0;
     }
     slopes.density[d] = limited(state.density - next[0].density, next[1].density - state.density);
@@ -130,6 +149,21 @@ void CellStates::at(int n, double fraction, Primitive& state, GasSlopes& slopes)
     for (int c = 0; c < 3; ++c) {
       slopes.velocity[d][c] = limited(state.velocity[c] - next[0].velocity[c], next[1].velocity[c] - state.velocity[c]);
     }
+  }
+}
+
+void CellStates::velocity_at(int n, double fraction, Vec3& at_centre, std::array<Vec3, 3>& slopes) const {
+  TimeWeights const weights = time_weights(fraction);
+  at_centre = velocity(n, weights);
+  slopes = {};
+  for (int d = 0; d < dims_; ++d) {
+    std::array<Vec3, 2> next{};
+    for (int side = 0; side < 2; ++side) {
+      Neighbour const& neighbour = neighbours_[n][2 * d + side];
+      next[side] = velocity(neighbour.index, weights);
+      if (neighbour.mirror) next[side][d] *= -1.0;
+    }
+    for (int c = 0; c < 3; ++c) slopes[d][c] = limited(at_centre[c] - next[0][c], next[1][c] - at_centre[c]);
   }
 }
 

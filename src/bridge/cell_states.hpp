@@ -50,6 +50,8 @@ class CellStates {
   /// parabolas through three times where the flow is smooth, else straight lines. Straight ones alone would take as
   /// much as 1 % of sound of 20 cells, and reflect it.
   void at(int n, double fraction, Primitive& state, GasSlopes& slopes) const;
+  /// Their velocities alone.
+  void velocity_at(int n, double fraction, Vec3& velocity, std::array<Vec3, 3>& slopes) const;
   /// Largest |u| + c of all cells at the later time [m/s].
   [[nodiscard]] double fastest_signal() const;
   [[nodiscard]] Primitive const& later(int n) const { return later_[n]; }
@@ -60,6 +62,19 @@ class CellStates {
     int index = -1;       ///< in `places_`; -1: none
     bool mirror = false;  ///< the velocity along the direction changes its sign
   };
+  /// Weights of the three times at a fraction of the last step.
+  struct TimeWeights {
+    std::array<double, 3> parabola;
+    std::array<double, 3> line;
+  };
+  void find_smooth();
+  [[nodiscard]] TimeWeights time_weights(double fraction) const;
+  [[nodiscard]] std::array<double, 3> const& weights_of(int index, TimeWeights const& weights) const {
+    return smooth_[index] != 0 ? weights.parabola : weights.line;
+  }
+  [[nodiscard]] Primitive value(int index, TimeWeights const& weights) const;
+  [[nodiscard]] Vec3 velocity(int index, TimeWeights const& weights) const;
+
   std::vector<grid::Cell> places_;
   std::vector<std::array<Neighbour, 6>> neighbours_;  ///< of the nth cell
   int dims_;
@@ -68,6 +83,7 @@ class CellStates {
   std::vector<Primitive> before_;               ///< at the first of them
   std::vector<Primitive> earlier_;
   std::vector<Primitive> later_;
+  std::vector<char> smooth_;     ///< is the flow of a cell smooth over the three times?
   std::vector<double> signals_;  ///< per group of cells
 };
 

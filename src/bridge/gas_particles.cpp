@@ -1,6 +1,7 @@
 #include "bridge/gas_particles.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "bridge/conversion.hpp"
@@ -18,14 +19,24 @@ void set_gradient(mpm::ParticleSet& set, int q, GasSlopes const& slopes, int dim
 }
 
 GasParticles::GasParticles(mpm::Mpm& particles, int body, material::Fluids const& fluids, Faces const& faces,
-                           std::vector<int> outer_blocks)
+                           std::vector<int> const& outer_blocks)
     : particles_(&particles),
       body_(body),
       has_gradient_energy_(mpm::rules_of(particles.bodies()[body], particles.options()).has_gradient_energy),
       fluids_(&fluids),
-      faces_(&faces),
-      outer_blocks_(std::move(outer_blocks)) {
-  for (std::size_t n = 0; n < outer_blocks_.size(); ++n) absorbed_.push_back(empty_set());
+      faces_(&faces) {
+  Region const& region = faces.region();
+  for (int const block : outer_blocks) {
+    OuterBlock outer;
+    outer.block = block;
+    outer.cells = particles.grid().blocks()[block].in_domain();
+    outer.inside.reserve(outer.cells.count());
+    for_each_cell(outer.cells, [&](Index3 const& cell) {
+      outer.inside.push_back(region.inside(region.from_particles(cell)) ? 1 : 0);
+    });
+    outer_blocks_.push_back(std::move(outer));
+    absorbed_.push_back(empty_set());
+  }
 }
 
 void GasParticles::append(int face, int lane, double depth, double mass, Primitive const& s, GasSlopes const& slopes,
@@ -82,16 +93,25 @@ Amounts GasParticles::handed_over(mpm::ParticleSet const& set, int q) const {
   return l;
 }
 
+bool GasParticles::is_inside(OuterBlock const& outer, Vec3 const& x) const {
+  grid::Metric const& cells = faces_->region().particles_domain();
+  Index3 cell{0, 0, 0};
+  for (int d = 0; d < cells.dimensions(); ++d) cell[d] = static_cast<int>(std::floor(cells.in_cells(d, x[d])));
+  return outer.cells.contains(cell) ? outer.inside[outer.cells.offset(cell)] != 0
+                                    : faces_->region().inside(faces_->region().from_particles(cell));
+}
+
 std::vector<mpm::ParticleSet> const& GasParticles::take_absorbed() {
-  Region const& region = faces_->region();
   parallel_for(static_cast<int>(outer_blocks_.size()), [&](int n, int) {
     absorbed_[n].reorder({});
+    mpm::ParticleSet& set = particles_->particles(outer_blocks_[n].block, body_);
+    double const* x = set.field(Field::position_x);
+    double const* y = set.field(Field::position_y);
+    double const* z = set.field(Field::position_z);
     mpm::take_out(
-        particles_->particles(outer_blocks_[n], body_),
-        [&](mpm::ParticleSet const& set, int q) {
-          Vec3 const x{set.field(Field::position_x)[q], set.field(Field::position_y)[q],
-                       set.field(Field::position_z)[q]};
-          return !region.inside(faces_->cell_at(x));
+        set,
+        [&](mpm::ParticleSet const&, int q) {
+          return !is_inside(outer_blocks_[n], {x[q], y[q], z[q]});
         },
         absorbed_[n]);
   });

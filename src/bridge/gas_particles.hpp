@@ -19,7 +19,7 @@ class GasParticles {
   /// `body`: of the gas particles; `outer_blocks`: blocks of particles that hold cells outside the region. Keeps
   /// references.
   GasParticles(mpm::Mpm& particles, int body, material::Fluids const& fluids, Faces const& faces,
-               std::vector<int> outer_blocks);
+               std::vector<int> const& outer_blocks);
 
   [[nodiscard]] mpm::ParticleSet empty_set() const { return mpm::ParticleSet(mpm::fields(*particles_, body_)); }
   /// Appends a particle that comes in through a lane at a depth [m] from its face; `mass` [kg].
@@ -44,7 +44,15 @@ class GasParticles {
   bool has_gradient_energy_;  ///< see `mpm::BodyRules`
   material::Fluids const* fluids_;
   Faces const* faces_;
-  std::vector<int> outer_blocks_;
+  /// A block with cells outside the region.
+  struct OuterBlock {
+    int block = 0;
+    grid::CellRange cells;     ///< of the particles' grid
+    std::vector<char> inside;  ///< which of them are in the region
+  };
+  [[nodiscard]] bool is_inside(OuterBlock const& outer, Vec3 const& x) const;
+
+  std::vector<OuterBlock> outer_blocks_;
   std::vector<mpm::ParticleSet> absorbed_;
 };
 

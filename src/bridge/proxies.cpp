@@ -44,23 +44,19 @@ void Proxies::make_proxies(ProxyCell const& proxy, double begin, double end, Led
   CellStates const& states = shared_->states();
   Primitive centre;
   GasSlopes slopes;
-  Primitive next;
-  GasSlopes next_slopes;
+  Vec3 next{0.0, 0.0, 0.0};  // velocity at the end
+  std::array<Vec3, 3> next_slopes{};
   if (proxy.state >= 0) {
     // Pressure and density at the beginning; the velocity, as that of the particles, half a step behind it.
     double const half_step = 0.5 * (end - begin);
     states.at(proxy.state, begin, centre, slopes);
-    Primitive before;
-    GasSlopes slopes_before;
-    states.at(proxy.state, begin - half_step, before, slopes_before);
-    centre.velocity = before.velocity;
-    slopes.velocity = slopes_before.velocity;
-    states.at(proxy.state, end - half_step, next, next_slopes);
+    states.velocity_at(proxy.state, begin - half_step, centre.velocity, slopes.velocity);
+    states.velocity_at(proxy.state, end - half_step, next, next_slopes);
   } else {
     CellSums const& s = shared_->sums()[proxy.average];
     if (s.volume < 0.1 * region.metric().cell_volume(region.clamped(proxy.cell)[0])) return;  // a solid lies there
     centre = bridge::primitive(shared_->fluids(), s);
-    next = centre;
+    next = centre.velocity;
   }
   // Copies, which the calls below cannot change.
   grid::Metric const cells = region.metric();
@@ -69,6 +65,18 @@ void Proxies::make_proxies(ProxyCell const& proxy, double begin, double end, Led
   grid::CellRange sub_cells;
   for (int d = 0; d < dims; ++d) sub_cells.upper[d] = parts;
   double const half = 0.5 * cells.h / parts;
+  int q = set.size();
+  for (std::size_t n = 0; n < sub_cells.count(); ++n) set.append();
+  auto const fields_of = [&set](Field first) {
+    return std::array{set.field(first), set.field(first + 1), set.field(first + 2)};
+  };
+  auto const position = fields_of(Field::position_x);
+  auto const velocity = fields_of(Field::velocity_x);
+  auto const later = fields_of(Field::next_x);
+  auto const half_length = fields_of(Field::half_x);
+  double* const density = set.field(Field::density);
+  double* const pressure = set.field(Field::pressure);
+  double* const mass = set.field(Field::mass);
   for_each_cell(sub_cells, [&](Index3 const& sub) {
     Vec3 offset{0.0, 0.0, 0.0};
     Vec3 x = cells.centre({0, 0, 0});
@@ -83,19 +91,18 @@ void Proxies::make_proxies(ProxyCell const& proxy, double begin, double end, Led
       offset[d] += shift / cells.h;
     }
     Primitive const s = at_offset(centre, slopes, offset);
-    Primitive const later = at_offset(next, next_slopes, offset);
-    int const q = set.append();
     for (int d = 0; d < 3; ++d) {
-      set.field(Field::position_x + d)[q] = x[d];
-      set.field(Field::velocity_x + d)[q] = s.velocity[d];
-      set.field(Field::next_x + d)[q] = later.velocity[d];
-      if (double* h = set.field(Field::half_x + d)) h[q] = half;
-      if (double* filtered = set.field(Field::filtered_x + d)) filtered[q] = 0.0;
+      position[d][q] = x[d];
+      velocity[d][q] = s.velocity[d];
+      later[d][q] = next[d];
+      for (int across = 0; across < dims; ++across) later[d][q] += offset[across] * next_slopes[across][d];
+      if (half_length[d] != nullptr) half_length[d][q] = half;
     }
     set_gradient(set, q, slopes, dims, cells.h);
-    set.field(Field::density)[q] = s.density;
-    set.field(Field::pressure)[q] = s.pressure;
-    set.field(Field::mass)[q] = s.density * faces_->standard_volume(proxy.cell, sub);
+    density[q] = s.density;
+    pressure[q] = s.pressure;
+    mass[q] = s.density * faces_->standard_volume(proxy.cell, sub);
+    ++q;
   });
 }
 

@@ -250,6 +250,15 @@ struct Case {
   [[nodiscard]] material::Fluid const* other_fluid(int number) const {
     return number <= static_cast<int>(other_fluids.size()) ? &other_fluids[number - 1] : nullptr;
   }
+  /// Courant number of a body: that of the deck, or else the usual one. Beside the particles of the gas, which need far
+  /// fewer steps, elastic bodies and metals go nearer to the limit of stability, which B-splines guarantee wherever the
+  /// particles stand: docs/theory.md, "Steps". Others, in which damage would follow the length of the step, do not.
+  [[nodiscard]] double courant_of(Body const& body) const {
+    mpm::Options const& o = particles.options;
+    bool const alike = body.solid.is_metal() || (body.solid.has_deviator() && !body.solid.plastic());
+    if (o.courant || !mpm_region || o.shape != mpm::ShapeFunction::bspline || !alike) return o.courant_number();
+    return domain.dimensions() == 3 ? 0.5 : 0.6;
+  }
   /// The explosive whose products fluid `number` is; null where no charge makes it.
   [[nodiscard]] material::Explosive const* explosive_of(int number) const {
     auto const found = std::find_if(charges.begin(), charges.end(), [&](Charge const& c) { return c.fluid == number; });

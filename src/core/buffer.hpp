@@ -1,11 +1,9 @@
-/// Contiguous doubles on a cache-line boundary.
+/// Contiguous doubles on a cache-line boundary, in large pages where the system has them.
 #pragma once
 
 #include <cstddef>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
-#include <new>
 
 namespace brisance {
 
@@ -13,13 +11,7 @@ class Buffer {
  public:
   Buffer() = default;
   /// `count` zeros.
-  explicit Buffer(std::size_t count) : size_(count) {
-    if (count == 0) return;
-    std::size_t const bytes = (count * sizeof(double) + 63) / 64 * 64;
-    data_.reset(static_cast<double*>(std::aligned_alloc(64, bytes)));
-    if (!data_) throw std::bad_alloc();
-    std::memset(data_.get(), 0, bytes);
-  }
+  explicit Buffer(std::size_t count) : data_(allocate(count)), size_(count) {}
   [[nodiscard]] double* data() { return data_.get(); }
   [[nodiscard]] double const* data() const { return data_.get(); }
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -30,6 +22,9 @@ class Buffer {
   struct Free {
     void operator()(double* p) const { std::free(p); }
   };
+  /// `count` zeros; null for none. Throws std::bad_alloc.
+  [[nodiscard]] static double* allocate(std::size_t count);
+
   std::unique_ptr<double[], Free> data_;
   std::size_t size_ = 0;
 };

@@ -6,5 +6,7 @@
 namespace brisance {
 
 using Lanes4 = double __attribute__((vector_size(32), may_alias));
+/// Four numbers from anywhere in memory.
+using LooseLanes4 = double __attribute__((vector_size(32), may_alias, aligned(8)));
 
 }  // namespace brisance

@@ -51,6 +51,7 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
       open_faces_(grid, fluids, fields_.components()),
       awake_(grid, 1),
       blocks_(grid),
+      shells_(grid, [&grid](grid::Block const& block) { return shells_of(grid, block); }),
       peaks_(grid, options.peak_fields) {
   auto const u = conserved_of(fluids, quiescent);
   open_faces_.set_sources(options.wave_sources);

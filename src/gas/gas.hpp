@@ -131,9 +131,14 @@ class Gas {
   void add_tallies(std::vector<Part> const& parts);
   void load_burn(int block, BundleLayout const& layout, BundleArrays& arrays) const;
   void load_bundle(int block, BundleLayout const& layout, SweepContext& context, BundleArrays& arrays) const;
-  /// Areas and volumes of the rings or shells of a bundle along a radius.
-  void load_shells(grid::Block const& block, BundleLayout const& layout, SweepContext const& context,
-                   BundleArrays& arrays) const;
+  /// Rings or shells of a row of cells along a radius, its ghost cells included.
+  struct Shells {
+    std::vector<double> high, low;  ///< areas of the faces per volume [1/m]
+    std::vector<double> spread;     ///< half their difference, signed like the radius
+  };
+  [[nodiscard]] static Shells shells_of(grid::Grid const& grid, grid::Block const& block);
+  /// Puts those of a block, times dt, into the rows of a bundle along the radius.
+  void load_shells(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays) const;
   void store(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays);
   /// Does a step change the quiescent blocks? Wakes those that it does change: in a wind an obstacle, a wall or an axis
   /// disturbs the gas from the first step on, and only the scheme itself knows what it changes in the last bit.
@@ -177,6 +182,7 @@ class Gas {
   double quiet_pressure_ = 0.0;  ///< of quiescent gas as `measure` finds it
   grid::AwakeBlocks awake_;
   grid::BlockStore<Tally> blocks_;
+  grid::BlockStore<Shells> shells_;
   std::array<std::vector<Part>, 3> parts_;  ///< of all blocks, by the direction of the sweep
   std::vector<Tally> tallies_;              ///< of the parts
   Peaks peaks_;

@@ -55,6 +55,7 @@ inline constexpr int a_signal = a_sensor + 1;      ///< |u| + c
 inline constexpr int a_theta = a_signal + 1;       ///< lax-wendroff: theta of [Cui14] Eq. (4)
 inline constexpr int a_inverse = a_theta + 1;      ///< 1 / density of the mixture
 inline constexpr int a_keep = a_inverse + 1;       ///< lax-wendroff: 0 where a face gets Rusanov's flux
+inline constexpr int a_inverse_xi = a_keep;        ///< muscl-hancock: 1 / xi; of one ideal gas it is not set
 inline constexpr int a_viscosity = a_keep + 1;     ///< lax-wendroff: nu h / dt per face
 inline constexpr int a_half_u = a_viscosity + 1;   ///< lax-wendroff: velocity and pressure at half time per face
 inline constexpr int a_half_p = a_half_u + 1;
@@ -169,6 +170,7 @@ struct SweepContext {
   double gamma = 0.0;                                ///< where `present` is 1 and that fluid an ideal gas: its gamma
   PerFluid xi_slope{};                               ///< what the volume fraction of a fluid adds to xi
   std::vector<WallRun> const* near_walls = nullptr;  ///< cells of the bundle near rigid surfaces
+  grid::Ahead ahead;                                 ///< what the next bundle reads
 
   /// Is the only fluid of the row an ideal gas? Its closure sums are constants then, and stand in no array.
   [[nodiscard]] bool ideal() const { return gamma > 0.0; }

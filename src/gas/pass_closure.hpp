@@ -40,7 +40,7 @@ template <class V, class Eos>
       double const bound = eos.negligible_below();
       typename Lanes<V>::Mask dense(false);
       for (int q = row.begin; q < end; q += Lanes<V>::count) {
-        dense = dense | (material::phase_density(Lanes<V>::load(partial + q), fraction_at<V>(row, a, q)) > bound);
+        dense = dense | material::may_exceed(Lanes<V>::load(partial + q), fraction_at<V>(row, a, q), bound);
       }
       if (!any(dense)) {
         double const xi = 1.0 / eos.gruneisen();

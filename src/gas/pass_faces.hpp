@@ -53,7 +53,9 @@ class FacePass {
   /// Returns whether there is a cell beside which a high-order flux may leave an unsound state, see positivity.hpp.
   [[gnu::flatten]] bool run() {
     Mask risks(false);
-    for (int q = aligned(st_); q < total_ - st_; q += Lanes<V>::count) {
+    int const begin = aligned(st_);
+    for (int q = begin; q < total_ - st_; q += Lanes<V>::count) {
+      if ((q - begin) % grid::Ahead::line == 0) s_.ahead.fetch((q - begin) / grid::Ahead::line);
       Mask risky = cell(q);
       if (q < st_ || q + Lanes<V>::count > total_ - st_) risky = risky & lanes_within<V>(q, st_, total_ - st_);
       risks = risks | risky;
@@ -199,7 +201,7 @@ class FacePass {
     if constexpr (Ideal)
       modulus = s_.gamma * x.p;
     else
-      modulus = x.p + (x.p + c.H) / c.xi;
+      modulus = x.p + (x.p + c.H) * load(a_inverse_xi, q);
     Values t;
     for_fluids<0, N>([&](int k) { t.partial[k] = -(advance * d.partial[k] + x.partial[k] * div); });
     for_fluids<1, N>([&](int k) { t.alpha[k] = -(advance * d.alpha[k]); });
@@ -273,7 +275,6 @@ class FacePass {
   /// Densities, volume fractions, internal energy and speed of sound at the faces.
   void put_thermal_state(int q, Values const& x, Values const& d, Values const& t, ClosureAt<V, Ideal> const& c,
                          V const& div) const {
-    using std::sqrt;
     V const L_p = x.p + t.p + d.p;
     V const R_p = x.p + t.p - d.p;
     std::array<V, N> L_partial;
@@ -285,8 +286,7 @@ class FacePass {
     V L_rho = L_partial[0];
     V R_rho = R_partial[0];
     if constexpr (Ideal) {
-      store(a_left + f_c, q, sqrt(s_.gamma * L_p / L_rho));
-      store(a_right + f_c, q, sqrt(s_.gamma * R_p / R_rho));
+      put_sound(q, s_.gamma * L_p, L_rho, s_.gamma * R_p, R_rho);
     } else {
       V L_B = x.B + t.B + d.B;
       V R_B = x.B + t.B - d.B;
@@ -315,13 +315,20 @@ class FacePass {
       });
       store(a_left + f_rho_e, q, L_p * L_xi + L_B);
       store(a_right + f_rho_e, q, R_p * R_xi + R_B);
-      store(a_left + f_c, q, sqrt((L_p * (L_xi + 1.0) + c.H) / (L_xi * L_rho)));
-      store(a_right + f_c, q, sqrt((R_p * (R_xi + 1.0) + c.H) / (R_xi * R_rho)));
+      put_sound(q, L_p * (L_xi + 1.0) + c.H, L_xi * L_rho, R_p * (R_xi + 1.0) + c.H, R_xi * R_rho);
     }
     for_fluids<0, N>([&](int k) {
       store(a_left + f_partial(k), q, L_partial[k]);
       store(a_right + f_partial(k), q, R_partial[k]);
     });
+  }
+
+  /// Speeds of sound at the two faces, whose squares are L_p / L_rho and R_p / R_rho: one division does for both.
+  void put_sound(int q, V const& L_p, V const& L_rho, V const& R_p, V const& R_rho) const {
+    using std::sqrt;
+    V const both = 1.0 / (L_rho * R_rho);
+    store(a_left + f_c, q, sqrt(L_p * R_rho * both));
+    store(a_right + f_c, q, sqrt(R_p * L_rho * both));
   }
 
   static void drop_vanished(V& alpha, V& partial) {

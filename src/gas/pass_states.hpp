@@ -69,6 +69,18 @@ struct SoundStates {
   }
 };
 
+/// 1/rho and, of one that is no constant, 1/xi: a division costs as much as ten products, and one will do for both.
+template <bool Ideal, class V>
+inline void inverses(V const& rho, V const& xi, V& inverse_rho, V& inverse_xi) {
+  if constexpr (Ideal) {
+    inverse_rho = 1.0 / rho;
+  } else {
+    V const both = 1.0 / (rho * xi);
+    inverse_rho = xi * both;
+    inverse_xi = rho * both;
+  }
+}
+
 template <class V, int N, bool Ideal>
 [[gnu::flatten]] bool find_primitives(SweepContext const& s, int begin, int count, BundleArrays& bundle) {
   Arrays const a(bundle);
@@ -83,7 +95,10 @@ template <class V, int N, bool Ideal>
   typename Lanes<V>::Mask sound(true);
   for (int q = begin; q < begin + count; q += Lanes<V>::count) {
     V const rho = density_at<V, N>(a, q);
-    V const r = 1.0 / rho;
+    ClosureAt<V, Ideal> const c(s, a, q);
+    V r;
+    V inverse_xi;
+    inverses<Ideal>(rho, c.xi, r, inverse_xi);
     V const m = load(mu + q);
     V const n = load(mv + q);
     V const o = load(mw + q);
@@ -91,13 +106,13 @@ template <class V, int N, bool Ideal>
     V const v = n * r;
     V const w = o * r;
     V const rho_e = load(E + q) - 0.5 * (m * u + n * v + o * w);
-    ClosureAt<V, Ideal> const c(s, a, q);
     V p;
     if constexpr (Ideal)
       p = gruneisen * rho_e;
     else
-      p = (rho_e - c.B) / c.xi;
+      p = (rho_e - c.B) * inverse_xi;
     store(a[a_inverse] + q, r);
+    if constexpr (!Ideal) store(a[a_inverse_xi] + q, inverse_xi);
     store(a[a_u] + q, u);
     store(a[a_v] + q, v);
     store(a[a_w] + q, w);
@@ -190,20 +205,22 @@ template <class V, int N, bool Ideal>
   typename Lanes<V>::Mask sound(true);
   for (int q = begin; q < begin + count; q += Lanes<V>::count) {
     V const rho = density_at<V, N>(a, q);
-    V const inverse = 1.0 / rho;
+    ClosureAt<V, Ideal> const closure(s, a, q);
+    V inverse;
+    V inverse_xi;
+    inverses<Ideal>(rho, closure.xi, inverse, inverse_xi);
     V const mx = load(momentum_x, q);
     V const my = load(momentum_y, q);
     V const mz = load(momentum_z, q);
     V const rho_e = load(energy, q) - 0.5 * (mx * mx + my * my + mz * mz) * inverse;
-    ClosureAt<V, Ideal> const closure(s, a, q);
     V p;
     V modulus;
     if constexpr (Ideal) {
       p = (s.gamma - 1.0) * rho_e;
       modulus = s.gamma * p;
     } else {
-      p = (rho_e - closure.B) / closure.xi;
-      modulus = p + (p + closure.H) / closure.xi;
+      p = (rho_e - closure.B) * inverse_xi;
+      modulus = p + (p + closure.H) * inverse_xi;
     }
     V const c = sqrt(max(V(0.0), modulus) * inverse);
     V const flow = max(abs(mx), max(use_y * abs(my), use_z * abs(mz)));

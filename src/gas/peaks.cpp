@@ -36,6 +36,10 @@ void Peaks::follow(int b, grid::BundleLayout const& layout, double const* const 
   });
 }
 
+void Peaks::announce(int block, grid::Ahead& ahead) const {
+  for (int peak = 0; peak < peak_count; ++peak) ahead.add(of(block, static_cast<Peak>(peak)));
+}
+
 void Peaks::archive(Archive& a, int block) {
   if (wanted_) a.numbers(blocks_[block].data(), blocks_[block].size());
 }

@@ -55,27 +55,36 @@ void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Bundle
   if (s.burning) {
     load_burn(b, layout, a);
   }
-  if (s.radial) load_shells(block, layout, s, a);
+  if (s.radial) load_shells(b, layout, s, a);
 }
 
-void Gas::load_shells(grid::Block const& block, BundleLayout const& layout, SweepContext const& s,
-                      BundleArrays& a) const {
-  int const first = layout.begin(0);
-  for (int l = -grid::ghost_layers; l < layout.length + grid::ghost_layers; ++l) {
-    grid::Shell const shell = grid_->shell(block, l);
-    a[a_area_high][first + l] = s.dt * shell.high_area / shell.volume;
-    a[a_area_low][first + l] = s.dt * shell.low_area / shell.volume;
+Gas::Shells Gas::shells_of(grid::Grid const& grid, grid::Block const& block) {
+  Shells shells;
+  if (grid::radial_exponent(grid.domain().geometry) == 0) return shells;
+  for (int l = -grid::ghost_layers; l < block.n[0] + grid::ghost_layers; ++l) {
+    grid::Shell const shell = grid.shell(block, l);
+    shells.high.push_back(shell.high_area / shell.volume);
+    shells.low.push_back(shell.low_area / shell.volume);
     // A mirror turns the velocity round, but its image spreads as the original does: the ratio of the two must keep its
     // sign.
-    double const side = shell.mirrored ? -1.0 : 1.0;
-    a[a_expansion][first + l] = side * 0.5 * s.dt * (shell.high_area - shell.low_area) / shell.volume;
+    double const side = shell.mirrored ? -0.5 : 0.5;
+    shells.spread.push_back(side * (shell.high_area - shell.low_area) / shell.volume);
   }
+  return shells;
+}
+
+void Gas::load_shells(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) const {
+  Shells const& shells = shells_[b];
   int const whole_row = layout.length + 2 * grid::ghost_layers;
-  for (int r = 1; r < layout.rows; ++r) {
-    for (int const name : {a_area_high, a_area_low, a_expansion}) {
-      std::copy_n(a[name] + first - grid::ghost_layers, whole_row, a[name] + layout.begin(r) - grid::ghost_layers);
+  auto const load = [&](std::vector<double> const& from, int name) {
+    for (int r = 0; r < layout.rows; ++r) {
+      double* const to = a[name] + layout.begin(r) - grid::ghost_layers;
+      for (int l = 0; l < whole_row; ++l) to[l] = s.dt * from[l];
     }
-  }
+  };
+  load(shells.high, a_area_high);
+  load(shells.low, a_area_low);
+  load(shells.spread, a_expansion);
 }
 
 void Gas::store(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
@@ -236,18 +245,19 @@ void Gas::sweep_part(Part const& part, SweepContext const& sweep, bool last, Bun
     load_bundle(b, layout, s, a);
     GuardCount guards;
     s.near_walls = obstacles.near_walls(b, s.direction, index);
-    // What the next bundle needs is fetched while this one is calculated.
-    auto const prefetch_next = [&](int begin, int end) {
-      if (index + 1 == bundles.count()) return;
+    if (index + 1 < part.end) {
       BundleLayout const next = bundles.layout(index + 1);
-      for (int c = begin; c < end; ++c) {
-        double const* const slabs[] = {exchange_.ghosts(b, 0) + c * slab, exchange_.ghosts(b, 1) + c * slab};
-        grid::prefetch(next, block, fields_.at(b, c), slabs[0], slabs[1]);
+      s.ahead = grid::Ahead(next, block);
+      int const read = s.present > 1 ? components() : components_of(1);
+      for (int c = 0; c < read; ++c) {
+        s.ahead.add(fields_.at(b, c));
+        grid::prefetch_ghosts(next, block, exchange_.ghosts(b, 0) + c * slab, exchange_.ghosts(b, 1) + c * slab);
       }
-    };
-    prefetch_next(0, momentum_z);
+      if (last) peaks_.announce(b, s.ahead);
+    }
+    // `FacePass` asks for the next bundle; the other scheme has no pass that does.
+    for (int n = 0; options_.scheme != Scheme::muscl_hancock && n < s.ahead.lines; ++n) s.ahead.fetch(n);
     primitives(s, layout, a, guards);
-    prefetch_next(momentum_z, s.present > 1 ? components() : components_of(1));
     bool const checked = face_fluxes(options_.scheme, s, layout, a, guards);
     if (s.progress) progress_fluxes(s, layout, a);
     if (at_boundary) account_boundaries(b, layout, s, a, tally.account);

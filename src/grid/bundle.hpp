@@ -185,18 +185,48 @@ void for_each_run(BundleLayout const& b, Block const& block, Visit&& visit) {
   for (int l = 0; l < b.length; ++l) visit((g + l) * b.stride, start + layer * l, b.stride);
 }
 
-/// Asks for what `load` reads before it does. It lies scattered over the block, where the processor does not foresee
-/// it.
-inline void prefetch(BundleLayout const& b, Block const& block, double const* from, double const* low,
-                     double const* high) {
+/// What the next bundle reads of the block's own cells. It lies scattered over the block, where the processor does not
+/// foresee it, and is asked for line by line while the present bundle is calculated: all at once, the requests would
+/// wait for each other.
+struct Ahead {
+  static constexpr int line = 8;         ///< doubles that come together
+  std::array<double const*, 12> from{};  ///< of each array
+  int arrays = 0;
+  std::ptrdiff_t step = 0;  ///< from one line to the next
+  int lines = 0;
+
+  Ahead() = default;
+  Ahead(BundleLayout const& b, Block const& block) {
+    if (b.direction == 0) {
+      offset_ = static_cast<std::ptrdiff_t>(b.first) * b.length;
+      step = line;
+      lines = (b.rows * b.length + line - 1) / line;
+      return;
+    }
+    int const nx = block.n[0];
+    step = b.direction == 1 ? nx : static_cast<std::ptrdiff_t>(nx) * block.n[1];
+    offset_ = b.first + (b.direction == 1 ? step * block.n[1] * b.plane : 0);
+    lines = b.length;  // of wider bundles the first of the lines along x; those beside it the processor foresees
+  }
+  /// Adds an array over the cells of the block; null: none.
+  void add(double const* array) {
+    if (array != nullptr && arrays < static_cast<int>(from.size())) from[arrays++] = array + offset_;
+  }
+  void fetch(int number) const {
+    if (number >= lines) return;
+    for (int c = 0; c < arrays; ++c) __builtin_prefetch(from[c] + step * number, 0, 2);
+  }
+
+ private:
+  std::ptrdiff_t offset_ = 0;
+};
+
+/// Asks for the ghost cells that `load` reads before it does.
+inline void prefetch_ghosts(BundleLayout const& b, Block const& block, double const* low, double const* high) {
   constexpr int line = 8;
   constexpr int g = ghost_layers;
-  // To the compiler a function that only fetches does nothing, and it leaves out the call: the statements keep it.
+  // To the compiler a function that only fetches does nothing, and it leaves out the call: the statement keeps it.
   asm volatile("");
-  for_each_run(b, block, [=](int, int offset, int count) {
-    asm volatile("");
-    for (int n = 0; n < count; n += line) __builtin_prefetch(from + offset + n, 0, 2);
-  });
   if (b.direction == 0) {
     for (int n = 0; n < g * b.rows; n += line) {
       __builtin_prefetch(low + static_cast<std::ptrdiff_t>(g) * b.first + n, 0, 2);

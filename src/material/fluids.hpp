@@ -69,6 +69,15 @@ template <class V>
   return select(present & (rho > 1e-6), rho, V(1e-6));
 }
 
+/// May the density of a fluid, as `phase_density` has it, be above a bound? Without a division; that bound is above
+/// 1e-6.
+template <class V>
+[[nodiscard]] inline auto may_exceed(V const& partial_density, V const& alpha, double bound) {
+  using std::abs;
+  V const size = abs(alpha);
+  return abs(partial_density) > bound * select(size > vanishing_fraction, size, V(1.0));
+}
+
 /// Adds one fluid's part.
 template <class E, class V>
 inline void add_fluid(E const& eos, V const& alpha, V const& rho, MixtureOf<V>& m) {

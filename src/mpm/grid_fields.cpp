@@ -99,6 +99,7 @@ GridFields make_grid_fields(grid::Domain const& domain, Options const& options, 
   g.affine.assign(g.fields, 0);
   g.shared.assign(g.fields, 0);
   g.heats.assign(g.fields, 0);
+  g.early.assign(g.fields, 1);
   g.rigid.resize(g.fields);
   std::vector<char> increments(g.fields, 0);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -108,6 +109,7 @@ GridFields make_grid_fields(grid::Domain const& domain, Options const& options, 
     if (pulls(body.solid) && !body.rigid_velocity) g.one_sided[f] = 1;
     (rules[b].affine ? g.affine : increments)[f] = 1;
     if (rules[b].keeps_energy) g.heats[f] = 1;
+    if (rules[b].order != StressOrder::usl) g.early[f] = 0;
     if (body.rigid_velocity) g.rigid[f] = body.rigid_velocity;
     if (body.fills_space) g.filling = f;
     g.maps_back = g.maps_back || rules[b].order == StressOrder::musl;

@@ -43,6 +43,7 @@ struct GridFields {
   std::vector<char> affine;                ///< per field: some body has APIC
   std::vector<char> shared;                ///< per field: and some has not
   std::vector<char> heats;                 ///< per field: what APIC loses is heat, see `BodyRules::keeps_energy`
+  std::vector<char> early;                 ///< per field: all bodies are updated by USL
   int filling = -1;                        ///< field of a body that fills space; -1: none
 
   // What some field or body needs of a step.

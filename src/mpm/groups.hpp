@@ -15,9 +15,6 @@ inline constexpr bool fours_fit = true;
 inline constexpr bool fours_fit = false;
 #endif
 
-/// Four numbers from anywhere in memory.
-using LooseLanes4 = double __attribute__((vector_size(32), may_alias, aligned(8)));
-
 /// Four numbers of an array. Chunks begin on a multiple of four, and arrays of particles have room for whole fours.
 inline __attribute__((always_inline)) Lanes4 const& four_at(double const* from) {
   return *reinterpret_cast<Lanes4 const*>(from);
@@ -252,6 +249,85 @@ inline __attribute__((always_inline)) void gradient_at_four(Patch const& patch, 
     if constexpr (D > 1) out[2] += w * y;
     if constexpr (D > 2) out[3] += loose_four_at(&k.g[2][c][q]) * value;
   }
+}
+
+/// Sums of w times the first N parts of the nodes at a chunk of n particles.
+template <class S, int D, int N>
+void find_values(Patch const& patch, Weights<S, D> const& k, int n, NodeVelocity const* nodes,
+                 double (&out)[N][chunk]) {
+  auto const four = [&](int q) {
+    NodeVelocity const* first = nodes + k.base[q];
+    Lanes4 wx[S::support];
+    for (int s = 0; s < S::support; ++s) wx[s] = weights_along<S, D, 0>(k, s, q);
+    Lanes4 sum[N]{};
+    for (int c = 0; c < planes_of<S, D>; ++c) {
+      for (int b = 0; b < rows_of<S, D>; ++b) {
+        NodeVelocity const* row = row_of(patch, first, b, c);
+        Lanes4 const w = weights_along<S, D, 1>(k, b, q) * weights_along<S, D, 2>(k, c, q);
+        for (int i = 0; i < N; ++i) {
+          Lanes4 r = wx[0] * row[0][i];
+          for (int s = 1; s < S::support; ++s) r += wx[s] * row[s][i];
+          sum[i] += w * r;
+        }
+      }
+    }
+    for (int i = 0; i < N; ++i) store_four(&out[i][q], sum[i]);
+  };
+  auto const one = [&](int q) {
+    Lanes4 sum;
+    velocity_at<S, D>(patch, k, q, nodes, sum);
+    for (int i = 0; i < N; ++i) out[i][q] = sum[i];
+  };
+  for_fours(k, n, four, one);
+}
+
+/// Divergence [1/cell] of the nodes' velocity in the resolved directions at a chunk of n particles, and the velocity
+/// along the first.
+template <class S, int D>
+void find_divergence(Patch const& patch, Weights<S, D> const& k, int n, NodeVelocity const* nodes,
+                     double (&divergence)[chunk], double (&along)[chunk]) {
+  auto const four = [&](int q) {
+    NodeVelocity const* first = nodes + k.base[q];
+    Lanes4 wx[S::support];
+    Lanes4 gx[S::support];
+    for (int s = 0; s < S::support; ++s) {
+      wx[s] = loose_four_at(&k.w[0][s][q]);
+      gx[s] = loose_four_at(&k.g[0][s][q]);
+    }
+    Lanes4 sum{};
+    Lanes4 value{};
+    for (int c = 0; c < planes_of<S, D>; ++c) {
+      Lanes4 const wz = weights_along<S, D, 2>(k, c, q);
+      for (int b = 0; b < rows_of<S, D>; ++b) {
+        NodeVelocity const* row = row_of(patch, first, b, c);
+        Lanes4 x{};
+        Lanes4 dx{};
+        Lanes4 y{};
+        Lanes4 z{};
+        for (int s = 0; s < S::support; ++s) {
+          x += wx[s] * row[s][0];
+          dx += gx[s] * row[s][0];
+          if constexpr (D > 1) y += wx[s] * row[s][1];
+          if constexpr (D > 2) z += wx[s] * row[s][2];
+        }
+        Lanes4 const wy = weights_along<S, D, 1>(k, b, q);
+        Lanes4 const w = wy * wz;
+        value += w * x;
+        sum += w * dx;
+        if constexpr (D > 1) sum += loose_four_at(&k.g[1][b][q]) * wz * y;
+        if constexpr (D > 2) sum += loose_four_at(&k.g[2][c][q]) * wy * z;
+      }
+    }
+    store_four(divergence + q, sum);
+    store_four(along + q, value);
+  };
+  auto const one = [&](int q) {
+    std::array<Lanes4, 4> sum;
+    value_and_gradient<S, D>(patch, k, k.g, q, nodes, whole, sum);
+    divergence[q] = sum[1][0] + sum[2][1] + sum[3][2];
+    along[q] = sum[0][0];
+  };
+  for_fours(k, n, four, one);
 }
 
 /// Momentum and mass of a vector u that a chunk of n particles carries.

@@ -65,30 +65,44 @@ void find_weights(Patch const& patch, double h, std::array<double const*, 3> con
   }
 }
 
-/// Weights of APIC's affine part [1/cell], in place of the gradients: w (x_I - x)/D with D = sum w (x_I - x)^2, which
-/// conserves angular momentum, [Jiang15]. For tents they are the gradients. Also the distances x_I - x [m] of the first
-/// node of each direction.
-template <class S, int D>
-struct AffineWeights {
-  alignas(64) double g[D][S::support][chunk];
+/// Distances x_I - x [m] of a chunk of particles from the first of their nodes along each direction.
+template <int D>
+struct Distances {
   alignas(64) double first[D][chunk];
+};
+
+template <class S, int D>
+void find_distances(Patch const& patch, double h, std::array<double const*, 3> const& position, int n,
+                    Weights<S, D> const& weights, Distances<D>& out) {
+  for (int d = 0; d < D; ++d) {
+    double const* const x = position[d];
+    double const origin = patch.first[d];
+    int const* const index = weights.first[d];
+    double* const distance = out.first[d];
+    BRISANCE_VECTOR_LOOP
+    for (int q = 0; q < n; ++q) distance[q] = origin + index[q] * h - x[q];
+  }
+}
+
+/// Weights of APIC's affine part [1/cell], in place of the gradients: w (x_I - x)/D with D = sum w (x_I - x)^2, which
+/// conserves angular momentum, [Jiang15]. For tents they are the gradients.
+template <class S, int D>
+struct AffineWeights : Distances<D> {
+  alignas(64) double g[D][S::support][chunk];
 };
 
 template <class S, int D>
 void find_affine_weights(Patch const& patch, double h, std::array<double const*, 3> const& position, int n,
                          Weights<S, D> const& weights, AffineWeights<S, D>& out) {
+  find_distances<S, D>(patch, h, position, n, weights, out);
   for (int d = 0; d < D; ++d) {
-    double const* const x = position[d];
-    double const origin = patch.first[d];
-    int const* const index = weights.first[d];
     double const* const weight = weights.w[d][0];
     double const* const gradient = weights.g[d][0];
-    double* const distance = out.first[d];
+    double const* const distance = out.first[d];
     double* const g = out.g[d][0];
     BRISANCE_VECTOR_LOOP
     for (int q = 0; q < n; ++q) {
-      double const first = origin + index[q] * h - x[q];
-      distance[q] = first;
+      double const first = distance[q];
       if constexpr (S::support == 2) {
         for (int s = 0; s < S::support; ++s) g[s * chunk + q] = gradient[s * chunk + q];
       } else {
@@ -144,53 +158,6 @@ inline __attribute__((always_inline)) void add(Patch const& patch, Weights<S, D>
   for_rows<S, D>(patch, k, q, nodes, [&](Node* row, double w, double, double, int, int) {
     Lanes4 const t = w * a;
     for (int s = 0; s < S::support; ++s) part(row[s]) += k.w[0][s][q] * t;
-  });
-}
-
-/// part(node) += w (a + (x_I - x) . (cx, cy, cz)) for one particle: APIC.
-template <class S, int D, class Node, class Part>
-inline __attribute__((always_inline)) void add_affine(Patch const& patch, Weights<S, D> const& k,
-                                                      AffineWeights<S, D> const& affine, double h, int q, Node* nodes,
-                                                      Part&& part, Lanes4 const& a, std::array<Lanes4, 3> const& c) {
-  for_rows<S, D>(patch, k, q, nodes, [&](Node* row, double w, double, double, int j, int i) {
-    Lanes4 t = a + affine.first[0][q] * c[0];
-    if constexpr (D > 1) t += (affine.first[1][q] + j * h) * c[1];
-    if constexpr (D > 2) t += (affine.first[2][q] + i * h) * c[2];
-    t *= w;
-    Lanes4 const u = (w * h) * c[0];
-    for (int s = 0; s < S::support; ++s) part(row[s]) += k.w[0][s][q] * (t + static_cast<double>(s) * u);
-  });
-}
-
-/// The same for the nodes' momentum, and the kinetic energy of what the particle gives each node in the place of
-/// `force`'s scalar; `mixed` times both distances are the parts of xy, yz and zx, `inverse_mass` is 1/m.
-template <class S, int D>
-inline __attribute__((always_inline)) void add_affine_energy(Patch const& patch, Weights<S, D> const& k,
-                                                             AffineWeights<S, D> const& affine, double h, int q,
-                                                             NodeSums* nodes, Lanes4 const& a,
-                                                             std::array<Lanes4, 3> const& c,
-                                                             std::array<Lanes4, 3> const& mixed, double inverse_mass) {
-  for_rows<S, D>(patch, k, q, nodes, [&](NodeSums* row, double w, double, double, int j, int i) {
-    Lanes4 along = c[0];  // change per distance in x
-    Lanes4 t = a;
-    if constexpr (D > 1) {
-      double const y = affine.first[1][q] + j * h;
-      along += y * mixed[0];
-      t += y * c[1];
-      if constexpr (D > 2) {
-        double const z = affine.first[2][q] + i * h;
-        along += z * mixed[2];
-        t += z * (c[2] + y * mixed[1]);
-      }
-    }
-    t += affine.first[0][q] * along;
-    along *= h;
-    for (int s = 0; s < S::support; ++s) {
-      double const weight = w * k.w[0][s][q];
-      row[s].momentum += weight * t;
-      row[s].force[3] += 0.5 * weight * inverse_mass * (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
-      t += along;
-    }
   });
 }
 

@@ -54,7 +54,7 @@ struct Options {
   bool locking_control = false;  ///< volumetric strain averaged over the particles of a body in a cell
   double linear_viscosity = 0.06;
   double quadratic_viscosity = 1.5;
-  double courant = 0.4;
+  std::optional<double> courant;   ///< Courant number; absent: `usual_courant`
   Vec3 body_force{0.0, 0.0, 0.0};  ///< acceleration of everything [m/s2]
   /// A further acceleration [m/s2] of the particles that varies with their position [m] and the time [s]; null: none.
   std::function<Vec3(Vec3 const& x, double time)> acceleration;
@@ -64,6 +64,9 @@ struct Options {
   /// Coulomb's coefficient between bodies and faces of the domain that are a `wall`.
   double wall_friction = 0.0;
   int block_cells = 0;  ///< cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D
+
+  static constexpr double usual_courant = 0.4;
+  [[nodiscard]] double courant_number() const { return courant.value_or(usual_courant); }
 };
 
 struct Body {

@@ -83,17 +83,36 @@ void Mpm::find_taken(int block, double dt, Scratch& scratch) const {
   }
 }
 
+/// Where bodies are that do not slip. Nobody asks for the velocity of a fluid after the motion elsewhere, if its own
+/// strain takes that of the nodes.
+void Mpm::find_reached(int block, Scratch& scratch) const {
+  Workspace const& w = *work_;
+  int const count = w.patches[block].count();
+  scratch.reached.assign(count, 0);
+  for (int f = 0; f < w.fields; ++f) {
+    if (!scratch.of[f].present || w.slips[f] != 0) continue;
+    NodeMotion const* nodes = scratch.of[f].motion.data();
+    for (int node = 0; node < count; ++node) {
+      if (nodes[node].velocity[3] > 0.0) scratch.reached[node] = 1;
+    }
+  }
+}
+
 /// Eqs. (23)-(25), and (26), the velocity of the particles mapped back.
 void Mpm::move_particles(int block, double dt, Hoops const& hoops, OuterForces const& outer, Scratch& scratch) {
   Workspace& w = *work_;
   Patch const& patch = w.patches[block];
-  if (w.maps_back) clear_velocity(block);
+  if (w.maps_back) {
+    clear_velocity(block);
+    if (w.strains_early) find_reached(block, scratch);
+  }
   for_sets(block, [&](ParticleSet& set, int body) {
     int const f = w.field_of[body];
     FieldScratch const& nodes = scratch.of[f];
     SetView const view{&set, &bodies_[body], &patch, patch.h};
     bool const own = !proxies_.owns(block, set);
     NodeVelocity* back = w.maps_back ? w.velocity[w.slot(block, f)].data() : nullptr;
+    char const* wanted = w.slips[f] != 0 && w.early[f] != 0 ? scratch.reached.data() : nullptr;
     with_kernels(options_.shape, patch.dimensions, [&](auto kernels) {
       if (own) {
         if (rules_[body].books_work) {
@@ -102,13 +121,13 @@ void Mpm::move_particles(int block, double dt, Hoops const& hoops, OuterForces c
           kernels.book_work(view, hoops, dt, nodes.middle.data(), nodes.forced.data(), nodes.changed.data(),
                             means ? &*means : nullptr);
         }
-        w.dissipation[block] += kernels.move(view, options_, dt, rules_[body], nodes, back);
+        w.dissipation[block] += kernels.move(view, options_, dt, rules_[body], nodes, back, wanted);
         w.work[block] += work_on(block, body, outer);
       } else {
         for (int d = 0; d < 3; ++d) {
           std::copy_n(set.field(Field::next_x + d), set.size(), set.field(Field::velocity_x + d));
         }
-        if (back != nullptr) kernels.map_velocity(view, Field::velocity_x, back);
+        if (back != nullptr) kernels.map_velocity(view, Field::velocity_x, back, wanted);
       }
     });
   });

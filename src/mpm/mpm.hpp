@@ -140,6 +140,7 @@ class Mpm {
   void gather_sums(int block, Scratch& scratch) const;
   void find_velocity(int block, double dt, Scratch& scratch) const;
   void find_taken(int block, double dt, Scratch& scratch) const;
+  void find_reached(int block, Scratch& scratch) const;
   void note_changes(int block, Scratch& scratch) const;
   void move_particles(int block, double dt, Hoops const& hoops, OuterForces const& outer, Scratch& scratch);
   void strain_with_motion(int block, Hoops const& hoops, double dt, Scratch& scratch);
@@ -176,7 +177,7 @@ class Mpm {
   void update_set(int block, int body, Hoops const& hoops, double dt, Scratch& scratch);
   /// What a body's signals count in the step: 1 at the Courant number of the options.
   [[nodiscard]] double signal_weight(int body) const {
-    return options_.courant / bodies_[body].courant.value_or(options_.courant);
+    return options_.courant_number() / bodies_[body].courant.value_or(options_.courant_number());
   }
   [[nodiscard]] double work_on(int block, int body, OuterForces const& outer) const;
 
@@ -203,6 +204,8 @@ class Mpm {
 
 /// What the particles of a body come to: sums in a fixed order.
 [[nodiscard]] BodySums sums(Mpm const& mpm, int body);
+/// Its mass alone [kg].
+[[nodiscard]] double mass(Mpm const& mpm, int body);
 [[nodiscard]] long particle_count(Mpm const& mpm);
 /// Bytes of particles and nodes.
 [[nodiscard]] std::size_t bytes(Mpm const& mpm);

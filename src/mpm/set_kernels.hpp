@@ -26,9 +26,9 @@ struct Kernels : ToGrid<S, D>,
                  Surfaces<S, D>,
                  Heat<S, D> {
   /// Moves the particles of a set by their transfer; rigid ones go on as they are. `back`: the nodes that the new
-  /// velocity is mapped back to, or null.
+  /// velocity is mapped back to, or null; `wanted`: see `ToGrid::map_velocity`.
   static Dissipation move(SetView const& v, Options const& options, double dt, BodyRules const& rules,
-                          FieldScratch const& nodes, NodeVelocity* back) {
+                          FieldScratch const& nodes, NodeVelocity* back, char const* wanted) {
     ParticleSet& set = *v.set;
     bool const affine = set.field(Field::affine_xx) != nullptr;
     if (!v.body->rigid_velocity && !affine) return Flip<S, D>::move(v, options, dt, nodes, back);
@@ -42,7 +42,7 @@ struct Kernels : ToGrid<S, D>,
     } else {
       dissipated = Apic<S, D>::move(v, dt, rules, nodes);
     }
-    if (back != nullptr) ToGrid<S, D>::map_velocity(v, Field::velocity_x, back);
+    if (back != nullptr) ToGrid<S, D>::map_velocity(v, Field::velocity_x, back, wanted);
     return dissipated;
   }
 };

@@ -138,6 +138,7 @@ struct Scratch {
   std::vector<FieldScratch> of;    ///< grid fields
   Given pressed;                   ///< what rigid bodies gave to the fluids that press on them
   std::vector<Push> pushes;        ///< see `Mpm::settle_pushes`
+  std::vector<char> reached;       ///< see `Mpm::find_reached`
   NodeArray<NodeVelocity> filled;  ///< what all particles fill of the cells around the nodes
   NodeArray<NodeVelocity> even;    ///< of a body, see `Mpm::gather_even`
   NodeArray<NodeVelocity> even_again;

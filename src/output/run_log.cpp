@@ -335,7 +335,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"domain", domain_of(world.setup.domain)},
            {"blocks", gas ? world.grid.block_count() : world.particles->grid().block_count()},
            {"scheme", gas ? word_of(world.setup.numerics.scheme) : "material points"},
-           {"courant", gas ? world.setup.numerics.courant : world.setup.particles.options.courant},
+           {"courant", gas ? world.setup.numerics.courant : world.setup.particles.options.courant_number()},
            {"ambient",
             {{"fluid", world.setup.ambient.fluid.name},
              {"pressure", world.setup.ambient.state.pressure},

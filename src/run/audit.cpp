@@ -36,7 +36,8 @@ constexpr double noise = 1e-20;
 /// The audit is looked at whenever a fraction of the end time has gone by, and every so many steps: the end time may be
 /// far beyond the end.
 constexpr double looks = 1000.0;
-constexpr long steps_between_looks = 64;
+constexpr long most_steps_between_looks = 64;
+constexpr long least_steps_between_looks = 4;  // a look goes over all particles and cells
 
 using Kind = AuditFinding::Kind;
 
@@ -248,9 +249,11 @@ EnergyBalance World::energy_balance() const {
 }
 
 bool World::audit_is_due() const {
+  if (finished() || clock.step % most_steps_between_looks == 0) return true;
+  if (clock.step % least_steps_between_looks != 0) return false;
   double const fraction = setup.end.time / looks;
   auto const number = [fraction](double time) { return std::floor(time / fraction * (1.0 + 1e-12)); };
-  return finished() || clock.step % steps_between_looks == 0 || number(clock.time) > number(clock.time - clock.dt);
+  return number(clock.time) > number(clock.time - static_cast<double>(least_steps_between_looks) * clock.dt);
 }
 
 void World::follow_audit() {
@@ -271,7 +274,7 @@ void World::follow_audit() {
     if (bridge != nullptr) {
       memory.content = std::max(memory.content, bridge->content());
       memory.surplus = std::max(memory.surplus, bridge->surplus());
-      memory.gas = std::max(memory.gas, mpm::sums(*particles, gas_body()).mass);
+      memory.gas = std::max(memory.gas, mpm::mass(*particles, gas_body()));
     }
   } else {
     take_account();

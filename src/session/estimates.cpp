@@ -155,9 +155,10 @@ void add_particle_memory(run::Particles const& particles, Plan& p, int dimension
 }
 
 double estimated_particle_step(run::Case const& setup) {
-  double fastest = 0.0;
-  for (run::Body const& body : setup.particles.bodies) fastest = std::max(fastest, fastest_signal(body));
-  return setup.particles.options.courant * setup.domain.smallest_cell() / fastest;
+  double most = 0.0;  // of signal over Courant number
+  for (run::Body const& body : setup.particles.bodies)
+    most = std::max(most, fastest_signal(body) / setup.courant_of(body));
+  return setup.domain.smallest_cell() / most;
 }
 
 double estimated_particle_steps(run::Case const& setup) {

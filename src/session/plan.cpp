@@ -310,7 +310,7 @@ void plan_region(run::Case const& setup, Plan& p) {
       std::max(0.0, cells) * std::pow(setup.mpm_region->gas_particles(domain.dimensions()), domain.dimensions());
   r.gas_steps = gas.steps;
   // Gas particles see the signals of the gas, at the Courant number of the particles.
-  double const gas_particle_steps = gas.steps * setup.numerics.courant / setup.particles.options.courant;
+  double const gas_particle_steps = gas.steps * setup.numerics.courant / setup.mpm_region->courant;
   r.particle_steps = std::max(setup.particles.any() ? p.steps : 0.0, gas_particle_steps);
   p.region = r;
   p.particles += r.gas_particles;

@@ -27,7 +27,7 @@ struct CasedCube : Problem {
 
   EnergyWatch run_to(double end) {
     EnergyWatch watch(*this);
-    double const longest = 0.4 / options.courant * 5e-8;
+    double const longest = 0.4 / options.courant_number() * 5e-8;
     while (mpm->time() < end) {
       mpm->advance(std::min(mpm->stable_step(), longest));
       watch.look();

@@ -41,7 +41,10 @@ Settings<mpm::Options> const& settings() {
        number("linear_viscosity", "1", 0.0, 10.0).like("0.06").means("Linear coefficient of the bulk viscosity")},
       {&O::quadratic_viscosity,
        number("quadratic_viscosity", "1", 0.0, 100.0).like("1.5").means("Quadratic coefficient of the bulk viscosity")},
-      {&O::courant, number("courant", "1", 0.01, 1.0).like("0.4").means("Courant number")},
+      {&O::courant, number("courant", "1", 0.01, 1.0)
+                        .note("0.4; for metals and elastic bodies with B-splines in an MPM region 0.6, in 3D 0.5")
+                        .like("0.4")
+                        .means("Courant number")},
       typed(Type::point, "body_force", "m/s2", -1e9, 1e9)
           .note("none")
           .like("[0, 0, -9.81]")

@@ -68,7 +68,7 @@ class FluxLimiter {
     if (left_solid && right_solid) return false;
     Side const L = side(left_solid ? r : q, left_solid);
     Side const R = side(right_solid ? q : r, right_solid);
-    Speeds speeds = waves(L, R);
+    Speeds speeds = waves(L.motion, R.motion);
     // The waves that enter each cell through its other face.
     double const from_below = left_solid ? 0.0 : std::max(0.0, face_waves(q - st_).high);
     double const from_above = right_solid ? 0.0 : std::max(0.0, -face_waves(r).low);
@@ -131,11 +131,16 @@ class FluxLimiter {
   };
   static constexpr double kept = 0.05;  ///< of the margins, by every half update
 
+  /// What of a cell beside a face makes waves.
+  struct Motion {
+    double u, p, c, density;
+  };
   /// A cell beside a face, mirrored or not.
   struct Side {
     Flow U;       ///< its state
     Flow spread;  ///< its state with the spreading of a radial flow
-    double u, p, c, xi, burn;
+    Motion motion;
+    double xi, burn;
     Margins margins;
 
     /// Margins that every half update should have.
@@ -167,14 +172,12 @@ class FluxLimiter {
     x.U.mw = a_[s_.transverse2()][q];
     x.U.E = a_[energy][q];
     x.U.speed = 0.0;
-    x.u = sign * a_[a_u][q];
-    x.p = a_[a_p][q];
+    x.motion = motion(q, mirrored);
+    double const p = x.motion.p;
     x.xi = a_[a_xi][q];
     x.burn = s_.burning ? a_[a_burn][q] : 1.0;
-    double const H = a_[a_H][q];
-    x.margins.pressure = margin(x.p, x.xi, H, s_.most_H);
-    x.margins.heat = heat(x.U.partial, x.U.alpha, x.p * x.xi + a_[a_B][q]);
-    x.c = std::sqrt(std::max(0.0, (x.p * (x.xi + 1.0) + H) / (x.xi * density(x.U.partial))));
+    x.margins.pressure = margin(p, x.xi, a_[a_H][q], s_.most_H);
+    x.margins.heat = heat(x.U.partial, x.U.alpha, p * x.xi + a_[a_B][q]);
     x.spread = x.U;
     if (s_.radial) {
       double const k = -(a_[a_area_high][q] - a_[a_area_low][q]) * a_[a_u][q];
@@ -182,16 +185,24 @@ class FluxLimiter {
       x.spread.mu += k * x.U.mu;
       x.spread.mv += k * x.U.mv;
       x.spread.mw += k * x.U.mw;
-      x.spread.E += k * (x.U.E + x.p);
+      x.spread.E += k * (x.U.E + p);
     }
     return x;
   }
 
+  Motion motion(int q, bool mirrored) {
+    double const p = a_[a_p][q];
+    double const xi = a_[a_xi][q];
+    double const rho = sum_of_fluids<N>([&](int k) { return a_[partial_density(k)][q]; });
+    double const square = (p * (xi + 1.0) + a_[a_H][q]) / (xi * rho);
+    return {(mirrored ? -1.0 : 1.0) * a_[a_u][q], p, std::sqrt(std::max(0.0, square)), rho};
+  }
+
   /// Bounds of the waves between two states: those of [Davis88], and the shock that the pressure drives into the
   /// lighter side, with the velocity of the contact from the acoustic impedances.
-  static Speeds waves(Side const& L, Side const& R) {
-    double const zL = density(L.U.partial) * L.c;
-    double const zR = density(R.U.partial) * R.c;
+  static Speeds waves(Motion const& L, Motion const& R) {
+    double const zL = L.density * L.c;
+    double const zR = R.density * R.c;
     double const contact = (zL * L.u + zR * R.u + (L.p - R.p)) / (zL + zR);
     constexpr double slope = 0.6;  // (gamma + 1) / 4 of air
     double const forth = slope * std::max(0.0, contact - R.u);
@@ -205,7 +216,7 @@ class FluxLimiter {
     int const r = q + st_;
     bool const left_solid = is_solid(q);
     bool const right_solid = is_solid(r);
-    return waves(side(left_solid ? r : q, left_solid), side(right_solid ? q : r, right_solid));
+    return waves(motion(left_solid ? r : q, left_solid), motion(right_solid ? q : r, right_solid));
   }
 
   /// Has the cell's face an area? An axis or centre has none.
@@ -241,7 +252,9 @@ class FluxLimiter {
   }
 
   static Flow hll_flux(Side const& L, Side const& R, Speeds const& s) {
-    HllFlux const h = hll({0.0, L.u, L.p, 0.0, L.c}, {0.0, R.u, R.p, 0.0, R.c}, s.low, s.high);
+    Motion const& l = L.motion;
+    Motion const& r = R.motion;
+    HllFlux const h = hll({0.0, l.u, l.p, 0.0, l.c}, {0.0, r.u, r.p, 0.0, r.c}, s.low, s.high);
     auto const carried = [&h](double left, double right) { return h.from_left * left + h.from_right * right; };
     Flow f{};
     for_fluids<0, N>([&](int k) { f.partial[k] = carried(L.U.partial[k], R.U.partial[k]); });
@@ -271,14 +284,16 @@ class FluxLimiter {
   [[nodiscard]] Margins half_update(Side const& x, Flow const& F, double k) const {
     Flow const& U = x.U;
     Flow const& base = x.spread;
+    double const u = x.motion.u;
+    double const p = x.motion.p;
     PerFluid partial{};
     PerFluid alpha{};
-    for_fluids<0, N>([&](int f) { partial[f] = base.partial[f] + k * (F.partial[f] - U.partial[f] * x.u); });
+    for_fluids<0, N>([&](int f) { partial[f] = base.partial[f] + k * (F.partial[f] - U.partial[f] * u); });
     for_fluids<1, N>([&](int f) { alpha[f] = U.alpha[f] + k * (F.alpha[f] - U.alpha[f] * F.speed); });
-    double const mu = base.mu + k * (F.mu - (U.mu * x.u + x.p));
-    double const mv = base.mv + k * (F.mv - U.mv * x.u);
-    double const mw = base.mw + k * (F.mw - U.mw * x.u);
-    double const E = base.E + k * (F.E - (U.E + x.p) * x.u);
+    double const mu = base.mu + k * (F.mu - (U.mu * u + p));
+    double const mv = base.mv + k * (F.mv - U.mv * u);
+    double const mw = base.mw + k * (F.mw - U.mw * u);
+    double const E = base.E + k * (F.E - (U.E + p) * u);
     double const rho = density(partial);
     constexpr double round_off = 1e-13;
     bool possible = rho > 0.0;

@@ -1,6 +1,7 @@
 /// Particles that take over the velocity of the nodes and its gradient, [Jiang15].
 #pragma once
 
+#include "mpm/affine.hpp"
 #include "mpm/transfer/set.hpp"
 
 namespace brisance::mpm {
@@ -15,7 +16,6 @@ struct Apic {
   /// and what friction takes.
   static Dissipation move(SetView const& v, double dt, BodyRules const& rules, FieldScratch const& nodes) {
     ParticleSet& set = *v.set;
-    double const h = v.h;
     NodeVelocity const* taken = nodes.taken.data();
     NodeVelocity const* rub = nodes.rubs ? nodes.rub.data() : nullptr;
     NodeVelocity const* keep = nodes.meets ? nodes.keep.data() : nullptr;
@@ -25,31 +25,7 @@ struct Apic {
       auto const way = vector_at(set, Field::move_x, begin);
       alignas(64) double fresh[3][chunk];
       alignas(64) double lost[chunk];
-      AffineWeights<S, D> around;
-      find_affine_weights<S, D>(*v.patch, h, constant_at(set, Field::position_x, begin), n, k, around);
-      double const inverse_h = 1.0 / h;
-      bool const mixed = set.field(Field::cross_xy) != nullptr;
-      for (int q = 0; q < n; ++q) {
-        std::array<Lanes4, 7> sum;
-        value_and_gradient<S, D>(*v.patch, k, around.g, q, taken, whole, sum);
-        lost[q] = sum[0][3] - 0.5 * (sum[0][0] * sum[0][0] + sum[0][1] * sum[0][1] + sum[0][2] * sum[0][2]);
-        if (!rules.has_gradient_energy) lost[q] -= gradient_energy(set, k, around, h, begin, q);
-        for (int j = 0; rules.has_gradient_energy && j < D; ++j) {
-          for (int i = 0; i < 3; ++i) lost[q] -= 0.125 * sum[1 + j][i] * sum[1 + j][i];
-        }
-        for (int pair = 0; mixed && pair < (D == 3 ? 3 : 1); ++pair) {
-          for (int i = 0; i < 3; ++i) {
-            lost[q] -= 0.03125 * sum[4 + pair][i] * sum[4 + pair][i];
-            set.field(Field::cross_xy + (3 * pair + i))[begin + q] = sum[4 + pair][i] * inverse_h;
-          }
-        }
-        for (int i = 0; i < 3; ++i) {
-          fresh[i][q] = sum[0][i];
-          for (int j = 0; j < D; ++j) {
-            set.field(Field::affine_xx + (3 * i + j))[begin + q] = sum[1 + j][i] * inverse_h;
-          }
-        }
-      }
+      find_taken(v, rules, k, begin, n, taken, fresh, lost);
       // These take over what the nodes say, see `Mpm::note_rubbing`.
       for (int q = 0; rub != nullptr && q < n; ++q) {
         Lanes4 given;
@@ -71,6 +47,49 @@ struct Apic {
       }
     });
     return dissipated;
+  }
+
+  /// Velocity, gradient and mixed derivatives that a chunk takes over, and what it loses of the nodes' energy.
+  static void find_taken(SetView const& v, BodyRules const& rules, Weights<S, D> const& k, int begin, int n,
+                         NodeVelocity const* taken, double (&fresh)[3][chunk], double (&lost)[chunk]) {
+    ParticleSet& set = *v.set;
+    AffineWeights<S, D> around;
+    find_affine_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, around);
+    constexpr int records = 1 + D + pairs_of<D>;
+    alignas(64) Lanes4 record[records][chunk];
+    for (int q = 0; q < n; ++q) {
+      std::array<Lanes4, 7> sum;
+      value_and_gradient<S, D>(*v.patch, k, around.g, q, taken, whole, sum);
+      for (int r = 0; r < 1 + D; ++r) record[r][q] = sum[r];
+      for (int pair = 0; pair < pairs_of<D>; ++pair) record[1 + D + pair][q] = sum[4 + pair];
+    }
+    for (int q = n; q % 4 != 0; ++q) {
+      for (auto& of : record) of[q] = Lanes4{};
+    }
+    double const inverse_h = 1.0 / v.h;
+    bool const mixed = set.field(Field::cross_xy) != nullptr;
+    // Before the gradient is overwritten.
+    std::fill_n(lost, chunk, 0.0);
+    for (int q = 0; !rules.has_gradient_energy && q < n; ++q) lost[q] = -gradient_energy(set, k, around, v.h, begin, q);
+    auto const store = [&](int r, Field first, int stride, double weight) {
+      double* to[3];
+      for (int i = 0; i < 3; ++i) to[i] = set.field(first + stride * i) + begin;
+      for (int q = 0; q < n; q += 4) {
+        Lanes4 of[4];
+        transpose(record[r][q], record[r][q + 1], record[r][q + 2], record[r][q + 3], of);
+        for (int i = 0; i < 3; ++i) store_four(to[i] + q, inverse_h * of[i]);
+        if (weight != 0.0)
+          store_four(lost + q, four_at(lost + q) - weight * (of[0] * of[0] + of[1] * of[1] + of[2] * of[2]));
+      }
+    };
+    for (int j = 0; j < D; ++j) store(1 + j, Field::affine_xx + j, 3, rules.has_gradient_energy ? 0.125 : 0.0);
+    for (int pair = 0; mixed && pair < pairs_of<D>; ++pair) store(1 + D + pair, Field::cross_xy + 3 * pair, 1, 0.03125);
+    for (int q = 0; q < n; q += 4) {
+      Lanes4 of[4];
+      transpose(record[0][q], record[0][q + 1], record[0][q + 2], record[0][q + 3], of);
+      for (int i = 0; i < 3; ++i) store_four(&fresh[i][q], of[i]);
+      store_four(lost + q, four_at(lost + q) + of[3] - 0.5 * (of[0] * of[0] + of[1] * of[1] + of[2] * of[2]));
+    }
   }
 
   /// Takes off the way of particles what only their velocity has, see contact.cpp.
@@ -101,23 +120,39 @@ struct Apic {
     return sum;
   }
 
-  /// Momentum that APIC's velocity gradient adds per distance in each direction.
-  static std::array<Lanes4, 3> affine_columns(ParticleSet& set, int q, double m) {
-    std::array<Lanes4, 3> c{};
-    for (int j = 0; j < D; ++j) {
-      for (int i = 0; i < 3; ++i) c[j][i] = m * set.field(Field::affine_xx + (3 * i + j))[q];
+  /// Velocity, its gradient and its mixed derivatives of a chunk.
+  static AffineFields<D> affine_fields(ParticleSet const& set, int begin) {
+    AffineFields<D> out{};
+    auto const at = [&](Field f) {
+      double const* values = set.field(f);
+      return values == nullptr ? nullptr : values + begin;
+    };
+    for (int i = 0; i < 3; ++i) {
+      out.value[i] = at(Field::velocity_x + i);
+      for (int j = 0; j < D; ++j) out.along[i][j] = at(Field::affine_xx + (3 * i + j));
+      for (int pair = 0; pair < pairs_of<D>; ++pair) out.mixed[i][pair] = at(Field::cross_xy + (3 * pair + i));
     }
-    return c;
+    return out;
   }
 
-  /// The same per product of two distances, from its mixed derivatives.
-  static std::array<Lanes4, 3> mixed_columns(ParticleSet& set, int q, double m) {
-    std::array<Lanes4, 3> c{};
-    if (set.field(Field::cross_xy) == nullptr) return c;
-    for (int pair = 0; pair < (D == 3 ? 3 : 1); ++pair) {
-      for (int i = 0; i < 3; ++i) c[pair][i] = m * set.field(Field::cross_xy + (3 * pair + i))[q];
+  /// The same times the mass, as records.
+  template <bool mixed>
+  static void find_gifts(AffineFields<D> const& v, double const* mass, double h, int n, AffineGifts<D>& out) {
+    double const inverse_h = 1.0 / h;
+    for (int q = 0; q < n; q += 4) {
+      Lanes4 const m = four_at(mass + q);
+      auto const times = [q](Lanes4 const& by, double const* values) { return by * four_at(values + q); };
+      transpose(times(m, v.value[0]), times(m, v.value[1]), times(m, v.value[2]), m, out.value + q);
+      for (int j = 0; j < D; ++j) {
+        transpose(times(m, v.along[0][j]), times(m, v.along[1][j]), times(m, v.along[2][j]), Lanes4{},
+                  out.along[j] + q);
+      }
+      Lanes4 const per_h = inverse_h * m;
+      for (int pair = 0; mixed && pair < pairs_of<D>; ++pair) {
+        transpose(times(per_h, v.mixed[0][pair]), times(per_h, v.mixed[1][pair]), times(per_h, v.mixed[2][pair]),
+                  Lanes4{}, out.mixed[pair] + q);
+      }
     }
-    return c;
   }
 };
 

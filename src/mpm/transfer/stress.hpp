@@ -92,20 +92,20 @@ struct Stress {
     double* density = set.field(Field::density) + begin;
     double* energy = set.field(Field::energy) + begin;
     double const reference = v.body->reference_pressure;
-    for (int q = 0; q < n; ++q) {
-      bool known = true;
-      for (int d = 0; d < D; ++d) {
-        double const x = set.field(Field::position_x + d)[begin + q];
-        for (int side = 0; side < 2; ++side) {
-          auto const& end = options.ends[2 * d + side];
-          known = known && (!end || std::abs(x - *end) > 3.0 * v.h);
+    alignas(64) double seen[1][chunk];
+    find_values<S, D>(*v.patch, k, n, filled, seen);
+    for (int d = 0; d < D; ++d) {
+      double const* x = set.field(Field::position_x + d) + begin;
+      for (int side = 0; side < 2; ++side) {
+        auto const& end = options.ends[2 * d + side];
+        for (int q = 0; end && q < n; ++q) {
+          if (std::abs(x[q] - *end) <= 3.0 * v.h) seen[0][q] = 1.0;  // not known: as if it were full
         }
       }
-      if (!known) continue;
-      Lanes4 seen;
-      velocity_at<S, D>(*v.patch, k, q, filled, seen);
+    }
+    for (int q = 0; q < n; ++q) {
       double const fraction = std::min(most_fraction, per_strain * std::abs(volumetric[q]));
-      double const change = std::clamp(fraction * (seen[0] - 1.0), -most, most);
+      double const change = std::clamp(fraction * (seen[0][q] - 1.0), -most, most);
       double const before = density[q];
       density[q] *= 1.0 + change;
       energy[q] += reference * (1.0 / before - 1.0 / density[q]);

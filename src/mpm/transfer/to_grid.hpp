@@ -28,7 +28,7 @@ struct ToGrid {
                         NodeSums* nodes) {
     bool const affine = with_mass && v.set->field(Field::affine_xx) != nullptr;
     bool const pushed = with_forces && is_pushed(*v.set, hoops, outer);
-    for_chunks<S, D, with_forces || S::support == 2>(v, [&](int begin, int n, Weights<S, D> const& k) {
+    for_chunks<S, D, with_forces>(v, [&](int begin, int n, Weights<S, D> const& k) {
       Gifts gifts;
       if constexpr (with_mass) {
         if (affine) {
@@ -60,17 +60,20 @@ struct ToGrid {
 
   /// Momentum and kinetic energy of APIC's particles.
   static void give_affine(SetView const& v, int begin, int n, Weights<S, D> const& k, NodeSums* nodes) {
-    ParticleSet& set = *v.set;
-    double const inverse_h = 1.0 / v.h;
+    ParticleSet const& set = *v.set;
     double const* mass = set.field(Field::mass) + begin;
-    auto const u = vector_at(set, Field::velocity_x, begin);
-    AffineWeights<S, D> around;
-    find_affine_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, around);
-    for (int q = 0; q < n; ++q) {
-      double const m = mass[q];
-      Lanes4 const a{m * u[0][q], m * u[1][q], m * u[2][q], m};
-      add_affine_energy<S, D>(*v.patch, k, around, v.h, q, nodes, a, Apic<S, D>::affine_columns(set, begin + q, m),
-                              Apic<S, D>::mixed_columns(set, begin + q, m * inverse_h), 1.0 / m);
+    AffineFields<D> const fields = Apic<S, D>::affine_fields(set, begin);
+    Distances<D> distances;
+    find_distances<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, distances);
+    AffineGifts<D> gifts;
+    if (fields.mixed[0][0] != nullptr) {
+      Apic<S, D>::template find_gifts<true>(fields, mass, v.h, n, gifts);
+      give_affine_momentum<S, D, true>(*v.patch, k, distances, v.h, n, gifts, nodes, momentum_of);
+      give_affine_energy<S, D, true>(*v.patch, k, distances, v.h, n, mass, fields, nodes);
+    } else {
+      Apic<S, D>::template find_gifts<false>(fields, mass, v.h, n, gifts);
+      give_affine_momentum<S, D, false>(*v.patch, k, distances, v.h, n, gifts, nodes, momentum_of);
+      give_affine_energy<S, D, false>(*v.patch, k, distances, v.h, n, mass, fields, nodes);
     }
   }
 
@@ -173,25 +176,42 @@ struct ToGrid {
     for (int d = 0; d < 3; ++d) force[d] += set.field(Field::mass)[particle] * g[d];
   }
 
-  /// Momentum and mass of a vector that the particles carry: their velocity mapped back, [Cui14] Eq. (26).
-  static void map_velocity(SetView const& v, Field vector, NodeVelocity* nodes) {
-    ParticleSet& set = *v.set;
+  /// Momentum and mass of a vector that the particles carry: their velocity mapped back, [Cui14] Eq. (26). `wanted`: is
+  /// a node, or null: are all.
+  static void map_velocity(SetView const& v, Field vector, NodeVelocity* nodes, char const* wanted = nullptr) {
+    ParticleSet const& set = *v.set;
     bool const affine = vector == Field::velocity_x && set.field(Field::affine_xx) != nullptr;
-    for_chunks<S, D, S::support == 2>(v, [&](int begin, int n, Weights<S, D> const& k) {
-      alignas(64) Lanes4 momentum[chunk];
+    for_chunks<S, D, false>(v, [&](int begin, int n, Weights<S, D> const& k) {
+      if (wanted != nullptr && !reaches(*v.patch, k, n, wanted)) return;
       double const* mass = set.field(Field::mass) + begin;
-      find_momentum(n, mass, constant_at(set, vector, begin), momentum);
       if (!affine) {
+        alignas(64) Lanes4 momentum[chunk];
+        find_momentum(n, mass, constant_at(set, vector, begin), momentum);
         add_values<S, D>(*v.patch, k, n, momentum, nodes, whole);
         return;
       }
-      AffineWeights<S, D> around;
-      find_affine_weights<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, around);
-      for (int q = 0; q < n; ++q) {
-        add_affine<S, D>(*v.patch, k, around, v.h, q, nodes, whole, momentum[q],
-                         Apic<S, D>::affine_columns(set, begin + q, mass[q]));
-      }
+      Distances<D> distances;
+      find_distances<S, D>(*v.patch, v.h, constant_at(set, Field::position_x, begin), n, k, distances);
+      AffineGifts<D> gifts;
+      Apic<S, D>::template find_gifts<false>(Apic<S, D>::affine_fields(set, begin), mass, v.h, n, gifts);
+      give_affine_momentum<S, D, false>(*v.patch, k, distances, v.h, n, gifts, nodes, whole);
     });
+  }
+
+  /// Does any of a chunk's particles touch a node that is wanted?
+  static bool reaches(Patch const& patch, Weights<S, D> const& k, int n, char const* wanted) {
+    for (int q = 0; q < n; ++q) {
+      if (q > 0 && k.base[q] == k.base[q - 1]) continue;
+      for (int c = 0; c < planes_of<S, D>; ++c) {
+        for (int b = 0; b < rows_of<S, D>; ++b) {
+          char const* row = row_of(patch, wanted + k.base[q], b, c);
+          for (int s = 0; s < S::support; ++s) {
+            if (row[s] != 0) return true;
+          }
+        }
+      }
+    }
+    return false;
   }
 };
 

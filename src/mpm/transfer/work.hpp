@@ -27,12 +27,15 @@ struct NodeWork {
     double const* density = set.field(Field::density) + begin;
     double const* provisional = set.field(Field::provisional) + begin;
     double* energy = set.field(Field::energy) + begin;
+    auto const is_new = [](double booked) { return booked == 0.0; };  // or gas that nothing strains
+    if (std::all_of(provisional, provisional + n, is_new)) return;
+    alignas(64) double divergence[chunk];
+    alignas(64) double along[chunk];
+    find_divergence<S, D>(*v.patch, k, n, before, divergence, along);
     for (int q = 0; q < n; ++q) {
-      if (provisional[q] == 0.0) continue;  // a new particle, or gas that nothing strains
-      std::array<Lanes4, 4> sum;
-      value_and_gradient<S, D>(*v.patch, k, k.g, q, before, whole, sum);
-      double strain = scale * (sum[1][0] + sum[2][1] + sum[3][2]);
-      if (hoops.any()) strain += (hoops.yy + hoops.zz) * dt * sum[0][0] / radius[q];
+      if (is_new(provisional[q])) continue;
+      double strain = scale * divergence[q];
+      if (hoops.any()) strain += (hoops.yy + hoops.zz) * dt * along[q] / radius[q];
       double const work = 0.5 * (pressure[q] - reference) * strain + 0.5 * viscosity[q] * (strain + volumetric[q]);
       energy[q] -= work / density[q] + provisional[q];
     }
