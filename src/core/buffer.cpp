@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t large_page = std::size_t{1} << 21;
 constexpr std::size_t many = std::size_t{1} << 19;  ///< bytes: neighbours share large pages
-constexpr std::size_t most = 32 << 20;              ///< bytes: what is larger has pages of its own
+constexpr std::size_t most = 8 << 20;               ///< bytes: what is larger has pages of its own
 constexpr std::size_t ahead = 2 * most;             ///< bytes by which the heap grows
 
 /// Lets large allocations stand side by side on the heap, so that one's last large page is the first of the next: each
