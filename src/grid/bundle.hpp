@@ -192,7 +192,8 @@ struct Ahead {
   static constexpr int line = 8;         ///< doubles that come together
   std::array<double const*, 12> from{};  ///< of each array
   int arrays = 0;
-  std::ptrdiff_t step = 0;  ///< from one line to the next
+  std::ptrdiff_t step = 0;  ///< from one row of the bundle's cells to the next
+  int per_row = 1;          ///< lines
   int lines = 0;
 
   Ahead() = default;
@@ -206,7 +207,8 @@ struct Ahead {
     int const nx = block.n[0];
     step = b.direction == 1 ? nx : static_cast<std::ptrdiff_t>(nx) * block.n[1];
     offset_ = b.first + (b.direction == 1 ? step * block.n[1] * b.plane : 0);
-    lines = b.length;  // of wider bundles the first of the lines along x; those beside it the processor foresees
+    per_row = (b.stride + line - 1) / line;
+    lines = b.length * per_row;
   }
   /// Adds an array over the cells of the block; null: none.
   void add(double const* array) {
@@ -214,7 +216,10 @@ struct Ahead {
   }
   void fetch(int number) const {
     if (number >= lines) return;
-    for (int c = 0; c < arrays; ++c) __builtin_prefetch(from[c] + step * number, 0, 2);
+    std::ptrdiff_t const at = per_row == 1
+                                  ? step * number
+                                  : step * (number / per_row) + static_cast<std::ptrdiff_t>(line) * (number % per_row);
+    for (int c = 0; c < arrays; ++c) __builtin_prefetch(from[c] + at, 0, 2);
   }
 
  private:
