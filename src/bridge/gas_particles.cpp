@@ -1,7 +1,6 @@
 #include "bridge/gas_particles.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "bridge/conversion.hpp"
@@ -94,11 +93,10 @@ Amounts GasParticles::handed_over(mpm::ParticleSet const& set, int q) const {
 }
 
 bool GasParticles::is_inside(OuterBlock const& outer, Vec3 const& x) const {
-  grid::Metric const& cells = faces_->region().particles_domain();
-  Index3 cell{0, 0, 0};
-  for (int d = 0; d < cells.dimensions(); ++d) cell[d] = static_cast<int>(std::floor(cells.in_cells(d, x[d])));
-  return outer.cells.contains(cell) ? outer.inside[outer.cells.offset(cell)] != 0
-                                    : faces_->region().inside(faces_->region().from_particles(cell));
+  Region const& region = faces_->region();
+  Index3 const cell = faces_->cell_at(x);
+  Index3 const own = region.to_particles(cell);
+  return outer.cells.contains(own) ? outer.inside[outer.cells.offset(own)] != 0 : region.inside(cell);
 }
 
 std::vector<mpm::ParticleSet> const& GasParticles::take_absorbed() {
