@@ -6,10 +6,14 @@
 /// fluid; two fluids with JWL products and air mixed everywhere (the dearest cells there are); the same with products
 /// so thin that their exponentials vanish; two fluids of which the products fill a sphere in one corner, 5 % of the
 /// domain, expanded so far that their exponentials matter in the middle only (a blast after some time); the mixture
-/// again with afterburn, at a constant rate and by Miller's law.
+/// again with afterburn, at a constant rate and by Miller's law. The products in the corner also with what a run may
+/// have besides: peak fields, cells whose number is no multiple of 8, obstacles, cells that burn, cells held by
+/// particles; and in blocks of other sizes.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "core/parallel.hpp"
@@ -19,7 +23,7 @@ namespace {
 
 using namespace brisance;
 
-constexpr int n = 128;
+constexpr int usual_cells = 128;
 
 enum Content { one_fluid, mixed_everywhere, mixed_thin, products_in_a_corner };
 
@@ -47,9 +51,63 @@ material::Primitive content_at(Content content, Vec3 const& x) {
 
 enum Burning { no_afterburn, constant_rate, miller };
 
+/// What a run has besides the gas.
+enum Besides { nothing, peak_fields, odd_cells, obstacles, burning_charge, held_cells, everything };
+
+bool has(Besides besides, Besides what) { return besides == what || besides == everything; }
+
+/// Box buildings, 6 % of the domain.
+bool in_building(Vec3 const& x) {
+  auto const of_street = [](double y) { return std::fmod(y, 0.5) > 0.3 && std::fmod(y, 0.5) < 0.45; };
+  return of_street(x[0]) && of_street(x[1]) && x[2] < 0.6;
+}
+
+/// What stands between particles and gas cells: a cube in the middle, 3 % of the domain.
+bool in_held_cube(Vec3 const& x) {
+  return std::abs(x[0] - 0.5) < 0.15 && std::abs(x[1] - 0.5) < 0.15 && std::abs(x[2] - 0.8) < 0.15;
+}
+
+void add_besides(Besides besides, gas::Gas& gas) {
+  grid::Grid const& grid = gas.grid();
+  for (grid::Block const& block : grid.blocks()) {
+    grid::CellRange const box = block.with_ghosts();
+    auto const centre = [&](Index3 const& within) {
+      Vec3 x = block.centre(block.cell(0, 0, 0));
+      for (int d = 0; d < 3; ++d) x[d] += within[d] * block.h();
+      return x;
+    };
+    if (has(besides, obstacles)) {
+      std::vector<std::uint8_t> solid(box.count(), 0);
+      for_each_cell(box,
+                    [&](Index3 const& within) { solid[box.offset(within)] = in_building(centre(within)) ? 1 : 0; });
+      if (std::any_of(solid.begin(), solid.end(), [](std::uint8_t x) { return x != 0; }))
+        gas.obstacles.set(block.number, std::move(solid));
+    }
+    if (has(besides, held_cells)) {
+      std::vector<gas::Role> roles(block.cell_count(), gas::Role::own);
+      bool any = false;
+      for_each_cell(block, [&](grid::Cell const& cell) {
+        if (!in_held_cube(block.centre(cell))) return;
+        roles[cell.offset] = gas::Role::frozen;
+        any = true;
+      });
+      if (any) gas.coupling.set_roles(block.number, std::move(roles));
+    }
+    if (has(besides, burning_charge) && norm(block.centre(block.cell(0, 0, 0))) < 0.4) {
+      gas.burn.set_times(block.number, std::vector<gas::BurnTime>(box.count(), {-2.0, -1.0}),
+                         std::vector<std::uint16_t>(box.count(), 0));
+    }
+  }
+  if (has(besides, burning_charge)) {
+    gas.burn.set_charges({{7000.0, 1630.0}});
+    gas.burn.set_end(1e9, 1e-6);
+  }
+}
+
 void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int block_cells,
-              Burning burning = no_afterburn) {
+              Burning burning = no_afterburn, Besides besides = nothing) {
   set_threads(static_cast<int>(state.range(0)));
+  int const n = has(besides, odd_cells) ? usual_cells - 1 : usual_cells;
   grid::Domain domain;
   domain.cells = {n, n, n};
   domain.h = 1.0 / n;
@@ -66,10 +124,12 @@ void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int 
   if (burning == constant_rate) options.afterburn = material::Afterburn{1e3, material::ConstantRateAfterburn{0.0, 1e4}};
   if (burning == miller)
     options.afterburn = material::Afterburn{1e3, material::MillerAfterburn{1e-3, 1e5, 0.5, 0.1667, 0.0}};
+  options.peak_fields = has(besides, peak_fields);
   gas::Gas gas(grid, fluids, options, {});
   for (grid::Block const& block : grid.blocks()) {
     for_each_cell(block, [&](grid::Cell const& cell) { gas.set(cell, content_at(content, block.centre(cell))); });
   }
+  add_besides(besides, gas);
   gas.start();
   long step = 0;
   for (auto _ : state) gas.advance(0.5 * domain.h / gas.fastest_signal(), step++ % 2 == 1);
@@ -116,6 +176,31 @@ BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_mixed / constant_rate_aft
     ->Apply(threads_of_interest);
 BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_mixed / miller_afterburn, gas::Scheme::muscl_hancock,
                   mixed_everywhere, 0, miller)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_corner / peak_fields, gas::Scheme::muscl_hancock,
+                  products_in_a_corner, 0, no_afterburn, peak_fields)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_corner / odd_cells, gas::Scheme::muscl_hancock,
+                  products_in_a_corner, 0, no_afterburn, odd_cells)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_corner / obstacles, gas::Scheme::muscl_hancock,
+                  products_in_a_corner, 0, no_afterburn, obstacles)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_corner / burning, gas::Scheme::muscl_hancock,
+                  products_in_a_corner, 0, no_afterburn, burning_charge)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_corner / held_cells, gas::Scheme::muscl_hancock,
+                  products_in_a_corner, 0, no_afterburn, held_cells)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_corner / everything, gas::Scheme::muscl_hancock,
+                  products_in_a_corner, 0, no_afterburn, everything)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / one_fluid / blocks_of_16, gas::Scheme::muscl_hancock, one_fluid, 16)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / one_fluid / blocks_of_32, gas::Scheme::muscl_hancock, one_fluid, 32)
+    ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_mixed_thin / blocks_of_16, gas::Scheme::muscl_hancock,
+                  mixed_thin, 16)
     ->Apply(threads_of_interest);
 BENCHMARK_CAPTURE(gas_step, lax_wendroff / one_fluid, gas::Scheme::lax_wendroff, one_fluid, 0)
     ->Apply(threads_of_interest);

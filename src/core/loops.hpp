@@ -30,6 +30,14 @@ namespace brisance {
   return count;
 }
 
+/// Do all of n values equal one?
+[[nodiscard]] inline bool all_equal(double const* x, int n, double value) {
+  long others = 0;
+  BRISANCE_VECTOR_LOOP
+  for (int q = 0; q < n; ++q) others += x[q] != value ? 1 : 0;
+  return others == 0;
+}
+
 /// Largest of n values, at least 0; NaN is passed over. In lanes, because a plain maximum keeps the loop from being
 /// vectorised.
 [[nodiscard]] inline double largest_of(double const* x, int n) {

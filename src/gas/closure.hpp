@@ -6,8 +6,8 @@
 
 namespace brisance::gas {
 
-using material::add_burning_fluid;
 using material::add_fluid;
+using material::add_fluid_of_cell;
 using material::add_fluid_row;
 using material::Fluids;
 using material::mixture;

@@ -50,6 +50,7 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
                 }()),
       open_faces_(grid, fluids, fields_.components()),
       awake_(grid, 1),
+      disturbance_(grid),
       blocks_(grid),
       shells_(grid, [&grid](grid::Block const& block) { return shells_of(grid, block); }),
       peaks_(grid, options.peak_fields) {
@@ -69,6 +70,7 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
 void Gas::set(grid::Cell const& cell, Primitive const& state) {
   auto const u = conserved_of(fluids_, state);
   for (int c = 0; c < components(); ++c) fields_.at(cell.block, c)[cell.offset] = u[c];
+  disturbance_.note(cell);
 }
 
 void Gas::set(grid::Cell const& cell, Amounts const& per_volume, Fractions const& fraction) {
@@ -78,6 +80,7 @@ void Gas::set(grid::Cell const& cell, Amounts const& per_volume, Fractions const
   fields_.at(block, energy)[offset] = per_volume.energy;
   for (int k = 1; k < fluids_.count; ++k) fields_.at(block, volume_fraction(k))[offset] = fraction[k];
   if (components() > progress) fields_.at(block, progress)[offset] = 0.0;
+  disturbance_.note(cell);
 }
 
 void Gas::fill_opened(Index3 const& cell, Index3 const& from) {
@@ -99,6 +102,7 @@ void Gas::fill_opened(Index3 const& cell, Index3 const& from) {
     blocks_[to.block].account.opened[c] += volume * (u[c] - value);
     value = u[c];
   }
+  disturbance_.note(to);
 }
 
 double Gas::most_H() const { return fluids_.any_bears_tension() ? std::numeric_limits<double>::infinity() : 0.0; }
@@ -126,7 +130,8 @@ void Gas::start(double time) {
   });
   prepare_workspaces();
   obstacles.find_near_walls();
-  quiet_pressure_ = quiescent_pressure();
+  find_quiescence();
+  disturbance_.find(fields_, quiet);
   if (quiet[momentum_x] != 0.0 || quiet[momentum_y] != 0.0 || quiet[momentum_z] != 0.0) wake_where_wind_changes();
   measure_all();
 }
@@ -191,6 +196,7 @@ SweepContext Gas::sweep_context(int direction, double dt) const {
   for (int k = 1; k < fluids_.count; ++k) {
     context.xi_slope[k] = 1.0 / material::gruneisen(fluids_.eos[k]) - 1.0 / material::gruneisen(fluids_.ambient());
   }
+  context.rests = options_.sleep && norm(quiescent_.velocity) == 0.0;
   context.radial = direction == 0 && grid::radial_exponent(grid_->domain().geometry) > 0;
   return context;
 }
@@ -199,6 +205,7 @@ void Gas::set_present(int present, SweepContext& s) const {
   s.present = present;
   auto const* ideal = std::get_if<material::IdealGas>(&fluids_.ambient());
   bool const constant = present == 1 && ideal != nullptr && options_.scheme == Scheme::muscl_hancock;
+  s.sums = constant ? Sums::none : Sums::all;
   s.gamma = constant ? ideal->gamma : 0.0;
 }
 
@@ -234,8 +241,6 @@ void Gas::advance(double dt, bool reverse) {
     }
     PhaseTimer const timer(timings_["sweeps"]);
     SweepContext const context = sweep_context(direction, dt);
-    bool const all_awake = std::all_of(awake_.begin(), awake_.end(), [](std::uint8_t awake) { return awake != 0; });
-    Components const quiet_flux = all_awake ? Components{} : quiescent_flux(context);
     std::vector<Part> const& parts = parts_[direction];
     parallel_for(static_cast<int>(parts.size()), [&](int n, int thread) {
       Part const& part = parts[n];
@@ -244,7 +249,7 @@ void Gas::advance(double dt, bool reverse) {
       if (awake_[part.block])
         sweep_part(part, context, last, workspaces_[thread], tallies_[n]);
       else
-        account_asleep(part, context, quiet_flux, tallies_[n].account);
+        account_asleep(part, direction, dt, tallies_[n].account);
     });
     for (int b = 0; b < grid_->block_count(); ++b) {
       if (last && awake_[b] && !coupling.all_frozen(b)) blocks_[b].signal = 0.0;

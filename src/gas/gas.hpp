@@ -11,6 +11,7 @@
 #include "gas/burn.hpp"
 #include "gas/cell_state.hpp"
 #include "gas/coupling.hpp"
+#include "gas/disturbance.hpp"
 #include "gas/kernels.hpp"
 #include "gas/obstacles.hpp"
 #include "gas/open_faces.hpp"
@@ -123,6 +124,14 @@ class Gas {
     int first, end;
   };
 
+  /// Quiescent gas, and what the scheme makes of it.
+  struct Quiescence {
+    Components state{};
+    std::array<Components, 3> flux{};  ///< by the direction of the sweep; whatever the length of the step
+    double pressure = 0.0;             ///< as `measure` finds it
+    double signal = 0.0;
+  };
+
   [[nodiscard]] int components() const { return fields_.components(); }
   /// The parts of a block for sweeps along a direction. They do not depend on the number of threads.
   [[nodiscard]] std::vector<Part> parts_of(int block, int direction) const;
@@ -143,11 +152,18 @@ class Gas {
   /// Does a step change the quiescent blocks? Wakes those that it does change: in a wind an obstacle, a wall or an axis
   /// disturbs the gas from the first step on, and only the scheme itself knows what it changes in the last bit.
   void wake_where_wind_changes();
-  /// What the scheme makes of quiescent gas in a sweep: its fluxes, and its pressure.
-  [[nodiscard]] Components quiescent_flux(SweepContext context) const;
-  [[nodiscard]] double quiescent_pressure() const;
-  /// Books what goes through the domain's faces in front of a sleeping block, as an awake one would.
-  void account_asleep(Part const& part, SweepContext const& context, Components const& flux, Account& account) const;
+  /// A step that quiescent gas can take [s].
+  [[nodiscard]] double short_step() const;
+  /// Finds what the scheme makes of quiescent gas.
+  void find_quiescence();
+  /// Are the ghost cells quiescent that a bundle sees?
+  [[nodiscard]] bool ghosts_rest(int block, BundleLayout const& layout) const;
+  /// Is a bundle quiescent, and stays so?
+  [[nodiscard]] bool rests(int block, int bundle, BundleLayout const& layout) const;
+  /// Books what goes through the domain's faces in front of a quiescent bundle, as if it were swept.
+  void account_quiet(int block, BundleLayout const& layout, int direction, double dt, Account& account) const;
+  /// The same for a sleeping block.
+  void account_asleep(Part const& part, int direction, double dt, Account& account) const;
   [[nodiscard]] SweepContext sweep_context(int direction, double dt) const;
   /// How many fluids a row holds, and what follows from it.
   void set_present(int present, SweepContext& s) const;
@@ -179,8 +195,9 @@ class Gas {
   grid::Fields fields_;
   grid::Exchange exchange_;
   OpenFaces open_faces_;
-  double quiet_pressure_ = 0.0;  ///< of quiescent gas as `measure` finds it
+  Quiescence quiet_;
   grid::AwakeBlocks awake_;
+  Disturbance disturbance_;
   grid::BlockStore<Tally> blocks_;
   grid::BlockStore<Shells> shells_;
   std::array<std::vector<Part>, 3> parts_;  ///< of all blocks, by the direction of the sweep

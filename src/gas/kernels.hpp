@@ -149,6 +149,14 @@ struct WallRun {
 /// Cells between a rigid surface and the last cell that is near it, plus one.
 inline constexpr int near_wall_cells = 8;
 
+/// Which closure sums of a row stand in arrays.
+enum class Sums {
+  none,  ///< one ideal gas: they are constants
+  xi,    ///< no fluid has a reference curve that counts: B = H = 0
+  all,
+};
+inline constexpr int kinds_of_sums = 3;
+
 /// Constants of one sweep.
 struct SweepContext {
   Fluids const* fluids = nullptr;
@@ -163,17 +171,17 @@ struct SweepContext {
   bool radial = false;
   bool solid = false;
   bool burning = false;
+  bool rests = false;                                ///< quiescent bundles may be left as they are
   bool progress = false;                             ///< the products carry a progress of their afterburn
   bool bounded_phase = false;                        ///< see `FacePass::bound_density` and `bound_energy`
   bool flattened = false;                            ///< `a_share` weakens the slopes of some cells
   double most_H = 0.0;                               ///< infinite where a fluid bears tension, else 0: see `margin`
-  double gamma = 0.0;                                ///< where `present` is 1 and that fluid an ideal gas: its gamma
+  Sums sums = Sums::all;                             ///< of the row before the update
+  double gamma = 0.0;                                ///< with Sums::none: that of the ideal gas
   PerFluid xi_slope{};                               ///< what the volume fraction of a fluid adds to xi
   std::vector<WallRun> const* near_walls = nullptr;  ///< cells of the bundle near rigid surfaces
   grid::Ahead ahead;                                 ///< what the next bundle reads
 
-  /// Is the only fluid of the row an ideal gas? Its closure sums are constants then, and stand in no array.
-  [[nodiscard]] bool ideal() const { return gamma > 0.0; }
   [[nodiscard]] int normal() const { return momentum_x + direction; }
   [[nodiscard]] int transverse1() const { return momentum_x + (direction + 1) % 3; }
   [[nodiscard]] int transverse2() const { return momentum_x + (direction + 2) % 3; }

@@ -21,10 +21,14 @@ struct Wave {
   double k;
 
   static constexpr double least = 0.05;  ///< of 1 + k d
-  [[nodiscard]] double velocity(double d) const { return d / (impedance * std::sqrt(std::max(1.0 + k * d, least))); }
-  [[nodiscard]] double slope(double d) const {
-    double const s = 1.0 + k * d;
-    return s < least ? 1.0 / (impedance * std::sqrt(least)) : (1.0 + 0.5 * k * d) / (impedance * s * std::sqrt(s));
+  struct Response {
+    double velocity;
+    double slope;  ///< d velocity / d pressure
+  };
+  [[nodiscard]] Response to(double d) const {
+    double const s = std::max(1.0 + k * d, least);
+    double const per_pressure = 1.0 / (impedance * std::sqrt(s));
+    return {d * per_pressure, s > least ? (1.0 + 0.5 * k * d) / s * per_pressure : per_pressure};
   }
 };
 
@@ -209,9 +213,11 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
   double face_p = std::max(p, least_p);
   for (int n = 0; n < 8; ++n) {
     double const d = face_p - a.pressure;
-    double const miss = w - w_a - leaving.velocity(face_p - p) - ray.cosine * (outer.velocity(d) + afterflow);
+    Wave::Response const inside = leaving.to(face_p - p);
+    Wave::Response const outside = outer.to(d);
+    double const miss = w - w_a - inside.velocity - ray.cosine * (outside.velocity + afterflow);
     double const before = face_p;
-    face_p = std::max(least_p, face_p + miss / (leaving.slope(face_p - p) + ray.cosine * outer.slope(d)));
+    face_p = std::max(least_p, face_p + miss / (inside.slope + ray.cosine * outside.slope));
     if (std::abs(face_p - before) <= 1e-12 * modulus) break;
   }
   // Nothing enters against gas that leaves faster than the wave which turns to it: sound, or a shock where the pressure
@@ -221,10 +227,10 @@ bool OpenFaces::outside_state(Beyond const& a, Ray const& ray, int direction, in
     return false;
   }
   double const d = face_p - a.pressure;
-  double const rise = ray.cosine * (outer.velocity(d) + afterflow);
+  double const alone = outer.to(d).velocity;
+  double const rise = ray.cosine * (alone + afterflow);
   double const face_w = w_a + rise;
   if (!std::isfinite(face_w)) return false;
-  double const alone = outer.velocity(d);
   remember(dt, d + 0.25 * a.nonlinearity * a.density * alone * alone, ray.fading, ray.drift, memory);
   if (face_w >= 0.0) {
     double const scale = std::clamp(1.0 + (face_p - p) / modulus, 0.1, 10.0);

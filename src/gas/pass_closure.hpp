@@ -1,6 +1,8 @@
 /// Pass: closure sums of a fluid, see material/fluids.hpp.
 #pragma once
 
+#include <type_traits>
+
 #include "core/vector.hpp"
 #include "gas/kernels.hpp"
 #include "gas/passes.hpp"
@@ -17,9 +19,10 @@ template <class V>
   return rest;
 }
 
-/// Adds one fluid to the sums of a row; the ambient one, number 0, begins them.
+/// Adds one fluid to the sums of a row; the ambient one, number 0, begins them. Returns whether it has a reference
+/// curve that counts.
 template <class V, class Eos>
-[[gnu::flatten]] void add_to_closure(Eos const& model, ClosureRow const& row, BundleArrays& bundle) {
+[[gnu::flatten]] bool add_to_closure(Eos const& model, ClosureRow const& row, BundleArrays& bundle) {
   Arrays const a(bundle);
   Eos const eos = model;
   double const* const partial = a[partial_density(row.fluid)];
@@ -49,7 +52,7 @@ template <class V, class Eos>
           m.xi += fraction_at<V>(row, a, q) * xi;
           put(q, m);
         }
-        return;
+        return false;
       }
     }
   }
@@ -64,6 +67,7 @@ template <class V, class Eos>
       material::add_fluid(eos, alpha, rho, m);
     put(q, m);
   }
+  return !std::is_same_v<Eos, material::IdealGas>;
 }
 
 }  // namespace brisance::gas

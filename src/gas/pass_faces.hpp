@@ -42,8 +42,10 @@ struct PhaseRange {
 };
 
 /// A pass over the cells of a bundle that finds the states at their faces.
-template <class V, int N, bool Ideal, bool Radial, bool Walls>
+template <class V, int N, Sums S, bool Radial, bool Walls>
 class FacePass {
+  static constexpr bool ideal = S == Sums::none;
+  static constexpr bool curved = S == Sums::all;
   using Mask = typename Lanes<V>::Mask;
 
  public:
@@ -99,15 +101,15 @@ class FacePass {
 
   /// Beside which cells may fluxes have to be limited? Where the pressure is steep, and where the kinetic energy times
   /// xi is `cold_flow` margins; at an axis or centre, where a wave empties a cell two or three times as fast.
-  [[nodiscard]] Mask is_risky(int q, V const& least, V const& most, V const& p, ClosureAt<V, Ideal> const& c) const {
+  [[nodiscard]] Mask is_risky(int q, V const& least, V const& most, V const& p, ClosureAt<V, S> const& c) const {
     using std::abs;
     V const E = load(energy, q);
     Mask risky = most > steep_pressure * least;
-    if constexpr (Ideal) {
+    if constexpr (ideal) {
       double const x = 1.0 / (s_.gamma - 1.0);
       risky = risky | (E > (x + cold_flow * (x + 1.0) / x) * p);
     } else {
-      risky = risky | ((E - c.B - p * c.xi) * c.xi > cold_flow * margin(p, c.xi, c.H, V(s_.most_H)));
+      risky = risky | ((c.minus_B(E) - p * c.xi) * c.xi > cold_flow * c.margin_of(p, c.xi, s_.most_H));
     }
     if constexpr (Radial) risky = risky | (abs(load(a_expansion, q)) > 0.5 * lambda_);
     return risky;
@@ -126,6 +128,8 @@ class FacePass {
     int const fractions = volume_fraction(fluid);
     V const own = load(fractions, q);
     V const partial = load(rows, q);
+    Mask const lesser = (own > vanishing_fraction) & (own <= lesser_part) & (partial > 0.0);
+    if (!any(lesser)) return {Mask(false), Mask(false), Mask(false)};
     Mask const below = load(fractions, q - st_) > vanishing_fraction;
     Mask const above = load(fractions, q + st_) > vanishing_fraction;
     // Multiplied by the three volume fractions, for a division is dear.
@@ -135,12 +139,12 @@ class FacePass {
     V const partial_above = select(above, load(rows, q + st_), partial);
     V const step_below = abs(partial_below * own - partial * alpha_below) * alpha_above;
     V const step_above = abs(partial_above * own - partial * alpha_above) * alpha_below;
-    Mask const found = (own > vanishing_fraction) & (own <= lesser_part) & (partial > 0.0) &
-                       (step_below + step_above > even * partial * alpha_below * alpha_above);
+    Mask const found = lesser & (step_below + step_above > even * partial * alpha_below * alpha_above);
     return {found, Mask(below & (load(rows, q - st_) > 0.0)), Mask(above & (load(rows, q + st_) > 0.0))};
   }
 
-  /// What is reconstructed in a cell: its values, their slopes, or their changes over half a step.
+  /// What is reconstructed in a cell: its values, their slopes, or their changes over half a step. B only where there
+  /// are reference curves.
   struct Values {
     std::array<V, N> partial;
     std::array<V, N> alpha;  ///< of the fluids from number 1 on
@@ -168,7 +172,7 @@ class FacePass {
     x.v = load(a_v, q);
     x.w = load(a_w, q);
     x.p = load(a_p, q);
-    x.B = Ideal ? V(0.0) : load(a_B, q);
+    x.B = curved ? load(a_B, q) : V(0.0);
     return x;
   }
 
@@ -183,7 +187,7 @@ class FacePass {
     d.v = slope(differences(a_v, q, x.v));
     d.w = slope(differences(a_w, q, x.w));
     d.p = slope(differences(a_p, q, x.p));
-    d.B = Ideal ? V(0.0) : slope(differences(a_B, q, x.B), contact, any_contact);
+    d.B = curved ? slope(differences(a_B, q, x.B), contact, any_contact) : V(0.0);
     if (s_.flattened) {
       V const share = load(a_share, q);
       V const own = d.B;
@@ -194,14 +198,14 @@ class FacePass {
   }
 
   /// The changes over half a step; `div`: dt/2 div u.
-  [[nodiscard]] Values half_step(int q, Values const& x, Values const& d, ClosureAt<V, Ideal> const& c,
+  [[nodiscard]] Values half_step(int q, Values const& x, Values const& d, ClosureAt<V, S> const& c,
                                  V const& div) const {
     V const advance = lambda_ * x.u;
     V modulus;
-    if constexpr (Ideal)
+    if constexpr (ideal)
       modulus = s_.gamma * x.p;
     else
-      modulus = x.p + (x.p + c.H) * load(a_inverse_xi, q);
+      modulus = x.p + c.plus_H(x.p) * load(a_inverse_xi, q);
     Values t;
     for_fluids<0, N>([&](int k) { t.partial[k] = -(advance * d.partial[k] + x.partial[k] * div); });
     for_fluids<1, N>([&](int k) { t.alpha[k] = -(advance * d.alpha[k]); });
@@ -209,29 +213,28 @@ class FacePass {
     t.u = -(advance * d.u + lambda_ * d.p * load(a_inverse, q));
     t.v = -(advance * d.v);
     t.w = -(advance * d.w);
-    t.B = Ideal ? V(0.0) : (c.H - x.B) * div - advance * d.B;
+    t.B = curved ? (c.H - x.B) * div - advance * d.B : V(0.0);
     return t;
   }
 
   /// Where a face would be left without density or stiffness a cell falls back to its own state at its faces; and where
   /// explosive burns, for there the pressure is no function of the neighbours' energy.
   [[nodiscard]] Mask has_sound_faces(int q, Values const& x, Values const& d, Values const& t,
-                                     ClosureAt<V, Ideal> const& c) const {
+                                     ClosureAt<V, S> const& c) const {
     using std::abs;
     V const lowest_p = x.p + t.p - abs(d.p);
     double const lowest_pressure = 0.5 * s_.floors.pressure;
     Mask good = x.density() + t.density() - abs(d.density()) > 0.5 * s_.floors.density;
-    if constexpr (Ideal) {
+    if constexpr (ideal) {
       good = good & (lowest_p > lowest_pressure);
     } else {
-      V const most_H(s_.most_H);
-      good = good & (margin(lowest_p, c.xi, c.H, most_H) > lowest_pressure * (c.xi + 1.0));
+      good = good & (c.margin_of(lowest_p, c.xi, s_.most_H) > lowest_pressure * (c.xi + 1.0));
       if constexpr (N > 1) {
         // xi changes with the volume fractions.
         V const advance = lambda_ * x.u;
         V most_xi = c.xi;
         for_fluids<1, N>([&](int k) { most_xi += std::abs(s_.xi_slope[k]) * (1.0 + abs(advance)) * abs(d.alpha[k]); });
-        good = good & (margin(lowest_p, most_xi, c.H, most_H) > lowest_pressure * (most_xi + 1.0));
+        good = good & (c.margin_of(lowest_p, most_xi, s_.most_H) > lowest_pressure * (most_xi + 1.0));
         V const round_off = -1e-13 * x.density();
         for_fluids<0, N>([&](int k) { good = good & (x.partial[k] + t.partial[k] - abs(d.partial[k]) >= round_off); });
         if (s_.burning) good = good & (load(a_burn, q) >= 1.0);
@@ -244,7 +247,7 @@ class FacePass {
     using std::max;
     using std::min;
     Values const x = values(q);
-    ClosureAt<V, Ideal> const closure(s_, a_, q);
+    ClosureAt<V, S> const closure(s_, a_, q);
     V const least = min(x.p, min(load(a_p, q - st_), load(a_p, q + st_)));
     V const most = max(x.p, max(load(a_p, q - st_), load(a_p, q + st_)));
     Mask const risky = is_risky(q, least, most, x.p, closure);
@@ -273,7 +276,7 @@ class FacePass {
   }
 
   /// Densities, volume fractions, internal energy and speed of sound at the faces.
-  void put_thermal_state(int q, Values const& x, Values const& d, Values const& t, ClosureAt<V, Ideal> const& c,
+  void put_thermal_state(int q, Values const& x, Values const& d, Values const& t, ClosureAt<V, S> const& c,
                          V const& div) const {
     V const L_p = x.p + t.p + d.p;
     V const R_p = x.p + t.p - d.p;
@@ -285,11 +288,15 @@ class FacePass {
     });
     V L_rho = L_partial[0];
     V R_rho = R_partial[0];
-    if constexpr (Ideal) {
+    if constexpr (ideal) {
       put_sound(q, s_.gamma * L_p, L_rho, s_.gamma * R_p, R_rho);
     } else {
-      V L_B = x.B + t.B + d.B;
-      V R_B = x.B + t.B - d.B;
+      V L_B(0.0);
+      V R_B(0.0);
+      if constexpr (curved) {
+        L_B = x.B + t.B + d.B;
+        R_B = x.B + t.B - d.B;
+      }
       V L_xi = c.xi;
       V R_xi = c.xi;
       for_fluids<1, N>([&](int k) {
@@ -304,7 +311,7 @@ class FacePass {
         // A fluid that all but vanished is not carried on: the diffuse interface ends here.
         drop_vanished(L_alpha, L_partial[k]);
         drop_vanished(R_alpha, R_partial[k]);
-        if (bounded) {
+        if (curved && bounded) {
           Mask const held = uneven.found & (x.partial[k] + t.partial[k] > 0.0);
           bound_energy(q, k, uneven, held, c.H / x.partial[k] * div, L_partial[k], R_partial[k], L_B, R_B);
         }
@@ -313,9 +320,9 @@ class FacePass {
         L_rho += L_partial[k];
         R_rho += R_partial[k];
       });
-      store(a_left + f_rho_e, q, L_p * L_xi + L_B);
-      store(a_right + f_rho_e, q, R_p * R_xi + R_B);
-      put_sound(q, L_p * (L_xi + 1.0) + c.H, L_xi * L_rho, R_p * (R_xi + 1.0) + c.H, R_xi * R_rho);
+      store(a_left + f_rho_e, q, curved ? L_p * L_xi + L_B : L_p * L_xi);
+      store(a_right + f_rho_e, q, curved ? R_p * R_xi + R_B : R_p * R_xi);
+      put_sound(q, c.plus_H(L_p * (L_xi + 1.0)), L_xi * L_rho, c.plus_H(R_p * (R_xi + 1.0)), R_xi * R_rho);
     }
     for_fluids<0, N>([&](int k) {
       store(a_left + f_partial(k), q, L_partial[k]);

@@ -39,7 +39,7 @@ struct FaceState {
 };
 
 /// The state that a cell has at its face: `a_left` at the high one, `a_right` at the low one.
-template <class V, int N, bool Ideal>
+template <class V, int N, Sums S>
 [[nodiscard]] inline FaceState<V, N> face_state(SweepContext const& s, Arrays const& a, int first, int q) {
   auto const load = [&](int value) { return Lanes<V>::load(a[first + value] + q); };
   FaceState<V, N> f;
@@ -49,14 +49,14 @@ template <class V, int N, bool Ideal>
   f.v = load(f_v);
   f.w = load(f_w);
   f.p = load(f_p);
-  f.rho_e = Ideal ? f.p * (1.0 / (s.gamma - 1.0)) : load(f_rho_e);
+  f.rho_e = S == Sums::none ? f.p * (1.0 / (s.gamma - 1.0)) : load(f_rho_e);
   f.c = load(f_c);
   return f;
 }
 
 /// The left state of face q is that of cell q, the right one that of cell q + stride; beside an obstacle the other side
 /// is the mirror image of the fluid in front of it. HLLC, and HLL where the sensor has seen a shock.
-template <class V, int N, bool Ideal, bool Walls>
+template <class V, int N, Sums S, bool Walls>
 [[gnu::flatten]] void find_fluxes(SweepContext const& s, BundleLayout const& b, BundleArrays& bundle) {
   using std::max;
   Arrays const a(bundle);
@@ -67,8 +67,8 @@ template <class V, int N, bool Ideal, bool Walls>
   auto const load = [&](int name, int q) { return Lanes<V>::load(a[name] + q); };
   auto const store = [&](int name, int q, V const& x) { Lanes<V>::store(a[name] + q, x); };
   for (int q = aligned(st); q < b.total - 2 * st; q += Lanes<V>::count) {
-    FaceState<V, N> left = face_state<V, N, Ideal>(s, a, a_left, q);
-    FaceState<V, N> right = face_state<V, N, Ideal>(s, a, a_right, q + st);
+    FaceState<V, N> left = face_state<V, N, S>(s, a, a_left, q);
+    FaceState<V, N> right = face_state<V, N, S>(s, a, a_right, q + st);
     if constexpr (Walls) {
       auto const left_solid = load(a_solid, q) > 0.5;
       auto const right_solid = load(a_solid, q + st) > 0.5;

@@ -9,21 +9,39 @@
 
 namespace brisance::gas {
 
-/// The closure sums of a cell: of one ideal gas constants, else what stands in the arrays.
-template <class V, bool Ideal>
+/// The closure sums of a cell: those that stand in arrays, and constants.
+template <class V, Sums S>
 struct ClosureAt {
-  V xi, B, H;
+  V xi;
+  V B = V(0.0);
+  V H = V(0.0);
 
   ClosureAt(SweepContext const& s, Arrays const& a, int q) {
-    if constexpr (Ideal) {
-      xi = V(1.0 / (s.gamma - 1.0));
-      B = V(0.0);
-      H = V(0.0);
-    } else {
-      xi = Lanes<V>::load(a[a_xi] + q);
+    xi = S == Sums::none ? V(1.0 / (s.gamma - 1.0)) : Lanes<V>::load(a[a_xi] + q);
+    if constexpr (S == Sums::all) {
       B = Lanes<V>::load(a[a_B] + q);
       H = Lanes<V>::load(a[a_H] + q);
     }
+  }
+  /// Terms that are 0 are left out: the compiler may not.
+  [[nodiscard]] V minus_B(V const& x) const {
+    if constexpr (S == Sums::all)
+      return x - B;
+    else
+      return x;
+  }
+  [[nodiscard]] V plus_H(V const& x) const {
+    if constexpr (S == Sums::all)
+      return x + H;
+    else
+      return x;
+  }
+  /// `margin` of a state with this H.
+  [[nodiscard]] V margin_of(V const& p, V const& with_xi, double most_H) const {
+    if constexpr (S == Sums::all)
+      return margin(p, with_xi, H, V(most_H));
+    else
+      return p * (with_xi + 1.0);
   }
 };
 
@@ -54,25 +72,26 @@ template <class V, int N>
 /// Are states above the floors of density and of `margin`? False for anything that is no number.
 template <class V>
 struct SoundStates {
-  V density, pressure, most_H;
+  V density, pressure;
+  double most_H;
 
   explicit SoundStates(SweepContext const& s)
       : density(0.999999 * s.floors.density), pressure(0.999999 * s.floors.pressure), most_H(s.most_H) {}
 
-  template <bool Ideal>
-  [[nodiscard]] auto check(V const& rho, V const& p, ClosureAt<V, Ideal> const& c) const {
-    if constexpr (Ideal) {
+  template <Sums S>
+  [[nodiscard]] auto check(V const& rho, V const& p, ClosureAt<V, S> const& c) const {
+    if constexpr (S == Sums::none) {
       return (rho >= density) & (p >= pressure);
     } else {
-      return (rho >= density) & (margin(p, c.xi, c.H, most_H) >= pressure * (c.xi + 1.0));
+      return (rho >= density) & (c.margin_of(p, c.xi, most_H) >= pressure * (c.xi + 1.0));
     }
   }
 };
 
 /// 1/rho and, of one that is no constant, 1/xi: a division costs as much as ten products, and one will do for both.
-template <bool Ideal, class V>
+template <Sums S, class V>
 inline void inverses(V const& rho, V const& xi, V& inverse_rho, V& inverse_xi) {
-  if constexpr (Ideal) {
+  if constexpr (S == Sums::none) {
     inverse_rho = 1.0 / rho;
   } else {
     V const both = 1.0 / (rho * xi);
@@ -81,7 +100,7 @@ inline void inverses(V const& rho, V const& xi, V& inverse_rho, V& inverse_xi) {
   }
 }
 
-template <class V, int N, bool Ideal>
+template <class V, int N, Sums S>
 [[gnu::flatten]] bool find_primitives(SweepContext const& s, int begin, int count, BundleArrays& bundle) {
   Arrays const a(bundle);
   auto const load = [](double const* from) { return Lanes<V>::load(from); };
@@ -95,10 +114,10 @@ template <class V, int N, bool Ideal>
   typename Lanes<V>::Mask sound(true);
   for (int q = begin; q < begin + count; q += Lanes<V>::count) {
     V const rho = density_at<V, N>(a, q);
-    ClosureAt<V, Ideal> const c(s, a, q);
+    ClosureAt<V, S> const c(s, a, q);
     V r;
     V inverse_xi;
-    inverses<Ideal>(rho, c.xi, r, inverse_xi);
+    inverses<S>(rho, c.xi, r, inverse_xi);
     V const m = load(mu + q);
     V const n = load(mv + q);
     V const o = load(mw + q);
@@ -107,12 +126,12 @@ template <class V, int N, bool Ideal>
     V const w = o * r;
     V const rho_e = load(E + q) - 0.5 * (m * u + n * v + o * w);
     V p;
-    if constexpr (Ideal)
+    if constexpr (S == Sums::none)
       p = gruneisen * rho_e;
     else
-      p = (rho_e - c.B) * inverse_xi;
+      p = c.minus_B(rho_e) * inverse_xi;
     store(a[a_inverse] + q, r);
-    if constexpr (!Ideal) store(a[a_inverse_xi] + q, inverse_xi);
+    if constexpr (S != Sums::none) store(a[a_inverse_xi] + q, inverse_xi);
     store(a[a_u] + q, u);
     store(a[a_v] + q, v);
     store(a[a_w] + q, w);
@@ -190,7 +209,7 @@ template <class V, int N, bool Radial, bool Walls>
   }
 }
 
-template <class V, int N, bool Ideal>
+template <class V, int N, Sums S>
 [[gnu::flatten]] Signals find_signals(SweepContext const& s, int begin, int count, int dimensions,
                                       BundleArrays& bundle) {
   using std::abs;
@@ -205,22 +224,22 @@ template <class V, int N, bool Ideal>
   typename Lanes<V>::Mask sound(true);
   for (int q = begin; q < begin + count; q += Lanes<V>::count) {
     V const rho = density_at<V, N>(a, q);
-    ClosureAt<V, Ideal> const closure(s, a, q);
+    ClosureAt<V, S> const closure(s, a, q);
     V inverse;
     V inverse_xi;
-    inverses<Ideal>(rho, closure.xi, inverse, inverse_xi);
+    inverses<S>(rho, closure.xi, inverse, inverse_xi);
     V const mx = load(momentum_x, q);
     V const my = load(momentum_y, q);
     V const mz = load(momentum_z, q);
     V const rho_e = load(energy, q) - 0.5 * (mx * mx + my * my + mz * mz) * inverse;
     V p;
     V modulus;
-    if constexpr (Ideal) {
+    if constexpr (S == Sums::none) {
       p = (s.gamma - 1.0) * rho_e;
       modulus = s.gamma * p;
     } else {
-      p = (rho_e - closure.B) * inverse_xi;
-      modulus = p + (p + closure.H) * inverse_xi;
+      p = closure.minus_B(rho_e) * inverse_xi;
+      modulus = p + closure.plus_H(p) * inverse_xi;
     }
     V const c = sqrt(max(V(0.0), modulus) * inverse);
     V const flow = max(abs(mx), max(use_y * abs(my), use_z * abs(mz)));

@@ -29,47 +29,44 @@ auto with(bool x, bool y, Use const& use) {
   return y ? use.template operator()<false, true>() : use.template operator()<false, false>();
 }
 
-template <int N>
-constexpr Passes::OfFluids table_of_fluids() {
+template <int N, Sums S>
+constexpr Passes::OfFluids table_of() {
   Passes::OfFluids table{};
   table.primitives = [](SweepContext const& s, int begin, int count, BundleArrays& a) {
-    if constexpr (N == 1) {
-      if (s.ideal()) return find_primitives<Vector, 1, true>(s, begin, count, a);
-    }
-    return find_primitives<Vector, N, false>(s, begin, count, a);
+    return find_primitives<Vector, N, S>(s, begin, count, a);
   };
   table.sensor = [](BundleLayout const& b, BundleArrays& a) { find_shocks<Vector>(b, a); };
   table.faces = [](SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
-    return with(s.radial, s.solid, [&]<bool Radial, bool Walls>() {
-      if constexpr (N == 1) {
-        if (s.ideal()) return FacePass<Vector, 1, true, Radial, Walls>(s, b, a).run();
-      }
-      return FacePass<Vector, N, false, Radial, Walls>(s, b, a).run();
-    });
+    return with(s.radial, s.solid,
+                [&]<bool Radial, bool Walls>() { return FacePass<Vector, N, S, Radial, Walls>(s, b, a).run(); });
   };
   table.fluxes = [](SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
-    with(s.solid, false, [&]<bool Walls, bool>() {
-      if constexpr (N == 1) {
-        if (s.ideal()) return find_fluxes<Vector, 1, true, Walls>(s, b, a);
-      }
-      return find_fluxes<Vector, N, false, Walls>(s, b, a);
-    });
+    // Without constants the energies of the faces stand in arrays, whatever the sums are.
+    constexpr Sums kind = S == Sums::none ? S : Sums::all;
+    with(s.solid, false, [&]<bool Walls, bool>() { find_fluxes<Vector, N, kind, Walls>(s, b, a); });
   };
   table.update = [](SweepContext const& s, BundleLayout const& b, BundleArrays& a) {
     with(s.radial, s.solid, [&]<bool Radial, bool Walls>() { update_states<Vector, N, Radial, Walls>(s, b, a); });
   };
   table.signals = [](SweepContext const& s, int begin, int count, int dimensions, BundleArrays& a) {
-    if constexpr (N == 1) {
-      if (s.ideal()) return find_signals<Vector, 1, true>(s, begin, count, dimensions, a);
-    }
-    return find_signals<Vector, N, false>(s, begin, count, dimensions, a);
+    return find_signals<Vector, N, S>(s, begin, count, dimensions, a);
   };
   return table;
 }
 
+/// In the order of `Sums`. One fluid alone is seldom anything between an ideal gas and one with all sums; the sums of
+/// several are no constants.
+template <int N>
+constexpr std::array<Passes::OfFluids, kinds_of_sums> tables_of_fluids() {
+  if constexpr (N == 1)
+    return {table_of<N, Sums::none>(), table_of<N, Sums::all>(), table_of<N, Sums::all>()};
+  else
+    return {table_of<N, Sums::all>(), table_of<N, Sums::xi>(), table_of<N, Sums::all>()};
+}
+
 template <int... N>
 constexpr Passes all_passes(std::integer_sequence<int, N...>) {
-  return {ClosureOf<material::Eos>::table, {table_of_fluids<N + 1>()...}};
+  return {ClosureOf<material::Eos>::table, {tables_of_fluids<N + 1>()...}};
 }
 
 constexpr Passes table = all_passes(std::make_integer_sequence<int, most_fluids>{});

@@ -31,7 +31,8 @@ template <class Eos>
 struct ClosureTable;
 template <class... E>
 struct ClosureTable<std::variant<E...>> {
-  std::tuple<void (*)(E const&, ClosureRow const&, BundleArrays&)...> add;
+  /// Do they return a reference curve, B or H other than 0?
+  std::tuple<bool (*)(E const&, ClosureRow const&, BundleArrays&)...> add;
 };
 
 /// What the wave speeds of some cells are.
@@ -55,7 +56,8 @@ struct Passes {
     Signals (*signals)(SweepContext const&, int begin, int count, int dimensions, BundleArrays&);
   };
   ClosureTable<material::Eos> closure;
-  std::array<OfFluids, most_fluids> of_fluids;  ///< by the number of fluids less 1
+  /// By the number of fluids less 1 and the closure sums that stand in arrays.
+  std::array<std::array<OfFluids, kinds_of_sums>, most_fluids> of_fluids;
 };
 
 /// The passes for the instructions that are in use, see `simd_set`.

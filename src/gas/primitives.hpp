@@ -20,7 +20,7 @@ template <int N>
   for_fluids<1, N>([&](int k) {
     std::visit(
         [&](auto const& eos) {
-          add_burning_fluid(eos, alpha[k], phase_density(partial[k], alpha[k]), F, fluids.ambient_pressure, m);
+          add_fluid_of_cell(eos, alpha[k], phase_density(partial[k], alpha[k]), F, fluids.ambient_pressure, m);
         },
         fluids.eos[k]);
   });
@@ -82,37 +82,44 @@ inline void lift_cells(SweepContext const& s, BundleLayout const& b, BundleArray
   }
 }
 
-/// Closure sums of the cells [begin, begin + count) where they are no constants.
-inline void find_closure(SweepContext const& s, int begin, int count, BundleArrays& a) {
-  if (s.ideal()) return;
+/// Closure sums of the cells [begin, begin + count) where they are no constants. Returns which ones count.
+[[nodiscard]] inline Sums find_closure(SweepContext const& s, int begin, int count, BundleArrays& a) {
+  if (s.sums == Sums::none) return s.sums;
   ClosureRow row;
   row.begin = begin;
   row.count = count;
   row.fluids = s.present;
   row.burning = s.burning;
   row.ambient = s.fluids->ambient_pressure;
+  bool curved = false;
   for (int k = 0; k < s.present; ++k) {
     row.fluid = k;
     std::visit(
         [&]<class E>(E const& eos) {
-          std::get<void (*)(E const&, ClosureRow const&, BundleArrays&)>(passes().closure.add)(eos, row, a);
+          using Add = bool (*)(E const&, ClosureRow const&, BundleArrays&);
+          curved |= std::get<Add>(passes().closure.add)(eos, row, a);
         },
         s.fluids->eos[k]);
   }
+  return curved ? Sums::all : Sums::xi;
 }
 
 /// Puts the constants of one ideal gas into the arrays, for what is rare and reads them there.
 inline void write_closure(SweepContext const& s, int begin, int count, BundleArrays& a) {
-  if (!s.ideal()) return;
+  if (s.sums != Sums::none) return;
   std::fill_n(a[a_xi] + begin, count, 1.0 / (s.gamma - 1.0));
   std::fill_n(a[a_B] + begin, count, 0.0);
   std::fill_n(a[a_H] + begin, count, 0.0);
 }
 
-inline Passes::OfFluids const& passes_of(SweepContext const& s) { return passes().of_fluids[s.present - 1]; }
+inline Passes::OfFluids const& passes_of(int fluids, Sums sums) {
+  return passes().of_fluids[fluids - 1][static_cast<int>(sums)];
+}
+inline Passes::OfFluids const& passes_of(SweepContext const& s) { return passes_of(s.present, s.sums); }
 
-inline void primitives(SweepContext const& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
-  find_closure(s, 0, b.total, a);
+/// Primitive variables of a bundle; notes which closure sums the row has.
+inline void primitives(SweepContext& s, BundleLayout const& b, BundleArrays& a, GuardCount& guards) {
+  s.sums = find_closure(s, 0, b.total, a);
   if (!passes_of(s).primitives(s, 0, b.total, a)) {
     write_closure(s, 0, b.total, a);
     lift_cells(s, b, a, 0, b.total, guards);
@@ -125,12 +132,12 @@ inline void primitives(SweepContext const& s, BundleLayout const& b, BundleArray
 /// cell below the floors either, for gauges and dumps would show it. Returns the largest signal [m/s].
 inline double signals(SweepContext const& s, BundleLayout const& b, BundleArrays& a, int begin, int n, int dimensions,
                       GuardCount& guards) {
-  find_closure(s, begin, n, a);
-  Signals found = passes_of(s).signals(s, begin, n, dimensions, a);
+  Passes::OfFluids const& passes = passes_of(s.present, find_closure(s, begin, n, a));
+  Signals found = passes.signals(s, begin, n, dimensions, a);
   if (!found.sound) {
     write_closure(s, begin, n, a);
     lift_cells(s, b, a, begin, n, guards);
-    found = passes_of(s).signals(s, begin, n, dimensions, a);
+    found = passes.signals(s, begin, n, dimensions, a);
   }
   return found.fastest;
 }

@@ -1,7 +1,10 @@
-/// Blocks that sleep. What a sleeping block leaves out must be what an awake one would have done, to the last bit: its
-/// cells stay as they are, and the accounts get what quiescent gas carries through the domain's faces.
+/// Blocks that sleep, and quiescent bundles of those that are awake. What they leave out must be what a sweep would
+/// have done, to the last bit: their cells stay as they are, and the accounts get what quiescent gas carries through
+/// the domain's faces.
 #include <algorithm>
+#include <cmath>
 
+#include "core/loops.hpp"
 #include "core/parallel.hpp"
 #include "gas/gas.hpp"
 #include "gas/primitives.hpp"
@@ -30,39 +33,39 @@ BundleArrays row_of(Components const& quiet, BundleLayout const& layout) {
 
 }  // namespace
 
-Components Gas::quiescent_flux(SweepContext s) const {
-  set_present(1, s);
-  s.radial = false;
-  BundleLayout const layout = row_layout(s.direction);
-  BundleArrays a = row_of(conserved_of(fluids_, quiescent_), layout);
-  GuardCount guards;
-  primitives(s, layout, a, guards);
-  face_fluxes(options_.scheme, s, layout, a, guards);
-  Components flux{};
-  for (int c = 0; c <= energy; ++c) flux[c] = a[a_flux + c][layout.begin(0) + row_cells / 2];
-  return flux;
+void Gas::find_quiescence() {
+  quiet_ = {};
+  quiet_.state = conserved_of(fluids_, quiescent_);
+  int const dims = grid_->domain().dimensions();
+  for (int direction = 0; direction < dims; ++direction) {
+    BundleLayout const layout = row_layout(direction);
+    BundleArrays a = row_of(quiet_.state, layout);
+    int const middle = layout.begin(0) + row_cells / 2;
+    GuardCount guards;
+    SweepContext s = sweep_context(direction, short_step());
+    set_present(1, s);
+    s.radial = false;
+    primitives(s, layout, a, guards);
+    face_fluxes(options_.scheme, s, layout, a, guards);
+    for (int c = 0; c <= energy; ++c) quiet_.flux[direction][c] = a[a_flux + c][middle];
+    quiet_.signal = signals(s, layout, a, layout.begin(0), row_cells, dims, guards);
+    quiet_.pressure = a[a_p][middle];
+  }
 }
 
-double Gas::quiescent_pressure() const {
-  BundleLayout const layout = row_layout(0);
-  BundleArrays a = row_of(conserved_of(fluids_, quiescent_), layout);
-  GuardCount guards;
-  SweepContext s = sweep_context(0, 0.0);
-  set_present(1, s);
-  signals(s, layout, a, layout.begin(0), row_cells, grid_->domain().dimensions(), guards);
-  return a[a_p][layout.begin(0) + row_cells / 2];
+double Gas::short_step() const {
+  double const rho = quiet_.state[partial_density(0)];
+  double const c = std::sqrt(std::max(0.0, mixture(fluids_, {rho}, {}).bulk_modulus(quiescent_.pressure)) / rho);
+  return 0.1 * grid_->smallest_cell() / (norm(quiescent_.velocity) + c);
 }
 
 void Gas::wake_where_wind_changes() {
-  auto const quiet = conserved_of(fluids_, quiescent_);
-  double const rho = quiet[partial_density(0)];
-  double const c = std::sqrt(std::max(0.0, mixture(fluids_, {rho}, {}).bulk_modulus(quiescent_.pressure)) / rho);
-  double const dt = 0.1 * grid_->smallest_cell() / (norm(quiescent_.velocity) + c);
+  Components const& quiet = quiet_.state;
   grid::AwakeBlocks everything(*grid_, 1);
   grid::AwakeBlocks const slept = awake_;
   for (int direction = 0; direction < grid_->domain().dimensions(); ++direction) {
     exchange_.fill(fields_, direction, everything);
-    SweepContext const context = sweep_context(direction, dt);
+    SweepContext const context = sweep_context(direction, short_step());
     parallel_for(grid_->block_count(), [&](int b, int thread) {
       if (slept[b] != 0 || coupling.all_frozen(b)) return;
       Tally ignored;
@@ -84,25 +87,48 @@ void Gas::wake_where_wind_changes() {
   coupling.clear_watched();
 }
 
-void Gas::account_asleep(Part const& part, SweepContext const& s, Components const& flux, Account& account) const {
-  grid::Block const& block = grid_->blocks()[part.block];
-  int const low = 2 * s.direction;
-  if (!block.at_boundary(low) && !block.at_boundary(low + 1)) return;
-  Components& outflow = account.outflow;
-  grid::Bundles const bundles(block, s.direction, options_.bundle_cells);
-  // In the order of `account_boundaries`.
-  for (int index = part.first; index < part.end; ++index) {
-    BundleLayout const layout = bundles.layout(index);
-    for (int side = 0; side < 2; ++side) {
-      if (!block.at_boundary(low + side)) continue;
-      double const sign = side == 0 ? -1.0 : 1.0;
-      for (int line = 0; line < layout.lines(); ++line) {
-        grid::Cell const cell = layout.end_cell(block, side, line);
-        if (!coupling.is_own(cell)) continue;
-        double const area = block.face_area(s.direction, side, cell);
-        for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * s.dt * flux[c];
-      }
+bool Gas::ghosts_rest(int b, BundleLayout const& layout) const {
+  grid::Block const& block = grid_->blocks()[b];
+  auto const slab = static_cast<std::ptrdiff_t>(grid::ghost_box(block, layout.direction).count());
+  for (int c = 0; c < components(); ++c) {
+    auto const differs = [value = quiet_.state[c]](double const* run, int count) {
+      return !all_equal(run, count, value);
+    };
+    for (int const side : {0, 1}) {
+      if (grid::any_ghost_run(layout, block, exchange_.ghosts(b, side) + c * slab, differs)) return false;
     }
+  }
+  return true;
+}
+
+bool Gas::rests(int b, int bundle, BundleLayout const& layout) const {
+  if (disturbance_.touches(b, layout)) return false;
+  return coupling.faces(b, layout.direction, bundle).empty() && ghosts_rest(b, layout);
+}
+
+void Gas::account_quiet(int b, BundleLayout const& layout, int direction, double dt, Account& account) const {
+  grid::Block const& block = grid_->blocks()[b];
+  Components const& flux = quiet_.flux[direction];
+  Components& outflow = account.outflow;
+  // In the order of `account_boundaries`.
+  for (int side = 0; side < 2; ++side) {
+    if (!block.at_boundary(2 * direction + side)) continue;
+    double const sign = side == 0 ? -1.0 : 1.0;
+    for (int line = 0; line < layout.lines(); ++line) {
+      grid::Cell const cell = layout.end_cell(block, side, line);
+      if (!coupling.is_own(cell)) continue;
+      double const area = block.face_area(direction, side, cell);
+      for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * dt * flux[c];
+    }
+  }
+}
+
+void Gas::account_asleep(Part const& part, int direction, double dt, Account& account) const {
+  grid::Block const& block = grid_->blocks()[part.block];
+  if (!block.at_boundary(2 * direction) && !block.at_boundary(2 * direction + 1)) return;
+  grid::Bundles const bundles(block, direction, options_.bundle_cells);
+  for (int index = part.first; index < part.end; ++index) {
+    account_quiet(part.block, bundles.layout(index), direction, dt, account);
   }
 }
 

@@ -43,6 +43,7 @@ void Gas::archive(Archive& a) {
     for (int c = 0; c < components(); ++c) a.numbers(fields_.at(b, c), cells);
     peaks_.archive(a, b);
   }
+  if (a.reading()) disturbance_.find(fields_, quiet_.state);
 }
 
 }  // namespace brisance::gas

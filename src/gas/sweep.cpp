@@ -202,7 +202,7 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
       tally.signal = std::max(tally.signal, factor * a[momentum_x][q] / rho);
     });
   }
-  if (s.dt > 0.0) peaks_.follow(b, layout, a[a_p], quiet_pressure_, s.dt);
+  if (s.dt > 0.0) peaks_.follow(b, layout, a[a_p], quiet_.pressure, s.dt);
 }
 
 void Gas::account_guards(int b, BundleLayout const& layout, GuardCount const& guards, Tally& tally) const {
@@ -236,12 +236,18 @@ void Gas::sweep_part(Part const& part, SweepContext const& sweep, bool last, Bun
   int const b = part.block;
   grid::Block const& block = grid_->blocks()[b];
   bool const at_boundary = block.at_boundary(2 * sweep.direction) || block.at_boundary(2 * sweep.direction + 1);
+  bool const may_rest = sweep.rests && coupling.roles(b).empty();
   auto const slab = static_cast<std::ptrdiff_t>(block.cell_count() / block.n[sweep.direction]) * grid::ghost_layers;
   grid::Bundles const bundles(block, sweep.direction, options_.bundle_cells);
   for (int index = part.first; index < part.end; ++index) {
     BundleLayout const layout = bundles.layout(index);
     SweepContext s = sweep;
     s.h = block.h();
+    if (may_rest && rests(b, index, layout)) {
+      if (at_boundary) account_quiet(b, layout, s.direction, s.dt, tally.account);
+      if (last) tally.signal = std::max(tally.signal, quiet_.signal);
+      continue;
+    }
     load_bundle(b, layout, s, a);
     GuardCount guards;
     s.near_walls = obstacles.near_walls(b, s.direction, index);
@@ -268,6 +274,7 @@ void Gas::sweep_part(Part const& part, SweepContext const& sweep, bool last, Bun
     if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a, tally.account);
     if (last) measure(b, layout, s, a, guards, tally);
     store(b, layout, s, a);
+    if (may_rest) disturbance_.note(b, layout, s, quiet_.state, a);
     account_guards(b, layout, guards, tally);
   }
 }

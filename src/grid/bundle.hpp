@@ -226,24 +226,30 @@ struct Ahead {
   std::ptrdiff_t offset_ = 0;
 };
 
+/// Calls visit(values, count) for the runs of ghost cells that `load` reads on one side, from an array over their slab,
+/// until it returns true; returns whether it did.
+template <class Visit>
+inline bool any_ghost_run(BundleLayout const& b, Block const& block, double const* slab, Visit const& visit) {
+  constexpr int g = ghost_layers;
+  if (b.direction == 0) return visit(slab + static_cast<std::ptrdiff_t>(g) * b.first, g * b.rows);
+  std::ptrdiff_t const layer = b.direction == 1 ? block.n[0] : static_cast<std::ptrdiff_t>(block.n[0]) * block.n[1];
+  double const* const first = slab + b.first + (b.direction == 1 ? layer * g * b.plane : 0);
+  for (int l = 0; l < g; ++l) {
+    if (visit(first + layer * l, b.stride)) return true;
+  }
+  return false;
+}
+
 /// Asks for the ghost cells that `load` reads before it does.
 inline void prefetch_ghosts(BundleLayout const& b, Block const& block, double const* low, double const* high) {
   constexpr int line = 8;
-  constexpr int g = ghost_layers;
   // To the compiler a function that only fetches does nothing, and it leaves out the call: the statement keeps it.
   asm volatile("");
-  if (b.direction == 0) {
-    for (int n = 0; n < g * b.rows; n += line) {
-      __builtin_prefetch(low + static_cast<std::ptrdiff_t>(g) * b.first + n, 0, 2);
-      __builtin_prefetch(high + static_cast<std::ptrdiff_t>(g) * b.first + n, 0, 2);
-    }
-    return;
-  }
-  int const layer = b.direction == 1 ? block.n[0] : block.n[0] * block.n[1];
-  std::ptrdiff_t const slab = b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(block.n[0]) * g * b.plane : 0);
-  for (int l = 0; l < g; ++l) {
-    __builtin_prefetch(low + slab + static_cast<std::ptrdiff_t>(layer) * l, 0, 2);
-    __builtin_prefetch(high + slab + static_cast<std::ptrdiff_t>(layer) * l, 0, 2);
+  for (double const* const slab : {low, high}) {
+    any_ghost_run(b, block, slab, [](double const* run, int count) {
+      for (int n = 0; n < count; n += line) __builtin_prefetch(run + n, 0, 2);
+      return false;
+    });
   }
 }
 

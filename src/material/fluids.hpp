@@ -98,6 +98,18 @@ inline void add_burning_fluid(E const& eos, V const& alpha, V const& rho, V cons
   m.H += alpha * xi * (F * eos.rho_d_reference(rho) - f);
 }
 
+/// The same for a single cell. The reference curve of a thin fluid vanishes in double precision, and is not asked for.
+template <class E>
+inline void add_fluid_of_cell(E const& eos, double alpha, double rho, double F, double p0, Mixture& m) {
+  if constexpr (requires { eos.negligible_below(); }) {
+    if (F == 1.0 && rho < eos.negligible_below()) {
+      m.xi += alpha * (1.0 / eos.gruneisen());
+      return;
+    }
+  }
+  add_burning_fluid(eos, alpha, rho, F, p0, m);
+}
+
 /// Closure of one cell; `partial` are partial densities, F the burn fraction (1: burnt) of the fluids beside the
 /// ambient one. Without such fluids the volume fractions must be 0.
 [[nodiscard]] inline Mixture mixture(Fluids const& fluids, PerFluid const& partial, Fractions const& alpha,
@@ -108,7 +120,7 @@ inline void add_burning_fluid(E const& eos, V const& alpha, V const& rho, V cons
   for (int k = 1; k < fluids.count; ++k) {
     std::visit(
         [&](auto const& eos) {
-          add_burning_fluid(eos, alpha[k], phase_density(partial[k], alpha[k]), F, fluids.ambient_pressure, m);
+          add_fluid_of_cell(eos, alpha[k], phase_density(partial[k], alpha[k]), F, fluids.ambient_pressure, m);
         },
         fluids.eos[k]);
   }

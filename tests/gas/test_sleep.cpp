@@ -22,6 +22,7 @@ struct Setting {
   Vec3 wind{0.0, 0.0, 0.0};
   Inside inside = Inside::nothing;
   gas::Scheme scheme = gas::Scheme::muscl_hancock;
+  bool one_block = false;  ///< else many small ones
 };
 
 struct Outcome {
@@ -46,7 +47,7 @@ Outcome outcome(Setting const& s, bool sleep, int threads = 1) {
   Problem problem;
   int const dims = grid::dimensions(s.geometry);
   problem.box(s.geometry, dims == 1 ? 48 : dims == 2 ? 24 : 16, 1.0, s.boundary);
-  problem.block_cells = dims == 3 ? 4 : 8;
+  problem.block_cells = s.one_block ? problem.domain.cells[0] : dims == 3 ? 4 : 8;
   if (grid::radial_exponent(s.geometry) > 0) {
     problem.domain.boundary[0] = Boundary::symmetry;
     if (s.boundary == Boundary::periodic) problem.domain.boundary[1] = Boundary::outflow;
@@ -143,6 +144,64 @@ TEST_P(Wind, GivesTheSameBitsWithSleepOnAndOff) {
   std::printf("%d of %d runs ended with sleeping blocks\n", slept, compared);
   if (s.boundary != Boundary::inflow) {
     EXPECT_GT(slept, 0) << "no block ever slept: the comparison would prove nothing";
+  }
+}
+
+// One block is awake as a whole, and only bundles of it can be left out.
+TEST_P(Wind, GivesTheSameBitsWhereBundlesRestInOneBlock) {
+  Setting s;
+  std::tie(s.geometry, s.boundary, s.scheme) = GetParam();
+  s.one_block = true;
+  for (Inside inside : {Inside::obstacle, Inside::held, Inside::burst}) {
+    s.inside = inside;
+    EXPECT_EQ(outcome(s, true).values, outcome(s, false).values) << static_cast<int>(inside);
+  }
+}
+
+// Bundles are swept where a disturbed cell lies in a tile that they touch, and nowhere else.
+TEST(Disturbance, IsSeenByTheBundlesThatTouchIt) {
+  Problem problem;
+  problem.box(Geometry::cartesian3d, 24, 1.0, Boundary::wall);
+  problem.domain.cells = {24, 21, 19};
+  problem.block_cells = 24;
+  problem.fill([&](Vec3 const&) { return problem.quiescent; });
+  problem.gas->start();
+  grid::Block const& block = problem.grid->blocks()[0];
+  gas::Components const quiet = gas::conserved_of(problem.fluids, problem.quiescent);
+  constexpr int tile = 8;
+  for (Index3 const& at : {Index3{0, 0, 0}, Index3{9, 20, 18}, Index3{23, 7, 8}}) {
+    grid::Cell const disturbed = block.cell(at[0], at[1], at[2]);
+    gas::Disturbance found(*problem.grid);
+    double& momentum = problem.gas->fields().at(0, gas::momentum_y)[disturbed.offset];
+    momentum = 1e-12;
+    found.find(problem.gas->fields(), quiet);
+    momentum = 0.0;
+    gas::Disturbance noted(*problem.grid);
+    noted.find(problem.gas->fields(), quiet);
+    noted.note(disturbed);
+    for (int direction = 0; direction < 3; ++direction) {
+      for (int const cells : {30, 90, 320}) {
+        grid::Bundles const bundles(block, direction, cells);
+        int touched = 0;
+        for (int index = 0; index < bundles.count(); ++index) {
+          grid::BundleLayout const layout = bundles.layout(index);
+          bool expected = false;
+          grid::for_each_run(layout, block, [&](int, int offset, int count) {
+            for (int n = 0; n < count; ++n) {
+              Index3 const cell = block.interior().at(offset + n);
+              bool same = true;
+              for (int d = 0; d < 3; ++d) same = same && cell[d] / tile == at[d] / tile;
+              expected = expected || same;
+            }
+          });
+          EXPECT_EQ(found.touches(0, layout), expected) << direction << " " << index;
+          EXPECT_EQ(noted.touches(0, layout), expected) << direction << " " << index;
+          touched += expected ? 1 : 0;
+        }
+        EXPECT_GT(touched, 0);
+        EXPECT_LT(touched, bundles.count());
+      }
+    }
   }
 }
 

@@ -61,6 +61,7 @@ struct Jwl {
   }
   /// Specific energy of the curve without thermal energy, the terms of A and B on an isentrope [J/kg].
   [[nodiscard]] double cold_energy(double rho) const {
+    if (rho < negligible_below()) return 0.0;
     double const v = rho0 / rho;
     double const t = remaining(v);
     return (A / R1 * exp_nonpositive(-R1 * v) + B / R2 * exp_nonpositive(-R2 * v)) / rho0 * (t * t * (3.0 - 2.0 * t));
