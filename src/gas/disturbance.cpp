@@ -38,6 +38,7 @@ void Disturbance::find(grid::Fields const& fields, Components const& quiet) {
         return false;
       });
     }
+    of.everywhere = std::find(of.disturbed.begin(), of.disturbed.end(), 0) == of.disturbed.end() ? 1 : 0;
   });
 }
 
@@ -49,6 +50,7 @@ void Disturbance::note(grid::Cell const& cell) {
 void Disturbance::note(int b, BundleLayout const& layout, SweepContext const& s, Components const& quiet,
                        BundleArrays& a) {
   OfBlock& of = blocks_[b];
+  if (is_set(of.everywhere)) return;
   int const count = components_of(s.present);
   int const sensor = s.shock_sensor ? a_sensor : state_array(shock);
   auto const differs = [&](int q, int cells) {
@@ -57,17 +59,22 @@ void Disturbance::note(int b, BundleLayout const& layout, SweepContext const& s,
     }
     return false;
   };
+  bool anything_new = false;
   static_cast<void>(of.tiles.any_piece(grid_->blocks()[b], layout, [&](grid::Tiles::Piece const& piece) {
     std::uint8_t& tile = of.disturbed[piece.tile];
-    if (!is_set(tile) && grid::Tiles::any_run(piece, layout, differs)) set(tile);
+    if (!is_set(tile) && grid::Tiles::any_run(piece, layout, differs)) {
+      set(tile);
+      anything_new = true;
+    }
     return false;
   }));
+  if (anything_new && std::all_of(of.disturbed.begin(), of.disturbed.end(), is_set)) set(of.everywhere);
 }
 
-bool Disturbance::touches(int b, BundleLayout const& layout) const {
-  OfBlock const& of = blocks_[b];
-  return of.tiles.any_piece(grid_->blocks()[b], layout, [&](grid::Tiles::Piece const& piece) {
-    return is_set(const_cast<std::uint8_t&>(of.disturbed[piece.tile]));
+bool Disturbance::touches(int b, BundleLayout const& layout) {
+  OfBlock& of = blocks_[b];
+  return is_set(of.everywhere) || of.tiles.any_piece(grid_->blocks()[b], layout, [&](grid::Tiles::Piece const& piece) {
+    return is_set(of.disturbed[piece.tile]);
   });
 }
 

@@ -23,13 +23,14 @@ class Disturbance {
   /// Notes what a sweep has disturbed in a bundle. Threads may do so for several bundles of a block at the same time.
   void note(int block, BundleLayout const& layout, SweepContext const& context, Components const& quiet,
             BundleArrays& arrays);
-  /// Do a bundle's own cells touch a disturbed tile?
-  [[nodiscard]] bool touches(int block, BundleLayout const& layout) const;
+  /// Do a bundle's own cells touch a disturbed tile? Threads may ask while others note something.
+  [[nodiscard]] bool touches(int block, BundleLayout const& layout);
 
  private:
   struct OfBlock {
     grid::Tiles tiles;
     std::vector<std::uint8_t> disturbed;
+    std::uint8_t everywhere = 1;  ///< all tiles are
   };
 
   grid::Grid const* grid_;

@@ -147,6 +147,15 @@ Primitive Gas::primitive(grid::Cell const& cell) const {
   return primitive_of(fluids_, u.data(), burn_fraction(*this, cell));
 }
 
+bool Gas::holds_the_same(int block, int offset) const {
+  if (burn.burning_in(block)) return false;
+  for (int c = 0; c < components(); ++c) {
+    double const* const u = fields_.at(block, c) + offset;
+    if (u[0] != u[1]) return false;
+  }
+  return true;
+}
+
 std::vector<Primitive> gather(Gas const& gas, std::vector<Index3> const& cells) {
   std::vector<Primitive> states;
   states.reserve(cells.size());
@@ -233,10 +242,9 @@ void Gas::advance(double dt, bool reverse) {
     bool const last = direction == order.back();
     {
       PhaseTimer const timer(timings_["exchange"]);
-      exchange_.fill(fields_, direction, awake_);
-      parallel_for(grid_->block_count(), [&](int b, int) {
-        if (!awake_[b] || !open_faces_.at(b, direction)) return;
-        open_faces_.fill(fields_, b, direction, dt, burn.burning_in(b), exchange_);
+      exchange_.fill(fields_, direction, awake_, [&](int b) {
+        if (awake_[b] && open_faces_.at(b, direction))
+          open_faces_.fill(fields_, b, direction, dt, burn.burning_in(b), exchange_);
       });
     }
     PhaseTimer const timer(timings_["sweeps"]);

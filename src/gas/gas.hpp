@@ -105,6 +105,9 @@ class Gas {
   [[nodiscard]] double time() const { return time_; }
 
   [[nodiscard]] Primitive primitive(grid::Cell const& cell) const;
+  /// Do a cell and the next one in a block's arrays hold the same gas, to the last bit? Not asked where explosive
+  /// burns.
+  [[nodiscard]] bool holds_the_same(int block, int offset) const;
   [[nodiscard]] Peaks const& peaks() const { return peaks_; }
   [[nodiscard]] Account account() const;
   /// Wall-clock seconds spent in exchange and in sweeps.
@@ -159,7 +162,7 @@ class Gas {
   /// Are the ghost cells quiescent that a bundle sees?
   [[nodiscard]] bool ghosts_rest(int block, BundleLayout const& layout) const;
   /// Is a bundle quiescent, and stays so?
-  [[nodiscard]] bool rests(int block, int bundle, BundleLayout const& layout) const;
+  [[nodiscard]] bool rests(int block, int bundle, BundleLayout const& layout);
   /// Books what goes through the domain's faces in front of a quiescent bundle, as if it were swept.
   void account_quiet(int block, BundleLayout const& layout, int direction, double dt, Account& account) const;
   /// The same for a sleeping block.

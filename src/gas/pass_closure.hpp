@@ -50,7 +50,10 @@ template <class V, class Eos>
         for (int q = row.begin; q < end; q += Lanes<V>::count) {
           material::MixtureOf<V> m = sums_at(q);
           m.xi += fraction_at<V>(row, a, q) * xi;
-          put(q, m);
+          if (row.fluid > 0)
+            Lanes<V>::store(a[a_xi] + q, m.xi);
+          else
+            put(q, m);
         }
         return false;
       }

@@ -101,7 +101,7 @@ bool Gas::ghosts_rest(int b, BundleLayout const& layout) const {
   return true;
 }
 
-bool Gas::rests(int b, int bundle, BundleLayout const& layout) const {
+bool Gas::rests(int b, int bundle, BundleLayout const& layout) {
   if (disturbance_.touches(b, layout)) return false;
   return coupling.faces(b, layout.direction, bundle).empty() && ghosts_rest(b, layout);
 }

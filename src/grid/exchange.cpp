@@ -139,12 +139,13 @@ bool Exchange::anything_to_see(int b, int direction) const {
   return std::any_of(transfers.begin(), transfers.end(), [this](Transfer const& t) { return disturbs(t); });
 }
 
-void Exchange::fill(Fields const& fields, int direction, AwakeBlocks& awake) {
+void Exchange::fill(Fields const& fields, int direction, AwakeBlocks& awake, std::function<void(int)> const& then) {
   was_awake_ = awake;
   parallel_for(grid_->block_count(), [&](int b, int) {
     if (!was_awake_[b] && !anything_to_see(b, direction)) return;
     for (Transfer const& transfer : plan_.into(b, direction)) execute(transfer, fields, grid_->blocks()[b]);
     if (!was_awake_[b] && !(slab_is_quiescent(b, direction, 0) && slab_is_quiescent(b, direction, 1))) awake[b] = 1;
+    if (then) then(b);
   });
 }
 

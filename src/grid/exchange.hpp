@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "core/buffer.hpp"
@@ -28,8 +29,9 @@ class Exchange {
   Exchange(Grid const& grid, int components, ExchangeRules rules);
 
   /// Fills the ghost layers of every block that is awake on both faces of `direction`, and wakes the sleeping blocks
-  /// that get to see anything but quiescent cells.
-  void fill(Fields const& fields, int direction, AwakeBlocks& awake);
+  /// that get to see anything but quiescent cells. Calls then(block) for each block whose ghost cells have been filled,
+  /// from several threads.
+  void fill(Fields const& fields, int direction, AwakeBlocks& awake, std::function<void(int)> const& then = {});
 
   /// Ghost cells of a block beyond its low (side 0) or high (side 1) face, as last filled: per component an array over
   /// `ghost_box`, which is like the block but with `ghost_layers` cells in the direction of the fill.

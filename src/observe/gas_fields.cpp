@@ -127,7 +127,10 @@ FieldValues::FieldValues(run::System const& system, std::vector<std::string> con
 
 void FieldValues::at(grid::Cell const& cell, double* out) const {
   CellOf const c{*system_, view_, cell, system_->grid.block(cell).index(cell)};
-  std::optional<gas::Primitive> const gas = need_gas_ ? gas_in(c) : std::nullopt;
+  put(c, need_gas_ ? gas_in(c) : std::nullopt, out);
+}
+
+void FieldValues::put(CellOf const& c, std::optional<gas::Primitive> const& gas, double* out) const {
   for (GasField const* field : fields_) {
     if (OfCell const* of_cell = std::get_if<OfCell>(&field->value)) {
       *out = (*of_cell)(c);
@@ -145,7 +148,14 @@ void FieldValues::at(grid::Cell const& cell, double* out) const {
 
 void FieldValues::row(grid::Cell const& first, int count, double* out) const {
   grid::Cell cell = first;
-  for (int n = 0; n < count; ++n, ++cell.i, ++cell.offset) at(cell, out + static_cast<std::ptrdiff_t>(n) * components_);
+  std::optional<gas::Primitive> gas;
+  for (int n = 0; n < count; ++n, ++cell.i, ++cell.offset) {
+    CellOf const c{*system_, view_, cell, system_->grid.block(cell).index(cell)};
+    // Undisturbed gas stands in many cells.
+    bool const again = n > 0 && view_ == nullptr && system_->gas->holds_the_same(cell.block, cell.offset - 1);
+    if (need_gas_ && !again) gas = gas_in(c);
+    put(c, gas, out + static_cast<std::ptrdiff_t>(n) * components_);
+  }
 }
 
 void block_field(run::System const& w, int b, std::string const& name, std::vector<double>& out, GasView const* view) {

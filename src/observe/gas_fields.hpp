@@ -2,10 +2,12 @@
 /// found: that is all it takes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "grid/cell.hpp"
+#include "material/primitive.hpp"
 #include "observe/field_info.hpp"
 
 namespace brisance::run {
@@ -20,6 +22,7 @@ class GasView;
 [[nodiscard]] std::vector<FieldInfo> const& known_fields();
 
 struct GasField;
+struct CellOf;
 
 /// Values of some fields, cell by cell: the gas of a cell is looked up once for all of them. With a view of all cells
 /// those that particles hold show the gas of the particles, and where there is none the ambient pressure and else 0.
@@ -36,6 +39,9 @@ class FieldValues {
   void row(grid::Cell const& first, int count, double* out) const;
 
  private:
+  /// Writes the fields of a cell whose gas is known.
+  void put(CellOf const& cell, std::optional<material::Primitive> const& gas, double* out) const;
+
   run::System const* system_;
   GasView const* view_;
   std::vector<GasField const*> fields_;
