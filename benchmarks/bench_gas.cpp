@@ -202,6 +202,9 @@ BENCHMARK_CAPTURE(gas_step, muscl_hancock / one_fluid / blocks_of_32, gas::Schem
 BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_mixed_thin / blocks_of_16, gas::Scheme::muscl_hancock,
                   mixed_thin, 16)
     ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(gas_step, muscl_hancock / two_fluids_corner / peak_fields / blocks_of_16, gas::Scheme::muscl_hancock,
+                  products_in_a_corner, 16, no_afterburn, peak_fields)
+    ->Apply(threads_of_interest);
 BENCHMARK_CAPTURE(gas_step, lax_wendroff / one_fluid, gas::Scheme::lax_wendroff, one_fluid, 0)
     ->Apply(threads_of_interest);
 BENCHMARK_CAPTURE(gas_step, lax_wendroff / two_fluids_mixed, gas::Scheme::lax_wendroff, mixed_everywhere, 0)

@@ -64,15 +64,28 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
   std::vector<Source> sources;
   sources.reserve(static_cast<std::size_t>(threads()));
   for (int t = 0; t < threads(); ++t) sources.push_back(make_source());
-  std::vector<std::vector<Touched>> found(static_cast<std::size_t>(grid.block_count()));
-  std::vector<std::uint8_t> taken(static_cast<std::size_t>(grid.block_count()), 0);
+  // A burst may lie in one block: threads share the cells of a block.
+  struct Part {
+    int block;
+    int begin, end;  ///< offsets
+    bool taken = false;
+    std::vector<Touched> found{};
+  };
+  constexpr int part_cells = 512;
+  std::vector<Part> parts;
+  for (grid::Block const& block : grid.blocks()) {
+    for (int begin = 0; begin < block.cell_count(); begin += part_cells)
+      parts.push_back({block.number, begin, std::min(begin + part_cells, block.cell_count())});
+  }
   double const reach = profile.reach();
-  parallel_for(grid.block_count(), [&](int b, int thread) {
+  parallel_for(static_cast<int>(parts.size()), [&](int p, int thread) {
+    Part& part = parts[p];
+    int const b = part.block;
     grid::Block const& block = grid.blocks()[b];
     CellIntegrals sums;
     double const h = block.h();
     int const dims = block.metric.dimensions();
-    for (int n = 0; n < block.cell_count(); ++n) {
+    for (int n = part.begin; n < part.end; ++n) {
       grid::Cell const cell = block.cell_at(n);
       Vec3 const low = corner(block.metric, block.index(cell), centre);
       if (distances(low, h, {true, dims > 1, dims > 2})[0] >= reach) continue;
@@ -83,19 +96,19 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
           sums.pressure / volume + (sums.whole ? 0.0 : 1.0 - sums.volume / volume) * profile.ambient_pressure};
       for (int c = 0; c < gas.fields().components(); ++c) {
         double& value = gas.fields().at(b, c)[n];
-        if (value != profile.ambient[c]) taken[b] = 1;
+        if (value != profile.ambient[c]) part.taken = true;
         value = (1.0 - t.part) * profile.ambient[c] + sums.component[c] / volume;
       }
-      found[b].push_back(t);
+      part.found.push_back(t);
     }
   });
-  if (std::any_of(taken.begin(), taken.end(), [](std::uint8_t t) { return t != 0; })) {
+  if (std::any_of(parts.begin(), parts.end(), [](Part const& part) { return part.taken; })) {
     throw InputError(
         "the blast wave reaches gas that is not ambient (another blast wave or an initial state); stop the 1D "
         "simulation earlier");
   }
   std::vector<Touched> cells;
-  for (auto const& part : found) cells.insert(cells.end(), part.begin(), part.end());
+  for (Part const& part : parts) cells.insert(cells.end(), part.found.begin(), part.found.end());
   return cells;
 }
 

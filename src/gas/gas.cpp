@@ -47,7 +47,8 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
                   std::array<Components, 6> outside;
                   for (int face = 0; face < 6; ++face) outside[face] = conserved_of(fluids, inflow[face]);
                   return exchange_rules(conserved_of(fluids, quiescent), outside, component_count(fluids, options));
-                }()),
+                }(),
+                options.bundle_cells),
       open_faces_(grid, fluids, fields_.components()),
       awake_(grid, 1),
       disturbance_(grid),
@@ -57,10 +58,9 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
   auto const u = conserved_of(fluids, quiescent);
   open_faces_.set_sources(options.wave_sources);
   for (int direction = 0; direction < grid.domain().dimensions(); ++direction) {
-    for (int b = 0; b < grid.block_count(); ++b) {
-      for (Part const& part : parts_of(b, direction)) parts_[direction].push_back(part);
-    }
-    tallies_.resize(std::max(tallies_.size(), parts_[direction].size()));
+    parts_[direction] = make_parts(direction);
+    Part const& last = parts_[direction].back();
+    tallies_.resize(std::max(tallies_.size(), last.tally + last.chain->size()));
   }
   for (int b = 0; b < grid.block_count(); ++b) {
     for (int c = 0; c < components(); ++c) std::fill_n(fields_.at(b, c), grid.blocks()[b].cell_count(), u[c]);
@@ -138,7 +138,7 @@ void Gas::start(double time) {
 
 void Gas::prepare_workspaces() {
   workspaces_.clear();
-  for (int t = 0; t < threads(); ++t) workspaces_.emplace_back(array_count);
+  for (int t = 0; t < threads(); ++t) workspaces_.emplace_back();
 }
 
 Primitive Gas::primitive(grid::Cell const& cell) const {
@@ -219,12 +219,14 @@ void Gas::set_present(int present, SweepContext& s) const {
 }
 
 void Gas::add_tallies(std::vector<Part> const& parts) {
-  for (std::size_t n = 0; n < parts.size(); ++n) {
-    Tally& sum = blocks_[parts[n].block];
-    Tally const& tally = tallies_[n];
-    sum.account += tally.account;
-    sum.signal = std::max(sum.signal, tally.signal);
-    if (sum.not_a_number < 0) sum.not_a_number = tally.not_a_number;
+  for (Part const& part : parts) {
+    for (std::size_t position = 0; position < part.chain->size(); ++position) {
+      Tally& sum = blocks_[(*part.chain)[position]];
+      Tally const& tally = tallies_[part.tally + position];
+      sum.account += tally.account;
+      sum.signal = std::max(sum.signal, tally.signal);
+      if (sum.not_a_number < 0) sum.not_a_number = tally.not_a_number;
+    }
   }
 }
 
@@ -251,13 +253,7 @@ void Gas::advance(double dt, bool reverse) {
     SweepContext const context = sweep_context(direction, dt);
     std::vector<Part> const& parts = parts_[direction];
     parallel_for(static_cast<int>(parts.size()), [&](int n, int thread) {
-      Part const& part = parts[n];
-      tallies_[n] = {};
-      if (coupling.all_frozen(part.block)) return;
-      if (awake_[part.block])
-        sweep_part(part, context, last, workspaces_[thread], tallies_[n]);
-      else
-        account_asleep(part, direction, dt, tallies_[n].account);
+      sweep_part(parts[n], context, awake_, last, workspaces_[thread]);
     });
     for (int b = 0; b < grid_->block_count(); ++b) {
       if (last && awake_[b] && !coupling.all_frozen(b)) blocks_[b].signal = 0.0;

@@ -19,6 +19,7 @@
 #include "grid/block_store.hpp"
 #include "grid/exchange.hpp"
 #include "grid/fields.hpp"
+#include "grid/ghost_cells.hpp"
 #include "grid/grid.hpp"
 #include "material/afterburn.hpp"
 
@@ -121,10 +122,16 @@ class Gas {
     double signal = 0.0;
     int not_a_number = -1;  ///< offset of a cell that is no number
   };
-  /// Bundles [first, end) of a block, which a thread sweeps at a time.
+  /// Bundles [first, end) of all blocks of a chain, which a thread sweeps at a time.
   struct Part {
-    int block;
+    grid::Chain const* chain;
     int first, end;
+    int tally;  ///< number of that of the first block
+  };
+  /// What each thread has.
+  struct Workspace {
+    BundleArrays arrays{array_count};
+    grid::KeptLayers kept;
   };
 
   /// Quiescent gas, and what the scheme makes of it.
@@ -136,13 +143,26 @@ class Gas {
   };
 
   [[nodiscard]] int components() const { return fields_.components(); }
-  /// The parts of a block for sweeps along a direction. They do not depend on the number of threads.
-  [[nodiscard]] std::vector<Part> parts_of(int block, int direction) const;
-  void sweep_part(Part const& part, SweepContext const& context, bool last, BundleArrays& arrays, Tally& tally);
+  /// The parts for sweeps along a direction. They do not depend on the number of threads.
+  [[nodiscard]] std::vector<Part> make_parts(int direction) const;
+  /// Sweeps what is awake.
+  void sweep_part(Part const& part, SweepContext const& context, grid::AwakeBlocks const& awake, bool last,
+                  Workspace& workspace);
+  [[nodiscard]] bool is_swept(int block, grid::AwakeBlocks const& awake) const {
+    return awake[block] != 0 && !coupling.all_frozen(block);
+  }
+  /// From the loaded bundle to the stored one.
+  void sweep_bundle(int block, int bundle, BundleLayout const& layout, SweepContext& context, bool last,
+                    BundleArrays& arrays, Tally& tally);
+  /// What is to be fetched while a bundle of the block at a position in the chain is calculated, for the next one.
+  [[nodiscard]] grid::Ahead ahead_of(Part const& part, int position, int bundle, SweepContext const& context,
+                                     grid::AwakeBlocks const& awake, bool last) const;
   /// Adds what has been found in the parts of all blocks, in their order.
   void add_tallies(std::vector<Part> const& parts);
   void load_burn(int block, BundleLayout const& layout, BundleArrays& arrays) const;
-  void load_bundle(int block, BundleLayout const& layout, SweepContext& context, BundleArrays& arrays) const;
+  /// Where a bundle finds the ghost cells of a side.
+  [[nodiscard]] grid::GhostSide ghosts_beyond(int block, int side, BundleLayout const& layout) const;
+  void load_bundle(int block, BundleLayout const& layout, SweepContext& context, Workspace& workspace) const;
   /// Rings or shells of a row of cells along a radius, its ghost cells included.
   struct Shells {
     std::vector<double> high, low;  ///< areas of the faces per volume [1/m]
@@ -160,13 +180,13 @@ class Gas {
   /// Finds what the scheme makes of quiescent gas.
   void find_quiescence();
   /// Are the ghost cells quiescent that a bundle sees?
-  [[nodiscard]] bool ghosts_rest(int block, BundleLayout const& layout) const;
+  [[nodiscard]] bool ghosts_rest(int block, BundleLayout const& layout, grid::KeptLayers const& kept) const;
   /// Is a bundle quiescent, and stays so?
-  [[nodiscard]] bool rests(int block, int bundle, BundleLayout const& layout);
+  [[nodiscard]] bool rests(int block, int bundle, BundleLayout const& layout, grid::KeptLayers const& kept);
   /// Books what goes through the domain's faces in front of a quiescent bundle, as if it were swept.
   void account_quiet(int block, BundleLayout const& layout, int direction, double dt, Account& account) const;
-  /// The same for a sleeping block.
-  void account_asleep(Part const& part, int direction, double dt, Account& account) const;
+  /// The same for a sleeping block of a part.
+  void account_asleep(int block, Part const& part, int direction, double dt, Account& account) const;
   [[nodiscard]] SweepContext sweep_context(int direction, double dt) const;
   /// How many fluids a row holds, and what follows from it.
   void set_present(int present, SweepContext& s) const;
@@ -206,7 +226,7 @@ class Gas {
   std::array<std::vector<Part>, 3> parts_;  ///< of all blocks, by the direction of the sweep
   std::vector<Tally> tallies_;              ///< of the parts
   Peaks peaks_;
-  std::vector<BundleArrays> workspaces_;
+  std::vector<Workspace> workspaces_;
   std::map<std::string, double> timings_;
   double time_ = 0.0;
   double time_at_step_end_ = 0.0;

@@ -170,6 +170,9 @@ void OpenFaces::start(grid::Fields const& fields, Components const& ambient,
       if (!faces_[b][f]) continue;
       Face& face = faces_[b][f].emplace();
       bool alike = true;
+      auto const cells = static_cast<std::size_t>(block.cell_count() / block.n[f / 2]);
+      face.beyond.reserve(cells);
+      face.rays.reserve(cells);
       for_each_face_cell(block, f / 2, f % 2, [&](grid::Cell const& cell) {
         Components u{};
         for (int c = 0; c < components_; ++c) u[c] = fields.at(b, c)[cell.offset];
@@ -181,7 +184,7 @@ void OpenFaces::start(grid::Fields const& fields, Components const& ambient,
         face.rays.push_back(ray_to(x, block.h(), f / 2, f % 2, face.beyond.back()));
       });
       face.memory.assign(face.rays.size(), Memory{});
-      if (alike) face.beyond.resize(1);
+      if (alike) face.beyond = std::vector<Beyond>{face.beyond.front()};
     }
   }
 }

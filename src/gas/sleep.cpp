@@ -62,24 +62,24 @@ double Gas::short_step() const {
 void Gas::wake_where_wind_changes() {
   Components const& quiet = quiet_.state;
   grid::AwakeBlocks everything(*grid_, 1);
-  grid::AwakeBlocks const slept = awake_;
+  grid::AwakeBlocks slept = awake_;
+  for (auto& block : slept) block = block == 0 ? 1 : 0;
   for (int direction = 0; direction < grid_->domain().dimensions(); ++direction) {
     exchange_.fill(fields_, direction, everything);
     SweepContext const context = sweep_context(direction, short_step());
-    parallel_for(grid_->block_count(), [&](int b, int thread) {
-      if (slept[b] != 0 || coupling.all_frozen(b)) return;
-      Tally ignored;
-      for (Part const& part : parts_of(b, direction)) sweep_part(part, context, false, workspaces_[thread], ignored);
+    std::vector<Part> const& parts = parts_[direction];
+    parallel_for(static_cast<int>(parts.size()),
+                 [&](int n, int thread) { sweep_part(parts[n], context, slept, false, workspaces_[thread]); });
+    parallel_for(grid_->block_count(), [&](int b, int) {
+      if (!is_swept(b, slept)) return;
       int const cells = grid_->blocks()[b].cell_count();
       for (int component = 0; component < components(); ++component) {
-        double* const u = fields_.at(b, component);
-        double const value = quiet[component];
-        if (std::any_of(u, u + cells, [value](double x) { return x != value; })) awake_[b] = 1;
+        if (!all_equal(fields_.at(b, component), cells, quiet[component])) awake_[b] = 1;
       }
     });
     // Back to what they were; not before all have seen their neighbours.
     for (int b = 0; b < grid_->block_count(); ++b) {
-      if (slept[b] != 0) continue;
+      if (slept[b] == 0) continue;
       for (int component = 0; component < components(); ++component)
         std::fill_n(fields_.at(b, component), grid_->blocks()[b].cell_count(), quiet[component]);
     }
@@ -87,23 +87,22 @@ void Gas::wake_where_wind_changes() {
   coupling.clear_watched();
 }
 
-bool Gas::ghosts_rest(int b, BundleLayout const& layout) const {
-  grid::Block const& block = grid_->blocks()[b];
-  auto const slab = static_cast<std::ptrdiff_t>(grid::ghost_box(block, layout.direction).count());
+bool Gas::ghosts_rest(int b, BundleLayout const& layout, grid::KeptLayers const& kept) const {
+  grid::GhostSide const low = ghosts_beyond(b, 0, layout);
+  grid::GhostSide const high = ghosts_beyond(b, 1, layout);
   for (int c = 0; c < components(); ++c) {
     auto const differs = [value = quiet_.state[c]](double const* run, int count) {
       return !all_equal(run, count, value);
     };
-    for (int const side : {0, 1}) {
-      if (grid::any_ghost_run(layout, block, exchange_.ghosts(b, side) + c * slab, differs)) return false;
-    }
+    if (kept.cells_below(layout, c, low).any_run(layout, differs)) return false;
+    if (high.cells(c).any_run(layout, differs)) return false;
   }
   return true;
 }
 
-bool Gas::rests(int b, int bundle, BundleLayout const& layout) {
+bool Gas::rests(int b, int bundle, BundleLayout const& layout, grid::KeptLayers const& kept) {
   if (disturbance_.touches(b, layout)) return false;
-  return coupling.faces(b, layout.direction, bundle).empty() && ghosts_rest(b, layout);
+  return coupling.faces(b, layout.direction, bundle).empty() && ghosts_rest(b, layout, kept);
 }
 
 void Gas::account_quiet(int b, BundleLayout const& layout, int direction, double dt, Account& account) const {
@@ -123,13 +122,12 @@ void Gas::account_quiet(int b, BundleLayout const& layout, int direction, double
   }
 }
 
-void Gas::account_asleep(Part const& part, int direction, double dt, Account& account) const {
-  grid::Block const& block = grid_->blocks()[part.block];
+void Gas::account_asleep(int b, Part const& part, int direction, double dt, Account& account) const {
+  grid::Block const& block = grid_->blocks()[b];
+  if (coupling.all_frozen(b)) return;
   if (!block.at_boundary(2 * direction) && !block.at_boundary(2 * direction + 1)) return;
   grid::Bundles const bundles(block, direction, options_.bundle_cells);
-  for (int index = part.first; index < part.end; ++index) {
-    account_quiet(part.block, bundles.layout(index), direction, dt, account);
-  }
+  for (int index = part.first; index < part.end; ++index) account_quiet(b, bundles.layout(index), direction, dt, account);
 }
 
 }  // namespace brisance::gas

@@ -23,14 +23,19 @@ void Gas::load_burn(int b, BundleLayout const& layout, BundleArrays& a) const {
   for (int q = 0; q < layout.total; ++q) F[q] = burn.is_trace(alpha[q]) ? 1.0 : F[q];
 }
 
-void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, BundleArrays& a) const {
+grid::GhostSide Gas::ghosts_beyond(int b, int side, BundleLayout const& layout) const {
+  return {layout, *grid_, exchange_, fields_, b, side};
+}
+
+void Gas::load_bundle(int b, BundleLayout const& layout, SweepContext& s, Workspace& w) const {
   grid::Block const& block = grid_->blocks()[b];
-  int const slab = block.cell_count() / block.n[s.direction] * grid::ghost_layers;
-  double const* low = exchange_.ghosts(b, 0);
-  double const* high = exchange_.ghosts(b, 1);
+  BundleArrays& a = w.arrays;
+  grid::GhostSide const low = ghosts_beyond(b, 0, layout);
+  grid::GhostSide const high = ghosts_beyond(b, 1, layout);
   auto const load_component = [&](int c) {
-    grid::load(layout, block, fields_.at(b, c), low + static_cast<std::size_t>(c) * slab,
-               high + static_cast<std::size_t>(c) * slab, a[state_array(c)]);
+    double* const to = a[state_array(c)];
+    grid::load(layout, block, fields_.at(b, c), w.kept.cells_below(layout, c, low), high.cells(c), to);
+    if (!high.in_slab()) w.kept.keep(layout, c, to);
   };
   for (int c = 0; c <= energy; ++c) load_component(c);
   if (s.shock_sensor) load_component(shock);
@@ -222,61 +227,100 @@ void Gas::account_guards(int b, BundleLayout const& layout, GuardCount const& gu
   }
 }
 
-std::vector<Gas::Part> Gas::parts_of(int b, int direction) const {
-  grid::Block const& block = grid_->blocks()[b];
-  int const bundles = grid::Bundles(block, direction, options_.bundle_cells).count();
-  int const count = std::clamp(block.cell_count() / options_.part_cells, 1, bundles);
+std::vector<Gas::Part> Gas::make_parts(int direction) const {
   std::vector<Part> parts;
-  parts.reserve(count);
-  for (int n = 0; n < count; ++n) parts.push_back({b, bundles * n / count, bundles * (n + 1) / count});
+  int tally = 0;
+  for (grid::Chain const& chain : exchange_.plan().chains(direction)) {
+    long cells = 0;
+    for (int const b : chain) cells += grid_->blocks()[b].cell_count();
+    int const bundles = grid::Bundles(grid_->blocks()[chain.front()], direction, options_.bundle_cells).count();
+    int const count = static_cast<int>(std::clamp<long>(cells / options_.part_cells, 1, bundles));
+    for (int n = 0; n < count; ++n) {
+      parts.push_back({&chain, bundles * n / count, bundles * (n + 1) / count, tally});
+      tally += static_cast<int>(chain.size());
+    }
+  }
   return parts;
 }
 
-void Gas::sweep_part(Part const& part, SweepContext const& sweep, bool last, BundleArrays& a, Tally& tally) {
-  int const b = part.block;
-  grid::Block const& block = grid_->blocks()[b];
-  bool const at_boundary = block.at_boundary(2 * sweep.direction) || block.at_boundary(2 * sweep.direction + 1);
-  bool const may_rest = sweep.rests && coupling.roles(b).empty();
-  auto const slab = static_cast<std::ptrdiff_t>(block.cell_count() / block.n[sweep.direction]) * grid::ghost_layers;
-  grid::Bundles const bundles(block, sweep.direction, options_.bundle_cells);
-  for (int index = part.first; index < part.end; ++index) {
-    BundleLayout const layout = bundles.layout(index);
-    SweepContext s = sweep;
-    s.h = block.h();
-    if (may_rest && rests(b, index, layout)) {
-      if (at_boundary) account_quiet(b, layout, s.direction, s.dt, tally.account);
-      if (last) tally.signal = std::max(tally.signal, quiet_.signal);
-      continue;
-    }
-    load_bundle(b, layout, s, a);
-    GuardCount guards;
-    s.near_walls = obstacles.near_walls(b, s.direction, index);
-    if (index + 1 < part.end) {
-      BundleLayout const next = bundles.layout(index + 1);
-      s.ahead = grid::Ahead(next, block);
-      int const read = s.present > 1 ? components() : components_of(1);
-      for (int c = 0; c < read; ++c) {
-        s.ahead.add(fields_.at(b, c));
-        grid::prefetch_ghosts(next, block, exchange_.ghosts(b, 0) + c * slab, exchange_.ghosts(b, 1) + c * slab);
-      }
-      if (last) peaks_.announce(b, s.ahead);
-    }
-    // `FacePass` asks for the next bundle; the other scheme has no pass that does.
-    for (int n = 0; options_.scheme != Scheme::muscl_hancock && n < s.ahead.lines; ++n) s.ahead.fetch(n);
-    primitives(s, layout, a, guards);
-    bool const checked = face_fluxes(options_.scheme, s, layout, a, guards);
-    if (s.progress) progress_fluxes(s, layout, a);
-    if (at_boundary) account_boundaries(b, layout, s, a, tally.account);
-    account_watched(b, index, layout, s, a);
-    passes_of(s).update(s, layout, a);
-    if (checked && s.present > products_fluid) expand_cold_products(s, layout, a);
-    if (!coupling.roles(b).empty()) restore_frozen(b, layout, a);
-    if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a, tally.account);
-    if (last) measure(b, layout, s, a, guards, tally);
-    store(b, layout, s, a);
-    if (may_rest) disturbance_.note(b, layout, s, quiet_.state, a);
-    account_guards(b, layout, guards, tally);
+grid::Ahead Gas::ahead_of(Part const& part, int position, int index, SweepContext const& s,
+                          grid::AwakeBlocks const& awake, bool last) const {
+  grid::Chain const& chain = *part.chain;
+  int const blocks = static_cast<int>(chain.size());
+  if (++index == part.end) {
+    index = part.first;
+    do {
+      if (++position == blocks) return {};
+    } while (!is_swept(chain[position], awake));
   }
+  int const b = chain[position];
+  int const behind = position + 1 < blocks ? chain[position + 1] : grid::no_neighbour;
+  bool const ends = behind == grid::no_neighbour;
+  grid::Block const& block = grid_->blocks()[b];
+  BundleLayout const layout = grid::Bundles(block, s.direction, options_.bundle_cells).layout(index);
+  grid::Ahead ahead(layout, block, ends ? nullptr : &grid_->blocks()[behind]);
+  int const read = s.present > 1 ? components() : components_of(1);
+  grid::GhostSide const low = ghosts_beyond(b, 0, layout);
+  grid::GhostSide const high = ghosts_beyond(b, 1, layout);
+  for (int c = 0; c < read; ++c) {
+    ahead.add(fields_.at(b, c), ends ? nullptr : fields_.at(behind, c));
+    if (low.in_slab()) grid::prefetch(layout, low.cells(c));
+    if (high.in_slab()) grid::prefetch(layout, high.cells(c));
+  }
+  if (last) peaks_.announce(b, ahead);
+  return ahead;
+}
+
+void Gas::sweep_part(Part const& part, SweepContext const& sweep, grid::AwakeBlocks const& awake, bool last,
+                     Workspace& w) {
+  grid::Chain const& chain = *part.chain;
+  grid::Bundles const first(grid_->blocks()[chain.front()], sweep.direction, options_.bundle_cells);
+  w.kept.begin(part.first, part.end, first.most_lines(), components());
+  for (int position = 0; position < static_cast<int>(chain.size()); ++position) {
+    int const b = chain[position];
+    Tally& tally = tallies_[part.tally + position];
+    tally = {};
+    if (!awake[b]) account_asleep(b, part, sweep.direction, sweep.dt, tally.account);
+    grid::Bundles const bundles(grid_->blocks()[b], sweep.direction, options_.bundle_cells);
+    for (int index = part.first; index < part.end; ++index) {
+      w.kept.turn(index);
+      if (!is_swept(b, awake)) continue;
+      BundleLayout const layout = bundles.layout(index);
+      if (sweep.rests && coupling.roles(b).empty() && rests(b, index, layout, w.kept)) {
+        account_quiet(b, layout, sweep.direction, sweep.dt, tally.account);
+        if (last) tally.signal = std::max(tally.signal, quiet_.signal);
+        continue;
+      }
+      SweepContext s = sweep;
+      s.h = grid_->blocks()[b].h();
+      load_bundle(b, layout, s, w);
+      s.ahead = ahead_of(part, position, index, s, awake, last);
+      sweep_bundle(b, index, layout, s, last, w.arrays, tally);
+    }
+  }
+}
+
+void Gas::sweep_bundle(int b, int index, BundleLayout const& layout, SweepContext& s, bool last, BundleArrays& a,
+                       Tally& tally) {
+  grid::Block const& block = grid_->blocks()[b];
+  GuardCount guards;
+  s.near_walls = obstacles.near_walls(b, s.direction, index);
+  // `FacePass` asks for the next bundle; the other scheme has no pass that does.
+  for (int n = 0; options_.scheme != Scheme::muscl_hancock && n < s.ahead.lines(); ++n) s.ahead.fetch(n);
+  primitives(s, layout, a, guards);
+  bool const checked = face_fluxes(options_.scheme, s, layout, a, guards);
+  if (s.progress) progress_fluxes(s, layout, a);
+  if (block.at_boundary(2 * s.direction) || block.at_boundary(2 * s.direction + 1))
+    account_boundaries(b, layout, s, a, tally.account);
+  account_watched(b, index, layout, s, a);
+  passes_of(s).update(s, layout, a);
+  if (checked && s.present > products_fluid) expand_cold_products(s, layout, a);
+  if (!coupling.roles(b).empty()) restore_frozen(b, layout, a);
+  if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a, tally.account);
+  if (last) measure(b, layout, s, a, guards, tally);
+  store(b, layout, s, a);
+  if (s.rests && coupling.roles(b).empty()) disturbance_.note(b, layout, s, quiet_.state, a);
+  account_guards(b, layout, guards, tally);
 }
 
 void Gas::measure_all() {
@@ -285,7 +329,7 @@ void Gas::measure_all() {
   context.most_H = most_H();
   parallel_for(grid_->block_count(), [&](int b, int thread) {
     grid::Block const& block = grid_->blocks()[b];
-    BundleArrays& a = workspaces_[thread];
+    BundleArrays& a = workspaces_[thread].arrays;
     blocks_[b].signal = 0.0;
     grid::Bundles const bundles(block, 0, options_.bundle_cells);
     for (int index = 0; index < bundles.count(); ++index) {

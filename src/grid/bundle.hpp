@@ -10,11 +10,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "core/buffer.hpp"
 #include "core/loops.hpp"
-#include "grid/exchange.hpp"
 #include "grid/grid.hpp"
 
 namespace brisance::grid {
@@ -95,7 +95,12 @@ class Bundles {
     width_ = std::min(width_, lines_);
     per_plane_ = (lines_ + width_ - 1) / width_;
   }
+  /// Does each bundle hold the same lines as that of another block behind or before this one?
+  [[nodiscard]] bool match(Bundles const& other) const {
+    return width_ == other.width_ && lines_ == other.lines_ && planes_ == other.planes_;
+  }
   [[nodiscard]] int count() const { return per_plane_ * planes_; }
+  [[nodiscard]] int most_lines() const { return width_; }  ///< of a bundle
   /// The bundle that a cell of the block belongs to.
   [[nodiscard]] int index_of(Cell const& cell) const {
     switch (direction_) {
@@ -140,36 +145,6 @@ inline void copy_run(double const* from, int count, double* to) {
   for (int n = 0; n < count; ++n) to[n] = from[n];
 }
 
-/// Copies one component of a bundle from the block and its ghost slabs (null slabs: the ghost cells are left alone).
-inline void load(BundleLayout const& b, Block const& block, double const* from, double const* low, double const* high,
-                 double* to) {
-  constexpr int g = ghost_layers;
-  if (b.direction == 0) {
-    for (int r = 0; r < b.rows; ++r) {
-      double* row = to + r * (b.length + 2 * g);
-      int const line = b.first + r;
-      for (int l = 0; l < g; ++l) {
-        row[l] = low[g * line + l];
-        row[g + b.length + l] = high[g * line + l];
-      }
-      copy_run(from + static_cast<std::ptrdiff_t>(line) * b.length, b.length, row + g);
-    }
-    return;
-  }
-  int const nx = block.n[0];
-  int const layer = b.direction == 1 ? nx : nx * block.n[1];
-  double const* start =
-      from + b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(nx) * block.n[1] * b.plane : 0);
-  std::ptrdiff_t const slab = b.first + (b.direction == 1 ? static_cast<std::ptrdiff_t>(nx) * g * b.plane : 0);
-  for (int l = 0; l < g; ++l) {
-    copy_run(low + slab + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + l * b.stride);
-    copy_run(high + slab + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + (g + b.length + l) * b.stride);
-  }
-  for (int l = 0; l < b.length; ++l) {
-    copy_run(start + static_cast<std::ptrdiff_t>(layer) * l, b.stride, to + (g + l) * b.stride);
-  }
-}
-
 /// Calls visit(q, offset, count) for every run of the block's own cells that is contiguous in the bundle and in the
 /// block.
 template <class Visit>
@@ -185,73 +160,77 @@ void for_each_run(BundleLayout const& b, Block const& block, Visit&& visit) {
   for (int l = 0; l < b.length; ++l) visit((g + l) * b.stride, start + layer * l, b.stride);
 }
 
-/// What the next bundle reads of the block's own cells. It lies scattered over the block, where the processor does not
+/// What the next bundle reads of its block and of the block behind that. It lies scattered, where the processor does not
 /// foresee it, and is asked for line by line while the present bundle is calculated: all at once, the requests would
 /// wait for each other.
-struct Ahead {
-  static constexpr int line = 8;         ///< doubles that come together
-  std::array<double const*, 12> from{};  ///< of each array
-  int arrays = 0;
-  std::ptrdiff_t step = 0;  ///< from one row of the bundle's cells to the next
-  int per_row = 1;          ///< lines
-  int lines = 0;
+class Ahead {
+ public:
+  static constexpr int line = 8;  ///< doubles that come together
 
   Ahead() = default;
-  Ahead(BundleLayout const& b, Block const& block) {
+  /// `block` is that of the next bundle, `behind` the next block of the chain or null.
+  Ahead(BundleLayout const& b, Block const& block, Block const* behind) : own_(b, block) {
     if (b.direction == 0) {
-      offset_ = static_cast<std::ptrdiff_t>(b.first) * b.length;
-      step = line;
-      lines = (b.rows * b.length + line - 1) / line;
-      return;
+      // Whole rows follow each other without a gap.
+      own_.per_row = 1;
+      own_.step = line;
+      own_.lines = (b.rows * b.length + line - 1) / line;
+    } else {
+      own_.lines = own_.per_row * b.length;
     }
-    int const nx = block.n[0];
-    step = b.direction == 1 ? nx : static_cast<std::ptrdiff_t>(nx) * block.n[1];
-    offset_ = b.first + (b.direction == 1 ? step * block.n[1] * b.plane : 0);
-    per_row = (b.stride + line - 1) / line;
-    lines = b.length * per_row;
+    if (behind == nullptr) return;
+    behind_ = Lines(b, *behind);
+    if (b.direction == 0) behind_.per_row = 1;
+    behind_.lines = behind_.per_row * (b.direction == 0 ? b.rows : ghost_layers);
   }
-  /// Adds an array over the cells of the block; null: none.
-  void add(double const* array) {
-    if (array != nullptr && arrays < static_cast<int>(from.size())) from[arrays++] = array + offset_;
+  /// Adds an array over the cells of the block, and that over those of the block behind; null: none.
+  void add(double const* array, double const* behind = nullptr) {
+    if (array != nullptr) own_.add(array);
+    if (behind != nullptr) behind_.add(behind);
   }
+
+  [[nodiscard]] int lines() const { return own_.lines; }
   void fetch(int number) const {
-    if (number >= lines) return;
-    std::ptrdiff_t const at = per_row == 1
-                                  ? step * number
-                                  : step * (number / per_row) + static_cast<std::ptrdiff_t>(line) * (number % per_row);
-    for (int c = 0; c < arrays; ++c) __builtin_prefetch(from[c] + at, 0, 2);
+    // To the compiler a function that only fetches does nothing, and it leaves out the call: the statement keeps it.
+    asm volatile("");
+    if (number >= own_.lines) return;
+    std::ptrdiff_t const at = own_.at(number);
+    for (int c = 0; c < own_.arrays; ++c) __builtin_prefetch(own_.from[c] + at, 0, 2);
+    int const requests = behind_.arrays * behind_.lines;
+    int const share = (requests + own_.lines - 1) / own_.lines;
+    for (int n = number * share; n < std::min((number + 1) * share, requests); ++n)
+      __builtin_prefetch(behind_.from[n % behind_.arrays] + behind_.at(n / behind_.arrays), 0, 2);
   }
 
  private:
-  std::ptrdiff_t offset_ = 0;
+  struct Lines {
+    static constexpr int most_arrays = 12;
+    std::array<double const*, most_arrays> from{};
+    int arrays = 0;
+    std::ptrdiff_t offset = 0;
+    std::ptrdiff_t step = 0;  ///< from one row of cells to the next
+    int per_row = 1;
+    int lines = 0;
+
+    Lines() = default;
+    Lines(BundleLayout const& b, Block const& block) {
+      std::ptrdiff_t const nx = block.n[0];
+      std::ptrdiff_t const nxy = nx * block.n[1];
+      offset = b.direction == 0 ? nx * b.first : b.first + (b.direction == 1 ? nxy * b.plane : 0);
+      step = b.direction == 2 ? nxy : nx;
+      per_row = ((b.direction == 0 ? b.length : b.stride) + line - 1) / line;
+    }
+    void add(double const* array) {
+      if (arrays < most_arrays) from[arrays++] = array + offset;
+    }
+    [[nodiscard]] std::ptrdiff_t at(int number) const {
+      if (per_row == 1) return step * number;
+      return step * (number / per_row) + static_cast<std::ptrdiff_t>(line) * (number % per_row);
+    }
+  };
+
+  Lines own_, behind_;
 };
-
-/// Calls visit(values, count) for the runs of ghost cells that `load` reads on one side, from an array over their slab,
-/// until it returns true; returns whether it did.
-template <class Visit>
-inline bool any_ghost_run(BundleLayout const& b, Block const& block, double const* slab, Visit const& visit) {
-  constexpr int g = ghost_layers;
-  if (b.direction == 0) return visit(slab + static_cast<std::ptrdiff_t>(g) * b.first, g * b.rows);
-  std::ptrdiff_t const layer = b.direction == 1 ? block.n[0] : static_cast<std::ptrdiff_t>(block.n[0]) * block.n[1];
-  double const* const first = slab + b.first + (b.direction == 1 ? layer * g * b.plane : 0);
-  for (int l = 0; l < g; ++l) {
-    if (visit(first + layer * l, b.stride)) return true;
-  }
-  return false;
-}
-
-/// Asks for the ghost cells that `load` reads before it does.
-inline void prefetch_ghosts(BundleLayout const& b, Block const& block, double const* low, double const* high) {
-  constexpr int line = 8;
-  // To the compiler a function that only fetches does nothing, and it leaves out the call: the statement keeps it.
-  asm volatile("");
-  for (double const* const slab : {low, high}) {
-    any_ghost_run(b, block, slab, [](double const* run, int count) {
-      for (int n = 0; n < count; n += line) __builtin_prefetch(run + n, 0, 2);
-      return false;
-    });
-  }
-}
 
 /// Calls visit(q) for every cell of the block with the index i = 0 in a bundle.
 template <class Visit>

@@ -72,18 +72,30 @@ void fill_with(double value, Walk<double> const& to, Index3 const& n) {
 
 }  // namespace
 
-Exchange::Exchange(Grid const& grid, int components, ExchangeRules rules)
+Exchange::Exchange(Grid const& grid, int components, ExchangeRules rules, int bundle_cells)
     : grid_(&grid),
       components_(components),
+      bundle_cells_(bundle_cells),
       rules_(std::move(rules)),
-      plan_(grid),
-      slabs_(grid, [components, dims = grid.domain().dimensions()](Block const& block) {
-        std::size_t cells = 0;
-        for (int d = 0; d < dims; ++d) cells = std::max(cells, ghost_box(block, d).count());
-        return Slabs{Buffer(cells * components), Buffer(cells * components)};
-      }) {}
+      plan_(grid, bundle_cells),
+      slabs_(make_slabs()) {}
+
+BlockStore<Exchange::Slabs> Exchange::make_slabs() const {
+  std::vector<std::array<std::size_t, 2>> cells(grid_->blocks().size());
+  for (Block const& block : grid_->blocks()) {
+    for (int face = 0; face < 2 * grid_->domain().dimensions(); ++face) {
+      std::size_t& most = cells[block.number][face % 2];
+      if (!plan_.links(block.number, face)) most = std::max(most, ghost_box(block, face / 2).count());
+    }
+  }
+  return {*grid_, [cells, components = components_](Block const& block) {
+            auto const [low, high] = cells[block.number];
+            return Slabs{Buffer(low * components), Buffer(high * components)};
+          }};
+}
 
 void Exchange::execute(Transfer const& t, Fields const& fields, Block const& block) {
+  if (t.kind == TransferKind::none) return;
   int const direction = t.face / 2;
   CellRange const slab = ghost_box(block, direction);
   Index3 const n{t.to.n(0), t.to.n(1), t.to.n(2)};
@@ -106,24 +118,31 @@ void Exchange::execute(Transfer const& t, Fields const& fields, Block const& blo
   }
 }
 
-void Exchange::follow_blocks(std::vector<int> const& before) {
-  plan_ = ExchangePlan(*grid_);
-  slabs_.rearrange(grid_->blocks(), before);
+void Exchange::follow_blocks() {
+  plan_ = ExchangePlan(*grid_, bundle_cells_);
+  slabs_ = make_slabs();
 }
 
-bool Exchange::slab_is_quiescent(int b, int direction, int side) const {
-  auto const count = static_cast<std::ptrdiff_t>(ghost_box(grid_->blocks()[b], direction).count());
-  double const* slab = ghosts(b, side);
+bool Exchange::sees_quiescence(Transfer const& t, Fields const& fields, int b) const {
+  bool const filled = t.kind != TransferKind::none;
+  CellRange const all = filled ? ghost_box(grid_->blocks()[b], t.face / 2) : grid_->blocks()[t.source].interior();
+  CellRange const seen = filled ? t.to : t.from;
   for (int c = 0; c < components_; ++c) {
-    double const value = rules_.quiescent[c];
-    if (std::any_of(slab + c * count, slab + (c + 1) * count, [value](double x) { return x != value; })) return false;
+    double const* const data = filled ? ghosts(b, t.face % 2) + all.count() * c : fields.at(t.source, c);
+    for (int k = seen.lower[2]; k < seen.upper[2]; ++k) {
+      for (int j = seen.lower[1]; j < seen.upper[1]; ++j) {
+        double const* const row = data + all.offset({seen.lower[0], j, k});
+        if (!all_equal(row, seen.n(0), rules_.quiescent[c])) return false;
+      }
+    }
   }
   return true;
 }
 
 bool Exchange::disturbs(Transfer const& t) const {
   switch (t.kind) {
-    case TransferKind::copy: return was_awake_[t.source] != 0;
+    case TransferKind::copy:
+    case TransferKind::none: return was_awake_[t.source] != 0;
     case TransferKind::mirror: {
       int const mirrored = rules_.mirrored_component[t.face / 2];
       return mirrored >= 0 && rules_.quiescent[mirrored] != 0.0;
@@ -143,8 +162,10 @@ void Exchange::fill(Fields const& fields, int direction, AwakeBlocks& awake, std
   was_awake_ = awake;
   parallel_for(grid_->block_count(), [&](int b, int) {
     if (!was_awake_[b] && !anything_to_see(b, direction)) return;
-    for (Transfer const& transfer : plan_.into(b, direction)) execute(transfer, fields, grid_->blocks()[b]);
-    if (!was_awake_[b] && !(slab_is_quiescent(b, direction, 0) && slab_is_quiescent(b, direction, 1))) awake[b] = 1;
+    auto const transfers = plan_.into(b, direction);
+    for (Transfer const& transfer : transfers) execute(transfer, fields, grid_->blocks()[b]);
+    auto const is_quiet = [&](Transfer const& t) { return sees_quiescence(t, fields, b); };
+    if (!was_awake_[b] && !std::all_of(transfers.begin(), transfers.end(), is_quiet)) awake[b] = 1;
     if (then) then(b);
   });
 }

@@ -26,7 +26,10 @@ struct ExchangeRules {
 
 class Exchange {
  public:
-  Exchange(Grid const& grid, int components, ExchangeRules rules);
+  /// Between the blocks of the plan's chains nothing is copied.
+  Exchange(Grid const& grid, int components, ExchangeRules rules, int bundle_cells = 0);
+
+  [[nodiscard]] ExchangePlan const& plan() const { return plan_; }
 
   /// Fills the ghost layers of every block that is awake on both faces of `direction`, and wakes the sleeping blocks
   /// that get to see anything but quiescent cells. Calls then(block) for each block whose ghost cells have been filled,
@@ -34,26 +37,30 @@ class Exchange {
   void fill(Fields const& fields, int direction, AwakeBlocks& awake, std::function<void(int)> const& then = {});
 
   /// Ghost cells of a block beyond its low (side 0) or high (side 1) face, as last filled: per component an array over
-  /// `ghost_box`, which is like the block but with `ghost_layers` cells in the direction of the fill.
+  /// `ghost_box`, which is like the block but with `ghost_layers` cells in the direction of the fill. Where the plan
+  /// `links` the face there are none.
   [[nodiscard]] double const* ghosts(int block, int side) const { return slabs_[block][side].data(); }
   /// To overwrite them; beyond outflow boundaries they hold copies of the cells next to the face.
   [[nodiscard]] double* ghosts(int block, int side) { return slabs_[block][side].data(); }
 
-  /// When the grid's blocks have changed, see `BlockStore::rearrange`: makes the plan again. `fill` comes next.
-  void follow_blocks(std::vector<int> const& before);
+  /// When the grid's blocks have changed: makes the plan again. `fill` comes next.
+  void follow_blocks();
 
  private:
   using Slabs = std::array<Buffer, 2>;  ///< of a block's low and high side, for the direction with the largest faces
 
+  [[nodiscard]] BlockStore<Slabs> make_slabs() const;
   void execute(Transfer const& transfer, Fields const& fields, Block const& block);
   /// Could a sleeping block see anything but quiescent cells across its two faces of `direction`?
   [[nodiscard]] bool anything_to_see(int block, int direction) const;
-  [[nodiscard]] bool slab_is_quiescent(int block, int direction, int side) const;
+  /// Are the ghost cells quiescent that a transfer has filled, or those that the sweep will read in its place?
+  [[nodiscard]] bool sees_quiescence(Transfer const& transfer, Fields const& fields, int block) const;
   /// Does a transfer make anything but quiescent cells for a block that is asleep?
   [[nodiscard]] bool disturbs(Transfer const& transfer) const;
 
   Grid const* grid_;
   int components_;
+  int bundle_cells_;
   ExchangeRules rules_;
   ExchangePlan plan_;
   BlockStore<Slabs> slabs_;

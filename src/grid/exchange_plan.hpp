@@ -14,6 +14,7 @@ namespace brisance::grid {
 
 enum class TransferKind : std::uint8_t {
   copy,    ///< cells of a block
+  none,    ///< the sweep reads the cells of the next block in the chain itself
   mirror,  ///< cells in reverse order along the direction; one component changes its sign
   fill,    ///< values that are given for a face of the domain
   repeat,  ///< one layer of cells, over and over
@@ -31,18 +32,33 @@ struct Transfer {
 /// The ghost cells of a block beyond a face along a direction, by an index of their own.
 [[nodiscard]] CellRange ghost_box(Block const& block, int direction);
 
+/// Blocks one behind the other along a direction. A sweep takes the same bundle of all of them in turn, from the low end
+/// on, and between them no ghost cells are copied: those above a bundle still lie in the next block as they were, and
+/// those below are kept from the block before (`KeptLayers`).
+using Chain = std::vector<int>;
+
 class ExchangePlan {
  public:
-  explicit ExchangePlan(Grid const& grid);
+  /// Chains are made for bundles of about so many cells; 0: each block is a chain of its own.
+  explicit ExchangePlan(Grid const& grid, int bundle_cells = 0);
 
   /// What fills the ghost cells of a block along a direction: all of its low side, then of its high side.
   [[nodiscard]] std::span<Transfer const> into(int block, int direction) const {
     std::vector<std::size_t> const& first = first_[direction];
     return {transfers_[direction].data() + first[block], first[block + 1] - first[block]};
   }
+  /// All blocks, each in one chain. The chains do not depend on the number of threads.
+  [[nodiscard]] std::vector<Chain> const& chains(int direction) const { return chains_[direction]; }
+  /// Does the chain go on behind a face of the block?
+  [[nodiscard]] bool links(int block, int face) const {
+    return into(block, face / 2)[face % 2].kind == TransferKind::none;
+  }
 
  private:
+  void make_chains(Grid const& grid, int direction, int bundle_cells);
+
   std::array<std::vector<Transfer>, 3> transfers_;
+  std::array<std::vector<Chain>, 3> chains_;
   std::array<std::vector<std::size_t>, 3> first_;  ///< of each block, and the number of all
 };
 

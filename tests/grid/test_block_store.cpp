@@ -100,7 +100,7 @@ TEST(BlockStore, AnExchangeFollowsTheBlocks) {
   rules.quiescent = {0.0};
   Exchange exchange(grid, 1, rules);
   grid = row_of_blocks(4, 4);
-  exchange.follow_blocks(std::vector<int>(4, no_neighbour));
+  exchange.follow_blocks();
   Fields fields(grid, 1);
   for (Block const& block : grid.blocks())
     std::iota(fields.at(block.number, 0), fields.at(block.number, 0) + 4, block.origin[0]);
