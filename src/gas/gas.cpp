@@ -42,13 +42,14 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
       options_(options),
       quiescent_(quiescent),
       fields_(grid, component_count(fluids, options)),
-      exchange_(grid, fields_.components(),
-                [&] {
-                  std::array<Components, 6> outside;
-                  for (int face = 0; face < 6; ++face) outside[face] = conserved_of(fluids, inflow[face]);
-                  return exchange_rules(conserved_of(fluids, quiescent), outside, component_count(fluids, options));
-                }(),
-                options.bundle_cells),
+      exchange_(
+          grid, fields_.components(),
+          [&] {
+            std::array<Components, 6> outside;
+            for (int face = 0; face < 6; ++face) outside[face] = conserved_of(fluids, inflow[face]);
+            return exchange_rules(conserved_of(fluids, quiescent), outside, component_count(fluids, options));
+          }(),
+          options.chains ? options.bundle_cells : 0),
       open_faces_(grid, fluids, fields_.components()),
       awake_(grid, 1),
       disturbance_(grid),
@@ -252,9 +253,8 @@ void Gas::advance(double dt, bool reverse) {
     PhaseTimer const timer(timings_["sweeps"]);
     SweepContext const context = sweep_context(direction, dt);
     std::vector<Part> const& parts = parts_[direction];
-    parallel_for(static_cast<int>(parts.size()), [&](int n, int thread) {
-      sweep_part(parts[n], context, awake_, last, workspaces_[thread]);
-    });
+    parallel_for(static_cast<int>(parts.size()),
+                 [&](int n, int thread) { sweep_part(parts[n], context, awake_, last, workspaces_[thread]); });
     for (int b = 0; b < grid_->block_count(); ++b) {
       if (last && awake_[b] && !coupling.all_frozen(b)) blocks_[b].signal = 0.0;
     }

@@ -47,6 +47,7 @@ struct Options {
   std::optional<material::Afterburn> afterburn;  ///< of the products
   Index3 sweep_order{0, 1, 2};  ///< directions in the order of the forward step; those not resolved are skipped
   int bundle_cells = 320;  ///< cells that a sweep works on at a time; their arrays should stay in the nearest caches
+  bool chains = true;      ///< sweeps pass through chains of blocks; false: the same bits, by copies of ghost cells
   int part_cells = 16384;  ///< cells that a thread sweeps at a time: so few that all threads end at about the same time
 };
 

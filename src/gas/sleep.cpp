@@ -127,7 +127,8 @@ void Gas::account_asleep(int b, Part const& part, int direction, double dt, Acco
   if (coupling.all_frozen(b)) return;
   if (!block.at_boundary(2 * direction) && !block.at_boundary(2 * direction + 1)) return;
   grid::Bundles const bundles(block, direction, options_.bundle_cells);
-  for (int index = part.first; index < part.end; ++index) account_quiet(b, bundles.layout(index), direction, dt, account);
+  for (int index = part.first; index < part.end; ++index)
+    account_quiet(b, bundles.layout(index), direction, dt, account);
 }
 
 }  // namespace brisance::gas

@@ -160,9 +160,9 @@ void for_each_run(BundleLayout const& b, Block const& block, Visit&& visit) {
   for (int l = 0; l < b.length; ++l) visit((g + l) * b.stride, start + layer * l, b.stride);
 }
 
-/// What the next bundle reads of its block and of the block behind that. It lies scattered, where the processor does not
-/// foresee it, and is asked for line by line while the present bundle is calculated: all at once, the requests would
-/// wait for each other.
+/// What the next bundle reads of its block and of the block behind that. It lies scattered, where the processor does
+/// not foresee it, and is asked for line by line while the present bundle is calculated: all at once, the requests
+/// would wait for each other.
 class Ahead {
  public:
   static constexpr int line = 8;  ///< doubles that come together

@@ -32,9 +32,9 @@ struct Transfer {
 /// The ghost cells of a block beyond a face along a direction, by an index of their own.
 [[nodiscard]] CellRange ghost_box(Block const& block, int direction);
 
-/// Blocks one behind the other along a direction. A sweep takes the same bundle of all of them in turn, from the low end
-/// on, and between them no ghost cells are copied: those above a bundle still lie in the next block as they were, and
-/// those below are kept from the block before (`KeptLayers`).
+/// Blocks one behind the other along a direction. A sweep takes the same bundle of all of them in turn, from the low
+/// end on, and between them no ghost cells are copied: those above a bundle still lie in the next block as they were,
+/// and those below are kept from the block before (`KeptLayers`).
 using Chain = std::vector<int>;
 
 class ExchangePlan {

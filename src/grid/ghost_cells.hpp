@@ -106,8 +106,8 @@ class KeptLayers {
     auto const needed = static_cast<std::size_t>(end - first) * components * pitch_;
     if (data_.size() < needed) data_ = Buffer(needed);
   }
-  /// A bundle of the next block in the chain begins: what has been kept now lies below it. Components that have not been
-  /// kept are as they were in the block before, and so are all where that was not swept.
+  /// A bundle of the next block in the chain begins: what has been kept now lies below it. Components that have not
+  /// been kept are as they were in the block before, and so are all where that was not swept.
   void turn(int bundle) {
     bundle_ = bundle - first_;
     below_ = std::exchange(held_[bundle_], 0);

@@ -1,6 +1,8 @@
 /// The list of what an exchange does.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "grid/exchange_plan.hpp"
 
 namespace brisance::grid {
@@ -55,6 +57,45 @@ TEST(ExchangePlan, TheKindFollowsFromWhatLiesBeyond) {
       }
     }
   }
+}
+
+// Every block lies in one chain, behind its neighbour; what the chains link gets no ghost cells, and all else does.
+TEST(ExchangePlan, ChainsHoldEveryBlockOnce) {
+  Domain domain;
+  domain.cells = {64, 48, 40};
+  domain.h = 1.0;
+  domain.boundary.fill(Boundary::periodic);
+  Grid const grid(domain, 16);
+  ExchangePlan const plan(grid, 100);
+  for (int d = 0; d < 3; ++d) {
+    std::set<int> seen;
+    int links = 0;
+    for (Chain const& chain : plan.chains(d)) {
+      for (std::size_t n = 0; n < chain.size(); ++n) {
+        EXPECT_TRUE(seen.insert(chain[n]).second);
+        bool const goes_on = n + 1 < chain.size();
+        EXPECT_EQ(plan.links(chain[n], 2 * d + 1), goes_on);
+        EXPECT_EQ(plan.links(chain[n], 2 * d), n > 0);
+        links += goes_on ? 1 : 0;
+        if (goes_on) {
+          EXPECT_EQ(grid.blocks()[chain[n]].neighbour[2 * d + 1], chain[n + 1]);
+          EXPECT_GT(grid.blocks()[chain[n + 1]].origin[d], grid.blocks()[chain[n]].origin[d]);
+        }
+      }
+    }
+    EXPECT_EQ(seen.size(), grid.blocks().size());
+    EXPECT_GT(links, 0);
+  }
+}
+
+// A row of blocks is no chain: its threads would have one piece of work between them.
+TEST(ExchangePlan, ARowOfBlocksIsSharedByThreads) {
+  Domain domain;
+  domain.geometry = Geometry::planar1d;
+  domain.cells = {3000, 1, 1};
+  domain.h = 1.0;
+  Grid const grid(domain, 256);
+  EXPECT_EQ(ExchangePlan(grid, 320).chains(0).size(), grid.blocks().size());
 }
 
 }  // namespace
