@@ -98,6 +98,11 @@ Json Definitions::value(Key const& key, std::string const& path) {
       out["anyOf"].push_back(std::move(point));
       return out;
     }
+    case Type::pairs: {
+      Json pair = list_of(quantity(key));
+      pair["minItems"] = pair["maxItems"] = 2;
+      return list_of(std::move(pair));
+    }
     case Type::table:
       if (key.choices.empty()) return reference(*key.table, path);
       return {{"anyOf", {words(key), reference(*key.table, path)}}};

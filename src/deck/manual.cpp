@@ -24,6 +24,7 @@ std::string type_text(Key const& key) {
     case Type::numbers: return "list of quantities";
     case Type::integers: return "list of whole numbers";
     case Type::point: return "point";
+    case Type::pairs: return "list of pairs";
     case Type::table: return key.choices.empty() ? "table" : "table or word";
     case Type::tables: return "list of tables";
     case Type::named: return "named tables";
@@ -37,6 +38,7 @@ std::string allowed_text(Key const& key) {
     case Type::integer:
     case Type::numbers:
     case Type::integers:
+    case Type::pairs:
     case Type::point: return range_text(key);
     case Type::word:
     case Type::axis:

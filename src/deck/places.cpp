@@ -14,6 +14,7 @@ std::string_view place_key(Section const& section) {
   return section.given("position") ? "position"
          : section.given("lower")  ? "lower"
          : section.given("file")   ? "file"
+         : section.given("points") ? "points"
                                    : "position";
 }
 

@@ -24,6 +24,7 @@ enum class Type {
   numbers,   ///< list of quantities
   integers,  ///< list of whole numbers
   point,     ///< one quantity per resolved direction
+  pairs,     ///< list of lists of two quantities; read as all of them in a row
   table,     ///< one table, or one of a closed list of words
   tables,    ///< array of tables
   named,     ///< tables under names of the user's choice (or of a closed list)

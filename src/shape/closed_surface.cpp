@@ -162,6 +162,22 @@ double largest_of(std::vector<Vec3> const& corners, std::string const& what) {
   return largest;
 }
 
+/// Longest edge of the box around the corners.
+double size_of(std::vector<Vec3> const& corners) {
+  Vec3 low = corners.front();
+  Vec3 high = low;
+  for (Vec3 const& x : corners) {
+    for (int d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], x[d]);
+      high[d] = std::max(high[d], x[d]);
+    }
+  }
+  return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+}
+
+/// Of the size of a body: so far apart may corners be that were meant to be one.
+constexpr double sloppy = 1e-6;
+
 }  // namespace
 
 Surface closed_surface(std::vector<Vec3> const& corners, std::string const& what) {
@@ -173,6 +189,11 @@ Surface closed_surface(std::vector<Vec3> const& corners, std::string const& what
   if (edges.open > 0 && largest > 0.0) {
     // Writers round each corner by itself: weld within a few units of single precision.
     surface = weld(corners, 4.0 * std::numeric_limits<float>::epsilon() * largest);
+    edges = check_edges(surface);
+  }
+  if (edges.open > 0) {
+    double const size = size_of(corners);
+    if (size > 0.0) surface = weld(corners, sloppy * size);
     edges = check_edges(surface);
   }
   if (surface.triangles.empty()) refuse(what, "all triangles are degenerate (points or lines); export the body again");

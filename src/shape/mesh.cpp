@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 
@@ -16,10 +17,22 @@ namespace brisance::shape {
 
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 /// Where a line along x passes through the surface; `sign` is +1 where it enters.
 struct Crossing {
   double x = 0.0;
   int sign = 0;
+  int triangle = 0;
+};
+
+/// Triangles that hang together: a closed surface of its own.
+struct Shell {
+  Vec3 lower{infinity, infinity, infinity};
+  Vec3 upper{-infinity, -infinity, -infinity};
+  double six_volumes = 0.0;
+  bool overlaps = false;  ///< a line enters it within another one
+  bool shows = false;     ///< a line enters or leaves the body through it
 };
 
 /// Twice the signed area of (a, b, p) in the plane (y, z), antisymmetric in a and b to the last bit: the two triangles
@@ -52,6 +65,15 @@ struct Mesh::Data {
   double volume = 0.0;
   std::array<std::vector<double>, 3> faces;
 
+  std::vector<int> shell_of;  ///< of each triangle
+  std::vector<Shell> shells;
+  bool overlapping = false;
+
+  // Boxes of space that the box around a triangle touches.
+  grid::CellRange voxels;
+  double voxels_per_metre = 0.0;
+  std::vector<std::uint8_t> touched;
+
   // The triangles by the bins of the plane (y, z) that their boxes cover.
   grid::CellRange bins;
   std::array<double, 2> bins_per_metre{};
@@ -77,7 +99,6 @@ struct Mesh::Data {
   }
 
   void measure() {
-    double constexpr infinity = std::numeric_limits<double>::infinity();
     lower = {infinity, infinity, infinity};
     upper = {-infinity, -infinity, -infinity};
     for (Vec3 const& v : vertices) {
@@ -160,7 +181,7 @@ struct Mesh::Data {
       if (area == 0.0) continue;
       double const x = (e0 * vertices[t[0]][0] + e1 * vertices[t[1]][0] + e2 * vertices[t[2]][0]) / area;
       // The outward normal points along +x where the line leaves the body.
-      crossings.push_back({x, -s});
+      crossings.push_back({x, -s, bin_items[n]});
       balance -= s;
     }
     return balance;
@@ -181,10 +202,8 @@ struct Mesh::Data {
     crossings.clear();
   }
 
-  /// Where a line lies inside; false where the shells overlap or face against each other.
-  bool spans(double y, double z, std::vector<Span>& out) const {
-    out.clear();
-    std::vector<Crossing> crossings;
+  /// The crossings of a line in their order.
+  void ordered_crossings(double y, double z, std::vector<Crossing>& crossings) const {
     crossings_of(y, z, crossings);
     double const slack = 1e-9 * (upper[0] - lower[0]);
     std::sort(crossings.begin(), crossings.end(), [](Crossing const& p, Crossing const& q) { return p.x < q.x; });
@@ -192,19 +211,136 @@ struct Mesh::Data {
     for (std::size_t n = 1; n < crossings.size(); ++n) {
       Crossing& p = crossings[n - 1];
       Crossing& q = crossings[n];
-      if (p.sign > 0 && q.sign < 0 && q.x - p.x <= slack && n >= 2 && crossings[n - 2].sign > 0)
-        std::swap(p.sign, q.sign);
+      if (p.sign > 0 && q.sign < 0 && q.x - p.x <= slack && n >= 2 && crossings[n - 2].sign > 0) std::swap(p, q);
     }
-    bool proper = true;
+  }
+
+  /// Where a line lies inside: in one shell or in several that overlap.
+  void spans(double y, double z, std::vector<Span>& out) const {
+    out.clear();
+    std::vector<Crossing> crossings;
+    ordered_crossings(y, z, crossings);
     int depth = 0;
     for (Crossing const& c : crossings) {
       int const before = depth;
       depth += c.sign;
-      proper = proper && (depth == 0 || depth == 1);
       if (before <= 0 && depth > 0) out.push_back({c.x, c.x});
       if (before > 0 && depth <= 0) out.back().to = c.x;
     }
+  }
+
+  void find_shells() {
+    std::vector<int> root(vertices.size());
+    std::iota(root.begin(), root.end(), 0);
+    auto const find = [&](int v) {
+      while (root[v] != v) v = root[v] = root[root[v]];
+      return v;
+    };
+    for (Triangle const& t : triangles) {
+      root[find(t[1])] = find(t[0]);
+      root[find(t[2])] = find(t[0]);
+    }
+    std::vector<int> number(vertices.size(), -1);
+    Vec3 const middle = 0.5 * (lower + upper);
+    for (Triangle const& t : triangles) {
+      int& shell = number[find(t[0])];
+      if (shell < 0) {
+        shell = static_cast<int>(shells.size());
+        shells.emplace_back();
+      }
+      shell_of.push_back(shell);
+      Shell& s = shells[shell];
+      for (int const v : t) {
+        for (int d = 0; d < 3; ++d) {
+          s.lower[d] = std::min(s.lower[d], vertices[v][d]);
+          s.upper[d] = std::max(s.upper[d], vertices[v][d]);
+        }
+      }
+      Vec3 const a = vertices[t[0]] - middle;
+      Vec3 const b = vertices[t[1]] - middle;
+      Vec3 const c = vertices[t[2]] - middle;
+      s.six_volumes += dot(a, Vec3{b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]});
+    }
+  }
+
+  /// What the boxes around two shells have in common, of all pairs, unless there are very many.
+  [[nodiscard]] std::vector<std::array<Vec3, 2>> common_boxes() const {
+    constexpr std::size_t most = 20000;
+    std::vector<Shell> sorted = shells;
+    std::sort(sorted.begin(), sorted.end(), [](Shell const& p, Shell const& q) { return p.lower[0] < q.lower[0]; });
+    std::vector<std::array<Vec3, 2>> boxes;
+    for (std::size_t m = 0; m < sorted.size(); ++m) {
+      for (std::size_t n = m + 1; n < sorted.size() && sorted[n].lower[0] < sorted[m].upper[0]; ++n) {
+        std::array<Vec3, 2> box;
+        bool common = true;
+        for (int d = 0; d < 3; ++d) {
+          box[0][d] = std::max(sorted[m].lower[d], sorted[n].lower[d]);
+          box[1][d] = std::min(sorted[m].upper[d], sorted[n].upper[d]);
+          common = common && box[0][d] < box[1][d];
+        }
+        if (common) boxes.push_back(box);
+        if (boxes.size() == most) return boxes;
+      }
+    }
+    return boxes;
+  }
+
+  /// Notes how shells lie to each other along a line; false where the line leaves the body before it has entered it.
+  bool look_along(double y, double z) {
+    std::vector<Crossing> crossings;
+    ordered_crossings(y, z, crossings);
+    int depth = 0;
+    bool proper = true;
+    for (Crossing const& c : crossings) {
+      Shell& shell = shells[shell_of[c.triangle]];
+      if (c.sign > 0 && depth > 0) shell.overlaps = overlapping = true;
+      if (c.sign < 0 && depth > 1) overlapping = true;
+      depth += c.sign;
+      if (depth == (c.sign > 0 ? 1 : 0)) shell.shows = true;
+      proper = proper && depth >= 0;
+    }
     return proper;
+  }
+
+  void find_touched() {
+    Vec3 const extent = upper - lower;
+    double const longest = std::max({extent[0], extent[1], extent[2]});
+    double const wanted = std::min(8.0 * static_cast<double>(triangles.size()), 16e6);
+    double const volume_of_box = std::max(extent[0] * extent[1] * extent[2], 1e-6 * longest * longest * longest);
+    // Large triangles touch many boxes each: then larger boxes keep the work short.
+    for (voxels_per_metre = std::cbrt(wanted / volume_of_box);; voxels_per_metre *= 0.5) {
+      for (int d = 0; d < 3; ++d)
+        voxels.upper[d] = std::clamp(static_cast<int>(std::ceil(extent[d] * voxels_per_metre)), 1, 4096);
+      double work = 0.0;
+      for (Triangle const& t : triangles) work += static_cast<double>(voxels_of(box_of(t)).count());
+      if (work <= 64e6 || voxels.count() <= 64) break;
+    }
+    touched.assign(voxels.count(), 0);
+    for (Triangle const& t : triangles)
+      for_each_cell(voxels_of(box_of(t)), [&](Index3 const& at) { touched[voxels.offset(at)] = 1; });
+  }
+
+  [[nodiscard]] std::array<Vec3, 2> box_of(Triangle const& t) const {
+    std::array<Vec3, 2> box{vertices[t[0]], vertices[t[0]]};
+    for (int const v : t) {
+      for (int d = 0; d < 3; ++d) {
+        box[0][d] = std::min(box[0][d], vertices[v][d]);
+        box[1][d] = std::max(box[1][d], vertices[v][d]);
+      }
+    }
+    return box;
+  }
+  [[nodiscard]] grid::CellRange voxels_of(std::array<Vec3, 2> const& box) const {
+    grid::CellRange range;
+    for (int d = 0; d < 3; ++d) {
+      auto const at = [&](double x) {
+        double const b = std::clamp((x - lower[d]) * voxels_per_metre, 0.0, static_cast<double>(voxels.upper[d] - 1));
+        return static_cast<int>(b);
+      };
+      range.lower[d] = at(box[0][d]);
+      range.upper[d] = at(box[1][d]) + 1;
+    }
+    return range;
   }
 };
 
@@ -224,20 +360,34 @@ Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what) {
     refuse("the surface encloses no volume; export the body as a solid");
   data->find_faces();
   data->fill_bins();
-  // Shells that overlap or are inside out show as a line that enters twice, or leaves before it has entered.
-  constexpr int lines = 61;
-  std::vector<Span> scratch;
-  for (int k = 0; k < lines; ++k) {
-    for (int j = 0; j < lines; ++j) {
-      double const y = data->lower[1] + (j + 0.5) / lines * extent[1];
-      double const z = data->lower[2] + (k + 0.5) / lines * extent[2];
-      if (!data->spans(y, z, scratch)) {
+  data->find_shells();
+  data->find_touched();
+  // A shell that is inside out shows as a line that leaves before it has entered.
+  auto const look = [&](Vec3 const& low, Vec3 const& high, int lines) {
+    for (int k = 0; k < lines; ++k) {
+      for (int j = 0; j < lines; ++j) {
+        double const y = low[1] + (j + 0.5) / lines * (high[1] - low[1]);
+        double const z = low[2] + (k + 0.5) / lines * (high[2] - low[2]);
+        if (data->look_along(y, z)) continue;
         refuse(
-            fmt::format("its shells overlap or one of them is inside out (seen along x at y = {:.6g} m, z = {:.6g} m); "
-                        "merge the parts into one solid before the export",
+            fmt::format("one of its shells is inside out (seen along x at y = {:.6g} m, z = {:.6g} m); make all "
+                        "normals point outwards",
                         y, z));
       }
     }
+  };
+  look(data->lower, data->upper, 61);
+  std::size_t const shells = data->shells.size();
+  int const lines_each = shells > 2000 ? 5 : shells > 200 ? 11 : 31;
+  for (std::size_t n = 0; n < shells && shells > 1; ++n) look(data->shells[n].lower, data->shells[n].upper, lines_each);
+  for (auto const& [low, high] : data->common_boxes()) look(low, high, 7);
+  for (Shell const& shell : data->shells) {
+    if (!(shell.six_volumes > 0.0) || !shell.overlaps || shell.shows) continue;
+    Vec3 const middle = 0.5 * (shell.lower + shell.upper);
+    refuse(fmt::format(
+        "the shell around ({:.6g}, {:.6g}, {:.6g}) m lies wholly inside another one; turn its normals round "
+        "if it is a cavity, or remove it",
+        middle[0], middle[1], middle[2]));
   }
   data_ = std::move(data);
 }
@@ -255,20 +405,22 @@ Vec3 const& Mesh::lower() const { return data_->lower; }
 Vec3 const& Mesh::upper() const { return data_->upper; }
 Vec3 const& Mesh::centre() const { return data_->centre; }
 double Mesh::volume() const { return data_->volume; }
+bool Mesh::overlaps() const { return data_->overlapping; }
 std::vector<double> const& Mesh::faces(int direction) const { return data_->faces[direction]; }
 
-void Mesh::spans(double y, double z, std::vector<Span>& out) const { (void)data_->spans(y, z, out); }
+void Mesh::spans(double y, double z, std::vector<Span>& out) const { data_->spans(y, z, out); }
 
-Mesh Mesh::turned(Index3 const& axes) const {
+Mesh Mesh::mapped(std::function<Vec3(Vec3 const&)> const& f, std::string const& what) const {
   std::vector<Vec3> corners;
   corners.reserve(3 * data_->triangles.size());
   for (Triangle const& t : data_->triangles) {
-    for (int c = 0; c < 3; ++c) {
-      Vec3 const& x = data_->vertices[t[c]];
-      corners.push_back({x[axes[0]], x[axes[1]], x[axes[2]]});
-    }
+    for (int c = 0; c < 3; ++c) corners.push_back(f(data_->vertices[t[c]]));
   }
-  return {corners, "the turned mesh"};
+  return {corners, what};
+}
+
+Mesh Mesh::turned(Index3 const& axes) const {
+  return mapped([&](Vec3 const& x) { return Vec3{x[axes[0]], x[axes[1]], x[axes[2]]}; }, "the turned mesh");
 }
 
 bool Mesh::contains(Vec3 const& x) const {
@@ -287,6 +439,8 @@ bool Mesh::touches(Vec3 const& low, Vec3 const& high) const {
   for (int d = 0; d < 3; ++d) {
     if (low[d] > m.upper[d] || high[d] < m.lower[d]) return false;
   }
+  if (!any_cell(m.voxels_of({low, high}), [&](Index3 const& at) { return m.touched[m.voxels.offset(at)] != 0; }))
+    return false;
   return any_cell(m.bins_between(low[1], high[1], low[2], high[2]), [&](Index3 const& at) {
     std::size_t const b = m.bins.offset(at);
     for (std::size_t n = m.bin_start[b]; n < m.bin_start[b + 1]; ++n) {

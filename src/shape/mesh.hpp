@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,13 +18,15 @@ struct Span {
   double to = 0.0;
 };
 
-/// The body that a closed surface of triangles bounds. Copies share the triangles, which never change.
+/// The body that a closed surface of triangles bounds, or several that may overlap: then it is all of them together.
+/// Copies share the triangles, which never change.
 class Mesh {
  public:
   /// Nine coordinates [m] per triangle, corner by corner. Equal corners are welded (exactly, or where that leaves open
-  /// edges within single precision of the coordinates); a surface that is inside out as a whole is turned. Throws
-  /// InputError, with `what` in front of the message, unless every edge is shared by exactly two triangles of one
-  /// orientation, the shells neither overlap nor face against each other, and the volume is not zero.
+  /// edges within single precision of the coordinates, or within 1e-6 of the body's size); a surface that is inside out
+  /// as a whole is turned. Throws InputError, with `what` in front of the message, unless every edge is shared by
+  /// exactly two triangles of one orientation, no shell lies in another one that faces the same way, none is inside
+  /// out, and the volume is not zero.
   Mesh(std::vector<Vec3> const& corners, std::string const& what);
 
   [[nodiscard]] std::size_t triangle_count() const;
@@ -32,11 +35,16 @@ class Mesh {
   [[nodiscard]] Vec3 const& lower() const;   ///< corners of the axis-aligned box around it [m]
   [[nodiscard]] Vec3 const& upper() const;   ///< [m]
   [[nodiscard]] Vec3 const& centre() const;  ///< of mass [m]; exact
-  [[nodiscard]] double volume() const;       ///< [m3]; exact, by the divergence theorem
+  [[nodiscard]] double volume()
+      const;  ///< [m3]; exact, by the divergence theorem; where shells overlap it counts twice
+  [[nodiscard]] bool overlaps() const;  ///< do shells overlap?
   [[nodiscard]] bool contains(Vec3 const& x) const;
 
   /// The body with its directions renamed: direction d of the new one is axes[d] of this one.
   [[nodiscard]] Mesh turned(Index3 const& axes) const;
+
+  /// The body with every corner x at f(x), where f keeps straight lines straight and closed surfaces closed.
+  [[nodiscard]] Mesh mapped(std::function<Vec3(Vec3 const&)> const& f, std::string const& what) const;
 
   /// The stretches of the line along x through (y, z) that lie inside, in order.
   void spans(double y, double z, std::vector<Span>& out) const;

@@ -235,12 +235,17 @@ std::optional<double> closed_volume(Shape const& shape, grid::Domain const& doma
     }
     return volume(part, g);
   }
-  if (dims == 1 || std::holds_alternative<std::shared_ptr<Combination const>>(shape)) return std::nullopt;
+  if (dims == 1 || std::holds_alternative<std::shared_ptr<Combination const>>(shape) ||
+      std::holds_alternative<HalfSpace>(shape))
+    return std::nullopt;
   bool const mesh = std::holds_alternative<Mesh>(shape);
   if (mesh && dims < 3) return std::nullopt;
   bool upright = true;  // mirrored in every plane through its centre along the grid
+  auto const is_along = [](Vec3 const& axis, int d) { return std::abs(std::abs(axis[d]) - 1.0) < 1e-12; };
+  if (auto const* half = std::get_if<Hemisphere>(&shape))
+    upright = is_along(half->normal, 0) || is_along(half->normal, 1) || is_along(half->normal, 2);
   if (auto const* cylinder = std::get_if<Cylinder>(&shape)) {
-    auto const along = [&](int d) { return std::abs(std::abs(cylinder->axis[d]) - 1.0) < 1e-12; };
+    auto const along = [&](int d) { return is_along(cylinder->axis, d); };
     upright = along(0) || along(1) || along(2);
     if (g == grid::Geometry::planar2d && !along(2)) return std::nullopt;
     if (g == grid::Geometry::axisymmetric2d && !along(1)) return std::nullopt;

@@ -35,6 +35,8 @@ inline double signed_distance(Box const& s, Vec3 const& x) {
   return d;
 }
 
+inline double signed_distance(HalfSpace const& s, Vec3 const& x) { return -dot(x - s.point, s.normal); }
+
 /// A primitive as it counts with so many directions: what it does in the others does not matter.
 template <typename Primitive>
 Primitive resolved(Primitive shape, int dimensions) {
@@ -84,6 +86,9 @@ inline Span above(Span s, double offset, double slope) {
 inline Span stretch(Hemisphere const& s, Vec3 const& x) {
   Vec3 const r = x - s.centre;
   return above(stretch(Sphere{s.centre, s.radius}, x), dot(r, s.normal), s.normal[0]);
+}
+inline Span stretch(HalfSpace const& s, Vec3 const& x) {
+  return above({-infinity, infinity}, dot(x - s.point, s.normal), s.normal[0]);
 }
 inline Span stretch(Cylinder const& s, Vec3 const& x) {
   Vec3 const r = x - s.centre;

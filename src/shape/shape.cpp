@@ -83,6 +83,7 @@ Shape turned(Shape const& shape, Index3 const& axes) {
     }
     Shape operator()(Cylinder const& s) const { return Cylinder{turn(s.centre), s.radius, s.length, turn(s.axis)}; }
     Shape operator()(Box const& s) const { return Box{turn(s.lower), turn(s.upper)}; }
+    Shape operator()(HalfSpace const& s) const { return HalfSpace{turn(s.point), turn(s.normal)}; }
     Shape operator()(Mesh const& s) const { return s.turned(axes); }
     Shape operator()(std::shared_ptr<Combination const> const& s) const {
       std::vector<Shape> parts;
@@ -131,6 +132,7 @@ Vec3 centre(Shape const& shape) {
     Vec3 operator()(Hemisphere const& s) const { return s.centre; }
     Vec3 operator()(Cylinder const& s) const { return s.centre; }
     Vec3 operator()(Box const& s) const { return 0.5 * (s.lower + s.upper); }
+    Vec3 operator()(HalfSpace const& s) const { return s.point; }
     Vec3 operator()(Mesh const& s) const { return s.centre(); }
     Vec3 operator()(std::shared_ptr<Combination const> const& s) const {
       Box const box = bounds(s);
@@ -154,8 +156,9 @@ Box bounds(Shape const& shape) {
     Box operator()(Hemisphere const& s) const {
       Box box = around(s.centre, {s.radius, s.radius, s.radius});
       for (int d = 0; d < 3; ++d) {
-        if (s.normal[d] > 0.5) box.lower[d] = s.centre[d];
-        if (s.normal[d] < -0.5) box.upper[d] = s.centre[d];
+        double const rim = s.radius * std::sqrt(std::max(0.0, 1.0 - s.normal[d] * s.normal[d]));
+        if (s.normal[d] > 0.0) box.lower[d] = s.centre[d] - rim;
+        if (s.normal[d] < 0.0) box.upper[d] = s.centre[d] + rim;
       }
       return box;
     }
@@ -168,6 +171,14 @@ Box bounds(Shape const& shape) {
       return around(s.centre, half);
     }
     Box operator()(Box const& s) const { return s; }
+    Box operator()(HalfSpace const& s) const {
+      Box box = (*this)(Everywhere{});
+      for (int d = 0; d < 3; ++d) {
+        if (s.normal[d] == 1.0) box.lower[d] = s.point[d];
+        if (s.normal[d] == -1.0) box.upper[d] = s.point[d];
+      }
+      return box;
+    }
     Box operator()(Mesh const& s) const { return {s.lower(), s.upper()}; }
     Box operator()(std::shared_ptr<Combination const> const& s) const {
       Box box = bounds(s->parts.front());

@@ -1,6 +1,7 @@
 /// Solid shapes of charges, obstacles, regions and bodies.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <variant>
 #include <vector>
@@ -19,8 +20,7 @@ struct Sphere {
   double radius = 0.0;         ///< [m]
 };
 
-/// Half a sphere: the half on the side that `normal` (a unit vector along an axis) points to; its flat face holds the
-/// centre.
+/// Half a sphere: the half on the side that `normal` (a unit vector) points to; its flat face holds the centre.
 struct Hemisphere {
   Vec3 centre{0.0, 0.0, 0.0};
   double radius = 0.0;
@@ -40,9 +40,16 @@ struct Box {
   Vec3 upper{0.0, 0.0, 0.0};
 };
 
+/// All that lies on one side of a plane.
+struct HalfSpace {
+  Vec3 point{0.0, 0.0, 0.0};   ///< on the plane
+  Vec3 normal{0.0, 0.0, 1.0};  ///< unit vector, into the half-space
+};
+
 struct Combination;
 
-using Shape = std::variant<Everywhere, Sphere, Hemisphere, Cylinder, Box, Mesh, std::shared_ptr<Combination const>>;
+using Shape =
+    std::variant<Everywhere, Sphere, Hemisphere, Cylinder, Box, HalfSpace, Mesh, std::shared_ptr<Combination const>>;
 
 /// How shapes are put together; `difference` takes all others away from the first.
 enum class Operation { united, intersection, difference };
@@ -59,6 +66,23 @@ struct Combination {
 /// The ring or tube between two coaxial cylinders.
 [[nodiscard]] Shape tube(Vec3 const& centre, double inner_radius, double outer_radius, double length, Vec3 const& axis);
 
+/// Where a shape is put: enlarged by a factor, then turned, then moved.
+struct Motion {
+  double scale = 1.0;  ///< > 0
+  /// Where the unit vectors of the axes come to; right-handed and orthogonal.
+  std::array<Vec3, 3> axes{{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
+  Vec3 shift{0.0, 0.0, 0.0};  ///< [m]
+
+  [[nodiscard]] Vec3 direction(Vec3 const& v) const { return v[0] * axes[0] + v[1] * axes[1] + v[2] * axes[2]; }
+  [[nodiscard]] Vec3 point(Vec3 const& x) const { return scale * direction(x) + shift; }
+};
+
+/// The motion that turns by an angle [rad], anticlockwise seen against `axis` (a unit vector), around a point.
+[[nodiscard]] Motion turn_around(Vec3 const& axis, double angle, Vec3 const& point);
+
+/// The shape after a motion. A box that no longer lies along the axes becomes a mesh.
+[[nodiscard]] Shape moved(Shape const& shape, Motion const& motion);
+
 /// The shape with its directions renamed: direction d of the new one is axes[d] of the old one.
 [[nodiscard]] Shape turned(Shape const& shape, Index3 const& axes);
 
@@ -69,9 +93,9 @@ struct Combination {
 [[nodiscard]] bool contains(Shape const& shape, grid::Metric const& cells, Vec3 const& x);
 
 /// Volume [m3] of the shape in the given geometry (per metre of the unresolved directions; curvilinear: the whole
-/// body). The shape is taken whole, also where it reaches over a symmetry plane. Infinite for `Everywhere`. Exact for
-/// primitives, for meshes in 3D and for all shapes in 1D; otherwise by integration over lines along x, measured on
-/// closed forms: relative error below 1e-5. A mesh in fewer directions stands for its section
+/// body). The shape is taken whole, also where it reaches over a symmetry plane. Infinite for `Everywhere` and
+/// half-spaces. Exact for primitives, for meshes in 3D and for all shapes in 1D; otherwise by integration over lines
+/// along x, measured on closed forms: relative error below 1e-5. A mesh in fewer directions stands for its section
 /// through its centre of mass.
 [[nodiscard]] double volume(Shape const& shape, grid::Geometry geometry);
 

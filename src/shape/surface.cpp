@@ -85,8 +85,36 @@ class Pieces {
     }
   }
 
+  void of(HalfSpace const& s) {
+    // As much of the plane as the domain may see of it.
+    Vec3 middle{0.0, 0.0, 0.0};
+    double reach = 0.0;
+    for (int d = 0; d < dims(); ++d) {
+      middle[d] = 0.5 * (domain_.lower[d] + domain_.upper(d));
+      reach += domain_.upper(d) - domain_.lower[d];
+    }
+    Vec3 normal = s.normal;
+    if (dims() == 2) normal[2] = 0.0;
+    if (!(norm(normal) > 0.0)) return;
+    normal = (1.0 / norm(normal)) * normal;
+    Vec3 const foot = middle - dot(middle - s.point, normal) * normal;
+    Vec3 const out = -1.0 * normal;
+    if (dims() == 2) {
+      Vec3 const along{-normal[1], normal[0], 0.0};
+      return line(foot - (0.5 * reach) * along, foot + (0.5 * reach) * along, out);
+    }
+    auto const [u, v] = across(normal);
+    int const n = count(reach, coarsened(reach * reach));
+    double const step = reach / n;
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i)
+        found.push_back(
+            {foot + ((i + 0.5) * step - 0.5 * reach) * u + ((j + 0.5) * step - 0.5 * reach) * v, (step * step) * out});
+    }
+  }
+
   void of(Mesh const& s) {
-    if (dims() < 3) return;
+    if (dims() < 3) return section(s);
     double const step = coarsened(6.0 * std::pow(s.volume(), 2.0 / 3.0));
     for (auto const& t : s.triangles()) {
       Vec3 const a = t[1] - t[0];
@@ -137,6 +165,28 @@ class Pieces {
     Vec3 u = cross(n, e);
     u = (1.0 / norm(u)) * u;
     return {u, cross(n, u)};
+  }
+
+  /// In two dimensions: the outline of the section through the centre of mass, a straight line in each triangle that is
+  /// cut.
+  void section(Mesh const& s) {
+    double const z = s.centre()[2];
+    for (auto const& t : s.triangles()) {
+      Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+      normal[2] = 0.0;
+      if (!(norm(normal) > 0.0)) continue;
+      std::vector<Vec3> ends;
+      for (int c = 0; c < 3; ++c) {
+        Vec3 const& a = t[c];
+        Vec3 const& b = t[(c + 1) % 3];
+        // A corner on the plane counts as above it.
+        if ((a[2] < z) == (b[2] < z)) continue;
+        Vec3 x = a + ((z - a[2]) / (b[2] - a[2])) * (b - a);
+        x[2] = 0.0;
+        ends.push_back(x);
+      }
+      if (ends.size() == 2 && norm(ends[1] - ends[0]) > 0.0) line(ends[0], ends[1], (1.0 / norm(normal)) * normal);
+    }
   }
 
   /// In two dimensions: a straight line, n is its normal.

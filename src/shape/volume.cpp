@@ -39,6 +39,7 @@ double volume(Shape const& shape, grid::Geometry geometry) {
   struct Visitor {
     Geometry g;
     double operator()(Everywhere const&) const { return infinity; }
+    double operator()(HalfSpace const&) const { return infinity; }
     double round(double R) const {
       switch (g) {
         case Geometry::planar1d: return 2.0 * R;
@@ -69,7 +70,9 @@ double volume(Shape const& shape, grid::Geometry geometry) {
       }
       return 0.0;
     }
-    double operator()(Mesh const& s) const { return g == Geometry::cartesian3d ? s.volume() : integrated_volume(s, g); }
+    double operator()(Mesh const& s) const {
+      return g == Geometry::cartesian3d && !s.overlaps() ? s.volume() : integrated_volume(s, g);
+    }
     double operator()(std::shared_ptr<Combination const> const& s) const { return integrated_volume(s, g); }
   };
   return std::visit(Visitor{geometry}, shape);

@@ -152,13 +152,55 @@ TEST_F(Stl, ShellsAndCavities) {
 
   auto doubled = unit_cube;
   doubled.insert(doubled.end(), outwards.begin(), outwards.end());
-  EXPECT_TRUE(mentions(refusal(binary(doubled)), "shells overlap"));
+  EXPECT_TRUE(mentions(refusal(binary(doubled)), "around (0.5, 0.5, 0.5) m lies wholly inside another"));
 
   auto turned = unit_cube;
   for (std::size_t n = 0; n < turned.size(); n += 3) std::swap(turned[n], turned[n + 1]);
   Mesh const inside_out = read_stl(write(binary(turned)));
   EXPECT_DOUBLE_EQ(inside_out.volume(), 1.0);
   EXPECT_TRUE(inside_out.contains({0.5, 0.3, 0.4}));
+}
+
+TEST_F(Stl, ShellsThatOverlapAreOneBody) {
+  auto both = unit_cube;
+  for (Vec3 const& x : test::cube({0.5, 0.5, 0.5}, {2.0, 0.75, 0.75})) both.push_back(x);
+  Mesh const cross = read_stl(write(binary(both)));
+  EXPECT_TRUE(cross.overlaps());
+  EXPECT_NEAR(volume(cross, grid::Geometry::cartesian3d), 1.0 + 0.0625, 1e-5);
+  std::vector<Span> line;
+  cross.spans(0.6, 0.6, line);
+  ASSERT_EQ(line.size(), 1U);
+  EXPECT_EQ(line[0].to, 2.0);
+  // A corner that only just reaches in.
+  both = unit_cube;
+  for (Vec3 const& x : test::cube({0.99, 0.99, 0.99}, {2.0, 2.0, 2.0})) both.push_back(x);
+  Mesh const corner = read_stl(write(binary(both)));
+  EXPECT_TRUE(corner.overlaps());
+  EXPECT_NEAR(volume(corner, grid::Geometry::cartesian3d), 1.0 + 1.01 * 1.01 * 1.01 - 1e-6, 1e-5);
+  // One that touches it is another shell, and nothing overlaps.
+  both = unit_cube;
+  for (Vec3 const& x : test::cube({1.0, 0.25, 0.25}, {2.0, 0.75, 0.75})) both.push_back(x);
+  EXPECT_FALSE(read_stl(write(binary(both))).overlaps());
+  // An overlapping shell that is inside out takes nothing away: it is refused.
+  auto turned = test::cube({0.5, 0.25, 0.25}, {2.0, 0.75, 0.75});
+  for (std::size_t n = 0; n < turned.size(); n += 3) std::swap(turned[n], turned[n + 1]);
+  both = unit_cube;
+  both.insert(both.end(), turned.begin(), turned.end());
+  EXPECT_TRUE(mentions(refusal(binary(both)), "inside out"));
+}
+
+TEST_F(Stl, CornersMeantToBeOneCloseTheSurface) {
+  for (double const apart : {0.4e-6, 1e-4}) {
+    auto corners = test::ball({0.0, 0.0, 0.0}, 0.5, 12);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> jitter(-0.5 * apart, 0.5 * apart);
+    for (Vec3& x : corners) x = x + Vec3{jitter(random), jitter(random), jitter(random)};
+    if (apart < 1e-6) {
+      EXPECT_EQ(Mesh(corners, "ball").triangle_count(), 2U * 24U * 11U);
+    } else {
+      EXPECT_THROW(Mesh(corners, "ball"), InputError);
+    }
+  }
 }
 
 TEST_F(Stl, CornersRoundedEachByItself) {

@@ -30,7 +30,7 @@ Table const& charge_table() {
              .means("Mass of the whole charge")},
         {},
         {}};
-    t.keys = joined(t.keys, shape_keys({"sphere", "hemisphere", "cylinder", "box"}));
+    t.keys = joined(t.keys, shape_keys());
     t.keys = joined(
         t.keys,
         {number("length_to_diameter", "1", 1e-3, 1e3)
@@ -125,6 +125,42 @@ bool inside_domain(Draft const& draft, Section const& section, shape::Shape cons
   return true;
 }
 
+/// What a symmetry plane cuts must be its own mirror image, or the simulated charge is another one.
+bool mirrors_itself(Draft const& draft, Section const& section, shape::Shape const& body) {
+  grid::Domain const& domain = draft.out.domain;
+  auto const box = shape::bounds(body);
+  constexpr int samples = 32;
+  constexpr double allowed = 0.01;  // of the samples inside: those beside faces count as they may
+  for (int f = 0; f < 2 * draft.dims(); ++f) {
+    int const d = f / 2;
+    double const plane = f % 2 == 0 ? domain.lower[d] : domain.upper(d);
+    bool const cut = box.lower[d] < plane - draft.tiny() && box.upper[d] > plane + draft.tiny();
+    if (!cut || domain.boundary[f] != Boundary::symmetry || (draft.radial() && f == 0 && plane == 0.0)) continue;
+    int inside = 0;
+    int alone = 0;
+    grid::CellRange all{{0, 0, 0}, {samples, 1, 1}};
+    for (int e = 1; e < draft.dims(); ++e) all.upper[e] = samples;
+    for_each_cell(all, [&](Index3 const& n) {
+      Vec3 x{0.0, 0.0, 0.0};
+      for (int e = 0; e < draft.dims(); ++e)
+        x[e] = box.lower[e] + (n[e] + 0.5) / samples * (box.upper[e] - box.lower[e]);
+      if (!shape::contains(body, domain, x)) return;
+      ++inside;
+      x[d] = 2.0 * plane - x[d];
+      alone += shape::contains(body, domain, x) ? 0 : 1;
+    });
+    if (alone <= allowed * inside) continue;
+    draft.error(
+        section, section.given("rotate") ? "rotate" : place_key(section),
+        fmt::format("the symmetry plane {} = {:.6g} m cuts the charge, but the charge is not its own mirror image "
+                    "there, so a differently shaped charge would be simulated: turn or move the charge, or make "
+                    "the domain hold all of it",
+                    directions[d], plane));
+    return false;
+  }
+  return true;
+}
+
 /// A charge beside obstacles finds room between solid cells.
 void fits_between_obstacles(Draft const& draft, Section const& section, shape::Shape const& body) {
   if (draft.out.obstacles.empty() || draft.deck.text("start") == "remap") return;
@@ -188,6 +224,7 @@ void charge(Draft& draft, Section const& section, std::string& first_explosive,
   }
   charge.shape = *body;
   if (draft.domain_known && draft.boundaries_known && !inside_domain(draft, section, *body)) return;
+  if (draft.domain_known && draft.boundaries_known && !mirrors_itself(draft, section, *body)) return;
   placed.emplace_back(&section, *body);
   if (!build_initiation(draft, section, *body, "charge", charge.detonation, charge.initiation)) return;
   draft.charge_shapes.emplace_back(&section, charge.shape);

@@ -10,43 +10,26 @@ namespace brisance::deck {
 
 namespace {
 
-/// Shapes of bodies: those of everything else and meshes.
-std::vector<Key> mesh_shape_keys(std::vector<std::string> shapes) {
-  return joined(shape_keys(std::move(shapes)),
-                {typed(Type::text, "file")
-                     .like("\"bracket.stl\"")
-                     .means("STL file of shape `stl` (3D only), with a path relative to the deck; the surface must be "
-                            "closed; `position` moves it"),
-                 number("scale", "1", 1e-9, 1e9)
-                     .note("1")
-                     .like("0.001")
-                     .means("Factor applied to the coordinates of the STL file, for example 0.001 for a file in mm")});
-}
-
 Table const& part_table() {
-  static Table const table{"A shape that is combined with others.",
-                           mesh_shape_keys({"sphere", "hemisphere", "cylinder", "box", "stl"}),
-                           {},
-                           {}};
+  static Table const table{"A shape that is combined with others.", shape_keys(), {}, {}};
   return table;
 }
 
 }  // namespace
 
 std::vector<Key> composed_shape_keys() {
-  return joined(mesh_shape_keys({"sphere", "hemisphere", "cylinder", "box", "stl"}),
-                {nested(Type::tables, "add", part_table())
-                     .note("none")
-                     .like("[{shape = \"sphere\", radius = \"5 mm\"}]")
-                     .means("Shapes that are added to it"),
-                 nested(Type::tables, "cut", part_table())
-                     .note("none")
-                     .like("[{shape = \"cylinder\", radius = \"5 mm\", length = \"1 m\"}]")
-                     .means("Shapes that are then cut out (holes)"),
-                 nested(Type::tables, "common", part_table())
-                     .note("none")
-                     .like("[{lower = [0, 0, 0], upper = [1, 1, 1], shape = \"box\"}]")
-                     .means("Shapes that are intersected with the result, as the last operation")});
+  return joined(shape_keys(), {nested(Type::tables, "add", part_table())
+                                   .note("none")
+                                   .like("[{shape = \"sphere\", radius = \"5 mm\"}]")
+                                   .means("Shapes that are added to it"),
+                               nested(Type::tables, "cut", part_table())
+                                   .note("none")
+                                   .like("[{shape = \"cylinder\", radius = \"5 mm\", length = \"1 m\"}]")
+                                   .means("Shapes that are then cut out (holes)"),
+                               nested(Type::tables, "common", part_table())
+                                   .note("none")
+                                   .like("[{lower = [0, 0, 0], upper = [1, 1, 1], shape = \"box\"}]")
+                                   .means("Shapes that are intersected with the result, as the last operation")});
 }
 
 Table const& within_table() {

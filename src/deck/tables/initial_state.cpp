@@ -14,7 +14,7 @@ Table const& initial_state_table() {
       "A volume of the domain with another initial state or fluid. Its volume is exact: a cell that it covers partly "
       "receives the corresponding fraction of mass, momentum and energy. Later initial states overwrite earlier ones; "
       "charges and obstacles overwrite all.",
-      joined(shape_keys({"sphere", "hemisphere", "cylinder", "box"}),
+      joined(shape_keys(),
              {typed(Type::text, "fluid")
                   .note("that of `[ambient]`")
                   .like("\"helium\"")

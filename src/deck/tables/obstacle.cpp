@@ -41,8 +41,7 @@ Table const& obstacle_table() {
       "makes no cell solid is rejected, as is a wall so thin that gas would pass between its solid cells. With "
       "`fails_at` it is a panel that fails: a vent, a door or a window. An obstacle replaces earlier obstacles where "
       "they overlap: a panel written after a wall makes an opening in the wall.",
-      joined(joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")},
-                    shape_keys({"sphere", "hemisphere", "cylinder", "box"})),
+      joined(joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")}, shape_keys()),
              settings().keys()),
       {},
       {}};

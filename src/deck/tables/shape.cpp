@@ -4,68 +4,94 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 
-#include "core/error.hpp"
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
+#include "deck/tables/shapes.hpp"
 #include "deck/tables/tables.hpp"
-#include "shape/stl.hpp"
 
 namespace brisance::deck {
 
-std::vector<Key> shape_keys(std::vector<std::string> shapes) {
-  return {
-      word("shape", std::move(shapes))
-          .note("`sphere`; in planar2d and cylindrical1d `cylinder`, in planar1d `box`")
-          .like("\"sphere\"")
-          .means("Shape. In planar2d a cylinder is a disc and a box is a rectangle. In axisymmetric2d a cylinder is "
-                 "centred on the axis, and a box is revolved around the axis to a ring. In cylindrical1d and "
-                 "spherical1d cylinders and spheres are concentric, and boxes are tubes and shells"),
-      position("position")
-          .note("the origin")
-          .like("[0, 0, \"1.5 m\"]")
-          .means("Centre of a sphere, cylinder or box; for a hemisphere, centre of its flat face"),
-      number("radius", "m", smallest, far).like("\"50 mm\"").means("Radius of a sphere, hemisphere or cylinder"),
-      number("length", "m", smallest, far).like("\"0.2 m\"").means("Length of a cylinder along its axis"),
-      axis("axis")
-          .note("`z`; in axisymmetric2d `y`")
-          .like("\"z\"")
-          .means("Direction of the axis of a cylinder (in 3D; otherwise the geometry fixes it): a letter or, except "
-                 "for a charge, a vector of any length such as [1, 0, 1]"),
-      face_normal("normal")
-          .note("`+z`; in axisymmetric2d `+y`")
-          .like("\"+z\"")
-          .means("Side of its flat face on which a hemisphere extends: with `+z` it stands on the ground"),
-      typed(Type::point, "size", "m", smallest, far)
-          .like("[1, 1, \"20 cm\"]")
-          .means("Edges of a box around `position`; instead of `lower` and `upper`"),
-      position("lower").like("[2, -1, 0]").means("Low corner of a box"),
-      position("upper").like("[3, 1, \"2.5 m\"]").means("High corner of a box"),
-  };
+std::vector<Key> shape_keys() {
+  return joined(
+      {
+          word("shape", {"sphere", "hemisphere", "cylinder", "box", "cone", "ogive", "torus", "polygon", "extrusion",
+                         "turned", "half_space", "stl"})
+              .note("`sphere`; in planar2d and cylindrical1d `cylinder`, in planar1d `box`")
+              .like("\"sphere\"")
+              .means(
+                  "Shape. In planar2d a cylinder is a disc and a box is a rectangle. In axisymmetric2d a cylinder is "
+                  "centred on the axis, and a box is revolved around the axis to a ring. In cylindrical1d and "
+                  "spherical1d cylinders and spheres are concentric, and boxes are tubes and shells. `cone` and "
+                  "`ogive` stand "
+                  "on their base; an `ogive` is pointed, and its flank leaves the base along the axis; `torus`: a "
+                  "ring; "
+                  "`polygon` (2D): a drawn section, in axisymmetric2d revolved around the axis; `extrusion` (3D): a "
+                  "drawn "
+                  "section along an axis; `turned`: a drawn profile revolved around an axis; `half_space`: all on one "
+                  "side "
+                  "of a plane; `stl`: a body from a file"),
+          position("position")
+              .note("the origin")
+              .like("[0, 0, \"1.5 m\"]")
+              .means("Centre of a sphere, cylinder, torus or box; for a hemisphere, cone or ogive, centre of its flat "
+                     "face; "
+                     "a point on the face of a half-space; the origin of a drawing or file"),
+          number("radius", "m", smallest, far)
+              .like("\"50 mm\"")
+              .means("Radius of a sphere, hemisphere or cylinder, or of the base of a cone or ogive; of a torus, "
+                     "radius of the "
+                     "circle in the middle of its tube"),
+          number("length", "m", smallest, far)
+              .like("\"0.2 m\"")
+              .means("Length of a cylinder, cone, ogive or extrusion along its axis"),
+          axis("axis")
+              .note("`z`; in axisymmetric2d `y`")
+              .like("\"z\"")
+              .means("Direction of the axis (in 3D; otherwise the geometry fixes it): a letter or, for a cylinder that "
+                     "is no "
+                     "charge, a vector of any length such as [1, 0, 1]"),
+          face_normal("normal")
+              .note("`+z`; in axisymmetric2d `+y`")
+              .like("\"+z\"")
+              .means("Side of its flat face on which a hemisphere, cone, ogive or half-space extends: with `+z` it "
+                     "stands on "
+                     "the ground"),
+          typed(Type::point, "size", "m", smallest, far)
+              .like("[1, 1, \"20 cm\"]")
+              .means("Edges of a box around `position`; instead of `lower` and `upper`"),
+          position("lower").like("[2, -1, 0]").means("Low corner of a box"),
+          position("upper").like("[3, 1, \"2.5 m\"]").means("High corner of a box"),
+      },
+      drawn_shape_keys());
 }
 
 namespace {
 
 /// Keys that tell where a shape lies and how large it is.
-constexpr std::array keys_of_place{
-    "position", "radius", "length", "axis", "normal", "size", "lower", "upper", "file", "length_to_diameter", "scale"};
+constexpr std::array keys_of_place{"position", "radius",     "length",     "axis", "normal", "size",
+                                   "lower",    "upper",      "points",     "file", "scale",  "length_to_diameter",
+                                   "rotate",   "top_radius", "tube_radius"};
 
 std::vector<std::string> possible_shapes(Draft const& draft, Use use) {
+  std::vector<std::string> shapes;
   switch (draft.geometry()) {
     case Geometry::cartesian3d:
-      if (use == Use::particles) return {"sphere", "hemisphere", "cylinder", "box", "stl"};
-      return {"sphere", "hemisphere", "cylinder", "box"};
-    case Geometry::axisymmetric2d: return {"sphere", "hemisphere", "cylinder", "box"};
-    case Geometry::planar2d: return {"cylinder", "box"};
+      shapes = {"sphere", "hemisphere", "cylinder", "box", "cone", "ogive", "torus", "extrusion", "turned", "stl"};
+      break;
+    case Geometry::axisymmetric2d:
+      shapes = {"sphere", "hemisphere", "cylinder", "box", "cone", "ogive", "torus", "polygon", "turned", "stl"};
+      break;
+    case Geometry::planar2d: shapes = {"cylinder", "box", "polygon", "stl"}; break;
     case Geometry::planar1d: return {"box"};
     case Geometry::cylindrical1d:
       return use == Use::charge ? std::vector<std::string>{"cylinder"} : std::vector<std::string>{"cylinder", "box"};
     case Geometry::spherical1d:
       return use == Use::charge ? std::vector<std::string>{"sphere"} : std::vector<std::string>{"sphere", "box"};
   }
-  return {};
+  if (use != Use::charge) shapes.emplace_back("half_space");
+  return shapes;
 }
 
 bool cylinder_has_length(Draft const& draft) {
@@ -92,7 +118,19 @@ bool only_keys_of(Draft const& draft, Section const& section, std::string const&
     if (draft.geometry() == Geometry::cartesian3d) allowed.emplace_back("axis");
   }
   if (word == "box") allowed = {"position", "size", "lower", "upper"};
+  if (word == "cone") allowed = {"position", "radius", "top_radius", "length", "normal"};
+  if (word == "ogive") allowed = {"position", "radius", "length", "normal"};
+  if (word == "torus") allowed = {"position", "radius", "tube_radius"};
+  if (word == "polygon" || word == "turned") allowed = {"position", "points", "scale"};
+  if (word == "extrusion") allowed = {"position", "points", "scale", "length"};
+  if (word == "half_space") allowed = {"position", "normal"};
   if (word == "stl") allowed = {"position", "file", "scale"};
+  bool const by_axis = word == "torus" || word == "turned" || word == "extrusion";
+  if (by_axis && draft.geometry() == Geometry::cartesian3d) allowed.emplace_back("axis");
+  // What is round about the axis stays there.
+  bool const in_plane = draft.geometry() == Geometry::axisymmetric2d && (word == "box" || word == "polygon");
+  if (draft.geometry() == Geometry::cartesian3d || draft.geometry() == Geometry::planar2d || in_plane)
+    allowed.emplace_back("rotate");
   bool sound = true;
   for (std::string const key : keys_of_place) {
     if (!section.given(key) || std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
@@ -247,31 +285,21 @@ std::optional<shape::Shape> box(Draft const& draft, Section const& section, Vec3
   return shape::Box{low, high};
 }
 
-std::optional<shape::Shape> mesh(Draft const& draft, Section const& section, Vec3 const& position) {
-  auto const file = section.text("file");
-  if (!file) {
-    if (!section.given("file")) size_missing(draft, section, "file", false, "file = \"bracket.stl\"");
-    return std::nullopt;
-  }
-  std::filesystem::path const path = std::filesystem::path(draft.report.file()).parent_path() / *file;
-  try {
-    return shape::read_stl(path, section.number("scale").value_or(1.0), position);
-  } catch (std::exception const& problem) {
-    draft.error(section, "file", problem.what());
-    return std::nullopt;
-  }
-}
-
 }  // namespace
 
-std::optional<shape::Shape> build_shape(Draft const& draft, Section const& section, Use use,
-                                        std::optional<double> volume_asked) {
+namespace {
+
+std::optional<shape::Shape> build_upright_shape(Draft const& draft, Section const& section, Use use,
+                                                std::optional<double> volume_asked) {
   if (section.broken("shape") || section.doubtful()) return std::nullopt;
   auto const possible = possible_shapes(draft, use);
   std::string const word = section.text("shape").value_or(possible.front());
   if (std::find(possible.begin(), possible.end(), word) == possible.end()) {
-    std::string const disc =
-        word == "sphere" && draft.geometry() == Geometry::planar2d ? " (a \"cylinder\" is a disc here)" : "";
+    std::string const disc = word == "sphere" && draft.geometry() == Geometry::planar2d
+                                 ? " (a \"cylinder\" is a disc here)"
+                             : word == "polygon" && draft.dims() == 3 ? " (an \"extrusion\" has a polygon and a length)"
+                             : word == "extrusion" && draft.dims() == 2 ? " (a \"polygon\" is a section here)"
+                                                                        : "";
     draft.error(section, "shape",
                 fmt::format("\"{}\" is not possible in {}; allowed: {}{}", word, word_of(draft.geometry()),
                             quoted_list(possible), disc));
@@ -286,7 +314,7 @@ std::optional<shape::Shape> build_shape(Draft const& draft, Section const& secti
     auto const p = draft.point(section, "position");
     if (!p) return std::nullopt;
     position = *p;
-    if (word != "box" && draft.radial() && position[0] != 0.0) {
+    if (word != "box" && word != "polygon" && word != "stl" && draft.radial() && position[0] != 0.0) {
       draft.error(section, "position",
                   fmt::format("{} is not on the axis; a {} in {} is centred at radius 0: write 0 as its first element, "
                               "or use a box, which is a ring or shell",
@@ -294,26 +322,15 @@ std::optional<shape::Shape> build_shape(Draft const& draft, Section const& secti
       return std::nullopt;
     }
   }
-  if (word == "stl") return mesh(draft, section, position);
+  if (is_drawn(word)) return build_drawn_shape(draft, section, word, position);
   if (word == "box") return box(draft, section, position, volume_asked);
   if (word == "cylinder") return cylinder(draft, section, position, volume_asked);
 
   shape::Sphere const unit_sphere{position, 1.0};
-  Vec3 normal{0.0, 0.0, 1.0};
-  if (draft.geometry() == Geometry::axisymmetric2d) normal = {0.0, 1.0, 0.0};
-  if (section.given("normal")) {
-    std::string const given = *section.text("normal");
-    normal = {0.0, 0.0, 0.0};
-    normal[given[1] - 'x'] = given[0] == '-' ? -1.0 : 1.0;
-    if (draft.geometry() == Geometry::axisymmetric2d && given[1] != 'y') {
-      draft.error(
-          section, "normal",
-          fmt::format("\"{}\" is not possible in axisymmetric2d; allowed: \"+y\" or \"-y\", along the axis", given));
-      return std::nullopt;
-    }
-  }
+  auto const normal = grid_normal(draft, section);
+  if (!normal) return std::nullopt;
   bool const half = word == "hemisphere";
-  shape::Shape const unit = half ? shape::Shape(shape::Hemisphere{position, 1.0, normal}) : unit_sphere;
+  shape::Shape const unit = half ? shape::Shape(shape::Hemisphere{position, 1.0, *normal}) : unit_sphere;
   double radius = 0.0;
   if (auto const given = section.number("radius")) {
     radius = *given;
@@ -323,8 +340,16 @@ std::optional<shape::Shape> build_shape(Draft const& draft, Section const& secti
     size_missing(draft, section, "radius", use == Use::charge, "radius = \"50 mm\"");
     return std::nullopt;
   }
-  if (half) return shape::Hemisphere{position, radius, normal};
+  if (half) return shape::Hemisphere{position, radius, *normal};
   return shape::Sphere{position, radius};
+}
+
+}  // namespace
+
+std::optional<shape::Shape> build_shape(Draft const& draft, Section const& section, Use use,
+                                        std::optional<double> volume_asked) {
+  auto const upright = build_upright_shape(draft, section, use, volume_asked);
+  return upright ? rotated(draft, section, *upright) : std::nullopt;
 }
 
 }  // namespace brisance::deck

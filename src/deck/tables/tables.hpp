@@ -84,7 +84,7 @@ void build_reinforcements(Draft& draft);
 
 // --- shapes
 
-[[nodiscard]] std::vector<Key> shape_keys(std::vector<std::string> shapes);
+[[nodiscard]] std::vector<Key> shape_keys();
 /// Those of a body or of a place among material points, with what is added to them, cut out of them and kept of them.
 [[nodiscard]] std::vector<Key> composed_shape_keys();
 /// A part of space, by a composed shape.
