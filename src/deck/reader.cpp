@@ -246,7 +246,9 @@ class Walker : Values {
         });
         break;
       case Type::point: point(out, key, node, path); break;
-      case Type::pairs: pairs(out, key, node, path); break;
+      case Type::pairs:
+        if (auto const* array = list(key, node, path, place)) accept(out, pairs(key, *array, path, place));
+        break;
       case Type::table:
         if (auto const* t = node.as_table()) {
           out.value = std::vector<Section>{section(*t, *key.table, path, place)};
@@ -311,31 +313,6 @@ class Walker : Values {
       if (number && *number == 0.0 && &e != array->get(0)) return std::optional<double>(0.0);
       return quantity(key, e, path, at);
     });
-  }
-
-  void pairs(Entry& out, Key const& key, toml::node const& node, std::string const& path) {
-    auto const* array = list(key, node, path, out.place);
-    if (array == nullptr) return;
-    std::vector<double> values;
-    out.valid = true;
-    for (auto const& element : *array) {
-      Place const place = place_in(element.source(), out.place);
-      out.elements_shown.push_back(show(element));
-      auto const* pair = element.as_array();
-      if (pair == nullptr || pair->size() != 2) {
-        report_.error(place, path,
-                      fmt::format("{} is no pair, expected {}; write, for example, {}", show(element), expectation(key),
-                                  example(key)));
-        out.valid = false;
-        continue;
-      }
-      for (auto const& one : *pair) {
-        auto const v = quantity(key, one, path, place_in(one.source(), place));
-        out.valid = out.valid && v.has_value();
-        values.push_back(v.value_or(0.0));
-      }
-    }
-    out.value = std::move(values);
   }
 
   /// A letter becomes a unit vector.

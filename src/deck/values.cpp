@@ -146,6 +146,29 @@ std::optional<double> Values::quantity(Key const& key, toml::node const& node, s
   return value;
 }
 
+std::optional<std::vector<double>> Values::pairs(Key const& key, toml::array const& array, std::string const& path,
+                                                 Place place) {
+  std::vector<double> values;
+  bool sound = true;
+  for (auto const& element : array) {
+    Place const at = place_in(element.source(), place);
+    auto const* pair = element.as_array();
+    if (pair == nullptr || pair->size() != 2) {
+      report_.error(at, path,
+                    fmt::format("{} is no pair, expected {}; write, for example, {}", show(element), expectation(key),
+                                example(key)));
+      sound = false;
+      continue;
+    }
+    for (auto const& one : *pair) {
+      auto const v = quantity(key, one, path, place_in(one.source(), at));
+      sound = sound && v.has_value();
+      values.push_back(v.value_or(0.0));
+    }
+  }
+  return sound ? std::optional(values) : std::nullopt;
+}
+
 std::optional<long> Values::whole(Key const& key, toml::node const& node, std::string const& path, Place place) {
   auto const* i = node.as_integer();
   if (i == nullptr) {

@@ -37,6 +37,9 @@ class Values {
   /// One quantity: an element of a list or a value of its own.
   std::optional<double> quantity(Key const& key, toml::node const& node, std::string const& path, Place place,
                                  std::string* unit = nullptr);
+  /// Pairs of quantities, one behind the other.
+  std::optional<std::vector<double>> pairs(Key const& key, toml::array const& array, std::string const& path,
+                                           Place place);
   std::optional<long> whole(Key const& key, toml::node const& node, std::string const& path, Place place);
   /// One of the key's choices.
   std::optional<std::string> one_of(Key const& key, toml::node const& node, std::string const& path, Place place);

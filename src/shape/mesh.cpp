@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "core/error.hpp"
 #include "grid/cell.hpp"
 #include "shape/closed_surface.hpp"
+#include "shape/touched_boxes.hpp"
 
 namespace brisance::shape {
 
@@ -69,10 +70,7 @@ struct Mesh::Data {
   std::vector<Shell> shells;
   bool overlapping = false;
 
-  // Boxes of space that the box around a triangle touches.
-  grid::CellRange voxels;
-  double voxels_per_metre = 0.0;
-  std::vector<std::uint8_t> touched;
+  std::optional<TouchedBoxes> touched;
 
   // The triangles by the bins of the plane (y, z) that their boxes cover.
   grid::CellRange bins;
@@ -302,24 +300,6 @@ struct Mesh::Data {
     return proper;
   }
 
-  void find_touched() {
-    Vec3 const extent = upper - lower;
-    double const longest = std::max({extent[0], extent[1], extent[2]});
-    double const wanted = std::min(8.0 * static_cast<double>(triangles.size()), 16e6);
-    double const volume_of_box = std::max(extent[0] * extent[1] * extent[2], 1e-6 * longest * longest * longest);
-    // Large triangles touch many boxes each: then larger boxes keep the work short.
-    for (voxels_per_metre = std::cbrt(wanted / volume_of_box);; voxels_per_metre *= 0.5) {
-      for (int d = 0; d < 3; ++d)
-        voxels.upper[d] = std::clamp(static_cast<int>(std::ceil(extent[d] * voxels_per_metre)), 1, 4096);
-      double work = 0.0;
-      for (Triangle const& t : triangles) work += static_cast<double>(voxels_of(box_of(t)).count());
-      if (work <= 64e6 || voxels.count() <= 64) break;
-    }
-    touched.assign(voxels.count(), 0);
-    for (Triangle const& t : triangles)
-      for_each_cell(voxels_of(box_of(t)), [&](Index3 const& at) { touched[voxels.offset(at)] = 1; });
-  }
-
   [[nodiscard]] std::array<Vec3, 2> box_of(Triangle const& t) const {
     std::array<Vec3, 2> box{vertices[t[0]], vertices[t[0]]};
     for (int const v : t) {
@@ -329,18 +309,6 @@ struct Mesh::Data {
       }
     }
     return box;
-  }
-  [[nodiscard]] grid::CellRange voxels_of(std::array<Vec3, 2> const& box) const {
-    grid::CellRange range;
-    for (int d = 0; d < 3; ++d) {
-      auto const at = [&](double x) {
-        double const b = std::clamp((x - lower[d]) * voxels_per_metre, 0.0, static_cast<double>(voxels.upper[d] - 1));
-        return static_cast<int>(b);
-      };
-      range.lower[d] = at(box[0][d]);
-      range.upper[d] = at(box[1][d]) + 1;
-    }
-    return range;
   }
 };
 
@@ -361,7 +329,10 @@ Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what) {
   data->find_faces();
   data->fill_bins();
   data->find_shells();
-  data->find_touched();
+  std::vector<std::array<Vec3, 2>> boxes;
+  boxes.reserve(data->triangles.size());
+  for (Triangle const& t : data->triangles) boxes.push_back(data->box_of(t));
+  data->touched.emplace(data->lower, data->upper, boxes);
   // A shell that is inside out shows as a line that leaves before it has entered.
   auto const look = [&](Vec3 const& low, Vec3 const& high, int lines) {
     for (int k = 0; k < lines; ++k) {
@@ -439,8 +410,7 @@ bool Mesh::touches(Vec3 const& low, Vec3 const& high) const {
   for (int d = 0; d < 3; ++d) {
     if (low[d] > m.upper[d] || high[d] < m.lower[d]) return false;
   }
-  if (!any_cell(m.voxels_of({low, high}), [&](Index3 const& at) { return m.touched[m.voxels.offset(at)] != 0; }))
-    return false;
+  if (!m.touched->any_in({low, high})) return false;
   return any_cell(m.bins_between(low[1], high[1], low[2], high[2]), [&](Index3 const& at) {
     std::size_t const b = m.bins.offset(at);
     for (std::size_t n = m.bin_start[b]; n < m.bin_start[b + 1]; ++n) {

@@ -49,12 +49,13 @@ shape::Motion stand_on(Vec3 const& normal, Vec3 const& position) {
 }
 
 /// A profile (r, s) as a body that stands on `position` and extends along `normal`.
-shape::Shape from_profile(Draft const& draft, shape::Polygon profile, Vec3 const& position, Vec3 const& normal,
+shape::Shape from_profile(Draft const& draft, shape::Polygon const& profile, Vec3 const& position, Vec3 const& normal,
                           std::string const& what) {
   if (draft.geometry() == Geometry::cartesian3d)
     return shape::moved(shape::turned_profile(profile, what), stand_on(normal, position));
-  for (auto& [r, s] : profile) s = position[1] + normal[1] * s;
-  return shape::prism(profile, -0.5, 0.5, what);
+  shape::Polygon section = profile;
+  for (auto& [r, s] : section) s = position[1] + normal[1] * s;
+  return shape::prism(section, -0.5, 0.5, what);
 }
 
 std::optional<double> needed(Draft const& draft, Section const& section, std::string_view key,
