@@ -176,5 +176,48 @@ TEST(DrawnCharge, HasTheMassOfItsVolume) {
   }
 }
 
+// A house of 0.4 x 0.8 x 0.8 m on cells of 50 mm, and a tower that stands between cells.
+TEST(GaugesOnObstacles, StandOnTheirFaces) {
+  auto const result = deck::read_text(R"([domain]
+size = [2, 2, 2]
+cell = "50 mm"
+[[charge]]
+mass = "0.5 kg"
+position = [0.5, 0.5, 0.5]
+[[obstacle]]
+name = "house"
+shape = "box"
+lower = [1.2, 0.6, 0]
+upper = [1.6, 1.4, 0.8]
+[[obstacle]]
+name = "tower"
+shape = "turned"
+points = [[0, 0], [0.21, 0], [0.21, 1], [0, 1.2]]
+position = [0.5, 1.7, 0]
+[[gauge]]
+obstacle = "house"
+face = "x_low"
+[[gauge]]
+obstacle = "house"
+face = "z_high"
+[[gauge]]
+obstacle = "tower"
+face = "y_low"
+[[gauge]]
+snap = true
+line = {from = [1.15, 1.03, 0.3], to = [1.65, 1.03, 0.3], count = 6}
+[end]
+time = "3 ms"
+)",
+                                      "deck");
+  ASSERT_TRUE(result.case_.has_value()) << deck::format(result.errors.front());
+  std::vector<Vec3> const expected{{1.2, 1.0, 0.4},   {1.4, 1.0, 0.8},  {0.5, 1.5, 0.6},
+                                   {1.15, 1.03, 0.3}, {1.2, 1.03, 0.3}, {1.2, 1.03, 0.3},
+                                   {1.6, 1.03, 0.3},  {1.6, 1.03, 0.3}, {1.65, 1.03, 0.3}};
+  ASSERT_EQ(result.case_->gauges.size(), expected.size());
+  for (std::size_t n = 0; n < expected.size(); ++n)
+    EXPECT_LT(norm(result.case_->gauges[n].position - expected[n]), 1e-9) << n;
+}
+
 }  // namespace
 }  // namespace brisance

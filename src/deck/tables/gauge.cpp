@@ -8,6 +8,7 @@
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
+#include "deck/tables/gauge_places.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
@@ -41,7 +42,8 @@ Table const& plane_table() {
 Table const& gauge_table() {
   static Table const table{
       "Gauges record time histories. In the gas: pressure, density and velocity at a `point`, on a `line` or on a "
-      "`plane`. In bodies: `body` alone records a body as a whole; `body` with `point` follows the material point of "
+      "`plane`, or on the face of an `obstacle`. In bodies: `body` alone records a body as a whole; `body` with "
+      "`point` follows the material point of "
       "the body that is initially nearest. At most 100000 in total.",
       {typed(Type::name, "name")
            .note("`g1`, `g2`, ...; lines and planes append `-1`, `-2`, ...")
@@ -54,7 +56,20 @@ Table const& gauge_table() {
            .means("Gauges on a line"),
        nested(Type::table, "plane", plane_table())
            .like("{origin = [0, 0, 0], edge1 = [4, 0, 0], edge2 = [0, 4, 0], counts = [5, 5]}")
-           .means("Gauges on a plane")},
+           .means("Gauges on a plane"),
+       typed(Type::text, "obstacle")
+           .like("\"wall\"")
+           .means(
+               "Name of an obstacle: one gauge in the middle of the `face` of it, which records what the wall feels"),
+       word("face", {grid::face_names.begin(), grid::face_names.end()})
+           .like("\"x_low\"")
+           .means("Side of the obstacle: `x_low` is the one that gas flowing along +x meets"),
+       typed(Type::boolean, "snap")
+           .of(false)
+           .like("true")
+           .means("Gauges of a `point`, `line` or `plane` that lie in an obstacle, or between its cells, move to the "
+                  "middle "
+                  "of the nearest face of a solid cell with gas before it, instead of being refused")},
       {},
       {}};
   return table;
@@ -151,8 +166,57 @@ bool walled_in(Draft const& draft, setup::SolidCells const& solid, Vec3 const& p
   return true;
 }
 
-/// Gauges from `first` on: unique names, in the domain, not in an obstacle. One error per table.
-void check_gauges(Draft const& draft, Section const& section, std::string_view key, std::size_t first,
+/// Moves the gauges from `first` on that lie in obstacles to their faces.
+void snap(Draft& draft, setup::SolidCells const& solid, std::size_t first) {
+  for (std::size_t i = first; i < draft.out.gauges.size(); ++i) {
+    Vec3& p = draft.out.gauges[i].position;
+    bool const inside = std::any_of(draft.obstacle_shapes.begin(), draft.obstacle_shapes.end(),
+                                    [&](auto const& obstacle) { return well_inside(draft, obstacle.second, p); });
+    if (!inside && !walled_in(draft, solid, p)) continue;
+    if (auto const face = nearest_face(draft.out.domain, solid, p)) p = *face;
+  }
+}
+
+void obstacle_gauge(Draft& draft, Section const& section, std::string const& name) {
+  auto const wanted = section.text("obstacle");
+  auto const face = section.text("face");
+  if (!wanted || section.broken("face")) return;
+  if (!face) {
+    draft.error(section, "obstacle",
+                "a gauge on an obstacle needs its side; write, for example, face = \"x_low\" for the side that gas "
+                "flowing along +x meets");
+    return;
+  }
+  std::vector<std::string> names;
+  for (auto const& obstacle : draft.out.obstacles) names.push_back(obstacle.name);
+  auto const found = std::find(names.begin(), names.end(), *wanted);
+  if (found == names.end()) {
+    draft.error(section, "obstacle",
+                fmt::format("\"{}\" is the name of no obstacle; {}", *wanted, suggestion(*wanted, names, "obstacles")));
+    return;
+  }
+  auto const side =
+      static_cast<int>(std::find(grid::face_names.begin(), grid::face_names.end(), *face) - grid::face_names.begin());
+  if (side >= 2 * draft.dims()) {
+    draft.error(section, "face",
+                fmt::format("\"{}\" is not possible in {}, which resolves {}", *face, word_of(draft.geometry()),
+                            direction_list(draft.dims())));
+    return;
+  }
+  if (!draft.domain_known || !room_for_gauges(draft, section, "obstacle", 1.0)) return;
+  setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
+  auto const place = middle_of_obstacle(draft.out.domain, solid, static_cast<std::size_t>(found - names.begin()), side);
+  if (!place) {
+    draft.error(section, "face",
+                fmt::format("\"{}\" of obstacle \"{}\" has no gas before it: choose another side", *face, *wanted));
+    return;
+  }
+  draft.out.gauges.push_back({name, *place});
+}
+
+/// Gauges from `first` on: unique names, in the domain, not in an obstacle unless they stand `on_faces` of its cells.
+/// One error per table.
+void check_gauges(Draft const& draft, Section const& section, std::string_view key, std::size_t first, bool on_faces,
                   std::set<std::string>& names) {
   bool place_reported = false;
   bool name_reported = false;
@@ -176,17 +240,20 @@ void check_gauges(Draft const& draft, Section const& section, std::string_view k
                               low, high));
       place_reported = true;
     }
-    for (std::size_t k = 0; k < draft.obstacle_shapes.size() && !place_reported; ++k) {
+    for (std::size_t k = 0; k < draft.obstacle_shapes.size() && !place_reported && !on_faces; ++k) {
       if (!well_inside(draft, draft.obstacle_shapes[k].second, gauge.position)) continue;
-      draft.error(section, key,
-                  fmt::format("gauge {} at {} m lies inside obstacle[{}]: move it into the gas", gauge.name,
-                              point_text(gauge.position, draft.dims()), draft.obstacle_shapes[k].first + 1));
+      draft.error(
+          section, key,
+          fmt::format("gauge {} at {} m lies inside obstacle[{}]: move it into the gas, or write snap = true to "
+                      "move it to the nearest face",
+                      gauge.name, point_text(gauge.position, draft.dims()), draft.obstacle_shapes[k].first + 1));
       place_reported = true;
     }
     if (!place_reported && solid.any() && walled_in(draft, solid, gauge.position)) {
       draft.error(section, key,
                   fmt::format("gauge {} at {} m is surrounded by solid cells of obstacles and would record nothing: "
-                              "move it at least half a cell ({:.4g} m) away from the obstacle",
+                              "move it at least half a cell ({:.4g} m) away from the obstacle, or write snap = true to "
+                              "move it to the nearest face",
                               gauge.name, point_text(gauge.position, draft.dims()), 0.5 * draft.out.domain.h));
       place_reported = true;
     }
@@ -269,12 +336,16 @@ void build_gauges(Draft& draft) {
       continue;
     }
     int const forms = static_cast<int>(section.given("point")) + static_cast<int>(section.given("line")) +
-                      static_cast<int>(section.given("plane"));
+                      static_cast<int>(section.given("plane")) + static_cast<int>(section.given("obstacle"));
     if (forms != 1) {
       draft.report.error(section.place, section.path,
-                         fmt::format("a gauge has exactly one of point, line and plane, but this one has {}; write, "
-                                     "for example, point = [2, 0, 1]",
+                         fmt::format("a gauge has exactly one of point, line, plane and obstacle, but this one has {}; "
+                                     "write, for example, point = [2, 0, 1]",
                                      forms == 0 ? "none" : std::to_string(forms)));
+      continue;
+    }
+    if (section.given("face") && !section.given("obstacle")) {
+      draft.error(section, "face", "this key is the side of an obstacle: add obstacle = \"NAME\", or remove it");
       continue;
     }
     if (section.broken("name")) continue;
@@ -286,11 +357,16 @@ void build_gauges(Draft& draft) {
     } else if (section.given("line")) {
       key = "line";
       line(draft, section, name);
+    } else if (section.given("obstacle")) {
+      key = "obstacle";
+      obstacle_gauge(draft, section, name);
     } else {
       key = "plane";
       plane(draft, section, name);
     }
-    check_gauges(draft, section, key, before, names);
+    bool const snaps = section.boolean("snap").value_or(false) && draft.domain_known && !draft.out.obstacles.empty();
+    if (snaps) snap(draft, setup::SolidCells(draft.out.domain, draft.out.obstacles), before);
+    check_gauges(draft, section, key, before, snaps || section.given("obstacle"), names);
   }
 }
 
