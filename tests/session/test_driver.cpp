@@ -234,12 +234,14 @@ TEST(Drive, AnOutputFailureEndsTheRunAtOnce) {
   output::Writer writer(world, world.gauges, scratch.path());
   auto const ending = drive(world, world.gauges, writer, go_on, [&](run::World const& w) {
     if (w.clock.step > 1) return;
+    writer.finish_dumps();  // a dump that is being written would put its folder back
     std::filesystem::remove_all(scratch.path() / "fields");
     std::ofstream(scratch.path() / "fields") << "a file where a folder is needed\n";
   });
   EXPECT_EQ(ending.code, ExitCode::io_failure);
   EXPECT_NE(ending.reason.find(scratch.path().string()), std::string::npos) << ending.reason;
-  EXPECT_LT(world.clock.time, 1e-4);
+  // The dump at 50 us fails in a thread of its own: at the next one at the latest that is known.
+  EXPECT_LE(world.clock.time, 1e-4 * (1.0 + 1e-9));
 }
 
 // All bodies gone is a normal end, and not a step of infinite length.
