@@ -49,7 +49,7 @@ double ball_radius(Case const& setup, std::size_t number) {
   if (auto const* half = std::get_if<shape::Hemisphere>(&charge.shape)) {
     auto const planes = detonation::planes_through(setup.domain, half->centre);
     for (int d = 0; d < setup.domain.dimensions(); ++d) {
-      if (planes[d] != 0 && half->normal[d] * planes[d] > 0.5) return half->radius;
+      if (planes[d] != 0 && half->normal[d] * planes[d] > 1.0 - 1e-9) return half->radius;
     }
     throw InputError(fmt::format(
         "{} is a hemisphere whose flat face is not on a wall or symmetry plane, so it is not half of a 1D blast wave",
