@@ -38,6 +38,17 @@ struct BundleLayout {
     }
   }
 
+  /// In the arrays of a block that the bundle passes through: the lowest cell of the first line, and the distances of
+  /// lines and of layers across the sweep.
+  [[nodiscard]] std::ptrdiff_t start_in(Block const& block) const {
+    std::ptrdiff_t const nx = block.n[0];
+    return direction == 0 ? nx * first : first + (direction == 1 ? nx * block.n[1] * plane : 0);
+  }
+  [[nodiscard]] std::ptrdiff_t line_in(Block const& block) const { return direction == 0 ? block.n[0] : 1; }
+  [[nodiscard]] std::ptrdiff_t layer_in(Block const& block) const {
+    return direction == 0 ? 1 : direction == 1 ? block.n[0] : static_cast<std::ptrdiff_t>(block.n[0]) * block.n[1];
+  }
+
   /// Lines along the sweep: rows along x, columns along y or z.
   [[nodiscard]] int lines() const { return direction == 0 ? rows : stride; }
   /// The block's cell at the low (side 0) or high (1) end of a line.
@@ -154,9 +165,8 @@ void for_each_run(BundleLayout const& b, Block const& block, Visit&& visit) {
     for (int r = 0; r < b.rows; ++r) visit(r * (b.length + 2 * g) + g, (b.first + r) * b.length, b.length);
     return;
   }
-  int const nx = block.n[0];
-  int const layer = b.direction == 1 ? nx : nx * block.n[1];
-  int const start = b.first + (b.direction == 1 ? nx * block.n[1] * b.plane : 0);
+  auto const layer = static_cast<int>(b.layer_in(block));
+  auto const start = static_cast<int>(b.start_in(block));
   for (int l = 0; l < b.length; ++l) visit((g + l) * b.stride, start + layer * l, b.stride);
 }
 
@@ -213,13 +223,10 @@ class Ahead {
     int lines = 0;
 
     Lines() = default;
-    Lines(BundleLayout const& b, Block const& block) {
-      std::ptrdiff_t const nx = block.n[0];
-      std::ptrdiff_t const nxy = nx * block.n[1];
-      offset = b.direction == 0 ? nx * b.first : b.first + (b.direction == 1 ? nxy * b.plane : 0);
-      step = b.direction == 2 ? nxy : nx;
-      per_row = ((b.direction == 0 ? b.length : b.stride) + line - 1) / line;
-    }
+    Lines(BundleLayout const& b, Block const& block)
+        : offset(b.start_in(block)),
+          step(b.direction == 0 ? b.line_in(block) : b.layer_in(block)),
+          per_row(((b.direction == 0 ? b.length : b.stride) + line - 1) / line) {}
     void add(double const* array) {
       if (arrays < most_arrays) from[arrays++] = array + offset;
     }

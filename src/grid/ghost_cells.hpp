@@ -33,14 +33,9 @@ struct GhostCells {
   }
   /// In an array over the cells of the block that lies beyond the bundle's low (side 0) or high (1) end.
   static GhostCells in_block(BundleLayout const& b, Block const& beyond, int side, double const* cells) {
-    std::ptrdiff_t const layers = side == 0 ? beyond.n[b.direction] - ghost_layers : 0;
-    std::ptrdiff_t const nx = beyond.n[0];
-    std::ptrdiff_t const nxy = nx * beyond.n[1];
-    switch (b.direction) {
-      case 0: return {cells + nx * b.first + layers, nx, 1};
-      case 1: return {cells + b.first + nxy * b.plane + nx * layers, 1, nx};
-      default: return {cells + b.first + nxy * layers, 1, nxy};
-    }
+    std::ptrdiff_t const layer = b.layer_in(beyond);
+    int const lowest = side == 0 ? beyond.n[b.direction] - ghost_layers : 0;
+    return {cells + b.start_in(beyond) + layer * lowest, b.line_in(beyond), layer};
   }
 
   /// Calls visit(values, count) for contiguous runs of them until it returns true; returns whether it did.
@@ -164,9 +159,8 @@ inline void load(BundleLayout const& b, Block const& block, double const* from, 
     }
     return;
   }
-  std::ptrdiff_t const nx = block.n[0];
-  std::ptrdiff_t const layer = b.direction == 1 ? nx : nx * block.n[1];
-  double const* const start = from + b.first + (b.direction == 1 ? nx * block.n[1] * b.plane : 0);
+  std::ptrdiff_t const layer = b.layer_in(block);
+  double const* const start = from + b.start_in(block);
   for (int l = 0; l < g; ++l) {
     copy_run(low.first + low.layer * l, b.stride, to + l * b.stride);
     copy_run(high.first + high.layer * l, b.stride, to + (g + b.length + l) * b.stride);
