@@ -167,6 +167,15 @@ struct Start {
 
 using gas::Scheme;
 
+/// How the gas sees obstacles.
+enum class ObstacleCells { automatic, cut, stairs };
+constexpr auto words(ObstacleCells) {
+  return std::array{
+      Word{ObstacleCells::automatic, "auto", "`cut`; with `lax-wendroff` or an obstacle that fails `stairs`"},
+      Word{ObstacleCells::cut, "cut", "by the parts of cells and faces that they leave open"},
+      Word{ObstacleCells::stairs, "stairs", "a cell is solid if they fill at least half of it"}};
+}
+
 struct Numerics {
   Scheme scheme = Scheme::muscl_hancock;
   double courant = 0.8;
@@ -177,6 +186,7 @@ struct Numerics {
   double density_floor = 1e-6;   ///< guard [kg/m3]
   double pressure_floor = 1e-3;  ///< guard [Pa]
   double viscosity = 0.0;        ///< lax-wendroff: constant eta; 0: eta of [Cui14] Eq. (5) with |u| + c
+  ObstacleCells obstacles = ObstacleCells::automatic;
 };
 
 struct Output {

@@ -54,18 +54,27 @@ grid::CellRange cells_of(shape::Shape const& shape, grid::Grid const& grid) {
 }  // namespace
 
 FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume, std::string const& what,
-                       std::function<bool(Index3 const&)> const& solid) {
+                       std::function<double(Index3 const&)> const& open) {
   grid::Domain const& domain = grid.domain();
   FilledCells filled;
+  std::vector<double> volumes;  // open, of the cells
+  auto const open_volume = [&](Index3 const& cell) {
+    return domain.cell_volume(cell[0]) * (open != nullptr ? open(cell) : 1.0);
+  };
   filled.images = symmetry_images(shape, domain, what);
   double full = 0.0;
   double part = 0.0;
   for_each_cell(cells_of(shape, grid), [&](Index3 const& cell) {
-    double const f = fill_fraction(shape, domain, cell);
-    if (f <= 0.0 || (solid != nullptr && solid(cell))) return;
+    double f = fill_fraction(shape, domain, cell);
+    if (f <= 0.0) return;
+    double const room = open_volume(cell);
+    if (room <= 0.0) return;
+    // What the charge fills it fills of the open part.
+    f = std::min(1.0, f * domain.cell_volume(cell[0]) / room);
     filled.cells.push_back(cell);
     filled.fractions.push_back(f);
-    (f < 1.0 ? part : full) += f * domain.cell_volume(cell[0]);
+    volumes.push_back(room);
+    (f < 1.0 ? part : full) += f * room;
   });
   auto const no_room = [&] {
     return InputError(
@@ -76,9 +85,10 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
   double const wanted = volume / filled.images;
   if (filled.cells.empty()) {  // smaller than the sampling: one cell takes it all
     Index3 const cell = grid.cell_at(centre(shape));
-    if (solid != nullptr && solid(cell)) throw no_room();
+    double const room = open_volume(cell);
+    if (room <= 0.0) throw no_room();
     filled.cells.push_back(cell);
-    filled.fractions.push_back(wanted / domain.cell_volume(cell[0]));
+    filled.fractions.push_back(wanted / room);
     if (filled.fractions[0] > 1.0) throw InputError(fmt::format("{} does not fit into the domain", what));
     return filled;
   }
@@ -89,7 +99,7 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
     full = 0.0;
     part = 0.0;
     for (std::size_t n = 0; n < filled.cells.size(); ++n) {
-      double const v = filled.fractions[n] * domain.cell_volume(filled.cells[n][0]);
+      double const v = filled.fractions[n] * volumes[n];
       (filled.fractions[n] >= 1.0 && !all ? full : part) += v;
     }
     double const missing = wanted - full - part;

@@ -29,11 +29,12 @@ struct FilledCells {
 [[nodiscard]] double symmetry_images(shape::Shape const& shape, grid::Domain const& domain, std::string const& what);
 
 /// Cells of a charge. The cells that it fills in part are scaled so that the volume in the domain times `images` is
-/// `volume` exactly. Cells that are `solid` take nothing of it; those beside them take more. Throws InputError where
-/// there is no room.
+/// `volume` exactly. Where obstacles are, `open` tells the part of a cell that they leave; fractions are of that part.
+/// Solid cells, of which nothing is open, take nothing of the charge; those beside them take more. Throws InputError
+/// where there is no room.
 [[nodiscard]] FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume,
                                      std::string const& what,
-                                     std::function<bool(Index3 const&)> const& solid = nullptr);
+                                     std::function<double(Index3 const&)> const& open = nullptr);
 
 /// Fraction of each cell that charges have taken.
 using TakenCells = std::map<Index3, double>;

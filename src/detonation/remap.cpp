@@ -92,7 +92,7 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
       if (!sources[thread].integrate(low, h, sums)) continue;
       double const volume = block.volume(cell);
       Touched const t{
-          b, n, volume, sums.whole ? 1.0 : std::min(1.0, sums.volume / volume),
+          b, n, gas.cut.volume(cell), sums.whole ? 1.0 : std::min(1.0, sums.volume / volume),
           sums.pressure / volume + (sums.whole ? 0.0 : 1.0 - sums.volume / volume) * profile.ambient_pressure};
       for (int c = 0; c < gas.fields().components(); ++c) {
         double& value = gas.fields().at(b, c)[n];

@@ -35,6 +35,7 @@ int component_count(Fluids const& fluids, Options const& options) {
 Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, Primitive const& quiescent,
          std::array<Primitive, 6> const& inflow)
     : obstacles(grid, options.bundle_cells),
+      cut(grid, options.bundle_cells),
       burn(grid),
       coupling(grid, options.bundle_cells),
       grid_(&grid),
@@ -71,7 +72,7 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
 void Gas::set(grid::Cell const& cell, Primitive const& state) {
   auto const u = conserved_of(fluids_, state);
   for (int c = 0; c < components(); ++c) fields_.at(cell.block, c)[cell.offset] = u[c];
-  disturbance_.note(cell);
+  note_change(cell);
 }
 
 void Gas::set(grid::Cell const& cell, Amounts const& per_volume, Fractions const& fraction) {
@@ -81,7 +82,7 @@ void Gas::set(grid::Cell const& cell, Amounts const& per_volume, Fractions const
   fields_.at(block, energy)[offset] = per_volume.energy;
   for (int k = 1; k < fluids_.count; ++k) fields_.at(block, volume_fraction(k))[offset] = fraction[k];
   if (components() > progress) fields_.at(block, progress)[offset] = 0.0;
-  disturbance_.note(cell);
+  note_change(cell);
 }
 
 void Gas::fill_opened(Index3 const& cell, Index3 const& from) {
@@ -103,7 +104,7 @@ void Gas::fill_opened(Index3 const& cell, Index3 const& from) {
     blocks_[to.block].account.opened[c] += volume * (u[c] - value);
     value = u[c];
   }
-  disturbance_.note(to);
+  note_change(to);
 }
 
 double Gas::most_H() const { return fluids_.any_bears_tension() ? std::numeric_limits<double>::infinity() : 0.0; }
@@ -133,7 +134,11 @@ void Gas::start(double time) {
   obstacles.find_near_walls();
   find_quiescence();
   disturbance_.find(fields_, quiet);
-  if (quiet[momentum_x] != 0.0 || quiet[momentum_y] != 0.0 || quiet[momentum_z] != 0.0) wake_where_wind_changes();
+  load_nodes();
+  if (quiet[momentum_x] != 0.0 || quiet[momentum_y] != 0.0 || quiet[momentum_z] != 0.0) {
+    for (Node const& node : cut.nodes()) awake_[node.cell.block] = 1;  // a wall in the wind
+    wake_where_wind_changes();
+  }
   measure_all();
 }
 
@@ -241,6 +246,7 @@ void Gas::advance(double dt, bool reverse) {
     if (direction < dims) order.push_back(direction);
   }
   if (reverse) std::reverse(order.begin(), order.end());
+  find_walls();
   for (int direction : order) {
     bool const last = direction == order.back();
     {
@@ -259,6 +265,7 @@ void Gas::advance(double dt, bool reverse) {
       if (last && awake_[b] && !coupling.all_frozen(b)) blocks_[b].signal = 0.0;
     }
     add_tallies(parts);
+    share_small_cells(context, last);
     for (int b = 0; b < grid_->block_count(); ++b) {
       if (blocks_[b].not_a_number >= 0) report_not_a_number(b, direction);
     }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "gas/burn.hpp"
 #include "gas/cell_state.hpp"
 #include "gas/coupling.hpp"
+#include "gas/cut_cells.hpp"
 #include "gas/disturbance.hpp"
 #include "gas/kernels.hpp"
 #include "gas/obstacles.hpp"
@@ -80,6 +82,7 @@ class Gas {
 
   // What is to be filled before the start, and then asked.
   Obstacles obstacles;
+  CutCells cut;
   Burn burn;
   Coupling coupling;
 
@@ -194,7 +197,7 @@ class Gas {
   void account_boundaries(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
                           Account& account) const;
   /// Guards, wave speed and peak fields of the bundle's own cells after the last sweep of a step.
-  void measure(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
+  void measure(int block, int bundle, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
                GuardCount& guards, Tally& tally);
   /// Releases the energy of the afterburn in the bundle's own cells, after the last sweep of a step.
   void burn_on(int block, BundleLayout const& layout, SweepContext const& context, BundleArrays& arrays,
@@ -206,6 +209,31 @@ class Gas {
   /// Adds what goes through the watched faces.
   void account_watched(int block, int bundle, BundleLayout const& layout, SweepContext const& context,
                        BundleArrays& arrays);
+  /// A cell has been changed from outside.
+  void note_change(grid::Cell const& cell);
+  void load_node(int node);
+  // Cut cells, see cut_sweep.cpp. Takes the states of nodes from the fields.
+  void load_nodes();
+  /// The states beside walls at the start of a step.
+  void find_walls();
+  /// Calls body(node) for those in blocks that are awake.
+  void parallel_for_nodes(std::function<void(int)> const& body) const;
+  /// What a sweep changes in the cut cells of a bundle; the update will leave them alone.
+  void take_cut_changes(int block, int bundle, BundleLayout const& layout, SweepContext const& context,
+                        BundleArrays& arrays);
+  /// The states of the nodes in a bundle after a sweep.
+  void take_node_states(int block, int bundle, SweepContext const& context, BundleArrays& arrays);
+  /// Leaves the peaks of a bundle's nodes to `share_states`.
+  void keep_peaks(int block, int bundle, SweepContext const& context, BundleArrays& arrays) const;
+  /// State redistribution after a sweep.
+  void share_small_cells(SweepContext const& context, bool last);
+  void merge_small_cells();
+  /// Of the nodes [begin, end), all of one block; tells those that are left unsound.
+  void share_states(int begin, int end, SweepContext const& context, bool last, std::vector<int>& unsound);
+  void store_node(int node);
+  /// Blends the state of an unsound node and of the cells beside it with their mean, no more than it takes.
+  void mend(int node, SweepContext const& context);
+  [[nodiscard]] bool is_quiescent(double const* state) const;
   void measure_all();
   void prepare_workspaces();
   /// Infinite where a fluid bears tension, else 0, see `margin`.

@@ -36,6 +36,17 @@ void Peaks::follow(int b, grid::BundleLayout const& layout, double const* const 
   });
 }
 
+void Peaks::follow(grid::Cell const& cell, double overpressure, double dt) {
+  if (!wanted_) return;
+  int const cells = grid_->block(cell).cell_count();
+  auto const value = [&](Peak peak) -> double& {
+    return blocks_[cell.block][static_cast<std::size_t>(peak) * cells + cell.offset];
+  };
+  value(peak_pressure) = std::max(value(peak_pressure), overpressure);
+  value(running_impulse) += overpressure * dt;
+  value(largest_impulse) = std::max(value(largest_impulse), value(running_impulse));
+}
+
 void Peaks::announce(int block, grid::Ahead& ahead) const {
   for (int peak = 0; peak < peak_count; ++peak) ahead.add(of(block, static_cast<Peak>(peak)));
 }

@@ -22,6 +22,8 @@ class Peaks {
 
   /// Takes in the pressures [Pa] of a bundle's own cells after a step dt [s]; `ambient`: of quiescent gas [Pa].
   void follow(int block, grid::BundleLayout const& layout, double const* pressure, double ambient, double dt);
+  /// The same for one cell, of its overpressure [Pa].
+  void follow(grid::Cell const& cell, double overpressure, double dt);
   /// Adds what `follow` will read of a block.
   void announce(int block, grid::Ahead& ahead) const;
   /// A block's fields in a checkpoint.

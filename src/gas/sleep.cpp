@@ -116,7 +116,7 @@ void Gas::account_quiet(int b, BundleLayout const& layout, int direction, double
     for (int line = 0; line < layout.lines(); ++line) {
       grid::Cell const cell = layout.end_cell(block, side, line);
       if (!coupling.is_own(cell)) continue;
-      double const area = block.face_area(direction, side, cell);
+      double const area = cut.area(cell, direction, side);
       for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * dt * flux[c];
     }
   }

@@ -43,7 +43,15 @@ void Gas::archive(Archive& a) {
     for (int c = 0; c < components(); ++c) a.numbers(fields_.at(b, c), cells);
     peaks_.archive(a, b);
   }
-  if (a.reading()) disturbance_.find(fields_, quiet_.state);
+  std::vector<double> open;
+  for (CutCell const& cell : cut.cells()) {
+    open.insert(open.end(), cell.area.begin(), cell.area.end());
+    open.push_back(cell.volume);
+  }
+  a.same(checksum(open.data(), open.size() * sizeof(double)), "the cut cells of the obstacles");
+  if (!a.reading()) return;
+  disturbance_.find(fields_, quiet_.state);
+  load_nodes();
 }
 
 }  // namespace brisance::gas

@@ -120,7 +120,7 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
       q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
       grid::Cell const cell = layout.end_cell(block, side, line);
       if (!coupling.is_own(cell)) continue;
-      double const area = block.face_area(s.direction, side, cell);
+      double const area = cut.area(cell, s.direction, side);
       Components& outflow = account.outflow;
       for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
       for (int k = 1; k < s.present; ++k) {
@@ -181,17 +181,21 @@ void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, Bund
   if (!released) return;
   grid::Block const& block = grid_->blocks()[b];
   double const* const release = a[a_release];
+  bool const has_cut_cells = cut.in(b);
+  auto const volume = [&](int at) {
+    return has_cut_cells ? cut.volume(block.cell_at(at)) : block.volume(block.column(at));
+  };
   double sum = 0.0;
   for_each_run(layout, block, [&](int q, int offset, int count) {
     for (int n = 0; n < count; ++n) {
-      sum += release[q + n] * block.volume(block.column(offset + n));
+      sum += release[q + n] * volume(offset + n);
     }
   });
   account.afterburn_energy += sum;
 }
 
-void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, BundleArrays& a, GuardCount& guards,
-                  Tally& tally) {
+void Gas::measure(int b, int index, BundleLayout const& layout, SweepContext const& s, BundleArrays& a,
+                  GuardCount& guards, Tally& tally) {
   grid::Block const& block = grid_->blocks()[b];
   int const dims = grid_->domain().dimensions();
   for (int r = 0; r < layout.rows; ++r) {
@@ -207,6 +211,7 @@ void Gas::measure(int b, BundleLayout const& layout, SweepContext const& s, Bund
       tally.signal = std::max(tally.signal, factor * a[momentum_x][q] / rho);
     });
   }
+  if (s.dt > 0.0) keep_peaks(b, index, s, a);
   if (s.dt > 0.0) peaks_.follow(b, layout, a[a_p], quiet_.pressure, s.dt);
 }
 
@@ -218,7 +223,7 @@ void Gas::account_guards(int b, BundleLayout const& layout, GuardCount const& gu
       if (lift.q < q || lift.q >= q + count) return;
       int const at = offset + lift.q - q;
       if (coupling.role(b, at) != Role::own && lift.finite) return;
-      double const volume = block.volume(block.column(at));
+      double const volume = cut.volume(block.cell_at(at));
       ++tally.account.guarded_cells;
       tally.account.guard_mass += lift.mass * volume;
       tally.account.guard_energy += lift.energy * volume;
@@ -313,11 +318,13 @@ void Gas::sweep_bundle(int b, int index, BundleLayout const& layout, SweepContex
   if (block.at_boundary(2 * s.direction) || block.at_boundary(2 * s.direction + 1))
     account_boundaries(b, layout, s, a, tally.account);
   account_watched(b, index, layout, s, a);
+  take_cut_changes(b, index, layout, s, a);
   passes_of(s).update(s, layout, a);
   if (checked && s.present > products_fluid) expand_cold_products(s, layout, a);
   if (!coupling.roles(b).empty()) restore_frozen(b, layout, a);
   if (last && s.present > products_fluid && options_.afterburn) burn_on(b, layout, s, a, tally.account);
-  if (last) measure(b, layout, s, a, guards, tally);
+  if (last) measure(b, index, layout, s, a, guards, tally);
+  take_node_states(b, index, s, a);
   store(b, layout, s, a);
   if (s.rests && coupling.roles(b).empty()) disturbance_.note(b, layout, s, quiet_.state, a);
   account_guards(b, layout, guards, tally);
@@ -343,7 +350,7 @@ void Gas::measure_all() {
       });
       if (s.burning) load_burn(b, layout, a);
       GuardCount ignored;
-      measure(b, layout, s, a, ignored, blocks_[b]);
+      measure(b, index, layout, s, a, ignored, blocks_[b]);
     }
   });
   fastest_signal_ = largest_at_hand(grid_->block_count(), 0.0, [this](int b) { return blocks_[b].signal; });

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "core/error.hpp"
+#include "gas/place_obstacles.hpp"
 #include "observe/gas_view.hpp"
 #include "run/system.hpp"
 
@@ -85,8 +86,8 @@ std::vector<GasField> const& gas_fields() {
        OfCell{[](CellOf const& c) { return peak(c, c.system.gas->peaks().overpressure(c.at.block)); }}},
       {{"impulse", "Pa s", 1, "maximum running overpressure impulse so far"},
        OfCell{[](CellOf const& c) { return peak(c, c.system.gas->peaks().impulse(c.at.block)); }}},
-      {{"obstacle", "1", 1, "1 in rigid obstacles"},
-       OfCell{[](CellOf const& c) { return c.system.gas->obstacles.contain(c.at) ? 1.0 : 0.0; }}},
+      {{"obstacle", "1", 1, "fraction of the cell that rigid obstacles fill"},
+       OfCell{[](CellOf const& c) { return 1.0 - gas::open_part(*c.system.gas, c.at); }}},
       {{"region", "1", 1, "0: gas cells, 1: bridge of the MPM region, 2: particles"}, OfCell{part_of_region}},
       {{"solid", "1", 1, "fraction of the cell that is filled by bodies of the MPM region"},
        OfCell{[](CellOf const& c) { return c.view == nullptr ? 0.0 : c.view->solid_at(c.cell); }}},

@@ -25,7 +25,7 @@ double gas_energy(run::System const& w) {
           double const m = fields.at(b, gas::momentum_x + d)[at];
           square += m * m;
         }
-        if (square > 0.0) row += 0.5 * square / density * block.volume(cell);
+        if (square > 0.0) row += 0.5 * square / density * w.gas->cut.volume(cell);
       }
       sum += row;
     });

@@ -155,7 +155,7 @@ Totals World::gas_totals() const {
     grid::add_cells(block, sum, [&](grid::Cell const& cell, Totals& row) {
       if (!gas->coupling.is_own(cell)) return;
       int const at = cell.offset;
-      double const volume = block.volume(cell);
+      double const volume = gas->cut.volume(cell);
       auto const component = [&](int c) { return gas->fields().at(b, c)[at]; };
       double square = 0.0;
       for (int d = 0; d < 3; ++d) {
@@ -176,7 +176,7 @@ double World::gas_rest_energy() const {
   double volume = 0.0;
   for (grid::Block const& block : grid.blocks()) {
     for_each_cell(block, [&](grid::Cell const& cell) {
-      if (gas->coupling.is_own(cell)) volume += block.volume(cell);
+      if (gas->coupling.is_own(cell)) volume += gas->cut.volume(cell);
     });
   }
   for (int b = 0; bridge != nullptr && b < particles->grid().block_count(); ++b) {

@@ -15,9 +15,11 @@
 #include "session/estimates.hpp"
 #include "setup/place_gas.hpp"
 #include "setup/place_initial_states.hpp"
+#include "setup/place_obstacles.hpp"
 #include "setup/place_panels.hpp"
 #include "setup/place_region.hpp"
 #include "setup/start.hpp"
+#include "shape/cut_cells.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::session {
@@ -121,6 +123,20 @@ void plan_start(run::Case const& setup, std::size_t number, std::string const& w
   }
 }
 
+/// Obstacles thinner than a cell that part its gas.
+void warn_of_parted_cells(run::Case const& setup, Plan& p) {
+  if (setup.obstacles.empty() || !setup::has_cut_cells(setup)) return;
+  setup::SolidCells const solid(setup.domain, setup.obstacles);
+  auto const parted = shape::cut_cells(solid.shapes(), setup.domain).parted;
+  if (parted.empty()) return;
+  Vec3 const x = setup.domain.centre(parted.front());
+  p.warnings.push_back(fmt::format(
+      "obstacles part the gas of {} cells, the first at ({:.4g}, {:.4g}, {:.4g}) m: there they are thinner than a "
+      "cell, "
+      "or leave a gap that is narrower; the larger piece of gas stays, the other is closed, and nothing leaks",
+      parted.size(), x[0], x[1], x[2]));
+}
+
 /// Initial states and obstacles as they will be placed.
 void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Plan& p) {
   double const h = setup.domain.smallest_cell();
@@ -139,8 +155,10 @@ void plan_placed(run::Case const& setup, detonation::TakenCells const& taken, Pl
                       n + 1, across, quantity(h * across, "m", 2)));
     }
   }
-  if (auto obstacles = setup::SolidCells(setup.domain, setup.obstacles).reports(most_cut_cells)) {
+  if (auto obstacles =
+          setup::SolidCells(setup.domain, setup.obstacles, setup::has_cut_cells(setup)).reports(most_cut_cells)) {
     p.obstacles = std::move(*obstacles);
+    warn_of_parted_cells(setup, p);
     for (run::ObstacleReport const& o : p.obstacles) {
       if (std::abs(o.excess) <= coarse_obstacle * o.specified_volume) continue;
       p.warnings.push_back(
@@ -161,6 +179,8 @@ void plan_gas(run::Case const& setup, Plan& p) {
   std::optional<grid::Grid> grid;
   if (is_small_list(setup.domain, partition)) grid.emplace(setup.domain, setup.numerics.block_cells);
   setup::SolidCells const solid(setup.domain, setup.obstacles);
+  std::function<double(Index3 const&)> open;
+  if (solid.any()) open = [&](Index3 const& cell) { return setup::open_part(setup, solid, cell); };
   detonation::TakenCells taken;
   int number = 0;
   for (run::Charge const& charge : setup.charges) {
@@ -171,7 +191,7 @@ void plan_gas(run::Case const& setup, Plan& p) {
       continue;
     }
     if (double const around = boxed_cells(charge.shape, setup.domain); grid && around <= most_cells_tried) {
-      p.charges.push_back(setup::realised_charge(charge, *grid, what, &solid, &taken));
+      p.charges.push_back(setup::realised_charge(charge, *grid, what, open, &taken));
     } else {
       p.charges.push_back(untried_charge(charge, setup.domain, what));
       p.warnings.push_back(fmt::format(

@@ -7,9 +7,11 @@
 #include <limits>
 
 #include "detonation/charge.hpp"
+#include "gas/place_obstacles.hpp"
 #include "run/system.hpp"
 #include "setup/fluids.hpp"
 #include "setup/place_initial_states.hpp"
+#include "setup/place_obstacles.hpp"
 #include "setup/place_panels.hpp"
 #include "setup/solid_cells.hpp"
 #include "setup/start.hpp"
@@ -17,25 +19,6 @@
 namespace brisance::setup {
 
 namespace {
-
-void place_obstacles(Case const& c, std::vector<std::uint8_t> const& flags, grid::Grid const& grid, gas::Gas& gas,
-                     gas::Primitive const& ambient) {
-  grid::Domain const& domain = grid.domain();
-  grid::CellRange const all = domain.all_cells();
-  if (c.obstacles.empty()) return;
-  for (grid::Block const& block : grid.blocks()) {
-    grid::CellRange const box = block.with_ghosts();
-    std::vector<std::uint8_t> solid(box.count(), 0);
-    bool any = false;
-    for_each_cell(box, [&](Index3 const& within) {
-      if (flags[all.offset(grid::image_cell(domain, block.index(within)))] == 0) return;
-      solid[box.offset(within)] = 1;
-      any = true;
-      if (block.interior().contains(within)) gas.set(block.cell(within), ambient);
-    });
-    if (any) gas.obstacles.set(block.number, std::move(solid));
-  }
-}
 
 /// Where the waves come from that outflow boundaries are to let out.
 std::vector<gas::WaveSource> wave_sources(Case const& c) {
@@ -88,28 +71,28 @@ gas::Options options_of(Case const& c) {
   return o;
 }
 
-detonation::TakenCells place_charges(run::System& w, SolidCells const& solid) {
+detonation::TakenCells place_charges(run::System& w) {
   Case const& setup = w.setup;
   gas::Gas& gas = *w.gas;
   grid::Grid const& grid = w.grid;
   std::vector<detonation::BurningCharge> burning;
   detonation::TakenCells taken;
-  std::function<bool(Index3 const&)> is_solid;
-  if (solid.any()) is_solid = [&](Index3 const& cell) { return solid(cell); };
+  std::function<double(Index3 const&)> open;
+  if (!setup.obstacles.empty())
+    open = [&gas](Index3 const& cell) { return gas::open_part(gas, gas.grid().locate(cell)); };
   int number = 0;
   for (Charge const& charge : setup.charges) {
     ++number;
     std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
     double const density = charge.explosive.density();
     detonation::FilledCells const filled =
-        detonation::fill_cells(charge.shape, grid, charge.mass / density, what, is_solid);
+        detonation::fill_cells(charge.shape, grid, charge.mass / density, what, open);
     // What the cells really hold, not what they were meant to: read before and after.
     auto const products = [&] {
       double mass = 0.0;
       for (Index3 const& index : filled.cells) {
         grid::Cell const cell = grid.locate(index);
-        mass += gas.fields().at(cell.block, gas::partial_density(charge.fluid))[cell.offset] *
-                grid.block(cell).volume(cell);
+        mass += gas.fields().at(cell.block, gas::partial_density(charge.fluid))[cell.offset] * gas.cut.volume(cell);
       }
       return mass;
     };
@@ -140,15 +123,13 @@ void place_gas(run::System& w) {
   Case const& setup = w.setup;
   w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), setup.ambient.state, setup.inflow);
   gas::Gas& gas = *w.gas;
-  grid::Grid const& grid = w.grid;
-  gas::Primitive const& ambient = setup.ambient.state;
   InitialStatePlacing initial(setup);
   initial.fill(gas);
-  SolidCells const solid(setup.domain, setup.obstacles);
-  if (!setup.start.remap) initial.give_way(place_charges(w, solid));
+  SolidCells const solid(setup.domain, setup.obstacles, has_cut_cells(setup));
+  place_obstacles(setup, solid, gas);
+  if (!setup.start.remap) initial.give_way(place_charges(w));
   w.initial_states = initial.reports();
   if (solid.any()) {
-    place_obstacles(setup, solid.all(), grid, gas, ambient);
     w.obstacles = *solid.reports(std::numeric_limits<long>::max());
     auto panels = place_panels(setup.domain, setup.obstacles, solid);
     if (!panels.empty()) w.panels = std::make_unique<run::Panels>(std::move(panels));
@@ -157,14 +138,13 @@ void place_gas(run::System& w) {
 }
 
 run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
-                                  SolidCells const* solid, detonation::TakenCells* taken) {
+                                  std::function<double(Index3 const&)> const& open, detonation::TakenCells* taken) {
   double const density = charge.explosive.density();
-  std::function<bool(Index3 const&)> is_solid;
-  if (solid != nullptr && solid->any()) is_solid = [&](Index3 const& cell) { return (*solid)(cell); };
-  auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what, is_solid);
+  auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what, open);
   double volume = 0.0;
   for (std::size_t n = 0; n < filled.cells.size(); ++n) {
-    volume += filled.fractions[n] * grid.domain().cell_volume(filled.cells[n][0]);
+    double const part = open ? open(filled.cells[n]) : 1.0;
+    volume += filled.fractions[n] * part * grid.domain().cell_volume(filled.cells[n][0]);
     if (taken != nullptr) (*taken)[filled.cells[n]] += filled.fractions[n];
   }
   run::ChargeReport report;

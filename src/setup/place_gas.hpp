@@ -1,11 +1,11 @@
 /// The gas of a case in the cells of its grid.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "detonation/charge.hpp"
 #include "run/reports.hpp"
-#include "setup/solid_cells.hpp"
 
 namespace brisance::run {
 class System;
@@ -13,10 +13,10 @@ class System;
 
 namespace brisance::setup {
 
-/// What a charge would become on a grid, beside the solid cells of obstacles; the cells that it takes are added to
-/// `taken`. Throws InputError where it does not fit.
+/// What a charge would become on a grid, where obstacles leave parts of cells `open`; the cells that it takes are added
+/// to `taken`. Throws InputError where it does not fit.
 [[nodiscard]] run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
-                                                SolidCells const* solid = nullptr,
+                                                std::function<double(Index3 const&)> const& open = nullptr,
                                                 detonation::TakenCells* taken = nullptr);
 
 /// Builds `system.gas`: ambient, regions, obstacles with their panels, and the charges or what a remap makes of them,

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/parallel.hpp"
+#include "shape/cut_cells.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::setup {
@@ -107,8 +108,8 @@ Parts parts_of_cell(std::vector<shape::Shape> const& shapes, grid::Domain const&
 
 }  // namespace
 
-SolidCells::SolidCells(grid::Domain const& domain, std::vector<Obstacle> const& obstacles)
-    : domain_(domain), obstacles_(obstacles) {
+SolidCells::SolidCells(grid::Domain const& domain, std::vector<Obstacle> const& obstacles, bool cut)
+    : cut_(cut), domain_(domain), obstacles_(obstacles) {
   for (Obstacle const& o : obstacles) shapes_.push_back(o.shape);
 }
 
@@ -148,7 +149,13 @@ std::optional<std::vector<run::ObstacleReport>> SolidCells::reports(long most) c
                           double const sum = sum_of(shares);
                           double const whole = shape::volume_of(r, domain_);
                           if (sum < 1.0 && ++cut > most) return false;
-                          if (solid(sum)) {
+                          if (cut_) {
+                            for (Share const& s : shares)
+                              all[static_cast<std::size_t>(s.shape)].volume += s.fraction * whole;
+                            if (1.0 - sum < shape::least_open) {
+                              all[static_cast<std::size_t>(largest_of(shares))].cells += static_cast<long>(r.count());
+                            }
+                          } else if (solid(sum)) {
                             run::ObstacleReport& report = all[static_cast<std::size_t>(largest_of(shares))];
                             report.cells += static_cast<long>(r.count());
                             report.volume += whole;

@@ -22,7 +22,8 @@ struct Leak {
 /// Which cells are solid: those of which obstacles together fill half or more.
 class SolidCells {
  public:
-  SolidCells(grid::Domain const& domain, std::vector<Obstacle> const& obstacles);
+  /// With `cut` the gas sees the parts of cells too, which counts for `reports` alone.
+  SolidCells(grid::Domain const& domain, std::vector<Obstacle> const& obstacles, bool cut = false);
 
   [[nodiscard]] bool any() const { return !shapes_.empty(); }
   [[nodiscard]] std::vector<shape::Shape> const& shapes() const { return shapes_; }
@@ -57,6 +58,7 @@ class SolidCells {
   /// Cells around an obstacle, and so many more on each side.
   [[nodiscard]] shape::CellRange around(std::size_t obstacle, int layers) const;
 
+  bool cut_;
   grid::Domain domain_;
   std::vector<Obstacle> obstacles_;
   std::vector<shape::Shape> shapes_;

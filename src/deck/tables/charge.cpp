@@ -9,6 +9,8 @@
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
 #include "deck/tables/tables.hpp"
+#include "setup/place_obstacles.hpp"
+#include "setup/solid_cells.hpp"
 
 namespace brisance::deck {
 
@@ -176,7 +178,8 @@ void fits_between_obstacles(Draft const& draft, Section const& section, shape::S
   setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
   try {
     (void)detonation::fill_cells(body, grid::Grid(draft.out.domain), shape::volume(body, draft.geometry()),
-                                 "the charge", [&](Index3 const& cell) { return solid(cell); });
+                                 "the charge",
+                                 [&](Index3 const& cell) { return setup::open_part(draft.out, solid, cell); });
   } catch (InputError const& problem) {
     draft.error(section, place_key(section), problem.what());
   }

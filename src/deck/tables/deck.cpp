@@ -131,6 +131,7 @@ Draft build_case(Section const& deck, Report& report) {
   Draft draft(deck, report);
   draft.out.title = draft.deck.text("title").value_or("");
   build_domain(draft);
+  build_numerics(draft);
   build_explosives(draft);
   build_fluids(draft);
   build_solids(draft);
@@ -159,7 +160,7 @@ Draft build_case(Section const& deck, Report& report) {
   }
   build_particles(draft);
   if (draft.geometry_known) build_mpm_region(draft);
-  build_numerics(draft);
+  build_ideal_products(draft);
   build_end(draft);
   if (draft.geometry_known) build_afterburn(draft);
   build_output(draft);

@@ -17,6 +17,7 @@ Settings<run::Numerics> const& settings() {
                        .like("\"muscl-hancock\"")
                        .means("`muscl-hancock`: second-order Godunov scheme with the HLLC solver; `lax-wendroff`: the "
                               "scheme of [Cui14] with adaptive viscosity")},
+      {&N::obstacles, word<run::ObstacleCells>("obstacles").like("\"cut\"").means("How the gas sees obstacles")},
       {&N::courant, number("courant", "1", 0.01, 1.0).like("0.8").means("Courant number")},
       {&N::block_cells, typed(Type::integer, "block_cells", "1", 0, 4096)
                             .like("16")
@@ -77,7 +78,6 @@ void build_numerics(Draft& draft) {
   if (section == nullptr) return;
   auto& n = draft.out.numerics;
   settings().read(*section, n);
-  if (auto const volume = section->number("ideal_products")) cut_over(draft, *volume);
   if (n.block_cells != 0 && n.block_cells < 4) {
     draft.error(*section, "block_cells",
                 fmt::format("{} is too small; allowed: 0 (automatic) or 4 to 4096", n.block_cells));
@@ -93,6 +93,17 @@ void build_numerics(Draft& draft) {
     draft.report.warning(section->place_of(of.key), section->path_of(of.key),
                          fmt::format("has no effect with {}", word_of(n.scheme)));
   }
+  if (n.obstacles == run::ObstacleCells::cut && n.scheme != run::Scheme::muscl_hancock) {
+    draft.error(*section, "obstacles",
+                fmt::format("{} sees obstacles as stairs: use obstacles = \"stairs\" or scheme = \"{}\"",
+                            word_of(n.scheme), word_of(run::Scheme::muscl_hancock)));
+  }
+}
+
+void build_ideal_products(Draft& draft) {
+  Section const* section = draft.deck.section("numerics");
+  if (section == nullptr) return;
+  if (auto const volume = section->number("ideal_products")) cut_over(draft, *volume);
 }
 
 }  // namespace brisance::deck

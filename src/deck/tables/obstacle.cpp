@@ -9,6 +9,7 @@
 #include "deck/places.hpp"
 #include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
+#include "setup/place_obstacles.hpp"
 #include "setup/place_panels.hpp"
 
 namespace brisance::deck {
@@ -37,8 +38,10 @@ Settings<run::Release> const& settings() {
 
 Table const& obstacle_table() {
   static Table const table{
-      "A rigid body in the gas. A cell is solid if the obstacle fills at least half of its volume. An obstacle that "
-      "makes no cell solid is rejected, as is a wall so thin that gas would pass between its solid cells. With "
+      "A rigid body in the gas. The gas sees the part of every cell, and of every face between cells, that obstacles "
+      "leave open. With numerics.obstacles = \"stairs\", with Lax-Wendroff and in decks with panels a cell is solid if "
+      "obstacles fill at least half of its volume; then an obstacle that makes no cell solid is rejected, as is a wall "
+      "so thin that gas would pass between its solid cells. With "
       "`fails_at` it is a panel that fails: a vent, a door or a window. An obstacle replaces earlier obstacles where "
       "they overlap: a panel written after a wall makes an opening in the wall.",
       joined(joined({typed(Type::name, "name").note("`obstacle-1`, ...").like("\"wall\"").means("Name")}, shape_keys()),
@@ -125,7 +128,7 @@ void check_obstacles(Draft const& draft) {
       outside = outside || !(b.upper[d] > draft.out.domain.lower[d] && b.lower[d] < draft.out.domain.upper(d));
       thin += b.upper[d] - b.lower[d] < 2.0 * h ? 1 : 0;
     }
-    if (outside || !solid.vanishes(n)) continue;  // outside: reported
+    if (outside || setup::has_cut_cells(draft.out) || !solid.vanishes(n)) continue;  // outside: reported
     sound = false;
     Section const& section = sections[draft.obstacle_shapes[n].first];
     double const t = solid.thickness(n);
@@ -136,7 +139,7 @@ void check_obstacles(Draft const& draft) {
                             "make the obstacle thicker, or align its faces with cell faces",
                             t, h, cell));
   }
-  if (!sound) return;
+  if (!sound || setup::has_cut_cells(draft.out)) return;
   closed_gaps(draft, solid);
   long left = most_looks;
   auto const leak = solid.leak(left);
@@ -183,6 +186,15 @@ void build_obstacles(Draft& draft) {
                   "this key is the mass of a panel that fails, but this obstacle does not fail: add fails_at, the "
                   "pressure difference at failure, or remove the key");
     }
+  }
+  auto const fails = std::find_if(draft.out.obstacles.begin(), draft.out.obstacles.end(),
+                                  [](run::Obstacle const& o) { return o.release.has_value(); });
+  if (draft.out.numerics.obstacles == run::ObstacleCells::cut && fails != draft.out.obstacles.end()) {
+    auto const n = static_cast<std::size_t>(fails - draft.out.obstacles.begin());
+    draft.error((*all)[draft.obstacle_shapes[n].first], "fails_at",
+                "an obstacle that fails makes whole cells solid and opens them: with it numerics.obstacles must be "
+                "\"stairs\" or \"auto\"");
+    return;
   }
   check_obstacles(draft);
 }

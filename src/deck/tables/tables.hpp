@@ -54,6 +54,8 @@ void build_obstacles(Draft& draft);
 void build_initial_states(Draft& draft);
 [[nodiscard]] Table const& numerics_table();
 void build_numerics(Draft& draft);
+/// Once all materials are there.
+void build_ideal_products(Draft& draft);
 
 // --- material points
 

@@ -1,0 +1,329 @@
+/// Cut cells in a step of the gas: the state beside their walls, what a sweep changes in them, and how small ones share
+/// their state with neighbours. See cut_cells.hpp.
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.hpp"
+#include "gas/gas.hpp"
+#include "gas/primitives.hpp"
+
+namespace brisance::gas {
+
+namespace {
+
+/// Partial densities and volume fractions may leave their range by round-off.
+constexpr double round_off = 1e-12;
+
+/// Nodes or mergers that a thread takes at a time: fewer are done sooner than handed out.
+constexpr int batch = 512;
+
+/// What is asked of a state.
+struct Judged {
+  bool sound = false;
+  double pressure = 0.0;
+  double sound_speed = 0.0;
+};
+
+Judged judge(Fluids const& fluids, Floors const& floors, double most_H, double const* u, double F) {
+  Judged judged;
+  double const rho = mixture_density(fluids.count, [u](int c) { return u[c]; });
+  double square = 0.0;
+  for (int d = 0; d < 3; ++d) square += u[momentum_x + d] * u[momentum_x + d];
+  Mixture const m = mixture(fluids, partial_densities(fluids.count, u), volume_fractions(fluids.count, u), F);
+  judged.pressure = m.pressure(u[energy] - 0.5 * square / rho);
+  judged.sound_speed = std::sqrt(std::max(0.0, m.bulk_modulus(judged.pressure)) / rho);
+  judged.sound = is_sound(floors, most_H, rho, judged.pressure, m.xi, m.H);
+  double rest = 1.0;
+  for (int k = 1; k < fluids.count; ++k) {
+    double const alpha = u[volume_fraction(k)];
+    judged.sound = judged.sound && u[partial_density(k)] >= -round_off * rho && alpha >= -round_off;
+    rest -= alpha;
+  }
+  judged.sound = judged.sound && u[partial_density(0)] >= -round_off * rho && rest >= -round_off;
+  return judged;
+}
+
+/// Pressure of gas that is stopped at a wall [Pa], as HLLC has it between a state and its mirror image.
+double stopped(double rho, double p, double c, double speed_into_wall, bool bears_tension) {
+  double const w = speed_into_wall;
+  double const slowest = w > 0.0 ? w + c : c - w;
+  double const star = p + rho * w * (w + slowest);
+  return bears_tension ? star : std::max(star, 0.0);
+}
+
+}  // namespace
+
+void Gas::load_node(int n) {
+  grid::Cell const& cell = cut.nodes()[n].cell;
+  for (int c = 0; c < components(); ++c) cut.state(n)[c] = fields_.at(cell.block, c)[cell.offset];
+}
+
+void Gas::load_nodes() {
+  parallel_for(static_cast<int>(cut.nodes().size()), [&](int n, int) { load_node(n); });
+}
+
+void Gas::note_change(grid::Cell const& cell) {
+  disturbance_.note(cell);
+  if (int const node = cut.node_at(cell); node >= 0) load_node(node);
+}
+
+bool Gas::is_quiescent(double const* state) const {
+  for (int c = 0; c < components(); ++c) {
+    if (c != shock && state[c] != quiet_.state[c]) return false;
+  }
+  return true;
+}
+
+void Gas::find_walls() {
+  bool const at_rest = norm(quiescent_.velocity) == 0.0;
+  bool const tension = fluids_.any_bears_tension();
+  Floors const floors{options_.density_floor, options_.pressure_floor};
+  parallel_for_nodes([&](int n) {
+    Node const& node = cut.nodes()[n];
+    if (node.cut < 0) return;
+    double const* const u = cut.state(n);
+    WallState& wall = cut.wall(node.cut);
+    wall.quiescent = at_rest && is_quiescent(u);
+    if (wall.quiescent) return;
+    CutCell const& cell = cut.cells()[node.cut];
+    double const rho = mixture_density(fluids_.count, [u](int c) { return u[c]; });
+    Judged const gas = judge(fluids_, floors, most_H(), u, burn_fraction(*this, node.cell));
+    Vec3 velocity{u[momentum_x] / rho, u[momentum_y] / rho, u[momentum_z] / rho};
+    double const area = norm(cell.wall);
+    double into_wall = 0.0;
+    if (area > 0.0) {
+      Vec3 const normal = (1.0 / area) * cell.wall;
+      into_wall = -dot(velocity, normal);
+      velocity = velocity + into_wall * normal;
+    }
+    wall.velocity = velocity;
+    wall.pressure = stopped(rho, gas.pressure, gas.sound_speed, into_wall, tension);
+    wall.carried = {};
+    for (int k = 0; k < fluids_.count; ++k) wall.carried[partial_density(k)] = u[partial_density(k)];
+    for (int d = 0; d < 3; ++d) wall.carried[momentum_x + d] = rho * velocity[d];
+    wall.carried[energy] = u[energy] + gas.pressure;
+    if (components() > progress) wall.carried[progress] = u[progress];
+  });
+}
+
+void Gas::parallel_for_nodes(std::function<void(int)> const& body) const {
+  auto const& nodes = cut.nodes();
+  int const count = static_cast<int>(nodes.size());
+  parallel_for((count + batch - 1) / batch, [&](int part, int) {
+    for (int n = part * batch; n < std::min(count, (part + 1) * batch); ++n) {
+      if (awake_[nodes[n].cell.block] != 0) body(n);
+    }
+  });
+}
+
+void Gas::take_cut_changes(int b, int index, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
+  auto const* const list = cut.in_bundle(b, s.direction, index);
+  if (list == nullptr) return;
+  int const d = s.direction;
+  int const st = layout.stride;
+  for (auto const& [q, number] : *list) {
+    Node const& node = cut.nodes()[number];
+    if (node.cut < 0) continue;
+    CutCell const& cell = cut.cells()[node.cut];
+    WallState const& wall = cut.wall(node.cut);
+    double* const change = cut.state(number);
+    double const scale = s.dt / cell.volume;
+    double const high = scale * cell.area[2 * d + 1];
+    double const low = scale * cell.area[2 * d];
+    double const at_wall = scale * cell.wall[d];
+    auto const wall_flux = [&](int c) {
+      if (wall.quiescent) return quiet_.flux[d][c];
+      return wall.velocity[d] * wall.carried[c] + (c == momentum_x + d ? wall.pressure : 0.0);
+    };
+    // Fluxes count by their difference to one of them: uniform gas then stays as it is to the last bit.
+    auto const differs = [&](int flux, double own, double least) {
+      return low * (a[flux][q - st] - least) - high * (a[flux][q] - least) + at_wall * (own - least);
+    };
+    auto const take = [&](int c) {
+      double const own = wall_flux(c);
+      double least = own;
+      if (s.radial) least = c == s.normal() ? a[a_p_half][q] : 0.0;
+      change[c] = differs(flux_array(c), own, least);
+    };
+    take(partial_density(0));
+    for (int c = momentum_x; c <= energy; ++c) take(c);
+    for (int k = 1; k < fluids_.count; ++k) {
+      int const c = volume_fraction(k);
+      if (s.present <= k) {
+        change[partial_density(k)] += at_wall * wall_flux(partial_density(k));
+        continue;
+      }
+      take(partial_density(k));
+      double const alpha = a[c][q];
+      change[c] = low * (a[a_flux + c][q - st] - alpha * a[a_face_speed][q - st]) -
+                  high * (a[a_flux + c][q] - alpha * a[a_face_speed][q]);
+    }
+    if (components() > progress) {
+      if (s.progress)
+        take(progress);
+      else
+        change[progress] += at_wall * wall_flux(progress);
+    }
+    a[a_solid][q] = 1.0;  // the update leaves it alone
+  }
+}
+
+void Gas::take_node_states(int b, int index, SweepContext const& s, BundleArrays& a) {
+  auto const* const list = cut.in_bundle(b, s.direction, index);
+  if (list == nullptr) return;
+  for (auto const& [q, number] : *list) {
+    double* const state = cut.state(number);
+    bool const is_cut = cut.nodes()[number].cut >= 0;
+    auto const take = [&](int c) { state[c] = a[state_array(c)][q] + (is_cut ? state[c] : 0.0); };
+    for (int c = 0; c <= energy; ++c) take(c);
+    for (int k = 1; k < s.present; ++k) {
+      take(partial_density(k));
+      take(volume_fraction(k));
+    }
+    if (s.progress) take(progress);
+  }
+}
+
+void Gas::keep_peaks(int b, int index, SweepContext const& s, BundleArrays& a) const {
+  auto const* const list = cut.in_bundle(b, s.direction, index);
+  if (list == nullptr) return;
+  for (auto const& [q, number] : *list) a[a_p][q] = quiet_.pressure;
+}
+
+void Gas::merge_small_cells() {
+  auto const& nodes = cut.nodes();
+  auto const& members = cut.members();
+  int const count = static_cast<int>(cut.mergers().size());
+  parallel_for((count + batch - 1) / batch, [&](int part, int) {
+    for (int m = part * batch; m < std::min(count, (part + 1) * batch); ++m) {
+      Merger const& merger = cut.mergers()[m];
+      double* const mean = cut.merged(m);
+      double const* const own = cut.state(merger.node);
+      // From the differences to the small cell: equal states stay equal to the last bit.
+      for (int c = 0; c < components(); ++c) mean[c] = 0.0;
+      for (int n = merger.first; n < merger.end; ++n) {
+        double const part_of_all = members[n].weight * nodes[members[n].node].volume / merger.volume;
+        double const* const state = cut.state(members[n].node);
+        for (int c = 0; c < components(); ++c) mean[c] += part_of_all * (state[c] - own[c]);
+      }
+      for (int c = 0; c < components(); ++c) mean[c] += own[c];
+    }
+  });
+}
+
+void Gas::share_states(int begin, int end, SweepContext const& s, bool last, std::vector<int>& unsound) {
+  int const dims = grid_->domain().dimensions();
+  int const b = cut.nodes()[begin].cell.block;
+  for (int n = begin; n < end; ++n) {
+    Node const& node = cut.nodes()[n];
+    double* const state = cut.state(n);
+    std::array<double, most_components> change{};
+    for (int i = node.first; i < node.end; ++i) {
+      Share const& share = cut.shares()[i];
+      double const* const mean = cut.merged(share.merger);
+      for (int c = 0; c < components(); ++c) change[c] += share.weight * (mean[c] - state[c]);
+    }
+    for (int c = 0; c < components(); ++c) {
+      if (c != shock) state[c] += change[c];
+    }
+    bool const quiet = is_quiescent(state);
+    if (quiet && awake_[b] == 0) continue;
+    store_node(n);
+    double pressure = quiet_.pressure;
+    if (!quiet) {
+      awake_[b] = 1;
+      disturbance_.note(node.cell);
+      Judged const gas = judge(fluids_, s.floors, s.most_H, state, burn_fraction(*this, node.cell));
+      if (!gas.sound) unsound.push_back(n);
+      pressure = gas.pressure;
+      if (last && gas.sound) {
+        double const rho = mixture_density(fluids_.count, [state](int c) { return state[c]; });
+        double flow = 0.0;
+        for (int d = 0; d < dims; ++d) flow = std::max(flow, std::abs(state[momentum_x + d]) / rho);
+        blocks_[b].signal = std::max(blocks_[b].signal, flow + gas.sound_speed);
+      }
+    }
+    if (last) peaks_.follow(node.cell, pressure - quiet_.pressure, s.dt);
+  }
+}
+
+void Gas::store_node(int n) {
+  grid::Cell const& cell = cut.nodes()[n].cell;
+  double const* const state = cut.state(n);
+  for (int c = 0; c < components(); ++c) {
+    if (c != shock) fields_.at(cell.block, c)[cell.offset] = state[c];
+  }
+}
+
+void Gas::share_small_cells(SweepContext const& s, bool last) {
+  if (!cut.any()) return;
+  merge_small_cells();
+  auto const& ranges = cut.ranges();
+  std::vector<std::vector<int>> unsound(ranges.size());
+  parallel_for(static_cast<int>(ranges.size()),
+               [&](int part, int) { share_states(ranges[part].first, ranges[part].second, s, last, unsound[part]); });
+  for (auto const& part : unsound) {
+    for (int const n : part) mend(n, s);
+  }
+}
+
+void Gas::mend(int n, SweepContext const& s) {
+  grid::Domain const& domain = grid_->domain();
+  Node const& node = cut.nodes()[n];
+  // The cell and those that its open faces lead to.
+  std::vector<grid::Cell> cells{node.cell};
+  Index3 const index = grid_->index(node.cell);
+  for (int face = 0; face < 2 * domain.dimensions(); ++face) {
+    if (!(cut.area(node.cell, face / 2, face % 2) > 0.0)) continue;
+    Index3 const beside = grid::beside(index, face / 2, face % 2);
+    Index3 const image = grid::image_cell(domain, beside);
+    if (image == index || obstacles.contain(image)) continue;
+    if (beside != image && domain.boundary[face] != grid::Boundary::periodic) continue;
+    cells.push_back(grid_->locate(image));
+  }
+  double volume = 0.0;
+  Components mean{};
+  std::vector<Components> states;
+  for (grid::Cell const& cell : cells) {
+    Components u{};
+    for (int c = 0; c < components(); ++c) u[c] = fields_.at(cell.block, c)[cell.offset];
+    for (int c = 0; c < components(); ++c) mean[c] += cut.volume(cell) * u[c];
+    volume += cut.volume(cell);
+    states.push_back(u);
+  }
+  for (double& value : mean) value /= volume;
+  auto const blended = [&](Components const& u, double theta) {
+    Components x = u;
+    for (int c = 0; c < components(); ++c) {
+      if (c != shock) x[c] = u[c] + theta * (mean[c] - u[c]);
+    }
+    return x;
+  };
+  auto const is_sound_at = [&](double theta) {
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      Components const x = blended(states[i], theta);
+      if (!judge(fluids_, s.floors, s.most_H, x.data(), burn_fraction(*this, cells[i])).sound) return false;
+    }
+    return true;
+  };
+  double theta = 1.0;
+  if (is_sound_at(1.0)) {
+    double low = 0.0;
+    constexpr int bisections = 20;
+    for (int i = 0; i < bisections; ++i) {
+      double const middle = 0.5 * (low + theta);
+      (is_sound_at(middle) ? theta : low) = middle;
+    }
+  }
+  ++blocks_[node.cell.block].account.fallback_faces;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    Components const x = blended(states[i], theta);
+    for (int c = 0; c < components(); ++c) fields_.at(cells[i].block, c)[cells[i].offset] = x[c];
+    awake_[cells[i].block] = 1;
+    disturbance_.note(cells[i]);
+    int const number = cut.node_at(cells[i]);
+    for (int c = 0; c < components() && number >= 0; ++c) cut.state(number)[c] = x[c];
+  }
+}
+
+}  // namespace brisance::gas
