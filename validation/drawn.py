@@ -4,7 +4,7 @@ import numpy as np
 from brisance.point_figures import RISING, Flat, scalar, time_title
 from matplotlib.colors import Normalize
 
-from common import INK, RC, ROOT, nearest, per_cent, style, table
+from common import COLOURS, INK, RC, ROOT, listed, nearest, per_cent, style, table
 
 HEADER = ["quantity", "known", "calculated", "difference"]
 GURNEY = 0.5 * (2370.0 + 2440.0)  # sqrt(2E) of TNT [m/s], the middle of the range in points.py
@@ -108,29 +108,35 @@ def ogive(run):
         rows += [row(f"depth on cells of {h:g} mm, whole nose [mm]", 1e3 * ogive_depth(mass), 1e3 * depth, "{:.1f}"),
                  row(f"depth on cells of {h:g} mm, nose that enters [mm]", 1e3 * entering_depth(mass), 1e3 * depth,
                      "{:.1f}")]
-    g = fine.gauge("rod")
+    figure = draw(fine, (0.0, 100e-6, 250e-6), "plastic_strain", 2.0, "plastic strain", (10.6, 5.4))
+    other, axes = plt.subplots(figsize=(5.4, 3.4), layout="constrained")
+    style(axes)
+    excess = []
+    for (h, result), colour in zip(results.items(), COLOURS[1:]):
+        path, stress, formula = deceleration(result, mass)
+        axes.plot(1e3 * path, 1e-9 * stress, color=colour, label=f"cells of {h:g} mm")
+        deep = (path > 0.05) & (path < 0.06)
+        excess.append(100.0 * (float((stress[deep] / formula[deep]).mean()) - 1.0))
+    axes.plot(1e3 * path, 1e-9 * formula, "--", color=INK, label="cavity expansion")
+    axes.set_xlabel("depth of the tip [mm]")
+    axes.set_title("Resistance over the rod's section [GPa]")
+    axes.legend()
+    return {"ogive_table": table(HEADER, rows), "ogive_balance": f"{balance(fine):.0e}",
+            "ogive_deep": f"{listed(f'{e:.0f}' for e in excess)} %"}, {
+                "drawn_ogive": figure, "drawn_ogive_stress": other}
+
+
+def deceleration(result, mass):
+    """While the rod moves: its depth [m], the stress over its section that brakes it, and that of the formula [Pa]."""
+    g = result.gauge("rod")
     speed, time = -g["velocity_y"], g["time"]
     static, shape = resistance()
     path = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
     stress = mass / (np.pi * ROD["radius"] ** 2) * -np.gradient(speed, time)
     width = 15
     stress = np.convolve(stress, np.ones(width) / width, "same")
-    figure = draw(fine, (0.0, 100e-6, 250e-6), "plastic_strain", 2.0, "plastic strain", (10.6, 5.4))
-    other, axes = plt.subplots(figsize=(5.4, 3.4), layout="constrained")
-    style(axes)
     moving = (speed > 30.0) & (time > width * 0.5e-6)
-    formula = static + shape * TARGET["density"] * speed ** 2
-    axes.plot(1e3 * path[moving], 1e-9 * stress[moving], color=INK, label="calculated")
-    axes.plot(1e3 * path[moving], 1e-9 * formula[moving], "--", color=INK, label="cavity expansion")
-    axes.set_xlabel("depth of the tip [mm]")
-    axes.set_title("Resistance over the rod's section [GPa]")
-    axes.legend()
-    deep = moving & (path > 0.04) & (path < 0.06)
-    # Where the gap of half a cell in which bodies touch makes the rod thicker.
-    wider = (1.0 + 0.5 * fine.cell_size / ROD["radius"]) ** 2
-    return {"ogive_table": table(HEADER, rows), "ogive_balance": f"{balance(fine):.0e}",
-            "ogive_deep": f"{100.0 * (float((stress[deep] / formula[deep]).mean()) - 1.0):.0f} %",
-            "ogive_wider": f"{100.0 * (wider - 1.0):.0f} %"}, {"drawn_ogive": figure, "drawn_ogive_stress": other}
+    return path[moving], stress[moving], (static + shape * TARGET["density"] * speed ** 2)[moving]
 
 
 # --- cone liner
