@@ -11,11 +11,12 @@
 namespace brisance::deck {
 
 std::string_view place_key(Section const& section) {
-  return section.given("position") ? "position"
-         : section.given("lower")  ? "lower"
-         : section.given("file")   ? "file"
-         : section.given("points") ? "points"
-                                   : "position";
+  return section.given("position")    ? "position"
+         : section.given("lower")     ? "lower"
+         : section.given("file")      ? "file"
+         : section.given("points")    ? "points"
+         : section.given("translate") ? "translate"
+                                      : "position";
 }
 
 void touches_domain(Draft const& draft, Section const& section, shape::Shape const& shape, char const* what) {

@@ -66,6 +66,14 @@ struct Mover {
 
 }  // namespace
 
+Motion then(Motion const& first, Motion const& second) {
+  Motion both;
+  both.scale = first.scale * second.scale;
+  for (int d = 0; d < 3; ++d) both.axes[d] = second.direction(first.axes[d]);
+  both.shift = second.point(first.shift);
+  return both;
+}
+
 Motion turn_around(Vec3 const& axis, double angle, Vec3 const& point) {
   // Quarter turns are exact.
   double const quarters = angle / (0.5 * std::numbers::pi);
@@ -87,6 +95,9 @@ Motion turn_around(Vec3 const& axis, double angle, Vec3 const& point) {
   return motion;
 }
 
-Shape moved(Shape const& shape, Motion const& motion) { return std::visit(Mover{motion}, shape); }
+Shape moved(Shape const& shape, Motion const& motion) {
+  bool const still = motion.scale == 1.0 && motion.axes == Motion{}.axes && motion.shift == Vec3{0.0, 0.0, 0.0};
+  return still ? shape : std::visit(Mover{motion}, shape);
+}
 
 }  // namespace brisance::shape

@@ -77,6 +77,9 @@ struct Motion {
   [[nodiscard]] Vec3 point(Vec3 const& x) const { return scale * direction(x) + shift; }
 };
 
+/// One motion and then another, as one.
+[[nodiscard]] Motion then(Motion const& first, Motion const& second);
+
 /// The motion that turns by an angle [rad], anticlockwise seen against `axis` (a unit vector), around a point.
 [[nodiscard]] Motion turn_around(Vec3 const& axis, double angle, Vec3 const& point);
 

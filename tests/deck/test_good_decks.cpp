@@ -33,8 +33,8 @@ std::string const small_domain = "[end]\ntime = 1e-3\n[domain]\nsize = [2, 2, 2]
 
 std::vector<std::filesystem::path> example_decks() {
   std::vector<std::filesystem::path> decks;
-  for (auto const& entry : std::filesystem::directory_iterator(test::root() / "cases")) {
-    if (std::filesystem::exists(entry.path() / "deck.toml")) decks.push_back(entry.path() / "deck.toml");
+  for (auto const& entry : std::filesystem::recursive_directory_iterator(test::root() / "cases")) {
+    if (entry.path().extension() == ".toml") decks.push_back(entry.path());
   }
   std::sort(decks.begin(), decks.end());
   return decks;

@@ -108,7 +108,10 @@ TEST(Motion, TurnsEveryShapeAlike) {
       combine(Operation::difference, {Box{{0.7, 0.0, 0.0}, {1.4, 0.6, 0.6}}, Sphere{{1.0, 0.2, 0.3}, 0.3}})};
   Vec3 const axis{2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0};
   Motion motion = turn_around(axis, 0.7, {0.3, 0.1, -0.2});
-  motion.scale = 1.0;
+  motion = then({0.5, turn_around({0.0, 1.0, 0.0}, 0.4, {0.0, 0.2, 0.1}).axes, {0.2, -0.1, 0.3}}, motion);
+  motion = then(motion, {3.0, {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}}, {0.1, 0.0, 0.0}});
+  double const enlarged = std::pow(motion.scale, 3);
+  EXPECT_EQ(motion.scale, 1.5);
   std::uint32_t seed = 1;
   auto const random = [&seed] {
     seed = seed * 1664525U + 1013904223U;
@@ -124,7 +127,7 @@ TEST(Motion, TurnsEveryShapeAlike) {
     }
     EXPECT_GT(inside, 10) << shape.index();
     if (std::isfinite(volume(shape, Geometry::cartesian3d))) {
-      EXPECT_NEAR(volume(there, Geometry::cartesian3d) / volume(shape, Geometry::cartesian3d), 1.0, 2e-4)
+      EXPECT_NEAR(volume(there, Geometry::cartesian3d) / volume(shape, Geometry::cartesian3d) / enlarged, 1.0, 2e-4)
           << shape.index();
     }
     // The box holds all of it.

@@ -4,6 +4,7 @@
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
+#include "deck/tables/shapes.hpp"
 #include "deck/tables/tables.hpp"
 
 namespace brisance::deck {
@@ -29,7 +30,8 @@ std::vector<Key> composed_shape_keys() {
                                nested(Type::tables, "common", part_table())
                                    .note("none")
                                    .like("[{lower = [0, 0, 0], upper = [1, 1, 1], shape = \"box\"}]")
-                                   .means("Shapes that are intersected with the result, as the last operation")});
+                                   .means("Shapes that are intersected with the result, as the last operation"),
+                               whole_key()});
 }
 
 Table const& within_table() {
@@ -65,7 +67,9 @@ bool check_composition(Draft const& draft, Section const& section, std::string_v
 }  // namespace
 
 std::optional<shape::Shape> build_composed_shape(Draft const& draft, Section const& section) {
-  auto whole = build_shape(draft, section, Use::particles, std::nullopt);
+  auto const motion = whole_motion(draft, section);
+  if (!motion) return std::nullopt;
+  auto whole = build_shape(draft, section, Use::particles, std::nullopt, *motion);
   for (auto const& [key, operation] :
        {std::pair{"add", shape::Operation::united}, std::pair{"cut", shape::Operation::difference},
         std::pair{"common", shape::Operation::intersection}}) {
@@ -74,7 +78,7 @@ std::optional<shape::Shape> build_composed_shape(Draft const& draft, Section con
     if (parts == nullptr || parts->empty()) continue;
     std::vector<shape::Shape> all;
     for (Section const& part : *parts) {
-      auto const one = build_shape(draft, part, Use::particles, std::nullopt);
+      auto const one = build_shape(draft, part, Use::particles, std::nullopt, *motion);
       if (one) all.push_back(*one);
     }
     if (all.size() < parts->size()) whole.reset();

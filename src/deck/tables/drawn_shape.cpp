@@ -1,4 +1,4 @@
-/// Shapes from drawings and files, and how shapes are turned.
+/// Shapes from drawings and files.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,23 +18,6 @@
 namespace brisance::deck {
 
 namespace {
-
-Table const& rotation_table() {
-  static Table const table{
-      "A rotation of a shape.",
-      {number("angle", "deg", -3600.0, 3600.0)
-           .required()
-           .like("\"12 deg\"")
-           .means("Angle; positive is anticlockwise, seen with the axis pointing at you (in 2D: from x to y)"),
-       axis("axis").note("`z`").like("\"z\"").means("Direction of the axis (3D only): a letter or a vector"),
-       position("about")
-           .note("`position`; of a box with corners, its middle")
-           .like("[0, 0, 0]")
-           .means("A point on the axis of rotation")},
-      {},
-      {}};
-  return table;
-}
 
 /// A rigid motion that takes the axis z to a direction along an axis of the grid.
 shape::Motion stand_on(Vec3 const& normal, Vec3 const& position) {
@@ -151,21 +134,6 @@ std::optional<shape::Shape> turned(Draft const& draft, Section const& section, V
   return from_profile(draft, *corners, position, axis, "the profile");
 }
 
-/// Bounded, so that other shapes can be looked for in it.
-shape::Shape half_space(Draft const& draft, Vec3 const& position, Vec3 const& normal) {
-  shape::Box room{{-far, -far, -far}, {far, far, far}};
-  for (int d = 0; d < draft.dims() && draft.domain_known; ++d) {
-    double const size = draft.out.domain.upper(d) - draft.out.domain.lower[d];
-    room.lower[d] = draft.out.domain.lower[d] - size;
-    room.upper[d] = draft.out.domain.upper(d) + size;
-  }
-  for (int d = 0; d < 3; ++d) {
-    if (normal[d] == 1.0) room.lower[d] = position[d];
-    if (normal[d] == -1.0) room.upper[d] = position[d];
-  }
-  return shape::combine(shape::Operation::intersection, {shape::HalfSpace{position, normal}, room});
-}
-
 std::optional<shape::Shape> mesh(Draft const& draft, Section const& section, Vec3 const& position) {
   auto const file = section.text("file");
   if (!file) {
@@ -254,15 +222,7 @@ std::vector<Key> drawn_shape_keys() {
           .like("\"bracket.stl\"")
           .means(
               "STL file of shape `stl`, with a path relative to the deck; the surface must be closed; `position` moves "
-              "it. In 2D the body stands for its section parallel to x and y through its centre of mass"),
-      number("scale", "1", 1e-9, 1e9)
-          .note("1")
-          .like("0.001")
-          .means("Factor applied to `points` or to the coordinates of the STL file, for example 0.001 for millimetres"),
-      nested(Type::tables, "rotate", rotation_table())
-          .note("none")
-          .like("[{angle = \"12 deg\"}]")
-          .means("Rotations of the shape, one after the other")};
+              "it. In 2D the body stands for its section parallel to x and y through its centre of mass")};
 }
 
 bool is_drawn(std::string_view word) {
@@ -282,7 +242,7 @@ std::optional<shape::Shape> build_drawn_shape(Draft const& draft, Section const&
     if (word == "polygon") return polygon(draft, section, position);
     if (word == "extrusion") return extrusion(draft, section, position, *direction);
     if (word == "turned") return turned(draft, section, position, *direction);
-    if (word == "half_space") return half_space(draft, position, *direction);
+    if (word == "half_space") return shape::HalfSpace{position, *direction};
     return mesh(draft, section, position);
   } catch (InputError const& problem) {
     draft.error(section, word == "stl" ? "file" : section.given("points") ? "points" : "shape", problem.what());
@@ -290,58 +250,18 @@ std::optional<shape::Shape> build_drawn_shape(Draft const& draft, Section const&
   }
 }
 
-std::optional<shape::Shape> rotated(Draft const& draft, Section const& section, shape::Shape shape) {
-  auto const* rotations = section.sections("rotate");
-  if (section.broken("rotate")) return std::nullopt;
-  if (rotations == nullptr) return shape;
-  bool const flat = draft.dims() == 2;
-  Vec3 about{0.0, 0.0, 0.0};
-  if (section.given("position")) {
-    auto const p = draft.point(section, "position");
-    if (!p) return std::nullopt;
-    about = *p;
-  } else if (std::holds_alternative<shape::Box>(shape)) {
-    about = shape::centre(shape);
+shape::Shape bounded(Draft const& draft, shape::HalfSpace const& half) {
+  shape::Box room{{-far, -far, -far}, {far, far, far}};
+  for (int d = 0; d < draft.dims() && draft.domain_known; ++d) {
+    double const size = draft.out.domain.upper(d) - draft.out.domain.lower[d];
+    room.lower[d] = draft.out.domain.lower[d] - size;
+    room.upper[d] = draft.out.domain.upper(d) + size;
   }
-  if (flat) about[2] = 0.0;
-  for (Section const& rotation : *rotations) {
-    auto const angle = rotation.number("angle");
-    if (!angle || rotation.doubtful()) return std::nullopt;
-    Vec3 axis{0.0, 0.0, 1.0};
-    if (rotation.given("axis")) {
-      if (rotation.broken("axis")) return std::nullopt;
-      auto const& given = *rotation.numbers("axis");
-      for (int d = 0; d < 3; ++d) axis[d] = given[static_cast<std::size_t>(d)];
-      double const length = norm(axis);
-      if (!(length > 0.0) || (flat && (axis[0] != 0.0 || axis[1] != 0.0 || axis[2] < 0.0))) {
-        draft.error(rotation, "axis",
-                    flat
-                        ? fmt::format("{} is not possible in {}; allowed: \"z\"", rotation.shown("axis"),
-                                      word_of(draft.geometry()))
-                        : fmt::format("{} has no direction; write, for example, axis = \"z\"", rotation.shown("axis")));
-        return std::nullopt;
-      }
-      axis = (1.0 / length) * axis;
-    }
-    Vec3 point = about;
-    if (rotation.given("about")) {
-      auto const given = draft.point(rotation, "about");
-      if (!given) return std::nullopt;
-      point = *given;
-    }
-    shape::Motion const motion = shape::turn_around(axis, *angle * std::numbers::pi / 180.0, point);
-    shape = shape::moved(shape, motion);
-    about = motion.point(about);
+  for (int d = 0; d < 3; ++d) {
+    if (half.normal[d] == 1.0) room.lower[d] = half.point[d];
+    if (half.normal[d] == -1.0) room.upper[d] = half.point[d];
   }
-  if (draft.radial() && shape::bounds(shape).lower[0] < -draft.tiny()) {
-    draft.error(
-        section, "rotate",
-        fmt::format("the shape reaches the radius {:g} m after the rotation; in {}, x is the radius: turn it less "
-                    "or move it outwards",
-                    shape::bounds(shape).lower[0], word_of(draft.geometry())));
-    return std::nullopt;
-  }
-  return shape;
+  return shape::combine(shape::Operation::intersection, {half, room});
 }
 
 }  // namespace brisance::deck

@@ -64,15 +64,15 @@ std::vector<Key> shape_keys() {
           position("lower").like("[2, -1, 0]").means("Low corner of a box"),
           position("upper").like("[3, 1, \"2.5 m\"]").means("High corner of a box"),
       },
-      drawn_shape_keys());
+      joined(drawn_shape_keys(), motion_keys()));
 }
 
 namespace {
 
 /// Keys that tell where a shape lies and how large it is.
-constexpr std::array keys_of_place{"position", "radius",     "length",     "axis", "normal", "size",
-                                   "lower",    "upper",      "points",     "file", "scale",  "length_to_diameter",
-                                   "rotate",   "top_radius", "tube_radius"};
+constexpr std::array keys_of_place{"position", "radius",     "length",      "axis",     "normal", "size",
+                                   "lower",    "upper",      "points",      "file",     "scale",  "length_to_diameter",
+                                   "rotate",   "top_radius", "tube_radius", "translate"};
 
 std::vector<std::string> possible_shapes(Draft const& draft, Use use) {
   std::vector<std::string> shapes;
@@ -121,16 +121,18 @@ bool only_keys_of(Draft const& draft, Section const& section, std::string const&
   if (word == "cone") allowed = {"position", "radius", "top_radius", "length", "normal"};
   if (word == "ogive") allowed = {"position", "radius", "length", "normal"};
   if (word == "torus") allowed = {"position", "radius", "tube_radius"};
-  if (word == "polygon" || word == "turned") allowed = {"position", "points", "scale"};
-  if (word == "extrusion") allowed = {"position", "points", "scale", "length"};
+  if (word == "polygon" || word == "turned") allowed = {"position", "points"};
+  if (word == "extrusion") allowed = {"position", "points", "length"};
   if (word == "half_space") allowed = {"position", "normal"};
-  if (word == "stl") allowed = {"position", "file", "scale"};
+  if (word == "stl") allowed = {"position", "file"};
   bool const by_axis = word == "torus" || word == "turned" || word == "extrusion";
   if (by_axis && draft.geometry() == Geometry::cartesian3d) allowed.emplace_back("axis");
   // What is round about the axis stays there.
   bool const in_plane = draft.geometry() == Geometry::axisymmetric2d && (word == "box" || word == "polygon");
   if (draft.geometry() == Geometry::cartesian3d || draft.geometry() == Geometry::planar2d || in_plane)
     allowed.emplace_back("rotate");
+  if (word != "half_space") allowed.emplace_back("scale");
+  allowed.emplace_back("translate");
   bool sound = true;
   for (std::string const key : keys_of_place) {
     if (!section.given(key) || std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
@@ -347,9 +349,20 @@ std::optional<shape::Shape> build_upright_shape(Draft const& draft, Section cons
 }  // namespace
 
 std::optional<shape::Shape> build_shape(Draft const& draft, Section const& section, Use use,
-                                        std::optional<double> volume_asked) {
+                                        std::optional<double> volume_asked, shape::Motion const& whole) {
   auto const upright = build_upright_shape(draft, section, use, volume_asked);
-  return upright ? rotated(draft, section, *upright) : std::nullopt;
+  if (!upright) return std::nullopt;
+  std::string const word = section.text("shape").value_or(possible_shapes(draft, use).front());
+  if (volume_asked && section.given("scale") && !is_drawn(word)) {
+    draft.error(section, "scale",
+                fmt::format("{} is given together with a mass, which gives the size: remove one of the two",
+                            section.shown("scale")));
+    return std::nullopt;
+  }
+  auto const there = moved(draft, section, word, *upright, whole);
+  if (!there) return std::nullopt;
+  auto const* half = std::get_if<shape::HalfSpace>(&*there);
+  return half != nullptr ? bounded(draft, *half) : *there;
 }
 
 }  // namespace brisance::deck

@@ -1,6 +1,7 @@
 /// What the builders of shapes share.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -10,14 +11,26 @@
 
 namespace brisance::deck {
 
-/// Keys of shapes from drawings and files, and that of rotations.
+/// Keys of shapes from drawings and files.
 [[nodiscard]] std::vector<Key> drawn_shape_keys();
 /// Is it one of those shapes?
 [[nodiscard]] bool is_drawn(std::string_view word);
 [[nodiscard]] std::optional<shape::Shape> build_drawn_shape(Draft const& draft, Section const& section,
                                                             std::string_view word, Vec3 const& position);
-/// The shape after the rotations that the section gives.
-[[nodiscard]] std::optional<shape::Shape> rotated(Draft const& draft, Section const& section, shape::Shape shape);
+/// The half-space within a box around the domain, so that other shapes can be looked for in it.
+[[nodiscard]] shape::Shape bounded(Draft const& draft, shape::HalfSpace const& half);
+
+/// What moves a shape, in the order in which it does.
+inline constexpr std::array motion_words{"scale", "rotate", "translate"};
+[[nodiscard]] std::vector<Key> motion_keys();
+/// The key that moves a shape with all its parts.
+[[nodiscard]] Key whole_key();
+/// The motion by that key, none without it.
+[[nodiscard]] std::optional<shape::Motion> whole_motion(Draft const& draft, Section const& section);
+/// The shape after its own motion, then that of all of the shape that it belongs to. What is round about an axis of the
+/// geometry must stay so.
+[[nodiscard]] std::optional<shape::Shape> moved(Draft const& draft, Section const& section, std::string_view word,
+                                                shape::Shape const& shape, shape::Motion const& whole);
 /// The side that `normal` gives, a unit vector along an axis of the grid: z, or y in 2D, without one.
 [[nodiscard]] std::optional<Vec3> grid_normal(Draft const& draft, Section const& section);
 

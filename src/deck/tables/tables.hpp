@@ -99,10 +99,12 @@ enum class Use {
   particles,  ///< body or place among material points
 };
 
-/// One shape of a table. A charge may leave its size to `volume_asked` [m3].
+/// One shape of a table, where its own motion and then that of the whole shape that it is a part of take it. A charge
+/// may leave its size to `volume_asked` [m3].
 [[nodiscard]] std::optional<shape::Shape> build_shape(Draft const& draft, Section const& section, Use use,
-                                                      std::optional<double> volume_asked);
-/// The shape of a body or of a place among material points: with `add`, `cut` and `common`.
+                                                      std::optional<double> volume_asked,
+                                                      shape::Motion const& whole = {});
+/// The shape of a body or of a place among material points: with `add`, `cut`, `common` and `whole`.
 [[nodiscard]] std::optional<shape::Shape> build_composed_shape(Draft const& draft, Section const& section);
 
 // --- run and output
