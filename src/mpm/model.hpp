@@ -113,6 +113,9 @@ struct Filling {
   std::vector<Vec3> positions;  ///< [m]
   std::vector<double> volumes;  ///< [m3], in the convention of `Domain::cell_volume`
   Vec3 velocity{0.0, 0.0, 0.0};
+  std::vector<Vec3> velocities;  ///< of each position, in its place; empty: all have the same
+  /// Velocity gradient at each position, row by row, which particles of APIC take [1/s]; empty: none.
+  std::vector<std::array<double, 9>> gradients;
   /// State that differs from the solid's own.
   std::optional<double> density;          ///< [kg/m3]
   std::optional<double> specific_energy;  ///< [J/kg]

@@ -224,9 +224,14 @@ void Mpm::fill(int body, Filling const& filling) {
     int const q = set.append();
     for (int d = 0; d < 3; ++d) {
       set.field(Field::position_x + d)[q] = x[d];
-      set.field(Field::velocity_x + d)[q] = b.rigid_velocity ? (*b.rigid_velocity)[d] : filling.velocity[d];
+      Vec3 const& v = filling.velocities.empty() ? filling.velocity : filling.velocities[n];
+      set.field(Field::velocity_x + d)[q] = b.rigid_velocity ? (*b.rigid_velocity)[d] : v[d];
       if (double* origin = set.field(Field::origin_x + d)) origin[q] = x[d];
       if (double* half = set.field(Field::half_x + d)) half[q] = 0.5 * block.h() / b.particles_per_direction;
+    }
+    for (int k = 0; k < 9 && !filling.gradients.empty(); ++k) {
+      if (double* affine = set.field(Field::affine_xx + k))
+        affine[q] = filling.gradients[n][static_cast<std::size_t>(k)];
     }
     set.field(Field::mass)[q] = density * filling.volumes[n];
     set.field(Field::density)[q] = density;

@@ -8,6 +8,7 @@
 #include "detonation/charge.hpp"
 #include "run/products.hpp"
 #include "run/system.hpp"
+#include "setup/velocity_field.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::setup {
@@ -60,6 +61,14 @@ void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::B
     filling.positions = std::move(placement.positions);
     filling.volumes = std::move(placement.volumes);
     filling.velocity = b.velocity;
+    if (b.motion.any()) {
+      VelocityField field(b.velocity, b.motion);
+      double const step = 0.5 * w.setup.domain.smallest_cell() / b.particles_per_direction;
+      for (Vec3 const& x : filling.positions) {
+        filling.velocities.push_back(field(x));
+        filling.gradients.push_back(field.gradient(x, step, w.setup.domain.dimensions()));
+      }
+    }
     filling.density = b.density;
     filling.specific_energy = b.specific_energy;
     w.particles->fill(number, filling);

@@ -22,7 +22,6 @@ Settings<run::Body> const& settings() {
        typed(Type::integer, "points_per_cell", "1", 1, 8)
            .like("2")
            .means("Initial number of material points per cell and direction: 2 gives 8 per cell in 3D")},
-      velocity().note("at rest").means("Initial velocity"),
       {&B::rigid, typed(Type::boolean, "rigid")
                       .like("true")
                       .means("The body keeps its velocity regardless of contacts and loads")},
@@ -58,6 +57,7 @@ Table const& body_table() {
         {},
         {}};
     t.keys = joined(t.keys, composed_shape_keys());
+    t.keys = joined(t.keys, initial_velocity_keys("at rest"));
     t.keys = joined(t.keys, settings().keys());
     return t;
   }();
@@ -196,12 +196,13 @@ void body(Draft& draft, Section const& section, std::size_t index) {
       draft.body_shapes[index] = shape;
   }
   bool sound = shape.has_value();
-  if (section.given("velocity")) {
-    auto const velocity = draft.point(section, "velocity");
-    sound = sound && velocity;
-    if (velocity) body.velocity = *velocity;
-  }
+  sound = build_initial_velocity(draft, section, shape ? &*shape : nullptr, body.velocity, body.motion) && sound;
   settings().read(section, body);
+  if (body.rigid && body.motion.any()) {
+    draft.error(section, section.given("spin") ? "spin" : "velocity",
+                "a rigid body keeps one velocity in all its points: write a constant velocity, or remove rigid");
+    sound = false;
+  }
   sound = body_material(draft, section, shape ? &*shape : nullptr, body) && sound;
   if (sound) draft.out.particles.bodies.push_back(std::move(body));
 }
@@ -323,7 +324,7 @@ bool particles_move(Draft const& draft) {
   for (auto const& c : p.constraints) moving = moving || moves(c.velocity);
   for (run::Body const& b : p.bodies) {
     material::Material const start = as_it_starts(b);
-    moving = moving || moves(b.velocity) || start.burns() || material::start_pressure(start) != 0.0;
+    moving = moving || b.moves() || start.burns() || material::start_pressure(start) != 0.0;
     if (start.burns() && p.options.order == mpm::StressOrder::usf) {
       draft.report.warning(
           draft.deck.place_of("points"), "points.stress_order",

@@ -38,6 +38,11 @@ void build_ambient(Draft& draft);
 [[nodiscard]] std::optional<material::Primitive> fluid_state(Draft const& draft, Section const& section,
                                                              material::Fluid const& of, material::Primitive defaults,
                                                              std::string_view blamed);
+/// Keys of the velocity at the start; without them it is `otherwise`.
+[[nodiscard]] std::vector<Key> initial_velocity_keys(std::string const& otherwise);
+/// The velocity at the start within a shape, if that is known; false after an error.
+bool build_initial_velocity(Draft const& draft, Section const& section, shape::Shape const* shape, Vec3& velocity,
+                            run::InitialMotion& motion);
 [[nodiscard]] Table const& charge_table();
 void build_charges(Draft& draft);
 [[nodiscard]] Table const& initiation_table();
