@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,6 +64,9 @@ struct Options {
   std::array<std::optional<double>, 6> ends{};
   /// Coulomb's coefficient between bodies and faces of the domain that are a `wall`.
   double wall_friction = 0.0;
+  /// Rate at which bodies with `Body::damped` lose velocity, v' = -damping v [1/s], until `damping_end` [s].
+  double damping = 0.0;
+  double damping_end = std::numeric_limits<double>::infinity();
   int block_cells = 0;  ///< cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D
 
   static constexpr double usual_courant = 0.4;
@@ -75,6 +79,7 @@ struct Body {
   int particles_per_direction = 2;  ///< per cell: gives GIMP particles their size
   /// Set for a rigid body: its velocity, which nothing changes [m/s].
   std::optional<Vec3> rigid_velocity;
+  bool damped = false;  ///< see `Options::damping`
   /// How the velocity of this body's particles follows the nodes; absent: as `Options` says.
   std::optional<Transfer> transfer;
   /// When this body's stress is updated, if not as `Options` says: musl or usl, where that is one of the two.

@@ -207,6 +207,7 @@ struct Mpm::Workspace : GridFields {
   std::vector<std::vector<char>> stopped;  ///< block x field, wall by wall: bit k of a node on it: those k cells off
   std::vector<double> work;                ///< per block: of outer forces in this step
   std::vector<Dissipation> dissipation;    ///< per block: in this step
+  std::vector<double> damped;              ///< per block: kinetic energy that damping takes in this step [J]
   std::vector<FloorCount> floored;         ///< likewise
   std::vector<ConductionCount> conducted;  ///< likewise
   std::vector<Vec3> impulse;               ///< per block: of constraints in this step

@@ -161,6 +161,7 @@ json energy_of_particles(run::World const& world, char const* left) {
           {"filtered", json_or_null(energy.dissipated.filtered)},
           {"apic", json_or_null(energy.dissipated.apic)},
           {"friction", json_or_null(energy.dissipated.friction)},
+          {"damping", json_or_null(energy.dissipated.damping)},
           {"lifted", json_or_null(particles.accounts().floored.energy)},
           {"lifted_points", particles.accounts().floored.particles},
           {"conducted", json_or_null(particles.accounts().conducted.moved)},

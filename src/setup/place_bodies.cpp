@@ -34,6 +34,7 @@ void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::B
     body.particles_per_direction = b.particles_per_direction;
     if (b.rigid) body.rigid_velocity = b.velocity;
     body.slips = w.setup.mpm_region && w.setup.mpm_region->slip && !b.rigid && !b.solid.has_deviator();
+    body.damped = !b.rigid && !b.solid.is_gas();
     body.books_work = w.setup.mpm_region || !p.contacts.empty() || p.options.transfer == mpm::Transfer::apic;
     body.courant = w.setup.courant_of(b);
     if (run::products_of(w.setup, b) > 0) calculate_as_gas(*w.setup.mpm_region, body);

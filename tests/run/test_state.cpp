@@ -104,7 +104,8 @@ std::vector<double> bits_of(observe::Watched& world) {
   bits.push_back(world.particles->accounts().outer_work);
   bits.insert(bits.end(),
               {world.particles->accounts().dissipation.constraints, world.particles->accounts().dissipation.filtered,
-               world.particles->accounts().dissipation.apic, world.particles->accounts().dissipation.friction});
+               world.particles->accounts().dissipation.apic, world.particles->accounts().dissipation.friction,
+               world.particles->accounts().dissipation.damping});
   AuditMemory const& memory = world.audit.memory;
   bits.insert(bits.end(),
               {memory.scale, memory.all, memory.drift, memory.content, memory.surplus, memory.gas, memory.unlit});
