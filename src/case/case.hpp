@@ -46,10 +46,10 @@ struct InitialMotion {
 struct InitialState {
   shape::Shape shape;
   Primitive state;
-  InitialMotion motion;
   int fluid = 0;  ///< number of the fluid that fills it, see `Case::other_fluids`
   /// Set when it is filled with an explosive's products or another named fluid.
   std::string fluid_name;
+  InitialMotion motion{};
 };
 
 enum class Detonation { programmed, instantaneous };
@@ -98,6 +98,9 @@ struct Body {
   InitialMotion motion;             ///< beside it
   int particles_per_direction = 2;  ///< per cell
   bool rigid = false;               ///< keeps its velocity, whatever it meets
+  /// Stands at the start under the weight of what is above it, and presses sideways with this fraction of it; absent:
+  /// without stress.
+  std::optional<double> lateral_stress;
   /// Does it move at the start?
   [[nodiscard]] bool moves() const { return dot(velocity, velocity) > 0.0 || motion.any(); }
   /// State at the start where it is not the solid's own: gases.

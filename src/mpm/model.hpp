@@ -124,17 +124,36 @@ struct Filling {
   /// State that differs from the solid's own.
   std::optional<double> density;          ///< [kg/m3]
   std::optional<double> specific_energy;  ///< [J/kg]
+  /// State of each position, in their place: density [kg/m3], specific energy [J/kg], deviator of the stress [Pa];
+  /// empty: all have the same, and no deviator.
+  std::vector<double> densities;
+  std::vector<double> specific_energies;
+  std::vector<std::array<double, 6>> deviators;
   /// Composition, of bodies that mix two fluids.
   double mass_fraction = 0.0;    ///< of the second fluid
   double volume_fraction = 0.0;  ///< of the second fluid
+};
+
+/// Motion over time: linear between the given times. Before the first a velocity holds and a displacement rests, after
+/// the last too, or nothing is prescribed any more.
+struct MotionHistory {
+  std::vector<double> times;   ///< [s], rising
+  std::vector<double> values;  ///< [m/s], or [m]
+  bool displacement = false;   ///< values are displacements, otherwise velocities
+  bool release = false;        ///< after the last time
+
+  /// Way [m] between two times, exactly that of the history.
+  [[nodiscard]] double way(double from, double to) const;
+  [[nodiscard]] bool over(double time) const { return release && time >= times.back(); }
 };
 
 /// Velocity components of the nodes in a part of space are prescribed.
 struct Constraint {
   shape::Shape within;
   std::array<bool, 3> components{true, true, true};
-  Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s] of the constrained components
+  Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s] of the constrained components; with a history its direction, a unit vector
   int body = -1;                 ///< only on the grid field of this body; -1: on all
+  std::optional<MotionHistory> history{};
 };
 
 /// What happens where two bodies touch. Bodies without a contact of their own share the velocity of the grid: they

@@ -68,6 +68,8 @@ void build_bodies(Draft& draft);
 [[nodiscard]] std::optional<int> body_named(Draft const& draft, Section const& section, std::string_view key,
                                             std::string const& name);
 [[nodiscard]] bool is_rigid(Draft const& draft, std::size_t body);
+/// Bodies that start under their weight: it has a direction, and they bear it.
+void check_initial_stress(Draft const& draft);
 /// Gas, or a liquid at the pressure of the air, that nothing holds together.
 void warn_of_fluids_in_empty_space(Draft const& draft);
 /// Do bodies, loads or constraints set something in motion?
