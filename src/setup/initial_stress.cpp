@@ -80,8 +80,11 @@ std::vector<double> const& Overburden::profile(Sequence const& bodies) {
   stress.assign(1, 0.0);
   for (signed char const body : bodies) {
     double s = stress.back();
+    // What hangs above a gap, or is carried by a rigid body, weighs on nothing below.
+    bool const carries = body >= 0 && !setup_->particles.bodies[static_cast<std::size_t>(body)].rigid;
+    if (!carries) s = 0.0;
     // The density of the middle of the sample.
-    if (body >= 0) s += g_ * spacing_ * density(body, s + 0.5 * g_ * spacing_ * density(body, s));
+    if (carries) s += g_ * spacing_ * density(body, s + 0.5 * g_ * spacing_ * density(body, s));
     stress.push_back(s);
   }
   return stress;

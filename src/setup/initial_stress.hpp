@@ -17,7 +17,7 @@ struct GravityState {
 };
 
 /// The weight above places of a case: integrals of rho g along the verticals, from the top of the domain down, over all
-/// bodies, those with `lateral_stress` as dense as their weight makes them.
+/// bodies that stand on each other, those with `lateral_stress` as dense as their weight makes them.
 class Overburden {
  public:
   /// Throws InputError where the body force points along no axis.

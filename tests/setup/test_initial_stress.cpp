@@ -178,6 +178,29 @@ TEST(InitialStress, CountsWhatStandsAbove) {
              [&](mpm::ParticleSet const& set, int q) { EXPECT_NEAR(set.field(Field::pressure)[q], 0.0, 1e-3); });
 }
 
+// Nor does what hangs above a gap, or a rigid body that carries itself, weigh on the layer.
+TEST(InitialStress, DoesNotCountWhatDoesNotStandOnIt) {
+  set_threads(1);
+  Case c = layer(Geometry::planar2d, soil());
+  run::World alone = build(c);
+  Body other;
+  other.name = "other";
+  other.solid = material::elastic_solid(2400.0, 30e9, 0.2);
+  other.shape = shape::Box{{0.0, depth + 0.1, -1.0}, {0.3, depth + 0.3, 1.0}};
+  c.particles.bodies.push_back(other);
+  run::World above = build(c);
+  c.particles.bodies[1].shape = shape::Box{{0.0, depth, -1.0}, {0.3, depth + 0.2, 1.0}};
+  c.particles.bodies[1].rigid = true;
+  run::World rigid = build(c);
+  auto const pressures = [](run::World& world) {
+    std::vector<double> all;
+    for_points(world, 0, [&](mpm::ParticleSet const& set, int q) { all.push_back(set.field(Field::pressure)[q]); });
+    return all;
+  };
+  EXPECT_EQ(pressures(alone), pressures(above));
+  EXPECT_EQ(pressures(alone), pressures(rigid));
+}
+
 TEST(InitialStress, MustBeBorne) {
   material::Material solid = soil();
   auto& strength = std::get<material::DruckerPrager>(solid.strength);

@@ -33,7 +33,8 @@ Settings<run::Body> const& settings() {
       word("initial_stress", {"none", "gravity"})
           .of("none")
           .like("\"gravity\"")
-          .means("`gravity`: the body starts in the stress that the weight of everything above it causes, its own "
+          .means("`gravity`: the body starts in the stress that the weight of everything that stands on it causes, its "
+                 "own "
                  "included, compressed accordingly. `[points] body_force` must point along an axis"),
       number("K0", "1", 0.0, 10.0)
           .note("nu/(1 - nu); 1 for fluids")
