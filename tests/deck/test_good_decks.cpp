@@ -486,7 +486,7 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_FALSE(inside(0.75, 0.101, -0.16));  // of the ball, below the limit
 
   EXPECT_EQ(p.bodies[0].lateral_stress, 1.0);
-  EXPECT_EQ(p.bodies[0].motion.spin, (Vec3{0.0, 0.0, 1.0}));
+  EXPECT_EQ(p.bodies[0].motion.spin, (Vec3{0.0, 1.0, 0.0}));
   EXPECT_EQ(p.bodies[0].motion.centre, (Vec3{0.75, 0.0, 0.0}));
   EXPECT_TRUE(p.bodies[1].rigid);
   EXPECT_EQ(p.bodies[1].solid.name, "4340-steel");

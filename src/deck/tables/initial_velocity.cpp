@@ -16,7 +16,7 @@ namespace {
 
 constexpr double fastest = 1e5;      ///< [m/s]
 constexpr double most_places = 1e6;  ///< at which a velocity is checked
-constexpr double at_axis = 1e-9;     ///< fraction of the largest speed that is round-off
+constexpr double round_off = 1e-9;   ///< fraction of the largest speed that is round-off
 
 }  // namespace
 
@@ -80,40 +80,54 @@ bool build_spin(Draft const& draft, Section const& section, shape::Shape const& 
   return centre.has_value();
 }
 
-/// Calls visit(x) for places all over the part of the shape in the domain, and on the axis, until it returns false.
+/// Calls visit(x, face) for places all over the part of the shape in the domain, with face -1, and on the axis and the
+/// symmetry planes, with the number of the face, until it returns false.
 template <class Visit>
 void for_places(Draft const& draft, shape::Shape const& shape, Visit visit) {
   grid::Domain const& domain = draft.out.domain;
   shape::CellRange const range = shape::cells_around(shape, domain);
   double const count = static_cast<double>(range.count());
   int const stride = count <= most_places ? 1 : static_cast<int>(std::ceil(std::cbrt(count / most_places)));
-  for (int k = range.lower[2]; k < range.upper[2]; k += stride) {
-    for (int j = range.lower[1]; j < range.upper[1]; j += stride) {
-      for (int i = range.lower[0]; i < range.upper[0]; i += stride) {
-        Vec3 x = domain.centre({i, j, k});
+  bool goes_on = true;
+  auto const look = [&](Vec3 const& x, int face) {
+    goes_on = goes_on && (!shape::contains(shape, domain, x) || visit(x, face));
+  };
+  for (int k = range.lower[2]; goes_on && k < range.upper[2]; k += stride) {
+    for (int j = range.lower[1]; goes_on && j < range.upper[1]; j += stride) {
+      for (int i = range.lower[0]; goes_on && i < range.upper[0]; i += stride) {
+        Index3 const cell{i, j, k};
+        Vec3 x = domain.centre(cell);
         for (int d = draft.dims(); d < 3; ++d) x[d] = 0.0;
-        Vec3 const axis{0.0, x[1], x[2]};
-        if (shape::contains(shape, domain, x) && !visit(x)) return;
-        if (i == 0 && domain.is_axis(0) && shape::contains(shape, domain, axis) && !visit(axis)) return;
+        look(x, -1);
+        for (int f = 0; f < 2 * draft.dims(); ++f) {
+          int const d = f / 2;
+          bool const beside = cell[d] == (f % 2 == 0 ? 0 : domain.cells[d] - 1);
+          if (!beside || domain.boundary[f] != Boundary::symmetry) continue;
+          Vec3 on = x;
+          on[d] = f % 2 == 0 ? domain.lower[d] : domain.upper(d);
+          look(on, f);
+        }
       }
     }
   }
 }
 
-/// Reports where the velocity is none, or leaves the axis.
+/// Reports where the velocity is none, or leaves the axis or a symmetry plane.
 bool is_sound(Draft const& draft, Section const& section, shape::Shape const& shape, Vec3 const& velocity,
               run::InitialMotion const& motion) {
   std::string_view const key = section.given("velocity") ? "velocity" : "spin";
   setup::VelocityField field(velocity, motion);
   double largest = 0.0;
   double across = 0.0;
+  int face = -1;
   Vec3 where{0.0, 0.0, 0.0};
   bool sound = true;
-  for_places(draft, shape, [&](Vec3 const& x) {
+  for_places(draft, shape, [&](Vec3 const& x, int at_face) {
     Vec3 const v = field.unchecked(x);
     double const speed = norm(v);
-    if (x[0] == 0.0 && draft.out.domain.is_axis(0) && std::abs(v[0]) > across) {
-      across = std::abs(v[0]);
+    if (at_face >= 0 && std::abs(v[at_face / 2]) > across) {
+      across = std::abs(v[at_face / 2]);
+      face = at_face;
       where = x;
     }
     largest = std::max(largest, speed);
@@ -128,12 +142,13 @@ bool is_sound(Draft const& draft, Section const& section, shape::Shape const& sh
     sound = false;
     return false;
   });
-  if (!sound || !(across > at_axis * largest)) return sound;
-  draft.error(
-      section, key,
-      fmt::format("{} = {} is {:.6g} m/s along x, the radius, on the axis at {} m, where it must vanish: write, "
-                  "for example, \"100*x\"",
-                  key, section.shown(key), across, point_text(where, draft.dims())));
+  if (!sound || !(across > round_off * largest)) return sound;
+  bool const axis = draft.out.domain.is_axis(face);
+  draft.error(section, key,
+              fmt::format("{} = {} is {:.6g} m/s along {} at {} m, on {}, where it must vanish{}", key,
+                          section.shown(key), across, directions[face / 2], point_text(where, draft.dims()),
+                          axis ? std::string("the axis") : fmt::format("the symmetry plane {}", grid::face_names[face]),
+                          axis ? ": write, for example, \"100*x\"" : ": change it, or choose another boundary"));
   return false;
 }
 
@@ -164,7 +179,8 @@ bool build_initial_velocity(Draft const& draft, Section const& section, shape::S
   }
   if (shape == nullptr) return !section.given("spin");
   if (!build_spin(draft, section, *shape, motion)) return false;
-  return !motion.any() || !draft.domain_known || is_sound(draft, section, *shape, velocity, motion);
+  return !motion.any() || !draft.domain_known || !draft.boundaries_known ||
+         is_sound(draft, section, *shape, velocity, motion);
 }
 
 }  // namespace brisance::deck
