@@ -297,13 +297,13 @@ def dissipation_words(energy):
     """Kinetic energy that the particles lost and that is counted."""
     held, filtered = energy.get("lost_at_constrained_nodes") or 0.0, energy.get("filtered") or 0.0
     friction, apic = energy.get("friction") or 0.0, energy.get("apic") or 0.0
-    lifted = energy.get("lifted") or 0.0
-    if not any((held, filtered, apic, friction, lifted)):
+    lifted, damping = energy.get("lifted") or 0.0, energy.get("damping") or 0.0
+    if not any((held, filtered, apic, friction, damping, lifted)):
         return ""
     return ("Kinetic energy dissipated by the particles: "
             f"{number(held, 3)} J at constrained nodes (a plastic impact), {number(filtered, 3)} J by PIC and XPIC, "
-            f"{number(apic, 3)} J by APIC and {number(friction, 3)} J by contact friction. It is accounted for and not "
-            "part of the drift. "
+            f"{number(apic, 3)} J by APIC, {number(friction, 3)} J by contact friction and {number(damping, 3)} J by "
+            "damping. It is accounted for and not part of the drift. "
             + (f"Guards added {number(lifted, 3)} J to gas particles, which is part of the drift. " if lifted else ""))
 
 

@@ -218,16 +218,28 @@ std::string costs_text(run::Case const& setup, session::Plan const& p) {
   return out;
 }
 
+/// How a body moves at the start.
+std::string motion_text(run::Body const& body) {
+  auto const& [spin, centre, expressions] = body.motion;
+  Vec3 const& v = body.velocity;
+  std::string out;
+  if (!expressions.empty()) {
+    out += fmt::format(", ({}) m/s", fmt::join(expressions, ", "));
+  } else if (norm(v) > 0.0) {
+    out += fmt::format(", ({:g}, {:g}, {:g}) m/s", v[0], v[1], v[2]);
+  }
+  if (norm(spin) > 0.0) out += fmt::format(", spin ({:g}, {:g}, {:g}) rad/s", spin[0], spin[1], spin[2]);
+  return out;
+}
+
 std::string bodies_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     auto const& b = p.bodies[n];
     auto const& body = setup.particles.bodies[n];
-    auto const& v = body.velocity;
     out += line("body", fmt::format("{}: {}, {} particles, {} per cell and direction{}{}", b.name, b.material,
                                     large_count(static_cast<double>(b.particles)), body.particles_per_direction,
-                                    norm(v) > 0.0 ? fmt::format(", ({:g}, {:g}, {:g}) m/s", v[0], v[1], v[2]) : "",
-                                    body.rigid ? ", rigid" : ""));
+                                    motion_text(body), body.rigid ? ", rigid" : ""));
     if (std::isfinite(b.mass))
       out += line("", fmt::format("mass of the particles {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}; "
                                   "volume {:.6g} and {:.6g} m3",

@@ -127,12 +127,13 @@ void print_broken_zones(run::World const& world) {
 
 /// Kinetic energy that the particles lost, where it is known.
 void print_dissipation(run::EnergyBalance const& energy) {
-  auto const& [constraints, filtered, apic, friction] = energy.dissipated;
-  if (constraints == 0.0 && filtered == 0.0 && apic == 0.0 && friction == 0.0) return;
+  auto const& [constraints, filtered, apic, friction, damping] = energy.dissipated;
+  if (constraints == 0.0 && filtered == 0.0 && apic == 0.0 && friction == 0.0 && damping == 0.0) return;
   print(stdout,
         "kinetic energy dissipated and accounted for: {} at constrained nodes, {} by PIC and XPIC, {} by APIC, {} by "
-        "contact friction; {:.2g} % of the reference energy\n",
+        "contact friction{}; {:.2g} % of the reference energy\n",
         quantity(constraints, "J"), quantity(filtered, "J"), quantity(apic, "J"), quantity(friction, "J"),
+        damping != 0.0 ? fmt::format(", {} by damping", quantity(damping, "J")) : "",
         energy.scale > 0.0 ? 100.0 * energy.dissipated.sum() / energy.scale : 0.0);
 }
 

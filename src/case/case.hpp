@@ -30,6 +30,17 @@ struct Ambient {
   Primitive state;
 };
 
+/// Velocity at the start that varies with the place, beside a constant one.
+struct InitialMotion {
+  Vec3 spin{0.0, 0.0, 0.0};    ///< angular velocity [rad/s]
+  Vec3 centre{0.0, 0.0, 0.0};  ///< that it turns about [m]
+  /// Components of the velocity [m/s] as functions of x, y, z [m], one for each resolved direction, in the place of the
+  /// constant one; empty: none.
+  std::vector<std::string> expressions;
+
+  [[nodiscard]] bool any() const { return !expressions.empty() || dot(spin, spin) > 0.0; }
+};
+
 /// A part of the domain with another state, and optionally another fluid, at the start. Later ones overwrite
 /// earlier ones.
 struct InitialState {
@@ -38,6 +49,7 @@ struct InitialState {
   int fluid = 0;  ///< number of the fluid that fills it, see `Case::other_fluids`
   /// Set when it is filled with an explosive's products or another named fluid.
   std::string fluid_name;
+  InitialMotion motion{};
 };
 
 enum class Detonation { programmed, instantaneous };
@@ -83,8 +95,14 @@ struct Body {
   material::Material solid;
   shape::Shape shape;
   Vec3 velocity{0.0, 0.0, 0.0};     ///< at the start [m/s]
+  InitialMotion motion;             ///< beside it
   int particles_per_direction = 2;  ///< per cell
   bool rigid = false;               ///< keeps its velocity, whatever it meets
+  /// Stands at the start under the weight of what is above it, and presses sideways with this fraction of it; absent:
+  /// without stress.
+  std::optional<double> lateral_stress;
+  /// Does it move at the start?
+  [[nodiscard]] bool moves() const { return dot(velocity, velocity) > 0.0 || motion.any(); }
   /// State at the start where it is not the solid's own: gases.
   std::optional<double> density;            ///< [kg/m3]
   std::optional<double> specific_energy;    ///< [J/kg]

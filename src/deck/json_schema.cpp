@@ -71,6 +71,11 @@ Json quantity(Key const& key) {
   return {{"anyOf", {ranged({{"type", "number"}}, key), {{"type", "string"}, {"pattern", quantity_pattern}}}}};
 }
 
+/// Only the program knows what is an expression.
+Json quantity_or_expression(Key const& key) {
+  return {{"anyOf", {ranged({{"type", "number"}}, key), {{"type", "string"}}}}};
+}
+
 Json words(Key const& key) { return {{"enum", key.choices}}; }
 
 Json Definitions::value(Key const& key, std::string const& path) {
@@ -90,11 +95,12 @@ Json Definitions::value(Key const& key, std::string const& path) {
       vector["minItems"] = vector["maxItems"] = 3;
       return {{"anyOf", {words(key), std::move(vector)}}};
     }
-    case Type::point: {
-      Json point = list_of(quantity(key));
+    case Type::point:
+    case Type::field: {
+      Json point = list_of(key.type == Type::field ? quantity_or_expression(key) : quantity(key));
       point["minItems"] = 1;
       point["maxItems"] = 3;
-      Json out = quantity(key);
+      Json out = key.type == Type::field ? quantity_or_expression(key) : quantity(key);
       out["anyOf"].push_back(std::move(point));
       return out;
     }

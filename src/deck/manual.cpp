@@ -24,6 +24,7 @@ std::string type_text(Key const& key) {
     case Type::numbers: return "list of quantities";
     case Type::integers: return "list of whole numbers";
     case Type::point: return "point";
+    case Type::field: return "point or expressions";
     case Type::pairs: return "list of pairs";
     case Type::table: return key.choices.empty() ? "table" : "table or word";
     case Type::tables: return "list of tables";
@@ -39,7 +40,8 @@ std::string allowed_text(Key const& key) {
     case Type::numbers:
     case Type::integers:
     case Type::pairs:
-    case Type::point: return range_text(key);
+    case Type::point:
+    case Type::field: return range_text(key);
     case Type::word:
     case Type::axis:
     case Type::words: return fmt::format("`{}`", fmt::join(key.choices, "`, `"));

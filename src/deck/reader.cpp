@@ -246,6 +246,13 @@ class Walker : Values {
         });
         break;
       case Type::point: point(out, key, node, path); break;
+      case Type::field:
+        if (has_expressions(key, node)) {
+          accept(out, expressions(key, node, path, place));
+        } else {
+          point(out, key, node, path);
+        }
+        break;
       case Type::pairs:
         if (auto const* array = list(key, node, path, place)) accept(out, pairs(key, *array, path, place));
         break;

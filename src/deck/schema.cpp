@@ -78,8 +78,8 @@ std::string suggestion(std::string_view word_, std::vector<std::string> const& n
 }
 
 bool has_range(Key const& key) {
-  return key.type == Type::number || key.type == Type::integer || key.type == Type::point || key.type == Type::pairs ||
-         key.type == Type::numbers || key.type == Type::integers;
+  return key.type == Type::number || key.type == Type::integer || key.type == Type::point || key.type == Type::field ||
+         key.type == Type::pairs || key.type == Type::numbers || key.type == Type::integers;
 }
 
 std::string range_text(Key const& key) {
@@ -117,6 +117,9 @@ std::string expectation(Key const& key) {
     case Type::numbers: return fmt::format("a list, each element {}", quantity);
     case Type::integers: return "a list of integers";
     case Type::point: return fmt::format("a list with one element per resolved direction, each {}", quantity);
+    case Type::field:
+      return fmt::format(
+          "a list with one element per resolved direction, each {} or an expression of x, y and z in quotes", quantity);
     case Type::pairs: return fmt::format("a list of pairs such as [1, 2], each element {}", quantity);
     case Type::table: return key.choices.empty() ? "a table" : quoted_list(key.choices) + " or a table";
     case Type::tables: return "an array of tables";

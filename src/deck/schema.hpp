@@ -24,6 +24,7 @@ enum class Type {
   numbers,   ///< list of quantities
   integers,  ///< list of whole numbers
   point,     ///< one quantity per resolved direction
+  field,     ///< like a point; each element may be an expression of x, y, z; read as texts where one is
   pairs,     ///< list of lists of two quantities; read as all of them in a row
   table,     ///< one table, or one of a closed list of words
   tables,    ///< array of tables

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/error.hpp"
+#include "core/expression.hpp"
 #include "core/units.hpp"
 
 namespace brisance::deck {
@@ -144,6 +146,58 @@ std::optional<double> Values::quantity(Key const& key, toml::node const& node, s
   }
   if (!in_range(key, node, value, path, place)) return std::nullopt;
   return value;
+}
+
+namespace {
+
+bool is_expression(Key const& key, toml::node const& node) {
+  auto const* text = node.as_string();
+  return text != nullptr && !units::parse(text->get(), key.unit).value;
+}
+
+}  // namespace
+
+bool Values::has_expressions(Key const& key, toml::node const& node) {
+  auto const* array = node.as_array();
+  if (array == nullptr) return is_expression(key, node);
+  return array->size() <= 3 &&
+         std::any_of(array->begin(), array->end(), [&](toml::node const& e) { return is_expression(key, e); });
+}
+
+std::optional<std::vector<std::string>> Values::expressions(Key const& key, toml::node const& node,
+                                                            std::string const& path, Place place) {
+  std::vector<std::string> out;
+  bool sound = true;
+  auto const add = [&](toml::node const& element) {
+    auto const text = expression(key, element, path, place_in(element.source(), place));
+    sound = sound && text;
+    if (text) out.push_back(*text);
+  };
+  if (auto const* array = node.as_array()) {
+    for (auto const& element : *array) add(element);
+  } else {
+    add(node);
+  }
+  return sound ? std::optional(out) : std::nullopt;
+}
+
+std::optional<std::string> Values::expression(Key const& key, toml::node const& node, std::string const& path,
+                                              Place place) {
+  if (!is_expression(key, node)) {
+    auto const value = quantity(key, node, path, place);
+    return value ? std::optional(fmt::format("{}", *value)) : std::nullopt;
+  }
+  std::string const& text = node.as_string()->get();
+  try {
+    Expression const read(text);
+    return text;
+  } catch (InputError const& problem) {
+    report_.error(
+        place, path,
+        fmt::format("{} is neither {} in {} nor an expression of x, y and z: {}; write, for example, {}", show(node),
+                    units::dimension(key.unit), key.unit, shortened(problem.what(), 200), example(key)));
+    return std::nullopt;
+  }
 }
 
 std::optional<std::vector<double>> Values::pairs(Key const& key, toml::array const& array, std::string const& path,

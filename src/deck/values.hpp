@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "deck/reader.hpp"
 
@@ -40,11 +41,17 @@ class Values {
   /// Pairs of quantities, one behind the other.
   std::optional<std::vector<double>> pairs(Key const& key, toml::array const& array, std::string const& path,
                                            Place place);
+  /// Is it, or has it an element that is, a text but no quantity with a unit?
+  [[nodiscard]] static bool has_expressions(Key const& key, toml::node const& node);
+  /// Up to three expressions of x, y, z, or quantities as texts.
+  std::optional<std::vector<std::string>> expressions(Key const& key, toml::node const& node, std::string const& path,
+                                                      Place place);
   std::optional<long> whole(Key const& key, toml::node const& node, std::string const& path, Place place);
   /// One of the key's choices.
   std::optional<std::string> one_of(Key const& key, toml::node const& node, std::string const& path, Place place);
 
  private:
+  std::optional<std::string> expression(Key const& key, toml::node const& node, std::string const& path, Place place);
   /// A string with a number and a unit: the key's or one of the further ones.
   std::optional<double> with_unit(Key const& key, std::string const& text, std::string const& path, Place place,
                                   std::string* unit);

@@ -47,13 +47,15 @@ struct Dissipation {
   double filtered = 0.0;  ///< by the fraction of PIC, and by XPIC
   double apic = 0.0;      ///< by APIC in bodies whose heat it is not: solids, and fluids without B-splines
   double friction = 0.0;  ///< to the friction of contacts; it heats nothing
+  double damping = 0.0;   ///< by `Options::damping`
 
-  [[nodiscard]] double sum() const { return constraints + filtered + apic + friction; }
+  [[nodiscard]] double sum() const { return constraints + filtered + apic + friction + damping; }
   Dissipation& operator+=(Dissipation const& more) {
     constraints += more.constraints;
     filtered += more.filtered;
     apic += more.apic;
     friction += more.friction;
+    damping += more.damping;
     return *this;
   }
 };

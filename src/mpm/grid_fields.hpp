@@ -27,6 +27,7 @@ struct ConstrainedNode {
   int field = -1;  ///< grid field; -1: all
   std::array<bool, 3> components{true, true, true};
   Vec3 velocity{0.0, 0.0, 0.0};
+  int driver = -1;  ///< number of the history that the velocity follows; -1: none
 };
 
 /// Bodies with a contact and rigid bodies have grid fields of their own, fluids that slip have one in common; all

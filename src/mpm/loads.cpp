@@ -15,12 +15,11 @@ namespace {
 
 double amplitude(ActiveLoad const& load, double time) {
   if (time < load.times.front() || time > load.times.back()) return 0.0;
-  for (std::size_t n = 1; n < load.times.size(); ++n) {
-    if (time > load.times[n]) continue;
-    double const s = (time - load.times[n - 1]) / (load.times[n] - load.times[n - 1]);
-    return (1.0 - s) * load.pressures[n - 1] + s * load.pressures[n];
-  }
-  return load.pressures.back();
+  if (load.times.size() == 1) return load.pressures.back();
+  auto const next = std::lower_bound(load.times.begin() + 1, load.times.end(), time);
+  auto const n = static_cast<std::size_t>(next - load.times.begin());
+  double const s = (time - load.times[n - 1]) / (load.times[n] - load.times[n - 1]);
+  return (1.0 - s) * load.pressures[n - 1] + s * load.pressures[n];
 }
 
 /// The particles of a body by the cells of the grid, to find those around a place.

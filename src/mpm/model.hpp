@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,6 +64,9 @@ struct Options {
   std::array<std::optional<double>, 6> ends{};
   /// Coulomb's coefficient between bodies and faces of the domain that are a `wall`.
   double wall_friction = 0.0;
+  /// Rate at which bodies with `Body::damped` lose velocity, v' = -damping v [1/s], until `damping_end` [s].
+  double damping = 0.0;
+  double damping_end = std::numeric_limits<double>::infinity();
   int block_cells = 0;  ///< cells per block and direction; 0: 8 in 3D, 32 in 2D, 256 in 1D
 
   static constexpr double usual_courant = 0.4;
@@ -75,6 +79,7 @@ struct Body {
   int particles_per_direction = 2;  ///< per cell: gives GIMP particles their size
   /// Set for a rigid body: its velocity, which nothing changes [m/s].
   std::optional<Vec3> rigid_velocity;
+  bool damped = false;  ///< see `Options::damping`
   /// How the velocity of this body's particles follows the nodes; absent: as `Options` says.
   std::optional<Transfer> transfer;
   /// When this body's stress is updated, if not as `Options` says: musl or usl, where that is one of the two.
@@ -113,20 +118,42 @@ struct Filling {
   std::vector<Vec3> positions;  ///< [m]
   std::vector<double> volumes;  ///< [m3], in the convention of `Domain::cell_volume`
   Vec3 velocity{0.0, 0.0, 0.0};
+  std::vector<Vec3> velocities;  ///< of each position, in its place; empty: all have the same
+  /// Velocity gradient at each position, row by row, which particles of APIC take [1/s]; empty: none.
+  std::vector<std::array<double, 9>> gradients;
   /// State that differs from the solid's own.
   std::optional<double> density;          ///< [kg/m3]
   std::optional<double> specific_energy;  ///< [J/kg]
+  /// State of each position, in their place: density [kg/m3], specific energy [J/kg], deviator of the stress [Pa];
+  /// empty: all have the same, and no deviator.
+  std::vector<double> densities;
+  std::vector<double> specific_energies;
+  std::vector<std::array<double, 6>> deviators;
   /// Composition, of bodies that mix two fluids.
   double mass_fraction = 0.0;    ///< of the second fluid
   double volume_fraction = 0.0;  ///< of the second fluid
+};
+
+/// Motion over time: linear between the given times. Before the first a velocity holds and a displacement rests, after
+/// the last too, or nothing is prescribed any more.
+struct MotionHistory {
+  std::vector<double> times;   ///< [s], rising
+  std::vector<double> values;  ///< [m/s], or [m]
+  bool displacement = false;   ///< values are displacements, otherwise velocities
+  bool release = false;        ///< after the last time
+
+  /// Way [m] between two times, exactly that of the history.
+  [[nodiscard]] double way(double from, double to) const;
+  [[nodiscard]] bool over(double time) const { return release && time >= times.back(); }
 };
 
 /// Velocity components of the nodes in a part of space are prescribed.
 struct Constraint {
   shape::Shape within;
   std::array<bool, 3> components{true, true, true};
-  Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s] of the constrained components
+  Vec3 velocity{0.0, 0.0, 0.0};  ///< [m/s] of the constrained components; with a history its direction, a unit vector
   int body = -1;                 ///< only on the grid field of this body; -1: on all
+  std::optional<MotionHistory> history{};
 };
 
 /// What happens where two bodies touch. Bodies without a contact of their own share the velocity of the grid: they

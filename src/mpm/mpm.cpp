@@ -96,11 +96,19 @@ void check_composition(Body const& body, Filling const& filling) {
   }
 }
 
+/// Largest compression so far of porous concrete at a density [kg/m3].
+double first_compression(material::Material const& solid, double density) {
+  auto const* eos = std::get_if<material::Compaction>(&solid.eos);
+  return eos == nullptr ? 0.0 : std::max(0.0, density / eos->rho0 - 1.0);
+}
+
 std::vector<ConstrainedNode> constrained_nodes_of(grid::Metric const& cells, Patch const& patch,
                                                   std::vector<Constraint> const& constraints,
                                                   std::vector<int> const& field_of) {
   std::vector<ConstrainedNode> constrained_nodes;
+  int drivers = 0;
   for (Constraint const& c : constraints) {
+    int const driver = c.history ? drivers++ : -1;
     for_each_cell(patch.all(), [&](Index3 const& node) {
       if (!contains_node(c.within, cells, patch.position(node))) return;
       ConstrainedNode constrained;
@@ -108,6 +116,7 @@ std::vector<ConstrainedNode> constrained_nodes_of(grid::Metric const& cells, Pat
       constrained.field = c.body < 0 ? -1 : field_of[c.body];
       constrained.components = c.components;
       constrained.velocity = c.velocity;
+      constrained.driver = driver;
       constrained_nodes.push_back(constrained);
     });
   }
@@ -159,6 +168,9 @@ Mpm::Mpm(grid::Domain const& domain, std::vector<Body> bodies, Options const& op
   static_cast<GridFields&>(w) = make_grid_fields(domain, options_, bodies_, rules_, contacts);
   int const blocks = grid_.block_count();
   w.patches = make_patches(grid_, reach_of(options_.shape));
+  for (Constraint const& c : constraints) {
+    if (c.history) w.drivers.push_back({*c.history, c.velocity});
+  }
   for (int b = 0; b < blocks; ++b) {
     w.constrained_nodes.push_back(
         constrained_nodes_of(grid_.blocks()[b].metric, w.patches[b], constraints, w.field_of));
@@ -206,13 +218,18 @@ void Mpm::fill(int body, Filling const& filling) {
   grid::Domain const& domain = grid_.domain();
   Body const& b = bodies_.at(body);
   material::Material const& solid = b.solid;
-  double const density = filling.density.value_or(solid.density);
-  double const energy = filling.specific_energy.value_or(solid.specific_energy);
+  double density = filling.density.value_or(solid.density);
+  double energy = filling.specific_energy.value_or(solid.specific_energy);
   double const Y = filling.mass_fraction;
   double const alpha = filling.volume_fraction;
   check_composition(b, filling);
-  double const pressure = solid.burns() ? 0.0 : material::pressure(solid, density, energy, Y, alpha);
+  double pressure = solid.burns() ? 0.0 : material::pressure(solid, density, energy, Y, alpha);
   for (std::size_t n = 0; n < filling.positions.size(); ++n) {
+    if (!filling.densities.empty()) {
+      density = filling.densities[n];
+      energy = filling.specific_energies[n];
+      pressure = material::pressure(solid, density, energy, Y, alpha);
+    }
     Vec3 const& x = filling.positions[n];
     for (int d = 0; d < domain.dimensions(); ++d) {
       if (x[d] >= domain.lower[d] && x[d] <= domain.upper(d)) continue;
@@ -224,10 +241,19 @@ void Mpm::fill(int body, Filling const& filling) {
     int const q = set.append();
     for (int d = 0; d < 3; ++d) {
       set.field(Field::position_x + d)[q] = x[d];
-      set.field(Field::velocity_x + d)[q] = b.rigid_velocity ? (*b.rigid_velocity)[d] : filling.velocity[d];
+      Vec3 const& v = filling.velocities.empty() ? filling.velocity : filling.velocities[n];
+      set.field(Field::velocity_x + d)[q] = b.rigid_velocity ? (*b.rigid_velocity)[d] : v[d];
       if (double* origin = set.field(Field::origin_x + d)) origin[q] = x[d];
       if (double* half = set.field(Field::half_x + d)) half[q] = 0.5 * block.h() / b.particles_per_direction;
     }
+    for (int k = 0; k < 9 && !filling.gradients.empty(); ++k) {
+      if (double* affine = set.field(Field::affine_xx + k))
+        affine[q] = filling.gradients[n][static_cast<std::size_t>(k)];
+    }
+    for (int c = 0; c < 6 && !filling.deviators.empty(); ++c) {
+      if (double* s = set.field(Field::deviator_xx + c)) s[q] = filling.deviators[n][static_cast<std::size_t>(c)];
+    }
+    if (double* most = set.field(Field::compression)) most[q] = first_compression(solid, density);
     set.field(Field::mass)[q] = density * filling.volumes[n];
     set.field(Field::density)[q] = density;
     set.field(Field::pressure)[q] = pressure;

@@ -113,6 +113,8 @@ class Mpm {
   void take_proxies();
   void carry(int body, Field first, int components);  ///< further fields, 0 at the start
   void collect_signals();
+  void damp(double dt);
+  void prescribe(double dt);
   void map_to_grid(bool with_mass, bool with_forces);
   void map_set(int block, ParticleSet& set, int body, Mapping const& mapping, Scratch& scratch);
   void map_surroundings(int block, ParticleSet& set, int body, Mapping const& mapping);

@@ -72,7 +72,7 @@ void Mpm::archive(Archive& a) {
   Losses& lost = accounts_.losses;
   Dissipation& dissipated = accounts_.dissipation;
   a(lost.mass, lost.momentum, lost.energy, lost.particles, accounts_.constraint_impulse, accounts_.outer_work);
-  a(dissipated.constraints, dissipated.filtered, dissipated.apic, dissipated.friction);
+  a(dissipated.constraints, dissipated.filtered, dissipated.apic, dissipated.friction, dissipated.damping);
   a(accounts_.floored.energy, accounts_.floored.particles, accounts_.conducted.moved, accounts_.conducted.made);
   a(fastest_, time_, step_);
   a.require(fastest_ >= 0.0 && std::isfinite(time_) && step_ >= 0, "the time of the particles");

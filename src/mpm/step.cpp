@@ -13,6 +13,8 @@ namespace brisance::mpm {
 void Mpm::advance(double dt) {
   take_proxies();
   prepare_scratch();
+  damp(dt);
+  prescribe(dt);
   bool const first = options_.order == StressOrder::usf;
   // Eqs. (18)-(21). Where the stress comes first, what the forces of the old one do tells which nodes walls stop and
   // which bodies close in on each other.

@@ -158,6 +158,13 @@ struct Outbox {
   std::vector<int> destination;  ///< block of each particle
 };
 
+/// A constraint that moves by a history.
+struct Driver {
+  MotionHistory history;
+  Vec3 direction{0.0, 0.0, 0.0};
+  bool released = false;
+};
+
 /// A surface pressure that acts, or several on the same points, at an edge of a body for one.
 struct ActiveLoad {
   /// One of several: its index, and the force per volume of a unit of its pressure [1/m].
@@ -207,12 +214,14 @@ struct Mpm::Workspace : GridFields {
   std::vector<std::vector<char>> stopped;  ///< block x field, wall by wall: bit k of a node on it: those k cells off
   std::vector<double> work;                ///< per block: of outer forces in this step
   std::vector<Dissipation> dissipation;    ///< per block: in this step
+  std::vector<double> damped;              ///< per block: kinetic energy that damping takes in this step [J]
   std::vector<FloorCount> floored;         ///< likewise
   std::vector<ConductionCount> conducted;  ///< likewise
   std::vector<Vec3> impulse;               ///< per block: of constraints in this step
   std::vector<Losses> lost;                ///< per block
   std::vector<std::string> trouble;        ///< per block: what went wrong
   std::vector<ActiveLoad> loads;
+  std::vector<Driver> drivers;
   std::vector<PopulationScratch> population;               ///< per thread
   std::vector<PopulationCount> population_of_block;        ///< in this call
   double mass_floor = std::numeric_limits<double>::min();  ///< nodes below it are empty [kg]

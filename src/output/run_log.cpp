@@ -161,6 +161,7 @@ json energy_of_particles(run::World const& world, char const* left) {
           {"filtered", json_or_null(energy.dissipated.filtered)},
           {"apic", json_or_null(energy.dissipated.apic)},
           {"friction", json_or_null(energy.dissipated.friction)},
+          {"damping", json_or_null(energy.dissipated.damping)},
           {"lifted", json_or_null(particles.accounts().floored.energy)},
           {"lifted_points", particles.accounts().floored.particles},
           {"conducted", json_or_null(particles.accounts().conducted.moved)},
@@ -189,7 +190,10 @@ json particles(run::World const& world, double wall_seconds) {
                       {"geometric_mass", json_or_null(report.geometric_mass)},
                       {"volume", json_or_null(report.mass / density)},
                       {"geometric_volume", json_or_null(report.geometric_mass / density)},
-                      {"velocity", gas ? world.setup.ambient.state.velocity : body->velocity},
+                      {"velocity", gas                                ? json(world.setup.ambient.state.velocity)
+                                   : body->motion.expressions.empty() ? json(body->velocity)
+                                                                      : json(body->motion.expressions)},
+                      {"spin", gas ? Vec3{0.0, 0.0, 0.0} : body->motion.spin},
                       {"rigid", !gas && body->rigid},
                       {"bars", report.bars},
                       {"bar_volume", json_or_null(report.bar_volume)}});

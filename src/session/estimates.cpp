@@ -12,6 +12,7 @@
 #include "mpm/shapes/shapes.hpp"
 #include "observe/gauges.hpp"
 #include "setup/fluids.hpp"
+#include "setup/velocity_field.hpp"
 
 namespace brisance::session {
 
@@ -59,7 +60,7 @@ double signal(material::Eos const& eos, material::Primitive const& state) {
   return speed + material::sound_speed(eos, state.density, state.pressure);
 }
 
-double fastest_signal(run::Body const& body) {
+double fastest_signal(run::Body const& body, grid::Domain const& domain) {
   material::Material const& solid = body.solid;
   double const density = body.density.value_or(solid.density);
   double pressure = material::start_pressure(solid);
@@ -67,7 +68,7 @@ double fastest_signal(run::Body const& body) {
     pressure = material::pressure(solid.eos, density, body.specific_energy.value_or(solid.specific_energy));
   double const sound = body.rigid ? 0.0 : material::sound_speed(solid, density, pressure);
   double const burn = body.initiation.empty() ? 0.0 : solid.detonation_speed;
-  return std::max(sound, burn) + norm(body.velocity);
+  return std::max(sound, burn) + setup::estimated_speed(body, domain);
 }
 
 }  // namespace
@@ -157,7 +158,7 @@ void add_particle_memory(run::Particles const& particles, Plan& p, int dimension
 double estimated_particle_step(run::Case const& setup) {
   double most = 0.0;  // of signal over Courant number
   for (run::Body const& body : setup.particles.bodies)
-    most = std::max(most, fastest_signal(body) / setup.courant_of(body));
+    most = std::max(most, fastest_signal(body, setup.domain) / setup.courant_of(body));
   return setup.domain.smallest_cell() / most;
 }
 

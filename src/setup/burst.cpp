@@ -25,7 +25,7 @@ void check_start(Case const& setup) {
           "an inflow would not begin until the remap: choose another boundary, or remove start = \"remap\"");
   }
   for (Body const& body : setup.particles.bodies) {
-    if (norm(body.velocity) > 0.0 || !body.initiation.empty()) {
+    if (body.moves() || !body.initiation.empty()) {
       throw InputError(
           fmt::format("body \"{}\" would be frozen until the remap: bodies that move or detonate at the start cannot "
                       "be combined with start = \"remap\"",

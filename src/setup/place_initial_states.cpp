@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "setup/fluids.hpp"
 #include "setup/solid_cells.hpp"
+#include "setup/velocity_field.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::setup {
@@ -23,6 +25,40 @@ material::Fluid const& fluid_of(Case const& setup, InitialState const& initial) 
   return other != nullptr ? *other : setup.ambient.fluid;
 }
 
+/// The states of one block, those that move as they are at a place: parsers serve one thread each.
+class MovingStates {
+ public:
+  MovingStates(Case const& setup, std::vector<int> const& moving, gas::Fluids const& fluids,
+               std::vector<gas::Components> const& states)
+      : setup_(&setup), fluids_(&fluids), states_(&states) {
+    for (int const n : moving) {
+      InitialState const& initial = setup.initial_states[static_cast<std::size_t>(n)];
+      fields_.emplace(n, VelocityField(initial.state.velocity, initial.motion));
+    }
+    if (!moving.empty()) here_ = states;
+  }
+
+  std::vector<gas::Components> const& at(std::vector<Share> const& shares, Vec3 const& x) {
+    if (fields_.empty()) return *states_;
+    for (Share const& s : shares) {
+      auto const field = fields_.find(s.shape);
+      if (field == fields_.end()) continue;
+      InitialState const& initial = setup_->initial_states[static_cast<std::size_t>(s.shape)];
+      Primitive state = initial.state;
+      state.velocity = field->second(x);
+      here_[static_cast<std::size_t>(s.shape)] = gas::conserved_of(*fluids_, material::only(initial.fluid, state));
+    }
+    return here_;
+  }
+
+ private:
+  Case const* setup_;
+  gas::Fluids const* fluids_;
+  std::vector<gas::Components> const* states_;
+  std::vector<gas::Components> here_;
+  std::map<int, VelocityField> fields_;
+};
+
 }  // namespace
 
 InitialStatePlacing::InitialStatePlacing(Case const& setup) : setup_(&setup) {
@@ -34,6 +70,8 @@ InitialStatePlacing::InitialStatePlacing(Case const& setup) : setup_(&setup) {
   for (Obstacle const& obstacle : setup.obstacles) all_.push_back(obstacle.shape);
   scales_.assign(shapes_.size(), 1.0);
   placed_.assign(shapes_.size(), 0.0);
+  for (InitialState const& initial : setup.initial_states)
+    kinetic_.push_back(0.5 * initial.state.density * dot(initial.state.velocity, initial.state.velocity));
 }
 
 void InitialStatePlacing::scale(std::vector<Share>& shares) const {
@@ -84,7 +122,29 @@ bool InitialStatePlacing::measure(long most) {
       placed_[static_cast<std::size_t>(s.shape)] += s.fraction * shape::volume_of(r, domain);
     return ++cut <= most;
   });
+  if (cut <= most) measure_motion();
   return cut <= most;
+}
+
+void InitialStatePlacing::measure_motion() {
+  grid::Domain const& domain = setup_->domain;
+  for (std::size_t n = 0; n < shapes_.size(); ++n) {
+    InitialState const& initial = setup_->initial_states[n];
+    if (!initial.motion.any() || !(placed_[n] > 0.0)) continue;
+    VelocityField field(initial.state.velocity, initial.motion);
+    double sum = 0.0;
+    for_each(shape::cells_around(shapes_[n], domain), [&](CellRange const& r, std::vector<Share> const& shares) {
+      for (Share const& s : shares) {
+        if (s.shape != static_cast<int>(n)) continue;
+        grid::for_each_cell(r, [&](Index3 const& index) {
+          Vec3 const v = field(domain.centre(index));
+          sum += s.fraction * domain.cell_volume(index[0]) * dot(v, v);
+        });
+      }
+      return true;
+    });
+    kinetic_[n] = 0.5 * initial.state.density * sum / placed_[n];
+  }
 }
 
 void InitialStatePlacing::fill(gas::Gas& gas) {
@@ -94,21 +154,27 @@ void InitialStatePlacing::fill(gas::Gas& gas) {
   for (InitialState const& initial : setup_->initial_states)
     states.push_back(gas::conserved_of(gas.fluids(), material::only(initial.fluid, initial.state)));
   grid::Grid const& grid = gas.grid();
+  std::vector<int> moving;
+  for (std::size_t n = 0; n < shapes_.size(); ++n) {
+    if (setup_->initial_states[n].motion.any()) moving.push_back(static_cast<int>(n));
+  }
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
+    MovingStates own(*setup_, moving, gas.fluids(), states);
     for_each(block.in_domain(), [&](CellRange const& r, std::vector<Share> const& shares) {
       double rest = 1.0;
       for (Share const& s : shares) rest -= s.fraction;
       grid::for_each_cell(r, [&](Index3 const& index) {
         grid::Cell const cell = grid.locate(index);
+        std::vector<gas::Components> const& here = own.at(shares, block.centre(cell));
         for (int c = 0; c < gas.fields().components(); ++c) {
           double& u = gas.fields().at(b, c)[cell.offset];
           if (shares.size() == 1 && shares.front().fraction >= 1.0) {
-            u = states[static_cast<std::size_t>(shares.front().shape)][c];
+            u = here[static_cast<std::size_t>(shares.front().shape)][c];
             continue;
           }
           double mixed = std::max(rest, 0.0) * u;
-          for (Share const& s : shares) mixed += s.fraction * states[static_cast<std::size_t>(s.shape)][c];
+          for (Share const& s : shares) mixed += s.fraction * here[static_cast<std::size_t>(s.shape)][c];
           u = mixed;
         }
         if (!r.single() || gas.primitive(cell).sound_speed > 0.0) return;
@@ -140,8 +206,7 @@ std::vector<run::InitialStateReport> InitialStatePlacing::reports() const {
     InitialState const& initial = setup_->initial_states[n];
     Primitive const& s = initial.state;
     material::Fluid const& fluid = fluid_of(*setup_, initial);
-    double const energy =
-        s.density * (material::internal_energy(fluid.eos, s.density, s.pressure) + 0.5 * dot(s.velocity, s.velocity));
+    double const energy = s.density * material::internal_energy(fluid.eos, s.density, s.pressure) + kinetic_[n];
     run::InitialStateReport report;
     report.fluid = fluid.name;
     report.specified_volume = asked_[n];

@@ -35,6 +35,8 @@ class InitialStatePlacing {
   /// Calls visit for the cells of a range that are not solid and their shares of the initial states; it returns false
   /// to end.
   void for_each(shape::CellRange const& range, Visit const& visit) const;
+  /// Finds the mean kinetic energy of states whose velocity varies.
+  void measure_motion();
   /// Makes the sum of a initial's cells its volume.
   void scale(std::vector<shape::Share>& shares) const;
 
@@ -44,6 +46,7 @@ class InitialStatePlacing {
   std::vector<double> asked_;      ///< volume of each in the domain [m3]
   std::vector<double> scales_;     ///< of the cells that a initial fills in part
   std::vector<double> placed_;     ///< [m3]
+  std::vector<double> kinetic_;    ///< mean kinetic energy [J/m3]
 };
 
 }  // namespace brisance::setup

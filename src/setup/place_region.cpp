@@ -154,7 +154,7 @@ bool moves(Case const& setup) {
   auto const is_moving = [](Vec3 const& v) { return dot(v, v) > 0.0; };
   Particles const& p = setup.particles;
   bool const bodies = std::any_of(p.bodies.begin(), p.bodies.end(), [&](Body const& b) {
-    return is_moving(b.velocity) || b.density || b.specific_energy || b.solid.burns();
+    return b.moves() || b.density || b.specific_energy || b.solid.burns();
   });
   bool const constrained = std::any_of(p.constraints.begin(), p.constraints.end(),
                                        [&](mpm::Constraint const& c) { return is_moving(c.velocity); });

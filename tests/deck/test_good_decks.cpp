@@ -485,6 +485,9 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_FALSE(inside(0.75, 0.05, 0.0));     // of the hole
   EXPECT_FALSE(inside(0.75, 0.101, -0.16));  // of the ball, below the limit
 
+  EXPECT_EQ(p.bodies[0].lateral_stress, 1.0);
+  EXPECT_EQ(p.bodies[0].motion.spin, (Vec3{0.0, 1.0, 0.0}));
+  EXPECT_EQ(p.bodies[0].motion.centre, (Vec3{0.75, 0.0, 0.0}));
   EXPECT_TRUE(p.bodies[1].rigid);
   EXPECT_EQ(p.bodies[1].solid.name, "4340-steel");
   EXPECT_EQ(p.bodies[2].solid.name, "air");
@@ -498,7 +501,7 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_EQ(p.bodies[4].solid.name, "C-4");
   EXPECT_TRUE(p.bodies[4].initiation.empty());
 
-  ASSERT_EQ(p.constraints.size(), 3U);
+  ASSERT_EQ(p.constraints.size(), 4U);
   EXPECT_EQ(p.constraints[0].components, (std::array{true, true, true}));
   EXPECT_EQ(p.constraints[0].body, -1);
   EXPECT_EQ(std::get<Box>(p.constraints[0].within).upper[0], 0.55);
@@ -508,6 +511,12 @@ TEST(GoodDecks, EveryKeyOfMaterialPointsArrives) {
   EXPECT_EQ(p.constraints[2].velocity, (Vec3{1.0, 2.0, 0.0}));
   EXPECT_EQ(p.constraints[2].body, 2);
   EXPECT_TRUE(std::holds_alternative<shape::Everywhere>(p.constraints[2].within));
+  ASSERT_TRUE(p.constraints[3].history);
+  EXPECT_EQ(p.constraints[3].velocity, (Vec3{0.0, 0.0, 1.0}));
+  EXPECT_EQ(p.constraints[3].history->times, (std::vector{0.0, 1e-3}));
+  EXPECT_EQ(p.constraints[3].history->values, (std::vector{1.0, 0.0}));
+  EXPECT_FALSE(p.constraints[3].history->displacement);
+  EXPECT_FALSE(p.constraints[3].history->release);
 
   ASSERT_EQ(p.contacts.size(), 1U);
   EXPECT_EQ(p.contacts[0].first, 1);

@@ -104,7 +104,8 @@ std::vector<double> bits_of(observe::Watched& world) {
   bits.push_back(world.particles->accounts().outer_work);
   bits.insert(bits.end(),
               {world.particles->accounts().dissipation.constraints, world.particles->accounts().dissipation.filtered,
-               world.particles->accounts().dissipation.apic, world.particles->accounts().dissipation.friction});
+               world.particles->accounts().dissipation.apic, world.particles->accounts().dissipation.friction,
+               world.particles->accounts().dissipation.damping});
   AuditMemory const& memory = world.audit.memory;
   bits.insert(bits.end(),
               {memory.scale, memory.all, memory.drift, memory.content, memory.surplus, memory.gas, memory.unlit});
@@ -295,6 +296,46 @@ TEST(State, ParticlesGoOnAfterAnyStep) {
   expect_the_same_after_any_stop(everything(Transfer::flip, ShapeFunction::bspline, StressOrder::musl), 60);
   expect_the_same_after_any_stop(everything(Transfer::apic, ShapeFunction::cpgimp, StressOrder::usl), 30);
   expect_the_same_after_any_stop(everything(Transfer::xpic, ShapeFunction::gimp, StressOrder::usf), 30);
+}
+
+/// Soil in the stress of its weight, turning and damped, whose foot is shaken and then let go.
+Case shaken_soil() {
+  Case c;
+  c.domain.geometry = grid::Geometry::planar2d;
+  c.domain.h = 0.05;
+  c.domain.cells = {16, 24, 1};
+  c.domain.boundary.fill(grid::Boundary::outflow);
+  c.domain.boundary[0] = grid::Boundary::symmetry;
+  c.end.time = 0.1;
+  Body soil;
+  soil.name = "soil";
+  soil.solid = material::elastic_solid(1800.0, 50e6, 0.3);
+  soil.solid.name = "soil";
+  soil.solid.strength = material::DruckerPrager{material::shear_modulus_of(50e6, 0.3)};
+  soil.shape = shape::Box{{0.0, 0.1, -1.0}, {0.6, 0.8, 1.0}};
+  soil.lateral_stress = 0.5;
+  soil.motion.expressions = {"0.1*x", "-0.2*(y - 0.1)"};
+  soil.motion.spin = {0.0, 0.0, 0.1};
+  soil.motion.centre = {0.0, 0.1, 0.0};
+  c.particles.bodies = {soil};
+  c.particles.options.block_cells = 8;
+  c.particles.options.body_force = {0.0, -9.81, 0.0};
+  c.particles.options.damping = 20.0;
+  c.particles.options.damping_end = 3.1e-3;
+  mpm::Constraint foot{shape::Box{{-1.0, -1.0, -1.0}, {1.0, 0.15, 1.0}}, {false, true, false}, {0.0, 1.0, 0.0}, -1};
+  foot.history = mpm::MotionHistory{{0.0, 1e-3, 2.3e-3}, {0.0, 1e-4, 0.0}, true, true};
+  c.particles.constraints = {foot};
+  return c;
+}
+
+// The last stops lie after the release of the foot and the end of the damping.
+TEST(State, ShakenSoilGoesOnAfterAnyStep) {
+  observe::Watched world(shaken_soil());
+  for (int n = 0; n < 80; ++n) step(world);
+  EXPECT_GT(world.clock.time, 3.1e-3);
+  EXPECT_GT(world.particles->accounts().dissipation.damping, 0.0);
+  EXPECT_NE(world.particles->accounts().constraint_impulse[1], 0.0);
+  expect_the_same_after_any_stop(shaken_soil(), 80, 3);
 }
 
 TEST(State, TheCaseOfTheParticlesHoldsWhatItClaims) {

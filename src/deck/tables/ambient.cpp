@@ -68,7 +68,7 @@ bool altitude(Draft const& draft, Section const& section, material::Fluid const&
 
 std::optional<material::Primitive> fluid_state(Draft const& draft, Section const& section, material::Fluid const& of,
                                                material::Primitive defaults, std::string_view blamed) {
-  if (draft.geometry_known && section.given("velocity")) {
+  if (draft.geometry_known && section.given("velocity") && section.strings("velocity") == nullptr) {
     auto const velocity = draft.point(section, "velocity");
     if (!velocity) return std::nullopt;
     defaults.velocity = *velocity;

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.hpp"
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
 #include "deck/settings.hpp"
 #include "deck/tables/tables.hpp"
+#include "material/compressed.hpp"
+#include "setup/initial_stress.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::deck {
@@ -22,12 +25,21 @@ Settings<run::Body> const& settings() {
        typed(Type::integer, "points_per_cell", "1", 1, 8)
            .like("2")
            .means("Initial number of material points per cell and direction: 2 gives 8 per cell in 3D")},
-      velocity().note("at rest").means("Initial velocity"),
       {&B::rigid, typed(Type::boolean, "rigid")
                       .like("true")
                       .means("The body keeps its velocity regardless of contacts and loads")},
       density().note("that of the fluid").means("Initial density, for fluids only"),
       pressure().note("that of the fluid").means("Initial pressure, for fluids only"),
+      word("initial_stress", {"none", "gravity"})
+          .of("none")
+          .like("\"gravity\"")
+          .means("`gravity`: the body starts in the stress that the weight of everything that stands on it causes, its "
+                 "own "
+                 "included, compressed accordingly. `[points] body_force` must point along an axis"),
+      number("K0", "1", 0.0, 10.0)
+          .note("nu/(1 - nu); 1 for fluids")
+          .like("0.5")
+          .means("For `initial_stress = \"gravity\"`: horizontal stress as a fraction of the vertical one"),
       word<run::Detonation>("detonation")
           .of(word_of(run::Charge{}.detonation))
           .like("\"programmed\"")
@@ -58,6 +70,7 @@ Table const& body_table() {
         {},
         {}};
     t.keys = joined(t.keys, composed_shape_keys());
+    t.keys = joined(t.keys, initial_velocity_keys("at rest"));
     t.keys = joined(t.keys, settings().keys());
     return t;
   }();
@@ -186,6 +199,28 @@ bool body_material(Draft& draft, Section const& section, shape::Shape const* sha
   return body_state(draft, section, *fluid, body);
 }
 
+/// Does the body start under its weight? What the body force and the strength say to it is checked when all is known.
+bool initial_stress(Draft const& draft, Section const& section, run::Body& body) {
+  if (section.text("initial_stress") != "gravity") {
+    if (!section.given("K0") || section.broken("initial_stress")) return true;
+    draft.error(section, "K0", "has no effect without initial_stress = \"gravity\": remove the key, or add this one");
+    return false;
+  }
+  if (section.broken("K0")) return false;
+  if (body.rigid || body.solid.burns() || body.solid.is_gas()) {
+    draft.error(section, "initial_stress",
+                fmt::format("{} does not feel its weight at the start: remove the key",
+                            body.rigid ? "a rigid body" : "an explosive or a gas"));
+    return false;
+  }
+  if (section.given("K0") && !body.solid.has_deviator()) {
+    draft.error(section, "K0", "is 1 in a fluid, which has no shear stress: remove the key");
+    return false;
+  }
+  body.lateral_stress = section.number("K0").value_or(material::lateral_coefficient(body.solid));
+  return true;
+}
+
 void body(Draft& draft, Section const& section, std::size_t index) {
   run::Body body;
   body.name = draft.body_names[index];
@@ -196,13 +231,15 @@ void body(Draft& draft, Section const& section, std::size_t index) {
       draft.body_shapes[index] = shape;
   }
   bool sound = shape.has_value();
-  if (section.given("velocity")) {
-    auto const velocity = draft.point(section, "velocity");
-    sound = sound && velocity;
-    if (velocity) body.velocity = *velocity;
-  }
+  sound = build_initial_velocity(draft, section, shape ? &*shape : nullptr, body.velocity, body.motion) && sound;
   settings().read(section, body);
+  if (body.rigid && body.motion.any()) {
+    draft.error(section, section.given("spin") ? "spin" : "velocity",
+                "a rigid body keeps one velocity in all its points: write a constant velocity, or remove rigid");
+    sound = false;
+  }
   sound = body_material(draft, section, shape ? &*shape : nullptr, body) && sound;
+  sound = sound && initial_stress(draft, section, body);
   if (sound) draft.out.particles.bodies.push_back(std::move(body));
 }
 
@@ -277,6 +314,31 @@ material::Material as_it_starts(run::Body const& body) {
 
 }  // namespace
 
+void check_initial_stress(Draft const& draft) {
+  auto const* const sections = draft.deck.sections("body");
+  run::Particles const& p = draft.out.particles;
+  if (sections == nullptr || sections->size() != p.bodies.size() || !draft.domain_known) return;  // there were errors
+  for (std::size_t n = 0; n < p.bodies.size(); ++n) {
+    if (!p.bodies[n].lateral_stress) continue;
+    try {
+      setup::Overburden overburden(draft.out);
+      constexpr double most_verticals = 64.0;  // in a direction
+      int const cells = std::max({draft.out.domain.cells[0], draft.out.domain.cells[1], draft.out.domain.cells[2]});
+      double const vertical = overburden.largest(p.bodies[n], static_cast<int>(std::ceil(cells / most_verticals)));
+      if (setup::bears(p.bodies[n].solid, overburden.state(p.bodies[n], vertical))) continue;
+      draft.error((*sections)[n], (*sections)[n].given("K0") ? "K0" : "initial_stress",
+                  fmt::format("under the weight above it, {:.6g} Pa, \"{}\" would yield with K0 = {:.4g}: give a K0 "
+                              "nearer to 1",
+                              vertical, p.bodies[n].name, *p.bodies[n].lateral_stress));
+    } catch (InputError const& problem) {
+      draft.error((*sections)[n], "initial_stress",
+                  fmt::format("{}; write, for example, body_force = [0, 0, -9.81] in "
+                              "[points]",
+                              problem.what()));
+    }
+  }
+}
+
 void warn_of_fluids_in_empty_space(Draft const& draft) {
   // A closed box that bodies fill holds its fluids together.
   bool closed = true;
@@ -323,7 +385,7 @@ bool particles_move(Draft const& draft) {
   for (auto const& c : p.constraints) moving = moving || moves(c.velocity);
   for (run::Body const& b : p.bodies) {
     material::Material const start = as_it_starts(b);
-    moving = moving || moves(b.velocity) || start.burns() || material::start_pressure(start) != 0.0;
+    moving = moving || b.moves() || start.burns() || material::start_pressure(start) != 0.0;
     if (start.burns() && p.options.order == mpm::StressOrder::usf) {
       draft.report.warning(
           draft.deck.place_of("points"), "points.stress_order",

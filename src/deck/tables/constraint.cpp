@@ -8,26 +8,62 @@
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
+#include "deck/tables/history.hpp"
 #include "deck/tables/tables.hpp"
 #include "mpm/constrained_nodes.hpp"
 
 namespace brisance::deck {
+
+namespace {
+
+Table const& motion_table() {
+  static Table const table{
+      "Motion over time in one direction, linear between the given times. Before the first time a velocity holds, and "
+      "a "
+      "displacement rests.",
+      joined({typed(Type::numbers, "times", "s", 0.0, longest)
+                  .note("from `file`")
+                  .like("[0, \"1 ms\"]")
+                  .means("Times, in increasing order"),
+              typed(Type::numbers, "velocities", "m/s", -1e5, 1e5)
+                  .note("from `file`")
+                  .like("[0, \"10 m/s\"]")
+                  .means("For `velocity`: velocities at these times"),
+              typed(Type::numbers, "displacements", "m", -far, far)
+                  .note("from `file`")
+                  .like("[0, \"5 mm\"]")
+                  .means("For `displacement`: displacements at these times; what counts is their change"),
+              word("after", {"hold", "release"})
+                  .of("hold")
+                  .like("\"release\"")
+                  .means("What follows the last time: `hold`: the last velocity or place is kept; `release`: the "
+                         "constraint ends")},
+             history_file_keys("velocities` or `displacements")),
+      {},
+      {}};
+  return table;
+}
+
+}  // namespace
 
 Table const& constraint_table() {
   static Table const table = [] {
     Key components = typed(Type::words, "components")
                          .note("all resolved directions")
                          .like("[\"x\", \"y\"]")
-                         .means("For `fixed` and `velocity`: components of the velocity that are prescribed");
+                         .means(
+                             "For all kinds but `roller`: components of the velocity that are prescribed; with "
+                             "`history` one");
     components.choices = {"x", "y", "z"};
     return Table{
         "Prescribes the velocity of material points in a volume, through the grid nodes there. Gas that slips along "
         "bodies (`mpm_region.slip`) is not constrained itself but follows the surface of constrained bodies; gas that "
         "sticks to bodies is constrained with them.",
-        {word("kind", {"fixed", "roller", "velocity"})
+        {word("kind", {"fixed", "roller", "velocity", "displacement"})
              .of("fixed")
              .like("\"roller\"")
-             .means("`fixed`: at rest; `roller`: no motion along `normal`; `velocity`: moves with `velocity`"),
+             .means("`fixed`: at rest; `roller`: no motion along `normal`; `velocity`: moves with `velocity`, or with "
+                    "the velocities of `history`; `displacement`: moves by the displacements of `history`"),
          nested(Type::table, "within", within_table())
              .note("everywhere, for `body`")
              .like("{shape = \"box\", lower = [0, 0, 0], upper = [0.1, 1, 1]}")
@@ -36,7 +72,13 @@ Table const& constraint_table() {
              .note("required for a roller")
              .like("\"z\"")
              .means("For `roller`: the direction without motion"),
-         velocity().note("required for kind `velocity`").means("For `velocity`: values of the prescribed components"),
+         velocity()
+             .note("required for kind `velocity` without `history`")
+             .means("For `velocity`: values of the prescribed components"),
+         nested(Type::table, "history", motion_table())
+             .note("required for kind `displacement`")
+             .like("{times = [0, \"1 ms\"], velocities = [0, \"10 m/s\"]}")
+             .means("For `velocity` and `displacement`: motion over time of the one direction of `components`"),
          std::move(components),
          typed(Type::text, "body").note("all bodies").like("\"plate\"").means("Name of the body that is constrained")},
         {},
@@ -99,26 +141,33 @@ std::optional<Vec3> constrained_node(Draft const& draft, std::vector<shape::Shap
   return std::nullopt;
 }
 
+std::string prescribed_text(mpm::Constraint const& c, int d) {
+  return c.history ? std::string("a motion over time") : fmt::format("{} m/s", c.velocity[d]);
+}
+
 void check_contradictions(Draft const& draft, std::size_t number) {
   mpm::Constraint const& c = draft.out.particles.constraints[number];
   Section const& section = *draft.constraint_sections[number];
   shape::Box const reach = reach_of_bodies(draft, c.body);
-  std::string_view const key = section.given("velocity") ? "velocity" : section.given("kind") ? "kind" : "within";
+  std::string_view const key = section.given("velocity")  ? "velocity"
+                               : section.given("history") ? "history"
+                               : section.given("kind")    ? "kind"
+                                                          : "within";
   for (std::size_t m = 0; m < number; ++m) {
     mpm::Constraint const& other = draft.out.particles.constraints[m];
     if (c.body >= 0 && other.body >= 0 && c.body != other.body) continue;
     for (int d = 0; d < draft.dims(); ++d) {
       if (!c.components[static_cast<std::size_t>(d)] || !other.components[static_cast<std::size_t>(d)]) continue;
-      if (c.velocity[d] == other.velocity[d]) continue;
+      if (!c.history && !other.history && c.velocity[d] == other.velocity[d]) continue;
       auto const node =
           constrained_node(draft, {&c.within, &other.within}, overlap(reach, reach_of_bodies(draft, other.body)));
       if (!node) continue;
       draft.error(
           section, key,
-          fmt::format("{} m/s in direction {} contradicts {}, which prescribes {} m/s for the same node at {} m: "
+          fmt::format("{} in direction {} contradicts {}, which prescribes {} for the same node at {} m: "
                       "separate them so that they share no node, or constrain this direction in only one of them",
-                      c.velocity[d], directions[d], draft.constraint_sections[m]->path, other.velocity[d],
-                      point_text(*node, draft.dims())));
+                      prescribed_text(c, d), directions[d], draft.constraint_sections[m]->path,
+                      prescribed_text(other, d), point_text(*node, draft.dims())));
       return;
     }
   }
@@ -126,6 +175,7 @@ void check_contradictions(Draft const& draft, std::size_t number) {
     int const d = f / 2;
     Boundary const boundary = draft.out.domain.boundary[f];
     double const outwards = (f % 2 == 0 ? -1.0 : 1.0) * c.velocity[d];
+    if (c.history && boundary == Boundary::wall) continue;  // it may move away from it
     if (!c.components[static_cast<std::size_t>(d)] || outwards == 0.0) continue;
     // Behind a symmetry plane is the image, which moves the other way; a wall stops what moves into it.
     if (boundary != Boundary::symmetry && (boundary != Boundary::wall || outwards < 0.0)) continue;
@@ -140,11 +190,12 @@ void check_contradictions(Draft const& draft, std::size_t number) {
     auto const node = constrained_node(draft, {&c.within}, at_plane);
     if (!node) continue;
     draft.warn(
-        section, "velocity",
-        fmt::format("{:g} m/s in direction {} contradicts the face {}, a {} that constrains the node at {} m in this "
+        section, c.history ? "history" : "velocity",
+        fmt::format("{} in direction {} contradicts the face {}, a {} that constrains the node at {} m in this "
                     "direction: keep the constraint a cell away from the face, or constrain the other directions only",
-                    c.velocity[d], directions[d], grid::face_names[f],
-                    boundary == Boundary::symmetry ? "symmetry plane" : "rigid wall", point_text(*node, draft.dims())));
+                    c.history ? prescribed_text(c, d) : fmt::format("{:g} m/s", c.velocity[d]), directions[d],
+                    grid::face_names[f], boundary == Boundary::symmetry ? "symmetry plane" : "rigid wall",
+                    point_text(*node, draft.dims())));
     return;
   }
 }
@@ -226,12 +277,19 @@ bool has_keys_of(Draft const& draft, Section const& section, std::string const& 
   };
   only_for("normal", "roller");
   only_for("velocity", "velocity");
-  for (auto const& [key, word, example] : {std::tuple{"normal", "roller", "normal = \"x\""},
-                                           std::tuple{"velocity", "velocity", "velocity = [10, 0, 0]"}}) {
-    if (kind != word || section.given(key)) continue;
+  if (kind != "displacement") only_for("history", "velocity");
+  auto const needs = [&](std::string_view key, std::string_view word, std::string_view example) {
+    if (kind != word || section.given(key)) return;
     draft.report.error(section.place, section.path_of(key),
                        fmt::format("the key \"{}\" is missing; kind = \"{}\" requires it; write, for example, {}", key,
                                    word, example));
+    sound = false;
+  };
+  needs("normal", "roller", "normal = \"x\"");
+  if (!section.given("history")) needs("velocity", "velocity", "velocity = [10, 0, 0]");
+  needs("history", "displacement", "history = {times = [0, 1], displacements = [0, \"5 mm\"]}");
+  if (section.given("history") && section.given("velocity")) {
+    draft.error(section, "velocity", "is given together with history: remove one of the two");
     sound = false;
   }
   return sound;
@@ -292,6 +350,40 @@ bool prescribed_velocity(Draft const& draft, Section const& section, mpm::Constr
   return true;
 }
 
+/// The motion over time that a constraint prescribes in one direction; false after an error.
+bool prescribed_history(Draft& draft, Section const& section, bool displacement, mpm::Constraint& out) {
+  Section const* history = section.section("history");
+  if (history == nullptr || history->doubtful()) return false;
+  auto const& held = out.components;
+  if (std::count(held.begin(), held.end(), true) != 1) {
+    draft.error(section, section.given("components") ? "components" : "history",
+                "a history moves one direction: name it; write, for example, components = [\"x\"]");
+    return false;
+  }
+  std::string_view const values = displacement ? "displacements" : "velocities";
+  std::string_view const other = displacement ? "velocities" : "displacements";
+  if (history->given(other)) {
+    draft.error(*history, other,
+                fmt::format("belongs to kind = \"{}\": change the kind, or give {}",
+                            displacement ? "velocity" : "displacement", values));
+    return false;
+  }
+  auto read = build_history(draft, *history, values);
+  if (!read || history->broken("after")) return false;
+  for (std::size_t n = 1; displacement && n < read->times.size(); ++n) {
+    double const speed = (read->values[n] - read->values[n - 1]) / (read->times[n] - read->times[n - 1]);
+    if (std::abs(speed) <= 1e5) continue;
+    draft.error(*history, history->given("file") ? "file" : "displacements",
+                fmt::format("between {:g} and {:g} s it moves at {:g} m/s; allowed: -100000 to 100000 m/s",
+                            read->times[n - 1], read->times[n], speed));
+    return false;
+  }
+  for (std::size_t d = 0; d < 3; ++d) out.velocity[d] = held[d] ? 1.0 : 0.0;
+  bool const release = history->text("after") == "release";
+  out.history = mpm::MotionHistory{std::move(read->times), std::move(read->values), displacement, release};
+  return true;
+}
+
 void constraint(Draft& draft, Section const& section) {
   auto const kind = section.text("kind");
   if (!kind || section.doubtful()) return;
@@ -307,6 +399,7 @@ void constraint(Draft& draft, Section const& section) {
   sound = has_keys_of(draft, section, *kind) && sound;
   if (!constrained_components(draft, section, *kind, out)) return;
   if (*kind == "velocity" && section.given("velocity") && !prescribed_velocity(draft, section, out)) return;
+  if (sound && section.given("history") && !prescribed_history(draft, section, *kind == "displacement", out)) return;
   if (!sound) return;
   draft.out.particles.constraints.push_back(std::move(out));
   draft.constraint_sections.push_back(&section);

@@ -159,6 +159,7 @@ Draft build_case(Section const& deck, Report& report) {
     build_gauges(draft);
   }
   build_particles(draft);
+  check_initial_stress(draft);
   if (draft.geometry_known) build_mpm_region(draft);
   build_ideal_products(draft);
   build_end(draft);

@@ -14,15 +14,14 @@ Table const& initial_state_table() {
       "A volume of the domain with another initial state or fluid. Its volume is exact: a cell that it covers partly "
       "receives the corresponding fraction of mass, momentum and energy. Later initial states overwrite earlier ones; "
       "charges and obstacles overwrite all.",
-      joined(shape_keys(),
+      joined(joined(shape_keys(), initial_velocity_keys("that of `[ambient]`")),
              {typed(Type::text, "fluid")
                   .note("that of `[ambient]`")
                   .like("\"helium\"")
                   .means("Fluid. A deck has at most two fluids: the ambient fluid and one other, which is the "
                          "explosive if there are charges"),
               density().note("that of `[ambient]`, or of the table of the other fluid").means("Density"),
-              pressure().note("that of `[ambient]`").means("Pressure"),
-              velocity().note("that of `[ambient]`").means("Velocity")}),
+              pressure().note("that of `[ambient]`").means("Pressure")}),
       {},
       {}};
   return table;
@@ -91,6 +90,7 @@ void build_initial_states(Draft& draft) {
     auto const s = fluid_state(draft, section, own, defaults, "density");
     if (!s || !body) return;
     initial.state = *s;
+    if (!build_initial_velocity(draft, section, &*body, initial.state.velocity, initial.motion)) return;
     draft.out.initial_states.push_back(std::move(initial));
     draft.initial_state_sections.push_back(&section);
   });

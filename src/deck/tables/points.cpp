@@ -53,6 +53,12 @@ Settings<mpm::Options> const& settings() {
        number("wall_friction", "1", 0.0, 10.0)
            .like("0.2")
            .means("Coulomb friction coefficient between bodies and faces of the domain of type `wall`")},
+      {&O::damping, number("damping", "1/s", 0.0, 1e9)
+                        .like("50")
+                        .means("Rate at which bodies lose velocity, v' = -damping v, for example to let them settle "
+                               "under gravity. Gas, explosives and rigid bodies are not damped")},
+      {&O::damping_end,
+       number("damping_end", "s", 0.0, longest).note("the end").like("\"0.2 s\"").means("Time at which damping ends")},
       {&O::block_cells, typed(Type::integer, "block_cells", "1", 0, 4096)
                             .like("8")
                             .means("Cells per block and direction; 0: about 8 in 3D, 32 in 2D, 256 in 1D")}};
@@ -89,6 +95,9 @@ void build_particles(Draft& draft) {
   }
   if (section->given("xpic_order") && o.transfer != mpm::Transfer::xpic) {
     draft.warn(*section, "xpic_order", "has an effect only with transfer = \"xpic\"");
+  }
+  if (section->given("damping_end") && !(o.damping > 0.0)) {
+    draft.warn(*section, "damping_end", "has no effect without damping");
   }
   auto const& faces = draft.out.domain.boundary;
   bool const walls = std::find(faces.begin(), faces.end(), grid::Boundary::wall) != faces.end();

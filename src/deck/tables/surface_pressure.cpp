@@ -7,6 +7,7 @@
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
 #include "deck/places.hpp"
+#include "deck/tables/history.hpp"
 #include "deck/tables/tables.hpp"
 #include "shape/shares.hpp"
 
@@ -17,14 +18,15 @@ namespace {
 Table const& history_table() {
   static Table const table{
       "Pressure over time: linear between the given times, zero before the first and after the last.",
-      {typed(Type::numbers, "times", "s", 0.0, longest)
-           .required()
-           .like("[0, \"0.1 ms\"]")
-           .means("Times, in increasing order"),
-       typed(Type::numbers, "pressures", "Pa", -1e13, 1e13)
-           .required()
-           .like("[\"2 MPa\", 0]")
-           .means("Pressures at these times")},
+      joined({typed(Type::numbers, "times", "s", 0.0, longest)
+                  .note("from `file`")
+                  .like("[0, \"0.1 ms\"]")
+                  .means("Times, in increasing order"),
+              typed(Type::numbers, "pressures", "Pa", -1e13, 1e13)
+                  .note("from `file`")
+                  .like("[\"2 MPa\", 0]")
+                  .means("Pressures at these times")},
+             history_file_keys("pressures")),
       {},
       {}};
   return table;
@@ -106,29 +108,18 @@ bool pressure_history(Draft& draft, Section const& section, mpm::SurfacePressure
   }
   Section const* history = section.section("history");
   if (history == nullptr) return false;
-  auto const* times = history->numbers("times");
-  auto const* pressures = history->numbers("pressures");
-  if (times == nullptr || pressures == nullptr) return false;
-  if (times->size() != pressures->size() || times->size() < 2) {
-    draft.error(*history, "pressures",
-                fmt::format("there are {} times and {} pressures; expected equal numbers, at least two", times->size(),
-                            pressures->size()));
-    return false;
-  }
-  for (std::size_t i = 1; i < times->size(); ++i) {
-    if ((*times)[i] > (*times)[i - 1]) continue;
-    draft.error(*history, "times",
-                fmt::format("{:g} s follows {:g} s: the times must increase", (*times)[i], (*times)[i - 1]));
-    return false;
-  }
-  pressure.times = *times;
-  pressure.pressures = *pressures;
+  auto read = build_history(draft, *history, "pressures");
+  if (!read) return false;
+  pressure.times = std::move(read->times);
+  pressure.pressures = std::move(read->values);
+  std::vector<double> const& times = pressure.times;
+  std::vector<double> const& pressures = pressure.pressures;
   std::size_t acts = 0;
-  while (acts < pressures->size() && (*pressures)[acts] == 0.0) ++acts;
-  if (acts == pressures->size()) {
-    draft.warn(*history, "pressures", "all pressures are 0: the load has no effect");
+  while (acts < pressures.size() && pressures[acts] == 0.0) ++acts;
+  if (acts == pressures.size()) {
+    draft.warn(*history, history->given("file") ? "file" : "pressures", "all pressures are 0: the load has no effect");
   } else {
-    draft.onsets.push_back({&section, (*times)[acts > 0 ? acts - 1 : 0], "history", "never acts"});
+    draft.onsets.push_back({&section, times[acts > 0 ? acts - 1 : 0], "history", "never acts"});
   }
   return true;
 }

@@ -38,6 +38,11 @@ void build_ambient(Draft& draft);
 [[nodiscard]] std::optional<material::Primitive> fluid_state(Draft const& draft, Section const& section,
                                                              material::Fluid const& of, material::Primitive defaults,
                                                              std::string_view blamed);
+/// Keys of the velocity at the start; without them it is `otherwise`.
+[[nodiscard]] std::vector<Key> initial_velocity_keys(std::string const& otherwise);
+/// The velocity at the start within a shape, if that is known; false after an error.
+bool build_initial_velocity(Draft const& draft, Section const& section, shape::Shape const* shape, Vec3& velocity,
+                            run::InitialMotion& motion);
 [[nodiscard]] Table const& charge_table();
 void build_charges(Draft& draft);
 [[nodiscard]] Table const& initiation_table();
@@ -65,6 +70,8 @@ void build_bodies(Draft& draft);
 [[nodiscard]] std::optional<int> body_named(Draft const& draft, Section const& section, std::string_view key,
                                             std::string const& name);
 [[nodiscard]] bool is_rigid(Draft const& draft, std::size_t body);
+/// Bodies that start under their weight: it has a direction, and they bear it.
+void check_initial_stress(Draft const& draft);
 /// Gas, or a liquid at the pressure of the air, that nothing holds together.
 void warn_of_fluids_in_empty_space(Draft const& draft);
 /// Do bodies, loads or constraints set something in motion?
