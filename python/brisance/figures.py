@@ -217,7 +217,8 @@ class Cut:
         self.three_dimensional = run.dimensions == 3
         self.edges = dump.edges(self.horizontal), dump.edges(self.vertical)
         self.centres = dump.centres(self.horizontal), dump.centres(self.vertical)
-        self.fixed = dump.plane("obstacle", normal, self.index) > 0.5 if "obstacle" in dump.fields else None
+        self.filled = dump.plane("obstacle", normal, self.index) if "obstacle" in dump.fields else None
+        self.fixed = self.filled > 0.999 if self.filled is not None else None
         self.blocked = self.fixed
         self.region = dump.plane("region", normal, self.index) if "region" in dump.fields else None
 
@@ -244,6 +245,8 @@ class Cut:
             colours = LinearSegmentedColormap.from_list("obstacle", [OBSTACLE, OBSTACLE])
             panel.pcolormesh(*self.edges, np.ma.masked_where(~self.blocked, np.ones_like(values)), cmap=colours,
                              rasterized=True)
+        if self.filled is not None and ((self.filled > 0) & (self.filled < 1)).any():
+            panel.contourf(*self.centres, self.filled, levels=[0.5, 2.0], colors=[OBSTACLE])
         if self.region is not None and (self.region > 0).any() and (self.region == 0).any():
             panel.contour(*self.centres, (self.region > 0).astype(float), levels=[0.5], colors=[MUTED], linewidths=0.7,
                           linestyles=[(0, (4, 3))])

@@ -74,44 +74,37 @@ bool Gas::is_quiescent(double const* state) const {
   return true;
 }
 
-void Gas::find_walls() {
-  bool const at_rest = norm(quiescent_.velocity) == 0.0;
-  bool const tension = fluids_.any_bears_tension();
+void Gas::find_wall(Node const& node, double const* u) {
+  WallState& wall = cut.wall(node.cut);
+  wall.quiescent = norm(quiescent_.velocity) == 0.0 && is_quiescent(u);
+  if (wall.quiescent) return;
+  CutCell const& cell = cut.cells()[node.cut];
+  double const rho = mixture_density(fluids_.count, [u](int c) { return u[c]; });
   Floors const floors{options_.density_floor, options_.pressure_floor};
-  parallel_for_nodes([&](int n) {
-    Node const& node = cut.nodes()[n];
-    if (node.cut < 0) return;
-    double const* const u = cut.state(n);
-    WallState& wall = cut.wall(node.cut);
-    wall.quiescent = at_rest && is_quiescent(u);
-    if (wall.quiescent) return;
-    CutCell const& cell = cut.cells()[node.cut];
-    double const rho = mixture_density(fluids_.count, [u](int c) { return u[c]; });
-    Judged const gas = judge(fluids_, floors, most_H(), u, burn_fraction(*this, node.cell));
-    Vec3 velocity{u[momentum_x] / rho, u[momentum_y] / rho, u[momentum_z] / rho};
-    double const area = norm(cell.wall);
-    double into_wall = 0.0;
-    if (area > 0.0) {
-      Vec3 const normal = (1.0 / area) * cell.wall;
-      into_wall = -dot(velocity, normal);
-      velocity = velocity + into_wall * normal;
-    }
-    wall.velocity = velocity;
-    wall.pressure = stopped(rho, gas.pressure, gas.sound_speed, into_wall, tension);
-    wall.carried = {};
-    for (int k = 0; k < fluids_.count; ++k) wall.carried[partial_density(k)] = u[partial_density(k)];
-    for (int d = 0; d < 3; ++d) wall.carried[momentum_x + d] = rho * velocity[d];
-    wall.carried[energy] = u[energy] + gas.pressure;
-    if (components() > progress) wall.carried[progress] = u[progress];
-  });
+  Judged const gas = judge(fluids_, floors, most_H(), u, burn_fraction(*this, node.cell));
+  Vec3 velocity{u[momentum_x] / rho, u[momentum_y] / rho, u[momentum_z] / rho};
+  double const area = norm(cell.wall);
+  double into_wall = 0.0;
+  if (area > 0.0) {
+    Vec3 const normal = (1.0 / area) * cell.wall;
+    into_wall = -dot(velocity, normal);
+    velocity = velocity + into_wall * normal;
+  }
+  wall.velocity = velocity;
+  wall.pressure = stopped(rho, gas.pressure, gas.sound_speed, into_wall, fluids_.any_bears_tension());
+  wall.carried = {};
+  for (int k = 0; k < fluids_.count; ++k) wall.carried[partial_density(k)] = u[partial_density(k)];
+  for (int d = 0; d < 3; ++d) wall.carried[momentum_x + d] = rho * velocity[d];
+  wall.carried[energy] = u[energy] + gas.pressure;
+  if (components() > progress) wall.carried[progress] = u[progress];
 }
 
-void Gas::parallel_for_nodes(std::function<void(int)> const& body) const {
+void Gas::find_walls() {
   auto const& nodes = cut.nodes();
   int const count = static_cast<int>(nodes.size());
   parallel_for((count + batch - 1) / batch, [&](int part, int) {
     for (int n = part * batch; n < std::min(count, (part + 1) * batch); ++n) {
-      if (awake_[nodes[n].cell.block] != 0) body(n);
+      if (nodes[n].cut >= 0 && awake_[nodes[n].cell.block] != 0) find_wall(nodes[n], cut.state(n));
     }
   });
 }

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -216,8 +215,7 @@ class Gas {
   void load_nodes();
   /// The states beside walls at the start of a step.
   void find_walls();
-  /// Calls body(node) for those in blocks that are awake.
-  void parallel_for_nodes(std::function<void(int)> const& body) const;
+  void find_wall(Node const& node, double const* state);
   /// What a sweep changes in the cut cells of a bundle; the update will leave them alone.
   void take_cut_changes(int block, int bundle, BundleLayout const& layout, SweepContext const& context,
                         BundleArrays& arrays);
