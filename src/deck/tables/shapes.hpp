@@ -16,6 +16,13 @@ namespace brisance::deck {
 [[nodiscard]] bool is_drawn(std::string_view word);
 [[nodiscard]] std::optional<shape::Shape> build_drawn_shape(Draft const& draft, Section const& section,
                                                             std::string_view word, Vec3 const& position);
+/// Keys of buildings and terrains.
+[[nodiscard]] std::vector<Key> site_shape_keys();
+[[nodiscard]] bool is_site(std::string_view word);
+[[nodiscard]] std::optional<shape::Shape> build_site_shape(Draft const& draft, Section const& section,
+                                                           std::string_view word, Vec3 const& position);
+/// Reports a terrain that ends within the domain.
+[[nodiscard]] bool covers_domain(Draft const& draft, Section const& section, shape::Shape const& terrain);
 /// The shape after the rotations that the section gives.
 [[nodiscard]] std::optional<shape::Shape> rotated(Draft const& draft, Section const& section, shape::Shape shape);
 /// The side that `normal` gives, a unit vector along an axis of the grid: z, or y in 2D, without one.
