@@ -1,6 +1,7 @@
 /// GeoJSON (RFC 7946) as footprints and heights.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -15,7 +16,13 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::size_t most_bytes = std::size_t{64} << 20U;  // as values they take many times as much
+
 json parsed(DataFile const& file) {
+  if (file.text.size() > most_bytes) {
+    file.refuse(fmt::format("it has {} MiB; allowed: at most {} MiB of GeoJSON: cut out what lies in the domain",
+                            file.text.size() >> 20U, most_bytes >> 20U));
+  }
   try {
     json all = json::parse(file.text);
     if (all.is_object()) return all;
@@ -42,6 +49,13 @@ json const* member(json const& object, std::string const& name) {
 std::string text_of(json const& object, std::string const& name) {
   json const* const found = member(object, name);
   return found != nullptr && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// A value for messages; of what holds further lists only the kind, as they may be nested without end.
+std::string brief(json const& value) {
+  bool const flat = std::all_of(value.begin(), value.end(), [](json const& one) { return one.is_primitive(); });
+  if (value.is_object() || (value.is_array() && (!flat || value.size() > 4))) return value.type_name();
+  return shown(value.dump(-1, ' ', true));
 }
 
 /// A feature, and how messages call it.
@@ -107,14 +121,12 @@ json const& coordinates_of(Feature const& feature) {
 /// The first coordinates of a position.
 std::vector<double> position_of(Feature const& feature, json const& list, std::size_t needed) {
   if (!list.is_array() || list.size() < needed) {
-    feature.refuse(
-        fmt::format("{} is no position of {} coordinates", shown(list.dump(-1, ' ', true).substr(0, 100)), needed));
+    feature.refuse(fmt::format("{} is no position of {} coordinates", brief(list), needed));
   }
   std::vector<double> x;
   for (std::size_t d = 0; d < needed; ++d) {
     if (!list[d].is_number() || !(std::abs(list[d].get<double>()) <= 1e12))
-      feature.refuse(
-          fmt::format("the coordinate {} is no number or far too large", shown(list[d].dump(-1, ' ', true))));
+      feature.refuse(fmt::format("the coordinate {} is no number or far too large", brief(list[d])));
     x.push_back(list[d].get<double>());
   }
   return x;
@@ -155,7 +167,7 @@ std::optional<Length> length_of(Feature const& feature, std::string const& name)
     }
   }
   feature.refuse(fmt::format("the property {} is {}; it must be a number in metres or a text such as \"12 m\"",
-                             shown(name), shown(value->dump(-1, ' ', true))));
+                             shown(name), brief(*value)));
 }
 
 }  // namespace

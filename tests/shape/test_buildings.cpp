@@ -158,6 +158,7 @@ TEST_F(Buildings, StandOnTheTerrain) {
 TEST_F(Buildings, AreRefusedWithFileAndFeature) {
   std::string const square = rings({rectangle(0, 0, 5, 5)});
   std::string const good = feature(square, R"({"height": 3})");
+  std::string const deep = fmt::format("[[[0, 0], {}{}]]", std::string(200000, '['), std::string(200000, ']'));
   for (
       auto const& [text, told] : std::vector<Bad>{
           {"", "this is not valid JSON: parse error at line 1, column 1"},
@@ -176,6 +177,7 @@ TEST_F(Buildings, AreRefusedWithFileAndFeature) {
           {collection({feature("[[[0, 0], [1, 0], [1]]]", R"({"height": 3})")}),
            "\"[1]\" is no position of 2 coordinates"},
           {collection({feature("[[[0, 0], [1, \"x\"], [1, 1]]]", R"({"height": 3})")}), "the coordinate"},
+          {collection({feature(deep, R"({"height": 3})")}), "feature 1: array is no position of 2 coordinates"},
           {collection({feature("[[[0, 0], [1e300, 0], [1, 1]]]", R"({"height": 3})")}), "far too large"},
           {collection({feature("[[[0, 0], [1e999, 0], [1, 1]]]", R"({"height": 3})")}), "this is not valid JSON"},
           {collection({feature("[[[0, 0], [9, 9], [9, 0], [0, 9], [0, 0]]]", R"({"height": 3})")}),
