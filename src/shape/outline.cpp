@@ -198,11 +198,11 @@ class Ears {
     Corner const& b = corners_[numbers[1]];
     Corner const& c = corners_[numbers[2]];
     if (!(turn(a, b, c) > 0.0)) return false;
-    auto const [x0, x1] = std::minmax({a[0], b[0], c[0]});
-    auto const [y0, y1] = std::minmax({a[1], b[1], c[1]});
+    Corner const low{std::min({a[0], b[0], c[0]}), std::min({a[1], b[1], c[1]})};
+    Corner const high{std::max({a[0], b[0], c[0]}), std::max({a[1], b[1], c[1]})};
     return std::none_of(left_.begin(), left_.end(), [&](std::size_t n) {
       Corner const& p = corners_[n];
-      if (p[0] < x0 || p[0] > x1 || p[1] < y0 || p[1] > y1) return false;
+      if (p[0] < low[0] || p[0] > high[0] || p[1] < low[1] || p[1] > high[1]) return false;
       if (n == numbers[0] || n == numbers[1] || n == numbers[2]) return false;
       return turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0;
     });
