@@ -48,12 +48,12 @@ std::vector<Span> complement(std::vector<Span> const& spans) {
   return rest;
 }
 
-void spans(Combination const& whole, int dimensions, double y, double z, std::vector<Span>& out) {
-  shape::spans(whole.parts.front(), dimensions, y, z, out);
+void spans(Combination const& whole, int dimensions, double y, double z, std::vector<Span>& out, Span const& in) {
+  shape::spans(whole.parts.front(), dimensions, y, z, out, in);
   std::vector<Span> part;
   for (std::size_t n = 1; n < whole.parts.size(); ++n) {
     if (out.empty() && whole.operation != Operation::united) return;
-    shape::spans(whole.parts[n], dimensions, y, z, part);
+    shape::spans(whole.parts[n], dimensions, y, z, part, in);
     switch (whole.operation) {
       case Operation::united: unite(out, part); break;
       case Operation::intersection: out = intersect(out, part); break;
@@ -64,16 +64,16 @@ void spans(Combination const& whole, int dimensions, double y, double z, std::ve
 
 }  // namespace
 
-void spans(Shape const& shape, int dimensions, double y, double z, std::vector<Span>& out) {
+void spans(Shape const& shape, int dimensions, double y, double z, std::vector<Span>& out, Span const& part) {
   std::visit(
       [&](auto const& s) {
         using S = std::decay_t<decltype(s)>;
         if constexpr (std::is_same_v<S, std::shared_ptr<Combination const>>) {
-          spans(*s, dimensions, y, z, out);
+          spans(*s, dimensions, y, z, out, part);
         } else {
           Vec3 x = seen_from(s, dimensions, {0.0, y, z});
           if constexpr (std::is_same_v<S, Mesh>) {
-            s.spans(x[1], x[2], out);
+            s.spans(x[1], x[2], out, part);
           } else {
             out.clear();
             Span const line = stretch(resolved(s, dimensions), {0.0, x[1], x[2]});
@@ -108,6 +108,16 @@ void breaks(Shape const& shape, int direction, double from, double to, std::vect
     double const end = 0.5 * cylinder->length * std::abs(a);
     add(cylinder->centre[direction] + end - disc);
     add(cylinder->centre[direction] - end + disc);
+  }
+}
+
+void breaks(Shape const& shape, int direction, Box const& box, std::vector<double>& out) {
+  if (auto const* mesh = std::get_if<Mesh>(&shape)) {
+    mesh->faces_in(direction, box.lower, box.upper, out);
+  } else if (auto const* whole = std::get_if<std::shared_ptr<Combination const>>(&shape)) {
+    for (Shape const& part : (*whole)->parts) breaks(part, direction, box, out);
+  } else {
+    breaks(shape, direction, box.lower[direction], box.upper[direction], out);
   }
 }
 

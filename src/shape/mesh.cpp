@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "core/error.hpp"
-#include "grid/cell.hpp"
 #include "shape/closed_surface.hpp"
+#include "shape/line_bins.hpp"
 #include "shape/touched_boxes.hpp"
 
 namespace brisance::shape {
@@ -69,32 +69,12 @@ struct Mesh::Data {
   std::vector<int> shell_of;  ///< of each triangle
   std::vector<Shell> shells;
   bool overlapping = false;
+  bool joined = false;   ///< shells may lie within others
+  bool upright = false;  ///< all triangles are level or upright
 
   std::optional<TouchedBoxes> touched;
 
-  // The triangles by the bins of the plane (y, z) that their boxes cover.
-  grid::CellRange bins;
-  std::array<double, 2> bins_per_metre{};
-  std::vector<std::size_t> bin_start;
-  std::vector<int> bin_items;
-
-  [[nodiscard]] int bin(int axis, double at) const {
-    double const b = (at - lower[1 + axis]) * bins_per_metre[axis];
-    return std::clamp(static_cast<int>(std::clamp(b, -1.0, 1e9)), 0, bins.upper[axis] - 1);
-  }
-
-  /// The bin of a line along x.
-  [[nodiscard]] std::size_t bin_of(double y, double z) const { return bins.offset({bin(0, y), bin(1, z), 0}); }
-  /// The bins between two lines.
-  [[nodiscard]] grid::CellRange bins_between(double y0, double y1, double z0, double z1) const {
-    return {{bin(0, y0), bin(1, z0), 0}, {bin(0, y1) + 1, bin(1, z1) + 1, 1}};
-  }
-  /// The bins that a triangle covers.
-  [[nodiscard]] grid::CellRange covered(Triangle const& t) const {
-    auto const [y0, y1] = std::minmax({vertices[t[0]][1], vertices[t[1]][1], vertices[t[2]][1]});
-    auto const [z0, z1] = std::minmax({vertices[t[0]][2], vertices[t[1]][2], vertices[t[2]][2]});
-    return bins_between(y0, y1, z0, z1);
-  }
+  LineBins bins;
 
   void measure() {
     lower = {infinity, infinity, infinity};
@@ -133,61 +113,42 @@ struct Mesh::Data {
       std::sort(at.begin(), at.end());
       at.erase(std::unique(at.begin(), at.end()), at.end());
     }
-  }
-
-  void fill_bins() {
-    auto const count = static_cast<double>(triangles.size());
-    int per_side = std::clamp(static_cast<int>(std::sqrt(count)), 1, 2048);
-    // Long thin triangles cover many bins each: then coarser bins keep the table short.
-    for (;; per_side = std::max(1, per_side / 2)) {
-      for (int axis = 0; axis < 2; ++axis) {
-        double const extent = upper[1 + axis] - lower[1 + axis];
-        bins.upper[axis] = extent > 0.0 ? per_side : 1;
-        bins_per_metre[axis] = extent > 0.0 ? per_side / extent : 0.0;
-      }
-      double entries = 0.0;
-      for (Triangle const& t : triangles) entries += static_cast<double>(covered(t).count());
-      if (entries <= 16.0 * count + 1000.0 || per_side == 1) break;
-    }
-    bin_start.assign(bins.count() + 1, 0);
-    auto const each = [&](auto const& use) {
-      for (std::size_t n = 0; n < triangles.size(); ++n) {
-        for_each_cell(covered(triangles[n]), [&](Index3 const& b) { use(bins.offset(b), static_cast<int>(n)); });
-      }
-    };
-    each([&](std::size_t b, int) { ++bin_start[b + 1]; });
-    std::partial_sum(bin_start.begin(), bin_start.end(), bin_start.begin());
-    bin_items.resize(bin_start.back());
-    std::vector<std::size_t> next(bin_start.begin(), bin_start.end() - 1);
-    each([&](std::size_t b, int n) { bin_items[next[b]++] = n; });
+    upright = std::all_of(triangles.begin(), triangles.end(), [this](Triangle const& t) {
+      Vec3 const& a = vertices[t[0]];
+      Vec3 const& b = vertices[t[1]];
+      Vec3 const& c = vertices[t[2]];
+      auto const above = [](Vec3 const& p, Vec3 const& q) { return p[0] == q[0] && p[1] == q[1]; };
+      return (a[2] == b[2] && b[2] == c[2]) || above(a, b) || above(b, c) || above(c, a);
+    });
   }
 
   /// The crossings of one line, unsorted. Their signs add up to 0 on a closed surface.
-  [[nodiscard]] int collect(double y, double z, std::vector<Crossing>& crossings) const {
+  [[nodiscard]] int collect(double y, double z, Span const& part, std::vector<Crossing>& crossings) const {
     crossings.clear();
-    std::size_t const b = bin_of(y, z);
     int balance = 0;
-    for (std::size_t n = bin_start[b]; n < bin_start[b + 1]; ++n) {
-      Triangle const& t = triangles[bin_items[n]];
+    bins.on_line(y, z, part.from, part.to, [&](int n) {
+      Shell const& shell = shells[shell_of[n]];
+      if (shell.lower[0] > part.to || shell.upper[0] < part.from) return;
+      Triangle const& t = triangles[n];
       double const e0 = side(vertices, t[1], t[2], y, z);
       double const e1 = side(vertices, t[2], t[0], y, z);
       int const s = side_sign(vertices, t[1], t[2], e0);
-      if (s == 0 || side_sign(vertices, t[2], t[0], e1) != s) continue;
+      if (s == 0 || side_sign(vertices, t[2], t[0], e1) != s) return;
       double const e2 = side(vertices, t[0], t[1], y, z);
-      if (side_sign(vertices, t[0], t[1], e2) != s) continue;
+      if (side_sign(vertices, t[0], t[1], e2) != s) return;
       double const area = e0 + e1 + e2;
-      if (area == 0.0) continue;
+      if (area == 0.0) return;
       double const x = (e0 * vertices[t[0]][0] + e1 * vertices[t[1]][0] + e2 * vertices[t[2]][0]) / area;
       // The outward normal points along +x where the line leaves the body.
-      crossings.push_back({x, -s, bin_items[n]});
+      crossings.push_back({x, -s, n});
       balance -= s;
-    }
+    });
     return balance;
   }
 
-  /// The crossings of a line. Round-off beside a vertex may spoil their balance: then a line moved by less than the
-  /// precision of the coordinates stands for it.
-  void crossings_of(double y, double z, std::vector<Crossing>& crossings) const {
+  /// The crossings of a line with the shells that lie in a part of it. Round-off beside a vertex may spoil their
+  /// balance: then a line moved by less than the precision of the coordinates stands for it.
+  void crossings_of(double y, double z, Span const& part, std::vector<Crossing>& crossings) const {
     if (!(y >= lower[1] && y <= upper[1] && z >= lower[2] && z <= upper[2])) {
       crossings.clear();
       return;
@@ -195,14 +156,14 @@ struct Mesh::Data {
     double const dy = 1e-10 * (upper[1] - lower[1]);
     double const dz = 1e-10 * (upper[2] - lower[2]);
     for (int attempt = 0; attempt < 8; ++attempt) {
-      if (collect(y + attempt * dy, z + 0.618 * attempt * dz, crossings) == 0) return;
+      if (collect(y + attempt * dy, z + 0.618 * attempt * dz, part, crossings) == 0) return;
     }
     crossings.clear();
   }
 
   /// The crossings of a line in their order.
-  void ordered_crossings(double y, double z, std::vector<Crossing>& crossings) const {
-    crossings_of(y, z, crossings);
+  void ordered_crossings(double y, double z, Span const& part, std::vector<Crossing>& crossings) const {
+    crossings_of(y, z, part, crossings);
     double const slack = 1e-9 * (upper[0] - lower[0]);
     std::sort(crossings.begin(), crossings.end(), [](Crossing const& p, Crossing const& q) { return p.x < q.x; });
     // Where shells touch, the line leaves the one before it enters the other.
@@ -214,10 +175,10 @@ struct Mesh::Data {
   }
 
   /// Where a line lies inside: in one shell or in several that overlap.
-  void spans(double y, double z, std::vector<Span>& out) const {
+  void spans(double y, double z, Span const& part, std::vector<Span>& out) const {
     out.clear();
     std::vector<Crossing> crossings;
-    ordered_crossings(y, z, crossings);
+    ordered_crossings(y, z, part, crossings);
     int depth = 0;
     for (Crossing const& c : crossings) {
       int const before = depth;
@@ -284,9 +245,9 @@ struct Mesh::Data {
   }
 
   /// Notes how shells lie to each other along a line; false where the line leaves the body before it has entered it.
-  bool look_along(double y, double z) {
+  bool look_along(double y, double z, Span const& part) {
     std::vector<Crossing> crossings;
-    ordered_crossings(y, z, crossings);
+    ordered_crossings(y, z, part, crossings);
     int depth = 0;
     bool proper = true;
     for (Crossing const& c : crossings) {
@@ -300,7 +261,8 @@ struct Mesh::Data {
     return proper;
   }
 
-  [[nodiscard]] std::array<Vec3, 2> box_of(Triangle const& t) const {
+  [[nodiscard]] std::array<Vec3, 2> box_of(int triangle) const {
+    Triangle const& t = triangles[triangle];
     std::array<Vec3, 2> box{vertices[t[0]], vertices[t[0]]};
     for (int const v : t) {
       for (int d = 0; d < 3; ++d) {
@@ -312,10 +274,15 @@ struct Mesh::Data {
   }
 };
 
-Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what) {
+Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what)
+    : Mesh(closed_surface(corners, what), false, what) {}
+
+Mesh Mesh::of_shells(Surface surface, std::string const& what) { return {std::move(surface), true, what}; }
+
+Mesh::Mesh(Surface surface, bool joined, std::string const& what) {
   auto const refuse = [&](std::string const& message) -> void { throw InputError(what + ": " + message); };
-  Surface surface = closed_surface(corners, what);
   auto data = std::make_shared<Data>();
+  data->joined = joined;
   data->vertices = std::move(surface.vertices);
   data->triangles = std::move(surface.triangles);
   data->measure();
@@ -324,22 +291,25 @@ Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what) {
     data->volume = -data->volume;
   }
   Vec3 const extent = data->upper - data->lower;
-  if (!(data->volume > 1e-9 * extent[0] * extent[1] * extent[2]) || !std::isfinite(data->volume))
+  double const least = joined ? 0.0 : 1e-9 * extent[0] * extent[1] * extent[2];
+  if (!(data->volume > least) || !std::isfinite(data->volume))
     refuse("the surface encloses no volume; export the body as a solid");
   data->find_faces();
-  data->fill_bins();
   data->find_shells();
   std::vector<std::array<Vec3, 2>> boxes;
   boxes.reserve(data->triangles.size());
-  for (Triangle const& t : data->triangles) boxes.push_back(data->box_of(t));
+  for (std::size_t n = 0; n < data->triangles.size(); ++n) boxes.push_back(data->box_of(static_cast<int>(n)));
   data->touched.emplace(data->lower, data->upper, boxes);
+  std::vector<LineBins::Bounds> shell_boxes;
+  for (Shell const& shell : data->shells) shell_boxes.push_back({shell.lower, shell.upper});
+  data->bins = LineBins(data->lower, data->upper, boxes, data->shell_of, shell_boxes);
   // A shell that is inside out shows as a line that leaves before it has entered.
   auto const look = [&](Vec3 const& low, Vec3 const& high, int lines) {
     for (int k = 0; k < lines; ++k) {
       for (int j = 0; j < lines; ++j) {
         double const y = low[1] + (j + 0.5) / lines * (high[1] - low[1]);
         double const z = low[2] + (k + 0.5) / lines * (high[2] - low[2]);
-        if (data->look_along(y, z)) continue;
+        if (data->look_along(y, z, joined ? Span{low[0], high[0]} : whole_line) || joined) continue;
         refuse(
             fmt::format("one of its shells is inside out (seen along x at y = {:.6g} m, z = {:.6g} m); make all "
                         "normals point outwards",
@@ -353,7 +323,7 @@ Mesh::Mesh(std::vector<Vec3> const& corners, std::string const& what) {
   for (std::size_t n = 0; n < shells && shells > 1; ++n) look(data->shells[n].lower, data->shells[n].upper, lines_each);
   for (auto const& [low, high] : data->common_boxes()) look(low, high, 7);
   for (Shell const& shell : data->shells) {
-    if (!(shell.six_volumes > 0.0) || !shell.overlaps || shell.shows) continue;
+    if (joined || !(shell.six_volumes > 0.0) || !shell.overlaps || shell.shows) continue;
     Vec3 const middle = 0.5 * (shell.lower + shell.upper);
     refuse(fmt::format(
         "the shell around ({:.6g}, {:.6g}, {:.6g}) m lies wholly inside another one; turn its normals round "
@@ -379,15 +349,15 @@ double Mesh::volume() const { return data_->volume; }
 bool Mesh::overlaps() const { return data_->overlapping; }
 std::vector<double> const& Mesh::faces(int direction) const { return data_->faces[direction]; }
 
-void Mesh::spans(double y, double z, std::vector<Span>& out) const { data_->spans(y, z, out); }
+bool Mesh::upright() const { return data_->upright; }
+
+void Mesh::spans(double y, double z, std::vector<Span>& out, Span const& part) const { data_->spans(y, z, part, out); }
 
 Mesh Mesh::mapped(std::function<Vec3(Vec3 const&)> const& f, std::string const& what) const {
-  std::vector<Vec3> corners;
-  corners.reserve(3 * data_->triangles.size());
-  for (Triangle const& t : data_->triangles) {
-    for (int c = 0; c < 3; ++c) corners.push_back(f(data_->vertices[t[c]]));
-  }
-  return {corners, what};
+  Surface surface{{}, data_->triangles};
+  surface.vertices.reserve(data_->vertices.size());
+  for (Vec3 const& x : data_->vertices) surface.vertices.push_back(f(x));
+  return {std::move(surface), data_->joined, what};
 }
 
 Mesh Mesh::turned(Index3 const& axes) const {
@@ -397,7 +367,7 @@ Mesh Mesh::turned(Index3 const& axes) const {
 bool Mesh::contains(Vec3 const& x) const {
   if (!(x[0] >= data_->lower[0] && x[0] <= data_->upper[0])) return false;
   std::vector<Crossing> crossings;
-  data_->crossings_of(x[1], x[2], crossings);
+  data_->crossings_of(x[1], x[2], {x[0], x[0]}, crossings);
   int depth = 0;
   for (Crossing const& c : crossings) {
     if (c.x <= x[0]) depth += c.sign;
@@ -411,19 +381,29 @@ bool Mesh::touches(Vec3 const& low, Vec3 const& high) const {
     if (low[d] > m.upper[d] || high[d] < m.lower[d]) return false;
   }
   if (!m.touched->any_in({low, high})) return false;
-  return any_cell(m.bins_between(low[1], high[1], low[2], high[2]), [&](Index3 const& at) {
-    std::size_t const b = m.bins.offset(at);
-    for (std::size_t n = m.bin_start[b]; n < m.bin_start[b + 1]; ++n) {
-      Triangle const& t = m.triangles[m.bin_items[n]];
-      bool reaches = true;
-      for (int d = 0; d < 3; ++d) {
-        auto const [from, to] = std::minmax({m.vertices[t[0]][d], m.vertices[t[1]][d], m.vertices[t[2]][d]});
-        reaches = reaches && from <= high[d] && to >= low[d];
-      }
-      if (reaches) return true;
-    }
-    return false;
-  });
+  return m.bins.any_in(
+      {low, high}, [&](int n) { return m.box_of(n); }, [](int) { return true; });
+}
+
+void Mesh::faces_in(int direction, Vec3 const& low, Vec3 const& high, std::vector<double>& out) const {
+  Data const& m = *data_;
+  auto const add = [&](double at) {
+    if (at > low[direction] && at < high[direction]) out.push_back(at);
+  };
+  add(m.lower[direction]);
+  add(m.upper[direction]);
+  if (m.faces[direction].size() == 2) return;  // no others
+  std::size_t const first = out.size();
+  (void)m.bins.any_in(
+      {low, high}, [&](int n) { return m.box_of(n); },
+      [&](int n) {
+        auto const [from, to] = m.box_of(n);
+        if (from[direction] == to[direction]) add(from[direction]);
+        return false;
+      });
+  auto const begin = out.begin() + static_cast<std::ptrdiff_t>(first);
+  std::sort(begin, out.end());
+  out.erase(std::unique(begin, out.end()), out.end());
 }
 
 }  // namespace brisance::shape

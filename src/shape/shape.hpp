@@ -123,12 +123,16 @@ enum class Cover { outside, cut, inside };
 [[nodiscard]] double fill_fraction(Shape const& shape, grid::Metric const& cells, Index3 const& cell, int samples = 16);
 
 /// The stretches of the line along x through (y, z) that lie in the shape, disjoint and in order; of the given
-/// directions only the first `dimensions` count.
-void spans(Shape const& shape, int dimensions, double y, double z, std::vector<Span>& out);
+/// directions only the first `dimensions` count. Certain within `part` alone.
+void spans(Shape const& shape, int dimensions, double y, double z, std::vector<Span>& out,
+           Span const& part = whole_line);
 
 /// Adds the coordinates between `from` and `to` at which parts of the shape begin, end or have flat faces: between them
 /// its section changes without jumps.
 void breaks(Shape const& shape, int direction, double from, double to, std::vector<double>& out);
+
+/// The same of what lies in a box.
+void breaks(Shape const& shape, int direction, Box const& box, std::vector<double>& out);
 
 /// A place on a line and the share of the line that it stands for.
 struct Station {

@@ -67,7 +67,7 @@ class Line {
   void begin() { free_.assign(1, {low_, high_}); }
   /// Takes what is left of the line within the shape and returns its measure.
   double take(Shape const& shape, int dimensions, double y, double z) {
-    spans(shape, dimensions, y, z, spans_);
+    spans(shape, dimensions, y, z, spans_, {low_, high_});
     double taken = 0.0;
     for (Span const& s : spans_) {
       rest_.clear();
@@ -97,6 +97,13 @@ class Line {
   std::vector<Span> spans_, free_, rest_;
 };
 
+/// Does the section of a shape not change with z but where it begins, ends or has faces?
+bool is_upright(Shape const& shape) {
+  auto const* mesh = std::get_if<Mesh>(&shape);
+  return mesh != nullptr ? mesh->upright()
+                         : std::holds_alternative<Box>(shape) || std::holds_alternative<Everywhere>(shape);
+}
+
 std::vector<Share> cut_cell(std::vector<Shape> const& shapes, std::vector<int> const& stack, grid::Metric const& metric,
                             Index3 const& cell, int lines) {
   int const dims = metric.dimensions();
@@ -105,13 +112,28 @@ std::vector<Share> cut_cell(std::vector<Shape> const& shapes, std::vector<int> c
   bool const boxes = std::all_of(stack.begin(), stack.end(), [&](int n) {
     return std::holds_alternative<Box>(shapes[n]) || std::holds_alternative<Everywhere>(shapes[n]);
   });
+  // Nor does one of an upright body upwards.
+  bool const upright =
+      dims == 3 && std::all_of(stack.begin(), stack.end(), [&](int n) { return is_upright(shapes[n]); });
   auto const along = [&](int d) {
     if (d >= dims) return std::vector<Station>{{0.0, 1.0}};
-    double const from = metric.face(d, cell[d]);
+    Box box;
     double const slack = round_off * metric.h;
+    for (int k = 0; k < dims; ++k) {
+      double const inset = k == d ? slack : 0.0;
+      box.lower[k] = metric.face(k, cell[k]) + inset;
+      box.upper[k] = metric.face(k, cell[k]) + metric.h - inset;
+    }
     std::vector<double> ends;
-    for (int const n : stack) breaks(shapes[n], d, from + slack, from + metric.h - slack, ends);
-    return stations(std::move(ends), from, from + metric.h, boxes ? 1 : lines, slack);
+    for (int const n : stack) {
+      if (dims == 3) {
+        breaks(shapes[n], d, box, ends);
+      } else {
+        breaks(shapes[n], d, box.lower[d], box.upper[d], ends);
+      }
+    }
+    double const from = metric.face(d, cell[d]);
+    return stations(std::move(ends), from, from + metric.h, boxes || (upright && d == 2) ? 1 : lines, slack);
   };
   Line line(metric, cell);
   std::vector<double> parts(stack.size(), 0.0);

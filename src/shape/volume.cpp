@@ -112,7 +112,7 @@ class Line {
   }
 
   [[nodiscard]] double inside(double y, double z) {
-    spans(shape_, grid::dimensions(geometry_), y, z, spans_);
+    spans(shape_, grid::dimensions(geometry_), y, z, spans_, {low_, high_});
     double sum = 0.0;
     for (Span const& s : spans_) {
       double const from = std::max(s.from, low_);
@@ -143,20 +143,23 @@ double simpson(Function const& f, double a, double b, Vec3 const& values, double
          simpson(f, middle, b, {values[1], right, values[2]}, bound, halvings - 1);
 }
 
-/// Integral of f, which depends on a shape, between two coordinates.
+/// Integral of f between two coordinates. Between the `ends`, in any order, it changes without jumps, or not at all.
 template <typename Function>
-double integral(Function const& f, Shape const& shape, int direction, double low, double high, double bound) {
+double integral(Function const& f, std::vector<double> ends, bool constant, double low, double high, double bound) {
   constexpr int halvings = 20;
   int const intervals = 32;
   double const slack = 1e-9 * (high - low);
-  std::vector<double> ends;
-  breaks(shape, direction, low + slack, high - slack, ends);
   std::sort(ends.begin(), ends.end());
   ends.push_back(high);
   double sum = 0.0;
   double from = low;
   for (double const to : ends) {
     if (to - from <= slack && to < high) continue;
+    if (constant) {
+      sum += (to - from) * f(0.5 * (from + to));
+      from = to;
+      continue;
+    }
     int const n = std::max(4, static_cast<int>(std::ceil(intervals * (to - from) / (high - low))));
     // Just within the piece, as f may jump at its ends.
     double const inset = std::min(slack, 1e-3 * (to - from));
@@ -175,6 +178,62 @@ double integral(Function const& f, Shape const& shape, int direction, double low
   return sum;
 }
 
+/// Where the section of a shape may jump within a box, but for its ends.
+std::vector<double> jumps(Shape const& shape, int dimensions, int direction, Box box) {
+  double const slack = 1e-9 * (box.upper[direction] - box.lower[direction]);
+  box.lower[direction] += slack;
+  box.upper[direction] -= slack;
+  std::vector<double> ends;
+  if (dimensions == 3) {
+    breaks(shape, direction, box, ends);
+  } else {
+    breaks(shape, direction, box.lower[direction], box.upper[direction], ends);
+  }
+  return ends;
+}
+
+bool is_upright(Shape const& shape) {
+  auto const* mesh = std::get_if<Mesh>(&shape);
+  return mesh != nullptr && mesh->upright();
+}
+
+double volume_by_lines(Shape const& shape, grid::Geometry geometry, Box const& box) {
+  int const dims = grid::dimensions(geometry);
+  Line line(shape, geometry, box);
+  double const length = line.whole();
+  Vec3 size{1.0, 1.0, 1.0};
+  for (int d = 1; d < dims; ++d) size[d] = box.upper[d] - box.lower[d];
+  if (!(length > 0.0 && size[1] > 0.0 && size[2] > 0.0)) return 0.0;
+  if (dims == 1) return line.inside(0.0, 0.0);
+  // A ten-millionth of the box for each interval that is not halved further: some tens of them lie at rims.
+  double const bound = 1e-7 * length * size[1];
+  auto const ys = jumps(shape, dims, 1, box);
+  auto const row = [&](double z) {
+    return integral([&](double y) { return line.inside(y, z); }, ys, false, box.lower[1], box.upper[1], bound);
+  };
+  if (dims == 2) return row(0.0);
+  return integral(row, jumps(shape, dims, 2, box), is_upright(shape), box.lower[2], box.upper[2], bound * size[2]);
+}
+
+/// The same of a mesh with many faces, halved until few of them lie in each part.
+double volume_in_parts(Mesh const& mesh, Box const& box, int halvings) {
+  constexpr std::size_t few = 12;
+  if (!mesh.touches(box.lower, box.upper)) {
+    Vec3 const size = box.upper - box.lower;
+    return mesh.contains(0.5 * (box.lower + box.upper)) ? size[0] * size[1] * size[2] : 0.0;
+  }
+  if (halvings == 0 || jumps(mesh, 3, 1, box).size() + jumps(mesh, 3, 2, box).size() <= few)
+    return volume_by_lines(mesh, grid::Geometry::cartesian3d, box);
+  int longest = 0;
+  for (int d = 1; d < 3; ++d) {
+    if (box.upper[d] - box.lower[d] > box.upper[longest] - box.lower[longest]) longest = d;
+  }
+  Box low = box;
+  Box high = box;
+  low.upper[longest] = high.lower[longest] = 0.5 * (box.lower[longest] + box.upper[longest]);
+  return volume_in_parts(mesh, low, halvings - 1) + volume_in_parts(mesh, high, halvings - 1);
+}
+
 }  // namespace
 
 double fraction_of_box(Shape const& shape, grid::Geometry geometry, Box const& box, int lines) {
@@ -182,7 +241,9 @@ double fraction_of_box(Shape const& shape, grid::Geometry geometry, Box const& b
   Line line(shape, geometry, box);
   std::vector<Station> const single{{0.0, 1.0}};
   auto const along = [&](int d) {
-    return d < dims ? stations(shape, d, box.lower[d], box.upper[d], lines, 1e-9 * (box.upper[d] - box.lower[d]))
+    int const count = d == 2 && is_upright(shape) ? 1 : lines;
+    return d < dims ? stations(jumps(shape, dims, d, box), box.lower[d], box.upper[d], count,
+                               1e-9 * (box.upper[d] - box.lower[d]))
                     : single;
   };
   auto const ys = along(1);
@@ -194,20 +255,15 @@ double fraction_of_box(Shape const& shape, grid::Geometry geometry, Box const& b
 }
 
 double volume_within(Shape const& shape, grid::Geometry geometry, Box const& box) {
-  int const dims = grid::dimensions(geometry);
-  Line line(shape, geometry, box);
-  double const length = line.whole();
-  Vec3 size{1.0, 1.0, 1.0};
-  for (int d = 1; d < dims; ++d) size[d] = box.upper[d] - box.lower[d];
-  if (!(length > 0.0 && size[1] > 0.0 && size[2] > 0.0)) return 0.0;
-  // A ten-millionth of the box for each interval that is not halved further: some tens of them lie at rims.
-  double const bound = 1e-7 * length * size[1];
-  auto const row = [&](double z) {
-    return integral([&](double y) { return line.inside(y, z); }, shape, 1, box.lower[1], box.upper[1], bound);
-  };
-  if (dims == 1) return line.inside(0.0, 0.0);
-  if (dims == 2) return row(0.0);
-  return integral(row, shape, 2, box.lower[2], box.upper[2], bound * size[2]);
+  constexpr std::size_t many = 64;
+  constexpr int halvings = 48;
+  auto const* mesh = std::get_if<Mesh>(&shape);
+  bool const in_parts = mesh != nullptr && geometry == grid::Geometry::cartesian3d &&
+                        mesh->faces(1).size() + mesh->faces(2).size() > many;
+  for (int d = 0; in_parts && d < 3; ++d) {
+    if (!(box.upper[d] > box.lower[d])) return 0.0;
+  }
+  return in_parts ? volume_in_parts(*mesh, box, halvings) : volume_by_lines(shape, geometry, box);
 }
 
 }  // namespace brisance::shape

@@ -221,8 +221,11 @@ std::vector<Key> drawn_shape_keys() {
       typed(Type::text, "file")
           .like("\"bracket.stl\"")
           .means(
-              "STL file of shape `stl`, with a path relative to the deck; the surface must be closed; `position` moves "
-              "it. In 2D the body stands for its section parallel to x and y through its centre of mass")};
+              "File of shape `stl`, `buildings` or `terrain`, with a path relative to the deck; `position` moves it. "
+              "`stl`: a closed surface; in 2D the body stands for its section parallel to x and y through its centre "
+              "of mass. `buildings`: GeoJSON with polygons, or CSV with the columns building, x, y, height. `terrain`: "
+              "heights on a regular grid: CSV with the columns x, y, z, an ESRI ASCII grid (.asc), or GeoJSON with "
+              "points; in 2D a profile: CSV with the columns x, z")};
 }
 
 bool is_drawn(std::string_view word) {

@@ -17,7 +17,7 @@ std::vector<Key> shape_keys() {
   return joined(
       {
           word("shape", {"sphere", "hemisphere", "cylinder", "box", "cone", "ogive", "torus", "polygon", "extrusion",
-                         "turned", "half_space", "stl"})
+                         "turned", "half_space", "stl", "buildings", "terrain"})
               .note("`sphere`; in planar2d and cylindrical1d `cylinder`, in planar1d `box`")
               .like("\"sphere\"")
               .means(
@@ -31,7 +31,9 @@ std::vector<Key> shape_keys() {
                   "drawn "
                   "section along an axis; `turned`: a drawn profile revolved around an axis; `half_space`: all on one "
                   "side "
-                  "of a plane; `stl`: a body from a file"),
+                  "of a plane; `stl`: a body from a file; `buildings` (3D): upright buildings from a file of "
+                  "footprints "
+                  "with heights; `terrain` (3D, 2D): the ground below the heights of a file"),
           position("position")
               .note("the origin")
               .like("[0, 0, \"1.5 m\"]")
@@ -64,26 +66,30 @@ std::vector<Key> shape_keys() {
           position("lower").like("[2, -1, 0]").means("Low corner of a box"),
           position("upper").like("[3, 1, \"2.5 m\"]").means("High corner of a box"),
       },
-      joined(drawn_shape_keys(), motion_keys()));
+      joined(joined(drawn_shape_keys(), site_shape_keys()), motion_keys()));
 }
 
 namespace {
 
 /// Keys that tell where a shape lies and how large it is.
-constexpr std::array keys_of_place{"position", "radius",     "length",      "axis",     "normal", "size",
-                                   "lower",    "upper",      "points",      "file",     "scale",  "length_to_diameter",
-                                   "rotate",   "top_radius", "tube_radius", "translate"};
+constexpr std::array keys_of_place{
+    "position",      "radius",         "length",      "axis",      "normal", "size",
+    "lower",         "upper",          "points",      "file",      "scale",  "length_to_diameter",
+    "rotate",        "top_radius",     "tube_radius", "translate", "origin", "height_property",
+    "base_property", "default_height", "terrain",     "bottom",    "extend"};
 
 std::vector<std::string> possible_shapes(Draft const& draft, Use use) {
   std::vector<std::string> shapes;
   switch (draft.geometry()) {
     case Geometry::cartesian3d:
-      shapes = {"sphere", "hemisphere", "cylinder", "box", "cone", "ogive", "torus", "extrusion", "turned", "stl"};
+      shapes = {"sphere", "hemisphere", "cylinder", "box", "cone",      "ogive",
+                "torus",  "extrusion",  "turned",   "stl", "buildings", "terrain"};
       break;
     case Geometry::axisymmetric2d:
-      shapes = {"sphere", "hemisphere", "cylinder", "box", "cone", "ogive", "torus", "polygon", "turned", "stl"};
+      shapes = {"sphere", "hemisphere", "cylinder", "box", "cone",   "ogive",
+                "torus",  "polygon",    "turned",   "stl", "terrain"};
       break;
-    case Geometry::planar2d: shapes = {"cylinder", "box", "polygon", "stl"}; break;
+    case Geometry::planar2d: shapes = {"cylinder", "box", "polygon", "stl", "terrain"}; break;
     case Geometry::planar1d: return {"box"};
     case Geometry::cylindrical1d:
       return use == Use::charge ? std::vector<std::string>{"cylinder"} : std::vector<std::string>{"cylinder", "box"};
@@ -125,6 +131,9 @@ bool only_keys_of(Draft const& draft, Section const& section, std::string const&
   if (word == "extrusion") allowed = {"position", "points", "length"};
   if (word == "half_space") allowed = {"position", "normal"};
   if (word == "stl") allowed = {"position", "file"};
+  if (word == "terrain") allowed = {"position", "file", "origin", "bottom", "extend"};
+  if (word == "buildings")
+    allowed = {"position", "file", "origin", "height_property", "base_property", "default_height", "terrain"};
   bool const by_axis = word == "torus" || word == "turned" || word == "extrusion";
   if (by_axis && draft.geometry() == Geometry::cartesian3d) allowed.emplace_back("axis");
   // What is round about the axis stays there.
@@ -141,7 +150,10 @@ bool only_keys_of(Draft const& draft, Section const& section, std::string const&
     draft.error(
         section, key,
         fmt::format("{} does not apply to {} in {}; its keys are {}: remove it or change the shape", section.shown(key),
-                    word == "stl" ? "an stl mesh" : "a " + word, word_of(draft.geometry()), fmt::join(offered, ", ")));
+                    word == "stl"         ? "an stl mesh"
+                    : word == "buildings" ? word
+                                          : "a " + word,
+                    word_of(draft.geometry()), fmt::join(offered, ", ")));
     sound = false;
   }
   return sound;
@@ -301,6 +313,7 @@ std::optional<shape::Shape> build_upright_shape(Draft const& draft, Section cons
                                  ? " (a \"cylinder\" is a disc here)"
                              : word == "polygon" && draft.dims() == 3 ? " (an \"extrusion\" has a polygon and a length)"
                              : word == "extrusion" && draft.dims() == 2 ? " (a \"polygon\" is a section here)"
+                             : word == "buildings" && draft.dims() == 2 ? " (draw their section as a \"polygon\")"
                                                                         : "";
     draft.error(section, "shape",
                 fmt::format("\"{}\" is not possible in {}; allowed: {}{}", word, word_of(draft.geometry()),
@@ -316,7 +329,8 @@ std::optional<shape::Shape> build_upright_shape(Draft const& draft, Section cons
     auto const p = draft.point(section, "position");
     if (!p) return std::nullopt;
     position = *p;
-    if (word != "box" && word != "polygon" && word != "stl" && draft.radial() && position[0] != 0.0) {
+    if (word != "box" && word != "polygon" && word != "stl" && word != "terrain" && draft.radial() &&
+        position[0] != 0.0) {
       draft.error(section, "position",
                   fmt::format("{} is not on the axis; a {} in {} is centred at radius 0: write 0 as its first element, "
                               "or use a box, which is a ring or shell",
@@ -324,6 +338,7 @@ std::optional<shape::Shape> build_upright_shape(Draft const& draft, Section cons
       return std::nullopt;
     }
   }
+  if (is_site(word)) return build_site_shape(draft, section, word, position);
   if (is_drawn(word)) return build_drawn_shape(draft, section, word, position);
   if (word == "box") return box(draft, section, position, volume_asked);
   if (word == "cylinder") return cylinder(draft, section, position, volume_asked);
@@ -361,6 +376,7 @@ std::optional<shape::Shape> build_shape(Draft const& draft, Section const& secti
   }
   auto const there = moved(draft, section, word, *upright, whole);
   if (!there) return std::nullopt;
+  if (use == Use::gas && word == "terrain" && !covers_domain(draft, section, *there)) return std::nullopt;
   auto const* half = std::get_if<shape::HalfSpace>(&*there);
   return half != nullptr ? bounded(draft, *half) : *there;
 }

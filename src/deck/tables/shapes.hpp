@@ -31,6 +31,13 @@ inline constexpr std::array motion_words{"scale", "rotate", "translate"};
 /// geometry must stay so.
 [[nodiscard]] std::optional<shape::Shape> moved(Draft const& draft, Section const& section, std::string_view word,
                                                 shape::Shape const& shape, shape::Motion const& whole);
+/// Keys of buildings and terrains.
+[[nodiscard]] std::vector<Key> site_shape_keys();
+[[nodiscard]] bool is_site(std::string_view word);
+[[nodiscard]] std::optional<shape::Shape> build_site_shape(Draft const& draft, Section const& section,
+                                                           std::string_view word, Vec3 const& position);
+/// Reports a terrain that ends within the domain.
+[[nodiscard]] bool covers_domain(Draft const& draft, Section const& section, shape::Shape const& terrain);
 /// The side that `normal` gives, a unit vector along an axis of the grid: z, or y in 2D, without one.
 [[nodiscard]] std::optional<Vec3> grid_normal(Draft const& draft, Section const& section);
 
