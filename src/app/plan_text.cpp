@@ -240,6 +240,8 @@ std::string bodies_text(run::Case const& setup, session::Plan const& p) {
     out += line("body", fmt::format("{}: {}, {} particles, {} per cell and direction{}{}", b.name, b.material,
                                     large_count(static_cast<double>(b.particles)), body.particles_per_direction,
                                     motion_text(body), body.rigid ? ", rigid" : ""));
+    if (body.lateral_stress)
+      out += line("", fmt::format("in the stress of the weight on it, K0 = {:.4g}", *body.lateral_stress));
     if (std::isfinite(b.mass))
       out += line("", fmt::format("mass of the particles {:.8g} kg, of the shape {:.8g} kg, relative error {:.1e}; "
                                   "volume {:.6g} and {:.6g} m3",
