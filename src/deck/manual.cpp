@@ -117,7 +117,7 @@ time = "5 ms"
 - Messages count tables from 1: `charge[2].mass` is the mass of the second `[[charge]]`.
 - Extents must be whole numbers of cells, within one part per million.
 - A deck may have at most 1 MiB, 2^31 cells, 100 charges, 1000 obstacles, 100 bodies and 100000 gauges.
-- The shape `stl` and the combinations `add`, `cut`, `common` (applied in this order) are available for bodies and for `within` of
+- The combinations `add`, `cut`, `common` (applied in this order) are available for bodies and for `within` of
   `[[constraint]]` and `[[surface_pressure]]`.
 - In planar2d and cylindrical1d, masses and energies are per metre of the unresolved direction (`"10 kg"` and `"10 kg/m"`
   mean the same); in planar1d they are per square metre. In axisymmetric2d and spherical1d they are those of the whole body.
