@@ -4,6 +4,7 @@ from common import ROOT, Variants, commit, machine, table
 
 GAMMA, PRESSURE, DENSITY = 1.4, 101325.0, 1.225
 MACH, RADIUS = 1.3, 0.1
+FRONT = 1.5  # where the undisturbed front is at the end [radii]
 CELLS_PER_RADIUS = (20, 40, 80)
 STREET_CELLS = (0.3, 0.25, 0.2)
 
@@ -44,7 +45,7 @@ def cylinder_deck(cells_per_radius):
     speed = MACH * np.sqrt(GAMMA * PRESSURE / DENSITY)
     u = speed * (1 - DENSITY / rho)
     behind = f"density = {rho:.12g}\npressure = {p:.12g}\nvelocity = [{u:.12g}, 0]\n"
-    end = (0.15 + 1.5 * RADIUS) / speed  # the front is 1.5 radii behind the axis of the cylinder
+    end = (0.15 + FRONT * RADIUS) / speed
     return f"""[domain]
 geometry = "planar2d"
 lower = [-0.35, 0]
@@ -131,8 +132,8 @@ Produced by `validation/run cut_cells`, commit {arguments.commit or commit()}; m
 
 ## A cylinder in a shock of Mach {MACH:g}
 
-A plane shock in air runs over a cylinder (planar 2D, half of it, radius R). At the end the undisturbed front is 1.5 R
-behind the middle of the cylinder; exactly x/R = 1.5. A shock is where the pressure is halfway between its two sides.
+A plane shock in air runs over a cylinder (planar 2D, half of it, radius R). At the end the undisturbed front is {FRONT:g} R
+behind the middle of the cylinder. A shock is where the pressure is halfway between its two sides.
 
 {table(header, cylinder)}
 The order is that of the differences between the three grids. Shocks are captured over two to three cells: first order

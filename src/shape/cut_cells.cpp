@@ -14,6 +14,11 @@ namespace {
 /// Parts of a cell per direction in which is looked for pieces of gas.
 int parts_of(int dimensions) { return dimensions == 3 ? 10 : 16; }
 
+/// Lines through a cell in each direction that look for a small open corner, and how much of the cell it has at least
+/// for what it opens of a face, where they find less.
+constexpr int corner_lines = 48;
+constexpr double corner_part = 1e-3;
+
 using Numbers = std::unordered_map<std::size_t, std::size_t>;
 
 /// The largest piece of the gas in a cell that bodies part.
@@ -105,6 +110,7 @@ class Cutter {
 
   CutGeometry run() {
     find_cells();
+    find_corners();
     measure_faces();
     keep_largest_pieces();
     close_solid();
@@ -143,6 +149,27 @@ class Cutter {
     });
     for (auto const& part : found) cells_.insert(cells_.end(), part.begin(), part.end());
     for (std::size_t n = 0; n < cells_.size(); ++n) number_[all_.offset(cells_[n].cell)] = n;
+  }
+
+  /// Cells in the corners of which a surface leaves so little open that the lines through the cell have missed it:
+  /// their faces tell. Closed, they would tilt the walls of their neighbours.
+  void find_corners() {
+    for (std::size_t n = 0; n < cells_.size(); ++n) {
+      for (int face = 0; face < 2 * domain_.dimensions(); ++face) {
+        Index3 const beside = grid::beside(cells_[n].cell, face / 2, face % 2);
+        if (!is_solid(beside)) continue;
+        double const open = bodies_.open_face(face % 2 == 0 ? cells_[n].cell : beside, face / 2);
+        if (open == 0.0) continue;
+        result_.solid[all_.offset(beside)] = 0;
+        CutCell corner;
+        corner.cell = beside;
+        corner.open =
+            std::max(corner_part * open, 1.0 - sum_of(shares_of_cell(shapes_, domain_, beside, corner_lines)));
+        corner.open_section = corner.open;
+        number_[all_.offset(beside)] = cells_.size();
+        cells_.push_back(corner);
+      }
+    }
   }
 
   [[nodiscard]] bool is_solid(Index3 const& cell) const {

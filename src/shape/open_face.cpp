@@ -210,53 +210,74 @@ double BodiesAlongAxes::open_part(std::vector<int> const& bodies, Index3 const& 
   return sum / measure(across, low, high);
 }
 
+std::vector<Span> BodiesAlongAxes::pieces(std::vector<int> const& bodies, Index3 const& cell, int direction) const {
+  double const low = domain_.face(direction, cell[direction]);
+  double const high = domain_.face(direction, cell[direction] + 1);
+  double const off = beside_face * domain_.smallest_cell();
+  std::vector<double> ends{0.5 * (low + high)};
+  for (int const n : bodies) breaks(along_[0][n], direction, low + 4.0 * off, high - 4.0 * off, ends);
+  std::sort(ends.begin(), ends.end());
+  ends.push_back(high);
+  std::vector<Span> pieces;
+  double from = low;
+  for (double const to : ends) {
+    if (to - from < 4.0 * off) continue;
+    pieces.push_back({from + off, to - off});
+    from = to;
+  }
+  return pieces;
+}
+
 double BodiesAlongAxes::open_square(std::vector<int> const& bodies, Index3 const& cell, int direction,
                                     double at) const {
   int const first = (direction + 1) % 3;
   int const second = (direction + 2) % 3;
-  double const off = beside_face * domain_.smallest_cell();
-  std::array<std::array<double, 3>, 2> places;
-  for (int d = 0; d < 2; ++d) {
-    int const along = d == 0 ? first : second;
-    double const low = domain_.face(along, cell[along]);
-    double const high = domain_.face(along, cell[along] + 1);
-    places[d] = {low + off, 0.5 * (low + high), high - off};
-  }
-  // Three lines in each direction: the edges of four rectangles.
-  std::array<std::array<std::vector<Span>, 3>, 2> lines;
+  // Halves of the face in each direction, and what flat faces of bodies divide: boxes are exact.
+  std::vector<Span> const across = pieces(bodies, cell, first);
+  std::vector<Span> const along = pieces(bodies, cell, second);
   Vec3 x{0.0, 0.0, 0.0};
   x[direction] = at;
-  for (int n = 0; n < 3; ++n) {
-    x[second] = places[1][n];
-    open_spans(bodies, first, x, places[0][0], places[0][2], lines[0][n]);
-    x[first] = places[0][n];
-    open_spans(bodies, second, x, places[1][0], places[1][2], lines[1][n]);
+  double const low = across.front().from;
+  double const high = across.back().to;
+  std::vector<Span> open;
+  auto const line = [&](int along_direction, int other, double place, double from, double to) {
+    x[other] = place;
+    open_spans(bodies, along_direction, x, from, to, open);
+    return open;
+  };
+  // The edges of all rectangles: two lines at the ends of each piece.
+  std::vector<std::array<std::vector<Span>, 2>> rows;
+  std::vector<std::array<std::vector<Span>, 2>> columns;
+  for (Span const& s : along)
+    rows.push_back({line(first, second, s.from, low, high), line(first, second, s.to, low, high)});
+  for (Span const& s : across) {
+    columns.push_back({line(second, first, s.from, along.front().from, along.back().to),
+                       line(second, first, s.to, along.front().from, along.back().to)});
   }
   double sum = 0.0;
-  std::vector<Span> open;
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j < 2; ++j) {
+  double whole = 0.0;
+  for (std::size_t i = 0; i < across.size(); ++i) {
+    for (std::size_t j = 0; j < along.size(); ++j) {
       Rectangle r;
-      r.low = {places[0][i], places[1][j]};
-      r.high = {places[0][i + 1], places[1][j + 1]};
-      r.below = edge_of(lines[0][j], r.low[0], r.high[0]);
-      r.above = edge_of(lines[0][j + 1], r.low[0], r.high[0]);
-      r.left = edge_of(lines[1][i], r.low[1], r.high[1]);
-      r.right = edge_of(lines[1][i + 1], r.low[1], r.high[1]);
+      r.low = {across[i].from, along[j].from};
+      r.high = {across[i].to, along[j].to};
+      r.below = edge_of(rows[j][0], r.low[0], r.high[0]);
+      r.above = edge_of(rows[j][1], r.low[0], r.high[0]);
+      r.left = edge_of(columns[i][0], r.low[1], r.high[1]);
+      r.right = edge_of(columns[i][1], r.low[1], r.high[1]);
       double area = r.open_area();
       if (area < 0.0) {
         area = 0.0;
         double const step = (r.high[1] - r.low[1]) / lines_through_quarter;
         for (int n = 0; n < lines_through_quarter; ++n) {
-          x[second] = r.low[1] + (n + 0.5) * step;
-          open_spans(bodies, first, x, r.low[0], r.high[0], open);
-          for (Span const& s : open) area += step * (s.to - s.from);
+          for (Span const& s : line(first, second, r.low[1] + (n + 0.5) * step, r.low[0], r.high[0]))
+            area += step * (s.to - s.from);
         }
       }
       sum += area;
+      whole += (r.high[0] - r.low[0]) * (r.high[1] - r.low[1]);
     }
   }
-  double const whole = (places[0][2] - places[0][0]) * (places[1][2] - places[1][0]);
   return sum / whole;
 }
 

@@ -41,13 +41,14 @@ class BodiesAlongAxes {
   [[nodiscard]] SurfaceLinks links(Index3 const& cell) const;
 
  private:
-  struct Near;
   /// The bodies that reach into the cells beside a face or around a cell.
   [[nodiscard]] std::vector<int> near(Index3 const& low, Index3 const& high) const;
   /// What bodies leave open of the line along a direction through x, between two coordinates.
   void open_spans(std::vector<int> const& bodies, int direction, Vec3 x, double from, double to,
                   std::vector<Span>& open) const;
   [[nodiscard]] double open_part(std::vector<int> const& bodies, Index3 const& cell, int direction, double at) const;
+  /// Halves of a cell along a direction, divided where bodies have flat faces; a little inside their ends.
+  [[nodiscard]] std::vector<Span> pieces(std::vector<int> const& bodies, Index3 const& cell, int direction) const;
   [[nodiscard]] double open_square(std::vector<int> const& bodies, Index3 const& cell, int direction, double at) const;
   [[nodiscard]] double measure(int direction, double from, double to) const;
   [[nodiscard]] bool lies_on_flat_face(std::vector<int> const& bodies, int direction, double at) const;

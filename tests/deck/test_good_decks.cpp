@@ -342,9 +342,11 @@ TEST(GoodDecks, WhatHasNoEffectWarns) {
       std::string::npos);
   EXPECT_NE(warnings(small_domain + charge + "[output]\ngauge_interval = 1\n").find("output.gauge_interval: is longer"),
             std::string::npos);
-  // A slot of 20 mm in cells of 50 mm between two walls is closed; one of 60 mm is not.
+  // Of stairs, a slot of 20 mm in cells of 50 mm between two walls is closed; one of 60 mm is not.
   auto const walls = [&](double slot) {
-    return small_domain + charge + "[[obstacle]]\nshape = \"box\"\nlower = [0, 0, 0]\nupper = [0.51, 2, 0.2]\n" +
+    return small_domain + charge +
+           "[numerics]\nobstacles = \"stairs\"\n[[obstacle]]\nshape = \"box\"\nlower = [0, 0, 0]\nupper = [0.51, 2, "
+           "0.2]\n" +
            fmt::format("[[obstacle]]\nshape = \"box\"\nlower = [{}, 0, 0]\nupper = [1.5, 2, 0.2]\n", 0.51 + slot);
   };
   EXPECT_NE(warnings(walls(0.02)).find("obstacle[2].lower: the gap of 0.02 m between it and obstacle[1]"),

@@ -239,6 +239,7 @@ TEST(PlacedRegions, SedovOfThreeCellsPerRadiusRunsAtItsRadius) {
 
 TEST(PlacedObstacles, AreSolidFromHalfACellOn) {
   Case c = air_case(Geometry::planar1d, {20, 1, 1}, 0.1, Boundary::outflow);
+  c.numerics.obstacles = run::ObstacleCells::stairs;
   for (auto const& [upper, cells] : {std::pair{1.04, 5}, {1.049, 5}, {1.05, 6}, {1.06, 6}}) {
     c.obstacles = {{"wall", Box{{0.5, -0.5, -0.5}, {upper, 0.5, 0.5}}}};
     World const world = setup::build(c);
@@ -259,11 +260,16 @@ TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
   Case c = air_case(Geometry::planar2d, {20, 20, 1}, 0.05, Boundary::outflow);
   c.charges = {tnt_charge(Cylinder{{0.41, 0.52, 0.0}, 0.11, 1.0, along_z}, c.domain.geometry)};
   c.obstacles = {{"wall", Box{{0.52, 0.0, -0.5}, {0.8, 1.0, 0.5}}}};  // 0.6 of the cell that the charge ends in
-  World const world = setup::build(c);
-  EXPECT_TRUE(world.gas->obstacles.contain(Index3{10, 10, 0}));
-  EXPECT_EQ(world.gas->primitive(world.grid.locate(Index3{10, 10, 0})).mass_fraction[1], 0.0);
-  EXPECT_NEAR(world.totals().mass[1] / c.charges[0].mass, 1.0, 1e-12);
-  EXPECT_NEAR(world.charges[0].realised_mass / c.charges[0].mass, 1.0, 1e-12);
+  for (auto const cells : {run::ObstacleCells::cut, run::ObstacleCells::stairs}) {
+    c.numerics.obstacles = cells;
+    World const world = setup::build(c);
+    bool const stairs = cells == run::ObstacleCells::stairs;
+    EXPECT_EQ(world.gas->obstacles.contain(Index3{10, 10, 0}), stairs);
+    double const products = world.gas->primitive(world.grid.locate(Index3{10, 10, 0})).mass_fraction[1];
+    EXPECT_EQ(products > 0.0, !stairs);
+    EXPECT_NEAR(world.totals().mass[1] / c.charges[0].mass, 1.0, 1e-12);
+    EXPECT_NEAR(world.charges[0].realised_mass / c.charges[0].mass, 1.0, 1e-12);
+  }
   // Where all others are full, or there are none, it does not fit.
   c.charges = {tnt_charge(Box{{0.3, 0.3, -0.5}, {0.52, 0.5, 0.5}}, c.domain.geometry)};
   EXPECT_THROW((void)build(c), InputError);
