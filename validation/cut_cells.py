@@ -6,7 +6,7 @@ GAMMA, PRESSURE, DENSITY = 1.4, 101325.0, 1.225
 MACH, RADIUS = 1.3, 0.1
 FRONT = 1.5  # where the undisturbed front is at the end [radii]
 CELLS_PER_RADIUS = (20, 40, 80)
-STREET_CELLS = (0.3, 0.25, 0.2)
+STREET_CELLS = (0.5, 0.25, 0.2)  # those of the second have their faces between them
 
 
 def street(variants, cell, name, obstacles="cut", file=False):
@@ -132,8 +132,8 @@ Produced by `validation/run cut_cells`, commit {arguments.commit or commit()}; m
 
 ## A cylinder in a shock of Mach {MACH:g}
 
-A plane shock in air runs over a cylinder (planar 2D, half of it, radius R). At the end the undisturbed front is {FRONT:g} R
-behind the middle of the cylinder. A shock is where the pressure is halfway between its two sides.
+A plane shock in air runs over a cylinder (planar 2D, half of it, radius R). At the end the undisturbed front is
+{FRONT:g} R behind the middle of the cylinder. A shock is where the pressure is halfway between its two sides.
 
 {table(header, cylinder)}
 The order is that of the differences between the three grids. Shocks are captured over two to three cells: first order

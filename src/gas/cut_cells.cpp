@@ -12,8 +12,6 @@ namespace {
 constexpr double large_enough = 0.8;
 /// Most members of a merger.
 constexpr std::size_t most_members = 8;
-/// Through faces that are open to a smaller part than this no state is shared.
-constexpr double least_open_face = 1e-3;
 
 /// The open volume and areas of a cut cell, and its wall.
 CutCell measured(grid::Domain const& domain, shape::CutCell const& cut) {
@@ -36,9 +34,7 @@ CutCell measured(grid::Domain const& domain, shape::CutCell const& cut) {
 
 int CutCells::node_at(grid::Cell const& cell) const {
   if (!in(cell.block)) return -1;
-  auto const& numbers = of_block_[cell.block].numbers;
-  auto const found = numbers.find(cell.offset);
-  return found == numbers.end() ? -1 : found->second;
+  return of_block_[cell.block].numbers[cell.offset];
 }
 
 CutCell const* CutCells::find(grid::Cell const& cell) const {
@@ -96,7 +92,7 @@ CutCells::Group CutCells::group_of(std::size_t number, std::vector<std::uint8_t>
         if (std::find(reached.begin(), reached.end(), beside) != reached.end()) continue;
         double const whole = std::max(domain.face_area(d, from[0] + (face == 1 ? 1 : 0)), 1e-300);
         double const open = open_area(from, face) / whole;
-        if (open < least_open_face) continue;
+        if (!(open > 0.0)) continue;
         // Away from the wall first, through a wide face, to a large cell.
         double const away = std::max(0.0, (face % 2 == 0 ? -1.0 : 1.0) * cut.wall[d] / size);
         double const value = (0.1 + away) * open * open_volume(beside);
@@ -148,7 +144,9 @@ void CutCells::make_nodes(std::vector<Group> const& groups) {
   });
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     node_of_[all.offset(grid_->index(nodes_[n].cell))] = static_cast<int>(n);
-    of_block_[nodes_[n].cell.block].numbers[nodes_[n].cell.offset] = static_cast<int>(n);
+    std::vector<int>& numbers = of_block_[nodes_[n].cell.block].numbers;
+    if (numbers.empty()) numbers.assign(grid_->block(nodes_[n].cell).cell_count(), -1);
+    numbers[nodes_[n].cell.offset] = static_cast<int>(n);
     auto const number = static_cast<int>(n);
     if (n == 0 || nodes_[n].cell.block != nodes_[n - 1].cell.block) ranges_.emplace_back(number, number);
     ranges_.back().second = number + 1;
@@ -173,11 +171,17 @@ void CutCells::make_mergers(std::vector<Group> const& groups) {
       members_.push_back({node, number, group.weight / std::max(1.0, asked[node])});
     }
     merger.end = static_cast<int>(members_.size());
-    for (int n = merger.first; n < merger.end; ++n)
-      merger.volume += members_[n].weight * nodes_[members_[n].node].volume;
     mergers_.push_back(merger);
   }
   shares_ = members_;
+  for (Merger const& merger : mergers_) {
+    double volume = 0.0;
+    for (int n = merger.first; n < merger.end; ++n) {
+      members_[n].weight *= nodes_[members_[n].node].volume;
+      volume += members_[n].weight;
+    }
+    for (int n = merger.first; n < merger.end; ++n) members_[n].weight /= volume;
+  }
   std::stable_sort(shares_.begin(), shares_.end(), [](Share const& a, Share const& b) { return a.node < b.node; });
   for (int n = 0; n < static_cast<int>(shares_.size()); ++n) {
     Node& node = nodes_[shares_[n].node];
@@ -195,12 +199,12 @@ void CutCells::find_bundles() {
       auto& of_bundles = of_block_[cell.block].in_bundles[d];
       of_bundles.resize(bundles.count());
       int const bundle = bundles.index_of(cell);
-      of_bundles[bundle].push_back({bundles.layout(bundle).place(block, cell), n});
+      of_bundles[bundle].push_back({bundles.layout(bundle).place(block, cell), n, nodes_[n].cut});
     }
   }
 }
 
-void CutCells::set(shape::CutGeometry const& geometry) {
+void CutCells::set(shape::CutGeometry const& geometry, int components) {
   cells_.clear();
   for (shape::CutCell const& cut : geometry.cells) cells_.push_back(measured(grid_->domain(), cut));
   if (cells_.empty()) return;
@@ -211,9 +215,14 @@ void CutCells::set(shape::CutGeometry const& geometry) {
   make_nodes(asked);
   make_mergers(asked);
   find_bundles();
-  states_ = Buffer(nodes_.size() * pitch);
-  merged_ = Buffer(mergers_.size() * pitch);
+  constexpr std::size_t line = 8;
+  pitch_ = (static_cast<std::size_t>(components) + line - 1) / line * line;
+  states_ = Buffer(nodes_.size() * pitch_);
+  merged_ = Buffer(mergers_.size() * pitch_);
   walls_.resize(cells_.size());
+  quiescent_.assign(cells_.size(), 1);
+  for (CutCell const& cell : cells_)
+    flows_.push_back({1.0 / cell.volume, cell.area, cell.area[1] - cell.area[0] - cell.wall[0]});
 }
 
 std::vector<CutCells::InBundle> const* CutCells::in_bundle(int block, int direction, int bundle) const {

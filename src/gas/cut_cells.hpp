@@ -48,26 +48,34 @@ struct Node {
 
 /// A small cell with the neighbours that share its state.
 struct Merger {
-  int node = 0;         ///< the small cell
-  double volume = 0.0;  ///< of all shares [m3]
+  int node = 0;  ///< the small cell
   /// Its members in the list of members.
   int first = 0;
   int end = 0;
 };
 
-/// The part that a cell has in a merger: of the cell's volume, and the volume.
+/// What a cell and a merger have of each other.
 struct Share {
   int node = 0;
   int merger = 0;
+  /// By the node: the part of the cell's volume that the merger takes. By the merger: that part of its own volume.
   double weight = 0.0;
 };
 
-/// The wall's side of a cut cell at the start of a step.
-struct WallState {
-  bool quiescent = true;         ///< the gas beside it; that of blocks that sleep is
+/// What a sweep asks of a cut cell; one line of the cache.
+struct alignas(64) CutFlow {
+  double inverse_volume = 0.0;   ///< [1/m3]
+  std::array<double, 6> area{};  ///< [m2]
+  double opening = 0.0;          ///< along a radius: what faces open outwards without a wall [m2]
+};
+
+/// The gas beside the wall of a cut cell at the start of a step; one line of the cache.
+struct alignas(64) WallState {
   Vec3 velocity{0.0, 0.0, 0.0};  ///< along the wall [m/s]
   double pressure = 0.0;         ///< of the gas that is stopped at it [Pa]
-  Components carried{};          ///< what the gas carries along per volume; E + p in the place of the energy
+  double enthalpy = 0.0;         ///< total, E + p [J/m3]
+  PerFluid partial{};            ///< partial densities [kg/m3]
+  double progress = 0.0;         ///< of the afterburn [kg/m3]
 };
 
 class CutCells {
@@ -75,13 +83,14 @@ class CutCells {
   struct InBundle {
     int q = 0;
     int node = 0;
+    int cut = -1;  ///< as in `Node`
   };
 
   /// `bundle_cells`: those of the sweeps.
   CutCells(grid::Grid const& grid, int bundle_cells) : grid_(&grid), bundle_cells_(bundle_cells) {}
 
-  /// Sets the cut cells of the domain.
-  void set(shape::CutGeometry const& geometry);
+  /// Sets the cut cells of the domain, and how many components a state has.
+  void set(shape::CutGeometry const& geometry, int components);
   [[nodiscard]] bool any() const { return !nodes_.empty(); }
   [[nodiscard]] std::vector<CutCell> const& cells() const { return cells_; }
   /// The cut cell at a place; null: it is whole, or solid.
@@ -106,15 +115,16 @@ class CutCells {
   [[nodiscard]] std::vector<InBundle> const* in_bundle(int block, int direction, int bundle) const;
 
   /// The state of a node: as the last sweep left it, or what a sweep changes of it.
-  [[nodiscard]] double* state(int node) { return states_.data() + static_cast<std::size_t>(pitch) * node; }
-  [[nodiscard]] double* merged(int merger) { return merged_.data() + static_cast<std::size_t>(pitch) * merger; }
+  [[nodiscard]] double* state(int node) { return states_.data() + pitch_ * node; }
+  [[nodiscard]] double* merged(int merger) { return merged_.data() + pitch_ * merger; }
+  [[nodiscard]] CutFlow const& flow(int cut) const { return flows_[cut]; }
   [[nodiscard]] WallState& wall(int cut) { return walls_[cut]; }
+  /// Is the gas beside the wall quiescent? That of blocks that sleep is.
+  [[nodiscard]] std::uint8_t& quiescent(int cut) { return quiescent_[cut]; }
 
  private:
-  static constexpr int pitch = 16;  ///< doubles per state
-  static_assert(most_components <= pitch);
   struct OfBlock {
-    std::unordered_map<int, int> numbers;                            ///< offset of a cell -> its node
+    std::vector<int> numbers;  ///< of the nodes, by the cell's offset; -1: none. Empty in blocks without
     std::array<std::vector<std::vector<InBundle>>, 3> in_bundles{};  ///< per direction and bundle
   };
   /// A small cell and the neighbours that it takes into its merger.
@@ -144,7 +154,10 @@ class CutCells {
   std::vector<Share> shares_, members_;
   std::vector<OfBlock> of_block_;
   Buffer states_, merged_;
+  std::size_t pitch_ = 0;  ///< doubles per state: whole lines of the cache
+  std::vector<CutFlow> flows_;
   std::vector<WallState> walls_;
+  std::vector<std::uint8_t> quiescent_;
 };
 
 }  // namespace brisance::gas

@@ -24,7 +24,23 @@ struct Judged {
   double sound_speed = 0.0;
 };
 
-Judged judge(Fluids const& fluids, Floors const& floors, double most_H, double const* u, double F) {
+/// Of one ideal gas alone.
+Judged judge_ideal(material::IdealGas const& gas, Floors const& floors, double const* u, bool with_sound) {
+  Judged judged;
+  double const rho = u[partial_density(0)];
+  double const square = u[momentum_x] * u[momentum_x] + u[momentum_y] * u[momentum_y] + u[momentum_z] * u[momentum_z];
+  judged.pressure = (gas.gamma - 1.0) * (u[energy] - 0.5 * square / rho);
+  if (with_sound) judged.sound_speed = std::sqrt(std::max(0.0, gas.gamma * judged.pressure) / rho);
+  judged.sound = rho >= 0.999999 * floors.density && judged.pressure >= 0.999999 * floors.pressure;
+  return judged;
+}
+
+Judged judge(Fluids const& fluids, Floors const& floors, double most_H, double const* u, double F,
+             bool with_sound = true) {
+  if (!fluids.mixed()) {
+    auto const* ideal = std::get_if<material::IdealGas>(&fluids.ambient());
+    if (ideal != nullptr) return judge_ideal(*ideal, floors, u, with_sound);
+  }
   Judged judged;
   double const rho = mixture_density(fluids.count, [u](int c) { return u[c]; });
   double square = 0.0;
@@ -55,7 +71,7 @@ double stopped(double rho, double p, double c, double speed_into_wall, bool bear
 
 void Gas::load_node(int n) {
   grid::Cell const& cell = cut.nodes()[n].cell;
-  for (int c = 0; c < components(); ++c) cut.state(n)[c] = fields_.at(cell.block, c)[cell.offset];
+  for (int c = 0; c < components(); ++c) cut.state(n)[c] = c == shock ? 0.0 : fields_.at(cell.block, c)[cell.offset];
 }
 
 void Gas::load_nodes() {
@@ -75,9 +91,10 @@ bool Gas::is_quiescent(double const* state) const {
 }
 
 void Gas::find_wall(Node const& node, double const* u) {
+  bool const quiescent = norm(quiescent_.velocity) == 0.0 && is_quiescent(u);
+  cut.quiescent(node.cut) = quiescent ? 1 : 0;
+  if (quiescent) return;
   WallState& wall = cut.wall(node.cut);
-  wall.quiescent = norm(quiescent_.velocity) == 0.0 && is_quiescent(u);
-  if (wall.quiescent) return;
   CutCell const& cell = cut.cells()[node.cut];
   double const rho = mixture_density(fluids_.count, [u](int c) { return u[c]; });
   Floors const floors{options_.density_floor, options_.pressure_floor};
@@ -92,11 +109,9 @@ void Gas::find_wall(Node const& node, double const* u) {
   }
   wall.velocity = velocity;
   wall.pressure = stopped(rho, gas.pressure, gas.sound_speed, into_wall, fluids_.any_bears_tension());
-  wall.carried = {};
-  for (int k = 0; k < fluids_.count; ++k) wall.carried[partial_density(k)] = u[partial_density(k)];
-  for (int d = 0; d < 3; ++d) wall.carried[momentum_x + d] = rho * velocity[d];
-  wall.carried[energy] = u[energy] + gas.pressure;
-  if (components() > progress) wall.carried[progress] = u[progress];
+  wall.partial = partial_densities(fluids_.count, u);
+  wall.enthalpy = u[energy] + gas.pressure;
+  wall.progress = components() > progress ? u[progress] : 0.0;
 }
 
 void Gas::find_walls() {
@@ -109,53 +124,69 @@ void Gas::find_walls() {
   });
 }
 
+/// Through the wall of a cut cell, per area along a direction.
+Components Gas::wall_flux(int cut_cell, int d) {
+  if (cut.quiescent(cut_cell) != 0) return quiet_.flux[d];
+  WallState const& wall = cut.wall(cut_cell);
+  Components flux{};
+  double const speed = wall.velocity[d];
+  for (int k = 0; k < fluids_.count; ++k) flux[partial_density(k)] = speed * wall.partial[k];
+  double const mass = mixture_density(fluids_.count, flux);
+  for (int i = 0; i < 3; ++i) flux[momentum_x + i] = mass * wall.velocity[i];
+  flux[momentum_x + d] += wall.pressure;
+  flux[energy] = speed * wall.enthalpy;
+  if (components() > progress) flux[progress] = speed * wall.progress;
+  return flux;
+}
+
 void Gas::take_cut_changes(int b, int index, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
   auto const* const list = cut.in_bundle(b, s.direction, index);
   if (list == nullptr) return;
   int const d = s.direction;
   int const st = layout.stride;
-  for (auto const& [q, number] : *list) {
-    Node const& node = cut.nodes()[number];
-    if (node.cut < 0) continue;
-    CutCell const& cell = cut.cells()[node.cut];
-    WallState const& wall = cut.wall(node.cut);
+  auto const announce = [&](std::size_t n) {
+    if (n >= list->size() || (*list)[n].cut < 0) return;
+    __builtin_prefetch(&cut.flow((*list)[n].cut));
+    __builtin_prefetch(&cut.wall((*list)[n].cut));
+    __builtin_prefetch(cut.state((*list)[n].node), 1);
+  };
+  constexpr std::size_t ahead = 6;
+  for (std::size_t n = 0; n < ahead; ++n) announce(n);
+  for (std::size_t n = 0; n < list->size(); ++n) {
+    announce(n + ahead);
+    auto const [q, number, in_list] = (*list)[n];
+    if (in_list < 0) continue;
+    CutFlow const& cell = cut.flow(in_list);
     double* const change = cut.state(number);
-    double const scale = s.dt / cell.volume;
+    double const scale = s.dt * cell.inverse_volume;
     double const high = scale * cell.area[2 * d + 1];
     double const low = scale * cell.area[2 * d];
-    double const at_wall = scale * cell.wall[d];
-    auto const wall_flux = [&](int c) {
-      if (wall.quiescent) return quiet_.flux[d][c];
-      return wall.velocity[d] * wall.carried[c] + (c == momentum_x + d ? wall.pressure : 0.0);
-    };
+    double const at_wall = high - low - (d == 0 ? scale * cell.opening : 0.0);
     // Fluxes count by their difference to one of them: uniform gas then stays as it is to the last bit.
-    auto const differs = [&](int flux, double own, double least) {
-      return low * (a[flux][q - st] - least) - high * (a[flux][q] - least) + at_wall * (own - least);
+    auto const take = [&](int c, double own, double least) {
+      double const* const flux = a[flux_array(c)];
+      change[c] = low * (flux[q - st] - least) - high * (flux[q] - least) + at_wall * (own - least);
     };
-    auto const take = [&](int c) {
-      double const own = wall_flux(c);
-      double least = own;
-      if (s.radial) least = c == s.normal() ? a[a_p_half][q] : 0.0;
-      change[c] = differs(flux_array(c), own, least);
-    };
-    take(partial_density(0));
-    for (int c = momentum_x; c <= energy; ++c) take(c);
+    Components const own = wall_flux(in_list, d);
+    for (int c = 0; c <= energy; ++c) take(c, own[c], s.radial ? 0.0 : own[c]);
+    if (s.radial) take(s.normal(), own[s.normal()], a[a_p_half][q]);
     for (int k = 1; k < fluids_.count; ++k) {
+      int const partial = partial_density(k);
       int const c = volume_fraction(k);
       if (s.present <= k) {
-        change[partial_density(k)] += at_wall * wall_flux(partial_density(k));
+        change[partial] += at_wall * own[partial];
         continue;
       }
-      take(partial_density(k));
+      take(partial, own[partial], s.radial ? 0.0 : own[partial]);
       double const alpha = a[c][q];
       change[c] = low * (a[a_flux + c][q - st] - alpha * a[a_face_speed][q - st]) -
                   high * (a[a_flux + c][q] - alpha * a[a_face_speed][q]);
     }
     if (components() > progress) {
       if (s.progress)
-        take(progress);
+        take(progress, own[progress], s.radial ? 0.0 : own[progress]);
       else
-        change[progress] += at_wall * wall_flux(progress);
+        change[progress] += at_wall * own[progress];
     }
     a[a_solid][q] = 1.0;  // the update leaves it alone
   }
@@ -164,9 +195,9 @@ void Gas::take_cut_changes(int b, int index, BundleLayout const& layout, SweepCo
 void Gas::take_node_states(int b, int index, SweepContext const& s, BundleArrays& a) {
   auto const* const list = cut.in_bundle(b, s.direction, index);
   if (list == nullptr) return;
-  for (auto const& [q, number] : *list) {
+  for (auto const& [q, number, in_list] : *list) {
     double* const state = cut.state(number);
-    bool const is_cut = cut.nodes()[number].cut >= 0;
+    bool const is_cut = in_list >= 0;
     auto const take = [&](int c) { state[c] = a[state_array(c)][q] + (is_cut ? state[c] : 0.0); };
     for (int c = 0; c <= energy; ++c) take(c);
     for (int k = 1; k < s.present; ++k) {
@@ -180,11 +211,10 @@ void Gas::take_node_states(int b, int index, SweepContext const& s, BundleArrays
 void Gas::keep_peaks(int b, int index, SweepContext const& s, BundleArrays& a) const {
   auto const* const list = cut.in_bundle(b, s.direction, index);
   if (list == nullptr) return;
-  for (auto const& [q, number] : *list) a[a_p][q] = quiet_.pressure;
+  for (CutCells::InBundle const& node : *list) a[a_p][node.q] = quiet_.pressure;
 }
 
 void Gas::merge_small_cells() {
-  auto const& nodes = cut.nodes();
   auto const& members = cut.members();
   int const count = static_cast<int>(cut.mergers().size());
   parallel_for((count + batch - 1) / batch, [&](int part, int) {
@@ -195,7 +225,7 @@ void Gas::merge_small_cells() {
       // From the differences to the small cell: equal states stay equal to the last bit.
       for (int c = 0; c < components(); ++c) mean[c] = 0.0;
       for (int n = merger.first; n < merger.end; ++n) {
-        double const part_of_all = members[n].weight * nodes[members[n].node].volume / merger.volume;
+        double const part_of_all = members[n].weight;
         double const* const state = cut.state(members[n].node);
         for (int c = 0; c < components(); ++c) mean[c] += part_of_all * (state[c] - own[c]);
       }
@@ -207,18 +237,22 @@ void Gas::merge_small_cells() {
 void Gas::share_states(int begin, int end, SweepContext const& s, bool last, std::vector<int>& unsound) {
   int const dims = grid_->domain().dimensions();
   int const b = cut.nodes()[begin].cell.block;
+  int const count = components();  // the shock sensor of a node is 0
+  bool const burning = burn.burning_in(b);
   for (int n = begin; n < end; ++n) {
+    constexpr int ahead = 8;
+    if (n + ahead < end) {
+      for (int c = 0; c < count; ++c) __builtin_prefetch(fields_.at(b, c) + cut.nodes()[n + ahead].cell.offset, 1);
+    }
     Node const& node = cut.nodes()[n];
     double* const state = cut.state(n);
     std::array<double, most_components> change{};
     for (int i = node.first; i < node.end; ++i) {
       Share const& share = cut.shares()[i];
       double const* const mean = cut.merged(share.merger);
-      for (int c = 0; c < components(); ++c) change[c] += share.weight * (mean[c] - state[c]);
+      for (int c = 0; c < count; ++c) change[c] += share.weight * (mean[c] - state[c]);
     }
-    for (int c = 0; c < components(); ++c) {
-      if (c != shock) state[c] += change[c];
-    }
+    for (int c = 0; c < count; ++c) state[c] += change[c];
     bool const quiet = is_quiescent(state);
     if (quiet && awake_[b] == 0) continue;
     store_node(n);
@@ -226,7 +260,8 @@ void Gas::share_states(int begin, int end, SweepContext const& s, bool last, std
     if (!quiet) {
       awake_[b] = 1;
       disturbance_.note(node.cell);
-      Judged const gas = judge(fluids_, s.floors, s.most_H, state, burn_fraction(*this, node.cell));
+      Judged const gas =
+          judge(fluids_, s.floors, s.most_H, state, burning ? burn_fraction(*this, node.cell) : 1.0, last);
       if (!gas.sound) unsound.push_back(n);
       pressure = gas.pressure;
       if (last && gas.sound) {
@@ -315,7 +350,7 @@ void Gas::mend(int n, SweepContext const& s) {
     awake_[cells[i].block] = 1;
     disturbance_.note(cells[i]);
     int const number = cut.node_at(cells[i]);
-    for (int c = 0; c < components() && number >= 0; ++c) cut.state(number)[c] = x[c];
+    if (number >= 0) load_node(number);
   }
 }
 

@@ -44,6 +44,7 @@ void Disturbance::find(grid::Fields const& fields, Components const& quiet) {
 
 void Disturbance::note(grid::Cell const& cell) {
   OfBlock& of = blocks_[cell.block];
+  if (is_set(of.everywhere)) return;
   set(of.disturbed[of.tiles.of(cell.within())]);
 }
 

@@ -216,6 +216,7 @@ class Gas {
   /// The states beside walls at the start of a step.
   void find_walls();
   void find_wall(Node const& node, double const* state);
+  [[nodiscard]] Components wall_flux(int cut_cell, int direction);
   /// What a sweep changes in the cut cells of a bundle; the update will leave them alone.
   void take_cut_changes(int block, int bundle, BundleLayout const& layout, SweepContext const& context,
                         BundleArrays& arrays);

@@ -6,7 +6,7 @@ namespace brisance::gas {
 
 void place_obstacles(Gas& gas, shape::CutGeometry const& geometry, Primitive const& inside) {
   if (geometry.solid.empty()) return;
-  gas.cut.set(geometry);
+  gas.cut.set(geometry, gas.fields().components());
   grid::Grid const& grid = gas.grid();
   grid::CellRange const all = grid.domain().all_cells();
   for (grid::Block const& block : grid.blocks()) {
