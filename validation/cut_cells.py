@@ -6,7 +6,7 @@ GAMMA, PRESSURE, DENSITY = 1.4, 101325.0, 1.225
 MACH, RADIUS = 1.3, 0.1
 FRONT = 1.5  # where the undisturbed front is at the end [radii]
 CELLS_PER_RADIUS = (20, 40, 80)
-STREET_CELLS = (0.5, 0.25, 0.2)  # those of the second have their faces between them
+STREET_CELLS = (0.5, 0.25, 0.2)  # the faces of the houses lie between cells of the first two
 
 
 def street(variants, cell, name, obstacles="cut", file=False):
@@ -18,7 +18,7 @@ def street(variants, cell, name, obstacles="cut", file=False):
 
 
 def records(result):
-    return {g["name"]: (g["peak_overpressure"], g["impulse"]) for g in result.summary["gauges"]}
+    return {g["name"]: (g["peak_overpressure"], g["largest_impulse"]) for g in result.summary["gauges"]}
 
 
 def largest_difference(one, other):
