@@ -204,6 +204,16 @@ void CutCells::find_bundles() {
   }
 }
 
+void CutCells::find_boundaries() {
+  grid::Domain const& domain = grid_->domain();
+  for (CutCell const& cut : cells_) {
+    for (int face = 0; face < 2 * domain.dimensions(); ++face) {
+      if (!domain.contains(grid::beside(cut.cell, face / 2, face % 2)))
+        of_block_[grid_->locate(cut.cell).block].boundary[face] = true;
+    }
+  }
+}
+
 void CutCells::set(shape::CutGeometry const& geometry, int components) {
   cells_.clear();
   for (shape::CutCell const& cut : geometry.cells) cells_.push_back(measured(grid_->domain(), cut));
@@ -215,7 +225,7 @@ void CutCells::set(shape::CutGeometry const& geometry, int components) {
   make_nodes(asked);
   make_mergers(asked);
   find_bundles();
-  constexpr std::size_t line = 8;
+  find_boundaries();
   pitch_ = (static_cast<std::size_t>(components) + line - 1) / line * line;
   states_ = Buffer(nodes_.size() * pitch_);
   merged_ = Buffer(mergers_.size() * pitch_);

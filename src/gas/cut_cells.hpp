@@ -101,6 +101,8 @@ class CutCells {
   [[nodiscard]] double volume(grid::Cell const& cell) const;
   /// What they leave of its low (side 0) or high (1) face [m2].
   [[nodiscard]] double area(grid::Cell const& cell, int direction, int side) const;
+  /// Is a face of the domain beside a block's cells cut?
+  [[nodiscard]] bool cut_boundary(int block, int face) const { return in(block) && of_block_[block].boundary[face]; }
   /// Does a block hold nodes?
   [[nodiscard]] bool in(int block) const { return any() && !of_block_[block].numbers.empty(); }
 
@@ -115,6 +117,9 @@ class CutCells {
   [[nodiscard]] std::vector<InBundle> const* in_bundle(int block, int direction, int bundle) const;
 
   /// The state of a node: as the last sweep left it, or what a sweep changes of it.
+  /// Whole lines of the cache, of 8 doubles each, that a state takes; what it does not need of them is 0.
+  [[nodiscard]] int lines() const { return static_cast<int>(pitch_) / line; }
+  static constexpr int line = 8;
   [[nodiscard]] double* state(int node) { return states_.data() + pitch_ * node; }
   [[nodiscard]] double* merged(int merger) { return merged_.data() + pitch_ * merger; }
   [[nodiscard]] CutFlow const& flow(int cut) const { return flows_[cut]; }
@@ -126,6 +131,7 @@ class CutCells {
   struct OfBlock {
     std::vector<int> numbers;  ///< of the nodes, by the cell's offset; -1: none. Empty in blocks without
     std::array<std::vector<std::vector<InBundle>>, 3> in_bundles{};  ///< per direction and bundle
+    std::array<bool, 6> boundary{};                                  ///< is a face of the domain cut?
   };
   /// A small cell and the neighbours that it takes into its merger.
   struct Group {
@@ -142,6 +148,7 @@ class CutCells {
   void make_nodes(std::vector<Group> const& groups);
   void make_mergers(std::vector<Group> const& groups);
   void find_bundles();
+  void find_boundaries();
 
   grid::Grid const* grid_;
   int bundle_cells_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/loops.hpp"
 #include "core/parallel.hpp"
 #include "gas/gas.hpp"
 #include "gas/primitives.hpp"
@@ -154,10 +155,11 @@ void Gas::take_cut_changes(int b, int index, BundleLayout const& layout, SweepCo
   for (std::size_t n = 0; n < ahead; ++n) announce(n);
   for (std::size_t n = 0; n < list->size(); ++n) {
     announce(n + ahead);
-    auto const [q, number, in_list] = (*list)[n];
-    if (in_list < 0) continue;
-    CutFlow const& cell = cut.flow(in_list);
-    double* const change = cut.state(number);
+    CutCells::InBundle const& node = (*list)[n];
+    if (node.cut < 0) continue;
+    int const q = node.q;
+    CutFlow const& cell = cut.flow(node.cut);
+    double* const change = cut.state(node.node);
     double const scale = s.dt * cell.inverse_volume;
     double const high = scale * cell.area[2 * d + 1];
     double const low = scale * cell.area[2 * d];
@@ -167,7 +169,7 @@ void Gas::take_cut_changes(int b, int index, BundleLayout const& layout, SweepCo
       double const* const flux = a[flux_array(c)];
       change[c] = low * (flux[q - st] - least) - high * (flux[q] - least) + at_wall * (own - least);
     };
-    Components const own = wall_flux(in_list, d);
+    Components const own = wall_flux(node.cut, d);
     for (int c = 0; c <= energy; ++c) take(c, own[c], s.radial ? 0.0 : own[c]);
     if (s.radial) take(s.normal(), own[s.normal()], a[a_p_half][q]);
     for (int k = 1; k < fluids_.count; ++k) {
@@ -195,9 +197,10 @@ void Gas::take_cut_changes(int b, int index, BundleLayout const& layout, SweepCo
 void Gas::take_node_states(int b, int index, SweepContext const& s, BundleArrays& a) {
   auto const* const list = cut.in_bundle(b, s.direction, index);
   if (list == nullptr) return;
-  for (auto const& [q, number, in_list] : *list) {
-    double* const state = cut.state(number);
-    bool const is_cut = in_list >= 0;
+  for (CutCells::InBundle const& node : *list) {
+    int const q = node.q;
+    double* const state = cut.state(node.node);
+    bool const is_cut = node.cut >= 0;
     auto const take = [&](int c) { state[c] = a[state_array(c)][q] + (is_cut ? state[c] : 0.0); };
     for (int c = 0; c <= energy; ++c) take(c);
     for (int k = 1; k < s.present; ++k) {
@@ -223,13 +226,17 @@ void Gas::merge_small_cells() {
       double* const mean = cut.merged(m);
       double const* const own = cut.state(merger.node);
       // From the differences to the small cell: equal states stay equal to the last bit.
-      for (int c = 0; c < components(); ++c) mean[c] = 0.0;
-      for (int n = merger.first; n < merger.end; ++n) {
-        double const part_of_all = members[n].weight;
-        double const* const state = cut.state(members[n].node);
-        for (int c = 0; c < components(); ++c) mean[c] += part_of_all * (state[c] - own[c]);
+      for (int l = 0; l < cut.lines(); ++l) {
+        int const first = l * CutCells::line;
+        std::array<double, CutCells::line> sum{};
+        for (int n = merger.first; n < merger.end; ++n) {
+          double const* const state = cut.state(members[n].node) + first;
+          BRISANCE_VECTOR_LOOP
+          for (int c = 0; c < CutCells::line; ++c) sum[c] += members[n].weight * (state[c] - own[first + c]);
+        }
+        BRISANCE_VECTOR_LOOP
+        for (int c = 0; c < CutCells::line; ++c) mean[first + c] = sum[c] + own[first + c];
       }
-      for (int c = 0; c < components(); ++c) mean[c] += own[c];
     }
   });
 }
@@ -246,13 +253,18 @@ void Gas::share_states(int begin, int end, SweepContext const& s, bool last, std
     }
     Node const& node = cut.nodes()[n];
     double* const state = cut.state(n);
-    std::array<double, most_components> change{};
-    for (int i = node.first; i < node.end; ++i) {
-      Share const& share = cut.shares()[i];
-      double const* const mean = cut.merged(share.merger);
-      for (int c = 0; c < count; ++c) change[c] += share.weight * (mean[c] - state[c]);
+    for (int l = 0; l < cut.lines() && node.end > node.first; ++l) {
+      int const first = l * CutCells::line;
+      std::array<double, CutCells::line> change{};
+      for (int i = node.first; i < node.end; ++i) {
+        Share const& share = cut.shares()[i];
+        double const* const mean = cut.merged(share.merger) + first;
+        BRISANCE_VECTOR_LOOP
+        for (int c = 0; c < CutCells::line; ++c) change[c] += share.weight * (mean[c] - state[first + c]);
+      }
+      BRISANCE_VECTOR_LOOP
+      for (int c = 0; c < CutCells::line; ++c) state[first + c] += change[c];
     }
-    for (int c = 0; c < count; ++c) state[c] += change[c];
     bool const quiet = is_quiescent(state);
     if (quiet && awake_[b] == 0) continue;
     store_node(n);

@@ -114,13 +114,14 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
   for (int side = 0; side < 2; ++side) {
     if (!block.at_boundary(2 * s.direction + side)) continue;
     double const sign = side == 0 ? -1.0 : 1.0;
+    bool const is_cut = cut.cut_boundary(b, 2 * s.direction + side);
     for (int line = 0; line < layout.lines(); ++line) {
       // Face below the first or above the last of the block's own cells.
       int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
       q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
       grid::Cell const cell = layout.end_cell(block, side, line);
       if (!coupling.is_own(cell)) continue;
-      double const area = cut.area(cell, s.direction, side);
+      double const area = is_cut ? cut.area(cell, s.direction, side) : block.face_area(s.direction, side, cell);
       Components& outflow = account.outflow;
       for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
       for (int k = 1; k < s.present; ++k) {

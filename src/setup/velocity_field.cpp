@@ -39,7 +39,7 @@ std::array<double, 9> VelocityField::gradient(Vec3 const& x, double step, int di
     low[j] -= step;
     high[j] += step;
     Vec3 const difference = (*this)(high) - (*this)(low);
-    for (int i = 0; i < 3; ++i) gradient[static_cast<std::size_t>(3 * i + j)] = difference[i] / (high[j] - low[j]);
+    for (int i = 0; i < 3; ++i) gradient[3 * i + j] = difference[i] / (high[j] - low[j]);
   }
   return gradient;
 }

@@ -248,6 +248,8 @@ double BodiesAlongAxes::open_square(std::vector<int> const& bodies, Index3 const
   // The edges of all rectangles: two lines at the ends of each piece.
   std::vector<std::array<std::vector<Span>, 2>> rows;
   std::vector<std::array<std::vector<Span>, 2>> columns;
+  rows.reserve(along.size());
+  columns.reserve(across.size());
   for (Span const& s : along)
     rows.push_back({line(first, second, s.from, low, high), line(first, second, s.to, low, high)});
   for (Span const& s : across) {

@@ -71,7 +71,8 @@ class Rings {
   struct Edge {
     std::size_t ring = 0;
     std::size_t at = 0;
-    auto operator<=>(Edge const&) const = default;
+    bool operator==(Edge const&) const = default;
+    bool operator<(Edge const& other) const { return std::tie(ring, at) < std::tie(other.ring, other.at); }
   };
 
   [[noreturn]] void refuse(std::string const& message) const { throw InputError(what_ + ": " + message); }
