@@ -91,7 +91,6 @@ class CutCells {
 
   /// Sets the cut cells of the domain, and how many components a state has.
   void set(shape::CutGeometry const& geometry, int components);
-  [[nodiscard]] bool any() const { return !nodes_.empty(); }
   [[nodiscard]] std::vector<CutCell> const& cells() const { return cells_; }
   /// The cut cell at a place; null: it is whole, or solid.
   [[nodiscard]] CutCell const* find(grid::Cell const& cell) const;
@@ -128,6 +127,7 @@ class CutCells {
   [[nodiscard]] std::uint8_t& quiescent(int cut) { return quiescent_[cut]; }
 
  private:
+  [[nodiscard]] bool any() const { return !nodes_.empty(); }
   struct OfBlock {
     std::vector<int> numbers;  ///< of the nodes, by the cell's offset; -1: none. Empty in blocks without
     std::array<std::vector<std::vector<InBundle>>, 3> in_bundles{};  ///< per direction and bundle

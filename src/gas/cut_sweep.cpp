@@ -296,7 +296,7 @@ void Gas::store_node(int n) {
 }
 
 void Gas::share_small_cells(SweepContext const& s, bool last) {
-  if (!cut.any()) return;
+  if (cut.nodes().empty()) return;
   merge_small_cells();
   auto const& ranges = cut.ranges();
   std::vector<std::vector<int>> unsound(ranges.size());
