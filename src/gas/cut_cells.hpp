@@ -115,10 +115,10 @@ class CutCells {
   /// The nodes of a bundle of a sweep; null: none.
   [[nodiscard]] std::vector<InBundle> const* in_bundle(int block, int direction, int bundle) const;
 
-  /// The state of a node: as the last sweep left it, or what a sweep changes of it.
   /// Whole lines of the cache, of 8 doubles each, that a state takes; what it does not need of them is 0.
   [[nodiscard]] int lines() const { return static_cast<int>(pitch_) / line; }
   static constexpr int line = 8;
+  /// The state of a node: as the last sweep left it, or what a sweep changes of it.
   [[nodiscard]] double* state(int node) { return states_.data() + pitch_ * node; }
   [[nodiscard]] double* merged(int merger) { return merged_.data() + pitch_ * merger; }
   [[nodiscard]] CutFlow const& flow(int cut) const { return flows_[cut]; }

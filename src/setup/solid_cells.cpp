@@ -6,6 +6,7 @@
 
 #include "core/parallel.hpp"
 #include "shape/cut_cells.hpp"
+#include "shape/parts.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::setup {
@@ -13,6 +14,7 @@ namespace brisance::setup {
 namespace {
 
 using shape::CellRange;
+using shape::Parts;
 using shape::Share;
 
 /// A convex obstacle that is this thick [cells] cannot stand between two gas cells that touch: at its edges it does not
@@ -22,46 +24,12 @@ constexpr double thick = 2.0;
 /// Parts of a cell per direction in which is looked for a way around a wall.
 int parts_of(int dimensions) { return dimensions == 3 ? 6 : 8; }
 
-/// Parts of one or two cells that are free of obstacles.
-struct Parts {
-  CellRange box;
-  std::vector<std::uint8_t> free;
-};
-
-/// Numbers the connected free parts: 0 where blocked, else from 1 on.
-std::vector<int> connected(Parts const& parts) {
-  std::vector<int> number(parts.free.size(), 0);
-  std::vector<std::size_t> open;
-  int count = 0;
-  for (std::size_t start = 0; start < number.size(); ++start) {
-    if (parts.free[start] == 0 || number[start] != 0) continue;
-    number[start] = ++count;
-    open.push_back(start);
-    while (!open.empty()) {
-      Index3 const part = parts.box.at(open.back());
-      open.pop_back();
-      for (int face = 0; face < 6; ++face) {
-        Index3 const beside = grid::beside(part, face / 2, face % 2);
-        if (!parts.box.contains(beside)) continue;
-        std::size_t const next = parts.box.offset(beside);
-        if (parts.free[next] == 0 || number[next] != 0) continue;
-        number[next] = count;
-        open.push_back(next);
-      }
-    }
-  }
-  return number;
-}
-
 /// A part of the largest free piece; -1 where nothing is free.
 int in_largest(Parts const& parts) {
-  std::vector<int> const number = connected(parts);
-  std::vector<int> size(number.size() + 1, 0);
-  for (int const n : number) ++size[n];
-  size[0] = 0;
-  int const largest = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
-  if (size[largest] == 0) return -1;
-  return static_cast<int>(std::find(number.begin(), number.end(), largest) - number.begin());
+  shape::Pieces const pieces = shape::pieces_of(parts);
+  int const largest = pieces.largest();
+  if (largest == 0) return -1;
+  return static_cast<int>(std::find(pieces.number.begin(), pieces.number.end(), largest) - pieces.number.begin());
 }
 
 /// Is the gas of the low cell cut off from that of the high cell, within the two?
@@ -82,7 +50,7 @@ bool parted(Parts const& low, Parts const& high, int direction) {
     both.free[place(at, 0)] = low.free[at];
     both.free[place(at, 1)] = high.free[at];
   }
-  std::vector<int> const number = connected(both);
+  std::vector<int> const number = shape::pieces_of(both).number;
   return number[place(static_cast<std::size_t>(a), 0)] != number[place(static_cast<std::size_t>(b), 1)];
 }
 
@@ -90,20 +58,6 @@ int largest_of(std::vector<Share> const& shares) {
   return std::max_element(shares.begin(), shares.end(),
                           [](Share const& a, Share const& b) { return a.fraction < b.fraction; })
       ->shape;
-}
-
-/// The parts of a cell of which obstacles leave the middle free; `fine` has p of them per cell and direction.
-Parts parts_of_cell(std::vector<shape::Shape> const& shapes, grid::Domain const& fine, Index3 const& cell, int p) {
-  Parts parts;
-  Index3 first{0, 0, 0};
-  for (int d = 0; d < fine.dimensions(); ++d) {
-    parts.box.upper[d] = p;
-    first[d] = cell[d] * p;
-  }
-  grid::for_each_cell(parts.box.moved(first), [&](Index3 const& part) {
-    parts.free.push_back(shape::shares_of_cell(shapes, fine, part, 2).empty() ? 1 : 0);
-  });
-  return parts;
 }
 
 }  // namespace
@@ -254,7 +208,7 @@ std::optional<Leak> SolidCells::leak_in(CellRange const& range, long& most) cons
   std::map<Index3, Parts> known;
   auto const parts_at = [&](Index3 const& cell) -> Parts const& {
     auto const [place, added] = known.try_emplace(cell);
-    if (added) place->second = parts_of_cell(shapes_, fine, cell, p);
+    if (added) place->second = shape::parts_of_cell(shapes_, fine, cell, p);
     return place->second;
   };
   // Where nothing lies between the middles of two cells, gas may pass. That is soon seen, and true of most.

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <unordered_map>
 
 #include "core/parallel.hpp"
 #include "shape/open_face.hpp"
+#include "shape/parts.hpp"
 
 namespace brisance::shape {
 
@@ -29,61 +31,24 @@ struct Piece {
   std::array<std::vector<std::uint8_t>, 6> faces;
 };
 
-/// The connected pieces of free parts of a cell: each part's number, 0 where blocked.
-std::vector<int> pieces_of(CellRange const& box, std::vector<std::uint8_t> const& free, int& count) {
-  std::vector<int> number(free.size(), 0);
-  std::vector<std::size_t> reached;
-  count = 0;
-  for (std::size_t start = 0; start < free.size(); ++start) {
-    if (free[start] == 0 || number[start] != 0) continue;
-    number[start] = ++count;
-    reached.push_back(start);
-    while (!reached.empty()) {
-      Index3 const part = box.at(reached.back());
-      reached.pop_back();
-      for (int face = 0; face < 6; ++face) {
-        Index3 const beside = grid::beside(part, face / 2, face % 2);
-        if (!box.contains(beside)) continue;
-        std::size_t const next = box.offset(beside);
-        if (free[next] == 0 || number[next] != 0) continue;
-        number[next] = count;
-        reached.push_back(next);
-      }
-    }
-  }
-  return number;
-}
-
 /// The largest piece of the gas in a cell. Pieces without a free part are too small to count: what is open of faces
 /// beside them is closed.
 Piece largest_piece(std::vector<Shape> const& shapes, grid::Domain const& domain, Index3 const& cell) {
   int const p = parts_of(domain.dimensions());
   grid::Domain fine = domain;
   fine.h /= p;
-  CellRange box;
-  Index3 first{0, 0, 0};
-  for (int d = 0; d < domain.dimensions(); ++d) {
-    box.upper[d] = p;
-    first[d] = cell[d] * p;
-  }
-  std::vector<std::uint8_t> free;
-  for_each_cell(box.moved(first),
-                [&](Index3 const& part) { free.push_back(shares_of_cell(shapes, fine, part, 2).empty() ? 1 : 0); });
-  int count = 0;
-  std::vector<int> const number = pieces_of(box, free, count);
-  std::vector<int> size(static_cast<std::size_t>(count) + 1, 0);
-  for (int const n : number) ++size[n];
-  size[0] = 0;
-  int const largest = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
-  int all = 0;
-  for (int const n : size) all += n;
+  Parts const parts = parts_of_cell(shapes, fine, cell, p);
+  Pieces const pieces = pieces_of(parts);
+  int const largest = pieces.largest();
+  int const all = std::accumulate(pieces.size.begin(), pieces.size.end(), 0);
   Piece piece;
   piece.parted = true;
-  piece.volume = all > 0 ? static_cast<double>(size[largest]) / all : 0.0;
-  for (std::size_t at = 0; at < number.size(); ++at) {
+  piece.volume = all > 0 ? static_cast<double>(pieces.size[largest]) / all : 0.0;
+  for (std::size_t at = 0; at < pieces.number.size(); ++at) {
     for (int face = 0; face < 2 * domain.dimensions(); ++face) {
-      if (box.at(at)[face / 2] != (face % 2 == 0 ? 0 : p - 1)) continue;
-      piece.faces[face].push_back(number[at] == 0 ? 0 : number[at] == largest ? 2 : 1);
+      if (parts.box.at(at)[face / 2] != (face % 2 == 0 ? 0 : p - 1)) continue;
+      int const number = pieces.number[at];
+      piece.faces[face].push_back(number == 0 ? 0 : number == largest ? 2 : 1);
     }
   }
   return piece;
