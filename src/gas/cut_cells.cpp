@@ -191,15 +191,21 @@ void CutCells::make_mergers(std::vector<Group> const& groups) {
 }
 
 void CutCells::find_bundles() {
-  for (int d = 0; d < grid_->domain().dimensions(); ++d) {
-    for (int n = 0; n < static_cast<int>(nodes_.size()); ++n) {
-      grid::Cell const& cell = nodes_[n].cell;
-      grid::Block const& block = grid_->block(cell);
+  for (auto const& [first, end] : ranges_) {
+    grid::Block const& block = grid_->block(nodes_[first].cell);
+    for (int d = 0; d < grid_->domain().dimensions(); ++d) {
       grid::Bundles const bundles(block, d, bundle_cells_);
-      auto& of_bundles = of_block_[cell.block].in_bundles[d];
-      of_bundles.resize(bundles.count());
-      int const bundle = bundles.index_of(cell);
-      of_bundles[bundle].push_back({bundles.layout(bundle).place(block, cell), n, nodes_[n].cut});
+      std::vector<std::vector<InBundle>> lists(bundles.count());
+      for (int n = first; n < end; ++n) {
+        int const bundle = bundles.index_of(nodes_[n].cell);
+        lists[bundle].push_back({bundles.layout(bundle).place(block, nodes_[n].cell), n, nodes_[n].cut});
+      }
+      OfBundles& of = of_block_[block.number].in_bundles[d];
+      for (auto const& list : lists) {
+        of.first.push_back(static_cast<int>(of.nodes.size()));
+        of.nodes.insert(of.nodes.end(), list.begin(), list.end());
+      }
+      of.first.push_back(static_cast<int>(of.nodes.size()));
     }
   }
 }
@@ -218,6 +224,12 @@ void CutCells::set(shape::CutGeometry const& geometry, int components) {
   cells_.clear();
   for (shape::CutCell const& cut : geometry.cells) cells_.push_back(measured(grid_->domain(), cut));
   if (cells_.empty()) return;
+  // By blocks, as sweeps come to them: what is read one after the other lies so.
+  std::sort(cells_.begin(), cells_.end(), [this](CutCell const& a, CutCell const& b) {
+    grid::Cell const at = grid_->locate(a.cell);
+    grid::Cell const behind = grid_->locate(b.cell);
+    return at.block != behind.block ? at.block < behind.block : at.offset < behind.offset;
+  });
   grid::CellRange const all = grid_->domain().all_cells();
   of_block_.resize(grid_->blocks().size());
   for (std::size_t n = 0; n < cells_.size(); ++n) number_[all.offset(cells_[n].cell)] = n;
@@ -233,12 +245,6 @@ void CutCells::set(shape::CutGeometry const& geometry, int components) {
   quiescent_.assign(cells_.size(), 1);
   for (CutCell const& cell : cells_)
     flows_.push_back({1.0 / cell.volume, cell.area, cell.area[1] - cell.area[0] - cell.wall[0]});
-}
-
-std::vector<CutCells::InBundle> const* CutCells::in_bundle(int block, int direction, int bundle) const {
-  if (!any()) return nullptr;
-  auto const& of_bundles = of_block_[block].in_bundles[direction];
-  return of_bundles.empty() || of_bundles[bundle].empty() ? nullptr : &of_bundles[bundle];
 }
 
 }  // namespace brisance::gas

@@ -17,6 +17,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -112,8 +113,12 @@ class CutCells {
   /// Shares by the node, and by the merger.
   [[nodiscard]] std::vector<Share> const& shares() const { return shares_; }
   [[nodiscard]] std::vector<Share> const& members() const { return members_; }
-  /// The nodes of a bundle of a sweep; null: none.
-  [[nodiscard]] std::vector<InBundle> const* in_bundle(int block, int direction, int bundle) const;
+  /// The nodes of a bundle of a sweep.
+  [[nodiscard]] std::span<InBundle const> in_bundle(int block, int direction, int bundle) const {
+    if (!any() || of_block_[block].in_bundles[direction].first.empty()) return {};
+    OfBundles const& of = of_block_[block].in_bundles[direction];
+    return {of.nodes.data() + of.first[bundle], of.nodes.data() + of.first[bundle + 1]};
+  }
 
   /// Whole lines of the cache, of 8 doubles each, that a state takes; what it does not need of them is 0.
   [[nodiscard]] int lines() const { return static_cast<int>(pitch_) / line; }
@@ -128,10 +133,14 @@ class CutCells {
 
  private:
   [[nodiscard]] bool any() const { return !nodes_.empty(); }
+  struct OfBundles {
+    std::vector<InBundle> nodes;  ///< bundle by bundle
+    std::vector<int> first;       ///< of each bundle, and the number of all
+  };
   struct OfBlock {
-    std::vector<int> numbers;  ///< of the nodes, by the cell's offset; -1: none. Empty in blocks without
-    std::array<std::vector<std::vector<InBundle>>, 3> in_bundles{};  ///< per direction and bundle
-    std::array<bool, 6> boundary{};                                  ///< is a face of the domain cut?
+    std::vector<int> numbers;               ///< of the nodes, by the cell's offset; -1: none. Empty in blocks without
+    std::array<OfBundles, 3> in_bundles{};  ///< per direction
+    std::array<bool, 6> boundary{};         ///< is a face of the domain cut?
   };
   /// A small cell and the neighbours that it takes into its merger.
   struct Group {

@@ -140,22 +140,21 @@ Components Gas::wall_flux(int cut_cell, int d) {
   return flux;
 }
 
+void Gas::announce_nodes(int b, int direction, int index) {
+  for (CutCells::InBundle const& node : cut.in_bundle(b, direction, index)) {
+    for (int l = 0; l < cut.lines(); ++l) __builtin_prefetch(cut.state(node.node) + l * CutCells::line, 1, 2);
+    if (node.cut < 0) continue;
+    __builtin_prefetch(&cut.flow(node.cut), 0, 2);
+    __builtin_prefetch(&cut.wall(node.cut), 0, 2);
+  }
+}
+
 void Gas::take_cut_changes(int b, int index, BundleLayout const& layout, SweepContext const& s, BundleArrays& a) {
-  auto const* const list = cut.in_bundle(b, s.direction, index);
-  if (list == nullptr) return;
+  auto const list = cut.in_bundle(b, s.direction, index);
+  if (list.empty()) return;
   int const d = s.direction;
   int const st = layout.stride;
-  auto const announce = [&](std::size_t n) {
-    if (n >= list->size() || (*list)[n].cut < 0) return;
-    __builtin_prefetch(&cut.flow((*list)[n].cut));
-    __builtin_prefetch(&cut.wall((*list)[n].cut));
-    __builtin_prefetch(cut.state((*list)[n].node), 1);
-  };
-  constexpr std::size_t ahead = 6;
-  for (std::size_t n = 0; n < ahead; ++n) announce(n);
-  for (std::size_t n = 0; n < list->size(); ++n) {
-    announce(n + ahead);
-    CutCells::InBundle const& node = (*list)[n];
+  for (CutCells::InBundle const& node : list) {
     if (node.cut < 0) continue;
     int const q = node.q;
     CutFlow const& cell = cut.flow(node.cut);
@@ -195,9 +194,7 @@ void Gas::take_cut_changes(int b, int index, BundleLayout const& layout, SweepCo
 }
 
 void Gas::take_node_states(int b, int index, SweepContext const& s, BundleArrays& a) {
-  auto const* const list = cut.in_bundle(b, s.direction, index);
-  if (list == nullptr) return;
-  for (CutCells::InBundle const& node : *list) {
+  for (CutCells::InBundle const& node : cut.in_bundle(b, s.direction, index)) {
     int const q = node.q;
     double* const state = cut.state(node.node);
     bool const is_cut = node.cut >= 0;
@@ -212,9 +209,7 @@ void Gas::take_node_states(int b, int index, SweepContext const& s, BundleArrays
 }
 
 void Gas::keep_peaks(int b, int index, SweepContext const& s, BundleArrays& a) const {
-  auto const* const list = cut.in_bundle(b, s.direction, index);
-  if (list == nullptr) return;
-  for (CutCells::InBundle const& node : *list) a[a_p][node.q] = quiet_.pressure;
+  for (CutCells::InBundle const& node : cut.in_bundle(b, s.direction, index)) a[a_p][node.q] = quiet_.pressure;
 }
 
 void Gas::merge_small_cells() {
@@ -222,6 +217,11 @@ void Gas::merge_small_cells() {
   int const count = static_cast<int>(cut.mergers().size());
   parallel_for((count + batch - 1) / batch, [&](int part, int) {
     for (int m = part * batch; m < std::min(count, (part + 1) * batch); ++m) {
+      constexpr int ahead = 8;
+      if (m + ahead < count) {
+        Merger const& next = cut.mergers()[m + ahead];
+        for (int n = next.first; n < next.end; ++n) __builtin_prefetch(cut.state(members[n].node));
+      }
       Merger const& merger = cut.mergers()[m];
       double* const mean = cut.merged(m);
       double const* const own = cut.state(merger.node);
@@ -249,7 +249,10 @@ void Gas::share_states(int begin, int end, SweepContext const& s, bool last, std
   for (int n = begin; n < end; ++n) {
     constexpr int ahead = 8;
     if (n + ahead < end) {
-      for (int c = 0; c < count; ++c) __builtin_prefetch(fields_.at(b, c) + cut.nodes()[n + ahead].cell.offset, 1);
+      Node const& next = cut.nodes()[n + ahead];
+      for (int c = 0; c < count; ++c) __builtin_prefetch(fields_.at(b, c) + next.cell.offset, 1);
+      for (int i = next.first; i < next.end; ++i) __builtin_prefetch(cut.merged(cut.shares()[i].merger));
+      if (last) peaks_.announce(next.cell);
     }
     Node const& node = cut.nodes()[n];
     double* const state = cut.state(n);

@@ -217,6 +217,8 @@ class Gas {
   void find_walls();
   void find_wall(Node const& node, double const* state);
   [[nodiscard]] Components wall_flux(int cut_cell, int direction);
+  /// Asks for what will be read of the nodes in a bundle, long enough before.
+  void announce_nodes(int block, int direction, int bundle);
   /// What a sweep changes in the cut cells of a bundle; the update will leave them alone.
   void take_cut_changes(int block, int bundle, BundleLayout const& layout, SweepContext const& context,
                         BundleArrays& arrays);

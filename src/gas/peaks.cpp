@@ -47,6 +47,12 @@ void Peaks::follow(grid::Cell const& cell, double overpressure, double dt) {
   value(largest_impulse) = std::max(value(largest_impulse), value(running_impulse));
 }
 
+void Peaks::announce(grid::Cell const& cell) const {
+  if (!wanted_) return;
+  for (int peak = 0; peak < peak_count; ++peak)
+    __builtin_prefetch(of(cell.block, static_cast<Peak>(peak)) + cell.offset, 1);
+}
+
 void Peaks::announce(int block, grid::Ahead& ahead) const {
   for (int peak = 0; peak < peak_count; ++peak) ahead.add(of(block, static_cast<Peak>(peak)));
 }

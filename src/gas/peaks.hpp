@@ -24,6 +24,8 @@ class Peaks {
   void follow(int block, grid::BundleLayout const& layout, double const* pressure, double ambient, double dt);
   /// The same for one cell, of its overpressure [Pa].
   void follow(grid::Cell const& cell, double overpressure, double dt);
+  /// Asks for what `follow` will read of a cell.
+  void announce(grid::Cell const& cell) const;
   /// Adds what `follow` will read of a block.
   void announce(int block, grid::Ahead& ahead) const;
   /// A block's fields in a checkpoint.

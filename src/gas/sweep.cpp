@@ -311,6 +311,7 @@ void Gas::sweep_bundle(int b, int index, BundleLayout const& layout, SweepContex
   grid::Block const& block = grid_->blocks()[b];
   GuardCount guards;
   s.near_walls = obstacles.near_walls(b, s.direction, index);
+  announce_nodes(b, s.direction, index);
   // `FacePass` asks for the next bundle; the other scheme has no pass that does.
   for (int n = 0; options_.scheme != Scheme::muscl_hancock && n < s.ahead.lines(); ++n) s.ahead.fetch(n);
   primitives(s, layout, a, guards);
