@@ -8,9 +8,11 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "app/commands.hpp"
 #include "app/print.hpp"
+#include "grid/forest.hpp"
 
 namespace {
 
@@ -22,6 +24,17 @@ constexpr char const* exit_codes =
     "audit,\n"
     "5 input/output failure.\n"
     "Documentation: README.md and docs/ in the source tree; `brisance COMMAND --help` describes one command.";
+
+/// The version, and the license of this binary: that of a library that is linked may be stricter than that of the
+/// sources.
+std::string version() {
+  std::string const text = "brisance " BRISANCE_VERSION "\n";
+  std::string const forest = brisance::grid::Forest::library();
+  if (forest.empty()) return text + "built without p4est: grids have one level of blocks; BSD 3-Clause License";
+  return text + "built with " + forest +
+         " (GPL-2+): this binary may be distributed under the GNU GPL, version 2 or later; "
+         "the sources are under the BSD 3-Clause License";
+}
 
 /// A file of results must not get the number of a standard stream that the caller has closed.
 void occupy_standard_streams() {
@@ -135,7 +148,7 @@ int main(int argc, char** argv) {
   occupy_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away must not end a simulation
   CLI::App app("Brisance: explosive blast in air.", "brisance");
-  app.set_version_flag("--version", "brisance " BRISANCE_VERSION);
+  app.set_version_flag("--version", version());
   app.require_subcommand(1);
   app.footer(exit_codes);
   app.get_formatter()->column_width(34);

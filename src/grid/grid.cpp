@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "core/error.hpp"
+#include "grid/forest.hpp"
 #include "grid/partition.hpp"
 
 namespace brisance::grid {
@@ -81,17 +82,6 @@ Index3 fast_block_sizes(Index3 const& n, int dims) {
   return best;
 }
 
-/// Morton key of a block position: neighbours in space stay near each other in the list.
-std::uint64_t morton(Index3 const& p) {
-  std::uint64_t key = 0;
-  for (int bit = 0; bit < 21; ++bit) {
-    for (int d = 0; d < 3; ++d) {
-      key |= static_cast<std::uint64_t>((static_cast<unsigned>(p[d]) >> bit) & 1U) << (3 * bit + d);
-    }
-  }
-  return key;
-}
-
 }  // namespace
 
 Partition partition_of(Domain const& domain, int block_cells) {
@@ -122,37 +112,29 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain) {
   block_size_ = partition.size;
   parts_ = partition.parts;
 
-  std::vector<Index3> positions;
+  std::array<bool, 3> periodic{};
+  for (int d = 0; d < dims; ++d) {
+    periodic[d] = domain.boundary[2 * d] == Boundary::periodic && domain.boundary[2 * d + 1] == Boundary::periodic;
+  }
+  Forest const forest(parts_, dims, periodic);
+  std::vector<Leaf> const& leaves = forest.leaves();
   CellRange const all{{0, 0, 0}, parts_};
-  for_each_cell(all, [&](Index3 const& part) { positions.push_back(part); });
-  std::stable_sort(positions.begin(), positions.end(),
-                   [](Index3 const& a, Index3 const& b) { return morton(a) < morton(b); });
-
-  block_of_part_.resize(positions.size());
-  for (int b = 0; b < static_cast<int>(positions.size()); ++b) block_of_part_[all.offset(positions[b])] = b;
-
-  blocks_.resize(positions.size());
+  block_of_part_.resize(leaves.size());
+  blocks_.resize(leaves.size());
   for (int b = 0; b < block_count(); ++b) {
     Block& block = blocks_[b];
-    Index3 const& p = positions[b];
+    Index3 const& p = leaves[b].place;
+    block_of_part_[all.offset(p)] = b;
     block.number = b;
     block.metric = static_cast<Metric const&>(domain);
     for (int d = 0; d < 3; ++d) {
       block.size[d] = partition.size[d];
       block.origin[d] = p[d] * partition.size[d];
       block.n[d] = std::min(partition.size[d], domain.cells[d] - block.origin[d]);
-      for (int side = 0; side < 2; ++side) {
-        int const face = 2 * d + side;
-        Index3 q = beside(p, d, side);
-        if (q[d] < 0 || q[d] >= parts_[d]) {
-          if (d >= dims || domain.boundary[face] != Boundary::periodic) {
-            block.neighbour[face] = no_neighbour;
-            continue;
-          }
-          q[d] = (q[d] + parts_[d]) % parts_[d];
-        }
-        block.neighbour[face] = block_of_part_[all.offset(q)];
-      }
+    }
+    for (int face = 0; face < 6; ++face) {
+      std::optional<Leaf> const next = forest.across(leaves[b], face);
+      block.neighbour[face] = next ? forest.find(*next) : no_neighbour;
     }
   }
 }

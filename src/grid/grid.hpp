@@ -1,4 +1,4 @@
-/// The grid: the domain cut into blocks that are kept along a space-filling (Morton) curve.
+/// The grid: the domain cut into blocks, which are kept in the order of the forest's leaves (forest.hpp).
 #pragma once
 
 #include <array>

@@ -11,6 +11,7 @@
 
 #include "core/parallel.hpp"
 #include "core/simd.hpp"
+#include "grid/forest.hpp"
 #include "output/fields.hpp"
 #include "output/json.hpp"
 #include "output/placed.hpp"
@@ -306,7 +307,9 @@ json versions() {
   unsigned minor = 0;
   unsigned release = 0;
   H5get_libversion(&major, &minor, &release);
+  std::string const forest = grid::Forest::library();
   return {{"brisance", BRISANCE_VERSION},
+          {"forest", forest.empty() ? json(nullptr) : json(forest)},
           {"compiler", BRISANCE_COMPILER},
           {"compiler_flags", BRISANCE_COMPILER_FLAGS},
           {"hdf5", std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(release)}};

@@ -2,6 +2,7 @@
 
 #include "../observe/watched.hpp"
 #include "core/error.hpp"
+#include "grid/forest.hpp"
 #include "observe/gauge_columns.hpp"
 #include "output/file.hpp"
 #include "output/report.hpp"
@@ -60,6 +61,7 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
   EXPECT_EQ(log["timings"]["sweeps"], 0.5);
   EXPECT_EQ(log["versions"]["brisance"], "0.1.0");
   EXPECT_FALSE(log["versions"]["compiler"].get<std::string>().empty());
+  EXPECT_EQ(log["versions"]["forest"].is_null(), grid::Forest::library().empty());
   EXPECT_FALSE(log["machine"]["processor"].get<std::string>().empty());
   EXPECT_TRUE(log["audit"]["relative_error"]["energy"].is_number());
   EXPECT_EQ(log["audit"]["fallback_faces"], 7);

@@ -1,0 +1,217 @@
+#include "grid/forest.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "core/error.hpp"
+#include "grid/cell.hpp"
+#include "grid/forest_p4est.hpp"
+
+namespace brisance::grid {
+
+namespace {
+
+/// Bits of a place in a Morton key, for each of three directions.
+constexpr int place_bits = 21;
+
+/// The deepest level of p4est in 3D; no run comes near it.
+constexpr int most_levels = 18;
+
+/// The bits of a number, each followed by two zeros.
+std::uint64_t spread(int value) {
+  std::uint64_t bits = static_cast<std::uint64_t>(value) & 0x1fffffULL;
+  bits = (bits | bits << 32) & 0x001f00000000ffffULL;
+  bits = (bits | bits << 16) & 0x001f0000ff0000ffULL;
+  bits = (bits | bits << 8) & 0x100f00f00f00f00fULL;
+  bits = (bits | bits << 4) & 0x10c30c30c30c30c3ULL;
+  return (bits | bits << 2) & 0x1249249249249249ULL;
+}
+
+/// Morton key of a place: neighbours in space stay near each other in the list.
+std::uint64_t morton(Index3 const& p) { return spread(p[0]) | spread(p[1]) << 1 | spread(p[2]) << 2; }
+
+/// Where the leaves of one list come from in another of the same domain: both run through it in the same order.
+std::vector<Origin> origins(std::vector<Leaf> const& before, std::vector<Leaf> const& after, int dimensions) {
+  auto const volume = [dimensions](Leaf const& leaf) {
+    return std::uint64_t{1} << (dimensions * (most_levels - leaf.level));
+  };
+  std::vector<Origin> found;
+  found.reserve(after.size());
+  int next = 0;
+  std::uint64_t left = 0;  // of the leaf `next`, when some of its children have passed
+  for (Leaf const& leaf : after) {
+    Origin origin{next, 1};
+    std::uint64_t const wanted = volume(leaf);
+    auto const first = static_cast<std::size_t>(next);
+    if (left == 0) left = volume(before[first]);
+    while (left < wanted) {
+      left += volume(before[first + origin.count]);
+      ++origin.count;
+    }
+    left -= wanted;
+    next = origin.first + origin.count - (left > 0 ? 1 : 0);
+    found.push_back(origin);
+  }
+  return found;
+}
+
+}  // namespace
+
+Forest::Forest(Index3 const& parts, int dimensions, std::array<bool, 3> const& periodic)
+    : parts_(parts), dimensions_(dimensions), periodic_(periodic) {
+  int most = 1;
+  for (int d = 0; d < 3; ++d) {
+    bool const resolved = d < dimensions;
+    if (parts[d] < 1 || (!resolved && parts[d] != 1)) {
+      throw InputError(fmt::format("{} block(s) in direction {} of a grid in {}D", parts[d], "xyz"[d], dimensions));
+    }
+    periodic_[d] = periodic[d] && resolved;
+    most = std::max(most, parts[d]);
+  }
+  int const bits = std::bit_width(static_cast<unsigned>(most) - 1U);
+  if (bits > place_bits) {
+    throw InputError(
+        fmt::format("{} blocks along a direction are more than 2^{}; choose larger blocks or cells", most, place_bits));
+  }
+  deepest_level_ = std::min(most_levels, place_bits - bits);
+
+  CellRange const all{{0, 0, 0}, parts};
+  leaves_.reserve(all.count());
+  for_each_cell(all, [this](Index3 const& place) { leaves_.push_back({0, place}); });
+  std::sort(leaves_.begin(), leaves_.end(),
+            [](Leaf const& a, Leaf const& b) { return morton(a.place) < morton(b.place); });
+  number();
+}
+
+Forest::Forest(Index3 const& parts, int dimensions, std::array<bool, 3> const& periodic, std::vector<Leaf> leaves)
+    : Forest(parts, dimensions, periodic) {
+  leaves_ = std::move(leaves);
+  require_tiling();
+  number();
+  require_balance();
+}
+
+void Forest::number() {
+  keys_.resize(leaves_.size());
+  std::transform(leaves_.begin(), leaves_.end(), keys_.begin(), [this](Leaf const& leaf) { return key(leaf); });
+}
+
+bool Forest::in_domain(Leaf const& block) const {
+  if (block.level < 0 || block.level > deepest_level_) return false;
+  for (int d = 0; d < 3; ++d) {
+    int const n = d < dimensions_ ? parts_[d] << block.level : 1;
+    if (block.place[d] < 0 || block.place[d] >= n) return false;
+  }
+  return true;
+}
+
+std::uint64_t Forest::key(Leaf const& block) const {
+  return morton(block.place) << (3 * (deepest_level_ - block.level));
+}
+
+void Forest::require_tiling() const {
+  auto const blocks_of = [this](int level) { return std::uint64_t{1} << (dimensions_ * (deepest_level_ - level)); };
+  std::uint64_t next = 0;
+  std::uint64_t blocks = 0;
+  for (Leaf const& leaf : leaves_) {
+    if (!in_domain(leaf)) {
+      throw InputError(fmt::format("the block ({}, {}, {}) of level {} lies outside the grid", leaf.place[0],
+                                   leaf.place[1], leaf.place[2], leaf.level));
+    }
+    if (leaf.level > 0 && !can_refine(dimensions_)) {
+      throw InputError("the grid has blocks of several levels, and this program was built without p4est");
+    }
+    if (key(leaf) < next) throw InputError("the blocks of the grid overlap or are not in Morton order");
+    next = key(leaf) + keys_of(leaf.level);
+    blocks += blocks_of(leaf.level);
+  }
+  std::uint64_t const all = CellRange{{0, 0, 0}, parts_}.count() * blocks_of(0);
+  if (blocks != all) throw InputError("the blocks of the grid leave a part of the domain open");
+}
+
+void Forest::require_balance() const {
+  for (Leaf const& leaf : leaves_) {
+    for (int face = 0; face < 2 * dimensions_; ++face) {
+      std::optional<Leaf> const next = across(leaf, face);
+      int const beside = next ? holding(*next) : -1;
+      if (beside >= 0 && leaves_[static_cast<std::size_t>(beside)].level < leaf.level - 1) {
+        throw InputError(fmt::format("the block ({}, {}, {}) of level {} lies beside one of level {}", leaf.place[0],
+                                     leaf.place[1], leaf.place[2], leaf.level,
+                                     leaves_[static_cast<std::size_t>(beside)].level));
+      }
+    }
+  }
+}
+
+int Forest::holding(Leaf const& block) const {
+  if (!in_domain(block)) return -1;
+  // Leaves tile the domain: the last one that begins no later holds the low corner.
+  auto const after = std::upper_bound(keys_.begin(), keys_.end(), key(block));
+  int const number = static_cast<int>(after - keys_.begin()) - 1;
+  return leaves_[static_cast<std::size_t>(number)].level <= block.level ? number : -1;
+}
+
+int Forest::find(Leaf const& block) const {
+  int const number = holding(block);
+  return number >= 0 && leaves_[static_cast<std::size_t>(number)].level == block.level ? number : -1;
+}
+
+std::optional<Leaf> Forest::across(Leaf const& block, int face) const {
+  int const d = face / 2;
+  if (d >= dimensions_) return std::nullopt;
+  int const n = parts_[d] << block.level;
+  Leaf next{block.level, beside(block.place, d, face % 2)};
+  if (next.place[d] >= 0 && next.place[d] < n) return next;
+  if (!periodic_[d]) return std::nullopt;
+  next.place[d] = (next.place[d] + n) % n;
+  return next;
+}
+
+bool Forest::refines(std::vector<std::int8_t> const& marks, int most_level) const {
+  for (std::size_t i = 0; i < leaves_.size(); ++i) {
+    if (marks[i] > 0 && leaves_[i].level < most_level) return true;
+  }
+  return false;
+}
+
+bool Forest::merges(std::vector<std::int8_t> const& marks) const {
+  std::size_t const family = std::size_t{1} << dimensions_;
+  std::size_t together = 0;  // leaves of one family, one after the other, that want to be merged
+  for (std::size_t i = 0; i < leaves_.size(); ++i) {
+    Leaf const& leaf = leaves_[i];
+    bool first = true;
+    for (int d = 0; d < dimensions_; ++d) first = first && leaf.place[d] % 2 == 0;
+    bool const wants = leaf.level > 0 && marks[i] < 0;
+    if (first) together = wants ? 1 : 0;
+    if (!first) together = wants && together > 0 && leaf.level == leaves_[i - 1].level ? together + 1 : 0;
+    if (together == family) return true;
+  }
+  return false;
+}
+
+std::vector<Origin> Forest::adapt(std::vector<std::int8_t> const& marks, int most_level) {
+  if (marks.size() != leaves_.size()) {
+    throw InputError(fmt::format("{} marks for {} blocks of the grid", marks.size(), leaves_.size()));
+  }
+  if (most_level > deepest_level_) {
+    throw InputError(fmt::format("a grid of {} x {} x {} blocks can have up to {} levels above the first, not {}",
+                                 parts_[0], parts_[1], parts_[2], deepest_level_, most_level));
+  }
+  bool const refined = refines(marks, most_level);
+  if (refined && !can_refine(dimensions_)) {
+    throw InputError(dimensions_ == 1
+                         ? "a 1D grid has blocks of one level only"
+                         : "this program was built without p4est: its grids have blocks of one level only");
+  }
+  std::vector<Leaf> const before = leaves_;
+  // A grid of one level never starts the library.
+  if (refined || merges(marks)) {
+    leaves_ = leaves_by_p4est(*this, marks, most_level);
+    number();
+  }
+  return origins(before, leaves_, dimensions_);
+}
+
+}  // namespace brisance::grid
