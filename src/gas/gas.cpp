@@ -56,13 +56,18 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
       disturbance_(grid),
       blocks_(grid),
       shells_(grid, [&grid](grid::Block const& block) { return shells_of(grid, block); }),
+      parts_(grid.levels()),
+      levels_(grid, fluids, fields_.components()),
       peaks_(grid, options.peak_fields) {
   auto const u = conserved_of(fluids, quiescent);
   open_faces_.set_sources(options.wave_sources);
-  for (int direction = 0; direction < grid.domain().dimensions(); ++direction) {
-    parts_[direction] = make_parts(direction);
-    Part const& last = parts_[direction].back();
-    tallies_.resize(std::max(tallies_.size(), last.tally + last.chain->size()));
+  for (int level = 0; level < grid.levels(); ++level) {
+    for (int direction = 0; direction < grid.domain().dimensions(); ++direction) {
+      parts_[level][direction] = make_parts(level, direction);
+      if (parts_[level][direction].empty()) continue;
+      Part const& last = parts_[level][direction].back();
+      tallies_.resize(std::max(tallies_.size(), last.tally + last.chain->size()));
+    }
   }
   for (int b = 0; b < grid.block_count(); ++b) {
     for (int c = 0; c < components(); ++c) std::fill_n(fields_.at(b, c), grid.blocks()[b].cell_count(), u[c]);
@@ -133,6 +138,9 @@ void Gas::start(double time) {
   prepare_workspaces();
   obstacles.find_near_walls();
   find_quiescence();
+  levels_.set_quiescent(quiet_.state, quiet_.flux, quiescent_.velocity);
+  for (int level = grid_->levels() - 2; level >= 0; --level)
+    levels_.restrict(fields_, level, [this](grid::Cell const& cell) { awake_[cell.block] = 1; });
   disturbance_.find(fields_, quiet);
   load_nodes();
   if (quiet[momentum_x] != 0.0 || quiet[momentum_y] != 0.0 || quiet[momentum_z] != 0.0) {
@@ -236,41 +244,77 @@ void Gas::add_tallies(std::vector<Part> const& parts) {
   }
 }
 
-void Gas::advance(double dt, bool reverse) {
-  int const dims = grid_->domain().dimensions();
-  time_at_step_end_ = time_ + dt;
-  burn.follow(time_, time_at_step_end_);
-  if (static_cast<int>(workspaces_.size()) < threads()) prepare_workspaces();  // more threads than at the start
+std::vector<int> Gas::sweeps_of(bool reverse) const {
   std::vector<int> order;
   for (int direction : options_.sweep_order) {
-    if (direction < dims) order.push_back(direction);
+    if (direction < grid_->domain().dimensions()) order.push_back(direction);
   }
   if (reverse) std::reverse(order.begin(), order.end());
-  find_walls();
-  for (int direction : order) {
-    bool const last = direction == order.back();
-    {
-      PhaseTimer const timer(timings_["exchange"]);
-      exchange_.fill(fields_, direction, awake_, [&](int b) {
-        if (awake_[b] && open_faces_.at(b, direction))
-          open_faces_.fill(fields_, b, direction, dt, burn.burning_in(b), exchange_);
-      });
-    }
-    PhaseTimer const timer(timings_["sweeps"]);
-    SweepContext const context = sweep_context(direction, dt);
-    std::vector<Part> const& parts = parts_[direction];
-    parallel_for(static_cast<int>(parts.size()),
-                 [&](int n, int thread) { sweep_part(parts[n], context, awake_, last, workspaces_[thread]); });
-    for (int b = 0; b < grid_->block_count(); ++b) {
-      if (last && awake_[b] && !coupling.all_frozen(b)) blocks_[b].signal = 0.0;
-    }
-    add_tallies(parts);
-    share_small_cells(context, last);
-    for (int b = 0; b < grid_->block_count(); ++b) {
-      if (blocks_[b].not_a_number >= 0) report_not_a_number(b, direction);
-    }
+  return order;
+}
+
+void Gas::sweep_level(int level, int direction, double dt, bool last) {
+  {
+    PhaseTimer const timer(timings_["exchange"]);
+    exchange_.fill(
+        fields_, level, direction, awake_,
+        [&](int b) {
+          if (awake_[b] && open_faces_.at(b, direction))
+            open_faces_.fill(fields_, b, direction, dt, burn.burning_in(b), exchange_);
+        },
+        [this](int b, int face, double* ghosts) { levels_.fill(b, face, ghosts); });
   }
-  time_ += dt;
+  PhaseTimer const timer(timings_["sweeps"]);
+  SweepContext const context = sweep_context(direction, dt);
+  std::vector<Part> const& parts = parts_[level][direction];
+  parallel_for(static_cast<int>(parts.size()),
+               [&](int n, int thread) { sweep_part(parts[n], context, awake_, last, workspaces_[thread]); });
+  for (int const b : grid_->blocks_of(level)) {
+    if (last && awake_[b] && !coupling.all_frozen(b)) blocks_[b].signal = 0.0;
+  }
+  add_tallies(parts);
+  share_small_cells(context, last);
+  for (int const b : grid_->blocks_of(level)) {
+    if (blocks_[b].not_a_number >= 0) report_not_a_number(b, direction);
+  }
+}
+
+void Gas::advance_level(int level, double time, double dt, bool reverse) {
+  time_at_step_end_ = time + dt;
+  burn.follow(time, time_at_step_end_);
+  find_walls();
+  bool const finer = level + 1 < grid_->levels();
+  std::vector<int> const order = sweeps_of(reverse);
+  if (finer) levels_.begin_step(fields_, awake_, level, order);
+  for (int const direction : order) {
+    sweep_level(level, direction, dt, direction == order.back());
+    if (level > 0) levels_.end_fine_sweep(level, direction);
+    if (finer) levels_.end_sweep(fields_, awake_, level);
+  }
+  if (!finer) return;
+  for (int number = 0; number < 2; ++number) {
+    levels_.begin_fine_step(level + 1, number);
+    advance_level(level + 1, time + 0.5 * number * dt, 0.5 * dt, number == 1);
+  }
+  take_from_finer(level);
+}
+
+void Gas::take_from_finer(int level) {
+  PhaseTimer const timer(timings_["levels"]);
+  auto const note = [this](grid::Cell const& cell) {
+    awake_[cell.block] = 1;
+    disturbance_.note(cell);
+  };
+  levels_.correct(fields_, level, note);
+  levels_.restrict(fields_, level, note);
+}
+
+void Gas::advance(double dt, bool reverse) {
+  if (static_cast<int>(workspaces_.size()) < threads()) prepare_workspaces();  // more threads than at the start
+  double const end = time_ + dt;
+  advance_level(0, time_, dt, reverse);
+  time_ = end;
+  time_at_step_end_ = end;
   burn.follow(time_, time_at_step_end_);
   fastest_signal_ = largest_at_hand(
       grid_->block_count(), 0.0, [this](int b) { return std::max(blocks_[b].signal, open_faces_.fastest_signal(b)); });

@@ -14,6 +14,7 @@
 #include "gas/cut_cells.hpp"
 #include "gas/disturbance.hpp"
 #include "gas/kernels.hpp"
+#include "gas/levels.hpp"
 #include "gas/obstacles.hpp"
 #include "gas/open_faces.hpp"
 #include "gas/peaks.hpp"
@@ -103,8 +104,8 @@ class Gas {
   [[nodiscard]] double fastest_signal() const { return fastest_signal_; }
 
   /// One step of length dt: a sweep in each resolved direction, x first or last. A pair of steps with `reverse` false
-  /// and true is the Strang splitting of [Cui14] Eq. (6) over 2 dt. Throws NumericalError when a cell holds something
-  /// that is no number.
+  /// and true is the Strang splitting of [Cui14] Eq. (6) over 2 dt. Level l takes 2^l steps of dt / 2^l. Throws
+  /// NumericalError when a cell holds something that is no number.
   void advance(double dt, bool reverse);
   [[nodiscard]] double time() const { return time_; }
 
@@ -146,8 +147,15 @@ class Gas {
   };
 
   [[nodiscard]] int components() const { return fields_.components(); }
-  /// The parts for sweeps along a direction. They do not depend on the number of threads.
-  [[nodiscard]] std::vector<Part> make_parts(int direction) const;
+  /// The parts of a level for sweeps along a direction. They do not depend on the number of threads.
+  [[nodiscard]] std::vector<Part> make_parts(int level, int direction) const;
+  /// Directions of the sweeps of a step.
+  [[nodiscard]] std::vector<int> sweeps_of(bool reverse) const;
+  /// A step of a level from a time on, and those of the finer ones in it.
+  void advance_level(int level, double time, double dt, bool reverse);
+  void sweep_level(int level, int direction, double dt, bool last);
+  /// What the finer level has found becomes the coarser one's.
+  void take_from_finer(int level);
   /// Sweeps what is awake.
   void sweep_part(Part const& part, SweepContext const& context, grid::AwakeBlocks const& awake, bool last,
                   Workspace& workspace);
@@ -253,8 +261,9 @@ class Gas {
   Disturbance disturbance_;
   grid::BlockStore<Tally> blocks_;
   grid::BlockStore<Shells> shells_;
-  std::array<std::vector<Part>, 3> parts_;  ///< of all blocks, by the direction of the sweep
-  std::vector<Tally> tallies_;              ///< of the parts
+  std::vector<std::array<std::vector<Part>, 3>> parts_;  ///< of all blocks, by level and the direction of the sweep
+  Levels levels_;
+  std::vector<Tally> tallies_;  ///< of the parts
   Peaks peaks_;
   std::vector<Workspace> workspaces_;
   std::map<std::string, double> timings_;

@@ -67,9 +67,11 @@ void Gas::wake_where_wind_changes() {
   for (int direction = 0; direction < grid_->domain().dimensions(); ++direction) {
     exchange_.fill(fields_, direction, everything);
     SweepContext const context = sweep_context(direction, short_step());
-    std::vector<Part> const& parts = parts_[direction];
-    parallel_for(static_cast<int>(parts.size()),
-                 [&](int n, int thread) { sweep_part(parts[n], context, slept, false, workspaces_[thread]); });
+    for (auto const& of_level : parts_) {
+      std::vector<Part> const& parts = of_level[direction];
+      parallel_for(static_cast<int>(parts.size()),
+                   [&](int n, int thread) { sweep_part(parts[n], context, slept, false, workspaces_[thread]); });
+    }
     parallel_for(grid_->block_count(), [&](int b, int) {
       if (!is_swept(b, slept)) return;
       int const cells = grid_->blocks()[b].cell_count();
@@ -111,7 +113,7 @@ void Gas::account_quiet(int b, BundleLayout const& layout, int direction, double
   Components& outflow = account.outflow;
   // In the order of `account_boundaries`.
   for (int side = 0; side < 2; ++side) {
-    if (!block.at_boundary(2 * direction + side)) continue;
+    if (!block.at_boundary(2 * direction + side) || block.covered) continue;
     double const sign = side == 0 ? -1.0 : 1.0;
     for (int line = 0; line < layout.lines(); ++line) {
       grid::Cell const cell = layout.end_cell(block, side, line);

@@ -112,7 +112,7 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
                              Account& account) const {
   grid::Block const& block = grid_->blocks()[b];
   for (int side = 0; side < 2; ++side) {
-    if (!block.at_boundary(2 * s.direction + side)) continue;
+    if (!block.at_boundary(2 * s.direction + side) || block.covered) continue;
     double const sign = side == 0 ? -1.0 : 1.0;
     bool const is_cut = cut.cut_boundary(b, 2 * s.direction + side);
     for (int line = 0; line < layout.lines(); ++line) {
@@ -192,7 +192,7 @@ void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, Bund
       sum += release[q + n] * volume(offset + n);
     }
   });
-  account.afterburn_energy += sum;
+  if (!block.covered) account.afterburn_energy += sum;
 }
 
 void Gas::measure(int b, int index, BundleLayout const& layout, SweepContext const& s, BundleArrays& a,
@@ -218,12 +218,13 @@ void Gas::measure(int b, int index, BundleLayout const& layout, SweepContext con
 
 void Gas::account_guards(int b, BundleLayout const& layout, GuardCount const& guards, Tally& tally) const {
   grid::Block const& block = grid_->blocks()[b];
-  tally.account.fallback_faces += guards.fallback_faces;
+  if (!grid_->blocks()[b].covered) tally.account.fallback_faces += guards.fallback_faces;
   for (Lift const& lift : guards.lifts) {
     for_each_run(layout, block, [&](int q, int offset, int count) {
       if (lift.q < q || lift.q >= q + count) return;
       int const at = offset + lift.q - q;
-      if (coupling.role(b, at) != Role::own && lift.finite) return;
+      bool const is_own = coupling.role(b, at) == Role::own && !grid_->blocks()[b].covered;
+      if (!is_own && lift.finite) return;
       double const volume = cut.volume(block.cell_at(at));
       ++tally.account.guarded_cells;
       tally.account.guard_mass += lift.mass * volume;
@@ -233,10 +234,11 @@ void Gas::account_guards(int b, BundleLayout const& layout, GuardCount const& gu
   }
 }
 
-std::vector<Gas::Part> Gas::make_parts(int direction) const {
+std::vector<Gas::Part> Gas::make_parts(int level, int direction) const {
   std::vector<Part> parts;
   int tally = 0;
   for (grid::Chain const& chain : exchange_.plan().chains(direction)) {
+    if (grid_->blocks()[chain.front()].level != level) continue;
     long cells = 0;
     for (int const b : chain) cells += grid_->blocks()[b].cell_count();
     int const bundles = grid::Bundles(grid_->blocks()[chain.front()], direction, options_.bundle_cells).count();
@@ -320,6 +322,9 @@ void Gas::sweep_bundle(int b, int index, BundleLayout const& layout, SweepContex
   if (block.at_boundary(2 * s.direction) || block.at_boundary(2 * s.direction + 1))
     account_boundaries(b, layout, s, a, tally.account);
   account_watched(b, index, layout, s, a);
+  for (int side = 0; side < 2; ++side) {
+    if (levels_.counts(b, 2 * s.direction + side)) levels_.count(b, layout, side, s, a);
+  }
   take_cut_changes(b, index, layout, s, a);
   passes_of(s).update(s, layout, a);
   if (checked && s.present > products_fluid) expand_cold_products(s, layout, a);

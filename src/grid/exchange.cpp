@@ -94,12 +94,17 @@ BlockStore<Exchange::Slabs> Exchange::make_slabs() const {
           }};
 }
 
-void Exchange::execute(Transfer const& t, Fields const& fields, Block const& block) {
+void Exchange::execute(Transfer const& t, Fields const& fields, Block const& block,
+                       std::function<void(int, int, double*)> const& finer) {
   if (t.kind == TransferKind::none) return;
   int const direction = t.face / 2;
   CellRange const slab = ghost_box(block, direction);
   Index3 const n{t.to.n(0), t.to.n(1), t.to.n(2)};
   double* const ghosts = this->ghosts(block.number, t.face % 2);
+  if (t.kind == TransferKind::finer) {
+    finer(block.number, t.face, ghosts);
+    return;
+  }
   for (int c = 0; c < components_; ++c) {
     Walk<double> const to(ghosts + slab.count() * static_cast<std::size_t>(c), slab, t.to);
     if (t.kind == TransferKind::fill) {
@@ -142,6 +147,7 @@ bool Exchange::sees_quiescence(Transfer const& t, Fields const& fields, int b) c
 bool Exchange::disturbs(Transfer const& t) const {
   switch (t.kind) {
     case TransferKind::copy:
+    case TransferKind::finer:
     case TransferKind::none: return was_awake_[t.source] != 0;
     case TransferKind::mirror: {
       int const mirrored = rules_.mirrored_component[t.face / 2];
@@ -158,12 +164,15 @@ bool Exchange::anything_to_see(int b, int direction) const {
   return std::any_of(transfers.begin(), transfers.end(), [this](Transfer const& t) { return disturbs(t); });
 }
 
-void Exchange::fill(Fields const& fields, int direction, AwakeBlocks& awake, std::function<void(int)> const& then) {
+void Exchange::fill(Fields const& fields, int level, int direction, AwakeBlocks& awake,
+                    std::function<void(int)> const& then, std::function<void(int, int, double*)> const& finer) {
   was_awake_ = awake;
-  parallel_for(grid_->block_count(), [&](int b, int) {
+  std::vector<int> const& blocks = grid_->blocks_of(level);
+  parallel_for(static_cast<int>(blocks.size()), [&](int n, int) {
+    int const b = blocks[n];
     if (!was_awake_[b] && !anything_to_see(b, direction)) return;
     auto const transfers = plan_.into(b, direction);
-    for (Transfer const& transfer : transfers) execute(transfer, fields, grid_->blocks()[b]);
+    for (Transfer const& transfer : transfers) execute(transfer, fields, grid_->blocks()[b], finer);
     auto const is_quiet = [&](Transfer const& t) { return sees_quiescence(t, fields, b); };
     if (!was_awake_[b] && !std::all_of(transfers.begin(), transfers.end(), is_quiet)) awake[b] = 1;
     if (then) then(b);

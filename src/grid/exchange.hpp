@@ -34,7 +34,13 @@ class Exchange {
   /// Fills the ghost layers of every block that is awake on both faces of `direction`, and wakes the sleeping blocks
   /// that get to see anything but quiescent cells. Calls then(block) for each block whose ghost cells have been filled,
   /// from several threads.
-  void fill(Fields const& fields, int direction, AwakeBlocks& awake, std::function<void(int)> const& then = {});
+  void fill(Fields const& fields, int direction, AwakeBlocks& awake, std::function<void(int)> const& then = {}) {
+    for (int level = 0; level < grid_->levels(); ++level) fill(fields, level, direction, awake, then, {});
+  }
+  /// The same for the blocks of one level. finer(block, face, ghosts) makes the ghost cells beyond which cells are
+  /// coarser: per component an array over `ghost_box`.
+  void fill(Fields const& fields, int level, int direction, AwakeBlocks& awake, std::function<void(int)> const& then,
+            std::function<void(int, int, double*)> const& finer);
 
   /// Ghost cells of a block beyond its low (side 0) or high (side 1) face, as last filled: per component an array over
   /// `ghost_box`, which is like the block but with `ghost_layers` cells in the direction of the fill. Where the plan
@@ -50,7 +56,8 @@ class Exchange {
   using Slabs = std::array<Buffer, 2>;  ///< of a block's low and high side, for the direction with the largest faces
 
   [[nodiscard]] BlockStore<Slabs> make_slabs() const;
-  void execute(Transfer const& transfer, Fields const& fields, Block const& block);
+  void execute(Transfer const& transfer, Fields const& fields, Block const& block,
+               std::function<void(int, int, double*)> const& finer);
   /// Could a sleeping block see anything but quiescent cells across its two faces of `direction`?
   [[nodiscard]] bool anything_to_see(int block, int direction) const;
   /// Are the ghost cells quiescent that a transfer has filled, or those that the sweep will read in its place?

@@ -26,6 +26,18 @@ Transfer transfer_across(Grid const& grid, Block const& block, int direction, in
     t.from = layers_at(grid.blocks()[other], direction, 1 - side, ghost_layers);
     return t;
   }
+  if (block.beyond[t.face] == Beyond::coarser) {
+    t.kind = TransferKind::finer;
+    t.source = coarser_block_beyond(grid, block, t.face);
+    return t;
+  }
+  if (block.beyond[t.face] == Beyond::nothing) {
+    // Cells so deep below finer ones that nobody reads them before they become means of those again.
+    t.kind = TransferKind::repeat;
+    t.source = block.number;
+    t.from = layers_at(block, direction, side, 1);
+    return t;
+  }
   Boundary const boundary = grid.domain().boundary[t.face];
   if (is_given(boundary)) {
     t.kind = TransferKind::fill;

@@ -18,13 +18,14 @@ enum class TransferKind : std::uint8_t {
   mirror,  ///< cells in reverse order along the direction; one component changes its sign
   fill,    ///< values that are given for a face of the domain
   repeat,  ///< one layer of cells, over and over
+  finer,   ///< made of coarser cells, by whoever calls the exchange
 };
 
 /// Fills a box of the ghost cells beyond one face of a block.
 struct Transfer {
   TransferKind kind = TransferKind::copy;
   int face = 0;               ///< of the block, across which it sees these ghost cells
-  int source = no_neighbour;  ///< the block that gives; `fill`: none
+  int source = no_neighbour;  ///< the block that gives; `fill`: none; `finer`: the coarser block beyond the face
   CellRange from{};           ///< cells that it gives, by their index within it
   CellRange to{};             ///< ghost cells, by their index in `ghost_box`
 };

@@ -29,9 +29,6 @@ std::uint64_t spread(int value) {
   return (bits | bits << 2) & 0x1249249249249249ULL;
 }
 
-/// Morton key of a place: neighbours in space stay near each other in the list.
-std::uint64_t morton(Index3 const& p) { return spread(p[0]) | spread(p[1]) << 1 | spread(p[2]) << 2; }
-
 /// Where the leaves of one list come from in another of the same domain: both run through it in the same order.
 std::vector<Origin> origins(std::vector<Leaf> const& before, std::vector<Leaf> const& after, int dimensions) {
   auto const volume = [dimensions](Leaf const& leaf) {
@@ -58,6 +55,8 @@ std::vector<Origin> origins(std::vector<Leaf> const& before, std::vector<Leaf> c
 }
 
 }  // namespace
+
+std::uint64_t morton(Index3 const& p) { return spread(p[0]) | spread(p[1]) << 1 | spread(p[2]) << 2; }
 
 Forest::Forest(Index3 const& parts, int dimensions, std::array<bool, 3> const& periodic)
     : parts_(parts), dimensions_(dimensions), periodic_(periodic) {

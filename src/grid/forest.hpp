@@ -21,6 +21,9 @@ struct Leaf {
   friend bool operator==(Leaf const&, Leaf const&) = default;
 };
 
+/// Morton key of a place: neighbours in space stay near each other in lists that it sorts.
+[[nodiscard]] std::uint64_t morton(Index3 const& place);
+
 /// Where a leaf comes from after a change: `count` leaves from `first` on, as they were numbered before. One of its own
 /// level: the leaf is unchanged; one of a lower level: that was refined, maybe several times; a family of 2^dimensions:
 /// they were merged.

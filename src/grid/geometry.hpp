@@ -138,6 +138,13 @@ struct Domain : Metric {
   /// Is the face the axis or the centre of a curvilinear geometry?
   [[nodiscard]] bool is_axis(int face) const { return face == 0 && radial_exponent(geometry) > 0 && lower[0] == 0.0; }
   [[nodiscard]] bool is_mirror(int face) const { return grid::is_mirror(boundary[face]); }
+  /// The same domain with cells of 1/2^level of the size.
+  [[nodiscard]] Domain refined(int level) const {
+    Domain fine = *this;
+    fine.h = std::ldexp(h, -level);
+    for (int d = 0; d < dimensions(); ++d) fine.cells[d] = cells[d] << level;
+    return fine;
+  }
 };
 
 }  // namespace brisance::grid

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <optional>
+#include <set>
+#include <utility>
 
 #include "core/error.hpp"
 #include "grid/forest.hpp"
@@ -82,7 +83,48 @@ Index3 fast_block_sizes(Index3 const& n, int dims) {
   return best;
 }
 
+/// The blocks below the leaves of finer levels that touch leaves of theirs, be it at a corner.
+std::vector<Leaf> covered_blocks(std::vector<Domain> const& domains, Index3 const& size,
+                                 std::vector<Leaf> const& leaves) {
+  int const dims = domains.front().dimensions();
+  auto const order = [](Leaf const& a, Leaf const& b) {
+    return a.level != b.level ? a.level < b.level : morton(a.place) < morton(b.place);
+  };
+  std::set<Leaf, decltype(order)> const known(leaves.begin(), leaves.end(), order);
+  std::set<Leaf, decltype(order)> covered(order);
+  for (Leaf const& leaf : leaves) {
+    Domain const& domain = domains[leaf.level];
+    Index3 parts{1, 1, 1};
+    for (int d = 0; d < dims; ++d) parts[d] = (domain.cells[d] + size[d] - 1) / size[d];
+    for_each_cell(around(leaf.place, 1, dims), [&](Index3 place) {
+      for (int d = 0; d < dims; ++d) {
+        if (place[d] >= 0 && place[d] < parts[d]) continue;
+        if (domain.boundary[2 * d] != Boundary::periodic) return;
+        place[d] = (place[d] + parts[d]) % parts[d];
+      }
+      // It is no leaf: part of a coarser one, or it has been refined, and then one of the leaves in it touches the
+      // leaf.
+      if (known.contains({leaf.level, place})) return;
+      Leaf coarser{leaf.level, place};
+      while (coarser.level > 0) {
+        --coarser.level;
+        for (int d = 0; d < dims; ++d) coarser.place[d] /= 2;
+        if (known.contains(coarser)) return;
+      }
+      covered.insert({leaf.level, place});
+    });
+  }
+  return {covered.begin(), covered.end()};
+}
+
 }  // namespace
+
+std::array<bool, 3> periodic_directions(Domain const& domain) {
+  std::array<bool, 3> periodic{};
+  for (int d = 0; d < domain.dimensions(); ++d)
+    periodic[d] = domain.boundary[2 * d] == Boundary::periodic && domain.boundary[2 * d + 1] == Boundary::periodic;
+  return periodic;
+}
 
 Partition partition_of(Domain const& domain, int block_cells) {
   constexpr int cells_of_a_row = 320;
@@ -100,7 +142,7 @@ Partition partition_of(Domain const& domain, int block_cells) {
   return p;
 }
 
-Grid::Grid(Domain const& domain, int block_cells) : domain_(domain) {
+Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), domains_{domain} {
   int const dims = domain.dimensions();
   for (int d = 0; d < dims; ++d) {
     if (domain.cells[d] < minimum_cells) {
@@ -111,38 +153,115 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain) {
   Partition const partition = partition_of(domain, block_cells);
   block_size_ = partition.size;
   parts_ = partition.parts;
+  number_blocks(Forest(parts_, dims, periodic_directions(domain)).leaves());
+}
 
-  std::array<bool, 3> periodic{};
-  for (int d = 0; d < dims; ++d) {
-    periodic[d] = domain.boundary[2 * d] == Boundary::periodic && domain.boundary[2 * d + 1] == Boundary::periodic;
-  }
-  Forest const forest(parts_, dims, periodic);
+Grid::Grid(Domain const& domain, Index3 const& size, Forest const& forest) : domain_(domain) {
+  int const dims = domain.dimensions();
   std::vector<Leaf> const& leaves = forest.leaves();
-  CellRange const all{{0, 0, 0}, parts_};
-  block_of_part_.resize(leaves.size());
-  blocks_.resize(leaves.size());
-  for (int b = 0; b < block_count(); ++b) {
-    Block& block = blocks_[b];
-    Index3 const& p = leaves[b].place;
-    block_of_part_[all.offset(p)] = b;
-    block.number = b;
-    block.metric = static_cast<Metric const&>(domain);
-    for (int d = 0; d < 3; ++d) {
-      block.size[d] = partition.size[d];
-      block.origin[d] = p[d] * partition.size[d];
-      block.n[d] = std::min(partition.size[d], domain.cells[d] - block.origin[d]);
+  for (int d = 0; d < dims; ++d) {
+    if (size[d] < 2 * ghost_layers || size[d] % 2 != 0)
+      throw InputError(
+          fmt::format("blocks of {} cells in direction {} cannot be refined: an even number of at least {} "
+                      "is required",
+                      size[d], "xyz"[d], 2 * ghost_layers));
+    block_size_[d] = size[d];
+    parts_[d] = (domain.cells[d] + size[d] - 1) / size[d];
+    if (parts_[d] != forest.parts()[d])
+      throw InputError(
+          fmt::format("{} blocks along {} for {} blocks of {} cells", forest.parts()[d], "xyz"[d], parts_[d], size[d]));
+  }
+  int finest = 0;
+  for (Leaf const& leaf : leaves) finest = std::max(finest, leaf.level);
+  for (int level = 0; level <= finest; ++level) domains_.push_back(domain.refined(level));
+
+  auto const is_outside = [&](Leaf const& leaf) {
+    for (int d = 0; d < dims; ++d) {
+      if (leaf.place[d] * size[d] >= domains_[leaf.level].cells[d]) return true;
     }
-    for (int face = 0; face < 6; ++face) {
-      std::optional<Leaf> const next = forest.across(leaves[b], face);
-      block.neighbour[face] = next ? forest.find(*next) : no_neighbour;
+    return false;
+  };
+  std::vector<Leaf> blocks;
+  for (Leaf const& leaf : leaves) {
+    if (!is_outside(leaf)) blocks.push_back(leaf);
+  }
+  std::vector<Leaf> const covered = covered_blocks(domains_, size, blocks);
+  blocks.insert(blocks.end(), covered.begin(), covered.end());
+  number_blocks(blocks);
+  for (Leaf const& at : covered) blocks_[block_at(at.level, at.place)].covered = true;
+  for (Block& block : blocks_) find_neighbours(block);
+}
+
+Block Grid::make_block(Leaf const& at) const {
+  Block block;
+  Domain const& domain = domains_[at.level];
+  block.level = at.level;
+  block.metric = static_cast<Metric const&>(domain);
+  block.size = block_size_;
+  for (int d = 0; d < 3; ++d) {
+    block.origin[d] = at.place[d] * block_size_[d];
+    block.n[d] = std::min(block_size_[d], domain.cells[d] - block.origin[d]);
+  }
+  return block;
+}
+
+void Grid::number_blocks(std::vector<Leaf> const& positions) {
+  std::vector<Leaf> sorted = positions;
+  int const finest = levels() - 1;
+  // A covered block comes before those that cover it.
+  auto const key = [&](Leaf const& leaf) {
+    Index3 place = leaf.place;
+    for (int d = 0; d < domain_.dimensions(); ++d) place[d] <<= finest - leaf.level;
+    return std::pair{morton(place), leaf.level};
+  };
+  std::sort(sorted.begin(), sorted.end(), [&](Leaf const& a, Leaf const& b) { return key(a) < key(b); });
+  block_of_part_.assign(CellRange{{0, 0, 0}, parts_}.count(), no_neighbour);
+  block_of_fine_part_.resize(finest + 1);
+  of_level_.resize(finest + 1);
+  for (Leaf const& at : sorted) {
+    Block block = make_block(at);
+    block.number = block_count();
+    of_level_[at.level].push_back(block.number);
+    if (at.level == 0)
+      block_of_part_[CellRange{{0, 0, 0}, parts_}.offset(at.place)] = block.number;
+    else
+      block_of_fine_part_[at.level][morton(at.place)] = block.number;
+    blocks_.push_back(block);
+  }
+  for (Block& block : blocks_) find_neighbours(block);
+}
+
+int Grid::block_at(int level, Index3 const& part) const {
+  if (level == 0) return block_of_part_[CellRange{{0, 0, 0}, parts_}.offset(part)];
+  auto const found = block_of_fine_part_[level].find(morton(part));
+  return found == block_of_fine_part_[level].end() ? no_neighbour : found->second;
+}
+
+void Grid::find_neighbours(Block& block) const {
+  Domain const& domain = domain_of(block);
+  for (int face = 0; face < 6; ++face) {
+    int const d = face / 2;
+    Index3 cell = block.origin;
+    cell[d] += face % 2 == 0 ? -1 : block.n[d];
+    block.neighbour[face] = no_neighbour;
+    block.beyond[face] = Beyond::boundary;
+    if (cell[d] < 0 || cell[d] >= domain.cells[d]) {
+      if (d >= domain.dimensions() || domain.boundary[face] != Boundary::periodic) continue;
+      cell[d] = (cell[d] + domain.cells[d]) % domain.cells[d];
     }
+    block.neighbour[face] = block_of(block.level, cell);
+    block.beyond[face] = block.neighbour[face] != no_neighbour ? Beyond::block
+                         : block.covered                       ? Beyond::nothing
+                                                               : Beyond::coarser;
   }
 }
 
-int Grid::block_of(Index3 const& cell) const {
+int Grid::block_of(Index3 const& cell) const { return block_of(0, cell); }
+
+int Grid::block_of(int level, Index3 const& cell) const {
   Index3 p{};
   for (int d = 0; d < 3; ++d) p[d] = cell[d] / block_size_[d];
-  return block_of_part_[CellRange{{0, 0, 0}, parts_}.offset(p)];
+  return block_at(level, p);
 }
 
 Cell Grid::locate(Index3 const& cell) const {
@@ -150,20 +269,50 @@ Cell Grid::locate(Index3 const& cell) const {
   return block.cell(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
 }
 
-Shell Grid::shell(Block const& block, int i) const {
-  Index3 const cell = block.index({i, 0, 0});
-  int const at = image_cell(domain_, {cell[0], 0, 0})[0];
-  return {block.metric.cell_volume(at), block.metric.face_area(0, at), block.metric.face_area(0, at + 1),
-          is_mirrored(domain_, cell)};
+std::optional<Cell> Grid::locate(int level, Index3 const& cell) const {
+  int const number = block_of(level, cell);
+  if (number == no_neighbour) return std::nullopt;
+  Block const& block = blocks_[static_cast<std::size_t>(number)];
+  return block.cell(cell[0] - block.origin[0], cell[1] - block.origin[1], cell[2] - block.origin[2]);
 }
 
-Index3 Grid::cell_at(Vec3 const& x) const {
+Cell Grid::locate(Vec3 const& x) const {
+  int const finest = levels() - 1;
+  Index3 const place = cell_at(finest, x);
+  for (int level = finest; level > 0; --level) {
+    Index3 cell = place;
+    for (int d = 0; d < domain_.dimensions(); ++d) cell[d] >>= finest - level;
+    auto const found = locate(level, cell);
+    if (found && !block(*found).covered) return *found;
+  }
+  return locate(cell_at(0, x));
+}
+
+Shell Grid::shell(Block const& block, int i) const {
+  Domain const& domain = domain_of(block);
+  Index3 const cell = block.index({i, 0, 0});
+  int const at = image_cell(domain, {cell[0], 0, 0})[0];
+  return {block.metric.cell_volume(at), block.metric.face_area(0, at), block.metric.face_area(0, at + 1),
+          is_mirrored(domain, cell)};
+}
+
+Index3 Grid::cell_at(int level, Vec3 const& x) const {
+  Domain const& domain = this->domain(level);
   Index3 cell{0, 0, 0};
-  for (int d = 0; d < domain_.dimensions(); ++d) {
-    double const s = std::floor(domain_.in_cells(d, x[d]));
-    cell[d] = static_cast<int>(std::clamp(s, 0.0, static_cast<double>(domain_.cells[d] - 1)));
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    double const s = std::floor(domain.in_cells(d, x[d]));
+    cell[d] = static_cast<int>(std::clamp(s, 0.0, static_cast<double>(domain.cells[d] - 1)));
   }
   return cell;
+}
+
+int coarser_block_beyond(Grid const& grid, Block const& block, int face) {
+  int const d = face / 2;
+  Index3 cell = block.origin;
+  cell[d] += face % 2 == 0 ? -1 : block.n[d];
+  Index3 coarse = image_cell(grid.domain_of(block), cell);
+  for (int e = 0; e < grid.domain().dimensions(); ++e) coarse[e] /= 2;
+  return grid.block_of(block.level - 1, coarse);
 }
 
 Index3 image_cell(Domain const& domain, Index3 const& cell) {

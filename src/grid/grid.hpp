@@ -2,15 +2,27 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "core/vec.hpp"
 #include "grid/cell.hpp"
+#include "grid/forest.hpp"
 #include "grid/geometry.hpp"
 
 namespace brisance::grid {
 
 inline constexpr int no_neighbour = -1;
+
+/// What lies beyond a face of a block.
+enum class Beyond : std::uint8_t {
+  block,     ///< a block of the same level
+  boundary,  ///< the boundary of the domain, where nothing follows
+  coarser,   ///< cells of the next coarser level
+  nothing,   ///< of a covered block: a part of the domain in which this level has no cells
+};
 
 /// Layers of ghost cells that every block sees across each face.
 inline constexpr int ghost_layers = 2;
@@ -21,19 +33,25 @@ inline constexpr int ghost_layers = 2;
 /// All blocks of a grid have one `size`. Where a block reaches beyond the domain, only `n` cells per direction are
 /// occupied: they are its cells. Arrays hold these and nothing else, densely, and loops, sweeps, exchange and output
 /// run over them, so that the rest of the block costs neither time nor memory.
+///
+/// Blocks of level l have cells of 1/2^l of the coarsest size, and cells are counted by level: `origin` and whatever is
+/// called an index in the domain count the cells of the block's level, as if the whole domain had them.
 struct Block {
   int number = 0;          ///< in `Grid::blocks`
+  int level = 0;           ///< 0: the coarsest
+  bool covered = false;    ///< finer blocks cover it: it holds the means of their cells, and its own count for nothing
   Index3 origin{0, 0, 0};  ///< index of its first cell in the domain
   Index3 n{1, 1, 1};       ///< cells per direction
   Index3 size{1, 1, 1};    ///< what `n` is in a block that lies in the domain as a whole
   /// Neighbouring block across each face (`Face` order; across a periodic face the one on the other side), or
   /// `no_neighbour`.
   std::array<int, 6> neighbour{};
+  std::array<Beyond, 6> beyond{};
   Metric metric;  ///< of cells by their index in the domain
 
   [[nodiscard]] int cell_count() const { return n[0] * n[1] * n[2]; }
   /// Does a face of the block lie on the boundary of the domain, where nothing follows?
-  [[nodiscard]] bool at_boundary(int face) const { return neighbour[face] == no_neighbour; }
+  [[nodiscard]] bool at_boundary(int face) const { return beyond[face] == Beyond::boundary; }
 
   /// Position of cell (i, j, k) of the block in its arrays: x fastest.
   [[nodiscard]] int offset(int i, int j, int k) const { return i + n[0] * (j + n[1] * k); }
@@ -130,24 +148,48 @@ class Grid {
   /// between 24 and 40 in 2D and 3D, the one that sweeps run through fastest, and takes 320 in 1D.
   /// Throws InputError when a resolved direction has fewer than 4 cells.
   explicit Grid(Domain const& domain, int block_cells = 0);
+  /// Blocks of several levels, of `size` cells along each resolved direction, an even number. `leaves` tile the domain;
+  /// what reaches beyond it is left out, and so are leaves that lie outside. Leaves that touch, be it at an edge,
+  /// differ by one level at most. Throws InputError where the size is odd or too small.
+  ///
+  /// Beside the leaves there are covered blocks: where finer leaves touch coarser ones, those of the coarser level
+  /// below the finer leaves. With them a level looks the same on both sides of its end, and steps of its own can be
+  /// taken.
+  Grid(Domain const& domain, Index3 const& size, Forest const& forest);
 
+  /// The domain with the cells of level 0.
   [[nodiscard]] Domain const& domain() const { return domain_; }
+  /// The domain as if all of it had the cells of a level.
+  [[nodiscard]] Domain const& domain(int level) const { return domains_[static_cast<std::size_t>(level)]; }
+  [[nodiscard]] Domain const& domain_of(Block const& block) const { return domain(block.level); }
+  [[nodiscard]] int levels() const { return static_cast<int>(domains_.size()); }
+  /// The numbers of a level's blocks, in their order.
+  [[nodiscard]] std::vector<int> const& blocks_of(int level) const {
+    return of_level_[static_cast<std::size_t>(level)];
+  }
   [[nodiscard]] std::vector<Block> const& blocks() const { return blocks_; }
   [[nodiscard]] int block_count() const { return static_cast<int>(blocks_.size()); }
   [[nodiscard]] Block const& block(Cell const& cell) const { return blocks_[static_cast<std::size_t>(cell.block)]; }
   /// Cells per direction of every block that lies in the domain as a whole.
   [[nodiscard]] Index3 const& block_size() const { return block_size_; }
   /// Size of the smallest cells [m].
-  [[nodiscard]] double smallest_cell() const { return domain_.smallest_cell(); }
+  [[nodiscard]] double smallest_cell() const { return domains_.back().smallest_cell(); }
 
-  /// The block that holds the cell with domain index `cell`.
+  /// The block of level 0 that holds the cell with domain index `cell`.
   [[nodiscard]] int block_of(Index3 const& cell) const;
-  /// Domain index of the cell that contains x; clamped to the domain.
-  [[nodiscard]] Index3 cell_at(Vec3 const& x) const;
-  /// The cell with a domain index, which must lie in the domain.
+  /// The block of a level that holds the cell with an index in the domain; `no_neighbour`: there is none.
+  [[nodiscard]] int block_of(int level, Index3 const& cell) const;
+  /// Domain index of the cell of level 0 that contains x; clamped to the domain.
+  [[nodiscard]] Index3 cell_at(Vec3 const& x) const { return cell_at(0, x); }
+  [[nodiscard]] Index3 cell_at(int level, Vec3 const& x) const;
+  /// The cell of level 0 with a domain index, which must lie in the domain.
   [[nodiscard]] Cell locate(Index3 const& cell) const;
-  /// The cell that contains x; where x lies outside the domain the one nearest to it, direction by direction.
-  [[nodiscard]] Cell locate(Vec3 const& x) const { return locate(cell_at(x)); }
+  /// The cell of a level with an index in the domain; null: there is none.
+  [[nodiscard]] std::optional<Cell> locate(int level, Index3 const& cell) const;
+  /// The cell of a leaf that contains x; where x lies outside the domain the one nearest to it, direction by direction.
+  /// A place on the face between two cells is that of the upper one, and on that between two levels the finer one's if
+  /// it is the upper one.
+  [[nodiscard]] Cell locate(Vec3 const& x) const;
   /// The index in the domain of a cell.
   [[nodiscard]] Index3 index(Cell const& cell) const { return block(cell).index(cell); }
 
@@ -155,12 +197,27 @@ class Grid {
   [[nodiscard]] Shell shell(Block const& block, int i) const;
 
  private:
+  [[nodiscard]] int block_at(int level, Index3 const& part) const;
+  [[nodiscard]] Block make_block(Leaf const& at) const;
+  void number_blocks(std::vector<Leaf> const& blocks);
+  void find_neighbours(Block& block) const;
+
   Domain domain_;
+  std::vector<Domain> domains_;  ///< of each level
   std::vector<Block> blocks_;
+  std::vector<std::vector<int>> of_level_;
   Index3 block_size_{1, 1, 1};
   Index3 parts_{1, 1, 1};
-  std::vector<int> block_of_part_;  ///< part (i, j, k) -> block
+  std::vector<int> block_of_part_;  ///< part (i, j, k) of level 0 -> block
+  /// The same of finer levels, by the number of the part.
+  std::vector<std::unordered_map<std::uint64_t, int>> block_of_fine_part_;
 };
+
+/// The directions in which a domain is periodic.
+[[nodiscard]] std::array<bool, 3> periodic_directions(Domain const& domain);
+
+/// The coarser block that lies beyond a face of a block whose cells there are `Beyond::coarser`.
+[[nodiscard]] int coarser_block_beyond(Grid const& grid, Block const& block, int face);
 
 /// The cell inside the domain that a cell outside stands for: its mirror image, its periodic image or the nearest one.
 [[nodiscard]] Index3 image_cell(Domain const& domain, Index3 const& cell);

@@ -1,0 +1,303 @@
+#include "gas/levels.hpp"
+
+#include <algorithm>
+
+#include "core/parallel.hpp"
+#include "grid/exchange_plan.hpp"
+
+namespace brisance::gas {
+
+namespace {
+
+/// The fine cells in a coarse one, or in several.
+grid::CellRange fine_cells(grid::CellRange const& coarse, int dimensions) {
+  grid::CellRange fine = coarse;
+  for (int d = 0; d < dimensions; ++d) {
+    fine.lower[d] = 2 * coarse.lower[d];
+    fine.upper[d] = 2 * coarse.upper[d];
+  }
+  return fine;
+}
+
+grid::CellRange fine_cells(Index3 const& coarse, int dimensions) {
+  return fine_cells(grid::CellRange{coarse, {coarse[0] + 1, coarse[1] + 1, coarse[2] + 1}}, dimensions);
+}
+
+}  // namespace
+
+grid::CellRange Levels::face_cells(grid::Block const& block, int face) {
+  grid::CellRange cells = block.interior();
+  int const d = face / 2;
+  if (face % 2 == 0)
+    cells.upper[d] = 1;
+  else
+    cells.lower[d] = block.n[d] - 1;
+  return cells;
+}
+
+Levels::Contact Levels::contact_at(grid::Block const& fine, int face) const {
+  int const d = face / 2;
+  Contact contact;
+  contact.fine = fine.number;
+  contact.face = face;
+  grid::CellRange const own = fine.in_domain();
+  grid::CellRange& core = contact.core;
+  core = own;
+  for (int e = 0; e < grid_->domain().dimensions(); ++e) {
+    core.lower[e] = own.lower[e] / 2;
+    core.upper[e] = own.upper[e] / 2;
+  }
+  core.lower[d] = face % 2 == 0 ? own.lower[d] / 2 - 1 : own.upper[d] / 2;
+  core.upper[d] = core.lower[d] + 1;
+  contact.coarse = grid::coarser_block_beyond(*grid_, fine, face);
+  return contact;
+}
+
+Levels::Strip Levels::strip_at(Contact const& contact) const {
+  int const level = grid_->blocks()[contact.coarse].level;
+  grid::Domain const& domain = grid_->domain(level);
+  Strip strip;
+  strip.box = contact.core.grown(1, domain.dimensions());
+  strip.sources.resize(strip.box.count());
+  for_each_cell(strip.box, [&](Index3 cell) {
+    std::size_t const place = strip.box.offset(cell);
+    for (int d = 0; d < domain.dimensions(); ++d) {
+      int const n = domain.cells[d];
+      if (cell[d] >= 0 && cell[d] < n) continue;
+      if (domain.boundary[2 * d] != grid::Boundary::periodic) return;
+      cell[d] = (cell[d] + n) % n;
+    }
+    auto const found = grid_->locate(level, cell);
+    if (!found) return;
+    strip.sources[place] = {found->block, found->offset};
+    if (std::find(strip.blocks.begin(), strip.blocks.end(), found->block) == strip.blocks.end())
+      strip.blocks.push_back(found->block);
+  });
+  for (auto& stage : strip.stages) stage.resize(strip.sources.size());
+  return strip;
+}
+
+Levels::Levels(grid::Grid const& grid, Fluids const& fluids, int components)
+    : grid_(&grid),
+      fluids_(fluids),
+      components_(components),
+      contacts_(grid.levels()),
+      strips_(grid.levels()),
+      strip_of_(grid, std::array<int, 6>{-1, -1, -1, -1, -1, -1}),
+      registers_(grid.blocks().size()),
+      clock_(grid.levels()) {
+  for (grid::Block const& block : grid.blocks()) {
+    for (int face = 0; face < 6; ++face) {
+      if (block.beyond[face] != grid::Beyond::coarser) continue;
+      Contact const contact = contact_at(block, face);
+      int const level = block.level - 1;
+      strip_of_[block.number][face] = static_cast<int>(strips_[level].size());
+      contacts_[level].push_back(contact);
+      strips_[level].push_back(strip_at(contact));
+      auto const make = [&](grid::Block const& of, int its_face) {
+        auto& sum = registers_[of.number][its_face].sum;
+        if (sum.empty()) sum.assign(face_cells(of, its_face).count() * values(), 0.0);
+      };
+      make(block, face);
+      make(grid.blocks()[contact.coarse], 2 * (face / 2) + 1 - face % 2);
+    }
+  }
+}
+
+void Levels::set_quiescent(Components const& state, std::array<Components, 3> const& flux, Vec3 const& velocity) {
+  quiet_ = state;
+  quiet_flux_ = flux;
+  quiet_velocity_ = velocity;
+}
+
+void Levels::gather(grid::Fields const& fields, grid::AwakeBlocks const& awake, Strip& strip, int stage) const {
+  auto const is_awake = [&](int block) { return awake[block] != 0; };
+  bool const quiet = std::none_of(strip.blocks.begin(), strip.blocks.end(), is_awake);
+  if (stage == 0) strip.quiet = quiet;
+  if (quiet && strip.quiet) return;
+  if (strip.quiet) {  // it has been disturbed since
+    strip.quiet = false;
+    for (int before = 0; before < stage; ++before)
+      std::fill(strip.stages[before].begin(), strip.stages[before].end(), quiet_);
+  }
+  std::vector<Components>& cells = strip.stages[stage];
+  for (std::size_t n = 0; n < cells.size(); ++n) {
+    auto const [block, offset] = strip.sources[n];
+    if (block == grid::no_neighbour) continue;
+    for (int c = 0; c < components_; ++c) cells[n][c] = fields.at(block, c)[offset];
+  }
+}
+
+void Levels::begin_step(grid::Fields const& fields, grid::AwakeBlocks const& awake, int level,
+                        std::vector<int> const& order) {
+  clock_[level].order = order;
+  clock_[level].sweeps = 0;
+  std::vector<Strip>& strips = strips_[level];
+  parallel_for(static_cast<int>(strips.size()), [&](int n, int) { gather(fields, awake, strips[n], 0); });
+}
+
+void Levels::end_sweep(grid::Fields const& fields, grid::AwakeBlocks const& awake, int level) {
+  int const stage = ++clock_[level].sweeps;
+  std::vector<Strip>& strips = strips_[level];
+  parallel_for(static_cast<int>(strips.size()), [&](int n, int) { gather(fields, awake, strips[n], stage); });
+}
+
+void Levels::begin_fine_step(int level, int number) {
+  clock_[level].begun = 0.5 * number;
+  clock_[level].done = {false, false, false};
+}
+
+Components Levels::at_present(Strip const& strip, std::size_t cell, int coarse_level) const {
+  Clock const& coarse = clock_[coarse_level];
+  Clock const& fine = clock_[coarse_level + 1];
+  Components const& first = strip.stages[0][cell];
+  Components u = first;
+  if (fine.begun > 0.0) {
+    Components const& last = strip.stages[coarse.sweeps][cell];
+    for (int c = 0; c < components_; ++c) u[c] += fine.begun * (last[c] - first[c]);
+  }
+  for (int n = 0; n < coarse.sweeps; ++n) {
+    if (!fine.done[coarse.order[n]]) continue;
+    Components const& before = strip.stages[n][cell];
+    Components const& after = strip.stages[n + 1][cell];
+    for (int c = 0; c < components_; ++c) u[c] += 0.5 * (after[c] - before[c]);
+  }
+  return u;
+}
+
+void Levels::fill(int b, int face, double* ghosts) const {
+  grid::Block const& block = grid_->blocks()[b];
+  int const level = block.level - 1;
+  int const d = face / 2;
+  int const dims = grid_->domain().dimensions();
+  int const number = strip_of_[b][face];
+  Strip const& strip = strips_[level][number];
+  Contact const& contact = contacts_[level][number];
+  grid::CellRange const slab = grid::ghost_box(block, d);
+  std::size_t const pitch = slab.count();
+  if (strip.quiet) {
+    for (int c = 0; c < components_; ++c) std::fill_n(ghosts + pitch * c, pitch, quiet_[c]);
+    return;
+  }
+  std::vector<Components> conserved(strip.sources.size());
+  std::vector<PhaseState> state(strip.sources.size());
+  for (std::size_t n = 0; n < conserved.size(); ++n) {
+    if (strip.sources[n].block == grid::no_neighbour) continue;
+    conserved[n] = at_present(strip, n, level);
+    state[n] = phase_state_of(fluids_, conserved[n]);
+  }
+  // The lowest ghost cell, by its index in the domain.
+  Index3 lowest = block.origin;
+  lowest[d] = face % 2 == 0 ? block.origin[d] - grid::ghost_layers : block.origin[d] + block.n[d];
+  Prolongation const prolongation(fluids_, components_, dims);
+  Prolongation::Parts parts;
+  for_each_cell(contact.core, [&](Index3 const& cell) {
+    std::size_t const place = strip.box.offset(cell);
+    Prolongation::Coarse coarse{&conserved[place], &state[place]};
+    for (int f = 0; f < 2 * dims; ++f) {
+      std::size_t const beside = strip.box.offset(grid::beside(cell, f / 2, f % 2));
+      if (strip.sources[beside].block != grid::no_neighbour) coarse.beside[f] = &state[beside];
+    }
+    if (grid::radial_exponent(grid_->domain().geometry) > 0) {
+      double const low = block.metric.cell_volume(2 * cell[0]);
+      coarse.low_part = low / (low + block.metric.cell_volume(2 * cell[0] + 1));
+    }
+    prolongation.split(coarse, parts);
+    int part = 0;
+    for_each_cell(fine_cells(cell, dims), [&](Index3 const& fine) {
+      std::size_t const at = slab.offset({fine[0] - lowest[0], fine[1] - lowest[1], fine[2] - lowest[2]});
+      for (int c = 0; c < components_; ++c) ghosts[pitch * c + at] = parts[part][c];
+      ++part;
+    });
+  });
+}
+
+double* Levels::entry(int block, int face, grid::Cell const& cell) {
+  grid::CellRange const cells = face_cells(grid_->blocks()[block], face);
+  return registers_[block][face].sum.data() + cells.offset(cell.within()) * values();
+}
+
+void Levels::count(int b, BundleLayout const& layout, int side, SweepContext const& s, BundleArrays& a) {
+  grid::Block const& block = grid_->blocks()[b];
+  int const face = 2 * s.direction + side;
+  Components const& quiet = quiet_flux_[s.direction];
+  for (int line = 0; line < layout.lines(); ++line) {
+    int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
+    q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
+    grid::Cell const cell = layout.end_cell(block, side, line);
+    double const weight = block.face_area(s.direction, side, cell) * s.dt;
+    double* const sum = entry(b, face, cell);
+    for (int c = 0; c <= energy; ++c) sum[c] += weight * (a[a_flux + c][q] - quiet[c]);
+    for (int k = 1; k < s.present; ++k) {
+      sum[partial_density(k)] += weight * a[a_flux + partial_density(k)][q];
+      sum[volume_fraction(k)] += weight * a[a_flux + volume_fraction(k)][q];
+    }
+    if (s.progress) sum[progress] += weight * a[a_progress_flux][q];
+    sum[components_] += weight * (a[a_face_speed][q] - quiet_velocity_[s.direction]);
+  }
+}
+
+std::vector<grid::Cell> Levels::correct(grid::Fields& fields, Contact const& contact) {
+  int const d = contact.face / 2;
+  int const dims = grid_->domain().dimensions();
+  grid::Block const& fine = grid_->blocks()[contact.fine];
+  grid::Block const& coarse = grid_->blocks()[contact.coarse];
+  int const coarse_face = 2 * d + 1 - contact.face % 2;
+  double const outwards = coarse_face % 2 == 0 ? -1.0 : 1.0;  // of the coarse cell
+  std::vector<grid::Cell> changed;
+  for_each_cell(contact.core, [&](Index3 const& index) {
+    // Where the block lies behind a periodic boundary the core does not lie in it.
+    Index3 const inside = grid::image_cell(grid_->domain_of(coarse), index);
+    Index3 within{};
+    for (int e = 0; e < 3; ++e) within[e] = inside[e] - coarse.origin[e];
+    grid::Cell const cell = coarse.cell(within);
+    std::array<double, most_components + 1> more{};
+    double* const own = entry(contact.coarse, coarse_face, cell);
+    for (int c = 0; c < values(); ++c) more[c] = -std::exchange(own[c], 0.0);
+    grid::CellRange parts = fine_cells(index, dims);
+    parts.lower[d] = contact.face % 2 == 0 ? fine.origin[d] : fine.origin[d] + fine.n[d] - 1;
+    parts.upper[d] = parts.lower[d] + 1;
+    for_each_cell(parts, [&](Index3 const& part) {
+      grid::Cell const at = fine.cell({part[0] - fine.origin[0], part[1] - fine.origin[1], part[2] - fine.origin[2]});
+      double* const sum = entry(contact.fine, contact.face, at);
+      for (int c = 0; c < values(); ++c) more[c] += std::exchange(sum[c], 0.0);
+    });
+    if (std::all_of(more.begin(), more.begin() + values(), [](double x) { return x == 0.0; })) return;
+    double const scale = outwards / coarse.volume(cell);
+    for (int c = 0; c < components_; ++c) {
+      if (c == shock) continue;
+      double& u = fields.at(coarse.number, c)[cell.offset];
+      // A volume fraction changes by its flux less what the flow compresses.
+      u -= scale * (more[c] - (is_volume_fraction(c) ? u * more[components_] : 0.0));
+    }
+    changed.push_back(cell);
+  });
+  return changed;
+}
+
+bool Levels::restrict(grid::Fields& fields, grid::Block const& block, grid::Cell const& cell) const {
+  int const dims = grid_->domain().dimensions();
+  grid::CellRange const parts = fine_cells(block.index(cell), dims);
+  auto const first = grid_->locate(block.level + 1, parts.lower);
+  grid::Block const& fine = grid_->block(*first);
+  bool quiet = true;
+  for (int c = 0; c < components_; ++c) {
+    double const* const u = fields.at(fine.number, c);
+    double const own = u[first->offset];
+    double volume = 0.0;
+    double sum = 0.0;
+    // From the differences to one of them: equal values stay what they are to the last bit.
+    for_each_cell(parts, [&](Index3 const& part) {
+      grid::Cell const at = fine.cell({part[0] - fine.origin[0], part[1] - fine.origin[1], part[2] - fine.origin[2]});
+      double const share = fine.volume(at);
+      sum += share * (u[at.offset] - own);
+      volume += share;
+    });
+    double const mean = own + sum / volume;
+    fields.at(block.number, c)[cell.offset] = mean;
+    quiet = quiet && mean == quiet_[c];
+  }
+  return !quiet;
+}
+
+}  // namespace brisance::gas

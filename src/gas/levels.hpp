@@ -1,0 +1,135 @@
+/// Levels of the gas: what joins cells of one size to those of half that size.
+///
+/// A level takes its step first, and then the next finer one takes two of half the length [BergerColella89]. Between
+/// them stand
+///   - strips: the coarse cells beside a fine block, at every stage of the coarse step. The fine block's ghost cells
+///   are
+///     made of them, at the time and after the sweeps that the fine step has reached;
+///   - flux registers: what went through the faces between two levels, found by both. The coarse cells are corrected to
+///     what the fine ones found, so that nothing is lost or made there;
+///   - covered blocks: they take the means of the fine cells that cover them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "gas/kernels.hpp"
+#include "gas/prolongation.hpp"
+#include "grid/block_store.hpp"
+#include "grid/fields.hpp"
+#include "grid/grid.hpp"
+
+namespace brisance::gas {
+
+class Levels {
+ public:
+  Levels(grid::Grid const& grid, Fluids const& fluids, int components);
+
+  [[nodiscard]] bool several() const { return grid_->levels() > 1; }
+
+  /// What quiescent gas holds and carries: accounts count differences to it, which blocks that sleep do not have.
+  void set_quiescent(Components const& state, std::array<Components, 3> const& flux, Vec3 const& velocity);
+
+  // Strips. A level begins a step with the sweeps of `order`.
+  void begin_step(grid::Fields const& fields, grid::AwakeBlocks const& awake, int level, std::vector<int> const& order);
+  /// A sweep of that step is done.
+  void end_sweep(grid::Fields const& fields, grid::AwakeBlocks const& awake, int level);
+  /// The finer level begins its first or second step within that of the level below it.
+  void begin_fine_step(int level, int number);
+  void end_fine_sweep(int level, int direction) { clock_[level].done[direction] = true; }
+  /// The ghost cells of a block beyond a face behind which cells are coarser: per component an array over the
+  /// `grid::ghost_box`.
+  void fill(int block, int face, double* ghosts) const;
+
+  // Registers.
+  [[nodiscard]] bool counts(int block, int face) const { return !registers_[block][face].sum.empty(); }
+  /// Adds what goes through one side of a bundle's block in a sweep.
+  void count(int block, BundleLayout const& layout, int side, SweepContext const& context, BundleArrays& arrays);
+  /// Corrects the cells of a level beside finer ones, and forgets what was counted. Calls changed(cell) for each.
+  template <class Changed>
+  void correct(grid::Fields& fields, int level, Changed const& changed) {
+    for (Contact const& contact : contacts_[level]) correct(fields, contact, changed);
+  }
+
+  /// Gives the covered blocks of a level the means of the finer cells. Calls changed(cell) for those that are not
+  /// quiescent.
+  template <class Changed>
+  void restrict(grid::Fields& fields, int level, Changed const& changed) const {
+    for (int const b : grid_->blocks_of(level)) {
+      if (grid_->blocks()[b].covered) restrict(fields, grid_->blocks()[b], changed);
+    }
+  }
+
+ private:
+  /// What went through the faces of a block's cells at one of its faces, less what quiescent gas carries, times area
+  /// and time: all components and the volume, cell by cell.
+  struct Register {
+    std::vector<double> sum;
+  };
+  /// A fine block's face behind which cells are coarser.
+  struct Contact {
+    int fine = 0;          ///< block
+    int face = 0;          ///< of the fine block
+    int coarse = 0;        ///< block
+    grid::CellRange core;  ///< the coarse cells beside the face, by their index in the domain
+  };
+  struct Strip {
+    grid::CellRange box;  ///< the core of its contact and one layer around
+    struct Source {
+      int block = grid::no_neighbour;
+      int offset = 0;
+    };
+    std::vector<Source> sources;  ///< of the cells of the box
+    std::vector<int> blocks;      ///< that give something
+    bool quiet = false;           ///< all of them have slept since the step began
+    /// The cells at the start of the step and after each sweep: components in turn for each cell.
+    std::array<std::vector<Components>, 4> stages;
+  };
+  /// Where a level stands within a step of the level below it.
+  struct Clock {
+    std::vector<int> order;                         ///< of its own sweeps
+    int sweeps = 0;                                 ///< of its own step that are done
+    double begun = 0.0;                             ///< part of the coarser step before its own one
+    std::array<bool, 3> done{false, false, false};  ///< own sweeps, by their direction
+  };
+
+  [[nodiscard]] static grid::CellRange face_cells(grid::Block const& block, int face);
+  [[nodiscard]] Contact contact_at(grid::Block const& fine, int face) const;
+  [[nodiscard]] Strip strip_at(Contact const& contact) const;
+  void gather(grid::Fields const& fields, grid::AwakeBlocks const& awake, Strip& strip, int stage) const;
+  /// The state of a strip's cell at the time of the fine level.
+  [[nodiscard]] Components at_present(Strip const& strip, std::size_t cell, int coarse_level) const;
+  [[nodiscard]] int values() const { return components_ + 1; }
+  [[nodiscard]] double* entry(int block, int face, grid::Cell const& cell);
+
+  template <class Changed>
+  void correct(grid::Fields& fields, Contact const& contact, Changed const& changed) {
+    std::vector<grid::Cell> const cells = correct(fields, contact);
+    for (grid::Cell const& cell : cells) changed(cell);
+  }
+  std::vector<grid::Cell> correct(grid::Fields& fields, Contact const& contact);
+  template <class Changed>
+  void restrict(grid::Fields& fields, grid::Block const& block, Changed const& changed) const {
+    for_each_cell(block, [&](grid::Cell const& cell) {
+      if (restrict(fields, block, cell)) changed(cell);
+    });
+  }
+  /// Is the mean anything but quiescent?
+  bool restrict(grid::Fields& fields, grid::Block const& block, grid::Cell const& cell) const;
+
+  grid::Grid const* grid_;
+  Fluids fluids_;
+  int components_;
+  Components quiet_{};
+  std::array<Components, 3> quiet_flux_{};
+  Vec3 quiet_velocity_{0.0, 0.0, 0.0};
+  std::vector<std::vector<Contact>> contacts_;     ///< by the level of the coarse cells
+  std::vector<std::vector<Strip>> strips_;         ///< of the same
+  grid::BlockStore<std::array<int, 6>> strip_of_;  ///< of a fine block's faces, by the number in its level
+  std::vector<std::array<Register, 6>> registers_;
+  std::vector<Clock> clock_;
+};
+
+}  // namespace brisance::gas

@@ -1,0 +1,315 @@
+/// Levels: gas that crosses from cells of one size to cells of another must not see where they meet.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <numbers>
+#include <tuple>
+
+#include "gas/harness.hpp"
+
+namespace brisance::test {
+namespace {
+
+using grid::Boundary;
+using grid::Geometry;
+using grid::Leaf;
+
+/// Which blocks are refined, by their centre.
+using Refined = std::function<bool(Leaf const&, Vec3 const& centre)>;
+
+/// The forest in which every block is refined for which `refined` holds.
+grid::Forest forest_of(grid::Domain const& domain, Index3 const& size, Refined const& refined) {
+  int const dims = domain.dimensions();
+  Index3 parts{1, 1, 1};
+  for (int d = 0; d < dims; ++d) parts[d] = (domain.cells[d] + size[d] - 1) / size[d];
+  grid::Forest forest(parts, dims, grid::periodic_directions(domain));
+  for (int level = 0;; ++level) {
+    std::vector<std::int8_t> marks;
+    for (Leaf const& leaf : forest.leaves()) {
+      Vec3 centre{0.0, 0.0, 0.0};
+      double const edge = std::ldexp(domain.h, -leaf.level);
+      for (int d = 0; d < dims; ++d) centre[d] = domain.lower[d] + (leaf.place[d] + 0.5) * size[d] * edge;
+      marks.push_back(leaf.level == level && refined(leaf, centre) ? 1 : 0);
+    }
+    if (std::find(marks.begin(), marks.end(), 1) == marks.end()) return forest;
+    forest.adapt(marks, level + 1);
+  }
+}
+
+/// A gas on several levels.
+struct LevelProblem : Problem {
+  Index3 size{1, 1, 1};
+  Refined refined;
+
+  void fill(StateAt const& state) {
+    for (int d = 0; d < domain.dimensions(); ++d) size[d] = block_cells;
+    grid = std::make_unique<grid::Grid>(domain, size, forest_of(domain, size, refined));
+    std::array<material::Primitive, 6> outside;
+    std::copy(inflow.begin(), inflow.end(), outside.begin());
+    gas = std::make_unique<gas::Gas>(*grid, fluids, options, quiescent, outside);
+    for (grid::Block const& block : grid->blocks()) {
+      grid::for_each_cell(block, [&](grid::Cell const& cell) { gas->set(cell, state(block.centre(cell))); });
+    }
+    gas->start();
+  }
+
+  /// Calls visit(block, cell) for the cells of all leaves.
+  template <class Visit>
+  void for_each_leaf_cell(Visit&& visit) const {
+    for (grid::Block const& block : grid->blocks()) {
+      if (!block.covered) grid::for_each_cell(block, [&](grid::Cell const& cell) { visit(block, cell); });
+    }
+  }
+  [[nodiscard]] double total(int component) const {
+    long double sum = 0.0;
+    for_each_leaf_cell([&](grid::Block const& block, grid::Cell const& cell) {
+      sum += gas->fields().at(block.number, component)[cell.offset] * block.volume(cell);
+    });
+    return static_cast<double>(sum);
+  }
+};
+
+/// Finer around a place, twice as fine nearer to it: level l where blocks of level l - 1 lie nearer than radius / 2^l.
+Refined around(Vec3 const& place, double radius, int levels) {
+  return [=](Leaf const& leaf, Vec3 const& centre) {
+    return leaf.level < levels && norm(centre - place) < std::ldexp(radius, -leaf.level);
+  };
+}
+
+LevelProblem problem_with(Geometry geometry, Boundary boundary, int levels, int cells = 32) {
+  LevelProblem problem;
+  problem.box(geometry, cells, 1.0, boundary);
+  problem.block_cells = 8;
+  Vec3 const middle{0.5, problem.domain.dimensions() > 1 ? 0.5 : 0.0, problem.domain.dimensions() > 2 ? 0.5 : 0.0};
+  problem.refined = around(middle, 0.4, levels);
+  return problem;
+}
+
+class Levels : public testing::TestWithParam<std::tuple<Geometry, gas::Scheme>> {};
+
+TEST_P(Levels, LeaveAUniformStreamUniform) {
+  auto const [geometry, scheme] = GetParam();
+  bool const radial = geometry == Geometry::axisymmetric2d;
+  LevelProblem problem = problem_with(geometry, radial ? Boundary::symmetry : Boundary::periodic, 2);
+  problem.options.scheme = scheme;
+  Mixed stream = state(1.2, 0.0, 1e5);
+  // Around an axis only a stream along it is uniform.
+  stream.velocity = radial ? Vec3{0.0, 130.0, 0.0} : Vec3{130.0, 70.0, problem.domain.dimensions() > 2 ? 40.0 : 0.0};
+  if (radial) problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::periodic;
+  problem.fill([&](Vec3 const&) { return stream; });
+  ASSERT_EQ(problem.grid->levels(), 3);
+  for (int step = 0; step < 20; ++step)
+    problem.gas->advance(0.8 * problem.domain.h / problem.gas->fastest_signal(), step % 2 == 1);
+  problem.for_each_leaf_cell([&](grid::Block const&, grid::Cell const& cell) {
+    gas::Primitive const s = problem.gas->primitive(cell);
+    ASSERT_NEAR(s.pressure, stream.pressure, 1e-12 * 1e5);
+    ASSERT_NEAR(s.density, 1.2, 1e-12);
+    ASSERT_NEAR(norm(s.velocity - stream.velocity), 0.0, 1e-12 * 500.0);
+  });
+}
+
+/// Air and products of about the density of a burst, with a diffuse interface around a place.
+Mixed bubble(Vec3 const& x, Vec3 const& place, double radius, int dims) {
+  Vec3 way = x - place;
+  for (int d = dims; d < 3; ++d) way[d] = 0.0;
+  Mixed s;
+  s.ambient_density = 1.2;
+  s.products_density = 40.0;
+  s.volume_fraction = 0.5 - 0.5 * std::tanh((norm(way) - radius) / 0.03);
+  s.pressure = 1e6;
+  return s;
+}
+
+TEST_P(Levels, KeepPressureAndVelocityUniformAcrossAnInterface) {
+  auto const [geometry, scheme] = GetParam();
+  bool const radial = geometry == Geometry::axisymmetric2d;
+  LevelProblem problem = problem_with(geometry, radial ? Boundary::symmetry : Boundary::periodic, 2);
+  if (radial) problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::periodic;
+  problem.options.scheme = scheme;
+  problem.fluids.count = 2;
+  problem.fluids.eos[1] = material::IdealGas{1.25};
+  int const dims = problem.domain.dimensions();
+  Vec3 const velocity = radial ? Vec3{0.0, 300.0, 0.0} : Vec3{300.0, 200.0, dims > 2 ? 100.0 : 0.0};
+  Vec3 const place{radial ? 0.0 : 0.3, 0.5, dims > 2 ? 0.5 : 0.0};
+  problem.fill([&](Vec3 const& x) {
+    Mixed s = bubble(x, place, 0.2, dims);
+    s.velocity = velocity;
+    return s;
+  });
+  // A few blocks' lengths: the interface crosses the ends of levels.
+  for (int step = 0; step < 24; ++step)
+    problem.gas->advance(0.5 * problem.domain.h / problem.gas->fastest_signal(), step % 2 == 1);
+  double pressure = 0.0;
+  double speed = 0.0;
+  problem.for_each_leaf_cell([&](grid::Block const&, grid::Cell const& cell) {
+    gas::Primitive const s = problem.gas->primitive(cell);
+    pressure = std::max(pressure, std::abs(s.pressure / 1e6 - 1.0));
+    speed = std::max(speed, norm(s.velocity - velocity) / norm(velocity));
+  });
+  EXPECT_LT(pressure, 1e-9);
+  EXPECT_LT(speed, 1e-9);
+}
+
+TEST_P(Levels, LoseNothing) {
+  auto const [geometry, scheme] = GetParam();
+  LevelProblem problem = problem_with(geometry, Boundary::wall, 2);
+  problem.options.scheme = scheme;
+  problem.fluids.count = 2;
+  problem.fluids.eos[1] = material::IdealGas{1.25};
+  int const dims = problem.domain.dimensions();
+  Vec3 const place{0.37, 0.45, dims > 2 ? 0.55 : 0.0};
+  problem.fill([&](Vec3 const& x) {
+    Mixed s = bubble(x, place, 0.12, dims);
+    if (s.volume_fraction > 0.5) s.pressure = 2e7;
+    return s;
+  });
+  std::array<double, 3> const before{problem.total(gas::partial_density(0)), problem.total(gas::partial_density(1)),
+                                     problem.total(gas::energy)};
+  for (int step = 0; step < 40; ++step)
+    problem.gas->advance(0.5 * problem.domain.h / problem.gas->fastest_signal(), step % 2 == 1);
+  gas::Account const account = problem.gas->account();
+  EXPECT_EQ(account.guarded_cells, 0);
+  std::array<int, 3> const components{gas::partial_density(0), gas::partial_density(1), gas::energy};
+  for (int n = 0; n < 3; ++n) EXPECT_NEAR(problem.total(components[n]) / before[n], 1.0, 1e-12) << n;
+}
+
+INSTANTIATE_TEST_SUITE_P(Geometries, Levels,
+                         testing::Combine(testing::Values(Geometry::planar2d, Geometry::axisymmetric2d,
+                                                          Geometry::cartesian3d),
+                                          testing::Values(gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff)));
+
+/// A plane pulse of sound that runs along x through a tube, from coarse cells into fine ones or back. Returns the
+/// largest pressure left behind it, in parts of its own.
+double reflected(bool into_fine) {
+  LevelProblem problem;
+  problem.domain.geometry = Geometry::planar2d;
+  problem.domain.h = 1.0 / 80.0;
+  problem.domain.cells = {240, 8, 1};
+  problem.domain.boundary.fill(Boundary::outflow);
+  problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::symmetry;
+  problem.block_cells = 8;
+  problem.refined = [=](Leaf const& leaf, Vec3 const& centre) {
+    return leaf.level == 0 && (centre[0] > 1.5) == into_fine;
+  };
+  constexpr double amplitude = 1e-4;
+  constexpr double width = 0.25;  // 20 coarse cells, 40 fine ones
+  double const c = std::sqrt(1.4);
+  problem.quiescent = state(1.0, 0.0, 1.0);
+  problem.fill([&](Vec3 const& x) {
+    double const s = (x[0] - 1.0) / width;
+    double const wave = std::abs(s) < 0.5 ? amplitude * std::pow(std::cos(std::numbers::pi * s), 2) : 0.0;
+    return state(1.0 + wave / 1.4, wave / c, 1.0 + wave);
+  });
+  double const end = 1.0 / c;  // the middle of the pulse is at 2
+  while (problem.gas->time() < end) {
+    double const dt = std::min(0.8 * problem.domain.h / problem.gas->fastest_signal(), end - problem.gas->time());
+    problem.gas->advance(dt, problem.steps++ % 2 == 1);
+  }
+  double most = 0.0;
+  problem.for_each_leaf_cell([&](grid::Block const& block, grid::Cell const& cell) {
+    if (block.centre(cell)[0] < 1.45) most = std::max(most, std::abs(problem.gas->primitive(cell).pressure - 1.0));
+  });
+  return most / amplitude;
+}
+
+TEST(LevelWaves, HardlyReflectSound) {
+  double const into = reflected(true);
+  double const out = reflected(false);
+  std::printf("reflected: %.3f %% into fine cells, %.3f %% out of them\n", 100.0 * into, 100.0 * out);
+  EXPECT_LT(into, 0.005);
+  EXPECT_LT(out, 0.005);
+}
+
+/// L1 error of the density of a smooth wave that crosses a periodic box with a finer middle, over all cells and over
+/// those that lie `away` from the ends of levels.
+struct WaveError {
+  double all = 0.0;
+  double away = 0.0;
+};
+WaveError wave_error(bool acoustic, Geometry geometry, int n) {
+  LevelProblem problem = problem_with(geometry, Boundary::periodic, 1, n);
+  problem.block_cells = n / 4;
+  int const dims = problem.domain.dimensions();
+  problem.refined = [=](Leaf const& leaf, Vec3 const& centre) {
+    bool inside = leaf.level == 0;
+    for (int d = 0; d < dims; ++d) inside = inside && centre[d] > 0.25 && centre[d] < 0.75;
+    return inside;
+  };
+  constexpr double amplitude = 1e-7;
+  double const k = 2.0 * std::numbers::pi;
+  double const size = std::sqrt(static_cast<double>(dims));
+  double const c = std::sqrt(1.4);
+  auto const exact = [&](Vec3 const& x, double t) {
+    double phase = 0.0;
+    for (int d = 0; d < dims; ++d) phase += x[d];
+    double const wave = amplitude * std::sin(k * (phase - size * (acoustic ? c : 1.0) * t));
+    Mixed s = state(1.0 + wave, 0.0, acoustic ? 1.0 + 1.4 * wave : 1.0);
+    for (int d = 0; d < dims; ++d) s.velocity[d] = (acoustic ? c * wave : 1.0) / size;
+    return s;
+  };
+  problem.fill([&](Vec3 const& x) { return exact(x, 0.0); });
+  double const period = 1.0 / (size * (acoustic ? c : 1.0));
+  while (problem.gas->time() < period * (1.0 - 1e-13)) {
+    double const dt = std::min(0.4 * problem.domain.h / problem.gas->fastest_signal(), period - problem.gas->time());
+    problem.gas->advance(dt, problem.steps++ % 2 == 1);
+  }
+  WaveError error;
+  double away_volume = 0.0;
+  problem.for_each_leaf_cell([&](grid::Block const& block, grid::Cell const& cell) {
+    Vec3 const x = block.centre(cell);
+    double const rho = problem.gas->fields().at(block.number, gas::partial_density(0))[cell.offset];
+    double const miss = std::abs(rho - exact(x, period).ambient_density) / amplitude * block.volume(cell);
+    error.all += miss;
+    double nearest = 1.0;
+    for (int d = 0; d < dims; ++d) nearest = std::min(nearest, std::min(std::abs(x[d] - 0.25), std::abs(x[d] - 0.75)));
+    if (nearest < 0.0625) return;
+    error.away += miss;
+    away_volume += block.volume(cell);
+  });
+  error.away /= away_volume;
+  return error;
+}
+
+class LevelOrder : public testing::TestWithParam<std::tuple<bool, Geometry>> {};
+
+TEST_P(LevelOrder, IsHardlyLower) {
+  auto const [acoustic, geometry] = GetParam();
+  int const coarse = geometry == Geometry::planar2d ? 64 : 32;
+  WaveError const a = wave_error(acoustic, geometry, coarse);
+  WaveError const b = wave_error(acoustic, geometry, 2 * coarse);
+  double const all = std::log2(a.all / b.all);
+  double const away = std::log2(a.away / b.away);
+  std::printf("%s wave, %dD: order %.2f, away from the ends of levels %.2f (error %.2e at %d cells)\n",
+              acoustic ? "acoustic" : "entropy", grid::dimensions(geometry), all, away, a.all, coarse);
+  EXPECT_GE(all, 1.5);
+  EXPECT_GE(away, 1.9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Waves, LevelOrder,
+                         testing::Combine(testing::Bool(), testing::Values(Geometry::planar2d, Geometry::cartesian3d)));
+
+/// A burst in a corner of quiescent gas with a finer middle; all leaves' values.
+std::vector<double> after_burst(bool sleep) {
+  LevelProblem problem = problem_with(Geometry::cartesian3d, Boundary::outflow, 2);
+  problem.options.sleep = sleep;
+  problem.quiescent = state(1.2, 0.0, 1e5);
+  problem.fill([&](Vec3 const& x) {
+    return norm(x - Vec3{0.2, 0.2, 0.2}) < 0.1 ? state(5.0, 0.0, 2e6) : problem.quiescent;
+  });
+  for (int step = 0; step < 12; ++step)
+    problem.gas->advance(0.5 * problem.domain.h / problem.gas->fastest_signal(), step % 2 == 1);
+  std::vector<double> values;
+  int asleep = 0;
+  for (grid::Block const& block : problem.grid->blocks()) asleep += problem.gas->awake(block.number) ? 0 : 1;
+  EXPECT_EQ(asleep > 0, sleep);
+  problem.for_each_leaf_cell([&](grid::Block const& block, grid::Cell const& cell) {
+    for (int c = 0; c < problem.gas->fields().components(); ++c)
+      values.push_back(problem.gas->fields().at(block.number, c)[cell.offset]);
+  });
+  return values;
+}
+
+TEST(LevelSleep, ChangesNoBit) { EXPECT_EQ(after_burst(true), after_burst(false)); }
+
+}  // namespace
+}  // namespace brisance::test
