@@ -35,6 +35,11 @@ class Burn {
   void set_charges(std::vector<LitCharge> charges) { charges_ = std::move(charges); }
   /// When the cells of a block burn, and which charge is in them, over `Block::with_ghosts`.
   void set_times(int block, std::vector<BurnTime> times, std::vector<std::uint16_t> charge_of);
+  /// Forgets when cells burn: the grid's blocks have changed.
+  void forget_times(grid::Grid const& grid) {
+    times_.assign(grid.blocks().size(), {});
+    charge_of_.assign(grid.blocks().size(), {});
+  }
   /// The time after which everything is burnt [s], and the volume fraction up to which explosive in a cell is a trace
   /// that counts as burnt: with less of it than the pressure of the air in the cell asks for, the model of unburnt
   /// explosive would leave that air no pressure of its own.

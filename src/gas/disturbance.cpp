@@ -24,22 +24,24 @@ Disturbance::Disturbance(grid::Grid const& grid)
       }) {}
 
 void Disturbance::find(grid::Fields const& fields, Components const& quiet) {
-  parallel_for(grid_->block_count(), [&](int b, int) {
-    OfBlock& of = blocks_[b];
-    grid::CellRange const interior = grid_->blocks()[b].interior();
-    for (std::size_t tile = 0; tile < of.disturbed.size(); ++tile) {
-      grid::CellRange rows = of.tiles.cells(tile);
-      int const length = rows.n(0);
-      rows.upper[0] = rows.lower[0] + 1;
-      of.disturbed[tile] = grid::any_cell(rows, [&](Index3 const& first) {
-        for (int c = 0; c < fields.components(); ++c) {
-          if (!all_equal(fields.at(b, c) + interior.offset(first), length, quiet[c])) return true;
-        }
-        return false;
-      });
-    }
-    of.everywhere = std::find(of.disturbed.begin(), of.disturbed.end(), 0) == of.disturbed.end() ? 1 : 0;
-  });
+  parallel_for(grid_->block_count(), [&](int b, int) { find(fields, quiet, b); });
+}
+
+void Disturbance::find(grid::Fields const& fields, Components const& quiet, int b) {
+  OfBlock& of = blocks_[b];
+  grid::CellRange const interior = grid_->blocks()[b].interior();
+  for (std::size_t tile = 0; tile < of.disturbed.size(); ++tile) {
+    grid::CellRange rows = of.tiles.cells(tile);
+    int const length = rows.n(0);
+    rows.upper[0] = rows.lower[0] + 1;
+    of.disturbed[tile] = grid::any_cell(rows, [&](Index3 const& first) {
+      for (int c = 0; c < fields.components(); ++c) {
+        if (!all_equal(fields.at(b, c) + interior.offset(first), length, quiet[c])) return true;
+      }
+      return false;
+    });
+  }
+  of.everywhere = std::find(of.disturbed.begin(), of.disturbed.end(), 0) == of.disturbed.end() ? 1 : 0;
 }
 
 void Disturbance::note(grid::Cell const& cell) {

@@ -18,6 +18,11 @@ class Disturbance {
 
   /// Finds the disturbed tiles of all blocks. Tiles do not come to rest again.
   void find(grid::Fields const& fields, Components const& quiet);
+  void find(grid::Fields const& fields, Components const& quiet, int block);
+  /// When the blocks change, see `BlockStore`; for those that are new call `find`.
+  void rearrange(std::vector<grid::Block> const& blocks, std::vector<int> const& before) {
+    blocks_.rearrange(blocks, before);
+  }
   /// Somebody has changed a cell.
   void note(grid::Cell const& cell);
   /// Notes what a sweep has disturbed in a bundle. Threads may do so for several bundles of a block at the same time.

@@ -61,17 +61,10 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
       peaks_(grid, options.peak_fields) {
   auto const u = conserved_of(fluids, quiescent);
   open_faces_.set_sources(options.wave_sources);
-  for (int level = 0; level < grid.levels(); ++level) {
-    for (int direction = 0; direction < grid.domain().dimensions(); ++direction) {
-      parts_[level][direction] = make_parts(level, direction);
-      if (parts_[level][direction].empty()) continue;
-      Part const& last = parts_[level][direction].back();
-      tallies_.resize(std::max(tallies_.size(), last.tally + last.chain->size()));
-    }
-  }
   for (int b = 0; b < grid.block_count(); ++b) {
     for (int c = 0; c < components(); ++c) std::fill_n(fields_.at(b, c), grid.blocks()[b].cell_count(), u[c]);
   }
+  find_levels();
 }
 
 void Gas::set(grid::Cell const& cell, Primitive const& state) {
@@ -138,9 +131,10 @@ void Gas::start(double time) {
   prepare_workspaces();
   obstacles.find_near_walls();
   find_quiescence();
-  levels_.set_quiescent(quiet_.state, quiet_.flux, quiescent_.velocity);
-  for (int level = grid_->levels() - 2; level >= 0; --level)
-    levels_.restrict(fields_, level, [this](grid::Cell const& cell) { awake_[cell.block] = 1; });
+  find_levels();
+  for (int b = 0; b < grid_->block_count(); ++b) {
+    if (grid_->blocks()[b].covered) awake_[b] = options_.sleep && is_quiescent_block(b) ? 0 : 1;
+  }
   disturbance_.find(fields_, quiet);
   load_nodes();
   if (quiet[momentum_x] != 0.0 || quiet[momentum_y] != 0.0 || quiet[momentum_z] != 0.0) {
@@ -189,7 +183,9 @@ Account& Account::operator+=(Account const& other) {
 }
 
 Account Gas::account() const {
-  return sum_at_hand(grid_->block_count(), [this](int b) -> Account const& { return blocks_[b].account; });
+  Account sum = carried_;
+  for (Tally const& block : blocks_) sum += block.account;
+  return sum;
 }
 
 void Gas::report_not_a_number(int b, int direction) const {

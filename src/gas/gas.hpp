@@ -28,6 +28,9 @@
 namespace brisance {
 class Archive;
 }
+namespace brisance::grid {
+class Forest;
+}
 
 namespace brisance::gas {
 
@@ -97,6 +100,12 @@ class Gas {
   void wake(int block) { awake_[block] = 1; }
   [[nodiscard]] bool awake(int block) const { return awake_[block] != 0; }
 
+  /// Changes the blocks to the leaves of a forest. `grid` is the one that the gas has been made for; all that follow it
+  /// see its new blocks. What was refined is made from the cells before, see prolongation.hpp, and what was merged is
+  /// their mean: nothing is lost. Obstacles, cut cells, the burn's times and the coupling's roles and faces are to be
+  /// set again.
+  void regrid(grid::Grid& grid, grid::Forest const& forest);
+
   /// Ends the initial phase: finds the quiescent blocks, the state beyond outflow boundaries and the first wave speeds.
   void start(double time = 0.0);
 
@@ -145,6 +154,18 @@ class Gas {
     double pressure = 0.0;             ///< as `measure` finds it
     double signal = 0.0;
   };
+
+  /// What a new block holds: components, and the peaks of its cells, in turn.
+  struct Contents {
+    Buffer fields, peaks;
+  };
+  /// Of a block that is to come, from the blocks that are.
+  [[nodiscard]] Contents contents_of(grid::Block const& block) const;
+  void merge_into(grid::Block const& block, Contents& contents) const;
+  void refine_into(grid::Block const& block, Contents& contents) const;
+  [[nodiscard]] bool is_quiescent_block(int block) const;
+  /// Parts and what joins levels, for the grid's blocks; covered blocks take the means of the finer ones.
+  void find_levels();
 
   [[nodiscard]] int components() const { return fields_.components(); }
   /// The parts of a level for sweeps along a direction. They do not depend on the number of threads.
@@ -264,6 +285,7 @@ class Gas {
   std::vector<std::array<std::vector<Part>, 3>> parts_;  ///< of all blocks, by level and the direction of the sweep
   Levels levels_;
   std::vector<Tally> tallies_;  ///< of the parts
+  Account carried_;             ///< of blocks that are no more
   Peaks peaks_;
   std::vector<Workspace> workspaces_;
   std::map<std::string, double> timings_;

@@ -4,26 +4,9 @@
 
 #include "core/parallel.hpp"
 #include "grid/exchange_plan.hpp"
+#include "grid/fine_cells.hpp"
 
 namespace brisance::gas {
-
-namespace {
-
-/// The fine cells in a coarse one, or in several.
-grid::CellRange fine_cells(grid::CellRange const& coarse, int dimensions) {
-  grid::CellRange fine = coarse;
-  for (int d = 0; d < dimensions; ++d) {
-    fine.lower[d] = 2 * coarse.lower[d];
-    fine.upper[d] = 2 * coarse.upper[d];
-  }
-  return fine;
-}
-
-grid::CellRange fine_cells(Index3 const& coarse, int dimensions) {
-  return fine_cells(grid::CellRange{coarse, {coarse[0] + 1, coarse[1] + 1, coarse[2] + 1}}, dimensions);
-}
-
-}  // namespace
 
 grid::CellRange Levels::face_cells(grid::Block const& block, int face) {
   grid::CellRange cells = block.interior();
@@ -42,11 +25,7 @@ Levels::Contact Levels::contact_at(grid::Block const& fine, int face) const {
   contact.face = face;
   grid::CellRange const own = fine.in_domain();
   grid::CellRange& core = contact.core;
-  core = own;
-  for (int e = 0; e < grid_->domain().dimensions(); ++e) {
-    core.lower[e] = own.lower[e] / 2;
-    core.upper[e] = own.upper[e] / 2;
-  }
+  core = grid::coarse_cells(own, grid_->domain().dimensions());
   core.lower[d] = face % 2 == 0 ? own.lower[d] / 2 - 1 : own.upper[d] / 2;
   core.upper[d] = core.lower[d] + 1;
   contact.coarse = grid::coarser_block_beyond(*grid_, fine, face);
@@ -61,12 +40,7 @@ Levels::Strip Levels::strip_at(Contact const& contact) const {
   strip.sources.resize(strip.box.count());
   for_each_cell(strip.box, [&](Index3 cell) {
     std::size_t const place = strip.box.offset(cell);
-    for (int d = 0; d < domain.dimensions(); ++d) {
-      int const n = domain.cells[d];
-      if (cell[d] >= 0 && cell[d] < n) continue;
-      if (domain.boundary[2 * d] != grid::Boundary::periodic) return;
-      cell[d] = (cell[d] + n) % n;
-    }
+    if (!CoarsePatch::find_image(domain, cell)) return;
     auto const found = grid_->locate(level, cell);
     if (!found) return;
     strip.sources[place] = {found->block, found->offset};
@@ -179,32 +153,18 @@ void Levels::fill(int b, int face, double* ghosts) const {
     for (int c = 0; c < components_; ++c) std::fill_n(ghosts + pitch * c, pitch, quiet_[c]);
     return;
   }
-  std::vector<Components> conserved(strip.sources.size());
-  std::vector<PhaseState> state(strip.sources.size());
-  for (std::size_t n = 0; n < conserved.size(); ++n) {
-    if (strip.sources[n].block == grid::no_neighbour) continue;
-    conserved[n] = at_present(strip, n, level);
-    state[n] = phase_state_of(fluids_, conserved[n]);
+  CoarsePatch patch(fluids_, components_, grid_->domain(level), contact.core);
+  for (std::size_t n = 0; n < strip.sources.size(); ++n) {
+    if (strip.sources[n].block != grid::no_neighbour) patch.set(n, at_present(strip, n, level));
   }
   // The lowest ghost cell, by its index in the domain.
   Index3 lowest = block.origin;
   lowest[d] = face % 2 == 0 ? block.origin[d] - grid::ghost_layers : block.origin[d] + block.n[d];
-  Prolongation const prolongation(fluids_, components_, dims);
   Prolongation::Parts parts;
   for_each_cell(contact.core, [&](Index3 const& cell) {
-    std::size_t const place = strip.box.offset(cell);
-    Prolongation::Coarse coarse{&conserved[place], &state[place]};
-    for (int f = 0; f < 2 * dims; ++f) {
-      std::size_t const beside = strip.box.offset(grid::beside(cell, f / 2, f % 2));
-      if (strip.sources[beside].block != grid::no_neighbour) coarse.beside[f] = &state[beside];
-    }
-    if (grid::radial_exponent(grid_->domain().geometry) > 0) {
-      double const low = block.metric.cell_volume(2 * cell[0]);
-      coarse.low_part = low / (low + block.metric.cell_volume(2 * cell[0] + 1));
-    }
-    prolongation.split(coarse, parts);
+    patch.split(cell, block.metric, parts);
     int part = 0;
-    for_each_cell(fine_cells(cell, dims), [&](Index3 const& fine) {
+    for_each_cell(grid::fine_cells(cell, dims), [&](Index3 const& fine) {
       std::size_t const at = slab.offset({fine[0] - lowest[0], fine[1] - lowest[1], fine[2] - lowest[2]});
       for (int c = 0; c < components_; ++c) ghosts[pitch * c + at] = parts[part][c];
       ++part;
@@ -254,7 +214,7 @@ std::vector<grid::Cell> Levels::correct(grid::Fields& fields, Contact const& con
     std::array<double, most_components + 1> more{};
     double* const own = entry(contact.coarse, coarse_face, cell);
     for (int c = 0; c < values(); ++c) more[c] = -std::exchange(own[c], 0.0);
-    grid::CellRange parts = fine_cells(index, dims);
+    grid::CellRange parts = grid::fine_cells(index, dims);
     parts.lower[d] = contact.face % 2 == 0 ? fine.origin[d] : fine.origin[d] + fine.n[d] - 1;
     parts.upper[d] = parts.lower[d] + 1;
     for_each_cell(parts, [&](Index3 const& part) {
@@ -276,24 +236,10 @@ std::vector<grid::Cell> Levels::correct(grid::Fields& fields, Contact const& con
 }
 
 bool Levels::restrict(grid::Fields& fields, grid::Block const& block, grid::Cell const& cell) const {
-  int const dims = grid_->domain().dimensions();
-  grid::CellRange const parts = fine_cells(block.index(cell), dims);
-  auto const first = grid_->locate(block.level + 1, parts.lower);
-  grid::Block const& fine = grid_->block(*first);
+  grid::Parts const parts = grid::parts_of(*grid_, block.level, block.index(cell));
   bool quiet = true;
   for (int c = 0; c < components_; ++c) {
-    double const* const u = fields.at(fine.number, c);
-    double const own = u[first->offset];
-    double volume = 0.0;
-    double sum = 0.0;
-    // From the differences to one of them: equal values stay what they are to the last bit.
-    for_each_cell(parts, [&](Index3 const& part) {
-      grid::Cell const at = fine.cell({part[0] - fine.origin[0], part[1] - fine.origin[1], part[2] - fine.origin[2]});
-      double const share = fine.volume(at);
-      sum += share * (u[at.offset] - own);
-      volume += share;
-    });
-    double const mean = own + sum / volume;
+    double const mean = parts.mean(fields.at(parts.block, c));
     fields.at(block.number, c)[cell.offset] = mean;
     quiet = quiet && mean == quiet_[c];
   }

@@ -63,7 +63,7 @@ void Obstacles::find_near_walls(std::vector<int> const& blocks) {
 }
 
 void Obstacles::find_near_walls(grid::Block const& block, int d, bool any_obstacle) {
-  grid::Domain const& domain = grid_->domain();
+  grid::Domain const& domain = grid_->domain_of(block);
   // A face of the domain that reflects; the axis and the centre do not.
   auto const is_rigid_face = [&](int direction, int side) {
     int const face = 2 * direction + side;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/archive.hpp"
 
@@ -65,13 +66,63 @@ void compress(Fluids const& fluids, double scale, Components& u) {
 }  // namespace
 
 OpenFaces::OpenFaces(grid::Grid const& grid, Fluids const& fluids, int components)
-    : grid_(&grid), fluids_(fluids), components_(components), faces_(grid, [&grid](grid::Block const& block) {
-        std::array<std::optional<Face>, 6> faces;
-        for (int f = 0; f < 2 * grid.domain().dimensions(); ++f) {
-          if (block.at_boundary(f) && grid.domain().boundary[f] == grid::Boundary::outflow) faces[f].emplace();
-        }
-        return faces;
-      }) {}
+    : grid_(&grid), fluids_(fluids), components_(components), faces_(open_faces_of(grid)) {}
+
+OpenFaces::Faces OpenFaces::open_faces_of(grid::Grid const& grid) {
+  return {grid, [&grid](grid::Block const& block) {
+            std::array<std::optional<Face>, 6> faces;
+            for (int f = 0; f < 2 * grid.domain().dimensions(); ++f) {
+              if (block.at_boundary(f) && grid.domain().boundary[f] == grid::Boundary::outflow) faces[f].emplace();
+            }
+            return faces;
+          }};
+}
+
+OpenFaces::Known OpenFaces::known_at(grid::Grid const& grid, Faces const& faces, Vec3 const& x, int face) {
+  grid::Cell const cell = grid.locate(x);
+  Face const& of = *faces[cell.block][face];
+  grid::CellRange layer = grid.block(cell).interior();
+  layer.upper[face / 2] = 1;
+  Index3 within = cell.within();
+  within[face / 2] = 0;
+  std::size_t const n = layer.offset(within);
+  return {&of.beyond[of.beyond.size() == 1 ? 0 : n], &of.memory[n]};
+}
+
+void OpenFaces::follow(grid::Grid const& before) {
+  Faces const known = std::exchange(faces_, open_faces_of(*grid_));
+  int const dims = grid_->domain().dimensions();
+  for (grid::Block const& block : grid_->blocks()) {
+    for (int f = 0; f < 2 * dims; ++f) {
+      if (!faces_[block.number][f]) continue;
+      Face& face = *faces_[block.number][f];
+      bool alike = true;
+      for_each_face_cell(block, f / 2, f % 2, [&](grid::Cell const& cell) {
+        // Its quarters, for the cells before may have been finer.
+        Memory memory{};
+        int quarters = 0;
+        Known at{nullptr, nullptr};
+        for_each_cell(grid::CellRange{{0, 0, 0}, {dims > 0 ? 2 : 1, dims > 1 ? 2 : 1, dims > 2 ? 2 : 1}},
+                      [&](Index3 const& part) {
+                        if (part[f / 2] != f % 2) return;
+                        Vec3 x = block.centre(cell);
+                        for (int d = 0; d < dims; ++d) x[d] += (part[d] - 0.5) * 0.5 * block.h();
+                        at = known_at(before, known, x, f);
+                        for (int k = 0; k < poles; ++k) memory[k] += (*at.memory)[k];
+                        ++quarters;
+                      });
+        for (double& value : memory) value /= quarters;
+        face.memory.push_back(memory);
+        face.beyond.push_back(*at.beyond);
+        alike = alike && face.beyond.back().conserved == face.beyond.front().conserved;
+        Vec3 x = block.centre(cell);
+        x[f / 2] += (f % 2 == 0 ? -0.5 : 0.5) * block.h();
+        face.rays.push_back(ray_to(x, block.h(), f / 2, f % 2, face.beyond.back()));
+      });
+      if (alike) face.beyond = std::vector<Beyond>{face.beyond.front()};
+    }
+  }
+}
 
 OpenFaces::Beyond OpenFaces::beyond(Components const& u) const {
   Beyond a;

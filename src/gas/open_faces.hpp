@@ -54,6 +54,9 @@ class OpenFaces {
   void start(grid::Fields const& fields, Components const& ambient,
              std::function<bool(grid::Cell const& cell)> const& consumed);
 
+  /// When the grid's blocks have changed: takes over what is known beyond the faces of the blocks before.
+  void follow(grid::Grid const& before);
+
   /// Has a block such faces in a direction?
   [[nodiscard]] bool at(int block, int direction) const {
     return faces_[block][2 * direction].has_value() || faces_[block][2 * direction + 1].has_value();
@@ -93,6 +96,14 @@ class OpenFaces {
     double signal = 0.0;         ///< largest |u| + c of the ghost cells that differ from the face's [m/s]
   };
 
+  using Faces = grid::BlockStore<std::array<std::optional<Face>, 6>>;
+  [[nodiscard]] static Faces open_faces_of(grid::Grid const& grid);
+  /// One cell of a face before, and what is known of it.
+  struct Known {
+    Beyond const* beyond;
+    Memory const* memory;
+  };
+  [[nodiscard]] static Known known_at(grid::Grid const& grid, Faces const& faces, Vec3 const& x, int face);
   [[nodiscard]] Beyond beyond(Components const& u) const;
   /// The source nearest to x, the way from it and its length [m]; null: there is none.
   [[nodiscard]] WaveSource const* nearest_source(Vec3 const& x, Vec3& way, double& distance) const;
@@ -105,7 +116,7 @@ class OpenFaces {
   Fluids fluids_;
   int components_;
   std::vector<WaveSource> sources_;
-  grid::BlockStore<std::array<std::optional<Face>, 6>> faces_;  ///< where they are open
+  Faces faces_;  ///< where they are open
 };
 
 }  // namespace brisance::gas

@@ -1,6 +1,9 @@
 /// Peak fields of the gas: largest overpressure and largest running impulse of every cell.
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "core/buffer.hpp"
 #include "grid/block_store.hpp"
 #include "grid/bundle.hpp"
@@ -28,6 +31,15 @@ class Peaks {
   void announce(grid::Cell const& cell) const;
   /// Adds what `follow` will read of a block.
   void announce(int block, grid::Ahead& ahead) const;
+  /// Values that are kept of each cell.
+  [[nodiscard]] int values() const { return wanted_ ? peak_count : 0; }
+  [[nodiscard]] double const* values_of(int block, int value) const { return of(block, static_cast<Peak>(value)); }
+  /// All of a block, value by value.
+  void put(int block, Buffer values) { blocks_[block] = std::move(values); }
+  /// When the blocks change, see `BlockStore`.
+  void rearrange(std::vector<grid::Block> const& blocks, std::vector<int> const& before) {
+    blocks_.rearrange(blocks, before);
+  }
   /// A block's fields in a checkpoint.
   void archive(Archive& a, int block);
 

@@ -166,4 +166,43 @@ void Prolongation::split(Coarse const& cell, Parts& parts) const {
   for (int n = 0; n < count; ++n) parts[n] = u;
 }
 
+CoarsePatch::CoarsePatch(Fluids const& fluids, int components, grid::Domain const& domain, grid::CellRange const& core)
+    : fluids_(&fluids),
+      prolongation_(fluids, components, domain.dimensions()),
+      dimensions_(domain.dimensions()),
+      box_(core.grown(1, domain.dimensions())),
+      conserved_(box_.count()),
+      state_(box_.count()),
+      known_(box_.count(), 0) {}
+
+bool CoarsePatch::find_image(grid::Domain const& domain, Index3& index) {
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    int const n = domain.cells[d];
+    if (index[d] >= 0 && index[d] < n) continue;
+    if (domain.boundary[2 * d] != grid::Boundary::periodic) return false;
+    index[d] = (index[d] + n) % n;
+  }
+  return true;
+}
+
+void CoarsePatch::set(std::size_t place, Components const& conserved) {
+  conserved_[place] = conserved;
+  state_[place] = phase_state_of(*fluids_, conserved);
+  known_[place] = 1;
+}
+
+void CoarsePatch::split(Index3 const& index, grid::Metric const& fine, Prolongation::Parts& parts) const {
+  std::size_t const place = box_.offset(index);
+  Prolongation::Coarse coarse{&conserved_[place], &state_[place]};
+  for (int face = 0; face < 2 * dimensions_; ++face) {
+    std::size_t const beside = box_.offset(grid::beside(index, face / 2, face % 2));
+    if (known_[beside] != 0) coarse.beside[face] = &state_[beside];
+  }
+  if (grid::radial_exponent(fine.geometry) > 0) {
+    double const low = fine.cell_volume(2 * index[0]);
+    coarse.low_part = low / (low + fine.cell_volume(2 * index[0] + 1));
+  }
+  prolongation_.split(coarse, parts);
+}
+
 }  // namespace brisance::gas

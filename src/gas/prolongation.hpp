@@ -9,8 +9,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "gas/closure.hpp"
+#include "grid/grid.hpp"
 
 namespace brisance::gas {
 
@@ -50,6 +54,30 @@ class Prolongation {
   Fluids const* fluids_;
   int components_;
   int dimensions_;
+};
+
+/// Coarse cells that are split, and one layer around them.
+class CoarsePatch {
+ public:
+  /// `core`: the cells that are split, by their index in the domain of their level.
+  CoarsePatch(Fluids const& fluids, int components, grid::Domain const& domain, grid::CellRange const& core);
+
+  [[nodiscard]] grid::CellRange const& box() const { return box_; }
+  /// The cell of the domain that a cell of the box stands for; false: none.
+  [[nodiscard]] static bool find_image(grid::Domain const& domain, Index3& index);
+  /// Gives a place of the box what its cell holds. Those that get nothing have no say.
+  void set(std::size_t place, Components const& conserved);
+  /// `fine`: the metric of the finer level.
+  void split(Index3 const& index, grid::Metric const& fine, Prolongation::Parts& parts) const;
+
+ private:
+  Fluids const* fluids_;
+  Prolongation prolongation_;
+  int dimensions_;
+  grid::CellRange box_;
+  std::vector<Components> conserved_;
+  std::vector<PhaseState> state_;
+  std::vector<std::uint8_t> known_;
 };
 
 }  // namespace brisance::gas

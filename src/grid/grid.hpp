@@ -9,10 +9,12 @@
 
 #include "core/vec.hpp"
 #include "grid/cell.hpp"
-#include "grid/forest.hpp"
 #include "grid/geometry.hpp"
 
 namespace brisance::grid {
+
+class Forest;
+struct Leaf;
 
 inline constexpr int no_neighbour = -1;
 

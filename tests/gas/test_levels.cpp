@@ -3,9 +3,12 @@
 
 #include <cstdio>
 #include <numbers>
+#include <random>
 #include <tuple>
 
 #include "gas/harness.hpp"
+#include "gas/refinement.hpp"
+#include "grid/forest.hpp"
 
 namespace brisance::test {
 namespace {
@@ -41,9 +44,12 @@ struct LevelProblem : Problem {
   Index3 size{1, 1, 1};
   Refined refined;
 
+  std::unique_ptr<grid::Forest> forest;
+
   void fill(StateAt const& state) {
     for (int d = 0; d < domain.dimensions(); ++d) size[d] = block_cells;
-    grid = std::make_unique<grid::Grid>(domain, size, forest_of(domain, size, refined));
+    forest = std::make_unique<grid::Forest>(forest_of(domain, size, refined));
+    grid = std::make_unique<grid::Grid>(domain, size, *forest);
     std::array<material::Primitive, 6> outside;
     std::copy(inflow.begin(), inflow.end(), outside.begin());
     gas = std::make_unique<gas::Gas>(*grid, fluids, options, quiescent, outside);
@@ -51,6 +57,18 @@ struct LevelProblem : Problem {
       grid::for_each_cell(block, [&](grid::Cell const& cell) { gas->set(cell, state(block.centre(cell))); });
     }
     gas->start();
+  }
+
+  /// Refines and merges blocks at random.
+  void regrid(std::minstd_rand& random, int most_level) {
+    std::vector<std::int8_t> marks(forest->leaves().size());
+    for (std::int8_t& mark : marks) mark = static_cast<std::int8_t>(random() % 3 == 0 ? 1 : -1);
+    forest->adapt(marks, most_level);
+    gas->regrid(*grid, *forest);
+  }
+  void step(double courant_number) {
+    gas->advance(courant_number * domain.h / gas->fastest_signal(), steps % 2 == 1);
+    ++steps;
   }
 
   /// Calls visit(block, cell) for the cells of all leaves.
@@ -171,6 +189,64 @@ TEST_P(Levels, LoseNothing) {
   EXPECT_EQ(account.guarded_cells, 0);
   std::array<int, 3> const components{gas::partial_density(0), gas::partial_density(1), gas::energy};
   for (int n = 0; n < 3; ++n) EXPECT_NEAR(problem.total(components[n]) / before[n], 1.0, 1e-12) << n;
+}
+
+TEST_P(Levels, LoseNothingWhileBlocksComeAndGo) {
+  auto const [geometry, scheme] = GetParam();
+  int const dims = grid::dimensions(geometry);
+  LevelProblem problem = problem_with(geometry, Boundary::wall, 1, dims > 2 ? 16 : 32);
+  problem.options.scheme = scheme;
+  problem.options.peak_fields = true;
+  problem.fluids.count = 2;
+  problem.fluids.eos[1] = material::IdealGas{1.25};
+  Vec3 const place{0.37, 0.45, dims > 2 ? 0.55 : 0.0};
+  problem.fill([&](Vec3 const& x) {
+    Mixed s = bubble(x, place, 0.12, dims);
+    if (s.volume_fraction > 0.5) s.pressure = 5e6;
+    return s;
+  });
+  std::array<int, 3> const components{gas::partial_density(0), gas::partial_density(1), gas::energy};
+  std::array<double, 3> before{};
+  for (int n = 0; n < 3; ++n) before[n] = problem.total(components[n]);
+  std::minstd_rand random(7);
+  int const changes = dims > 2 ? 40 : 200;
+  for (int n = 0; n < changes; ++n) {
+    problem.regrid(random, 2);
+    problem.step(0.5);
+  }
+  EXPECT_EQ(problem.gas->account().guarded_cells, 0);
+  for (int n = 0; n < 3; ++n) EXPECT_NEAR(problem.total(components[n]) / before[n], 1.0, 1e-12) << n;
+}
+
+TEST_P(Levels, KeepAnInterfaceUniformWhileBlocksComeAndGo) {
+  auto const [geometry, scheme] = GetParam();
+  bool const radial = geometry == Geometry::axisymmetric2d;
+  int const dims = grid::dimensions(geometry);
+  LevelProblem problem =
+      problem_with(geometry, radial ? Boundary::symmetry : Boundary::periodic, 1, dims > 2 ? 16 : 32);
+  if (radial) problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::periodic;
+  problem.options.scheme = scheme;
+  problem.fluids.count = 2;
+  problem.fluids.eos[1] = material::IdealGas{1.25};
+  Vec3 const velocity = radial ? Vec3{0.0, 300.0, 0.0} : Vec3{300.0, 200.0, dims > 2 ? 100.0 : 0.0};
+  problem.fill([&](Vec3 const& x) {
+    Mixed s = bubble(x, {radial ? 0.0 : 0.3, 0.5, dims > 2 ? 0.5 : 0.0}, 0.2, dims);
+    s.velocity = velocity;
+    return s;
+  });
+  double const momentum = problem.total(gas::momentum_y);
+  std::minstd_rand random(11);
+  for (int n = 0; n < 30; ++n) {
+    problem.regrid(random, 2);
+    problem.step(0.5);
+  }
+  double miss = 0.0;
+  problem.for_each_leaf_cell([&](grid::Block const&, grid::Cell const& cell) {
+    gas::Primitive const s = problem.gas->primitive(cell);
+    miss = std::max({miss, std::abs(s.pressure / 1e6 - 1.0), norm(s.velocity - velocity) / norm(velocity)});
+  });
+  EXPECT_LT(miss, 1e-9);
+  EXPECT_NEAR(problem.total(gas::momentum_y) / momentum, 1.0, 1e-12);
 }
 
 INSTANTIATE_TEST_SUITE_P(Geometries, Levels,
@@ -310,6 +386,124 @@ std::vector<double> after_burst(bool sleep) {
 }
 
 TEST(LevelSleep, ChangesNoBit) { EXPECT_EQ(after_burst(true), after_burst(false)); }
+
+TEST(Regrid, OfTheSameLeavesChangesNoBit) {
+  auto const run = [](bool regrid) {
+    LevelProblem problem = problem_with(Geometry::planar2d, Boundary::outflow, 2);
+    problem.options.peak_fields = true;
+    problem.quiescent = state(1.2, 0.0, 1e5);
+    problem.fill([&](Vec3 const& x) {
+      return norm(x - Vec3{0.3, 0.3, 0.0}) < 0.1 ? state(5.0, 0.0, 2e6) : problem.quiescent;
+    });
+    for (int n = 0; n < 60; ++n) {
+      if (regrid) problem.gas->regrid(*problem.grid, *problem.forest);
+      problem.step(0.5);
+    }
+    std::vector<double> values{problem.gas->account().outflow[gas::energy]};
+    problem.for_each_leaf_cell([&](grid::Block const& block, grid::Cell const& cell) {
+      values.push_back(problem.gas->fields().at(block.number, gas::energy)[cell.offset]);
+      values.push_back(problem.gas->peaks().impulse(block.number)[cell.offset]);
+    });
+    EXPECT_NE(values.front(), 0.0);
+    return values;
+  };
+  EXPECT_EQ(run(true), run(false));
+}
+
+TEST(Regrid, GivesBackWhatItHasRefined) {
+  LevelProblem problem = problem_with(Geometry::cartesian3d, Boundary::wall, 0, 16);
+  problem.options.peak_fields = true;
+  problem.quiescent = state(1.2, 0.0, 1e5);
+  problem.fill([&](Vec3 const& x) {
+    return norm(x - Vec3{0.3, 0.3, 0.4}) < 0.2 ? state(5.0, 0.0, 2e6) : problem.quiescent;
+  });
+  for (int n = 0; n < 5; ++n) problem.step(0.5);
+  auto const values = [&] {
+    std::vector<double> found;
+    problem.for_each_leaf_cell([&](grid::Block const& block, grid::Cell const& cell) {
+      for (int c = 0; c < problem.gas->fields().components(); ++c)
+        found.push_back(problem.gas->fields().at(block.number, c)[cell.offset]);
+      found.push_back(problem.gas->peaks().overpressure(block.number)[cell.offset]);
+    });
+    return found;
+  };
+  std::vector<double> const before = values();
+  problem.forest->adapt(std::vector<std::int8_t>(problem.forest->leaves().size(), 1), 1);
+  problem.gas->regrid(*problem.grid, *problem.forest);
+  ASSERT_EQ(problem.grid->block_count(), 64);
+  problem.forest->adapt(std::vector<std::int8_t>(problem.forest->leaves().size(), -1), 1);
+  problem.gas->regrid(*problem.grid, *problem.forest);
+  std::vector<double> const after = values();
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t n = 0; n < after.size(); ++n) ASSERT_NEAR(after[n], before[n], 1e-13 * (1.0 + std::abs(before[n])));
+}
+
+/// A burst in the middle of a square, on cells of 1/n or on those and half of them where shocks are; pressures on a
+/// grid of places, and how many cells there were at the end.
+struct Burst {
+  std::vector<double> pressures;
+  long cells = 0;
+};
+Burst burst(int n, int most_level) {
+  LevelProblem problem;
+  problem.box(Geometry::planar2d, n, 1.0, Boundary::outflow);
+  problem.block_cells = 8;
+  problem.refined = [](Leaf const&, Vec3 const&) { return false; };
+  problem.quiescent = state(1.2, 0.0, 1e5);
+  gas::RefinementRules rules;
+  rules.most_level = most_level;
+  gas::Refinement refinement(rules);
+  auto const initial = [&](Vec3 const& x) {
+    return norm(x - Vec3{0.5, 0.5, 0.0}) < 0.15 ? state(6.0, 0.0, 2e6) : problem.quiescent;
+  };
+  problem.fill(initial);
+  // The shock of the start asks for its cells before it has moved.
+  if (most_level > 0) {
+    std::vector<std::int8_t> marks;
+    for (Leaf const& leaf : problem.forest->leaves()) {
+      Vec3 const middle{(leaf.place[0] + 0.5) * 8.0 / n, (leaf.place[1] + 0.5) * 8.0 / n, 0.0};
+      marks.push_back(norm(middle - Vec3{0.5, 0.5, 0.0}) < 0.25 ? 1 : 0);
+    }
+    problem.forest->adapt(marks, 1);
+    problem.gas->regrid(*problem.grid, *problem.forest);
+    for (grid::Block const& block : problem.grid->blocks()) {
+      grid::for_each_cell(block, [&](grid::Cell const& cell) { problem.gas->set(cell, initial(block.centre(cell))); });
+    }
+    problem.gas->start();
+  }
+  double const end = 3e-4;
+  while (problem.gas->time() < end * (1.0 - 1e-13)) {
+    if (most_level > 0 && problem.steps % 2 == 0 && refinement.adapt(*problem.gas, *problem.forest))
+      problem.gas->regrid(*problem.grid, *problem.forest);
+    double const dt = std::min(0.8 * problem.domain.h / problem.gas->fastest_signal(), end - problem.gas->time());
+    problem.gas->advance(dt, problem.steps++ % 2 == 1);
+  }
+  Burst result;
+  for (int j = 0; j < 40; ++j) {
+    for (int i = 0; i < 40; ++i) {
+      Vec3 const x{(i + 0.5) / 40.0, (j + 0.5) / 40.0, 0.0};
+      result.pressures.push_back(problem.gas->primitive(problem.grid->locate(x)).pressure);
+    }
+  }
+  problem.for_each_leaf_cell([&](grid::Block const&, grid::Cell const&) { ++result.cells; });
+  return result;
+}
+
+TEST(Refinement, GivesWhatFineCellsEverywhereGive) {
+  Burst const coarse = burst(160, 0);
+  Burst const fine = burst(320, 0);
+  Burst const adapted = burst(160, 1);
+  auto const miss = [&](Burst const& other) {
+    double sum = 0.0;
+    for (std::size_t n = 0; n < fine.pressures.size(); ++n)
+      sum += std::abs(other.pressures[n] - fine.pressures[n]) / static_cast<double>(fine.pressures.size());
+    return sum;
+  };
+  std::printf("mean difference of the pressure from fine cells: coarse %.4g, adapted %.4g Pa; %ld of %ld cells\n",
+              miss(coarse), miss(adapted), adapted.cells, fine.cells);
+  EXPECT_LT(miss(adapted), 0.3 * miss(coarse));
+  EXPECT_LT(adapted.cells, fine.cells * 7 / 10);
+}
 
 }  // namespace
 }  // namespace brisance::test

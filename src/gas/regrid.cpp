@@ -1,0 +1,150 @@
+/// The gas after a change of its blocks: what stays is moved, what was refined or merged is made from the cells before.
+#include <algorithm>
+#include <utility>
+
+#include "core/loops.hpp"
+#include "core/parallel.hpp"
+#include "gas/gas.hpp"
+#include "gas/prolongation.hpp"
+#include "grid/fine_cells.hpp"
+#include "grid/forest.hpp"
+
+namespace brisance::gas {
+
+namespace {
+
+/// For each block the one that had its place and level; `no_neighbour`: there was none.
+std::vector<int> numbers_before(grid::Grid const& before, grid::Grid const& now) {
+  std::vector<int> numbers;
+  numbers.reserve(now.blocks().size());
+  for (grid::Block const& block : now.blocks())
+    numbers.push_back(block.level < before.levels() ? before.block_of(block.level, block.origin) : grid::no_neighbour);
+  return numbers;
+}
+
+}  // namespace
+
+Gas::Contents Gas::contents_of(grid::Block const& block) const {
+  auto const cells = static_cast<std::size_t>(block.cell_count());
+  Contents contents{Buffer(components() * cells), Buffer(peaks_.values() * cells)};
+  int const finer = block.level + 1;
+  Index3 const corner = grid::fine_cells(block.origin, grid_->domain().dimensions()).lower;
+  if (finer < grid_->levels() && grid_->block_of(finer, corner) != grid::no_neighbour)
+    merge_into(block, contents);
+  else
+    refine_into(block, contents);
+  return contents;
+}
+
+void Gas::merge_into(grid::Block const& block, Contents& contents) const {
+  auto const cells = static_cast<std::size_t>(block.cell_count());
+  for_each_cell(block, [&](grid::Cell const& cell) {
+    grid::Parts const parts = grid::parts_of(*grid_, block.level, block.index(cell));
+    for (int c = 0; c < components(); ++c)
+      contents.fields[c * cells + cell.offset] = parts.mean(fields_.at(parts.block, c));
+    for (int p = 0; p < peaks_.values(); ++p)
+      contents.peaks[p * cells + cell.offset] = parts.mean(peaks_.values_of(parts.block, p));
+  });
+}
+
+void Gas::refine_into(grid::Block const& block, Contents& contents) const {
+  auto const cells = static_cast<std::size_t>(block.cell_count());
+  int const dims = grid_->domain().dimensions();
+  int const level = block.level - 1;
+  grid::CellRange const core = grid::coarse_cells(block.in_domain(), dims);
+  CoarsePatch patch(fluids_, components(), grid_->domain(level), core);
+  for_each_cell(patch.box(), [&](Index3 const& index) {
+    Index3 image = index;
+    if (!CoarsePatch::find_image(grid_->domain(level), image)) return;
+    auto const found = grid_->locate(level, image);
+    if (!found) return;
+    Components u{};
+    for (int c = 0; c < components(); ++c) u[c] = fields_.at(found->block, c)[found->offset];
+    patch.set(patch.box().offset(index), u);
+  });
+  Prolongation::Parts parts;
+  for_each_cell(core, [&](Index3 const& index) {
+    patch.split(index, block.metric, parts);
+    grid::Cell const from = *grid_->locate(level, index);
+    int part = 0;
+    for_each_cell(grid::fine_cells(index, dims), [&](Index3 const& fine) {
+      int const at =
+          block.cell({fine[0] - block.origin[0], fine[1] - block.origin[1], fine[2] - block.origin[2]}).offset;
+      for (int c = 0; c < components(); ++c) contents.fields[c * cells + at] = parts[part][c];
+      for (int p = 0; p < peaks_.values(); ++p)
+        contents.peaks[p * cells + at] = peaks_.values_of(from.block, p)[from.offset];
+      ++part;
+    });
+  });
+}
+
+void Gas::regrid(grid::Grid& grid, grid::Forest const& forest) {
+  grid::Grid next(grid.domain(), grid.block_size(), forest);
+  std::vector<int> const before = numbers_before(grid, next);
+  std::vector<Contents> contents(before.size());
+  parallel_for(static_cast<int>(before.size()), [&](int b, int) {
+    if (before[b] == grid::no_neighbour && !next.blocks()[b].covered) contents[b] = contents_of(next.blocks()[b]);
+  });
+  std::vector<std::uint8_t> kept(grid.blocks().size(), 0);
+  for (int const b : before) {
+    if (b != grid::no_neighbour) kept[b] = 1;
+  }
+  for (int b = 0; b < grid.block_count(); ++b) {
+    if (kept[b] == 0) carried_ += blocks_[b].account;
+  }
+
+  grid::Grid const old = std::exchange(grid, std::move(next));
+  std::vector<grid::Block> const& blocks = grid.blocks();
+  fields_.rearrange(blocks, before);
+  peaks_.rearrange(blocks, before);
+  blocks_.rearrange(blocks, before);
+  shells_.rearrange(blocks, before);
+  awake_.rearrange(blocks, before);
+  disturbance_.rearrange(blocks, before);
+  open_faces_.follow(old);
+  exchange_.follow_blocks();
+  obstacles = Obstacles(grid, options_.bundle_cells);
+  obstacles.find_near_walls();
+  cut = CutCells(grid, options_.bundle_cells);
+  burn.forget_times(grid);
+  coupling = Coupling(grid, options_.bundle_cells);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    if (contents[b].fields.size() == 0) continue;
+    auto const cells = static_cast<std::size_t>(blocks[b].cell_count());
+    for (int c = 0; c < components(); ++c)
+      std::copy_n(contents[b].fields.data() + c * cells, cells, fields_.at(static_cast<int>(b), c));
+    peaks_.put(static_cast<int>(b), std::move(contents[b].peaks));
+  }
+  find_levels();
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    if (before[b] != grid::no_neighbour) continue;
+    auto const number = static_cast<int>(b);
+    disturbance_.find(fields_, quiet_.state, number);
+    awake_[number] = options_.sleep && is_quiescent_block(number) ? 0 : 1;
+  }
+}
+
+bool Gas::is_quiescent_block(int b) const {
+  for (int c = 0; c < components(); ++c) {
+    if (!all_equal(fields_.at(b, c), grid_->blocks()[b].cell_count(), quiet_.state[c])) return false;
+  }
+  return true;
+}
+
+void Gas::find_levels() {
+  levels_ = Levels(*grid_, fluids_, components());
+  levels_.set_quiescent(quiet_.state, quiet_.flux, quiescent_.velocity);
+  parts_.assign(grid_->levels(), {});
+  tallies_.clear();
+  for (int level = 0; level < grid_->levels(); ++level) {
+    for (int direction = 0; direction < grid_->domain().dimensions(); ++direction) {
+      parts_[level][direction] = make_parts(level, direction);
+      if (parts_[level][direction].empty()) continue;
+      Part const& last = parts_[level][direction].back();
+      tallies_.resize(std::max(tallies_.size(), last.tally + last.chain->size()));
+    }
+  }
+  for (int level = grid_->levels() - 2; level >= 0; --level) levels_.restrict(fields_, level, [](grid::Cell const&) {});
+}
+
+}  // namespace brisance::gas

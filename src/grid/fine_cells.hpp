@@ -1,0 +1,65 @@
+/// Cells of two levels: which fine ones lie in a coarse one, and the mean of what they hold.
+#pragma once
+
+#include <array>
+
+#include "grid/grid.hpp"
+
+namespace brisance::grid {
+
+/// The 2^dimensions cells of the next finer level in some cells, by their indices in the domain.
+[[nodiscard]] inline CellRange fine_cells(CellRange const& coarse, int dimensions) {
+  CellRange fine = coarse;
+  for (int d = 0; d < dimensions; ++d) {
+    fine.lower[d] = 2 * coarse.lower[d];
+    fine.upper[d] = 2 * coarse.upper[d];
+  }
+  return fine;
+}
+[[nodiscard]] inline CellRange fine_cells(Index3 const& coarse, int dimensions) {
+  return fine_cells(CellRange{coarse, {coarse[0] + 1, coarse[1] + 1, coarse[2] + 1}}, dimensions);
+}
+/// The coarse cells in which some cells lie that begin and end between coarse ones.
+[[nodiscard]] inline CellRange coarse_cells(CellRange const& fine, int dimensions) {
+  CellRange coarse = fine;
+  for (int d = 0; d < dimensions; ++d) {
+    coarse.lower[d] = fine.lower[d] / 2;
+    coarse.upper[d] = fine.upper[d] / 2;
+  }
+  return coarse;
+}
+
+/// The finer cells in a cell. They all lie in one block, for blocks have an even number of cells.
+struct Parts {
+  int block = 0;
+  int count = 0;
+  std::array<int, 8> offset{};
+  std::array<double, 8> share{};  ///< of the coarse cell's volume
+
+  /// From the differences to one of them: equal values stay what they are to the last bit.
+  [[nodiscard]] double mean(double const* values) const {
+    double const first = values[offset[0]];
+    double sum = 0.0;
+    for (int n = 1; n < count; ++n) sum += share[n] * (values[offset[n]] - first);
+    return first + sum;
+  }
+};
+
+/// Those in a cell of the domain with an index at a level; the finer level must have cells there.
+[[nodiscard]] inline Parts parts_of(Grid const& grid, int level, Index3 const& index) {
+  CellRange const cells = fine_cells(index, grid.domain().dimensions());
+  Block const& fine = grid.blocks()[grid.block_of(level + 1, cells.lower)];
+  Parts parts;
+  parts.block = fine.number;
+  double volume = 0.0;
+  for_each_cell(cells, [&](Index3 const& at) {
+    Cell const cell = fine.cell({at[0] - fine.origin[0], at[1] - fine.origin[1], at[2] - fine.origin[2]});
+    parts.offset[parts.count] = cell.offset;
+    parts.share[parts.count] = fine.volume(cell);
+    volume += parts.share[parts.count++];
+  });
+  for (int n = 0; n < parts.count; ++n) parts.share[n] /= volume;
+  return parts;
+}
+
+}  // namespace brisance::grid
