@@ -155,10 +155,10 @@ Primitive Gas::primitive(grid::Cell const& cell) const {
   return primitive_of(fluids_, u.data(), burn_fraction(*this, cell));
 }
 
-bool Gas::holds_the_same(int block, int offset) const {
-  if (burn.burning_in(block)) return false;
-  for (int c = 0; c < components(); ++c) {
-    double const* const u = fields_.at(block, c) + offset;
+bool hold_the_same(Gas const& gas, int block, int offset) {
+  if (gas.burn.burning_in(block)) return false;
+  for (int c = 0; c < gas.fields().components(); ++c) {
+    double const* const u = gas.fields().at(block, c) + offset;
     if (u[0] != u[1]) return false;
   }
   return true;

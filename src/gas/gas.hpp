@@ -119,9 +119,6 @@ class Gas {
   [[nodiscard]] double time() const { return time_; }
 
   [[nodiscard]] Primitive primitive(grid::Cell const& cell) const;
-  /// Do a cell and the next one in a block's arrays hold the same gas, to the last bit? Not asked where explosive
-  /// burns.
-  [[nodiscard]] bool holds_the_same(int block, int offset) const;
   [[nodiscard]] Peaks const& peaks() const { return peaks_; }
   [[nodiscard]] Account account() const;
   /// Wall-clock seconds spent in exchange and in sweeps.
@@ -293,6 +290,9 @@ class Gas {
   double time_at_step_end_ = 0.0;
   double fastest_signal_ = 0.0;
 };
+
+/// Do a cell and the next one in a block's arrays hold the same gas, to the last bit? Not asked where explosive burns.
+[[nodiscard]] bool hold_the_same(Gas const& gas, int block, int offset);
 
 /// The states of cells of the domain, wherever they lie.
 [[nodiscard]] std::vector<Primitive> gather(Gas const& gas, std::vector<Index3> const& cells);

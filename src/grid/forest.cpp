@@ -132,15 +132,16 @@ void Forest::require_tiling() const {
 
 void Forest::require_balance() const {
   for (Leaf const& leaf : leaves_) {
-    for (int face = 0; face < 2 * dimensions_; ++face) {
-      std::optional<Leaf> const next = across(leaf, face);
-      int const beside = next ? holding(*next) : -1;
-      if (beside >= 0 && leaves_[static_cast<std::size_t>(beside)].level < leaf.level - 1) {
-        throw InputError(fmt::format("the block ({}, {}, {}) of level {} lies beside one of level {}", leaf.place[0],
-                                     leaf.place[1], leaf.place[2], leaf.level,
-                                     leaves_[static_cast<std::size_t>(beside)].level));
+    for_each_cell(around({0, 0, 0}, 1, dimensions_), [&](Index3 const& offset) {
+      std::optional<Leaf> const next = at_offset(leaf, offset);
+      int const number = next ? holding(*next) : -1;
+      if (number < 0) return;
+      int const level = leaves_[static_cast<std::size_t>(number)].level;
+      if (level < leaf.level - 1) {
+        throw InputError(fmt::format("the block ({}, {}, {}) of level {} touches one of level {}", leaf.place[0],
+                                     leaf.place[1], leaf.place[2], leaf.level, level));
       }
-    }
+    });
   }
 }
 
@@ -158,13 +159,18 @@ int Forest::find(Leaf const& block) const {
 }
 
 std::optional<Leaf> Forest::across(Leaf const& block, int face) const {
-  int const d = face / 2;
-  if (d >= dimensions_) return std::nullopt;
-  int const n = parts_[d] << block.level;
-  Leaf next{block.level, beside(block.place, d, face % 2)};
-  if (next.place[d] >= 0 && next.place[d] < n) return next;
-  if (!periodic_[d]) return std::nullopt;
-  next.place[d] = (next.place[d] + n) % n;
+  return face < 2 * dimensions_ ? at_offset(block, beside({0, 0, 0}, face / 2, face % 2)) : std::nullopt;
+}
+
+std::optional<Leaf> Forest::at_offset(Leaf const& block, Index3 const& offset) const {
+  Leaf next = block;
+  for (int d = 0; d < dimensions_; ++d) {
+    int const n = parts_[d] << block.level;
+    next.place[d] += offset[d];
+    if (next.place[d] >= 0 && next.place[d] < n) continue;
+    if (!periodic_[d]) return std::nullopt;
+    next.place[d] = (next.place[d] + n) % n;
+  }
   return next;
 }
 

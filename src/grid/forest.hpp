@@ -32,9 +32,12 @@ struct Origin {
   int count = 1;
 };
 
-/// Leaves tile the domain and are balanced: across a face, periodic or not, levels differ by no more than 1. Their
-/// order is the Morton order of their low corners, counted in blocks of the finest level, x fastest: it does not depend
-/// on the library that refines, and with one level it is the Morton order of the places.
+/// Leaves tile the domain and are balanced: those that touch, be it at a corner or through a periodic face, differ by
+/// one level at most. The gas reads the coarse cells beside a fine block and a layer around them, past edges and
+/// corners too: all of them must be of that level, in a leaf or below finer ones.
+///
+/// The order of leaves is the Morton order of their low corners, counted in blocks of the finest level, x fastest: it
+/// does not depend on the library that refines, and with one level it is the Morton order of the places.
 class Forest {
  public:
   /// Leaves of level 0, `parts` along each direction; unresolved directions have one. A periodic direction joins its
@@ -72,6 +75,9 @@ class Forest {
 
  private:
   [[nodiscard]] bool in_domain(Leaf const& block) const;
+  /// The block of the same level that lies by an offset from one; none behind the boundary of the domain. Offsets are
+  /// -1, 0 or 1 along each direction.
+  [[nodiscard]] std::optional<Leaf> at_offset(Leaf const& block, Index3 const& offset) const;
   /// The Morton key of the low corner.
   [[nodiscard]] std::uint64_t key(Leaf const& block) const;
   /// Such keys that a block covers: those from its own on.

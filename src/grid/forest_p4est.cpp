@@ -90,7 +90,7 @@ struct Quadtrees {
   static Connectivity* brick(Index3 const& n, std::array<bool, 3> const& periodic) {
     return p4est_connectivity_new_brick(n[0], n[1], periodic[0] ? 1 : 0, periodic[1] ? 1 : 0);
   }
-  static void balance(Trees* trees) { p4est_balance(trees, P4EST_CONNECT_FACE, nullptr); }
+  static void balance(Trees* trees) { p4est_balance(trees, P4EST_CONNECT_FULL, nullptr); }
   static constexpr auto permute = p4est_connectivity_permute;
   static constexpr auto disconnect = p4est_connectivity_destroy;
   static constexpr auto make = p4est_inflate;
@@ -110,7 +110,7 @@ struct Octrees {
     return p8est_connectivity_new_brick(n[0], n[1], n[2], periodic[0] ? 1 : 0, periodic[1] ? 1 : 0,
                                         periodic[2] ? 1 : 0);
   }
-  static void balance(Trees* trees) { p8est_balance(trees, P8EST_CONNECT_FACE, nullptr); }
+  static void balance(Trees* trees) { p8est_balance(trees, P8EST_CONNECT_FULL, nullptr); }
   static constexpr auto permute = p8est_connectivity_permute;
   static constexpr auto disconnect = p8est_connectivity_destroy;
   static constexpr auto make = p8est_inflate;
@@ -143,8 +143,7 @@ using TreesPointer = std::unique_ptr<typename Api::Trees, TreesDeleter<Api>>;
 
 /// Blocks of level 0 are trees, numbered as leaves of a forest that has no others: trees in Morton order, and the
 /// leaves of each in its own, are the order of the forest. A brick of the library has an order of its own, which is
-/// known from the low corners of its trees. The balance across faces, too, needs to know trees that meet in corners and
-/// edges.
+/// known from the low corners of its trees. The balance needs to know trees that meet in corners and edges, too.
 template <class Api>
 ConnectivityPointer<Api> connect(Forest const& roots) {
   ConnectivityPointer<Api> connectivity(Api::brick(roots.parts(), roots.periodic()));

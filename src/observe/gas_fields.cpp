@@ -153,7 +153,7 @@ void FieldValues::row(grid::Cell const& first, int count, double* out) const {
   for (int n = 0; n < count; ++n, ++cell.i, ++cell.offset) {
     CellOf const c{*system_, view_, cell, system_->grid.block(cell).index(cell)};
     // Undisturbed gas stands in many cells.
-    bool const again = n > 0 && view_ == nullptr && system_->gas->holds_the_same(cell.block, cell.offset - 1);
+    bool const again = n > 0 && view_ == nullptr && gas::hold_the_same(*system_->gas, cell.block, cell.offset - 1);
     if (need_gas_ && !again) gas = gas_in(c);
     put(c, gas, out + static_cast<std::ptrdiff_t>(n) * components_);
   }

@@ -83,21 +83,17 @@ void expect_tiling(Forest const& forest) {
   EXPECT_EQ(volume, whole.count());
 }
 
-/// Do two boxes touch in a face, in one of the images of a periodic domain?
+/// Do two boxes touch, be it at a corner, in one of the images of a periodic domain?
 bool touch(CellRange const& a, CellRange const& b, Forest const& forest) {
   for (int d = 0; d < forest.dimensions(); ++d) {
-    int const n = forest.parts()[d] << finest;
-    bool meet = a.upper[d] == b.lower[d] || b.upper[d] == a.lower[d];
-    if (forest.periodic()[d]) {
-      meet = meet || (a.upper[d] == n && b.lower[d] == 0) || (b.upper[d] == n && a.lower[d] == 0);
+    int const period = forest.periodic()[d] ? forest.parts()[d] << finest : 0;
+    bool meet = false;
+    for (int const shift : {-period, 0, period}) {
+      meet = meet || (a.lower[d] <= b.upper[d] + shift && b.lower[d] + shift <= a.upper[d]);
     }
-    bool beside = true;
-    for (int e = 0; e < 3; ++e) {
-      if (e != d) beside = beside && a.lower[e] < b.upper[e] && b.lower[e] < a.upper[e];
-    }
-    if (meet && beside) return true;
+    if (!meet) return false;
   }
-  return false;
+  return true;
 }
 
 void expect_balance(Forest const& forest) {
@@ -242,7 +238,7 @@ TEST_F(Refined, EveryLeafOnceGivesTheNextLevel) {
 }
 
 TEST_F(Refined, ACornerPullsItsNeighboursAlong) {
-  // Level by level into the corner between four blocks, from one of them: across faces two of the others follow.
+  // Level by level into the corner between four blocks, from one of them: the others follow, that across it as well.
   Forest forest = forest_2d({2, 2, 1});
   for (int level = 0; level < 4; ++level) {
     int const last = (1 << level) - 1;
@@ -254,7 +250,7 @@ TEST_F(Refined, ACornerPullsItsNeighboursAlong) {
   }
   EXPECT_GE(forest.find({4, {15, 15, 0}}), 0);
   EXPECT_GE(forest.find({3, {8, 7, 0}}), 0);
-  EXPECT_LT(forest.find({0, {1, 1, 0}}), 0);
+  EXPECT_GE(forest.find({3, {8, 8, 0}}), 0);
 }
 
 TEST_F(Refined, BalanceReachesAcrossPeriodicFacesOfOddBricks) {
@@ -273,6 +269,14 @@ TEST_F(Refined, BalanceReachesAcrossPeriodicFacesOfOddBricks) {
       if (parts[0] > 1) {
         EXPECT_EQ(far < 0, periodic[0]);
       }
+      // The block at the other end of all directions touches the low corner if all that has others joins its faces.
+      Leaf last;
+      bool touches = true;
+      for (int d = 0; d < dimensions; ++d) {
+        last.place[d] = parts[d] - 1;
+        touches = touches && (parts[d] == 1 || periodic[d]);
+      }
+      EXPECT_EQ(forest.holding(last) < 0, touches);
     }
   }
 }
@@ -334,20 +338,21 @@ void split(Blocks& blocks, int level, Index3 const& place, int dimensions, bool 
   if (!back) blocks.erase({level, place});
 }
 
-/// The coarsest block that is too coarse beside another one, if any.
+/// A block that is too coarse for another one that it touches, be it at a corner, if any.
 std::optional<std::pair<int, Index3>> too_coarse(Blocks const& blocks, Forest const& forest) {
   for (auto const& [level, place] : blocks) {
-    for (int face = 0; face < 2 * forest.dimensions(); ++face) {
-      Index3 next = place;
-      int const d = face / 2;
-      int const n = forest.parts()[d] << level;
-      next[d] += face % 2 == 0 ? -1 : 1;
-      if (forest.periodic()[d]) next[d] = (next[d] + n) % n;
+    std::optional<std::pair<int, Index3>> found;
+    for_each_cell(around(place, 1, forest.dimensions()), [&, level = level](Index3 next) {
+      for (int d = 0; d < forest.dimensions(); ++d) {
+        int const n = forest.parts()[d] << level;
+        if (forest.periodic()[d]) next[d] = (next[d] + n) % n;
+      }
       for (int coarser = 2; coarser <= level; ++coarser) {
         Index3 const holder{next[0] >> coarser, next[1] >> coarser, next[2] >> coarser};
-        if (blocks.count({level - coarser, holder}) > 0) return std::pair{level - coarser, holder};
+        if (blocks.count({level - coarser, holder}) > 0) found = std::pair{level - coarser, holder};
       }
-    }
+    });
+    if (found) return found;
   }
   return std::nullopt;
 }
@@ -497,6 +502,42 @@ TEST_F(Refined, LeavesThatDoNotTileOrAreNotInOrderOrBalancedAreRefused) {
     wrong.insert(wrong.begin() + 1, {2, {2 * parent.place[0] + child % 2, 2 * parent.place[1] + child / 2, 0}});
   }
   EXPECT_THROW(made(wrong), InputError);
+}
+
+/// Blocks of level 1 where those of level 0 were, but for one; in place of one of them its children.
+std::vector<Leaf> two_levels_below(Index3 const& parts, int dimensions, Index3 const& coarse, Index3 const& fine) {
+  Blocks blocks;
+  for_each_cell({{0, 0, 0}, parts}, [&](Index3 const& place) {
+    blocks.insert({0, place});
+    if (place != coarse) split(blocks, 0, place, dimensions);
+  });
+  split(blocks, 1, fine, dimensions);
+  std::vector<Leaf> leaves;
+  for (auto const& [level, place] : blocks) leaves.push_back({level, place});
+  std::sort(leaves.begin(), leaves.end(), [dimensions](Leaf const& a, Leaf const& b) {
+    return slow_morton(box_of(a, dimensions).lower) < slow_morton(box_of(b, dimensions).lower);
+  });
+  return leaves;
+}
+
+// Across faces levels differ by one everywhere.
+TEST_F(Refined, LeavesThatAreBalancedAcrossFacesOnlyAreRefused) {
+  auto const made = [](Index3 const& parts, int dimensions, std::array<bool, 3> const& periodic, Index3 const& coarse,
+                       Index3 const& fine) {
+    std::vector<Leaf> const leaves = two_levels_below(parts, dimensions, coarse, fine);
+    return Forest(parts, dimensions, periodic, leaves).leaves() == leaves;
+  };
+  // At a corner in 2D, at an edge and at a corner in 3D. A block further away is none that touches.
+  EXPECT_THROW(made({2, 2, 1}, 2, closed, {1, 1, 0}, {1, 1, 0}), InputError);
+  EXPECT_TRUE(made({2, 2, 1}, 2, closed, {1, 1, 0}, {0, 0, 0}));
+  EXPECT_THROW(made({2, 2, 1}, 3, closed, {1, 1, 0}, {1, 1, 0}), InputError);
+  EXPECT_THROW(made({2, 1, 2}, 3, closed, {0, 0, 1}, {2, 1, 1}), InputError);
+  EXPECT_THROW(made({2, 2, 2}, 3, closed, {1, 1, 1}, {1, 1, 1}), InputError);
+  EXPECT_TRUE(made({2, 2, 2}, 3, closed, {1, 1, 1}, {1, 1, 0}));
+  // Through two periodic faces at once.
+  EXPECT_THROW(made({3, 3, 1}, 2, periodic_in_all, {2, 2, 0}, {0, 0, 0}), InputError);
+  EXPECT_TRUE(made({3, 3, 1}, 2, {true, false, false}, {2, 2, 0}, {0, 0, 0}));
+  EXPECT_TRUE(made({3, 3, 1}, 2, closed, {2, 2, 0}, {0, 0, 0}));
 }
 
 TEST_F(Refined, AThousandChangesLeaveNoMemoryBehind) {
