@@ -1,6 +1,7 @@
 #include "gas/levels.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/parallel.hpp"
 #include "grid/exchange_plan.hpp"
@@ -142,13 +143,11 @@ Components Levels::at_present(Strip const& strip, std::size_t cell, int coarse_l
 void Levels::fill(int b, int face, double* ghosts) const {
   grid::Block const& block = grid_->blocks()[b];
   int const level = block.level - 1;
-  int const d = face / 2;
   int const dims = grid_->domain().dimensions();
   int const number = strip_of_[b][face];
   Strip const& strip = strips_[level][number];
   Contact const& contact = contacts_[level][number];
-  grid::CellRange const slab = grid::ghost_box(block, d);
-  std::size_t const pitch = slab.count();
+  std::size_t const pitch = grid::ghost_box(block, face / 2).count();
   if (strip.quiet) {
     for (int c = 0; c < components_; ++c) std::fill_n(ghosts + pitch * c, pitch, quiet_[c]);
     return;
@@ -157,15 +156,13 @@ void Levels::fill(int b, int face, double* ghosts) const {
   for (std::size_t n = 0; n < strip.sources.size(); ++n) {
     if (strip.sources[n].block != grid::no_neighbour) patch.set(n, at_present(strip, n, level));
   }
-  // The lowest ghost cell, by its index in the domain.
-  Index3 lowest = block.origin;
-  lowest[d] = face % 2 == 0 ? block.origin[d] - grid::ghost_layers : block.origin[d] + block.n[d];
+  grid::CellRange const beyond = grid::ghosts_in_domain(block, face);
   Prolongation::Parts parts;
   for_each_cell(contact.core, [&](Index3 const& cell) {
     patch.split(cell, block.metric, parts);
     int part = 0;
     for_each_cell(grid::fine_cells(cell, dims), [&](Index3 const& fine) {
-      std::size_t const at = slab.offset({fine[0] - lowest[0], fine[1] - lowest[1], fine[2] - lowest[2]});
+      std::size_t const at = beyond.offset(fine);
       for (int c = 0; c < components_; ++c) ghosts[pitch * c + at] = parts[part][c];
       ++part;
     });
@@ -207,19 +204,16 @@ std::vector<grid::Cell> Levels::correct(grid::Fields& fields, Contact const& con
   std::vector<grid::Cell> changed;
   for_each_cell(contact.core, [&](Index3 const& index) {
     // Where the block lies behind a periodic boundary the core does not lie in it.
-    Index3 const inside = grid::image_cell(grid_->domain_of(coarse), index);
-    Index3 within{};
-    for (int e = 0; e < 3; ++e) within[e] = inside[e] - coarse.origin[e];
-    grid::Cell const cell = coarse.cell(within);
+    grid::Cell const cell = *grid_->locate(coarse.level, grid::image_cell(grid_->domain_of(coarse), index));
     std::array<double, most_components + 1> more{};
     double* const own = entry(contact.coarse, coarse_face, cell);
     for (int c = 0; c < values(); ++c) more[c] = -std::exchange(own[c], 0.0);
     grid::CellRange parts = grid::fine_cells(index, dims);
-    parts.lower[d] = contact.face % 2 == 0 ? fine.origin[d] : fine.origin[d] + fine.n[d] - 1;
+    grid::CellRange const own_cells = fine.in_domain();
+    parts.lower[d] = contact.face % 2 == 0 ? own_cells.lower[d] : own_cells.upper[d] - 1;
     parts.upper[d] = parts.lower[d] + 1;
     for_each_cell(parts, [&](Index3 const& part) {
-      grid::Cell const at = fine.cell({part[0] - fine.origin[0], part[1] - fine.origin[1], part[2] - fine.origin[2]});
-      double* const sum = entry(contact.fine, contact.face, at);
+      double* const sum = entry(contact.fine, contact.face, *grid_->locate(fine.level, part));
       for (int c = 0; c < values(); ++c) more[c] += std::exchange(sum[c], 0.0);
     });
     if (std::all_of(more.begin(), more.begin() + values(), [](double x) { return x == 0.0; })) return;

@@ -16,23 +16,106 @@ using PerPart = std::array<double, Prolongation::most_parts>;
 /// The monotonised-central limiter.
 constexpr double half_beta = 1.0;
 
-/// What a quantity differs by from its mean in each part, by the slopes in all directions: weights belong to the means.
-struct Linear {
-  int dimensions;
-  int parts;
-  Offsets const* offsets;
+bool is_uniform(Prolongation::Coarse const& cell) {
+  return std::all_of(cell.beside.begin(), cell.beside.end(), [&cell](PhaseState const* beside) {
+    return beside == nullptr || (beside->alpha == cell.state->alpha && beside->density == cell.state->density &&
+                                 beside->velocity == cell.state->velocity && beside->pressure == cell.state->pressure);
+  });
+}
 
+/// A coarse cell that is being split: what the parts hold, from one quantity to the next.
+class Split {
+ public:
+  Split(Fluids const& fluids, Prolongation::Coarse const& cell, int dimensions)
+      : fluids_(&fluids), cell_(&cell), dimensions_(dimensions), count_(1 << dimensions) {
+    for (int n = 0; n < count_; ++n) {
+      volume_[n] = 1.0;
+      for (int d = 0; d < dimensions; ++d) {
+        bool const high = (n >> d & 1) != 0;
+        offsets_[n][d] = high ? 0.25 : -0.25;
+        volume_[n] *= d > 0 ? 0.5 : high ? 1.0 - cell.low_part : cell.low_part;
+      }
+    }
+  }
+
+  void find_volume_fractions() {
+    alpha_.fill(cell_->state->alpha);
+    for (int k = 1; k < fluids_->count; ++k) {
+      PerPart const change = differences([k](PhaseState const& s) { return s.alpha[k]; }, volume_);
+      for (int n = 0; n < count_; ++n) {
+        alpha_[n][k] += change[n];
+        alpha_[n][0] -= change[n];
+      }
+    }
+  }
+
+  void find_densities(Prolongation::Parts& parts) {
+    for (int k = 0; k < fluids_->count; ++k) {
+      int const partial = partial_density(k);
+      double const own = cell_->state->density[k];
+      if (own > 0.0) {
+        PerPart weight{};
+        for (int n = 0; n < count_; ++n) weight[n] = volume_[n] * alpha_[n][k];
+        // Neighbours without the fluid have no say.
+        PerPart const change =
+            differences([k, own](PhaseState const& s) { return s.density[k] > 0.0 ? s.density[k] : own; }, weight);
+        for (int n = 0; n < count_; ++n) parts[n][partial] = alpha_[n][k] * (own + change[n]);
+      }
+      for (int n = 0; n < count_; ++n) mass_[n] += volume_[n] * parts[n][partial];
+    }
+    for (int n = 0; n < count_; ++n) {
+      for (int k = 1; k < fluids_->count; ++k) parts[n][volume_fraction(k)] = alpha_[n][k];
+    }
+  }
+
+  void find_velocities() {
+    velocity_.fill(cell_->state->velocity);
+    for (int d = 0; d < 3; ++d) {
+      PerPart const change = differences([d](PhaseState const& s) { return s.velocity[d]; }, mass_);
+      for (int n = 0; n < count_; ++n) velocity_[n][d] += change[n];
+    }
+  }
+
+  /// Momentum and energy. Are all parts sound?
+  [[nodiscard]] bool find_energies(Prolongation::Parts& parts) {
+    std::array<Mixture, Prolongation::most_parts> closure{};
+    PerPart weight{};
+    double xi = 0.0;
+    double bound = 0.0;  // energy that is no pressure's: kinetic, and B
+    for (int n = 0; n < count_; ++n) {
+      closure[n] = mixture(*fluids_, partial_densities(fluids_->count, parts[n].data()),
+                           volume_fractions(fluids_->count, parts[n].data()));
+      weight[n] = volume_[n] * closure[n].xi;
+      xi += weight[n];
+      bound += 0.5 * mass_[n] * dot(velocity_[n], velocity_[n]) + volume_[n] * closure[n].B;
+    }
+    double const pressure = ((*cell_->conserved)[energy] - bound) / xi;
+    PerPart const change = differences([](PhaseState const& s) { return s.pressure; }, weight);
+    bool sound = true;
+    for (int n = 0; n < count_; ++n) {
+      double const p = pressure + change[n];
+      double const rho = mass_[n] / volume_[n];
+      sound = sound && rho > 0.0 && closure[n].bulk_modulus(p) > 0.0 && (p > 0.0 || cell_->state->pressure <= 0.0);
+      for (int d = 0; d < 3; ++d) parts[n][momentum_x + d] = rho * velocity_[n][d];
+      parts[n][energy] = closure[n].rho_e(p) + 0.5 * rho * dot(velocity_[n], velocity_[n]);
+    }
+    return sound;
+  }
+
+ private:
+  /// What a quantity differs by from its mean in each part, by the slopes in all directions; the mean is taken by
+  /// weights.
   template <class Of>
-  [[nodiscard]] PerPart of(Prolongation::Coarse const& cell, Of const& quantity, PerPart const& weight) const {
-    double const own = quantity(*cell.state);
+  [[nodiscard]] PerPart differences(Of const& quantity, PerPart const& weight) const {
+    double const own = quantity(*cell_->state);
     Vec3 slope{0.0, 0.0, 0.0};
     double least = own;
     double most = own;
     double reach = 0.0;
-    for (int d = 0; d < dimensions; ++d) {
-      if (cell.beside[2 * d] == nullptr || cell.beside[2 * d + 1] == nullptr) continue;
-      double const low = quantity(*cell.beside[2 * d]);
-      double const high = quantity(*cell.beside[2 * d + 1]);
+    for (int d = 0; d < dimensions_; ++d) {
+      if (cell_->beside[2 * d] == nullptr || cell_->beside[2 * d + 1] == nullptr) continue;
+      double const low = quantity(*cell_->beside[2 * d]);
+      double const high = quantity(*cell_->beside[2 * d + 1]);
       slope[d] = 2.0 * limited_half(own - low, high - own, half_beta);
       least = std::min({least, low, high});
       most = std::max({most, low, high});
@@ -45,15 +128,25 @@ struct Linear {
     if (reach > room) slope = (room / reach) * slope;
     Vec3 middle{0.0, 0.0, 0.0};
     double whole = 0.0;
-    for (int n = 0; n < parts; ++n) {
-      middle = middle + weight[n] * (*offsets)[n];
+    for (int n = 0; n < count_; ++n) {
+      middle = middle + weight[n] * offsets_[n];
       whole += weight[n];
     }
     if (!(whole > 0.0)) return difference;
     middle = (1.0 / whole) * middle;
-    for (int n = 0; n < parts; ++n) difference[n] = dot(slope, (*offsets)[n] - middle);
+    for (int n = 0; n < count_; ++n) difference[n] = dot(slope, offsets_[n] - middle);
     return difference;
   }
+
+  Fluids const* fluids_;
+  Prolongation::Coarse const* cell_;
+  int dimensions_;
+  int count_;
+  Offsets offsets_{};
+  PerPart volume_{};
+  PerPart mass_{};  ///< in parts of the coarse cell's volume
+  std::array<PerFluid, Prolongation::most_parts> alpha_{};
+  std::array<Vec3, Prolongation::most_parts> velocity_{};
 };
 
 }  // namespace
@@ -75,95 +168,21 @@ PhaseState phase_state_of(Fluids const& fluids, Components const& u) {
 
 void Prolongation::split(Coarse const& cell, Parts& parts) const {
   Components const& u = *cell.conserved;
-  int const count = this->parts();
-  int const fluids = fluids_->count;
-  for (int n = 0; n < count; ++n) parts[n] = u;
-  bool uniform = true;
-  for (int face = 0; face < 2 * dimensions_ && uniform; ++face) {
-    PhaseState const* const beside = cell.beside[face];
-    uniform =
-        beside == nullptr || (beside->alpha == cell.state->alpha && beside->density == cell.state->density &&
-                              beside->velocity == cell.state->velocity && beside->pressure == cell.state->pressure);
+  std::fill_n(parts.begin(), this->parts(), u);
+  if (is_uniform(cell)) return;  // to the last bit
+  Split split(*fluids_, cell, dimensions_);
+  split.find_volume_fractions();
+  split.find_densities(parts);
+  split.find_velocities();
+  if (!split.find_energies(parts)) {
+    std::fill_n(parts.begin(), this->parts(), u);
+    return;
   }
-  if (uniform) return;  // to the last bit
-
-  Offsets offsets{};
-  PerPart volume{};
-  for (int n = 0; n < count; ++n) {
-    volume[n] = 1.0;
-    for (int d = 0; d < dimensions_; ++d) {
-      bool const high = (n >> d & 1) != 0;
-      offsets[n][d] = high ? 0.25 : -0.25;
-      volume[n] *= d > 0 ? 0.5 : high ? 1.0 - cell.low_part : cell.low_part;
-    }
+  if (components_ <= progress) return;
+  int const products = partial_density(products_fluid);
+  for (int n = 0; n < this->parts(); ++n) {
+    if (u[products] > 0.0) parts[n][progress] = u[progress] / u[products] * parts[n][products];
   }
-  Linear const linear{dimensions_, count, &offsets};
-  std::array<PerFluid, most_parts> alpha{};
-  for (int n = 0; n < count; ++n) alpha[n] = cell.state->alpha;
-  for (int k = 1; k < fluids; ++k) {
-    PerPart const change = linear.of(
-        cell, [k](PhaseState const& s) { return s.alpha[k]; }, volume);
-    for (int n = 0; n < count; ++n) {
-      alpha[n][k] += change[n];
-      alpha[n][0] -= change[n];
-    }
-  }
-  PerPart mass{};
-  for (int k = 0; k < fluids; ++k) {
-    double const own = cell.state->density[k];
-    if (!(own > 0.0)) {
-      for (int n = 0; n < count; ++n) mass[n] += volume[n] * u[partial_density(k)];
-      continue;
-    }
-    PerPart weight{};
-    for (int n = 0; n < count; ++n) weight[n] = volume[n] * alpha[n][k];
-    // Neighbours without the fluid have no say.
-    PerPart const change = linear.of(
-        cell, [k, own](PhaseState const& s) { return s.density[k] > 0.0 ? s.density[k] : own; }, weight);
-    for (int n = 0; n < count; ++n) {
-      parts[n][partial_density(k)] = alpha[n][k] * (own + change[n]);
-      mass[n] += volume[n] * parts[n][partial_density(k)];
-    }
-  }
-  double kinetic = 0.0;
-  std::array<Vec3, most_parts> velocity{};
-  for (int n = 0; n < count; ++n) velocity[n] = cell.state->velocity;
-  for (int d = 0; d < 3; ++d) {
-    PerPart const change = linear.of(
-        cell, [d](PhaseState const& s) { return s.velocity[d]; }, mass);
-    for (int n = 0; n < count; ++n) velocity[n][d] += change[n];
-  }
-  for (int n = 0; n < count; ++n) kinetic += 0.5 * mass[n] * dot(velocity[n], velocity[n]);
-
-  std::array<Mixture, most_parts> closure{};
-  PerPart weight{};
-  double xi = 0.0;
-  double B = 0.0;
-  for (int n = 0; n < count; ++n) {
-    for (int k = 1; k < fluids; ++k) parts[n][volume_fraction(k)] = alpha[n][k];
-    closure[n] =
-        mixture(*fluids_, partial_densities(fluids, parts[n].data()), volume_fractions(fluids, parts[n].data()));
-    weight[n] = volume[n] * closure[n].xi;
-    xi += weight[n];
-    B += volume[n] * closure[n].B;
-  }
-  double const pressure = (u[energy] - kinetic - B) / xi;
-  PerPart const change = linear.of(
-      cell, [](PhaseState const& s) { return s.pressure; }, weight);
-  bool sound = true;
-  for (int n = 0; n < count; ++n) {
-    double const p = pressure + change[n];
-    double const rho = mass[n] / volume[n];
-    sound = sound && rho > 0.0 && closure[n].bulk_modulus(p) > 0.0 && (p > 0.0 || cell.state->pressure <= 0.0);
-    for (int d = 0; d < 3; ++d) parts[n][momentum_x + d] = rho * velocity[n][d];
-    parts[n][energy] = closure[n].rho_e(p) + 0.5 * rho * dot(velocity[n], velocity[n]);
-    if (components_ > progress) {
-      double const own = u[partial_density(products_fluid)];
-      parts[n][progress] = own > 0.0 ? u[progress] / own * parts[n][partial_density(products_fluid)] : u[progress];
-    }
-  }
-  if (sound) return;
-  for (int n = 0; n < count; ++n) parts[n] = u;
 }
 
 CoarsePatch::CoarsePatch(Fluids const& fluids, int components, grid::Domain const& domain, grid::CellRange const& core)

@@ -133,8 +133,8 @@ bool Refinement::adapt(Gas const& gas, grid::Forest& forest) {
     if (b == grid::no_neighbour) continue;
     if (rules_.least_level) {
       grid::Block const& block = grid.blocks()[b];
-      Vec3 const lower = block.metric.low_corner(block.origin);
-      Vec3 const upper = block.metric.low_corner(block.index(block.n));
+      Vec3 const lower = block.metric.low_corner(block.in_domain().lower);
+      Vec3 const upper = block.metric.low_corner(block.in_domain().upper);
       wanted[n] = std::max(wanted[n], std::min(rules_.least_level(lower, upper), rules_.most_level));
     }
     for (int at = 0; at < 27; ++at) {

@@ -18,7 +18,8 @@ std::vector<int> numbers_before(grid::Grid const& before, grid::Grid const& now)
   std::vector<int> numbers;
   numbers.reserve(now.blocks().size());
   for (grid::Block const& block : now.blocks())
-    numbers.push_back(block.level < before.levels() ? before.block_of(block.level, block.origin) : grid::no_neighbour);
+    numbers.push_back(block.level < before.levels() ? before.block_of(block.level, block.in_domain().lower)
+                                                    : grid::no_neighbour);
   return numbers;
 }
 
@@ -28,7 +29,7 @@ Gas::Contents Gas::contents_of(grid::Block const& block) const {
   auto const cells = static_cast<std::size_t>(block.cell_count());
   Contents contents{Buffer(components() * cells), Buffer(peaks_.values() * cells)};
   int const finer = block.level + 1;
-  Index3 const corner = grid::fine_cells(block.origin, grid_->domain().dimensions()).lower;
+  Index3 const corner = grid::fine_cells(block.in_domain().lower, grid_->domain().dimensions()).lower;
   if (finer < grid_->levels() && grid_->block_of(finer, corner) != grid::no_neighbour)
     merge_into(block, contents);
   else
@@ -68,8 +69,7 @@ void Gas::refine_into(grid::Block const& block, Contents& contents) const {
     grid::Cell const from = *grid_->locate(level, index);
     int part = 0;
     for_each_cell(grid::fine_cells(index, dims), [&](Index3 const& fine) {
-      int const at =
-          block.cell({fine[0] - block.origin[0], fine[1] - block.origin[1], fine[2] - block.origin[2]}).offset;
+      std::size_t const at = block.in_domain().offset(fine);
       for (int c = 0; c < components(); ++c) contents.fields[c * cells + at] = parts[part][c];
       for (int p = 0; p < peaks_.values(); ++p)
         contents.peaks[p * cells + at] = peaks_.values_of(from.block, p)[from.offset];

@@ -29,6 +29,15 @@ namespace brisance::grid {
   return coarse;
 }
 
+/// The ghost cells of a block beyond a face by their indices in the domain: in the order of `ghost_box`.
+[[nodiscard]] inline CellRange ghosts_in_domain(Block const& block, int face) {
+  CellRange cells = block.in_domain();
+  int const d = face / 2;
+  cells.lower[d] = face % 2 == 0 ? cells.lower[d] - ghost_layers : cells.upper[d];
+  cells.upper[d] = cells.lower[d] + ghost_layers;
+  return cells;
+}
+
 /// The finer cells in a cell. They all lie in one block, for blocks have an even number of cells.
 struct Parts {
   int block = 0;
@@ -53,9 +62,8 @@ struct Parts {
   parts.block = fine.number;
   double volume = 0.0;
   for_each_cell(cells, [&](Index3 const& at) {
-    Cell const cell = fine.cell({at[0] - fine.origin[0], at[1] - fine.origin[1], at[2] - fine.origin[2]});
-    parts.offset[parts.count] = cell.offset;
-    parts.share[parts.count] = fine.volume(cell);
+    parts.offset[parts.count] = static_cast<int>(fine.in_domain().offset(at));
+    parts.share[parts.count] = fine.metric.cell_volume(at[0]);
     volume += parts.share[parts.count++];
   });
   for (int n = 0; n < parts.count; ++n) parts.share[n] /= volume;

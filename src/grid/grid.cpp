@@ -154,22 +154,38 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), domains_{do
   block_size_ = partition.size;
   parts_ = partition.parts;
   number_blocks(Forest(parts_, dims, periodic_directions(domain)).leaves());
+  for (Block& block : blocks_) find_neighbours(block);
 }
 
 Grid::Grid(Domain const& domain, Index3 const& size, Forest const& forest) : domain_(domain) {
   int const dims = domain.dimensions();
   std::vector<Leaf> const& leaves = forest.leaves();
+  if (forest.dimensions() != dims || forest.periodic() != periodic_directions(domain))
+    throw InputError("the forest of blocks has other directions, or other periodic ones, than the domain");
   for (int d = 0; d < dims; ++d) {
-    if (size[d] < 2 * ghost_layers || size[d] % 2 != 0)
+    if (size[d] < 2 * ghost_layers || size[d] % 2 != 0) {
       throw InputError(
-          fmt::format("blocks of {} cells in direction {} cannot be refined: an even number of at least {} "
-                      "is required",
+          fmt::format("blocks of {} cells along {} cannot be refined: an even number of at least {} is "
+                      "required",
                       size[d], "xyz"[d], 2 * ghost_layers));
+    }
+    int const rest = domain.cells[d] % size[d];
+    if (rest != 0 && rest < minimum_cells) {
+      throw InputError(fmt::format("{} cells along {} leave {} in the last block of {}; at least {} are required",
+                                   domain.cells[d], "xyz"[d], rest, size[d], minimum_cells));
+    }
+    if (rest != 0 && forest.periodic()[d]) {
+      throw InputError(
+          fmt::format("a domain that is periodic along {} needs a multiple of the {} cells of a block, not "
+                      "{} cells",
+                      "xyz"[d], size[d], domain.cells[d]));
+    }
     block_size_[d] = size[d];
     parts_[d] = (domain.cells[d] + size[d] - 1) / size[d];
-    if (parts_[d] != forest.parts()[d])
+    if (parts_[d] != forest.parts()[d]) {
       throw InputError(
-          fmt::format("{} blocks along {} for {} blocks of {} cells", forest.parts()[d], "xyz"[d], parts_[d], size[d]));
+          fmt::format("a forest of {} blocks along {} for a domain of {}", forest.parts()[d], "xyz"[d], parts_[d]));
+    }
   }
   int finest = 0;
   for (Leaf const& leaf : leaves) finest = std::max(finest, leaf.level);
@@ -228,7 +244,6 @@ void Grid::number_blocks(std::vector<Leaf> const& positions) {
       block_of_fine_part_[at.level][morton(at.place)] = block.number;
     blocks_.push_back(block);
   }
-  for (Block& block : blocks_) find_neighbours(block);
 }
 
 int Grid::block_at(int level, Index3 const& part) const {

@@ -150,9 +150,10 @@ class Grid {
   /// between 24 and 40 in 2D and 3D, the one that sweeps run through fastest, and takes 320 in 1D.
   /// Throws InputError when a resolved direction has fewer than 4 cells.
   explicit Grid(Domain const& domain, int block_cells = 0);
-  /// Blocks of several levels, of `size` cells along each resolved direction, an even number. `leaves` tile the domain;
-  /// what reaches beyond it is left out, and so are leaves that lie outside. Leaves that touch, be it at an edge,
-  /// differ by one level at most. Throws InputError where the size is odd or too small.
+  /// The leaves of a forest as blocks of `size` cells along each resolved direction, an even number. What reaches
+  /// beyond the domain is left out, and so are leaves that lie outside; a periodic direction has none. Throws
+  /// InputError where the size is odd, too small or leaves too small a rest, or where the forest is not one of this
+  /// domain.
   ///
   /// Beside the leaves there are covered blocks: where finer leaves touch coarser ones, those of the coarser level
   /// below the finer leaves. With them a level looks the same on both sides of its end, and steps of its own can be
