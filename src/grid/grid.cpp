@@ -170,9 +170,9 @@ Grid::Grid(Domain const& domain, Index3 const& size, Forest const& forest) : dom
                       size[d], "xyz"[d], 2 * ghost_layers));
     }
     int const rest = domain.cells[d] % size[d];
-    if (rest != 0 && rest < minimum_cells) {
+    if (rest != 0 && rest < ghost_layers) {
       throw InputError(fmt::format("{} cells along {} leave {} in the last block of {}; at least {} are required",
-                                   domain.cells[d], "xyz"[d], rest, size[d], minimum_cells));
+                                   domain.cells[d], "xyz"[d], rest, size[d], ghost_layers));
     }
     if (rest != 0 && forest.periodic()[d]) {
       throw InputError(

@@ -209,7 +209,7 @@ TEST_P(Levels, LoseNothingWhileBlocksComeAndGo) {
   std::array<double, 3> before{};
   for (int n = 0; n < 3; ++n) before[n] = problem.total(components[n]);
   std::minstd_rand random(7);
-  int const changes = dims > 2 ? 40 : 200;
+  int const changes = dims > 2 ? 12 : 60;
   for (int n = 0; n < changes; ++n) {
     problem.regrid(random, 2);
     problem.step(0.5);
@@ -236,7 +236,7 @@ TEST_P(Levels, KeepAnInterfaceUniformWhileBlocksComeAndGo) {
   });
   double const momentum = problem.total(gas::momentum_y);
   std::minstd_rand random(11);
-  for (int n = 0; n < 30; ++n) {
+  for (int n = 0; n < 12; ++n) {
     problem.regrid(random, 2);
     problem.step(0.5);
   }

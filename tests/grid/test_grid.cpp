@@ -54,7 +54,9 @@ TEST(Grid, BlocksHaveOneSizeAndTheLastTheRest) {
       }
       EXPECT_EQ(sum, cells);
       // Larger than wanted only where no size up to that leaves the last block 4 cells.
-      if (wanted == 0) EXPECT_LE(size, 44);
+      if (wanted == 0) {
+        EXPECT_LE(size, 44);
+      }
       if (wanted > 0 && size > wanted) {
         for (int smaller = 4; smaller <= wanted; ++smaller) {
           EXPECT_TRUE(cells % smaller > 0 && cells % smaller < 4) << cells << " cells in blocks of " << smaller;
