@@ -244,13 +244,17 @@ void Gas::merge_small_cells() {
 void Gas::share_states(int begin, int end, SweepContext const& s, bool last, std::vector<int>& unsound) {
   int const dims = grid_->domain().dimensions();
   int const b = cut.nodes()[begin].cell.block;
-  int const count = components();  // the shock sensor of a node is 0
+  int const count = components();
   bool const burning = burn.burning_in(b);
+  std::array<double*, most_components> fields{};
+  for (int c = 0; c < count; ++c) fields[c] = fields_.at(b, c);
   for (int n = begin; n < end; ++n) {
     constexpr int ahead = 8;
     if (n + ahead < end) {
       Node const& next = cut.nodes()[n + ahead];
-      for (int c = 0; c < count; ++c) __builtin_prefetch(fields_.at(b, c) + next.cell.offset, 1);
+      for (int c = 0; c < count; ++c) {
+        if (c != shock) __builtin_prefetch(fields[c] + next.cell.offset, 1);
+      }
       for (int i = next.first; i < next.end; ++i) __builtin_prefetch(cut.merged(cut.shares()[i].merger));
       if (last) peaks_.announce(next.cell);
     }

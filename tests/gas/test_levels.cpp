@@ -313,14 +313,14 @@ WaveError wave_error(bool acoustic, Geometry geometry, int n) {
   };
   constexpr double amplitude = 1e-7;
   double const k = 2.0 * std::numbers::pi;
-  double const size = std::sqrt(static_cast<double>(dims));
+  // In 2D not along a diagonal, where sweeps in both directions change the same; in 3D that takes too many cells.
+  Vec3 const way = dims > 2 ? Vec3{1.0, 1.0, 1.0} : Vec3{1.0, 2.0, 0.0};
+  double const size = norm(way);
   double const c = std::sqrt(1.4);
   auto const exact = [&](Vec3 const& x, double t) {
-    double phase = 0.0;
-    for (int d = 0; d < dims; ++d) phase += x[d];
-    double const wave = amplitude * std::sin(k * (phase - size * (acoustic ? c : 1.0) * t));
+    double const wave = amplitude * std::sin(k * (dot(way, x) - size * (acoustic ? c : 1.0) * t));
     Mixed s = state(1.0 + wave, 0.0, acoustic ? 1.0 + 1.4 * wave : 1.0);
-    for (int d = 0; d < dims; ++d) s.velocity[d] = (acoustic ? c * wave : 1.0) / size;
+    for (int d = 0; d < dims; ++d) s.velocity[d] = (acoustic ? c * wave : 1.0) * way[d] / size;
     return s;
   };
   problem.fill([&](Vec3 const& x) { return exact(x, 0.0); });
