@@ -8,7 +8,8 @@
 /// domain, expanded so far that their exponentials matter in the middle only (a blast after some time); the mixture
 /// again with afterburn, at a constant rate and by Miller's law. The products in the corner also with what a run may
 /// have besides: peak fields, cells whose number is no multiple of 8, obstacles, cells that burn, cells held by
-/// particles; and in blocks of other sizes.
+/// particles; and in blocks of other sizes. `levels`: cells of 1/96, and half of them in a shell around a corner, as a
+/// shock has them; a fine cell counts for each of its two steps. Beside it the same gas in such blocks of one level.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -18,6 +19,7 @@
 
 #include "core/parallel.hpp"
 #include "gas/gas.hpp"
+#include "grid/forest.hpp"
 
 namespace {
 
@@ -139,6 +141,46 @@ void gas_step(benchmark::State& state, gas::Scheme scheme, Content content, int 
       benchmark::Counter(updates / static_cast<double>(state.range(0)), benchmark::Counter::kIsRate);
 }
 
+/// Blocks of 16^3 cells of two levels, or of one.
+void level_step(benchmark::State& state, Content content, bool refined) {
+  set_threads(static_cast<int>(state.range(0)));
+  constexpr int n = 96;
+  constexpr int size = 16;
+  if (!grid::Forest::can_refine(3)) {
+    state.SkipWithError("built without p4est");
+    return;
+  }
+  grid::Domain domain;
+  domain.cells = {n, n, n};
+  domain.h = 1.0 / n;
+  domain.boundary.fill(grid::Boundary::symmetry);
+  grid::Forest forest({n / size, n / size, n / size}, 3, {false, false, false});
+  std::vector<std::int8_t> marks;
+  for (grid::Leaf const& leaf : forest.leaves()) {
+    Vec3 const centre{leaf.place[0] + 0.5, leaf.place[1] + 0.5, leaf.place[2] + 0.5};
+    double const r = norm(centre) * size / n;
+    marks.push_back(refined && std::abs(r - 0.75) < 0.12 ? 1 : 0);
+  }
+  forest.adapt(marks, 1);
+  grid::Grid const grid(domain, {size, size, size}, forest);
+  gas::Fluids fluids;
+  fluids.eos[0] = material::IdealGas{1.4};
+  fluids.eos[1] = material::Jwl{};
+  fluids.count = content == one_fluid ? 1 : 2;
+  fluids.ambient_pressure = 101325.0;
+  gas::Gas gas(grid, fluids, {}, {});
+  double updates = 0.0;
+  for (grid::Block const& block : grid.blocks()) {
+    for_each_cell(block, [&](grid::Cell const& cell) { gas.set(cell, content_at(content, block.centre(cell))); });
+    if (!block.covered) updates += std::ldexp(block.cell_count(), block.level);
+  }
+  gas.start();
+  long step = 0;
+  for (auto _ : state) gas.advance(0.5 * domain.h / gas.fastest_signal(), step++ % 2 == 1);
+  state.counters["cells/s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * updates, benchmark::Counter::kIsRate);
+}
+
 /// a = b + s c on arrays far larger than any cache: what the machine's memory gives.
 void memory_bandwidth(benchmark::State& state) {
   set_threads(static_cast<int>(state.range(0)));
@@ -209,6 +251,10 @@ BENCHMARK_CAPTURE(gas_step, lax_wendroff / one_fluid, gas::Scheme::lax_wendroff,
     ->Apply(threads_of_interest);
 BENCHMARK_CAPTURE(gas_step, lax_wendroff / two_fluids_mixed, gas::Scheme::lax_wendroff, mixed_everywhere, 0)
     ->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(level_step, one_fluid / one_level, one_fluid, false)->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(level_step, one_fluid / levels, one_fluid, true)->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(level_step, two_fluids_corner / one_level, products_in_a_corner, false)->Apply(threads_of_interest);
+BENCHMARK_CAPTURE(level_step, two_fluids_corner / levels, products_in_a_corner, true)->Apply(threads_of_interest);
 
 }  // namespace
 

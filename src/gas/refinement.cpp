@@ -7,6 +7,7 @@
 #include "core/parallel.hpp"
 #include "gas/gas.hpp"
 #include "gas/prolongation.hpp"
+#include "grid/fine_cells.hpp"
 
 namespace brisance::gas {
 
@@ -146,9 +147,17 @@ bool Refinement::adapt(Gas const& gas, grid::Forest& forest) {
         if (offset[d] != 0) next = forest.across(*next, 2 * d + (offset[d] > 0 ? 1 : 0));
       }
       if (!next) continue;
-      // Where leaves are finer already they speak for themselves.
+      int const level = std::min(leaves[n].level + 1, rules_.most_level);
       int const holder = forest.holding(*next);
-      if (holder >= 0) wanted[holder] = std::max(wanted[holder], std::min(leaves[n].level + 1, rules_.most_level));
+      if (holder >= 0) {
+        wanted[holder] = std::max(wanted[holder], level);
+        continue;
+      }
+      // There are finer ones: those stay.
+      for_each_cell(grid::fine_cells(next->place, grid.domain().dimensions()), [&](Index3 const& place) {
+        int const finer = forest.find({next->level + 1, place});
+        if (finer >= 0) wanted[finer] = std::max(wanted[finer], level);
+      });
     }
   }
   std::vector<std::int8_t> marks(leaves.size(), 0);

@@ -65,6 +65,11 @@ struct Problem {
 
   void fill(StateAt const& state) {
     grid = std::make_unique<grid::Grid>(domain, block_cells);
+    fill_grid(state);
+  }
+
+  /// Makes the gas on the grid that there is.
+  void fill_grid(StateAt const& state) {
     std::array<material::Primitive, 6> outside;
     std::copy(inflow.begin(), inflow.end(), outside.begin());
     gas = std::make_unique<gas::Gas>(*grid, fluids, options, quiescent, outside);

@@ -6,6 +6,7 @@
 #include <random>
 #include <tuple>
 
+#include "core/parallel.hpp"
 #include "gas/harness.hpp"
 #include "gas/refinement.hpp"
 #include "grid/forest.hpp"
@@ -50,13 +51,7 @@ struct LevelProblem : Problem {
     for (int d = 0; d < domain.dimensions(); ++d) size[d] = block_cells;
     forest = std::make_unique<grid::Forest>(forest_of(domain, size, refined));
     grid = std::make_unique<grid::Grid>(domain, size, *forest);
-    std::array<material::Primitive, 6> outside;
-    std::copy(inflow.begin(), inflow.end(), outside.begin());
-    gas = std::make_unique<gas::Gas>(*grid, fluids, options, quiescent, outside);
-    for (grid::Block const& block : grid->blocks()) {
-      grid::for_each_cell(block, [&](grid::Cell const& cell) { gas->set(cell, state(block.centre(cell))); });
-    }
-    gas->start();
+    fill_grid(state);
   }
 
   /// Refines and merges blocks at random.
@@ -503,6 +498,19 @@ TEST(Refinement, GivesWhatFineCellsEverywhereGive) {
               miss(coarse), miss(adapted), adapted.cells, fine.cells);
   EXPECT_LT(miss(adapted), 0.3 * miss(coarse));
   EXPECT_LT(adapted.cells, fine.cells * 7 / 10);
+}
+
+TEST(Refinement, GivesTheSameBitsOnAnyNumberOfThreads) {
+  int const before = threads();
+  set_threads(1);
+  Burst const alone = burst(80, 1);
+  for (int const count : {2, 4}) {
+    set_threads(count);
+    Burst const shared = burst(80, 1);
+    EXPECT_EQ(shared.pressures, alone.pressures) << count << " threads";
+    EXPECT_EQ(shared.cells, alone.cells);
+  }
+  set_threads(before);
 }
 
 }  // namespace
