@@ -98,7 +98,15 @@ LevelProblem problem_with(Geometry geometry, Boundary boundary, int levels, int 
   return problem;
 }
 
-class Levels : public testing::TestWithParam<std::tuple<Geometry, gas::Scheme>> {};
+/// A build without p4est has no levels.
+class OnLevels : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!grid::Forest::can_refine(2)) GTEST_SKIP() << "built without p4est";
+  }
+};
+
+class Levels : public OnLevels, public testing::WithParamInterface<std::tuple<Geometry, gas::Scheme>> {};
 
 TEST_P(Levels, LeaveAUniformStreamUniform) {
   auto const [geometry, scheme] = GetParam();
@@ -249,6 +257,11 @@ INSTANTIATE_TEST_SUITE_P(Geometries, Levels,
                                                           Geometry::cartesian3d),
                                           testing::Values(gas::Scheme::muscl_hancock, gas::Scheme::lax_wendroff)));
 
+using LevelWaves = OnLevels;
+using LevelSleep = OnLevels;
+using Regrid = OnLevels;
+using Refinement = OnLevels;
+
 /// A plane pulse of sound that runs along x through a tube, from coarse cells into fine ones or back. Returns the
 /// largest pressure left behind it, in parts of its own.
 double reflected(bool into_fine) {
@@ -283,7 +296,7 @@ double reflected(bool into_fine) {
   return most / amplitude;
 }
 
-TEST(LevelWaves, HardlyReflectSound) {
+TEST_F(LevelWaves, HardlyReflectSound) {
   double const into = reflected(true);
   double const out = reflected(false);
   std::printf("reflected: %.3f %% into fine cells, %.3f %% out of them\n", 100.0 * into, 100.0 * out);
@@ -341,7 +354,7 @@ WaveError wave_error(bool acoustic, Geometry geometry, int n) {
   return error;
 }
 
-class LevelOrder : public testing::TestWithParam<std::tuple<bool, Geometry>> {};
+class LevelOrder : public OnLevels, public testing::WithParamInterface<std::tuple<bool, Geometry>> {};
 
 TEST_P(LevelOrder, IsHardlyLower) {
   auto const [acoustic, geometry] = GetParam();
@@ -380,9 +393,9 @@ std::vector<double> after_burst(bool sleep) {
   return values;
 }
 
-TEST(LevelSleep, ChangesNoBit) { EXPECT_EQ(after_burst(true), after_burst(false)); }
+TEST_F(LevelSleep, ChangesNoBit) { EXPECT_EQ(after_burst(true), after_burst(false)); }
 
-TEST(Regrid, OfTheSameLeavesChangesNoBit) {
+TEST_F(Regrid, OfTheSameLeavesChangesNoBit) {
   auto const run = [](bool regrid) {
     LevelProblem problem = problem_with(Geometry::planar2d, Boundary::outflow, 2);
     problem.options.peak_fields = true;
@@ -405,7 +418,7 @@ TEST(Regrid, OfTheSameLeavesChangesNoBit) {
   EXPECT_EQ(run(true), run(false));
 }
 
-TEST(Regrid, GivesBackWhatItHasRefined) {
+TEST_F(Regrid, GivesBackWhatItHasRefined) {
   LevelProblem problem = problem_with(Geometry::cartesian3d, Boundary::wall, 0, 16);
   problem.options.peak_fields = true;
   problem.quiescent = state(1.2, 0.0, 1e5);
@@ -484,7 +497,7 @@ Burst burst(int n, int most_level) {
   return result;
 }
 
-TEST(Refinement, GivesWhatFineCellsEverywhereGive) {
+TEST_F(Refinement, GivesWhatFineCellsEverywhereGive) {
   Burst const coarse = burst(160, 0);
   Burst const fine = burst(320, 0);
   Burst const adapted = burst(160, 1);
@@ -500,7 +513,7 @@ TEST(Refinement, GivesWhatFineCellsEverywhereGive) {
   EXPECT_LT(adapted.cells, fine.cells * 7 / 10);
 }
 
-TEST(Refinement, GivesTheSameBitsOnAnyNumberOfThreads) {
+TEST_F(Refinement, GivesTheSameBitsOnAnyNumberOfThreads) {
   int const before = threads();
   set_threads(1);
   Burst const alone = burst(80, 1);
