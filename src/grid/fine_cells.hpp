@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "grid/grid.hpp"
 
@@ -56,17 +57,24 @@ struct Parts {
 
 /// Those in a cell of the domain with an index at a level; the finer level must have cells there.
 [[nodiscard]] inline Parts parts_of(Grid const& grid, int level, Index3 const& index) {
-  CellRange const cells = fine_cells(index, grid.domain().dimensions());
-  Block const& fine = grid.blocks()[grid.block_of(level + 1, cells.lower)];
+  int const dims = grid.domain().dimensions();
+  Index3 const corner = fine_cells(index, dims).lower;
+  Block const& fine = grid.blocks()[grid.block_of(level + 1, corner)];
+  CellRange const cells = fine.in_domain();
+  auto const first = static_cast<int>(cells.offset(corner));
   Parts parts;
   parts.block = fine.number;
-  double volume = 0.0;
-  for_each_cell(cells, [&](Index3 const& at) {
-    parts.offset[parts.count] = static_cast<int>(fine.in_domain().offset(at));
-    parts.share[parts.count] = fine.metric.cell_volume(at[0]);
-    volume += parts.share[parts.count++];
-  });
-  for (int n = 0; n < parts.count; ++n) parts.share[n] /= volume;
+  parts.count = 1 << dims;
+  std::array<double, 2> volume{1.0, 1.0};  // of those with a low and a high index along x
+  if (radial_exponent(fine.metric.geometry) > 0)
+    volume = {fine.metric.cell_volume(corner[0]), fine.metric.cell_volume(corner[0] + 1)};
+  double const whole = 0.5 * parts.count * (volume[0] + volume[1]);
+  for (int n = 0; n < parts.count; ++n) {
+    std::ptrdiff_t offset = 0;
+    for (int d = 0; d < dims; ++d) offset += (n >> d & 1) * cells.stride(d);
+    parts.offset[n] = first + static_cast<int>(offset);
+    parts.share[n] = volume[n & 1] / whole;
+  }
   return parts;
 }
 
