@@ -73,11 +73,7 @@ void Gas::wake_where_wind_changes() {
                    [&](int n, int thread) { sweep_part(parts[n], context, slept, false, workspaces_[thread]); });
     }
     parallel_for(grid_->block_count(), [&](int b, int) {
-      if (!is_swept(b, slept)) return;
-      int const cells = grid_->blocks()[b].cell_count();
-      for (int component = 0; component < components(); ++component) {
-        if (!all_equal(fields_.at(b, component), cells, quiet[component])) awake_[b] = 1;
-      }
+      if (is_swept(b, slept) && !is_quiescent_block(b)) awake_[b] = 1;
     });
     // Back to what they were; not before all have seen their neighbours.
     for (int b = 0; b < grid_->block_count(); ++b) {
