@@ -27,8 +27,6 @@ class Levels {
  public:
   Levels(grid::Grid const& grid, Fluids const& fluids, int components);
 
-  [[nodiscard]] bool several() const { return grid_->levels() > 1; }
-
   /// What quiescent gas holds and carries: accounts count differences to it, which blocks that sleep do not have.
   void set_quiescent(Components const& state, std::array<Components, 3> const& flux, Vec3 const& velocity);
 
