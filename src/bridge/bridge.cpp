@@ -33,7 +33,7 @@ Bridge::Bridge(gas::Gas& gas, mpm::Mpm& particles, int gas_body, Region region, 
 
 void Bridge::set_roles() {
   grid::Grid const& grid = gas_->grid();
-  for (int b = 0; b < grid.block_count(); ++b) {
+  for (int const b : grid.blocks_of(region_.level())) {
     grid::Block const& block = grid.blocks()[b];
     std::vector<gas::Role> roles;
     roles.reserve(block.cell_count());
@@ -44,8 +44,16 @@ void Bridge::set_roles() {
 
 void Bridge::watch_faces() {
   for (Face& face : region_.faces()) {
-    if (!face.open) face.watch = gas_->coupling.watch(face.side == 0 ? face.outside() : face.inside, face.direction);
+    if (!face.open) {
+      Index3 const below = face.side == 0 ? face.outside() : face.inside;
+      face.watch = gas_->coupling.watch(region_.locate(gas_->grid(), below), face.direction);
+    }
   }
+}
+
+void Bridge::follow_blocks() {
+  shared_.follow_blocks();
+  ghosts_.follow_blocks();
 }
 
 bool Bridge::wake() {
@@ -54,7 +62,7 @@ bool Bridge::wake() {
   grid::Grid const& grid = gas_->grid();
   for (Index3 const& cell : cells) {
     if (region_.clamped(cell) != cell) continue;
-    grid::Cell const at = grid.locate(cell);
+    grid::Cell const at = region_.locate(grid, cell);
     if (!gas_->awake(at.block)) continue;
     double const p = gas_->primitive(at).pressure;
     if (std::abs(p - ambient_.pressure) > options_.activation) {
@@ -80,7 +88,7 @@ void Bridge::lend_nodes_to_ghosts() {
 void Bridge::keep_wind_awake() {
   if (dot(ambient_.velocity, ambient_.velocity) == 0.0) return;
   for (Face const& face : region_.faces()) {
-    if (!face.open) gas_->wake(gas_->grid().block_of(face.outside()));
+    if (!face.open) gas_->wake(region_.locate(gas_->grid(), face.outside()).block);
   }
 }
 
@@ -142,7 +150,7 @@ void Bridge::take_absorbed() {
       } else if (options_.transport == Transport::ledger) {
         ledger_.absorb(face, faces_.lane_of(face, x), gas_particles_.handed_over(set, q));
       } else {
-        add_to_cell(*gas_, faces_[face].outside(), load);
+        add_to_cell(*gas_, region_.locate(gas_->grid(), faces_[face].outside()), load);
       }
     }
   }

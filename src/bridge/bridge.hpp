@@ -61,6 +61,8 @@ class Bridge {
   [[nodiscard]] Region const& region() const { return region_; }
   [[nodiscard]] Options const& options() const { return options_; }
   [[nodiscard]] int gas_body() const { return gas_body_; }
+  /// To be called when the blocks of the gas have changed. Those that the region touches must have stayed.
+  void follow_blocks();
   /// Has the region woken? Wakes it when the gas outside has been disturbed.
   bool wake();
   [[nodiscard]] bool awake() const { return awake_; }

@@ -47,13 +47,19 @@ Primitive at_offset(Primitive const& centre, GasSlopes const& slopes, Vec3 const
   return s;
 }
 
-CellStates::CellStates(grid::Grid const& grid, std::vector<Index3> const& cells) : dims_(grid.domain().dimensions()) {
-  grid::Domain const& domain = grid.domain();
+void CellStates::follow_blocks(grid::Grid const& grid) {
+  places_.clear();
+  for (Index3 const& cell : cells_) places_.push_back(grid.locate(level_, cell).value());
+}
+
+CellStates::CellStates(grid::Grid const& grid, Region const& region, std::vector<Index3> const& cells)
+    : level_(region.level()), dims_(grid.domain().dimensions()) {
+  grid::Domain const& domain = region.domain();
   grid::CellRange const all = domain.all_cells();
   std::unordered_map<std::size_t, int> index_of;
   auto const add = [&](Index3 const& cell) {
-    auto const [found, fresh] = index_of.try_emplace(all.offset(cell), static_cast<int>(places_.size()));
-    if (fresh) places_.push_back(grid.locate(cell));
+    auto const [found, fresh] = index_of.try_emplace(all.offset(cell), static_cast<int>(cells_.size()));
+    if (fresh) cells_.push_back(cell);
     return found->second;
   };
   for (Index3 const& cell : cells) add(cell);
@@ -71,6 +77,7 @@ CellStates::CellStates(grid::Grid const& grid, std::vector<Index3> const& cells)
     }
     neighbours_.push_back(around);
   }
+  follow_blocks(grid);
   before_.resize(places_.size());
   earlier_.resize(places_.size());
   later_.resize(places_.size());

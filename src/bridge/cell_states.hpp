@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "bridge/region.hpp"
 #include "bridge/traffic.hpp"
 #include "gas/gas.hpp"
 #include "grid/grid.hpp"
@@ -39,8 +40,9 @@ struct GasSlopes {
 
 class CellStates {
  public:
-  /// Prepares the given cells of the domain and their neighbours.
-  CellStates(grid::Grid const& grid, std::vector<Index3> const& cells);
+  /// Prepares the given cells of the region's level and their neighbours.
+  CellStates(grid::Grid const& grid, Region const& region, std::vector<Index3> const& cells);
+  void follow_blocks(grid::Grid const& grid);  ///< when those of the gas have changed
 
   /// Reads the cells' states from the gas. Those of its present time become the later ones, those before the earlier;
   /// at the same time again they are read anew.
@@ -75,7 +77,9 @@ class CellStates {
   [[nodiscard]] Primitive value(int index, TimeWeights const& weights) const;
   [[nodiscard]] Vec3 velocity(int index, TimeWeights const& weights) const;
 
-  std::vector<grid::Cell> places_;
+  int level_;
+  std::vector<Index3> cells_;       ///< the given ones and their neighbours
+  std::vector<grid::Cell> places_;  ///< where they lie
   std::vector<std::array<Neighbour, 6>> neighbours_;  ///< of the nth cell
   int dims_;
   int levels_ = 0;                              ///< how many of the three times have been read

@@ -37,9 +37,8 @@ Amounts per_mass(Primitive const& s, double energy) {
   return amounts;
 }
 
-void add_to_cell(gas::Gas& gas, Index3 const& cell, Amounts const& load) {
+void add_to_cell(gas::Gas& gas, grid::Cell const& to, Amounts const& load) {
   grid::Grid const& grid = gas.grid();
-  grid::Cell const to = grid.locate(cell);
   auto const [b, at] = std::pair{to.block, to.offset};
   double const inverse = 1.0 / grid.block(to).volume(to);
   grid::Fields& u = gas.fields();

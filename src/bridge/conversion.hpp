@@ -16,6 +16,6 @@ namespace brisance::bridge {
 [[nodiscard]] Amounts per_mass(Primitive const& s, double energy);
 
 /// Adds an amount to a gas cell and wakes it, [Cui14] Eqs. (49)-(51).
-void add_to_cell(gas::Gas& gas, Index3 const& cell, Amounts const& load);
+void add_to_cell(gas::Gas& gas, grid::Cell const& cell, Amounts const& load);
 
 }  // namespace brisance::bridge

@@ -27,8 +27,13 @@ Ghosts::Ghosts(gas::Gas& gas, Region const& region, SharedGas const& shared)
       }
     }
     neighbours_.push_back(neighbours);
-    blocks_.push_back(gas.grid().block_of(cell));
   }
+  follow_blocks();
+}
+
+void Ghosts::follow_blocks() {
+  blocks_.clear();
+  for (Index3 const& cell : region_->ghosts()) blocks_.push_back(region_->locate(gas_->grid(), cell).block);
   std::sort(blocks_.begin(), blocks_.end());
   blocks_.erase(std::unique(blocks_.begin(), blocks_.end()), blocks_.end());
 }
@@ -69,7 +74,7 @@ void Ghosts::fill_cell(int n, double last_step) {
   }
   per_volume.momentum = s.density * s.velocity;
   per_volume.energy = s.density * (specific_energy(fluids, s) + 0.5 * dot(s.velocity, s.velocity));
-  gas_->set(gas_->grid().locate(cell), per_volume, s.volume_fraction);
+  gas_->set(region_->locate(gas_->grid(), cell), per_volume, s.volume_fraction);
 }
 
 void Ghosts::fill(double last_step) {

@@ -17,6 +17,7 @@ class Ghosts {
 
   /// Fills the ghost cells from the averages and wakes their blocks. `last_step`: of the particles [s].
   void fill(double last_step);
+  void follow_blocks();  ///< when those of the gas have changed
 
  private:
   void fill_cell(int n, double last_step);

@@ -344,7 +344,7 @@ void Ledger::give_back(gas::Gas& gas, double dt, double reference) {
         given_by_face.energy + motion - 0.5 * dot(momentum, momentum) / (mass + given_by_face.total());
     if (heated < -most * mass * heat_outside) continue;
     for (int lane = 0; lane < faces.lanes(); ++lane) at(f, lane).add(given_[lane], -1.0);
-    add_to_cell(gas, faces[f].outside(), given_by_face);
+    add_to_cell(gas, faces.region().locate(gas.grid(), faces[f].outside()), given_by_face);
   }
 }
 

@@ -53,8 +53,8 @@ Index3 Region::clamped(Index3 cell) const {
   return cell;
 }
 
-Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int proxy_layers)
-    : domain_(domain), width_(width) {
+Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int proxy_layers, int level)
+    : domain_(domain), level_(level), width_(width) {
   if (boxes.empty()) throw InputError("an MPM region needs at least one box");
   if (width < 1) throw InputError("the bridge must be at least 1 cell wide");
   CellBox hull = boxes.front();

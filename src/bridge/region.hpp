@@ -39,11 +39,18 @@ struct Face {
 
 class Region {
  public:
-  /// `proxy_layers`: how far outside the region cells act as particles. Throws InputError where the boxes do not fit
-  /// the domain: too thin, too near to a boundary, on an inflow boundary, or on a part of a periodic direction.
-  Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int proxy_layers);
+  /// `domain`: with cells of the level that the region lies on. `proxy_layers`: how far outside the region cells act as
+  /// particles. Throws InputError where the boxes do not fit the domain: too thin, too near to a boundary, on an inflow
+  /// boundary, or on a part of a periodic direction.
+  Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int proxy_layers, int level = 0);
 
   [[nodiscard]] grid::Domain const& domain() const { return domain_; }
+  /// Of its cells and those beside it.
+  [[nodiscard]] int level() const { return level_; }
+  /// One of them among those of the gas.
+  [[nodiscard]] grid::Cell locate(grid::Grid const& grid, Index3 const& cell) const {
+    return grid.locate(level_, cell).value();
+  }
   /// Of its cells, which are all of one size, by their index in the domain.
   [[nodiscard]] grid::Metric const& metric() const { return domain_; }
   [[nodiscard]] int width() const { return width_; }
@@ -84,6 +91,7 @@ class Region {
   void list_proxy_cells(int proxy_layers);
 
   grid::Domain domain_;
+  int level_;
   int width_;
   CellBox space_;  ///< what `layers_` covers; it may reach beyond the domain
   std::vector<std::uint8_t> layers_;

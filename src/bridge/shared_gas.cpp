@@ -59,8 +59,8 @@ SharedGas::SharedGas(gas::Gas const& gas, mpm::Mpm const& particles, int gas_bod
       particles_(&particles),
       gas_body_(gas_body),
       faces_(&faces),
-      averages_(gas.grid().domain(), particles, faces.region().shift(), averaged_cells(faces.region(), averaged_)),
-      states_(gas.grid(), state_cells(faces.region(), read_)) {
+      averages_(faces.region().domain(), particles, faces.region().shift(), averaged_cells(faces.region(), averaged_)),
+      states_(gas.grid(), faces.region(), state_cells(faces.region(), read_)) {
   for (Face const& face : faces.region().faces()) {
     Beside beside;
     if (face.open) {

@@ -22,6 +22,7 @@ class SharedGas {
   /// Takes the averages over the particles as they are now.
   void average();
   /// Reads the states of the cells that act as particles.
+  void follow_blocks() { states_.follow_blocks(gas_->grid()); }  ///< when those of the gas have changed
   void read_cells() { states_.read(*gas_); }
 
   [[nodiscard]] material::Fluids const& fluids() const { return gas_->fluids(); }

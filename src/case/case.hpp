@@ -136,6 +136,7 @@ struct MpmRegion {
   std::vector<shape::Box> boxes;
   int margin =
       0;          ///< cells between the bodies and the faces of that box; 0: as few as the bridge allows, and some more
+  int level = 0;  ///< of its cells, and of those beside it, see `Adaptive`
   int width = 5;  ///< of the bridge, w [cells]
   bridge::Transport transport = bridge::Transport::ledger;
   /// Of the gas, per cell; 0: 4 in 1D, 3 in 2D, 2 in 3D. Rows of particles that the flow stretches to a spacing between
@@ -207,6 +208,27 @@ struct Numerics {
   ObstacleCells obstacles = ObstacleCells::automatic;
 };
 
+/// A part of the domain whose cells are of a level at least.
+struct Refine {
+  shape::Shape shape;
+  int level = 0;
+};
+
+/// Cells of several sizes. Those of level l are 1/2^l as large as `domain.h`, which is the size of level 0.
+struct Adaptive {
+  int finest = 0;                ///< finest level of the gas; 0: all cells are of one size
+  int shocks = 0;                ///< to which shocks are followed
+  int charges = 0;               ///< of charges, until they have burst
+  int obstacles = 0;             ///< of the surfaces of obstacles that do not fit larger cells
+  std::optional<int> gauges;     ///< around gauges; absent: they ask for nothing
+  std::optional<int> products;   ///< of the surface of the products; absent: it asks for nothing
+  std::vector<Refine> parts;     ///< [[refine]]
+  double threshold = 0.3;        ///< of the norm of [Lohner87] from which on a shock asks, 0 to 1
+  double most_cells = 0.0;       ///< of the whole domain; 0: no limit
+
+  [[nodiscard]] bool any() const { return finest > 0; }
+};
+
 struct Output {
   double field_interval = 0.0;      ///< [s]; 0: none but the last
   std::vector<double> field_times;  ///< extra times [s]
@@ -268,12 +290,17 @@ struct Case {
   std::optional<MpmRegion> mpm_region;  ///< set where gas and bodies meet
   Start start;
   Numerics numerics;
+  Adaptive adaptive;
   Output output;
   End end;
   Checkpoint checkpoint;
   AuditLimits audit;
   Burst burst = Burst::none;
 
+  /// The domain as if all its cells were of a level.
+  [[nodiscard]] grid::Domain domain_of(int level) const { return domain.refined(level); }
+  /// The cells that material points see: those of the MPM region.
+  [[nodiscard]] grid::Domain region_domain() const { return domain_of(mpm_region ? mpm_region->level : 0); }
   /// Fluid `number`, from 1 on; null where there is none.
   [[nodiscard]] material::Fluid const* other_fluid(int number) const {
     return number <= static_cast<int>(other_fluids.size()) ? &other_fluids[number - 1] : nullptr;

@@ -45,18 +45,31 @@ double symmetry_images(shape::Shape const& shape, grid::Domain const& domain, st
 namespace {
 
 /// The cells that the shape's bounds reach into.
-grid::CellRange cells_of(shape::Shape const& shape, grid::Grid const& grid) {
+grid::CellRange cells_of(shape::Shape const& shape, grid::Grid const& grid, int level) {
   shape::Box const box = bounds(shape);
-  Index3 const last = grid.cell_at(box.upper);
-  return {grid.cell_at(box.lower), {last[0] + 1, last[1] + 1, last[2] + 1}};
+  Index3 const last = grid.cell_at(level, box.upper);
+  return {grid.cell_at(level, box.lower), {last[0] + 1, last[1] + 1, last[2] + 1}};
+}
+
+/// Is there a leaf's cell at an index in the domain of a level?
+void require_cell(grid::Grid const& grid, int level, Index3 const& cell, std::string const& what) {
+  int const block = grid.block_of(level, cell);
+  if (block != grid::no_neighbour && !grid.blocks()[block].covered) return;
+  throw InputError(fmt::format("{} lies in cells of different sizes; refine all of it alike, with some cells around it",
+                               what));
 }
 
 }  // namespace
 
+int level_of(shape::Shape const& shape, grid::Grid const& grid) {
+  return grid.block(grid.locate(centre(shape))).level;
+}
+
 FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume, std::string const& what,
-                       std::function<double(Index3 const&)> const& open) {
-  grid::Domain const& domain = grid.domain();
+                       std::function<double(Index3 const&)> const& open, int level) {
+  grid::Domain const& domain = grid.domain(level);
   FilledCells filled;
+  filled.level = level;
   std::vector<double> volumes;  // open, of the cells
   auto const open_volume = [&](Index3 const& cell) {
     return domain.cell_volume(cell[0]) * (open != nullptr ? open(cell) : 1.0);
@@ -64,9 +77,10 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
   filled.images = symmetry_images(shape, domain, what);
   double full = 0.0;
   double part = 0.0;
-  for_each_cell(cells_of(shape, grid), [&](Index3 const& cell) {
+  for_each_cell(cells_of(shape, grid, level), [&](Index3 const& cell) {
     double f = fill_fraction(shape, domain, cell);
     if (f <= 0.0) return;
+    require_cell(grid, level, cell, what);
     double const room = open_volume(cell);
     if (room <= 0.0) return;
     // What the charge fills it fills of the open part.
@@ -80,11 +94,11 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
     return InputError(
         fmt::format("{} does not fit between solid cells: obstacles occupy the cells that would contain it; move them "
                     "apart by one cell of {:.6g} m, or make the cells smaller",
-                    what, grid.smallest_cell()));
+                    what, domain.smallest_cell()));
   };
   double const wanted = volume / filled.images;
   if (filled.cells.empty()) {  // smaller than the sampling: one cell takes it all
-    Index3 const cell = grid.cell_at(centre(shape));
+    Index3 const cell = grid.cell_at(level, centre(shape));
     double const room = open_volume(cell);
     if (room <= 0.0) throw no_room();
     filled.cells.push_back(cell);
@@ -120,10 +134,10 @@ FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double
 void place_charge(gas::Gas& gas, FilledCells const& filled, material::Explosive const& explosive, TakenCells& taken) {
   for (std::size_t n = 0; n < filled.cells.size(); ++n) {
     Index3 const& index = filled.cells[n];
-    grid::Cell const cell = gas.grid().locate(index);
+    grid::Cell const cell = gas.grid().locate(filled.level, index).value();
     double const alpha = filled.fractions[n];
     // Charges may share a cell: each takes its part from what was there before them.
-    double& before = taken[index];
+    double& before = taken[{filled.level, index}];
     double const rest = 1.0 - before - alpha;
     if (rest < -1e-12) {
       Vec3 const x = gas.grid().block(cell).centre(cell);
@@ -203,10 +217,9 @@ struct BurningCells {
 };
 
 /// Middle of the shape's part of a cell; of the cell where the shape fills it or passes between the samples.
-Vec3 middle_of_part(shape::Shape const& shape, grid::Grid const& grid, grid::Cell const& cell, double filled) {
-  grid::Domain const& domain = grid.domain();
-  double const h = grid.block(cell).h();
-  Vec3 const centre = grid.block(cell).centre(cell);
+Vec3 middle_of_part(shape::Shape const& shape, grid::Domain const& domain, Index3 const& cell, double filled) {
+  double const h = domain.smallest_cell();
+  Vec3 const centre = domain.centre(cell);
   if (filled >= 1.0) return centre;
   constexpr int samples = 8;
   grid::CellRange all;
@@ -223,25 +236,24 @@ Vec3 middle_of_part(shape::Shape const& shape, grid::Grid const& grid, grid::Cel
   return inside > 0 ? (1.0 / inside) * sum : centre;
 }
 
-BurningCells burning_cells(BurningCharge const& charge, grid::Grid const& grid) {
+BurningCells burning_cells(BurningCharge const& charge, grid::Grid const& grid, int level) {
   double const detonation_speed = charge.explosive.detonation_speed;
-  grid::Domain const& domain = grid.domain();
+  grid::Domain const& domain = grid.domain(level);
   int const dims = domain.dimensions();
-  grid::CellRange const own = cells_of(charge.shape, grid);
+  grid::CellRange const own = cells_of(charge.shape, grid, level);
   BurningCells burning;
   burning.range = own.grown(BurningCells::beside, dims);
   burning.cells.resize(burning.range.count());
   Vec3 const middle = centre(charge.shape);
   bool found = false;
-  auto const add = [&](grid::Cell const& cell, Vec3 x) {
+  auto const add = [&](Index3 const& index, Vec3 x) {
     found = true;
-    double const cell_time = grid.block(cell).h() / detonation_speed;
-    double const duration = 1.5 * grid.block(cell).h() / detonation_speed;  // [Cui14] Eq. (53)
+    double const cell_time = domain.smallest_cell() / detonation_speed;
+    double const duration = 1.5 * cell_time;  // [Cui14] Eq. (53)
     for (int d = dims; d < 3; ++d) x[d] = middle[d];
     double const time = lighting_time(x, charge.initiation, detonation_speed);
     burning.begin = std::min(burning.begin, time);
     burning.end = std::max(burning.end, time + duration);
-    Index3 const index = grid.index(cell);
     for_each_cell(grid::around(index, BurningCells::beside, dims), [&](Index3 const& there) {
       int distance = 0;
       for (int d = 0; d < dims; ++d) distance += (there[d] - index[d]) * (there[d] - index[d]);
@@ -253,11 +265,10 @@ BurningCells burning_cells(BurningCharge const& charge, grid::Grid const& grid) 
   for_each_cell(own, [&](Index3 const& index) {
     double const f = fill_fraction(charge.shape, domain, index);
     if (f <= 0.0) return;
-    grid::Cell const cell = grid.locate(index);
-    add(cell, middle_of_part(charge.shape, grid, cell, f));
+    add(index, middle_of_part(charge.shape, domain, index, f));
   });
   // A charge that is smaller than the sampling fills the one cell at its centre.
-  if (grid::Cell const only = grid.locate(middle); !found) add(only, grid.block(only).centre(only));
+  if (Index3 const only = grid.cell_at(level, middle); !found) add(only, domain.centre(only));
   return burning;
 }
 
@@ -272,21 +283,56 @@ void expect_instantaneous_burst(gas::Gas& gas, shape::Shape const& shape, double
   gas.burn.expect_burst(gas.time(), gas.time() + (1.0 + break_out) * radius / detonation_speed);
 }
 
-void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charges) {
-  grid::Domain const& domain = gas.grid().domain();
-  std::vector<BurningCells> of_charges;
+/// The cells of the charges at one level.
+struct BurnPlan::OfLevel {
+  std::vector<BurningCells> charges;
+};
+
+BurnPlan::~BurnPlan() = default;
+
+BurnPlan::OfLevel const& BurnPlan::of_level(grid::Grid const& grid, int level) {
+  if (static_cast<int>(levels_.size()) <= level) levels_.resize(static_cast<std::size_t>(level) + 1);
+  auto& found = levels_[static_cast<std::size_t>(level)];
+  if (found == nullptr) {
+    found = std::make_unique<OfLevel>();
+    for (BurningCharge const& charge : charges_) found->charges.push_back(burning_cells(charge, grid, level));
+  }
+  return *found;
+}
+
+BurnPlan::BurnPlan(gas::Gas& gas, std::vector<BurningCharge> charges) : charges_(std::move(charges)) {
   std::vector<gas::LitCharge> lit;
   double last = 0.0;
-  for (BurningCharge const& charge : charges) {
-    of_charges.push_back(burning_cells(charge, gas.grid()));
+  for (std::size_t n = 0; n < charges_.size(); ++n) {
+    BurningCharge const& charge = charges_[n];
+    BurningCells const& cells = of_level(gas.grid(), level_of(charge.shape, gas.grid())).charges[n];
     lit.push_back({charge.explosive.detonation_speed, charge.explosive.density()});
-    double const begin = of_charges.back().begin;
-    double const end = of_charges.back().end;
-    gas.burn.expect_burst(begin, end + break_out * (end - begin));
-    last = std::max(last, end);
+    gas.burn.expect_burst(cells.begin, cells.end + break_out * (cells.end - cells.begin));
+    last = std::max(last, cells.end);
   }
-  for (int b = 0; b < gas.grid().block_count(); ++b) {
+  std::vector<int> all;
+  for (int b = 0; b < gas.grid().block_count(); ++b) all.push_back(b);
+  set_times(gas, all);
+  for (grid::Block const& block : gas.grid().blocks()) {
+    for (gas::BurnTime const& times : gas.burn.times(block.number)) last = std::max(last, times.end);
+  }
+  // The energy of a trace is a few times what the air beside it has at the ambient pressure.
+  constexpr double few = 3.0;
+  material::Fluids const& fluids = gas.fluids();
+  double trace = 0.0;
+  for (BurningCharge const& charge : charges_) {
+    double const cold = material::gruneisen(fluids.ambient()) * charge.explosive.energy;
+    trace = std::max(trace, few * fluids.ambient_pressure / cold);
+  }
+  gas.burn.set_charges(std::move(lit));
+  gas.burn.set_end(last, trace);
+}
+
+void BurnPlan::set_times(gas::Gas& gas, std::vector<int> const& blocks) {
+  for (int const b : blocks) {
     grid::Block const& block = gas.grid().blocks()[b];
+    std::vector<BurningCells> const& of_charges = of_level(gas.grid(), block.level).charges;
+    grid::Domain const& domain = gas.grid().domain(block.level);
     grid::CellRange const box = block.with_ghosts();
     std::vector<gas::BurnTime> times(box.count());
     std::vector<std::uint16_t> charge_of(box.count(), 0);
@@ -304,21 +350,10 @@ void set_programmed_burn(gas::Gas& gas, std::vector<BurningCharge> const& charge
       if (burn.distance == far_away) return;
       times[box.offset(within)] = burn.times;
       charge_of[box.offset(within)] = static_cast<std::uint16_t>(number);
-      last = std::max(last, burn.times.end);
       any = true;
     });
     if (any) gas.burn.set_times(b, std::move(times), std::move(charge_of));
   }
-  // The energy of a trace is a few times what the air beside it has at the ambient pressure.
-  constexpr double few = 3.0;
-  material::Fluids const& fluids = gas.fluids();
-  double trace = 0.0;
-  for (BurningCharge const& charge : charges) {
-    double const cold = material::gruneisen(fluids.ambient()) * charge.explosive.energy;
-    trace = std::max(trace, few * fluids.ambient_pressure / cold);
-  }
-  gas.burn.set_charges(std::move(lit));
-  gas.burn.set_end(last, trace);
 }
 
 }  // namespace brisance::detonation

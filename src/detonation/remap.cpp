@@ -74,6 +74,7 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
   constexpr int part_cells = 512;
   std::vector<Part> parts;
   for (grid::Block const& block : grid.blocks()) {
+    if (block.covered) continue;
     for (int begin = 0; begin < block.cell_count(); begin += part_cells)
       parts.push_back({block.number, begin, std::min(begin + part_cells, block.cell_count())});
   }
@@ -335,7 +336,7 @@ RemapReport remap(gas::Gas& gas, Profile const& profile, Placing const& placing)
   bool const axial = profile.domain.geometry == Geometry::axisymmetric2d;
   auto const fill_radial = [&] {
     // Shells far thinner than a cell cost time and move nothing.
-    int const together = static_cast<int>(domain.smallest_cell() / (shells_per_cell * profile.domain.smallest_cell()));
+    int const together = static_cast<int>(gas.grid().smallest_cell() / (shells_per_cell * profile.domain.smallest_cell()));
     Profile const shells = merged(profile, std::max(1, together));
     return fill(gas, shells, placing.centre, [&] { return RadialSource(shells, domain.geometry); });
   };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gas/closure.hpp"
+#include "grid/block_store.hpp"
 #include "grid/grid.hpp"
 
 namespace brisance::gas {
@@ -29,16 +30,16 @@ struct LitCharge {
 
 class Burn {
  public:
-  explicit Burn(grid::Grid const& grid) : times_(grid.blocks().size()), charge_of_(grid.blocks().size()) {}
+  explicit Burn(grid::Grid const& grid) : times_(grid), charge_of_(grid) {}
 
   /// Charges that burn; cells know them by their numbers.
   void set_charges(std::vector<LitCharge> charges) { charges_ = std::move(charges); }
   /// When the cells of a block burn, and which charge is in them, over `Block::with_ghosts`.
   void set_times(int block, std::vector<BurnTime> times, std::vector<std::uint16_t> charge_of);
-  /// Forgets when cells burn: the grid's blocks have changed.
-  void forget_times(grid::Grid const& grid) {
-    times_.assign(grid.blocks().size(), {});
-    charge_of_.assign(grid.blocks().size(), {});
+  /// When the blocks change, see `BlockStore`: nothing burns in new ones.
+  void rearrange(std::vector<grid::Block> const& blocks, std::vector<int> const& before) {
+    times_.rearrange(blocks, before);
+    charge_of_.rearrange(blocks, before);
   }
   /// The time after which everything is burnt [s], and the volume fraction up to which explosive in a cell is a trace
   /// that counts as burnt: with less of it than the pressure of the air in the cell asks for, the model of unburnt
@@ -72,8 +73,8 @@ class Burn {
   [[nodiscard]] bool is_trace(double alpha) const;
 
  private:
-  std::vector<std::vector<BurnTime>> times_;           ///< per block
-  std::vector<std::vector<std::uint16_t>> charge_of_;  ///< per block
+  grid::BlockStore<std::vector<BurnTime>> times_;
+  grid::BlockStore<std::vector<std::uint16_t>> charge_of_;
   std::vector<LitCharge> charges_;
   std::vector<std::array<double, 2>> bursts_;  ///< begin and end [s]
   double now_ = 0.0;

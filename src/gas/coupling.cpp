@@ -16,7 +16,7 @@ void archive(Archive& a, FaceFlux& flux) {
 }  // namespace
 
 Coupling::Coupling(grid::Grid const& grid, int bundle_cells)
-    : grid_(&grid), bundle_cells_(bundle_cells), blocks_(grid.blocks().size()) {}
+    : grid_(&grid), bundle_cells_(bundle_cells), blocks_(grid) {}
 
 void Coupling::set_roles(int block, std::vector<Role> roles) {
   OfBlock& data = blocks_[block];
@@ -25,8 +25,8 @@ void Coupling::set_roles(int block, std::vector<Role> roles) {
   data.roles = all_own ? std::vector<Role>{} : std::move(roles);
 }
 
-int Coupling::watch(Index3 const& cell, int direction) {
-  WatchedFace const face{grid_->locate(cell), static_cast<int>(watched_.size())};
+int Coupling::watch(grid::Cell const& cell, int direction) {
+  WatchedFace const face{cell, static_cast<int>(watched_.size())};
   grid::Bundles const bundles(grid_->block(face.cell), direction, bundle_cells_);
   auto& faces = blocks_[face.cell.block].watched[direction];
   faces.resize(bundles.count());
@@ -41,6 +41,17 @@ std::vector<Coupling::WatchedFace> const& Coupling::faces(int block, int directi
   static std::vector<WatchedFace> const none;
   auto const& of_bundles = blocks_[block].watched[direction];
   return of_bundles.empty() ? none : of_bundles[bundle];
+}
+
+void Coupling::rearrange(std::vector<grid::Block> const& blocks, std::vector<int> const& before) {
+  blocks_.rearrange(blocks, before);
+  for (grid::Block const& block : blocks) {
+    for (auto& of_bundles : blocks_[block.number].watched) {
+      for (auto& faces : of_bundles) {
+        for (WatchedFace& face : faces) face.cell.block = block.number;
+      }
+    }
+  }
 }
 
 void Coupling::archive(Archive& a) {

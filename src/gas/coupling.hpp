@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gas/layout.hpp"
+#include "grid/block_store.hpp"
 #include "grid/bundle.hpp"
 
 namespace brisance {
@@ -49,9 +50,9 @@ class Coupling {
   /// Does a cell's content count?
   [[nodiscard]] bool is_own(grid::Cell const& cell) const { return role(cell.block, cell.offset) == Role::own; }
 
-  /// Keeps account of the face at the high side of a cell (domain index, not beyond the domain's last but one) in a
-  /// direction. Returns its number.
-  int watch(Index3 const& cell, int direction);
+  /// Keeps account of the face at the high side of a cell (not beyond the domain's last but one) in a direction, from
+  /// which a block of the same level follows. Returns its number.
+  int watch(grid::Cell const& cell, int direction);
   /// What went through the watched faces since `clear_watched`, by their numbers. Through faces between sleeping blocks
   /// nothing goes.
   [[nodiscard]] std::vector<FaceFlux> const& watched() const { return watched_; }
@@ -60,6 +61,8 @@ class Coupling {
   [[nodiscard]] std::vector<WatchedFace> const& faces(int block, int direction, int bundle) const;
   /// The register of a face.
   [[nodiscard]] FaceFlux& flux(int number) { return watched_[number]; }
+  /// When the blocks change, see `BlockStore`. All cells of new blocks are the gas's own, and their faces unwatched.
+  void rearrange(std::vector<grid::Block> const& blocks, std::vector<int> const& before);
   void archive(Archive& a);  ///< the register, in a checkpoint
 
  private:
@@ -70,7 +73,7 @@ class Coupling {
   };
   grid::Grid const* grid_;
   int bundle_cells_;
-  std::vector<OfBlock> blocks_;
+  grid::BlockStore<OfBlock> blocks_;
   std::vector<FaceFlux> watched_;
 };
 

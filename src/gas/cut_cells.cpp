@@ -54,22 +54,22 @@ double CutCells::area(grid::Cell const& cell, int direction, int side) const {
 }
 
 CutCell const* CutCells::find(Index3 const& cell) const {
-  auto const found = number_.find(grid_->domain().all_cells().offset(cell));
+  auto const found = number_.find(domain().all_cells().offset(cell));
   return found == number_.end() ? nullptr : &cells_[found->second];
 }
 
 double CutCells::open_area(Index3 const& cell, int face) const {
   if (auto const* cut = find(cell)) return cut->area[face];
-  return grid_->domain().face_area(face / 2, cell[0] + (face == 1 ? 1 : 0));
+  return domain().face_area(face / 2, cell[0] + (face == 1 ? 1 : 0));
 }
 
 double CutCells::open_volume(Index3 const& cell) const {
   if (auto const* cut = find(cell)) return cut->volume;
-  return grid_->domain().cell_volume(cell[0]);
+  return domain().cell_volume(cell[0]);
 }
 
-CutCells::Group CutCells::group_of(std::size_t number, std::vector<std::uint8_t> const& solid) const {
-  grid::Domain const& domain = grid_->domain();
+CutCells::Group CutCells::group_of(std::size_t number, IsSolid const& is_solid) const {
+  grid::Domain const& domain = this->domain();
   grid::CellRange const all = domain.all_cells();
   CutCell const& cut = cells_[number];
   double const wanted = large_enough * domain.cell_volume(cut.cell[0]);
@@ -88,7 +88,7 @@ CutCells::Group CutCells::group_of(std::size_t number, std::vector<std::uint8_t>
           if (domain.boundary[face] != grid::Boundary::periodic) continue;
           beside = grid::image_cell(domain, beside);
         }
-        if (solid[all.offset(beside)] != 0) continue;
+        if (is_solid(beside)) continue;
         if (std::find(reached.begin(), reached.end(), beside) != reached.end()) continue;
         double const whole = std::max(domain.face_area(d, from[0] + (face == 1 ? 1 : 0)), 1e-300);
         double const open = open_area(from, face) / whole;
@@ -111,21 +111,21 @@ CutCells::Group CutCells::group_of(std::size_t number, std::vector<std::uint8_t>
   return group;
 }
 
-std::vector<CutCells::Group> CutCells::groups(std::vector<std::uint8_t> const& solid) const {
+std::vector<CutCells::Group> CutCells::groups(IsSolid const& is_solid) const {
   std::vector<Group> all;
   for (std::size_t n = 0; n < cells_.size(); ++n) {
-    if (cells_[n].volume >= large_enough * grid_->domain().cell_volume(cells_[n].cell[0])) continue;
-    Group group = group_of(n, solid);
+    if (cells_[n].volume >= large_enough * domain().cell_volume(cells_[n].cell[0])) continue;
+    Group group = group_of(n, is_solid);
     if (!group.members.empty()) all.push_back(std::move(group));
   }
   return all;
 }
 
 void CutCells::make_nodes(std::vector<Group> const& groups) {
-  grid::CellRange const all = grid_->domain().all_cells();
+  grid::CellRange const all = domain().all_cells();
   auto const add = [&](Index3 const& index, int cut) {
     Node node;
-    node.cell = grid_->locate(index);
+    node.cell = locate(index);
     node.volume = open_volume(index);
     node.cut = cut;
     nodes_.push_back(node);
@@ -154,7 +154,7 @@ void CutCells::make_nodes(std::vector<Group> const& groups) {
 }
 
 void CutCells::make_mergers(std::vector<Group> const& groups) {
-  grid::CellRange const all = grid_->domain().all_cells();
+  grid::CellRange const all = domain().all_cells();
   // What small cells ask of each node: no more than all of it.
   std::vector<double> asked(nodes_.size(), 0.0);
   for (Group const& group : groups) {
@@ -193,7 +193,7 @@ void CutCells::make_mergers(std::vector<Group> const& groups) {
 void CutCells::find_bundles() {
   for (auto const& [first, end] : ranges_) {
     grid::Block const& block = grid_->block(nodes_[first].cell);
-    for (int d = 0; d < grid_->domain().dimensions(); ++d) {
+    for (int d = 0; d < domain().dimensions(); ++d) {
       grid::Bundles const bundles(block, d, bundle_cells_);
       std::vector<std::vector<InBundle>> lists(bundles.count());
       for (int n = first; n < end; ++n) {
@@ -211,29 +211,30 @@ void CutCells::find_bundles() {
 }
 
 void CutCells::find_boundaries() {
-  grid::Domain const& domain = grid_->domain();
+  grid::Domain const& domain = this->domain();
   for (CutCell const& cut : cells_) {
     for (int face = 0; face < 2 * domain.dimensions(); ++face) {
       if (!domain.contains(grid::beside(cut.cell, face / 2, face % 2)))
-        of_block_[grid_->locate(cut.cell).block].boundary[face] = true;
+        of_block_[locate(cut.cell).block].boundary[face] = true;
     }
   }
 }
 
-void CutCells::set(shape::CutGeometry const& geometry, int components) {
+void CutCells::set(std::vector<shape::CutCell> const& cells, int level, IsSolid const& is_solid, int components) {
   cells_.clear();
-  for (shape::CutCell const& cut : geometry.cells) cells_.push_back(measured(grid_->domain(), cut));
+  level_ = level;
+  for (shape::CutCell const& cut : cells) cells_.push_back(measured(domain(), cut));
   if (cells_.empty()) return;
   // By blocks, as sweeps come to them: what is read one after the other lies so.
   std::sort(cells_.begin(), cells_.end(), [this](CutCell const& a, CutCell const& b) {
-    grid::Cell const at = grid_->locate(a.cell);
-    grid::Cell const behind = grid_->locate(b.cell);
+    grid::Cell const at = locate(a.cell);
+    grid::Cell const behind = locate(b.cell);
     return at.block != behind.block ? at.block < behind.block : at.offset < behind.offset;
   });
-  grid::CellRange const all = grid_->domain().all_cells();
+  grid::CellRange const all = domain().all_cells();
   of_block_.resize(grid_->blocks().size());
   for (std::size_t n = 0; n < cells_.size(); ++n) number_[all.offset(cells_[n].cell)] = n;
-  std::vector<Group> const asked = groups(geometry.solid);
+  std::vector<Group> const asked = groups(is_solid);
   make_nodes(asked);
   make_mergers(asked);
   find_bundles();

@@ -17,6 +17,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -90,8 +91,12 @@ class CutCells {
   /// `bundle_cells`: those of the sweeps.
   CutCells(grid::Grid const& grid, int bundle_cells) : grid_(&grid), bundle_cells_(bundle_cells) {}
 
-  /// Sets the cut cells of the domain, and how many components a state has.
-  void set(shape::CutGeometry const& geometry, int components);
+  /// Is a cell (index in the domain) solid as a whole?
+  using IsSolid = std::function<bool(Index3 const& cell)>;
+  /// Sets the cut cells of the domain, all of one level, and how many components a state has.
+  void set(std::vector<shape::CutCell> const& cells, int level, IsSolid const& is_solid, int components);
+  /// That of all of them.
+  [[nodiscard]] int level() const { return level_; }
   [[nodiscard]] std::vector<CutCell> const& cells() const { return cells_; }
   /// The cut cell at a place; null: it is whole, or solid.
   [[nodiscard]] CutCell const* find(grid::Cell const& cell) const;
@@ -148,8 +153,8 @@ class CutCells {
     std::vector<Index3> members;  ///< without the cell itself
     double weight = 0.0;          ///< that it asks of each
   };
-  [[nodiscard]] std::vector<Group> groups(std::vector<std::uint8_t> const& solid) const;
-  [[nodiscard]] Group group_of(std::size_t cut, std::vector<std::uint8_t> const& solid) const;
+  [[nodiscard]] std::vector<Group> groups(IsSolid const& is_solid) const;
+  [[nodiscard]] Group group_of(std::size_t cut, IsSolid const& is_solid) const;
   /// The open area of a cell's face, and its open volume.
   [[nodiscard]] double open_area(Index3 const& cell, int face) const;
   [[nodiscard]] double open_volume(Index3 const& cell) const;
@@ -159,8 +164,12 @@ class CutCells {
   void find_bundles();
   void find_boundaries();
 
+  [[nodiscard]] grid::Domain const& domain() const { return grid_->domain(level_); }
+  [[nodiscard]] grid::Cell locate(Index3 const& cell) const { return grid_->locate(level_, cell).value(); }
+
   grid::Grid const* grid_;
   int bundle_cells_;
+  int level_ = 0;
   std::vector<CutCell> cells_;
   std::unordered_map<std::size_t, std::size_t> number_;  ///< place in the domain -> cut cell
   std::unordered_map<std::size_t, int> node_of_;         ///< place in the domain -> node

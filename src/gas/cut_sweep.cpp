@@ -303,7 +303,6 @@ void Gas::store_node(int n) {
 }
 
 void Gas::share_small_cells(SweepContext const& s, bool last) {
-  if (cut.nodes().empty()) return;
   merge_small_cells();
   auto const& ranges = cut.ranges();
   std::vector<std::vector<int>> unsound(ranges.size());
@@ -315,7 +314,7 @@ void Gas::share_small_cells(SweepContext const& s, bool last) {
 }
 
 void Gas::mend(int n, SweepContext const& s) {
-  grid::Domain const& domain = grid_->domain();
+  grid::Domain const& domain = grid_->domain(cut.level());
   Node const& node = cut.nodes()[n];
   // The cell and those that its open faces lead to.
   std::vector<grid::Cell> cells{node.cell};
@@ -324,9 +323,9 @@ void Gas::mend(int n, SweepContext const& s) {
     if (!(cut.area(node.cell, face / 2, face % 2) > 0.0)) continue;
     Index3 const beside = grid::beside(index, face / 2, face % 2);
     Index3 const image = grid::image_cell(domain, beside);
-    if (image == index || obstacles.contain(image)) continue;
+    if (image == index || obstacles.contain(cut.level(), image)) continue;
     if (beside != image && domain.boundary[face] != grid::Boundary::periodic) continue;
-    cells.push_back(grid_->locate(image));
+    if (auto const at = grid_->locate(cut.level(), image)) cells.push_back(*at);
   }
   double volume = 0.0;
   Components mean{};

@@ -83,9 +83,7 @@ void Gas::set(grid::Cell const& cell, Amounts const& per_volume, Fractions const
   note_change(cell);
 }
 
-void Gas::fill_opened(Index3 const& cell, Index3 const& from) {
-  grid::Cell const to = grid_->locate(cell);
-  grid::Cell const donor = grid_->locate(from);
+void Gas::fill_opened(grid::Cell const& to, grid::Cell const& donor) {
   if (burn_fraction(*this, donor) < 1.0) return;
   Components u{};
   for (int c = 0; c < components(); ++c) u[c] = fields_.at(donor.block, c)[donor.offset];
@@ -164,10 +162,10 @@ bool hold_the_same(Gas const& gas, int block, int offset) {
   return true;
 }
 
-std::vector<Primitive> gather(Gas const& gas, std::vector<Index3> const& cells) {
+std::vector<Primitive> gather(Gas const& gas, std::vector<Index3> const& cells, int level) {
   std::vector<Primitive> states;
   states.reserve(cells.size());
-  for (Index3 const& cell : cells) states.push_back(gas.primitive(gas.grid().locate(cell)));
+  for (Index3 const& cell : cells) states.push_back(gas.primitive(gas.grid().locate(level, cell).value()));
   return states;
 }
 
@@ -269,16 +267,20 @@ void Gas::sweep_level(int level, int direction, double dt, bool last) {
     if (last && awake_[b] && !coupling.all_frozen(b)) blocks_[b].signal = 0.0;
   }
   add_tallies(parts);
-  share_small_cells(context, last);
+  if (!cut.nodes().empty() && level == cut.level()) share_small_cells(context, last);
   for (int const b : grid_->blocks_of(level)) {
     if (blocks_[b].not_a_number >= 0) report_not_a_number(b, direction);
   }
 }
 
-void Gas::advance_level(int level, double time, double dt, bool reverse) {
+void Gas::advance_level(int level, double time, double dt, bool reverse, Companion const& companion) {
+  if (level == companion.level) {
+    time_ = time;
+    companion.before(time, dt);
+  }
   time_at_step_end_ = time + dt;
   burn.follow(time, time_at_step_end_);
-  find_walls();
+  if (level == cut.level()) find_walls();
   bool const finer = level + 1 < grid_->levels();
   std::vector<int> const order = sweeps_of(reverse);
   if (finer) levels_.begin_step(fields_, awake_, level, order);
@@ -287,12 +289,29 @@ void Gas::advance_level(int level, double time, double dt, bool reverse) {
     if (level > 0) levels_.end_fine_sweep(level, direction);
     if (finer) levels_.end_sweep(fields_, awake_, level);
   }
-  if (!finer) return;
-  for (int number = 0; number < 2; ++number) {
-    levels_.begin_fine_step(level + 1, number);
-    advance_level(level + 1, time + 0.5 * number * dt, 0.5 * dt, number == 1);
+  if (finer) {
+    double begun = 0.0;
+    for (int number = 0; begun < 1.0; ++number) {
+      double const left = 1.0 - begun;
+      double const length = left / fine_steps(level, left);
+      levels_.begin_fine_step(level + 1, begun, length);
+      advance_level(level + 1, time + begun * dt, length * dt, number % 2 == 1, companion);
+      begun = length == left ? 1.0 : begun + length;
+    }
+    take_from_finer(level);
   }
-  take_from_finer(level);
+  if (level == companion.level) {
+    time_ = time + dt;
+    companion.after(time, dt);
+  }
+}
+
+double Gas::fine_steps(int level, double left) const {
+  double signal = 0.0;
+  for (int finer = level + 1; finer < grid_->levels(); ++finer) {
+    for (int const b : grid_->blocks_of(finer)) signal = std::max(signal, blocks_[b].signal);
+  }
+  return std::ceil(2.0 * left * std::max(1.0, signal / most_signal_) * (1.0 - 1e-12));
 }
 
 void Gas::take_from_finer(int level) {
@@ -305,10 +324,13 @@ void Gas::take_from_finer(int level) {
   levels_.restrict(fields_, level, note);
 }
 
-void Gas::advance(double dt, bool reverse) {
+void Gas::advance(double dt, bool reverse, Companion const& companion) {
   if (static_cast<int>(workspaces_.size()) < threads()) prepare_workspaces();  // more threads than at the start
   double const end = time_ + dt;
-  advance_level(0, time_, dt, reverse);
+  // Splitting is stable up to 1; a user may have chosen a step nearer to it.
+  constexpr double most_courant = 0.9;
+  most_signal_ = std::max(most_courant * grid_->domain().smallest_cell() / dt, 1.05 * fastest_signal_);
+  advance_level(0, time_, dt, reverse, companion);
   time_ = end;
   time_at_step_end_ = end;
   burn.follow(time_, time_at_step_end_);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -56,6 +57,13 @@ struct Options {
   int part_cells = 16384;  ///< cells that a thread sweeps at a time: so few that all threads end at about the same time
 };
 
+/// What calculates beside the gas, step by step of one level.
+struct Companion {
+  int level = -1;  ///< of which it sees every step; -1: none
+  /// Before a step, and after it and the steps of finer levels in it: of what length, and where it begins [s].
+  std::function<void(double time, double dt)> before, after;
+};
+
 /// Guards and boundary flows since the start, summed over blocks in fixed order.
 struct Account {
   Components outflow{};  ///< of each component through the domain's faces, integrated [unit m3]
@@ -95,16 +103,17 @@ class Gas {
   void set(grid::Cell const& cell, Amounts const& per_volume, Fractions const& volume_fraction);
   /// Gives a cell that has just been opened the gas of another, at rest; what it held and what it holds now go to the
   /// account. From a cell in which explosive burns it gets nothing.
-  void fill_opened(Index3 const& cell, Index3 const& from);
+  void fill_opened(grid::Cell const& to, grid::Cell const& donor);
   /// A block whose cells have been changed from outside does not sleep on.
   void wake(int block) { awake_[block] = 1; }
   [[nodiscard]] bool awake(int block) const { return awake_[block] != 0; }
 
   /// Changes the blocks to the leaves of a forest. `grid` is the one that the gas has been made for; all that follow it
   /// see its new blocks. What was refined is made from the cells before, see prolongation.hpp, and what was merged is
-  /// their mean: nothing is lost. Obstacles, cut cells, the burn's times and the coupling's roles and faces are to be
-  /// set again.
-  void regrid(grid::Grid& grid, grid::Forest const& forest);
+  /// their mean: nothing is lost. Obstacles, burn times, roles and watched faces of blocks that stay are kept;
+  /// `furnish` is to set those of new blocks, and all cut cells.
+  using Furnish = std::function<void(std::vector<int> const& new_blocks)>;
+  void regrid(grid::Grid& grid, grid::Forest const& forest, Furnish const& furnish = {});
 
   /// Ends the initial phase: finds the quiescent blocks, the state beyond outflow boundaries and the first wave speeds.
   void start(double time = 0.0);
@@ -113,9 +122,9 @@ class Gas {
   [[nodiscard]] double fastest_signal() const { return fastest_signal_; }
 
   /// One step of length dt: a sweep in each resolved direction, x first or last. A pair of steps with `reverse` false
-  /// and true is the Strang splitting of [Cui14] Eq. (6) over 2 dt. Level l takes 2^l steps of dt / 2^l. Throws
-  /// NumericalError when a cell holds something that is no number.
-  void advance(double dt, bool reverse);
+  /// and true is the Strang splitting of [Cui14] Eq. (6) over 2 dt. Level l takes 2^l steps of dt / 2^l, and the
+  /// companion steps with one of them. Throws NumericalError when a cell holds something that is no number.
+  void advance(double dt, bool reverse, Companion const& companion = {});
   [[nodiscard]] double time() const { return time_; }
 
   [[nodiscard]] Primitive primitive(grid::Cell const& cell) const;
@@ -170,8 +179,11 @@ class Gas {
   /// Directions of the sweeps of a step.
   [[nodiscard]] std::vector<int> sweeps_of(bool reverse) const;
   /// A step of a level from a time on, and those of the finer ones in it.
-  void advance_level(int level, double time, double dt, bool reverse);
+  void advance_level(int level, double time, double dt, bool reverse, Companion const& companion);
   void sweep_level(int level, int direction, double dt, bool last);
+  /// Steps that the finer level needs in what is left of a step of a level, 2 in the whole: more where waves have become
+  /// much faster since the step was chosen.
+  [[nodiscard]] double fine_steps(int level, double left) const;
   /// What the finer level has found becomes the coarser one's.
   void take_from_finer(int level);
   /// Sweeps what is awake.
@@ -289,12 +301,13 @@ class Gas {
   double time_ = 0.0;
   double time_at_step_end_ = 0.0;
   double fastest_signal_ = 0.0;
+  double most_signal_ = 0.0;  ///< with which the present step is stable [m/s]
 };
 
 /// Do a cell and the next one in a block's arrays hold the same gas, to the last bit? Not asked where explosive burns.
 [[nodiscard]] bool hold_the_same(Gas const& gas, int block, int offset);
 
-/// The states of cells of the domain, wherever they lie.
-[[nodiscard]] std::vector<Primitive> gather(Gas const& gas, std::vector<Index3> const& cells);
+/// The states of cells of a level, wherever they lie.
+[[nodiscard]] std::vector<Primitive> gather(Gas const& gas, std::vector<Index3> const& cells, int level = 0);
 
 }  // namespace brisance::gas

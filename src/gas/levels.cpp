@@ -33,26 +33,50 @@ Levels::Contact Levels::contact_at(grid::Block const& fine, int face) const {
   return contact;
 }
 
-Levels::Strip Levels::strip_at(Contact const& contact) const {
+Levels::Strip Levels::strip_at(Contact const& contact, IsSolid const& is_solid) const {
   int const level = grid_->blocks()[contact.coarse].level;
   grid::Domain const& domain = grid_->domain(level);
   Strip strip;
   strip.box = contact.core.grown(1, domain.dimensions());
   strip.sources.resize(strip.box.count());
-  for_each_cell(strip.box, [&](Index3 cell) {
-    std::size_t const place = strip.box.offset(cell);
-    if (!CoarsePatch::find_image(domain, cell)) return;
-    auto const found = grid_->locate(level, cell);
-    if (!found) return;
-    strip.sources[place] = {found->block, found->offset};
-    if (std::find(strip.blocks.begin(), strip.blocks.end(), found->block) == strip.blocks.end())
-      strip.blocks.push_back(found->block);
-  });
+  auto const take = [&](std::size_t place, grid::Cell const& cell) {
+    strip.sources[place] = {cell.block, cell.offset, is_solid && is_solid(cell)};
+    if (strip.blocks.empty() || strip.blocks.back() != cell.block) strip.blocks.push_back(cell.block);
+  };
+  if (grid::common(strip.box, domain.all_cells()).count() == strip.box.count()) {
+    grid_->for_each_block_in(level, strip.box, [&](grid::Block const& block, grid::CellRange const& cells) {
+      for_each_cell(cells, [&](Index3 const& index) {
+        take(strip.box.offset(index),
+             block.cell(index[0] - block.origin[0], index[1] - block.origin[1], index[2] - block.origin[2]));
+      });
+    });
+  } else {
+    for_each_cell(strip.box, [&](Index3 const& cell) {
+      Index3 image = cell;
+      if (!CoarsePatch::find_image(domain, image)) return;
+      if (auto const found = grid_->locate(level, image)) take(strip.box.offset(cell), *found);
+    });
+  }
+  std::sort(strip.blocks.begin(), strip.blocks.end());
+  strip.blocks.erase(std::unique(strip.blocks.begin(), strip.blocks.end()), strip.blocks.end());
   for (auto& stage : strip.stages) stage.resize(strip.sources.size());
   return strip;
 }
 
-Levels::Levels(grid::Grid const& grid, Fluids const& fluids, int components)
+void Levels::close(Contact& contact, Strip const& strip) {
+  int const d = contact.face / 2;
+  bool any = false;
+  contact.closed.clear();
+  for_each_cell(contact.core, [&](Index3 const& cell) {
+    bool const closed = strip.sources[strip.box.offset(cell)].solid ||
+                        strip.sources[strip.box.offset(grid::beside(cell, d, 1 - contact.face % 2))].solid;
+    contact.closed.push_back(closed ? 1 : 0);
+    any = any || closed;
+  });
+  if (!any) contact.closed.clear();
+}
+
+Levels::Levels(grid::Grid const& grid, Fluids const& fluids, int components, IsSolid const& is_solid)
     : grid_(&grid),
       fluids_(fluids),
       components_(components),
@@ -64,11 +88,12 @@ Levels::Levels(grid::Grid const& grid, Fluids const& fluids, int components)
   for (grid::Block const& block : grid.blocks()) {
     for (int face = 0; face < 6; ++face) {
       if (block.beyond[face] != grid::Beyond::coarser) continue;
-      Contact const contact = contact_at(block, face);
+      Contact contact = contact_at(block, face);
       int const level = block.level - 1;
       strip_of_[block.number][face] = static_cast<int>(strips_[level].size());
+      strips_[level].push_back(strip_at(contact, is_solid));
+      if (is_solid) close(contact, strips_[level].back());
       contacts_[level].push_back(contact);
-      strips_[level].push_back(strip_at(contact));
       auto const make = [&](grid::Block const& of, int its_face) {
         auto& sum = registers_[of.number][its_face].sum;
         if (sum.empty()) sum.assign(face_cells(of, its_face).count() * values(), 0.0);
@@ -97,7 +122,7 @@ void Levels::gather(grid::Fields const& fields, grid::AwakeBlocks const& awake, 
   }
   std::vector<Components>& cells = strip.stages[stage];
   for (std::size_t n = 0; n < cells.size(); ++n) {
-    auto const [block, offset] = strip.sources[n];
+    auto const [block, offset, solid] = strip.sources[n];
     if (block == grid::no_neighbour) continue;
     for (int c = 0; c < components_; ++c) cells[n][c] = fields.at(block, c)[offset];
   }
@@ -117,8 +142,9 @@ void Levels::end_sweep(grid::Fields const& fields, grid::AwakeBlocks const& awak
   parallel_for(static_cast<int>(strips.size()), [&](int n, int) { gather(fields, awake, strips[n], stage); });
 }
 
-void Levels::begin_fine_step(int level, int number) {
-  clock_[level].begun = 0.5 * number;
+void Levels::begin_fine_step(int level, double begun, double length) {
+  clock_[level].begun = begun;
+  clock_[level].length = length;
   clock_[level].done = {false, false, false};
 }
 
@@ -135,7 +161,7 @@ Components Levels::at_present(Strip const& strip, std::size_t cell, int coarse_l
     if (!fine.done[coarse.order[n]]) continue;
     Components const& before = strip.stages[n][cell];
     Components const& after = strip.stages[n + 1][cell];
-    for (int c = 0; c < components_; ++c) u[c] += 0.5 * (after[c] - before[c]);
+    for (int c = 0; c < components_; ++c) u[c] += fine.length * (after[c] - before[c]);
   }
   return u;
 }
@@ -154,7 +180,11 @@ void Levels::fill(int b, int face, double* ghosts) const {
   }
   CoarsePatch patch(fluids_, components_, grid_->domain(level), contact.core);
   for (std::size_t n = 0; n < strip.sources.size(); ++n) {
-    if (strip.sources[n].block != grid::no_neighbour) patch.set(n, at_present(strip, n, level));
+    if (strip.sources[n].block == grid::no_neighbour) continue;
+    if (strip.sources[n].solid)
+      patch.set_solid(n, strip.stages[0][n]);
+    else
+      patch.set(n, at_present(strip, n, level));
   }
   grid::CellRange const beyond = grid::ghosts_in_domain(block, face);
   Prolongation::Parts parts;
@@ -216,6 +246,7 @@ std::vector<grid::Cell> Levels::correct(grid::Fields& fields, Contact const& con
       double* const sum = entry(contact.fine, contact.face, *grid_->locate(fine.level, part));
       for (int c = 0; c < values(); ++c) more[c] += std::exchange(sum[c], 0.0);
     });
+    if (!contact.closed.empty() && contact.closed[contact.core.offset(index)] != 0) return;
     if (std::all_of(more.begin(), more.begin() + values(), [](double x) { return x == 0.0; })) return;
     double const scale = outwards / coarse.volume(cell);
     for (int c = 0; c < components_; ++c) {

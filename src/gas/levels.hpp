@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/buffer.hpp"
@@ -25,7 +26,10 @@ namespace brisance::gas {
 
 class Levels {
  public:
-  Levels(grid::Grid const& grid, Fluids const& fluids, int components);
+  using IsSolid = std::function<bool(grid::Cell const& cell)>;
+
+  /// `is_solid`: null where there are no obstacles. At the end of a level they fit its cells and the coarser ones.
+  Levels(grid::Grid const& grid, Fluids const& fluids, int components, IsSolid const& is_solid = {});
 
   /// What quiescent gas holds and carries: accounts count differences to it, which blocks that sleep do not have.
   void set_quiescent(Components const& state, std::array<Components, 3> const& flux, Vec3 const& velocity);
@@ -34,8 +38,8 @@ class Levels {
   void begin_step(grid::Fields const& fields, grid::AwakeBlocks const& awake, int level, std::vector<int> const& order);
   /// A sweep of that step is done.
   void end_sweep(grid::Fields const& fields, grid::AwakeBlocks const& awake, int level);
-  /// The finer level begins its first or second step within that of the level below it.
-  void begin_fine_step(int level, int number);
+  /// The finer level begins a step within that of the level below it: the part of that step before, and its own part.
+  void begin_fine_step(int level, double begun, double length);
   void end_fine_sweep(int level, int direction) { clock_[level].done[direction] = true; }
   /// The ghost cells of a block beyond a face behind which cells are coarser: per component an array over the
   /// `grid::ghost_box`.
@@ -72,12 +76,14 @@ class Levels {
     int face = 0;          ///< of the fine block
     int coarse = 0;        ///< block
     grid::CellRange core;  ///< the coarse cells beside the face, by their index in the domain
+    std::vector<std::uint8_t> closed;  ///< of the core: nothing goes through the face; empty: through all of it
   };
   struct Strip {
     grid::CellRange box;  ///< the core of its contact and one layer around
     struct Source {
       int block = grid::no_neighbour;
       int offset = 0;
+      bool solid = false;
     };
     std::vector<Source> sources;  ///< of the cells of the box
     std::vector<int> blocks;      ///< that give something
@@ -90,12 +96,15 @@ class Levels {
     std::vector<int> order;                         ///< of its own sweeps
     int sweeps = 0;                                 ///< of its own step that are done
     double begun = 0.0;                             ///< part of the coarser step before its own one
+    double length = 0.5;                            ///< part that its own one is
     std::array<bool, 3> done{false, false, false};  ///< own sweeps, by their direction
   };
 
   [[nodiscard]] static grid::CellRange face_cells(grid::Block const& block, int face);
   [[nodiscard]] Contact contact_at(grid::Block const& fine, int face) const;
-  [[nodiscard]] Strip strip_at(Contact const& contact) const;
+  /// Finds where the face is closed, from the strip of the contact.
+  static void close(Contact& contact, Strip const& strip);
+  [[nodiscard]] Strip strip_at(Contact const& contact, IsSolid const& is_solid) const;
   void gather(grid::Fields const& fields, grid::AwakeBlocks const& awake, Strip& strip, int stage) const;
   /// The state of a strip's cell at the time of the fine level.
   [[nodiscard]] Components at_present(Strip const& strip, std::size_t cell, int coarse_level) const;

@@ -9,6 +9,7 @@
 
 #include "core/parallel.hpp"
 #include "grid/bundle.hpp"
+#include "grid/fine_cells.hpp"
 
 namespace brisance::gas {
 
@@ -35,16 +36,25 @@ void add_cell(std::vector<WallRun>& runs, int q, int distance, bool above) {
 }  // namespace
 
 Obstacles::Obstacles(grid::Grid const& grid, int bundle_cells)
-    : grid_(&grid), bundle_cells_(bundle_cells), blocks_(grid.blocks().size()) {}
+    : grid_(&grid), bundle_cells_(bundle_cells), blocks_(grid) {}
 
 bool Obstacles::contain(grid::Cell const& cell) const {
   auto const& solid = blocks_[cell.block].solid;
   return !solid.empty() && solid[grid_->block(cell).with_ghosts().offset(cell.within())] != 0;
 }
 
+bool Obstacles::contain(int level, Index3 const& cell) const {
+  if (auto const found = grid_->locate(level, cell)) return contain(*found);
+  return level > 0 && contain(level - 1, grid::coarse_cell(cell, grid_->domain().dimensions()));
+}
+
 std::vector<WallRun> const* Obstacles::near_walls(int block, int direction, int bundle) const {
   auto const& of_bundles = blocks_[block].near_walls[direction];
   return of_bundles.empty() || of_bundles[bundle].empty() ? nullptr : &of_bundles[bundle];
+}
+
+bool Obstacles::any() const {
+  return std::any_of(blocks_.begin(), blocks_.end(), [](OfBlock const& data) { return !data.solid.empty(); });
 }
 
 void Obstacles::find_near_walls() {
@@ -54,12 +64,23 @@ void Obstacles::find_near_walls() {
 }
 
 void Obstacles::find_near_walls(std::vector<int> const& blocks) {
-  bool const any_obstacle =
-      std::any_of(blocks_.begin(), blocks_.end(), [](OfBlock const& data) { return !data.solid.empty(); });
+  bool const any_obstacle = any();
   parallel_for(static_cast<int>(blocks.size()), [&](int n, int) {
     grid::Block const& block = grid_->blocks()[blocks[static_cast<std::size_t>(n)]];
     for (int d = 0; d < grid_->domain().dimensions(); ++d) find_near_walls(block, d, any_obstacle);
   });
+}
+
+bool Obstacles::reach_obstacle(grid::Block const& block, int d) const {
+  if (!blocks_[block.number].solid.empty()) return true;
+  for (int face = 2 * d; face < 2 * d + 2; ++face) {
+    int other = block.neighbour[face];
+    if (block.beyond[face] == grid::Beyond::coarser) other = grid::coarser_block_beyond(*grid_, block, face);
+    if (other == grid::no_neighbour) continue;
+    // Behind a thin block there is another one.
+    if (!blocks_[other].solid.empty() || grid_->blocks()[other].n[d] <= near_wall_cells) return true;
+  }
+  return false;
 }
 
 void Obstacles::find_near_walls(grid::Block const& block, int d, bool any_obstacle) {
@@ -77,7 +98,8 @@ void Obstacles::find_near_walls(grid::Block const& block, int d, bool any_obstac
   // Also where no more than a ghost cell is near: both blocks at a face must find the same states there.
   bool const low_face = is_rigid_face(d, 0) && first <= near_wall_cells;
   bool const high_face = is_rigid_face(d, 1) && beyond >= domain.cells[d] - near_wall_cells;
-  if (!any_obstacle && !low_face && !high_face) return;
+  bool const obstacle_near = any_obstacle && reach_obstacle(block, d);
+  if (!obstacle_near && !low_face && !high_face) return;
   grid::Bundles const bundles(block, d, bundle_cells_);
   of_bundles.resize(bundles.count());
   // Distances of the block's cells and one ghost cell at each end along a line, in the cells ahead of a surface
@@ -96,7 +118,7 @@ void Obstacles::find_near_walls(grid::Block const& block, int d, bool any_obstac
     Index3 cell = block.index(line);
     for (int l = 0; l < length; ++l) {
       cell[d] = first - reach + l;
-      solid[l] = any_obstacle && contain(grid::image_cell(domain, cell)) ? 1 : 0;
+      solid[l] = obstacle_near && contain(block.level, grid::image_cell(domain, cell)) ? 1 : 0;
     }
     // Is the face between places l - 1 and l rigid?
     auto const rigid = [&](int l) {
@@ -127,8 +149,8 @@ void Obstacles::find_near_walls(grid::Block const& block, int d, bool any_obstac
   if (found.empty()) of_bundles.clear();
 }
 
-std::vector<int> Obstacles::blocks_near(std::vector<Index3> const& cells, int layers) const {
-  grid::Domain const& domain = grid_->domain();
+std::vector<int> Obstacles::blocks_near(int level, std::vector<Index3> const& cells, int layers) const {
+  grid::Domain const& domain = grid_->domain(level);
   Index3 lower = cells.front();
   Index3 upper = cells.front();
   for (Index3 const& cell : cells) {
@@ -140,7 +162,7 @@ std::vector<int> Obstacles::blocks_near(std::vector<Index3> const& cells, int la
   bool const everywhere = std::any_of(domain.boundary.begin(), domain.boundary.end(),
                                       [](grid::Boundary b) { return b == grid::Boundary::periodic; });
   std::vector<int> near;
-  for (int b = 0; b < grid_->block_count(); ++b) {
+  for (int const b : grid_->blocks_of(level)) {
     grid::CellRange const reach = grid_->blocks()[b].in_domain().grown(layers, domain.dimensions());
     bool meets = true;
     for (int d = 0; d < domain.dimensions(); ++d) {
@@ -151,12 +173,12 @@ std::vector<int> Obstacles::blocks_near(std::vector<Index3> const& cells, int la
   return near;
 }
 
-std::vector<int> Obstacles::open(std::vector<Index3> const& cells) {
+std::vector<int> Obstacles::open(int level, std::vector<Index3> const& cells) {
   std::vector<int> changed;
   if (cells.empty()) return changed;
-  grid::Domain const& domain = grid_->domain();
+  grid::Domain const& domain = grid_->domain(level);
   std::set<Index3> const opened(cells.begin(), cells.end());
-  for (int const b : blocks_near(cells, grid::ghost_layers)) {
+  for (int const b : blocks_near(level, cells, grid::ghost_layers)) {
     std::vector<std::uint8_t>& solid = blocks_[b].solid;
     if (solid.empty()) continue;
     grid::Block const& block = grid_->blocks()[b];
@@ -170,7 +192,7 @@ std::vector<int> Obstacles::open(std::vector<Index3> const& cells) {
     });
     if (sees) changed.push_back(b);
   }
-  find_near_walls(blocks_near(cells, near_wall_cells + 1));
+  find_near_walls(blocks_near(level, cells, near_wall_cells + 1));
   return changed;
 }
 

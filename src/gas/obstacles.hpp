@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gas/kernels.hpp"
+#include "grid/block_store.hpp"
 #include "grid/grid.hpp"
 
 namespace brisance::gas {
@@ -21,13 +22,22 @@ class Obstacles {
   /// The marks of a block; empty: it holds none.
   [[nodiscard]] std::vector<std::uint8_t> const& solid(int block) const { return blocks_[block].solid; }
   [[nodiscard]] bool contain(grid::Cell const& cell) const;
-  /// The same by the index in the domain.
-  [[nodiscard]] bool contain(Index3 const& cell) const { return contain(grid_->locate(cell)); }
-  /// From now on these cells (domain indices) are gas. Returns the blocks that see it.
-  std::vector<int> open(std::vector<Index3> const& cells);
+  /// The same by the index in the domain of a level. Where the level has no cells the coarser one tells: obstacles
+  /// that fit its cells alone reach there.
+  [[nodiscard]] bool contain(int level, Index3 const& cell) const;
+  /// From now on these cells of a level (domain indices) are gas. Returns the blocks that see it.
+  std::vector<int> open(int level, std::vector<Index3> const& cells);
 
-  /// Finds the cells near rigid surfaces once all obstacles are there.
+  /// When the blocks change, see `BlockStore`: new ones hold none.
+  void rearrange(std::vector<grid::Block> const& blocks, std::vector<int> const& before) {
+    blocks_.rearrange(blocks, before);
+  }
+  /// Does any block hold some?
+  [[nodiscard]] bool any() const;
+
+  /// Finds the cells near rigid surfaces once all obstacles are there, in all blocks or in some.
   void find_near_walls();
+  void find_near_walls(std::vector<int> const& blocks);
   /// Those of a bundle of a sweep; null: none.
   [[nodiscard]] std::vector<WallRun> const* near_walls(int block, int direction, int bundle) const;
 
@@ -36,14 +46,15 @@ class Obstacles {
     std::vector<std::uint8_t> solid;
     std::array<std::vector<std::vector<WallRun>>, 3> near_walls;  ///< per direction and bundle; empty: none near
   };
-  void find_near_walls(std::vector<int> const& blocks);
   void find_near_walls(grid::Block const& block, int direction, bool any_obstacle);
+  /// Do a block or those beside it in a direction hold any?
+  [[nodiscard]] bool reach_obstacle(grid::Block const& block, int direction) const;
   /// Blocks that reach, with so many layers around them, into the box of some cells; all where the domain is periodic.
-  [[nodiscard]] std::vector<int> blocks_near(std::vector<Index3> const& cells, int layers) const;
+  [[nodiscard]] std::vector<int> blocks_near(int level, std::vector<Index3> const& cells, int layers) const;
 
   grid::Grid const* grid_;
   int bundle_cells_;
-  std::vector<OfBlock> blocks_;
+  grid::BlockStore<OfBlock> blocks_;
 };
 
 }  // namespace brisance::gas

@@ -6,9 +6,11 @@ namespace brisance::gas {
 
 void place_obstacles(Gas& gas, shape::CutGeometry const& geometry, Primitive const& inside) {
   if (geometry.solid.empty()) return;
-  gas.cut.set(geometry, gas.fields().components());
   grid::Grid const& grid = gas.grid();
   grid::CellRange const all = grid.domain().all_cells();
+  gas.cut.set(
+      geometry.cells, 0, [&](Index3 const& cell) { return geometry.solid[all.offset(cell)] != 0; },
+      gas.fields().components());
   for (grid::Block const& block : grid.blocks()) {
     grid::CellRange const box = block.with_ghosts();
     std::vector<std::uint8_t> solid(box.count(), 0);

@@ -210,8 +210,17 @@ void CoarsePatch::set(std::size_t place, Components const& conserved) {
   known_[place] = 1;
 }
 
+void CoarsePatch::set_solid(std::size_t place, Components const& conserved) {
+  conserved_[place] = conserved;
+  known_[place] = 0;
+}
+
 void CoarsePatch::split(Index3 const& index, grid::Metric const& fine, Prolongation::Parts& parts) const {
   std::size_t const place = box_.offset(index);
+  if (known_[place] == 0) {
+    std::fill_n(parts.begin(), prolongation_.parts(), conserved_[place]);
+    return;
+  }
   Prolongation::Coarse coarse{&conserved_[place], &state_[place]};
   for (int face = 0; face < 2 * dimensions_; ++face) {
     std::size_t const beside = box_.offset(grid::beside(index, face / 2, face % 2));

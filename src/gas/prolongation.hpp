@@ -67,6 +67,8 @@ class CoarsePatch {
   [[nodiscard]] static bool find_image(grid::Domain const& domain, Index3& index);
   /// Gives a place of the box what its cell holds. Those that get nothing have no say.
   void set(std::size_t place, Components const& conserved);
+  /// The same where an obstacle stands: its neighbours do not look at it, and its parts hold what it holds.
+  void set_solid(std::size_t place, Components const& conserved);
   /// `fine`: the metric of the finer level.
   void split(Index3 const& index, grid::Metric const& fine, Prolongation::Parts& parts) const;
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/archive.hpp"
+#include "core/loops.hpp"
 #include "core/parallel.hpp"
 #include "gas/gas.hpp"
 #include "gas/prolongation.hpp"
@@ -13,42 +15,86 @@ namespace brisance::gas {
 
 namespace {
 
-/// Pressure and velocity of a block's cells and of one layer around, as far as blocks of the same level reach.
+/// Pressure and velocity of a block's cells and of one layer beyond each face, as far as blocks of the same level reach.
 class Surroundings {
  public:
   Surroundings(Gas const& gas, grid::Block const& block)
-      : box_(block.interior().grown(1, block.metric.dimensions())), state_(box_.count()), known_(box_.count(), 0) {
-    grid::Grid const& grid = gas.grid();
-    for_each_cell(block, [&](grid::Cell const& cell) { take(gas, cell, cell.within()); });
+      : gas_(&gas), block_(&block), box_(block.interior().grown(1, block.metric.dimensions())) {
+    for (auto& array : values_) array.assign(box_.count(), 0.0);
+    take(block.number, block.interior(), {0, 0, 0});
     for (int face = 0; face < 2 * block.metric.dimensions(); ++face) {
       int const other = block.neighbour[face];
-      if (other == grid::no_neighbour) continue;
-      grid::Block const& beyond = grid.blocks()[other];
+      known_[face] = other != grid::no_neighbour;
+      if (!known_[face]) continue;
+      grid::Block const& beyond = gas.grid().blocks()[other];
       int const d = face / 2;
-      for_each_face_cell(beyond, d, 1 - face % 2, [&](grid::Cell const& cell) {
-        Index3 within = cell.within();
-        within[d] = face % 2 == 0 ? -1 : block.n[d];
-        take(gas, cell, within);
-      });
+      grid::CellRange layer = beyond.interior();
+      Index3 move{0, 0, 0};
+      if (face % 2 == 0) {
+        layer.lower[d] = beyond.n[d] - 1;
+        move[d] = -beyond.n[d];
+      } else {
+        layer.upper[d] = 1;
+        move[d] = block.n[d];
+      }
+      take(other, layer, move);
     }
   }
-  [[nodiscard]] PhaseState const* at(Index3 const& within) const {
-    std::size_t const place = box_.offset(within);
-    return known_[place] != 0 ? &state_[place] : nullptr;
-  }
+  [[nodiscard]] grid::CellRange const& box() const { return box_; }
+  /// Is there a layer beyond a face?
+  [[nodiscard]] bool known(int face) const { return known_[face]; }
+  [[nodiscard]] double const* pressure() const { return values_[3].data(); }
+  [[nodiscard]] double const* velocity(int d) const { return values_[d].data(); }
 
  private:
-  void take(Gas const& gas, grid::Cell const& cell, Index3 const& within) {
+  /// Takes cells of a block, each to the place of its index moved by some cells.
+  void take(int block, grid::CellRange const& cells, Index3 const& move) {
+    grid::Block const& from = gas_->grid().blocks()[block];
+    for (int k = cells.lower[2]; k < cells.upper[2]; ++k) {
+      for (int j = cells.lower[1]; j < cells.upper[1]; ++j) {
+        std::size_t const to = box_.offset({cells.lower[0] + move[0], j + move[1], k + move[2]});
+        take_row(block, from.offset(cells.lower[0], j, k), cells.n(0), to);
+      }
+    }
+  }
+  void take_row(int block, int at, int count, std::size_t to) {
+    material::Fluids const& fluids = gas_->fluids();
+    grid::Fields const& fields = gas_->fields();
+    bool pure = true;
+    for (int k = 1; k < fluids.count && pure; ++k) pure = all_equal(fields.at(block, volume_fraction(k)) + at, count, 0.0);
+    auto const* const ideal = std::get_if<material::IdealGas>(&fluids.ambient());
+    if (!pure || ideal == nullptr) {
+      for (int n = 0; n < count; ++n) take_mixture(block, at + n, to + n);
+      return;
+    }
+    std::array<double const*, 5> u{};
+    for (int d = 0; d < 3; ++d) u[d] = fields.at(block, momentum_x + d) + at;
+    u[3] = fields.at(block, energy) + at;
+    u[4] = fields.at(block, partial_density(0)) + at;
+    double const factor = ideal->gamma - 1.0;
+    BRISANCE_VECTOR_LOOP
+    for (int n = 0; n < count; ++n) {
+      double const inverse = 1.0 / u[4][n];
+      double const square = u[0][n] * u[0][n] + u[1][n] * u[1][n] + u[2][n] * u[2][n];
+      values_[0][to + n] = inverse * u[0][n];
+      values_[1][to + n] = inverse * u[1][n];
+      values_[2][to + n] = inverse * u[2][n];
+      values_[3][to + n] = factor * (u[3][n] - 0.5 * inverse * square);
+    }
+  }
+  void take_mixture(int block, int at, std::size_t to) {
     Components u{};
-    for (int c = 0; c < gas.fields().components(); ++c) u[c] = gas.fields().at(cell.block, c)[cell.offset];
-    std::size_t const place = box_.offset(within);
-    state_[place] = phase_state_of(gas.fluids(), u);
-    known_[place] = 1;
+    for (int c = 0; c < gas_->fields().components(); ++c) u[c] = gas_->fields().at(block, c)[at];
+    PhaseState const state = phase_state_of(gas_->fluids(), u);
+    for (int d = 0; d < 3; ++d) values_[d][to] = state.velocity[d];
+    values_[3][to] = state.pressure;
   }
 
+  Gas const* gas_;
+  grid::Block const* block_;
   grid::CellRange box_;
-  std::vector<PhaseState> state_;
-  std::vector<std::uint8_t> known_;
+  std::array<std::vector<double>, 4> values_;  ///< velocity, pressure
+  std::array<bool, 6> known_{};
 };
 
 /// Blocks around a block that cells which ask reach with the buffer: bits by the offset in {-1, 0, 1}^3.
@@ -79,92 +125,216 @@ Reach reach_of(grid::Block const& block, std::vector<std::uint8_t> const& asks, 
 
 }  // namespace
 
+namespace {
+
+/// Sums over the directions that the norm is made of, cell by cell.
+struct NormSums {
+  std::vector<double> above, below, divergence;
+  explicit NormSums(int cells) : above(cells, 0.0), below(cells, 0.0), divergence(cells, 0.0) {}
+
+  void add(Surroundings const& around, grid::Block const& block, int d, double filter) {
+    grid::CellRange cells = block.interior();
+    if (!around.known(2 * d)) ++cells.lower[d];
+    if (!around.known(2 * d + 1)) --cells.upper[d];
+    std::ptrdiff_t const step = around.box().stride(d);
+    for (int k = cells.lower[2]; k < cells.upper[2]; ++k) {
+      for (int j = cells.lower[1]; j < cells.upper[1]; ++j) {
+        std::size_t const from = around.box().offset({cells.lower[0], j, k});
+        double const* const p = around.pressure() + from;
+        double const* const u = around.velocity(d) + from;
+        int const to = block.offset(cells.lower[0], j, k);
+        double* const a = above.data() + to;
+        double* const b = below.data() + to;
+        double* const div = divergence.data() + to;
+        BRISANCE_VECTOR_LOOP
+        for (int i = 0; i < cells.n(0); ++i) {
+          double const second = p[i + step] - 2.0 * p[i] + p[i - step];
+          double const first = std::abs(p[i + step] - p[i]) + std::abs(p[i] - p[i - step]) +
+                               filter * std::abs(p[i + step] + 2.0 * p[i] + p[i - step]);
+          a[i] += second * second;
+          b[i] += first * first;
+          div[i] += u[i + step] - u[i - step];
+        }
+      }
+    }
+  }
+};
+
+}  // namespace
+
 double shock_norm(Gas const& gas, grid::Block const& block, RefinementRules const& rules,
                   std::vector<std::uint8_t>& asks) {
-  asks.assign(block.cell_count(), 0);
-  int const dims = block.metric.dimensions();
+  int const cells = block.cell_count();
+  asks.assign(cells, 0);
   Surroundings const around(gas, block);
+  NormSums sums(cells);
+  for (int d = 0; d < block.metric.dimensions(); ++d) sums.add(around, block, d, rules.filter);
+  double largest = 0.0;  // squared
+  double const threshold = rules.threshold * rules.threshold;
+  for (int n = 0; n < cells; ++n) {
+    // Gas at rest with a jump of the pressure is about to make a shock.
+    if (sums.divergence[n] > 0.0 || !(sums.below[n] > 0.0)) continue;
+    double const square = sums.above[n] / sums.below[n];
+    largest = std::max(largest, square);
+    asks[n] = square >= threshold ? 1 : 0;
+  }
+  return std::sqrt(largest);
+}
+
+namespace {
+
+/// The cells of a leaf inside the domain.
+grid::CellRange cells_of(grid::Leaf const& leaf, grid::Domain const& domain, Index3 const& size) {
+  grid::CellRange cells;
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    cells.lower[d] = leaf.place[d] * size[d];
+    cells.upper[d] = cells.lower[d] + size[d];
+  }
+  return grid::common(cells, domain.all_cells());
+}
+
+/// Which cells lie beside others that hold another part of products?
+double mark_products_surface(Gas const& gas, grid::Block const& block, std::vector<std::uint8_t>& asks) {
+  constexpr double step = 0.05;
   double largest = 0.0;
+  double const* const alpha = gas.fields().at(block.number, volume_fraction(products_fluid));
   for_each_cell(block, [&](grid::Cell const& cell) {
-    PhaseState const& own = *around.at(cell.within());
-    double above = 0.0;
-    double below = 0.0;
-    double divergence = 0.0;
-    for (int d = 0; d < dims; ++d) {
-      PhaseState const* const low = around.at(grid::beside(cell.within(), d, 0));
-      PhaseState const* const high = around.at(grid::beside(cell.within(), d, 1));
-      if (low == nullptr || high == nullptr) continue;
-      double const second = high->pressure - 2.0 * own.pressure + low->pressure;
-      double const first = std::abs(high->pressure - own.pressure) + std::abs(own.pressure - low->pressure) +
-                           rules.filter * std::abs(high->pressure + 2.0 * own.pressure + low->pressure);
-      above += second * second;
-      below += first * first;
-      divergence += high->velocity[d] - low->velocity[d];
+    for (int d = 0; d < block.metric.dimensions(); ++d) {
+      if (cell.within()[d] + 1 >= block.n[d]) continue;
+      grid::Cell const next = block.cell(grid::beside(cell.within(), d, 1));
+      double const difference = std::abs(alpha[next.offset] - alpha[cell.offset]);
+      if (difference < step) continue;
+      asks[cell.offset] = asks[next.offset] = 1;
+      largest = std::max(largest, difference);
     }
-    if (!(divergence < 0.0) || !(below > 0.0)) return;
-    double const norm = std::sqrt(above / below);
-    largest = std::max(largest, norm);
-    if (norm >= rules.threshold) asks[cell.offset] = 1;
   });
   return largest;
 }
 
-bool Refinement::adapt(Gas const& gas, grid::Forest& forest) {
+}  // namespace
+
+void refine_to(grid::Forest& forest, grid::Domain const& domain, Index3 const& size, int most_level,
+               RefinementRules::Bounds const& bounds) {
+  for (int level = 0; level < most_level; ++level) {
+    grid::Domain const fine = domain.refined(level);
+    std::vector<std::int8_t> marks;
+    for (grid::Leaf const& leaf : forest.leaves()) {
+      grid::CellRange const cells = leaf.level == level ? cells_of(leaf, fine, size) : grid::CellRange{{0, 0, 0}, {0, 0, 0}};
+      marks.push_back(!cells.empty() && bounds(level, cells).least > level ? 1 : 0);
+    }
+    forest.adapt(marks, most_level);
+  }
+}
+
+std::vector<Refinement::Need> Refinement::needs(Gas const& gas, grid::Forest const& forest) const {
   grid::Grid const& grid = gas.grid();
   std::vector<grid::Leaf> const& leaves = forest.leaves();
   auto const count = static_cast<int>(leaves.size());
-  unneeded_.resize(leaves.size(), 0);
   auto const block_of = [&](int n) {
     Index3 cell = leaves[n].place;
     for (int d = 0; d < 3; ++d) cell[d] *= grid.block_size()[d];
     return grid.domain(leaves[n].level).contains(cell) ? grid.block_of(leaves[n].level, cell) : grid::no_neighbour;
   };
-  std::vector<Reach> reaches(leaves.size());
+  /// What asks: a level, how strongly, and in which blocks around.
+  struct Asking {
+    int level = 0;
+    double norm = 0.0;
+    Reach reach;
+  };
+  std::vector<std::array<Asking, 2>> asking(leaves.size());
+  bool const follow_products = rules_.products_level >= 0 && gas.fluids().mixed();
   parallel_for(count, [&](int n, int) {
     int const b = block_of(n);
     if (b == grid::no_neighbour || !gas.awake(b)) return;
+    grid::Block const& block = grid.blocks()[b];
     std::vector<std::uint8_t> asks;
-    if (shock_norm(gas, grid.blocks()[b], rules_, asks) >= rules_.threshold)
-      reaches[n] = reach_of(grid.blocks()[b], asks, rules_.buffer);
+    double const norm = shock_norm(gas, block, rules_, asks);
+    if (norm >= rules_.threshold) asking[n][0] = {rules_.shock_level, norm, reach_of(block, asks, rules_.buffer)};
+    if (!follow_products) return;
+    asks.assign(asks.size(), 0);
+    double const difference = mark_products_surface(gas, block, asks);
+    if (difference > 0.0) asking[n][1] = {rules_.products_level, difference, reach_of(block, asks, rules_.buffer)};
   });
-  // The level that each leaf should have.
-  std::vector<int> wanted(leaves.size(), 0);
+  bool const bursting = rules_.while_bursting && (gas.burn.bursting() || std::isfinite(gas.burn.next_burst()));
+  std::vector<Need> needs(leaves.size());
   for (int n = 0; n < count; ++n) {
     int const b = block_of(n);
     if (b == grid::no_neighbour) continue;
-    if (rules_.least_level) {
-      grid::Block const& block = grid.blocks()[b];
-      Vec3 const lower = block.metric.low_corner(block.in_domain().lower);
-      Vec3 const upper = block.metric.low_corner(block.in_domain().upper);
-      wanted[n] = std::max(wanted[n], std::min(rules_.least_level(lower, upper), rules_.most_level));
-    }
-    for (int at = 0; at < 27; ++at) {
-      if (!reaches[n].around[at]) continue;
-      grid::Leaf beside = leaves[n];
-      std::optional<grid::Leaf> next = beside;
-      std::array<int, 3> const offset{at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1};
-      for (int d = 0; d < 3 && next; ++d) {
-        if (offset[d] != 0) next = forest.across(*next, 2 * d + (offset[d] > 0 ? 1 : 0));
+    grid::CellRange const cells = grid.blocks()[b].in_domain();
+    auto const take = [&](RefinementRules::Bounds const& bounds) {
+      LevelBounds const found = bounds(leaves[n].level, cells);
+      needs[n].least = std::max(needs[n].least, found.least);
+      needs[n].most = std::min(needs[n].most, found.most);
+    };
+    if (rules_.bounds) take(rules_.bounds);
+    if (bursting) take(rules_.while_bursting);
+    needs[n].level = needs[n].least;
+  }
+  auto const ask = [&](int n, int level, double norm) {
+    needs[n].level = std::max(needs[n].level, std::min(level, needs[n].most));
+    needs[n].norm = std::max(needs[n].norm, norm);
+  };
+  for (int n = 0; n < count; ++n) {
+    for (Asking const& a : asking[n]) {
+      for (int at = 0; at < 27; ++at) {
+        if (!a.reach.around[at]) continue;
+        std::optional<grid::Leaf> next = leaves[n];
+        std::array<int, 3> const offset{at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1};
+        for (int d = 0; d < 3 && next; ++d) {
+          if (offset[d] != 0) next = forest.across(*next, 2 * d + (offset[d] > 0 ? 1 : 0));
+        }
+        if (!next) continue;
+        int const level = std::min(leaves[n].level + 1, a.level);
+        int const holder = forest.holding(*next);
+        if (holder >= 0) {
+          ask(holder, level, a.norm);
+          continue;
+        }
+        // There are finer ones: those stay.
+        for_each_cell(grid::fine_cells(next->place, grid.domain().dimensions()), [&](Index3 const& place) {
+          int const finer = forest.find({next->level + 1, place});
+          if (finer >= 0) ask(finer, level, a.norm);
+        });
       }
-      if (!next) continue;
-      int const level = std::min(leaves[n].level + 1, rules_.most_level);
-      int const holder = forest.holding(*next);
-      if (holder >= 0) {
-        wanted[holder] = std::max(wanted[holder], level);
-        continue;
-      }
-      // There are finer ones: those stay.
-      for_each_cell(grid::fine_cells(next->place, grid.domain().dimensions()), [&](Index3 const& place) {
-        int const finer = forest.find({next->level + 1, place});
-        if (finer >= 0) wanted[finer] = std::max(wanted[finer], level);
-      });
     }
   }
+  return needs;
+}
+
+void Refinement::keep_within_limit(grid::Forest const& forest, double cells_per_leaf, std::vector<Need>& needs) {
+  held_back_ = false;
+  if (!(rules_.most_cells > 0.0)) return;
+  std::vector<grid::Leaf> const& leaves = forest.leaves();
+  double const more = cells_per_leaf * ((1 << forest.dimensions()) - 1);
+  double cells = cells_per_leaf * static_cast<double>(leaves.size());
+  std::vector<std::size_t> giving;  // those that may give way
+  for (std::size_t n = 0; n < leaves.size(); ++n) {
+    if (needs[n].level > leaves[n].level) cells += more;
+    if (needs[n].level > needs[n].least && needs[n].level >= leaves[n].level) giving.push_back(n);
+  }
+  std::stable_sort(giving.begin(), giving.end(),
+                   [&](std::size_t a, std::size_t b) { return needs[a].norm < needs[b].norm; });
+  for (std::size_t const n : giving) {
+    if (cells <= rules_.most_cells) return;
+    held_back_ = true;
+    // Not refined, or else merged, where its family goes with it.
+    bool const refined = needs[n].level > leaves[n].level;
+    cells -= refined ? more : more / (1 << forest.dimensions());
+    needs[n].level = std::max(needs[n].least, refined ? leaves[n].level : leaves[n].level - 1);
+  }
+}
+
+bool Refinement::adapt(Gas const& gas, grid::Forest& forest) {
+  std::vector<grid::Leaf> const& leaves = forest.leaves();
+  unneeded_.resize(leaves.size(), 0);
+  std::vector<Need> needs = this->needs(gas, forest);
+  Index3 const& size = gas.grid().block_size();
+  keep_within_limit(forest, static_cast<double>(size[0]) * size[1] * size[2], needs);
   std::vector<std::int8_t> marks(leaves.size(), 0);
-  for (int n = 0; n < count; ++n) {
-    bool const needed = wanted[n] >= leaves[n].level;
+  for (std::size_t n = 0; n < leaves.size(); ++n) {
+    bool const needed = needs[n].level >= leaves[n].level;
     unneeded_[n] = needed ? 0 : unneeded_[n] + 1;
-    if (wanted[n] > leaves[n].level) marks[n] = 1;
+    if (needs[n].level > leaves[n].level) marks[n] = 1;
     if (!needed && unneeded_[n] >= rules_.patience) marks[n] = -1;
   }
   std::vector<int> const before = unneeded_;
@@ -177,5 +347,7 @@ bool Refinement::adapt(Gas const& gas, grid::Forest& forest) {
   }
   return changed;
 }
+
+void Refinement::archive(Archive& a) { a(unneeded_, held_back_); }
 
 }  // namespace brisance::gas

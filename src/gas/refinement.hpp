@@ -1,32 +1,54 @@
 /// Where the gas asks for finer cells: at shocks, by a norm of second differences of the pressure [Lohner87] that
-/// counts only where the gas is compressed, and where a user wants them. Contacts and rarefactions do not ask.
+/// does not count where the gas expands, and where a user wants them. Contacts and rarefactions do not ask.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "grid/forest.hpp"
 #include "grid/grid.hpp"
 
+namespace brisance {
+class Archive;
+}
+
 namespace brisance::gas {
 
 class Gas;
 
+/// What a part of the domain asks for whatever the gas does.
+struct LevelBounds {
+  int least = 0;
+  int most = std::numeric_limits<int>::max();  ///< shocks ask for no more here
+};
+
 struct RefinementRules {
-  int most_level = 0;
+  /// Of a box of cells of a level, by their index in the domain.
+  using Bounds = std::function<LevelBounds(int level, grid::CellRange const& cells)>;
+
+  int most_level = 0;       ///< of all
+  int shock_level = 0;      ///< to which shocks are followed
+  int products_level = -1;  ///< to which the surface of the products is followed; -1: it is not
   /// From this value of the norm on, 0 to 1, a cell asks for the finest level.
   double threshold = 0.3;
   /// Second differences of the pressure count by this part of the pressure itself: weaker waves do not ask.
-  double filter = 0.02;
+  double filter = 0.05;
   /// Cells of its own level around one that asks which get the same: the way that a shock makes until blocks are
   /// changed again.
   int buffer = 4;
   /// Changes of blocks that a block must have been without need before it is merged.
   int patience = 2;
-  /// The least level in a box; null: 0 everywhere.
-  std::function<int(Vec3 const& lower, Vec3 const& upper)> least_level;
+  Bounds bounds;             ///< null: no part of the domain asks
+  Bounds while_bursting;     ///< the same until all charges have burst
+  double most_cells = 0.0;  ///< of all leaves; 0: no limit. What shocks ask for gives way, the weakest first
 };
+
+/// Refines the leaves of a forest until all are of the least level that is asked for. `size`: cells of a block.
+void refine_to(grid::Forest& forest, grid::Domain const& domain, Index3 const& size, int most_level,
+               RefinementRules::Bounds const& bounds);
 
 /// Largest norm in a block's cells, and in which of them it reaches the threshold.
 [[nodiscard]] double shock_norm(Gas const& gas, grid::Block const& block, RefinementRules const& rules,
@@ -39,9 +61,23 @@ class Refinement {
 
   /// Changes the forest of the gas's grid; false: all leaves stay. Leaves and the gas alone decide, not the threads.
   bool adapt(Gas const& gas, grid::Forest& forest);
+  /// Has the limit on the number of cells held it back?
+  [[nodiscard]] bool held_back() const { return held_back_; }
+  void archive(Archive& a);  ///< in a checkpoint
 
  private:
+  /// What a leaf should have, and how strong the shock is that asks for it.
+  struct Need {
+    int level = 0;
+    int least = 0;  ///< whatever the gas does
+    int most = std::numeric_limits<int>::max();
+    double norm = 0.0;
+  };
+  [[nodiscard]] std::vector<Need> needs(Gas const& gas, grid::Forest const& forest) const;
+  void keep_within_limit(grid::Forest const& forest, double cells_per_leaf, std::vector<Need>& needs);
+
   RefinementRules rules_;
+  bool held_back_ = false;
   std::vector<int> unneeded_;  ///< for how many changes, by the leaf
 };
 

@@ -54,15 +54,28 @@ void Gas::refine_into(grid::Block const& block, Contents& contents) const {
   int const level = block.level - 1;
   grid::CellRange const core = grid::coarse_cells(block.in_domain(), dims);
   CoarsePatch patch(fluids_, components(), grid_->domain(level), core);
-  for_each_cell(patch.box(), [&](Index3 const& index) {
-    Index3 image = index;
-    if (!CoarsePatch::find_image(grid_->domain(level), image)) return;
-    auto const found = grid_->locate(level, image);
-    if (!found) return;
+  auto const take = [&](Index3 const& index, grid::Cell const& found) {
     Components u{};
-    for (int c = 0; c < components(); ++c) u[c] = fields_.at(found->block, c)[found->offset];
-    patch.set(patch.box().offset(index), u);
-  });
+    for (int c = 0; c < components(); ++c) u[c] = fields_.at(found.block, c)[found.offset];
+    if (obstacles.contain(found))
+      patch.set_solid(patch.box().offset(index), u);
+    else
+      patch.set(patch.box().offset(index), u);
+  };
+  grid::Domain const& domain = grid_->domain(level);
+  if (grid::common(patch.box(), domain.all_cells()).count() == patch.box().count()) {
+    grid_->for_each_block_in(level, patch.box(), [&](grid::Block const& from, grid::CellRange const& cells) {
+      for_each_cell(cells, [&](Index3 const& index) {
+        take(index, from.cell(index[0] - from.origin[0], index[1] - from.origin[1], index[2] - from.origin[2]));
+      });
+    });
+  } else {
+    for_each_cell(patch.box(), [&](Index3 const& index) {
+      Index3 image = index;
+      if (!CoarsePatch::find_image(domain, image)) return;
+      if (auto const found = grid_->locate(level, image)) take(index, *found);
+    });
+  }
   Prolongation::Parts parts;
   for_each_cell(core, [&](Index3 const& index) {
     patch.split(index, block.metric, parts);
@@ -78,7 +91,7 @@ void Gas::refine_into(grid::Block const& block, Contents& contents) const {
   });
 }
 
-void Gas::regrid(grid::Grid& grid, grid::Forest const& forest) {
+void Gas::regrid(grid::Grid& grid, grid::Forest const& forest, Furnish const& furnish) {
   grid::Grid next(grid.domain(), grid.block_size(), forest);
   std::vector<int> const before = numbers_before(grid, next);
   std::vector<Contents> contents(before.size());
@@ -103,11 +116,10 @@ void Gas::regrid(grid::Grid& grid, grid::Forest const& forest) {
   disturbance_.rearrange(blocks, before);
   open_faces_.follow(old);
   exchange_.follow_blocks();
-  obstacles = Obstacles(grid, options_.bundle_cells);
-  obstacles.find_near_walls();
+  obstacles.rearrange(blocks, before);
   cut = CutCells(grid, options_.bundle_cells);
-  burn.forget_times(grid);
-  coupling = Coupling(grid, options_.bundle_cells);
+  burn.rearrange(blocks, before);
+  coupling.rearrange(blocks, before);
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     if (contents[b].fields.size() == 0) continue;
     auto const cells = static_cast<std::size_t>(blocks[b].cell_count());
@@ -115,13 +127,18 @@ void Gas::regrid(grid::Grid& grid, grid::Forest const& forest) {
       std::copy_n(contents[b].fields.data() + c * cells, cells, fields_.at(static_cast<int>(b), c));
     peaks_.put(static_cast<int>(b), std::move(contents[b].peaks));
   }
-  find_levels();
+  std::vector<int> new_blocks;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    if (before[b] != grid::no_neighbour) continue;
-    auto const number = static_cast<int>(b);
-    disturbance_.find(fields_, quiet_.state, number);
-    awake_[number] = options_.sleep && is_quiescent_block(number) ? 0 : 1;
+    if (before[b] == grid::no_neighbour) new_blocks.push_back(static_cast<int>(b));
   }
+  if (furnish) furnish(new_blocks);
+  obstacles.find_near_walls(new_blocks);
+  find_levels();
+  for (int const b : new_blocks) {
+    disturbance_.find(fields_, quiet_.state, b);
+    awake_[b] = options_.sleep && is_quiescent_block(b) ? 0 : 1;
+  }
+  load_nodes();
 }
 
 bool Gas::is_quiescent_block(int b) const {
@@ -132,7 +149,8 @@ bool Gas::is_quiescent_block(int b) const {
 }
 
 void Gas::find_levels() {
-  levels_ = Levels(*grid_, fluids_, components());
+  auto const is_solid = [this](grid::Cell const& cell) { return obstacles.contain(cell); };
+  levels_ = Levels(*grid_, fluids_, components(), obstacles.any() ? Levels::IsSolid(is_solid) : Levels::IsSolid());
   levels_.set_quiescent(quiet_.state, quiet_.flux, quiescent_.velocity);
   parts_.assign(grid_->levels(), {});
   tallies_.clear();

@@ -20,6 +20,11 @@ namespace brisance::grid {
 [[nodiscard]] inline CellRange fine_cells(Index3 const& coarse, int dimensions) {
   return fine_cells(CellRange{coarse, {coarse[0] + 1, coarse[1] + 1, coarse[2] + 1}}, dimensions);
 }
+/// The coarse cell in which a cell lies.
+[[nodiscard]] inline Index3 coarse_cell(Index3 fine, int dimensions) {
+  for (int d = 0; d < dimensions; ++d) fine[d] = fine[d] >= 0 ? fine[d] / 2 : -((1 - fine[d]) / 2);
+  return fine;
+}
 /// The coarse cells in which some cells lie that begin and end between coarse ones.
 [[nodiscard]] inline CellRange coarse_cells(CellRange const& fine, int dimensions) {
   CellRange coarse = fine;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <set>
+#include <unordered_set>
 #include <utility>
 
 #include "core/error.hpp"
@@ -87,11 +87,10 @@ Index3 fast_block_sizes(Index3 const& n, int dims) {
 std::vector<Leaf> covered_blocks(std::vector<Domain> const& domains, Index3 const& size,
                                  std::vector<Leaf> const& leaves) {
   int const dims = domains.front().dimensions();
-  auto const order = [](Leaf const& a, Leaf const& b) {
-    return a.level != b.level ? a.level < b.level : morton(a.place) < morton(b.place);
-  };
-  std::set<Leaf, decltype(order)> const known(leaves.begin(), leaves.end(), order);
-  std::set<Leaf, decltype(order)> covered(order);
+  std::vector<std::unordered_set<std::uint64_t>> known(domains.size());  // Morton keys of places, by the level
+  for (Leaf const& leaf : leaves) known[leaf.level].insert(morton(leaf.place));
+  std::vector<std::unordered_set<std::uint64_t>> found(domains.size());
+  std::vector<Leaf> covered;
   for (Leaf const& leaf : leaves) {
     Domain const& domain = domains[leaf.level];
     Index3 parts{1, 1, 1};
@@ -104,17 +103,17 @@ std::vector<Leaf> covered_blocks(std::vector<Domain> const& domains, Index3 cons
       }
       // It is no leaf: part of a coarser one, or it has been refined, and then one of the leaves in it touches the
       // leaf.
-      if (known.contains({leaf.level, place})) return;
+      if (known[leaf.level].contains(morton(place))) return;
       Leaf coarser{leaf.level, place};
       while (coarser.level > 0) {
         --coarser.level;
         for (int d = 0; d < dims; ++d) coarser.place[d] /= 2;
-        if (known.contains(coarser)) return;
+        if (known[coarser.level].contains(morton(coarser.place))) return;
       }
-      covered.insert({leaf.level, place});
+      if (found[leaf.level].insert(morton(place)).second) covered.push_back({leaf.level, place});
     });
   }
-  return {covered.begin(), covered.end()};
+  return covered;
 }
 
 }  // namespace
@@ -138,6 +137,28 @@ Partition partition_of(Domain const& domain, int block_cells) {
       p.size[d] = block_size(n, std::clamp(target, minimum_cells, most_cells));
     }
     p.parts[d] = n / p.size[d] + (n % p.size[d] != 0 ? 1 : 0);
+  }
+  return p;
+}
+
+Partition refinable_partition_of(Domain const& domain, int block_cells) {
+  constexpr std::array candidates{16, 24, 20, 18, 14, 12, 22, 10, 8, 6, 4};
+  Partition p;
+  std::array<bool, 3> const periodic = periodic_directions(domain);
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    int const n = domain.cells[d];
+    auto const fits = [&](int size) {
+      int const rest = n % size;
+      return size >= 2 * ghost_layers && size % 2 == 0 && (rest == 0 || (!periodic[d] && rest >= ghost_layers));
+    };
+    auto const found = std::find_if(candidates.begin(), candidates.end(), fits);
+    if (found == candidates.end()) {
+      throw InputError(fmt::format("the domain has {} cells along {}, which cannot be divided into blocks that can be "
+                                   "refined: use an even number of at least 4",
+                                   n, "xyz"[d]));
+    }
+    p.size[d] = block_cells > 0 && fits(block_cells) ? block_cells : *found;
+    p.parts[d] = (n + p.size[d] - 1) / p.size[d];
   }
   return p;
 }

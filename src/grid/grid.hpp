@@ -193,6 +193,22 @@ class Grid {
   /// A place on the face between two cells is that of the upper one, and on that between two levels the finer one's if
   /// it is the upper one.
   [[nodiscard]] Cell locate(Vec3 const& x) const;
+  /// Calls visit(block, cells) for the blocks of a level that hold some of its cells (by their index in the domain, all
+  /// of which lie in the domain) and those that each of them holds.
+  template <class Visit>
+  void for_each_block_in(int level, CellRange const& cells, Visit&& visit) const {
+    CellRange parts;
+    for (int d = 0; d < 3; ++d) {
+      parts.lower[d] = cells.lower[d] / block_size_[d];
+      parts.upper[d] = (cells.upper[d] - 1) / block_size_[d] + 1;
+    }
+    for_each_cell(parts, [&](Index3 const& part) {
+      int const number = block_at(level, part);
+      if (number == no_neighbour) return;
+      Block const& block = blocks_[static_cast<std::size_t>(number)];
+      visit(block, common(cells, block.in_domain()));
+    });
+  }
   /// The index in the domain of a cell.
   [[nodiscard]] Index3 index(Cell const& cell) const { return block(cell).index(cell); }
 

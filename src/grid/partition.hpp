@@ -20,4 +20,8 @@ struct Partition {
 /// The partition into blocks of `block_cells`, see `Grid`.
 [[nodiscard]] Partition partition_of(Domain const& domain, int block_cells);
 
+/// The same of blocks that may be refined: of an even number of cells, with a rest that is large enough, or none along
+/// periodic directions. `block_cells` = 0: 16. Throws InputError where there is none.
+[[nodiscard]] Partition refinable_partition_of(Domain const& domain, int block_cells);
+
 }  // namespace brisance::grid

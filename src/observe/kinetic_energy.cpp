@@ -13,6 +13,7 @@ double gas_energy(run::System const& w) {
     grid::Block const& block = w.grid.blocks()[b];
     auto const& fields = w.gas->fields();
     double sum = 0.0;
+    if (block.covered) return sum;
     for_each_row(block, [&](grid::Cell const& first) {
       double row = 0.0;
       for (int i = 0; i < block.n[0]; ++i) {

@@ -36,7 +36,7 @@ double stable_gas_step(System const& w) {
     // detonation at up to 1.3 D with the sound on top: twice D bounds both.
     if (gas.burn.burning()) signal = std::max(signal, 2.0 * gas.burn.fastest());
   }
-  double const step = courant * w.grid.smallest_cell() / signal;
+  double const step = courant * w.grid.domain().smallest_cell() / signal;
   // No step leads from quiet air into the burst of a charge with a delay.
   return std::min(step, gas.burn.next_burst() - gas.time());
 }
@@ -69,21 +69,10 @@ void in_parts(double dt, Stable&& stable, Step&& step) {
   }
 }
 
-/// One CFDMP step, [Cui14] Sec. 3.5; (k) is the paper's item k. Where the stable steps of gas and particles differ,
-/// each takes several within the common one; the gas goes first, so that the particles find the cells beside them at
-/// any time in between.
-void advance_coupled(System& w, double dt) {
+/// The particles go through a step of the gas, in steps of their own. The gas went first, so that they find the cells
+/// beside them at any time in between.
+void advance_particles(System& w, double dt) {
   bridge::Bridge& bridge = *w.bridge;
-  {
-    PhaseTimer const timer(w.timings["bridge"]);
-    bridge.lend_nodes_to_ghosts();  // (7) Eqs. (31)-(36), level n
-  }
-  in_parts(
-      dt, [&] { return stable_gas_step(w); },
-      [&](double, double fraction) {
-        w.gas->advance(fraction, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
-        ++w.clock.gas_steps;
-      });
   {
     PhaseTimer const timer(w.timings["bridge"]);
     bridge.read_cells();
@@ -110,6 +99,46 @@ void advance_coupled(System& w, double dt) {
   if (std::string const solid = bridge.intruder(); !solid.empty()) throw NumericalError(solid);
 }
 
+/// One CFDMP step, [Cui14] Sec. 3.5; (k) is the paper's item k. Where the stable steps of gas and particles differ,
+/// each takes several within the common one.
+void advance_coupled(System& w, double dt) {
+  {
+    PhaseTimer const timer(w.timings["bridge"]);
+    w.bridge->lend_nodes_to_ghosts();  // (7) Eqs. (31)-(36), level n
+  }
+  in_parts(
+      dt, [&] { return stable_gas_step(w); },
+      [&](double, double fraction) {
+        w.gas->advance(fraction, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
+        ++w.clock.gas_steps;
+      });
+  advance_particles(w, dt);
+}
+
+void wake_region(System& w, double time) {
+  if (!w.bridge->wake()) return;
+  if (!w.awake_since) w.awake_since = time;
+  PhaseTimer const timer(w.timings["bridge"]);
+  w.bridge->read_cells();
+}
+
+/// The same where the gas has several levels: gas and particles meet at every step of the region's level.
+void advance_coupled_levels(System& w, double dt) {
+  gas::Companion companion;
+  companion.level = w.bridge->region().level();
+  companion.before = [&w](double time, double) {
+    if (!w.bridge->awake()) wake_region(w, time);
+    if (!w.bridge->awake()) return;
+    PhaseTimer const timer(w.timings["bridge"]);
+    w.bridge->lend_nodes_to_ghosts();
+  };
+  companion.after = [&w](double, double step) {
+    if (w.bridge->awake()) advance_particles(w, step);
+  };
+  w.gas->advance(dt, w.clock.gas_steps % 2 == 1, companion);
+  ++w.clock.gas_steps;
+}
+
 }  // namespace
 
 double stable_step(System const& w) {
@@ -117,16 +146,15 @@ double stable_step(System const& w) {
   double const gas = stable_gas_step(w);
   if (!particles_move(w)) return gas;
   double const particles = stable_particle_step(w);
-  if (!w.setup.mpm_region->subcycling) return std::min(gas, particles);
+  // Steps of the region's level are shorter than those of the whole.
+  double const steps = std::ldexp(1.0, w.setup.mpm_region->level);
+  if (!w.setup.mpm_region->subcycling) return std::min(gas, steps * particles);
+  if (w.adaptation != nullptr) return std::min(gas, most_parts * steps * particles);
   return std::min({std::max(gas, particles), most_gas_parts * gas, most_parts * particles});
 }
 
 double advance(System& w, double latest) {
-  if (w.bridge != nullptr && w.bridge->wake()) {
-    if (!w.awake_since) w.awake_since = w.clock.time;
-    PhaseTimer const timer(w.timings["bridge"]);
-    w.bridge->read_cells();
-  }
+  if (w.bridge != nullptr) wake_region(w, w.clock.time);
   double const stable = stable_step(w);  // (1)
   // Where nothing but rigid bodies at rest is left, nothing changes and a step may have any length.
   bool const at_rest = w.gas == nullptr && std::isinf(stable);
@@ -139,7 +167,9 @@ double advance(System& w, double latest) {
   double const left = latest - w.clock.time;
   bool const arrives = left <= stable;
   double const dt = arrives ? left : left < 2.0 * stable ? 0.5 * left : stable;  // no sliver before an output time
-  if (w.gas != nullptr && particles_move(w)) {
+  if (w.bridge != nullptr && w.adaptation != nullptr) {
+    advance_coupled_levels(w, dt);
+  } else if (w.gas != nullptr && particles_move(w)) {
     advance_coupled(w, dt);
   } else if (w.gas != nullptr) {
     w.gas->advance(dt, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
@@ -152,6 +182,7 @@ double advance(System& w, double latest) {
   w.clock.dt = dt;
   ++w.clock.step;
   if (w.panels != nullptr) w.panels->follow(*w.gas, w.clock.time, dt, w.clock.step);
+  if (w.adaptation != nullptr) w.adaptation->follow(w);
   if (w.gas != nullptr) {
     for (auto const& [phase, seconds] : w.gas->timings()) w.timings[phase] = seconds;
   }

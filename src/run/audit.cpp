@@ -152,6 +152,7 @@ Totals World::gas_totals() const {
   return sum_over(grid.block_count(), [&](int b) {
     grid::Block const& block = grid.blocks()[b];
     Totals sum;
+    if (block.covered) return sum;
     grid::add_cells(block, sum, [&](grid::Cell const& cell, Totals& row) {
       if (!gas->coupling.is_own(cell)) return;
       int const at = cell.offset;
@@ -175,6 +176,7 @@ Totals World::gas_totals() const {
 double World::gas_rest_energy() const {
   double volume = 0.0;
   for (grid::Block const& block : grid.blocks()) {
+    if (block.covered) continue;
     for_each_cell(block, [&](grid::Cell const& cell) {
       if (gas->coupling.is_own(cell)) volume += gas->cut.volume(cell);
     });

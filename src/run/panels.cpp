@@ -13,11 +13,17 @@ namespace {
 
 using Column = PanelPlace::Column;
 
-double pressure_of(gas::Gas const& gas, Index3 const& cell) { return gas.primitive(gas.grid().locate(cell)).pressure; }
+grid::Cell cell_at(gas::Gas const& gas, PanelReport const& panel, Index3 const& cell) {
+  return gas.grid().locate(panel.place.level, cell).value();
+}
+
+double pressure_of(gas::Gas const& gas, PanelReport const& panel, Index3 const& cell) {
+  return gas.primitive(cell_at(gas, panel, cell)).pressure;
+}
 
 /// Difference of the mean pressures on what is closed of a panel; 0 where there is no gas on one of its sides.
 double difference_of(gas::Gas const& gas, PanelReport const& panel) {
-  grid::Domain const& domain = gas.grid().domain();
+  grid::Domain const& domain = gas.grid().domain(panel.place.level);
   int const direction = panel.place.direction;
   std::array<double, 2> force{0.0, 0.0};
   std::array<double, 2> area{0.0, 0.0};
@@ -25,9 +31,9 @@ double difference_of(gas::Gas const& gas, PanelReport const& panel) {
     if (c.ring < panel.open_rings) continue;
     for (int side = 0; side < 2; ++side) {
       Index3 const cell = side == 0 ? below(c, direction) : above(c, direction);
-      if (gas.obstacles.contain(cell)) continue;  // another panel
+      if (gas.obstacles.contain(panel.place.level, cell)) continue;  // another panel
       double const fraction = area_of(domain, c, direction, side == 1);
-      force[side] += fraction * pressure_of(gas, cell);
+      force[side] += fraction * pressure_of(gas, panel, cell);
       area[side] += fraction;
     }
   }
@@ -50,15 +56,17 @@ void open_up_to(gas::Gas& gas, PanelReport& panel, int ring) {
     if (c.ring < panel.open_rings || c.ring >= ring) continue;
     Index3 const low = below(c, direction);
     Index3 const high = above(c, direction);
-    bool const gas_below = !gas.obstacles.contain(low);
-    bool const gas_above = !gas.obstacles.contain(high);
+    bool const gas_below = !gas.obstacles.contain(panel.place.level, low);
+    bool const gas_above = !gas.obstacles.contain(panel.place.level, high);
     if (!gas_below && !gas_above) continue;
-    bool const from_below = gas_below && (!gas_above || pressure_of(gas, low) <= pressure_of(gas, high));
-    for (int n = 0; n < c.count; ++n) gas.fill_opened(moved(c.first, direction, n), from_below ? low : high);
+    bool const from_below = gas_below && (!gas_above || pressure_of(gas, panel, low) <= pressure_of(gas, panel, high));
+    grid::Cell const donor = cell_at(gas, panel, from_below ? low : high);
+    for (int n = 0; n < c.count; ++n)
+      gas.fill_opened(cell_at(gas, panel, moved(c.first, direction, n)), donor);
   }
   std::vector<Index3> cells;
   collect(panel, panel.open_rings, ring, cells);
-  for (int const block : gas.obstacles.open(cells)) gas.wake(block);
+  for (int const block : gas.obstacles.open(panel.place.level, cells)) gas.wake(block);
   panel.open_rings = ring;
 }
 
@@ -134,7 +142,7 @@ void Panels::archive(Archive& a, gas::Gas& gas) {
     panel.opened = opened ? std::optional<double>(when_opened) : std::nullopt;
     std::vector<Index3> cells;
     collect(panel, 0, rings, cells);
-    for (int const block : gas.obstacles.open(cells)) gas.wake(block);
+    for (int const block : gas.obstacles.open(panel.place.level, cells)) gas.wake(block);
     panel.open_rings = rings;
   }
 }

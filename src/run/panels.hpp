@@ -29,6 +29,7 @@ struct PanelPlace {
     int count = 0;
     int ring = 0;  ///< 0 at the edge
   };
+  int level = 0;                ///< of its cells
   int direction = 0;            ///< from one side to the other
   std::vector<Column> columns;  ///< all that lead from gas to gas
   std::vector<Index3> others;   ///< its other cells

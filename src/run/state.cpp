@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/archive.hpp"
+#include "core/error.hpp"
 #include "core/simd.hpp"
 #include "run/world.hpp"
 
@@ -19,6 +20,27 @@ void archive(Archive& a, StartReport& r) {
   a(r.method, r.from, r.cell, r.charge_radius, r.by);
   a.require(r.method == StartMethod::gas || r.method == StartMethod::particles, "the method of the start");
   detonation::archive(a, r.remap);
+}
+
+/// A world that is read takes the blocks of the one that was written before it takes what they hold.
+void World::archive_forest(Archive& a) {
+  std::vector<int> levels;
+  std::vector<Index3> places;
+  for (grid::Leaf const& leaf : forest().leaves()) {
+    levels.push_back(leaf.level);
+    places.push_back(leaf.place);
+  }
+  a(levels, places);
+  adaptation->archive(a);
+  if (!a.reading()) return;
+  a.require(levels.size() == places.size(), "the number of blocks");
+  std::vector<grid::Leaf> leaves;
+  for (std::size_t n = 0; n < levels.size(); ++n) leaves.push_back({levels[n], places[n]});
+  try {
+    regrid({forest().parts(), forest().dimensions(), forest().periodic(), std::move(leaves)});
+  } catch (InputError const&) {
+    a.require(false, "the blocks");
+  }
 }
 
 void World::archive(Archive& a) {
@@ -49,6 +71,8 @@ void World::archive(Archive& a) {
     a(charges, starts);
     a.require(charges.size() == setup.charges.size() && starts.size() == setup.charges.size(), "the number of charges");
   }
+  a.same(adaptation != nullptr, "whether cells have several sizes");
+  if (adaptation != nullptr) archive_forest(a);
   a.same(panels != nullptr, "whether there are panels");
   if (panels != nullptr) panels->archive(a, *gas);
   if (gas != nullptr) gas->archive(a);

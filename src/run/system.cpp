@@ -1,11 +1,39 @@
 #include "run/system.hpp"
 
 #include "core/reduce.hpp"
+#include "grid/partition.hpp"
 
 namespace brisance::run {
 
+namespace {
+
+grid::Forest forest_of(Case const& c, grid::Grid const& grid) {
+  Index3 parts{1, 1, 1};
+  for (int d = 0; d < c.domain.dimensions(); ++d)
+    parts[d] = (c.domain.cells[d] + grid.block_size()[d] - 1) / grid.block_size()[d];
+  return {parts, c.domain.dimensions(), grid::periodic_directions(c.domain)};
+}
+
+}  // namespace
+
 System::System(Case c)
-    : grid_(std::make_unique<grid::Grid const>(c.domain, c.numerics.block_cells)), setup(std::move(c)), grid(*grid_) {}
+    : grid_(std::make_unique<grid::Grid>(c.domain, c.numerics.block_cells)),
+      forest_(forest_of(c, *grid_)),
+      setup(std::move(c)),
+      grid(*grid_) {}
+
+System::System(Case c, grid::Forest forest)
+    : grid_(std::make_unique<grid::Grid>(c.domain, grid::refinable_partition_of(c.domain, c.numerics.block_cells).size, forest)),
+      forest_(std::move(forest)),
+      setup(std::move(c)),
+      grid(*grid_) {}
+
+void System::regrid(grid::Forest forest) {
+  gas->regrid(*grid_, forest,
+              [this](std::vector<int> const& new_blocks) { adaptation->furnish(*gas, new_blocks); });
+  forest_ = std::move(forest);
+  if (bridge != nullptr) bridge->follow_blocks();
+}
 
 System::System(System&&) noexcept = default;
 

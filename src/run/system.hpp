@@ -9,7 +9,9 @@
 
 #include "case/case.hpp"
 #include "gas/gas.hpp"
+#include "grid/forest.hpp"
 #include "grid/grid.hpp"
+#include "run/adaptation.hpp"
 #include "run/panels.hpp"
 #include "run/reports.hpp"
 
@@ -29,11 +31,14 @@ using Timings = std::map<std::string, double>;
 /// What a simulation moves, and what became of its case on the grid. `setup` fills it, `advance` moves it, `observe`
 /// looks at it.
 class System {
-  std::unique_ptr<grid::Grid const> grid_;  ///< keeps its place when the system moves
+  std::unique_ptr<grid::Grid> grid_;  ///< keeps its place when the system moves
+  grid::Forest forest_;               ///< of its blocks, where it has several levels
 
  public:
   /// A case and its grid, with nothing in it.
   explicit System(Case setup);
+  /// The same with the leaves of a forest.
+  System(Case setup, grid::Forest forest);
   ~System();
   System(System&&) noexcept;
   System& operator=(System&&) = delete;
@@ -44,6 +49,7 @@ class System {
   std::unique_ptr<mpm::Mpm> particles;     ///< null where it has none
   std::unique_ptr<bridge::Bridge> bridge;  ///< joins the two where both are there
   std::unique_ptr<Panels> panels;          ///< null where the case has none
+  std::unique_ptr<Adaptation> adaptation;  ///< null where all cells are of one size
   Clock clock;
   std::vector<ChargeReport> charges;
   std::vector<InitialStateReport> initial_states;  ///< what became of each on the grid
@@ -52,6 +58,10 @@ class System {
   std::vector<BodyReport> bodies;
   Timings timings;
   std::optional<double> awake_since;  ///< when the MPM region woke [s]
+
+  [[nodiscard]] grid::Forest const& forest() const { return forest_; }
+  /// Changes the blocks to the leaves of a forest, and all that follows them.
+  void regrid(grid::Forest forest);
 
   /// Is the end time or the step limit reached, or have all bodies left the domain?
   [[nodiscard]] bool finished() const;

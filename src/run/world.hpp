@@ -43,6 +43,7 @@ class World : public System {
   SimdSet written_with = simd_set();
 
  private:
+  void archive_forest(Archive& a);
   [[nodiscard]] Totals gas_totals() const;
   [[nodiscard]] Totals particle_totals() const;
   [[nodiscard]] Totals ledger_totals() const;

@@ -1,12 +1,43 @@
 #include "setup/build.hpp"
 
+#include "setup/levels.hpp"
 #include "setup/place_bodies.hpp"
 #include "setup/place_gas.hpp"
 #include "setup/place_region.hpp"
 
 namespace brisance::setup {
 
+namespace {
+
+/// A world whose blocks suit what the gas holds at the start. Where shocks or the products' surface ask for finer cells
+/// the start is made again on those, until nothing asks for more.
+run::World start_on_levels(Case setup) {
+  auto const obstacles = std::make_shared<LevelObstacles const>(setup);
+  grid::Forest forest = start_forest(setup, obstacles);
+  gas::RefinementRules const rules = refinement_rules(setup, obstacles);
+  for (int pass = 0;; ++pass) {
+    run::World w(std::move(setup), forest);
+    place_gas(w);
+    if (w.setup.start.from_checkpoint || pass == rules.most_level) return w;
+    w.gas->start(w.clock.time);
+    gas::Refinement refinement(rules);
+    if (!refinement.adapt(*w.gas, forest)) return w;
+    setup = std::move(w.setup);
+  }
+}
+
+}  // namespace
+
 run::World build(Case setup) {
+  if (setup.adaptive.any()) {
+    run::World w = start_on_levels(std::move(setup));
+    if (w.setup.mpm_region) place_region(w);
+    w.gas->start(w.clock.time);
+    if (w.particles != nullptr) w.particles->set_time(w.clock.time);
+    if (w.bridge != nullptr && w.bridge->awake()) w.awake_since = w.clock.time;
+    w.start_audit();
+    return w;
+  }
   run::World w(std::move(setup));
   if (w.setup.particles.any() && !w.setup.mpm_region) {
     place_bodies(w, w.setup.domain);

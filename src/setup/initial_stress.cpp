@@ -47,7 +47,7 @@ Overburden::Overburden(Case const& setup) : setup_(&setup) {
   g_ = std::abs(force[axis_]);
   downwards_ = force[axis_] < 0.0;
   int const per_cell = samples_per_cell(setup.particles.bodies);
-  samples_ = setup.domain.cells[axis_] * per_cell;
+  samples_ = setup.region_domain().cells[axis_] * per_cell;
   spacing_ = (setup.domain.upper(axis_) - setup.domain.lower[axis_]) / samples_;
 }
 

@@ -93,7 +93,7 @@ void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::B
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     Body const& b = p.bodies[n];
     int const number = static_cast<int>(n);
-    shape::Placement placement = shape::place_particles(b.shape, w.setup.domain, b.particles_per_direction);
+    shape::Placement placement = shape::place_particles(b.shape, w.setup.region_domain(), b.particles_per_direction);
     if (placement.positions.empty()) {
       throw InputError(fmt::format(
           "body \"{}\" contains no material point: it lies outside the domain or is much smaller than a cell", b.name));
@@ -102,7 +102,7 @@ void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::B
     filling.positions = std::move(placement.positions);
     filling.volumes = std::move(placement.volumes);
     filling.velocity = b.velocity;
-    if (b.motion.any()) set_in_motion(b, w.setup.domain, filling);
+    if (b.motion.any()) set_in_motion(b, w.setup.region_domain(), filling);
     filling.density = b.density;
     filling.specific_energy = b.specific_energy;
     if (b.lateral_stress) {

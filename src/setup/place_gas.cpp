@@ -10,6 +10,7 @@
 #include "gas/place_obstacles.hpp"
 #include "run/system.hpp"
 #include "setup/fluids.hpp"
+#include "setup/levels.hpp"
 #include "setup/place_initial_states.hpp"
 #include "setup/place_obstacles.hpp"
 #include "setup/place_panels.hpp"
@@ -71,27 +72,32 @@ gas::Options options_of(Case const& c) {
   return o;
 }
 
-detonation::TakenCells place_charges(run::System& w) {
+/// Puts the charges into their cells. What burns in them goes into `plan`.
+detonation::TakenCells place_charges(run::System& w, std::shared_ptr<detonation::BurnPlan>& plan) {
   Case const& setup = w.setup;
   gas::Gas& gas = *w.gas;
   grid::Grid const& grid = w.grid;
   std::vector<detonation::BurningCharge> burning;
   detonation::TakenCells taken;
   std::function<double(Index3 const&)> open;
-  if (!setup.obstacles.empty())
-    open = [&gas](Index3 const& cell) { return gas::open_part(gas, gas.grid().locate(cell)); };
   int number = 0;
   for (Charge const& charge : setup.charges) {
     ++number;
+    int const level = detonation::level_of(charge.shape, grid);
+    if (!setup.obstacles.empty())
+      open = [&gas, level](Index3 const& cell) {
+        auto const found = gas.grid().locate(level, cell);
+        return found ? gas::open_part(gas, *found) : 1.0;
+      };
     std::string const what = setup.charges.size() == 1 ? "the charge" : fmt::format("charge {}", number);
     double const density = charge.explosive.density();
     detonation::FilledCells const filled =
-        detonation::fill_cells(charge.shape, grid, charge.mass / density, what, open);
+        detonation::fill_cells(charge.shape, grid, charge.mass / density, what, open, level);
     // What the cells really hold, not what they were meant to: read before and after.
     auto const products = [&] {
       double mass = 0.0;
       for (Index3 const& index : filled.cells) {
-        grid::Cell const cell = grid.locate(index);
+        grid::Cell const cell = grid.locate(level, index).value();
         mass += gas.fields().at(cell.block, gas::partial_density(charge.fluid))[cell.offset] * gas.cut.volume(cell);
       }
       return mass;
@@ -110,10 +116,10 @@ detonation::TakenCells place_charges(run::System& w) {
     report.realised_mass = (products() - before) * filled.images;
     report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
     report.cells_per_radius =
-        shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / grid.smallest_cell();
+        shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / grid.domain(level).smallest_cell();
     w.charges.push_back(report);
   }
-  if (!burning.empty()) detonation::set_programmed_burn(gas, burning);
+  if (!burning.empty()) plan = std::make_shared<detonation::BurnPlan>(gas, std::move(burning));
   return taken;
 }
 
@@ -123,29 +129,46 @@ void place_gas(run::System& w) {
   Case const& setup = w.setup;
   w.gas = std::make_unique<gas::Gas>(w.grid, fluids_of(setup), options_of(setup), setup.ambient.state, setup.inflow);
   gas::Gas& gas = *w.gas;
-  InitialStatePlacing initial(setup);
+  InitialStatePlacing initial(setup, &w.grid);
   initial.fill(gas);
-  SolidCells const solid(setup.domain, setup.obstacles, has_cut_cells(setup));
-  place_obstacles(setup, solid, gas);
-  if (!setup.start.remap) initial.give_way(place_charges(w));
+  int const obstacle_level = setup.adaptive.obstacles;
+  SolidCells const solid(setup.domain_of(obstacle_level), setup.obstacles, has_cut_cells(setup));
+  std::shared_ptr<LevelObstacles const> obstacles;
+  if (setup.adaptive.any()) {
+    obstacles = std::make_shared<LevelObstacles const>(setup);
+    place_obstacles(setup, *obstacles, gas);
+  } else {
+    place_obstacles(setup, solid, gas);
+  }
+  std::shared_ptr<detonation::BurnPlan> burn;
+  if (!setup.start.remap) initial.give_way(place_charges(w, burn));
   w.initial_states = initial.reports();
   if (solid.any()) {
     w.obstacles = *solid.reports(std::numeric_limits<long>::max());
-    auto panels = place_panels(setup.domain, setup.obstacles, solid);
+    auto panels = place_panels(setup.domain_of(obstacle_level), setup.obstacles, solid);
+    for (run::PanelReport& panel : panels) panel.place.level = obstacle_level;
     if (!panels.empty()) w.panels = std::make_unique<run::Panels>(std::move(panels));
   }
   if (setup.start.remap && !setup.start.from_checkpoint) place_start(w);
+  if (!setup.adaptive.any()) return;
+  w.adaptation = std::make_unique<run::Adaptation>(
+      refinement_rules(setup, obstacles), steps_between_changes(setup),
+      [obstacles, burn](gas::Gas& changed, std::vector<int> const& new_blocks) {
+        obstacles->furnish(changed, new_blocks);
+        if (burn != nullptr && changed.burn.burning()) burn->set_times(changed, new_blocks);
+      });
 }
 
 run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
-                                  std::function<double(Index3 const&)> const& open, detonation::TakenCells* taken) {
+                                  std::function<double(Index3 const&)> const& open, detonation::TakenCells* taken, int level) {
   double const density = charge.explosive.density();
-  auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what, open);
+  auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what, open, level);
+  grid::Domain const& domain = grid.domain(level);
   double volume = 0.0;
   for (std::size_t n = 0; n < filled.cells.size(); ++n) {
     double const part = open ? open(filled.cells[n]) : 1.0;
-    volume += filled.fractions[n] * part * grid.domain().cell_volume(filled.cells[n][0]);
-    if (taken != nullptr) (*taken)[filled.cells[n]] += filled.fractions[n];
+    volume += filled.fractions[n] * part * domain.cell_volume(filled.cells[n][0]);
+    if (taken != nullptr) (*taken)[{level, filled.cells[n]}] += filled.fractions[n];
   }
   run::ChargeReport report;
   report.explosive = charge.explosive.name;
@@ -153,7 +176,7 @@ run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, 
   report.realised_mass = volume * filled.images * density;
   report.realised_energy = volume * filled.images * charge.explosive.energy;
   report.cells_per_radius =
-      shape::equivalent_radius(volume * filled.images, grid.domain().geometry) / grid.smallest_cell();
+      shape::equivalent_radius(volume * filled.images, domain.geometry) / domain.smallest_cell();
   return report;
 }
 

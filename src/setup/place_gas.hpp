@@ -17,7 +17,7 @@ namespace brisance::setup {
 /// to `taken`. Throws InputError where it does not fit.
 [[nodiscard]] run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
                                                 std::function<double(Index3 const&)> const& open = nullptr,
-                                                detonation::TakenCells* taken = nullptr);
+                                                detonation::TakenCells* taken = nullptr, int level = 0);
 
 /// Builds `system.gas`: ambient, regions, obstacles with their panels, and the charges or what a remap makes of them,
 /// and reports what became of each. Throws InputError where the case cannot be realised.

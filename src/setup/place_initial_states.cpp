@@ -61,7 +61,14 @@ class MovingStates {
 
 }  // namespace
 
-InitialStatePlacing::InitialStatePlacing(Case const& setup) : setup_(&setup) {
+InitialStatePlacing::InitialStatePlacing(Case const& setup, grid::Grid const* grid) : setup_(&setup) {
+  if (grid == nullptr || grid->levels() == 1) {
+    pieces_.push_back({setup.domain, setup.domain.all_cells()});
+  } else {
+    for (grid::Block const& block : grid->blocks()) {
+      if (!block.covered) pieces_.push_back({grid->domain_of(block), block.in_domain()});
+    }
+  }
   for (InitialState const& initial : setup.initial_states) {
     shapes_.push_back(initial.shape);
     asked_.push_back(shape::volume_inside(initial.shape, setup.domain));
@@ -85,14 +92,14 @@ void InitialStatePlacing::scale(std::vector<Share>& shares) const {
   }
 }
 
-void InitialStatePlacing::for_each(CellRange const& range, Visit const& visit) const {
+void InitialStatePlacing::for_each(grid::Domain const& domain, CellRange const& range, Visit const& visit) const {
   int const first_obstacle = static_cast<int>(shapes_.size());
-  shape::for_each_share(all_, setup_->domain, range, [&](CellRange const& r, std::vector<Share> const& shares) {
+  shape::for_each_share(all_, domain, range, [&](CellRange const& r, std::vector<Share> const& shares) {
     double obstacles = 0.0;
     for (Share const& s : shares) obstacles += s.shape >= first_obstacle ? s.fraction : 0.0;
     if (SolidCells::solid(obstacles)) return true;
     // What an obstacle takes of a cell that stays gas is gas of the initial states.
-    std::vector<Share> parts = obstacles > 0.0 ? shape::shares_of_cell(shapes_, setup_->domain, r.lower) : shares;
+    std::vector<Share> parts = obstacles > 0.0 ? shape::shares_of_cell(shapes_, domain, r.lower) : shares;
     if (parts.empty()) return true;
     scale(parts);
     return visit(r, parts);
@@ -100,49 +107,55 @@ void InitialStatePlacing::for_each(CellRange const& range, Visit const& visit) c
 }
 
 bool InitialStatePlacing::measure(long most) {
-  grid::Domain const& domain = setup_->domain;
   long cut = 0;
   for (std::size_t n = 0; n < shapes_.size(); ++n) {
     if (std::holds_alternative<shape::Box>(shapes_[n])) continue;
     double full = 0.0;
     double part = 0.0;
-    shape::for_each_share({shapes_[n]}, domain, shape::cells_around(shapes_[n], domain),
-                          [&](CellRange const& r, std::vector<Share> const& shares) {
-                            double const f = shares.front().fraction;
-                            (f < 1.0 ? part : full) += f * shape::volume_of(r, domain);
-                            return ++cut <= most;
-                          });
+    for (auto const& [domain, cells] : pieces_) {
+      shape::for_each_share({shapes_[n]}, domain, grid::common(cells, shape::cells_around(shapes_[n], domain)),
+                            [&](CellRange const& r, std::vector<Share> const& shares) {
+                              double const f = shares.front().fraction;
+                              (f < 1.0 ? part : full) += f * shape::volume_of(r, domain);
+                              return ++cut <= most;
+                            });
+    }
     if (cut > most) return false;
     double const missing = asked_[n] - full - part;
     if (part > 0.0 && std::abs(missing) > 1e-13 * asked_[n] && asked_[n] > full) scales_[n] = (asked_[n] - full) / part;
   }
   placed_.assign(shapes_.size(), 0.0);
-  for_each(domain.all_cells(), [&](CellRange const& r, std::vector<Share> const& shares) {
-    for (Share const& s : shares)
-      placed_[static_cast<std::size_t>(s.shape)] += s.fraction * shape::volume_of(r, domain);
-    return ++cut <= most;
-  });
+  for (auto const& [domain, cells] : pieces_) {
+    for_each(domain, cells, [&](CellRange const& r, std::vector<Share> const& shares) {
+      for (Share const& s : shares)
+        placed_[static_cast<std::size_t>(s.shape)] += s.fraction * shape::volume_of(r, domain);
+      return ++cut <= most;
+    });
+  }
   if (cut <= most) measure_motion();
   return cut <= most;
 }
 
 void InitialStatePlacing::measure_motion() {
-  grid::Domain const& domain = setup_->domain;
   for (std::size_t n = 0; n < shapes_.size(); ++n) {
     InitialState const& initial = setup_->initial_states[n];
     if (!initial.motion.any() || !(placed_[n] > 0.0)) continue;
     VelocityField field(initial.state.velocity, initial.motion);
     double sum = 0.0;
-    for_each(shape::cells_around(shapes_[n], domain), [&](CellRange const& r, std::vector<Share> const& shares) {
-      for (Share const& s : shares) {
-        if (s.shape != static_cast<int>(n)) continue;
-        grid::for_each_cell(r, [&](Index3 const& index) {
-          Vec3 const v = field(domain.centre(index));
-          sum += s.fraction * domain.cell_volume(index[0]) * dot(v, v);
-        });
-      }
-      return true;
-    });
+    for (auto const& piece : pieces_) {
+      grid::Domain const& domain = piece.domain;
+      CellRange const cells = grid::common(piece.cells, shape::cells_around(shapes_[n], domain));
+      for_each(domain, cells, [&](CellRange const& r, std::vector<Share> const& shares) {
+        for (Share const& s : shares) {
+          if (s.shape != static_cast<int>(n)) continue;
+          grid::for_each_cell(r, [&](Index3 const& index) {
+            Vec3 const v = field(domain.centre(index));
+            sum += s.fraction * domain.cell_volume(index[0]) * dot(v, v);
+          });
+        }
+        return true;
+      });
+    }
     kinetic_[n] = 0.5 * initial.state.density * sum / placed_[n];
   }
 }
@@ -160,12 +173,13 @@ void InitialStatePlacing::fill(gas::Gas& gas) {
   }
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
+    if (block.covered) return;
     MovingStates own(*setup_, moving, gas.fluids(), states);
-    for_each(block.in_domain(), [&](CellRange const& r, std::vector<Share> const& shares) {
+    for_each(grid.domain_of(block), block.in_domain(), [&](CellRange const& r, std::vector<Share> const& shares) {
       double rest = 1.0;
       for (Share const& s : shares) rest -= s.fraction;
       grid::for_each_cell(r, [&](Index3 const& index) {
-        grid::Cell const cell = grid.locate(index);
+        grid::Cell const cell = grid.locate(block.level, index).value();
         std::vector<gas::Components> const& here = own.at(shares, block.centre(cell));
         for (int c = 0; c < gas.fields().components(); ++c) {
           double& u = gas.fields().at(b, c)[cell.offset];
@@ -191,10 +205,11 @@ void InitialStatePlacing::fill(gas::Gas& gas) {
 
 void InitialStatePlacing::give_way(detonation::TakenCells const& taken) {
   if (shapes_.empty()) return;
-  for (auto const& [cell, part] : taken) {
-    for_each(grid::around(cell, 0, 0), [&, part = part](CellRange const& r, std::vector<Share> const& shares) {
+  for (auto const& [place, part] : taken) {
+    grid::Domain const domain = setup_->domain_of(place.first);
+    for_each(domain, grid::around(place.second, 0, 0), [&, part = part](CellRange const& r, std::vector<Share> const& shares) {
       for (Share const& s : shares)
-        placed_[static_cast<std::size_t>(s.shape)] -= part * s.fraction * shape::volume_of(r, setup_->domain);
+        placed_[static_cast<std::size_t>(s.shape)] -= part * s.fraction * shape::volume_of(r, domain);
       return true;
     });
   }
@@ -223,12 +238,16 @@ std::vector<run::InitialStateReport> InitialStatePlacing::reports() const {
 bool InitialStatePlacing::vanishes(std::size_t initial) const {
   if (!(asked_[initial] > 0.0)) return true;
   bool found = false;
-  for_each(shape::cells_around(shapes_[initial], setup_->domain), [&](CellRange const&, std::vector<Share> const& s) {
-    found = std::any_of(s.begin(), s.end(), [&](Share const& share) {
-      return share.shape == static_cast<int>(initial) && share.fraction > 0.0;
+  for (auto const& [domain, cells] : pieces_) {
+    if (found) break;
+    CellRange const range = grid::common(cells, shape::cells_around(shapes_[initial], domain));
+    for_each(domain, range, [&](CellRange const&, std::vector<Share> const& s) {
+      found = std::any_of(s.begin(), s.end(), [&](Share const& share) {
+        return share.shape == static_cast<int>(initial) && share.fraction > 0.0;
+      });
+      return !found;
     });
-    return !found;
-  });
+  }
   return !found;
 }
 

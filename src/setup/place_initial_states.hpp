@@ -15,7 +15,8 @@ namespace brisance::setup {
 /// The initial states of a case on its grid.
 class InitialStatePlacing {
  public:
-  explicit InitialStatePlacing(Case const& setup);
+  /// `grid`: whose leaves are measured; null: the domain with cells of level 0.
+  explicit InitialStatePlacing(Case const& setup, grid::Grid const* grid = nullptr);
 
   /// Fills the gas, which holds the ambient state. A cell that a initial fills in part gets that part of its mass of
   /// each fluid, momentum and energy. Throws InputError where the states that meet in a cell have no common one.
@@ -32,15 +33,21 @@ class InitialStatePlacing {
 
  private:
   using Visit = std::function<bool(shape::CellRange const&, std::vector<shape::Share> const&)>;
+  /// Cells of one size.
+  struct Piece {
+    grid::Domain domain;
+    shape::CellRange cells;
+  };
   /// Calls visit for the cells of a range that are not solid and their shares of the initial states; it returns false
   /// to end.
-  void for_each(shape::CellRange const& range, Visit const& visit) const;
+  void for_each(grid::Domain const& domain, shape::CellRange const& range, Visit const& visit) const;
   /// Finds the mean kinetic energy of states whose velocity varies.
   void measure_motion();
   /// Makes the sum of a initial's cells its volume.
   void scale(std::vector<shape::Share>& shares) const;
 
   Case const* setup_;
+  std::vector<Piece> pieces_;
   std::vector<shape::Shape> shapes_;
   std::vector<shape::Shape> all_;  ///< initial states, then obstacles
   std::vector<double> asked_;      ///< volume of each in the domain [m3]

@@ -1,6 +1,7 @@
 #include "setup/place_obstacles.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "gas/place_obstacles.hpp"
 #include "shape/cut_cells.hpp"
@@ -26,6 +27,18 @@ void place_obstacles(Case const& setup, SolidCells const& solid, gas::Gas& gas) 
   else
     geometry.solid = solid.all();
   gas::place_obstacles(gas, geometry, setup.ambient.state);
+}
+
+void place_obstacles(Case const& setup, LevelObstacles const& obstacles, gas::Gas& gas) {
+  std::vector<int> all(gas.grid().blocks().size());
+  std::iota(all.begin(), all.end(), 0);
+  obstacles.furnish(gas, all);
+  for (grid::Block const& block : gas.grid().blocks()) {
+    if (gas.obstacles.solid(block.number).empty()) continue;
+    for_each_cell(block, [&](grid::Cell const& cell) {
+      if (gas.obstacles.contain(cell)) gas.set(cell, setup.ambient.state);
+    });
+  }
 }
 
 double open_part(Case const& setup, SolidCells const& solid, Index3 const& cell) {

@@ -3,6 +3,7 @@
 
 #include "case/case.hpp"
 #include "gas/gas.hpp"
+#include "setup/levels.hpp"
 #include "setup/solid_cells.hpp"
 
 namespace brisance::setup {
@@ -12,6 +13,8 @@ namespace brisance::setup {
 
 /// Puts the obstacles into the gas: their solid cells, which get ambient gas, and their cut cells.
 void place_obstacles(Case const& setup, SolidCells const& solid, gas::Gas& gas);
+/// The same on several levels.
+void place_obstacles(Case const& setup, LevelObstacles const& obstacles, gas::Gas& gas);
 
 /// The part of a cell's volume that obstacles leave to the gas of a case, 0 where it is solid.
 [[nodiscard]] double open_part(Case const& setup, SolidCells const& solid, Index3 const& cell);

@@ -70,7 +70,7 @@ bridge::CellBox whole_domain(grid::Domain const& domain) {
 }
 
 bridge::CellBox box_around_bodies(Case const& setup) {
-  grid::Domain const& domain = setup.domain;
+  grid::Domain const domain = setup.region_domain();
   if (throws_out(setup)) return whole_domain(domain);
   int const margin = margin_of(*setup.mpm_region);
   bridge::CellBox cells;
@@ -96,14 +96,14 @@ bridge::CellBox box_around_bodies(Case const& setup) {
 
 std::vector<bridge::CellBox> boxes_of(Case const& setup) {
   std::vector<bridge::CellBox> cells;
-  for (shape::Box const& box : setup.mpm_region->boxes) cells.push_back(cells_of(setup.domain, box));
+  for (shape::Box const& box : setup.mpm_region->boxes) cells.push_back(cells_of(setup.region_domain(), box));
   if (cells.empty()) cells.push_back(box_around_bodies(setup));
   return cells;
 }
 
 /// The part of space that the gas particles fill.
 shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& boxes) {
-  grid::Domain const& domain = setup.domain;
+  grid::Domain const domain = setup.region_domain();
   std::vector<shape::Shape> parts;
   for (bridge::CellBox const& cells : boxes) {
     shape::Box box;
@@ -123,7 +123,7 @@ shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& bo
 
 /// Gas particles in the state of the cells that they lie in.
 void fill_gas(run::System& w, int body, std::vector<bridge::CellBox> const& boxes) {
-  grid::Domain const& domain = w.setup.domain;
+  grid::Domain const domain = w.setup.region_domain();
   int const parts = w.setup.mpm_region->gas_particles(domain.dimensions());
   shape::Placement const placement = shape::place_particles(gas_space(w.setup, boxes), domain, parts);
   mpm::ParticleSet set(mpm::fields(*w.particles, body));
@@ -165,7 +165,7 @@ bool moves(Case const& setup) {
 void check_neighbours(run::System const& w) {
   bridge::Region const& region = w.bridge->region();
   auto const check = [&](Index3 const& index) {
-    grid::Cell const cell = w.grid.locate(index);
+    grid::Cell const cell = region.locate(w.grid, index);
     if (w.gas->obstacles.contain(cell)) {
       throw InputError(
           "an obstacle lies in the MPM region or within 3 cells of it: make it a body, or move one of them");
@@ -209,7 +209,8 @@ bridge::Region region_of(Case const& setup) {
                     "at most {:.3g}: move them closer together, or simulate them separately",
                     around, most_cells));
   }
-  return {setup.domain, boxes, setup.mpm_region->width, proxy_layers(setup.particles.options.shape)};
+  return {setup.region_domain(), boxes, setup.mpm_region->width, proxy_layers(setup.particles.options.shape),
+          setup.mpm_region->level};
 }
 
 void place_region(run::System& w) {
@@ -241,7 +242,7 @@ void place_region(run::System& w) {
   bool still = !moves(w.setup);
   for (Index3 const& cell : region.cells()) {
     if (!still) break;
-    gas::Primitive const s = w.gas->primitive(w.grid.locate(cell));
+    gas::Primitive const s = w.gas->primitive(region.locate(w.grid, cell));
     still = std::abs(s.pressure - ambient.pressure) <= options.activation && norm(s.velocity) == 0.0;
   }
   options.awake = !still;

@@ -163,6 +163,7 @@ Case start_case(Case const& setup, std::size_t number, StartPlan const& plan) {
   one.domain.cells = {plan.cells, 1, 1};
   one.domain.boundary[0] = grid::Boundary::symmetry;
   one.numerics.block_cells = 0;
+  one.adaptive = {};
   one.output = {};
   one.output.peak_fields = false;
   one.gauges.clear();

@@ -70,8 +70,8 @@ double common_part(std::vector<std::uint8_t> const& own, std::vector<std::uint8_
 /// Finds the geometry of a domain, step by step.
 class Cutter {
  public:
-  Cutter(std::vector<Shape> const& shapes, grid::Domain const& domain)
-      : shapes_(shapes), domain_(domain), all_(domain.all_cells()), bodies_(shapes, domain) {}
+  Cutter(std::vector<Shape> const& shapes, grid::Domain const& domain, grid::CellRange const& range)
+      : shapes_(shapes), domain_(domain), all_(grid::common(range, domain.all_cells())), bodies_(shapes, domain) {}
 
   CutGeometry run() {
     find_cells();
@@ -86,18 +86,19 @@ class Cutter {
  private:
   /// Solid cells and those that surfaces cut, with their open volumes.
   void find_cells() {
+    result_.range = all_;
     result_.solid.assign(all_.count(), 0);
     int const last = domain_.dimensions() - 1;
     constexpr int thickness = 8;
-    int const slabs = (domain_.cells[last] + thickness - 1) / thickness;
+    int const slabs = (all_.n(last) + thickness - 1) / thickness;
     std::vector<std::vector<CutCell>> found(slabs);
     grid::Metric flat = domain_;
     flat.geometry = domain_.dimensions() == 1 ? grid::Geometry::planar1d : grid::Geometry::planar2d;
     bool const radial = grid::radial_exponent(domain_.geometry) > 0;
     parallel_for(slabs, [&](int n, int) {
       CellRange slab = all_;
-      slab.lower[last] = n * thickness;
-      slab.upper[last] = std::min(domain_.cells[last], (n + 1) * thickness);
+      slab.lower[last] = all_.lower[last] + n * thickness;
+      slab.upper[last] = std::min(all_.upper[last], slab.lower[last] + thickness);
       for_each_share(shapes_, domain_, slab, [&](CellRange const& r, std::vector<Share> const& shares) {
         double const open = 1.0 - sum_of(shares);
         if (open < least_open) {
@@ -261,8 +262,12 @@ class Cutter {
 }  // namespace
 
 CutGeometry cut_cells(std::vector<Shape> const& shapes, grid::Domain const& domain) {
+  return cut_cells(shapes, domain, domain.all_cells());
+}
+
+CutGeometry cut_cells(std::vector<Shape> const& shapes, grid::Domain const& domain, grid::CellRange const& range) {
   if (shapes.empty()) return {};
-  return Cutter(shapes, domain).run();
+  return Cutter(shapes, domain, range).run();
 }
 
 }  // namespace brisance::shape

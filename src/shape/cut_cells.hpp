@@ -19,7 +19,8 @@ struct CutCell {
 
 /// What bodies make of the cells of a domain.
 struct CutGeometry {
-  std::vector<std::uint8_t> solid;  ///< of all cells of the domain, x fastest: 1 where nothing is open
+  grid::CellRange range;            ///< the cells that have been looked at
+  std::vector<std::uint8_t> solid;  ///< of all of them, x fastest: 1 where nothing is open
   std::vector<CutCell> cells;       ///< those that are cut, by their place in the domain
   /// Cells in which bodies part the gas: walls thinner than a cell. The largest piece of gas stays, the others become
   /// solid, so that nothing gets through.
@@ -36,5 +37,10 @@ inline constexpr double least_open = 1e-6;
 /// 1D and 2D, in 3D for plane surfaces; curved ones and edges within a face to second order in the cell size.
 /// Neighbours see their common face alike. Volumes as by `shares_of_cell`.
 [[nodiscard]] CutGeometry cut_cells(std::vector<Shape> const& shapes, grid::Domain const& domain);
+
+/// The same of a part of the domain. What a cell is depends on its neighbours: those in the outermost two layers of a
+/// range that does not end with the domain are not all what they are in the whole.
+[[nodiscard]] CutGeometry cut_cells(std::vector<Shape> const& shapes, grid::Domain const& domain,
+                                    grid::CellRange const& range);
 
 }  // namespace brisance::shape

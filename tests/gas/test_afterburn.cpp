@@ -254,7 +254,7 @@ TEST(Afterburn, LambdaComesFromWhereTheProductsComeFrom) {
       for (int i = 0; i + 1 < n; ++i) {
         Index3 cell{0, 0, 0};
         cell[line.direction] = i;
-        faces.push_back(p.gas->coupling.watch(cell, line.direction));
+        faces.push_back(p.gas->coupling.watch(p.gas->grid().locate(cell), line.direction));
       }
       p.gas->start();
       double const dt = 0.4 * p.domain.h / p.gas->fastest_signal();

@@ -460,6 +460,7 @@ Burst burst(int n, int most_level) {
   problem.quiescent = state(1.2, 0.0, 1e5);
   gas::RefinementRules rules;
   rules.most_level = most_level;
+  rules.shock_level = most_level;
   gas::Refinement refinement(rules);
   auto const initial = [&](Vec3 const& x) {
     return norm(x - Vec3{0.5, 0.5, 0.0}) < 0.15 ? state(6.0, 0.0, 2e6) : problem.quiescent;

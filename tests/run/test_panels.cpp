@@ -211,7 +211,7 @@ TEST(Panels, GivesWayAtItsPressureAndNotBefore) {
   double before = 0.0;
   while (!only_panel(w).released && w.clock.time < 0.05) {
     EXPECT_LT(before, 0.3 * bar);
-    bool const held = w.gas->obstacles.contain({40, 3, 0});
+    bool const held = w.gas->obstacles.contain(0, {40, 3, 0});
     EXPECT_TRUE(held);
     advance(w, 1.0);
     double difference = 0.0;
@@ -227,7 +227,7 @@ TEST(Panels, GivesWayAtItsPressureAndNotBefore) {
   EXPECT_EQ(*p.opened, w.clock.time);
   EXPECT_GE(p.difference, 0.3 * bar);
   EXPECT_LT(p.difference, 0.31 * bar) << "a step too late";
-  for (int j = 0; j < 10; ++j) EXPECT_EQ(w.gas->obstacles.contain({40, j, 0}), j < 2 || j > 5) << j;
+  for (int j = 0; j < 10; ++j) EXPECT_EQ(w.gas->obstacles.contain(0, {40, j, 0}), j < 2 || j > 5) << j;
   double const until = w.clock.time + 1e-3;
   advance_to(w, until);
   EXPECT_GT(gas::gather(*w.gas, {{41, 4, 0}}).front().velocity[0], 50.0) << "no gas passes";
@@ -301,7 +301,7 @@ TEST(Panels, OpensInEveryGeometryAndBooksWhatItsCellsHold) {
         for (int n = 0; n < column.count; ++n) {
           Index3 cell = column.first;
           cell[s.direction] += n;
-          EXPECT_FALSE(w.gas->obstacles.contain(cell));
+          EXPECT_FALSE(w.gas->obstacles.contain(0, cell));
           volume += w.setup.domain.cell_volume(cell[0]);
         }
       }
@@ -350,7 +350,7 @@ TEST(Panels, AHeavyPanelOpensFromItsEdgeAsItMoves) {
     }
     EXPECT_NEAR(p.travel - travel, p.speed * dt, 1e-12);
     EXPECT_LE(std::abs(p.open_area() - std::min(0.2, p.travel)), 0.005 + 1e-9) << "half a ring";
-    for (int j = 0; j < 20; ++j) EXPECT_EQ(w.gas->obstacles.contain({50, j, 0}), j < 20 - p.open_rings);
+    for (int j = 0; j < 20; ++j) EXPECT_EQ(w.gas->obstacles.contain(0, {50, j, 0}), j < 20 - p.open_rings);
     work += difference * (p.travel - travel);
   }
   EXPECT_NEAR(first_opening, first, 0.01 * first);

@@ -247,13 +247,13 @@ TEST(PlacedObstacles, AreSolidFromHalfACellOn) {
     EXPECT_EQ(world.obstacles[0].cells, cells) << upper;
     EXPECT_NEAR(world.obstacles[0].specified_volume, upper - 0.5, 1e-12);
     EXPECT_NEAR(world.obstacles[0].volume, 0.1 * cells, 1e-12);
-    EXPECT_FALSE(world.gas->obstacles.contain(Index3{4, 0, 0}));
-    EXPECT_TRUE(world.gas->obstacles.contain(Index3{5, 0, 0}));
-    EXPECT_EQ(world.gas->obstacles.contain(Index3{10, 0, 0}), cells == 6);
+    EXPECT_FALSE(world.gas->obstacles.contain(0, Index3{4, 0, 0}));
+    EXPECT_TRUE(world.gas->obstacles.contain(0, Index3{5, 0, 0}));
+    EXPECT_EQ(world.gas->obstacles.contain(0, Index3{10, 0, 0}), cells == 6);
   }
   // Two that fill it together.
   c.obstacles = {{"a", Box{{0.5, -0.5, -0.5}, {1.03, 0.5, 0.5}}}, {"b", Box{{1.07, -0.5, -0.5}, {1.5, 0.5, 0.5}}}};
-  EXPECT_TRUE(build(c).gas->obstacles.contain(Index3{10, 0, 0}));
+  EXPECT_TRUE(build(c).gas->obstacles.contain(0, Index3{10, 0, 0}));
 }
 
 TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
@@ -264,7 +264,7 @@ TEST(PlacedObstacles, TakeNothingOfAChargeBesideThem) {
     c.numerics.obstacles = cells;
     World const world = setup::build(c);
     bool const stairs = cells == run::ObstacleCells::stairs;
-    EXPECT_EQ(world.gas->obstacles.contain(Index3{10, 10, 0}), stairs);
+    EXPECT_EQ(world.gas->obstacles.contain(0, Index3{10, 10, 0}), stairs);
     double const products = world.gas->primitive(world.grid.locate(Index3{10, 10, 0})).mass_fraction[1];
     EXPECT_EQ(products > 0.0, !stairs);
     EXPECT_NEAR(world.totals().mass[1] / c.charges[0].mass, 1.0, 1e-12);

@@ -1,0 +1,288 @@
+#include "setup/levels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "grid/partition.hpp"
+#include "setup/place_obstacles.hpp"
+#include "setup/place_region.hpp"
+#include "setup/solid_cells.hpp"
+#include "shape/cut_cells.hpp"
+
+namespace brisance::setup {
+
+namespace {
+
+using gas::LevelBounds;
+
+/// Layers that cells of a level must keep from a surface that does not fit them: those that their sweeps see.
+constexpr int fit_margin = 3;
+/// Layers around a block that are looked at with it: what a cut cell is depends on its neighbours.
+constexpr int cut_margin = 3;
+
+bool is_part(double fraction) { return fraction > 1e-9 && fraction < 1.0 - 1e-9; }
+
+/// Cells of a level around a place.
+grid::CellRange cells_around(grid::Domain const& domain, Vec3 const& x) {
+  grid::CellRange cells;
+  for (int d = 0; d < domain.dimensions(); ++d) {
+    cells.lower[d] = static_cast<int>(std::floor(domain.in_cells(d, x[d]))) - level_margin;
+    cells.upper[d] = cells.lower[d] + 2 * level_margin + 1;
+  }
+  return cells;
+}
+
+/// Does a shape reach into cells, or past them within so many layers?
+bool reaches_into(shape::Shape const& shape, grid::Domain const& domain, grid::CellRange const& cells, int layers) {
+  grid::CellRange const box =
+      grid::common(grid::common(cells.grown(layers, domain.dimensions()), domain.all_cells()),
+                   shape::cells_around(shape, domain));
+  if (box.empty()) return false;
+  bool found = false;
+  shape::for_each_share({shape}, domain, box, [&](grid::CellRange const&, std::vector<shape::Share> const& shares) {
+    found = !shares.empty();
+    return !found;
+  });
+  // A shape between the samples counts by its centre.
+  Vec3 const centre = shape::centre(shape);
+  Index3 at{0, 0, 0};
+  for (int d = 0; d < domain.dimensions(); ++d) at[d] = static_cast<int>(std::floor(domain.in_cells(d, centre[d])));
+  return found || box.contains(at);
+}
+
+}  // namespace
+
+LevelObstacles::LevelObstacles(Case const& setup)
+    : domain_(setup.domain),
+      level_(setup.adaptive.obstacles),
+      finest_(setup.adaptive.finest),
+      cut_(has_cut_cells(setup)) {
+  for (Obstacle const& obstacle : setup.obstacles) shapes_.push_back(obstacle.shape);
+}
+
+bool LevelObstacles::fit(int level, grid::CellRange const& cells) const {
+  if (shapes_.empty()) return true;
+  auto const [found, fresh] = fits_.try_emplace({level, cells.lower}, true);
+  if (!fresh) return found->second;
+  grid::Domain const domain = domain_.refined(level);
+  grid::CellRange const around = grid::common(cells.grown(fit_margin, domain.dimensions()), domain.all_cells());
+  shape::for_each_share(shapes_, domain, around, [&](grid::CellRange const&, std::vector<shape::Share> const& shares) {
+    found->second = !is_part(shape::sum_of(shares));
+    return found->second;
+  });
+  return found->second;
+}
+
+LevelObstacles::OfBlock LevelObstacles::find(grid::Block const& block, grid::Domain const& domain) const {
+  OfBlock of;
+  grid::CellRange const box = block.with_ghosts();
+  grid::CellRange const cells = block.in_domain();
+  // Beyond the domain lie images, maybe of cells at its other end: those are looked at one by one.
+  grid::CellRange const near =
+      grid::common(cells.grown(grid::ghost_layers + cut_margin, domain.dimensions()), domain.all_cells());
+  bool const cut = cut_ && block.level == level_;
+  shape::CutGeometry geometry;
+  if (cut) geometry = shape::cut_cells(shapes_, domain, near);
+  auto const by_half = [&](Index3 const& cell) {
+    return SolidCells::solid(shape::sum_of(shape::shares_of_cell(shapes_, domain, cell)));
+  };
+  std::vector<std::uint8_t> solid(near.count(), 0);
+  if (cut) {
+    solid = std::move(geometry.solid);
+    for (shape::CutCell const& cell : geometry.cells) {
+      if (cells.contains(cell.cell)) of.cut.push_back(cell);
+    }
+  } else {
+    shape::for_each_share(shapes_, domain, near, [&](grid::CellRange const& r, std::vector<shape::Share> const& shares) {
+      if (!SolidCells::solid(shape::sum_of(shares))) return true;
+      for_each_cell(r, [&](Index3 const& cell) { solid[near.offset(cell)] = 1; });
+      return true;
+    });
+  }
+  bool any = !of.cut.empty();
+  of.solid.assign(box.count(), 0);
+  for_each_cell(box, [&](Index3 const& within) {
+    Index3 const cell = grid::image_cell(domain, block.index(within));
+    bool const here = near.contains(cell) ? solid[near.offset(cell)] != 0 : by_half(cell);
+    if (!here) return;
+    of.solid[box.offset(within)] = 1;
+    any = true;
+  });
+  if (!any) of.solid.clear();
+  return of;
+}
+
+void LevelObstacles::furnish(gas::Gas& gas, std::vector<int> const& new_blocks) const {
+  if (shapes_.empty()) return;
+  grid::Grid const& grid = gas.grid();
+  auto const of = [&](grid::Block const& block) -> OfBlock const& {
+    auto const [found, fresh] = known_.try_emplace({block.level, block.in_domain().lower});
+    if (fresh) found->second = find(block, grid.domain_of(block));
+    return found->second;
+  };
+  for (int const b : new_blocks) {
+    grid::Block const& block = grid.blocks()[b];
+    if (block.level > level_ && !fit(block.level, block.in_domain())) {
+      Vec3 const x = block.metric.low_corner(block.in_domain().lower);
+      throw InputError(
+          fmt::format("the surface of an obstacle near ({:.6g}, {:.6g}, {:.6g}) m lies in cells of {:.6g} m, which are "
+                      "finer than those that obstacles have, of {:.6g} m: make adaptive.obstacles as fine, or move the "
+                      "refinement away from the obstacle",
+                      x[0], x[1], x[2], block.h(), grid.domain(level_).smallest_cell()));
+    }
+    OfBlock const& found = of(block);
+    if (!found.solid.empty()) gas.obstacles.set(b, found.solid);
+  }
+  if (!cut_ || level_ >= grid.levels()) return;
+  std::vector<shape::CutCell> cells;
+  for (int const b : grid.blocks_of(level_)) {
+    if (grid.blocks()[b].covered) continue;
+    OfBlock const& found = of(grid.blocks()[b]);
+    cells.insert(cells.end(), found.cut.begin(), found.cut.end());
+  }
+  gas.cut.set(
+      cells, level_, [&](Index3 const& cell) { return gas.obstacles.contain(level_, cell); },
+      gas.fields().components());
+}
+
+gas::RefinementRules::Bounds level_bounds(Case const& setup, std::shared_ptr<LevelObstacles const> const& obstacles) {
+  std::vector<Refine> parts = setup.adaptive.parts;
+  std::vector<Vec3> places;
+  int const gauge_level = setup.adaptive.gauges.value_or(0);
+  if (setup.adaptive.gauges) {
+    for (Gauge const& gauge : setup.gauges) places.push_back(gauge.position);
+  }
+  grid::Domain const domain = setup.domain;
+  std::optional<grid::CellRange> region;
+  int region_level = 0;
+  if (setup.mpm_region) {
+    region_level = setup.mpm_region->level;
+    bridge::Region const of_case = region_of(setup);
+    grid::CellRange hull{of_case.proxy_cells().front(), of_case.proxy_cells().front()};
+    auto const add = [&](Index3 const& cell) {
+      for (int d = 0; d < 3; ++d) {
+        hull.lower[d] = std::min(hull.lower[d], cell[d]);
+        hull.upper[d] = std::max(hull.upper[d], cell[d] + 1);
+      }
+    };
+    for (Index3 const& cell : of_case.proxy_cells()) add(cell);
+    for (Index3 const& cell : of_case.cells()) add(cell);
+    region = hull.grown(level_margin, domain.dimensions());
+  }
+  int const obstacle_level = setup.adaptive.obstacles;
+  std::vector<shape::Shape> panels;  // they open cell by cell
+  for (Obstacle const& obstacle : setup.obstacles) {
+    if (obstacle.release) panels.push_back(obstacle.shape);
+  }
+  return [=](int level, grid::CellRange const& cells) {
+    LevelBounds bounds;
+    grid::Domain const fine = domain.refined(level);
+    int const dims = fine.dimensions();
+    auto const at_least = [&](int wanted) { bounds.least = std::max(bounds.least, wanted); };
+    for (Refine const& part : parts) {
+      if (bounds.least < part.level && reaches_into(part.shape, fine, cells, 0)) at_least(part.level);
+    }
+    for (Vec3 const& x : places) {
+      if (!grid::common(cells_around(fine, x), cells).empty()) at_least(gauge_level);
+    }
+    if (region) {
+      // Its cells, in cells of this level.
+      grid::CellRange here = *region;
+      for (int d = 0; d < dims; ++d) {
+        double const scale = std::ldexp(1.0, level - region_level);
+        here.lower[d] = static_cast<int>(std::floor(region->lower[d] * scale));
+        here.upper[d] = static_cast<int>(std::ceil(region->upper[d] * scale));
+      }
+      if (!grid::common(here, cells).empty()) {
+        at_least(region_level);
+        bounds.most = region_level;
+      }
+    }
+    for (shape::Shape const& panel : panels) {
+      if (!reaches_into(panel, fine, cells, level_margin)) continue;
+      at_least(obstacle_level);
+      bounds.most = std::min(bounds.most, std::max(obstacle_level, bounds.least));
+    }
+    if (obstacles != nullptr && obstacles->any()) {
+      if (!obstacles->fit(level, cells)) {
+        at_least(obstacle_level);
+        bounds.most = std::min(bounds.most, std::max(obstacle_level, bounds.least));
+      } else if (level > 0 && bounds.least < level) {
+        // May it be merged?
+        grid::CellRange coarser = cells;
+        for (int d = 0; d < dims; ++d) {
+          int const n = cells.upper[d] - cells.lower[d];
+          coarser.lower[d] = cells.lower[d] / (2 * n) * n;
+          coarser.upper[d] = coarser.lower[d] + n;
+        }
+        if (!obstacles->fit(level - 1, grid::common(coarser, domain.refined(level - 1).all_cells()))) at_least(level);
+      }
+    }
+    return bounds;
+  };
+}
+
+gas::RefinementRules::Bounds charge_bounds(Case const& setup) {
+  if (setup.charges.empty() || setup.start.remap || setup.adaptive.charges == 0) return {};
+  std::vector<shape::Shape> shapes;
+  for (Charge const& charge : setup.charges) shapes.push_back(charge.shape);
+  return [shapes, domain = setup.domain, wanted = setup.adaptive.charges](int level, grid::CellRange const& cells) {
+    LevelBounds bounds;
+    for (shape::Shape const& shape : shapes) {
+      if (reaches_into(shape, domain.refined(level), cells, level_margin)) bounds.least = wanted;
+    }
+    return bounds;
+  };
+}
+
+int steps_between_changes(Case const& setup) {
+  // So many that a shock makes some eight of the finest cells between two.
+  constexpr int cells = 8;
+  return std::max(1, cells >> setup.adaptive.shocks);
+}
+
+gas::RefinementRules refinement_rules(Case const& setup, std::shared_ptr<LevelObstacles const> const& obstacles) {
+  Adaptive const& adaptive = setup.adaptive;
+  gas::RefinementRules rules;
+  rules.most_level = adaptive.finest;
+  if (setup.mpm_region) rules.most_level = std::max(rules.most_level, setup.mpm_region->level);
+  rules.shock_level = adaptive.shocks;
+  rules.products_level = adaptive.products.value_or(-1);
+  rules.threshold = adaptive.threshold;
+  Index3 const size = grid::refinable_partition_of(setup.domain, setup.numerics.block_cells).size;
+  int least = size[0];
+  for (int d = 1; d < setup.domain.dimensions(); ++d) least = std::min(least, size[d]);
+// No shock outruns the sound behind it: it makes less than a step's Courant number of cells in each.
+  rules.buffer = std::min(least, 3 * (steps_between_changes(setup) << adaptive.shocks) / 4);
+  rules.bounds = level_bounds(setup, obstacles);
+  rules.while_bursting = charge_bounds(setup);
+  rules.most_cells = adaptive.most_cells;
+  return rules;
+}
+
+grid::Forest start_forest(Case const& setup, std::shared_ptr<LevelObstacles const> const& obstacles) {
+  grid::Partition const partition = grid::refinable_partition_of(setup.domain, setup.numerics.block_cells);
+  int const dims = setup.domain.dimensions();
+  grid::Forest forest(partition.parts, dims, grid::periodic_directions(setup.domain));
+  gas::RefinementRules const rules = refinement_rules(setup, obstacles);
+  auto const bounds = [&rules](int level, grid::CellRange const& cells) {
+    gas::LevelBounds all = rules.bounds(level, cells);
+    if (rules.while_bursting) all.least = std::max(all.least, rules.while_bursting(level, cells).least);
+    return all;
+  };
+  gas::refine_to(forest, setup.domain, partition.size, rules.most_level, bounds);
+  double cells = static_cast<double>(forest.leaves().size());
+  for (int d = 0; d < dims; ++d) cells *= partition.size[d];
+  if (setup.adaptive.most_cells > 0.0 && cells > setup.adaptive.most_cells) {
+    throw InputError(
+        fmt::format("the start needs {:.4g} cells, more than adaptive.cells = {:.4g}: allow more, or refine smaller "
+                    "parts of the domain",
+                    cells, setup.adaptive.most_cells));
+  }
+  return forest;
+}
+
+}  // namespace brisance::setup
