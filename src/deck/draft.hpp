@@ -90,12 +90,21 @@ struct Draft {
   std::vector<std::optional<shape::Shape>> body_shapes;  ///< in the same order; nothing after an error
   std::vector<Onset> onsets;
   std::map<std::string, Section, std::less<>> absent;  ///< tables that the deck does not have, see `table`
+  int region_level = 0;                                ///< of the cells that material points see
 
   [[nodiscard]] Geometry geometry() const { return out.domain.geometry; }
   [[nodiscard]] int dims() const { return out.domain.dimensions(); }
   [[nodiscard]] bool radial() const { return grid::radial_exponent(geometry()) > 0; }
   /// Lengths below this are round-off [m].
   [[nodiscard]] double tiny() const { return 1e-6 * out.domain.h; }
+  /// The grid that material points see.
+  [[nodiscard]] grid::Domain particle_domain() const { return out.domain_of(region_level); }
+  /// The domain as if all its cells were as large as those at surfaces of obstacles.
+  [[nodiscard]] grid::Domain obstacle_domain() const { return out.domain_of(out.adaptive.obstacles); }
+  /// The key that sets the size of those cells.
+  [[nodiscard]] char const* obstacle_cell_key() const {
+    return out.adaptive.any() ? "adaptive.obstacles" : "domain.cell";
+  }
   [[nodiscard]] bool has_bodies() const { return deck.given("body"); }
 
   void error(Section const& section, std::string_view key, std::string const& message) const {

@@ -44,7 +44,7 @@ void place_obstacles(Case const& setup, LevelObstacles const& obstacles, gas::Ga
 double open_part(Case const& setup, SolidCells const& solid, Index3 const& cell) {
   if (!solid.any()) return 1.0;
   if (!has_cut_cells(setup)) return solid(cell) ? 0.0 : 1.0;
-  double const open = 1.0 - shape::sum_of(shape::shares_of_cell(solid.shapes(), setup.domain, cell));
+  double const open = 1.0 - shape::sum_of(shape::shares_of_cell(solid.shapes(), solid.domain(), cell));
   return open < shape::least_open ? 0.0 : open;
 }
 

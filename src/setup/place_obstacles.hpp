@@ -16,7 +16,8 @@ void place_obstacles(Case const& setup, SolidCells const& solid, gas::Gas& gas);
 /// The same on several levels.
 void place_obstacles(Case const& setup, LevelObstacles const& obstacles, gas::Gas& gas);
 
-/// The part of a cell's volume that obstacles leave to the gas of a case, 0 where it is solid.
+/// The part of a cell's volume that obstacles leave to the gas of a case, 0 where it is solid. `cell` is one of those
+/// of `solid`.
 [[nodiscard]] double open_part(Case const& setup, SolidCells const& solid, Index3 const& cell);
 
 }  // namespace brisance::setup

@@ -97,7 +97,8 @@ Reach reach_of(Case const& setup, std::size_t number, bool with_gauges, int grou
     constexpr double room = 5.0;
     double nearest = reach.radius + room * h;
     bridge::Region const region = region_of(setup);
-    for (Index3 const& cell : region.cells()) nearest = std::min(nearest, distance_to_cell(domain, cell, centre));
+    grid::Domain const fine = setup.region_domain();
+    for (Index3 const& cell : region.cells()) nearest = std::min(nearest, distance_to_cell(fine, cell, centre));
     bound(nearest - room * h, "the MPM region");
   }
   return reach;

@@ -26,6 +26,7 @@ class SolidCells {
   SolidCells(grid::Domain const& domain, std::vector<Obstacle> const& obstacles, bool cut = false);
 
   [[nodiscard]] bool any() const { return !shapes_.empty(); }
+  [[nodiscard]] grid::Domain const& domain() const { return domain_; }
   [[nodiscard]] std::vector<shape::Shape> const& shapes() const { return shapes_; }
   /// Do these shares of obstacles make a cell solid?
   [[nodiscard]] static bool solid(double fraction) { return fraction >= 0.5 - 1e-9; }

@@ -68,7 +68,8 @@ bool begins_burnt(Draft const& draft, Section const& section, material::Constant
     auto const bounds = shape::bounds(charge.shape);
     double radius = 0.0;
     for (int d = 0; d < draft.dims(); ++d) radius = std::max(radius, 0.5 * (bounds.upper[d] - bounds.lower[d]));
-    double const cell = remapped ? setup::start_cell(specified, radius) : draft.out.domain.h;
+    double const cell =
+        remapped ? setup::start_cell(specified, radius) : draft.out.domain_of(draft.out.adaptive.charges).h;
     burnt = std::max(burnt, burnt_at(charge, draft.out.domain, cell));
   }
   if (draft.domain_known && model.begin < burnt) {

@@ -86,7 +86,7 @@ constexpr double lightest_metal = 1500.0;  ///< [kg/m3]; a fluid that is heavier
 bool body_fits(Draft const& draft, Section const& section, shape::Shape const& shape) {
   auto const b = shape::bounds(shape);
   std::string_view const key = place_key(section);
-  double const h = draft.out.domain.h;
+  double const h = draft.particle_domain().h;
   for (int f = 0; f < 2 * draft.dims(); ++f) {
     int const d = f / 2;
     bool const low = f % 2 == 0;
@@ -323,7 +323,7 @@ void check_initial_stress(Draft const& draft) {
     try {
       setup::Overburden overburden(draft.out);
       constexpr double most_verticals = 64.0;  // in a direction
-      int const cells = std::max({draft.out.domain.cells[0], draft.out.domain.cells[1], draft.out.domain.cells[2]});
+      int const cells = std::ranges::max(draft.particle_domain().cells);
       double const vertical = overburden.largest(p.bodies[n], static_cast<int>(std::ceil(cells / most_verticals)));
       if (setup::bears(p.bodies[n].solid, overburden.state(p.bodies[n], vertical))) continue;
       draft.error((*sections)[n], (*sections)[n].given("K0") ? "K0" : "initial_stress",

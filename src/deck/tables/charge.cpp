@@ -163,6 +163,24 @@ bool mirrors_itself(Draft const& draft, Section const& section, shape::Shape con
   return true;
 }
 
+/// The domain; with cells of several sizes the part of it around a charge, on the cells of charges.
+grid::Domain room_around(Draft const& draft, shape::Shape const& body) {
+  int const level = draft.out.adaptive.charges;
+  if (level == 0) return draft.out.domain;
+  constexpr int room = 4;  // cells, as many as a grid has at least
+  grid::Domain const whole = draft.out.domain_of(level);
+  shape::CellRange const cells =
+      grid::common(shape::cells_around(body, whole).grown(room, draft.dims()), whole.all_cells());
+  grid::Domain part = whole;
+  for (int d = 0; d < draft.dims(); ++d) {
+    part.lower[d] = whole.face(d, cells.lower[d]);
+    part.cells[d] = cells.upper[d] - cells.lower[d];
+    if (cells.lower[d] > 0) part.boundary[2 * d] = Boundary::outflow;
+    if (cells.upper[d] < whole.cells[d]) part.boundary[2 * d + 1] = Boundary::outflow;
+  }
+  return part;
+}
+
 /// A charge beside obstacles finds room between solid cells.
 void fits_between_obstacles(Draft const& draft, Section const& section, shape::Shape const& body) {
   if (draft.out.obstacles.empty() || draft.deck.text("start") == "remap") return;
@@ -175,10 +193,10 @@ void fits_between_obstacles(Draft const& draft, Section const& section, shape::S
     return true;
   });
   if (!beside) return;
-  setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
+  grid::Domain const domain = room_around(draft, body);
+  setup::SolidCells const solid(domain, draft.out.obstacles);
   try {
-    (void)detonation::fill_cells(body, grid::Grid(draft.out.domain), shape::volume(body, draft.geometry()),
-                                 "the charge",
+    (void)detonation::fill_cells(body, grid::Grid(domain), shape::volume(body, draft.geometry()), "the charge",
                                  [&](Index3 const& cell) { return setup::open_part(draft.out, solid, cell); });
   } catch (InputError const& problem) {
     draft.error(section, place_key(section), problem.what());

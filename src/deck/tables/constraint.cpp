@@ -98,9 +98,10 @@ shape::Box reach_of_bodies(Draft const& draft, int body) {
   for (std::size_t n = 0; n < draft.body_shapes.size(); ++n) {
     if (body >= 0 ? static_cast<int>(n) != body : is_rigid(draft, n)) continue;
     auto const b = shape::bounds(*draft.body_shapes[n]);
+    double const h = draft.particle_domain().h;
     for (int d = 0; d < 3; ++d) {
-      reach.lower[d] = std::min(reach.lower[d], b.lower[d] - draft.out.domain.h);
-      reach.upper[d] = std::max(reach.upper[d], b.upper[d] + draft.out.domain.h);
+      reach.lower[d] = std::min(reach.lower[d], b.lower[d] - h);
+      reach.upper[d] = std::max(reach.upper[d], b.upper[d] + h);
     }
   }
   return reach;
@@ -109,7 +110,7 @@ shape::Box reach_of_bodies(Draft const& draft, int body) {
 /// A node of the grid within a box that all the places hold.
 std::optional<Vec3> constrained_node(Draft const& draft, std::vector<shape::Shape const*> const& regions,
                                      shape::Box const& within) {
-  grid::Domain const& domain = draft.out.domain;
+  grid::Domain const domain = draft.particle_domain();
   shape::Box box = within;
   for (shape::Shape const* region : regions) box = overlap(box, shape::bounds(*region));
   constexpr int beyond = 2;  // nodes behind an open face belong to bodies there
@@ -182,9 +183,8 @@ void check_contradictions(Draft const& draft, std::size_t number) {
     double const plane = f % 2 == 0 ? draft.out.domain.lower[d] : draft.out.domain.upper(d);
     shape::Box at_plane = reach;
     // Not the nodes that a body beside the plane only reaches.
-    if (reach.lower[d] + draft.out.domain.h > plane + draft.tiny() ||
-        reach.upper[d] - draft.out.domain.h < plane - draft.tiny())
-      continue;
+    double const h = draft.particle_domain().h;
+    if (reach.lower[d] + h > plane + draft.tiny() || reach.upper[d] - h < plane - draft.tiny()) continue;
     at_plane.lower[d] = plane - draft.tiny();
     at_plane.upper[d] = plane + draft.tiny();
     auto const node = constrained_node(draft, {&c.within}, at_plane);
@@ -217,12 +217,12 @@ void check_constraints(Draft const& draft) {
     }
     if (section.given("within")) {
       auto const b = shape::bounds(c.within);
+      double const h = draft.particle_domain().h;
       double nodes = 1.0;
       bool outside = false;
       for (int d = 0; d < draft.dims(); ++d) {
         outside = outside || !(b.upper[d] > draft.out.domain.lower[d] && b.lower[d] < draft.out.domain.upper(d));
-        nodes *= std::max(1.0, std::min(b.upper[d] - b.lower[d], draft.out.domain.h * draft.out.domain.cells[d]) /
-                                   draft.out.domain.h);
+        nodes *= std::max(1.0, std::min((b.upper[d] - b.lower[d]) / h, 1.0 * draft.particle_domain().cells[d]));
       }
       if (outside) continue;  // reported
       if (nodes < most_nodes / 4.0 && !constrained_node(draft, {&c.within}, everywhere)) {
@@ -231,7 +231,7 @@ void check_constraints(Draft const& draft) {
             region.place_of(place_key(region)), region.path,
             fmt::format("it contains no grid node; nodes are at multiples of the cell size {:.6g} m from the low "
                         "corner of the domain: make it thicker than a cell, or place it over a plane of nodes",
-                        draft.out.domain.h));
+                        h));
         continue;
       }
       shape::Box const reach = reach_of_bodies(draft, c.body);

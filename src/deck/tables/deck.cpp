@@ -25,6 +25,8 @@ Table const& deck_schema() {
              .means("`direct`: the charges are on the grid from the beginning; `remap`: each charge first detonates in "
                     "a fine 1D simulation, see `[remap]`"),
          nested(Type::table, "domain", domain_table()).required().like("size = [4, 4, 3] and cell = \"50 mm\""),
+         nested(Type::table, "adaptive", adaptive_table()),
+         nested(Type::tables, "refine", refine_table()),
          nested(Type::table, "boundaries", boundaries_table()),
          std::move(inflow),
          nested(Type::table, "ambient", ambient_table()),
@@ -139,6 +141,7 @@ Draft build_case(Section const& deck, Report& report) {
   if (draft.geometry_known) {
     draft.has_gas = !draft.has_bodies() || speaks_of_gas(draft);
     build_boundaries(draft);
+    build_adaptive(draft);
     if (draft.has_bodies()) {
       build_bodies(draft);
       build_constraints(draft);
@@ -159,8 +162,8 @@ Draft build_case(Section const& deck, Report& report) {
     build_gauges(draft);
   }
   build_particles(draft);
-  check_initial_stress(draft);
   if (draft.geometry_known) build_mpm_region(draft);
+  check_initial_stress(draft);  // on the cells of the region
   build_ideal_products(draft);
   build_end(draft);
   if (draft.geometry_known) build_afterburn(draft);

@@ -144,7 +144,7 @@ void plane(Draft& draft, Section const& section, std::string const& name) {
 /// Is a gauge between solid cells only?
 bool walled_in(Draft const& draft, setup::SolidCells const& solid, Vec3 const& p) {
   // The cells that a gauge at p reads.
-  grid::Domain const& domain = draft.out.domain;
+  grid::Domain const& domain = solid.domain();
   Index3 low{0, 0, 0};
   Vec3 part{0.0, 0.0, 0.0};
   for (int d = 0; d < draft.dims(); ++d) {
@@ -166,6 +166,34 @@ bool walled_in(Draft const& draft, setup::SolidCells const& solid, Vec3 const& p
   return true;
 }
 
+/// The nearest face of a solid cell: on the coarsest cells first, so that few fine ones are looked at.
+std::optional<Vec3> nearest_face_on_levels(Draft const& draft, setup::SolidCells const& solid, Vec3 const& p) {
+  if (draft.out.adaptive.obstacles == 0) return nearest_face(solid.domain(), solid, p);
+  setup::SolidCells const coarse(draft.out.domain, draft.out.obstacles);
+  return nearest_face(solid.domain(), solid, nearest_face(coarse.domain(), coarse, p).value_or(p));
+}
+
+/// Cells of a level in the box around an obstacle.
+double cells_around(Draft const& draft, std::size_t obstacle, int level) {
+  shape::CellRange const box = shape::cells_around(draft.out.obstacles[obstacle].shape, draft.out.domain_of(level));
+  double cells = 1.0;
+  for (int d = 0; d < draft.dims(); ++d) cells *= std::max(0, box.upper[d] - box.lower[d]);
+  return cells;
+}
+
+/// The middle of a side of an obstacle: on the cells that its surface has, unless they are very many.
+std::optional<Vec3> middle_on_levels(Draft const& draft, std::size_t obstacle, int side) {
+  constexpr double most_cells = 2e7;
+  int const wanted = draft.out.adaptive.obstacles;
+  int level = wanted;
+  while (level > 0 && cells_around(draft, obstacle, level) > most_cells) --level;
+  setup::SolidCells const solid(draft.out.domain_of(level), draft.out.obstacles);
+  auto const place = middle_of_obstacle(solid.domain(), solid, obstacle, side);
+  if (!place || level == wanted) return place;
+  setup::SolidCells const fine(draft.obstacle_domain(), draft.out.obstacles);
+  return nearest_face(fine.domain(), fine, *place);
+}
+
 /// Moves the gauges from `first` on that lie in obstacles to their faces.
 void snap(Draft& draft, setup::SolidCells const& solid, std::size_t first) {
   for (std::size_t i = first; i < draft.out.gauges.size(); ++i) {
@@ -173,7 +201,7 @@ void snap(Draft& draft, setup::SolidCells const& solid, std::size_t first) {
     bool const inside = std::any_of(draft.obstacle_shapes.begin(), draft.obstacle_shapes.end(),
                                     [&](auto const& obstacle) { return well_inside(draft, obstacle.second, p); });
     if (!inside && !walled_in(draft, solid, p)) continue;
-    if (auto const face = nearest_face(draft.out.domain, solid, p)) p = *face;
+    if (auto const face = nearest_face_on_levels(draft, solid, p)) p = *face;
   }
 }
 
@@ -204,8 +232,7 @@ void obstacle_gauge(Draft& draft, Section const& section, std::string const& nam
     return;
   }
   if (!draft.domain_known || !room_for_gauges(draft, section, "obstacle", 1.0)) return;
-  setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
-  auto const place = middle_of_obstacle(draft.out.domain, solid, static_cast<std::size_t>(found - names.begin()), side);
+  auto const place = middle_on_levels(draft, static_cast<std::size_t>(found - names.begin()), side);
   if (!place) {
     draft.error(section, "face",
                 fmt::format("\"{}\" of obstacle \"{}\" has no gas before it: choose another side", *face, *wanted));
@@ -220,7 +247,7 @@ void check_gauges(Draft const& draft, Section const& section, std::string_view k
                   std::set<std::string>& names) {
   bool place_reported = false;
   bool name_reported = false;
-  setup::SolidCells const solid(draft.out.domain,
+  setup::SolidCells const solid(draft.obstacle_domain(),
                                 draft.domain_known ? draft.out.obstacles : std::vector<run::Obstacle>{});
   for (std::size_t i = first; i < draft.out.gauges.size(); ++i) {
     auto const& gauge = draft.out.gauges[i];
@@ -254,7 +281,7 @@ void check_gauges(Draft const& draft, Section const& section, std::string_view k
                   fmt::format("gauge {} at {} m is surrounded by solid cells of obstacles and would record nothing: "
                               "move it at least half a cell ({:.4g} m) away from the obstacle, or write snap = true to "
                               "move it to the nearest face",
-                              gauge.name, point_text(gauge.position, draft.dims()), 0.5 * draft.out.domain.h));
+                              gauge.name, point_text(gauge.position, draft.dims()), 0.5 * solid.domain().h));
       place_reported = true;
     }
     for (std::size_t k = 0; k < draft.body_shapes.size() && !place_reported; ++k) {
@@ -365,7 +392,7 @@ void build_gauges(Draft& draft) {
       plane(draft, section, name);
     }
     bool const snaps = section.boolean("snap").value_or(false) && draft.domain_known && !draft.out.obstacles.empty();
-    if (snaps) snap(draft, setup::SolidCells(draft.out.domain, draft.out.obstacles), before);
+    if (snaps) snap(draft, setup::SolidCells(draft.obstacle_domain(), draft.out.obstacles), before);
     check_gauges(draft, section, key, before, snaps || section.given("obstacle"), names);
   }
 }

@@ -32,7 +32,10 @@ namespace {
 /// An initial state has cells of its own.
 void check_initial_states(Draft const& draft) {
   if (!draft.domain_known || draft.out.initial_states.empty()) return;
-  setup::InitialStatePlacing const placing(draft.out);
+  // On the finest cells: which of them it will have is known later.
+  run::Case finest = draft.out;
+  finest.domain = draft.out.domain_of(draft.out.adaptive.finest);
+  setup::InitialStatePlacing const placing(finest);
   for (std::size_t n = 0; n < draft.out.initial_states.size(); ++n) {
     auto const b = shape::bounds(draft.out.initial_states[n].shape);
     bool outside = false;

@@ -44,6 +44,12 @@ Settings<run::MpmRegion> const& extent() {
            .like("20")
            .means("With `box = \"auto\"`: number of cells between the bodies and the faces of the box, in which the "
                   "bodies can move. A box that ends near a boundary of the domain is extended to it")},
+      number("cell", "m", smallest, 1e4)
+          .note("`adaptive.finest`; without `[adaptive]` `domain.cell`")
+          .like("\"8 mm\"")
+          .means(
+              "Size of the cells in the region and around it: `domain.cell` halved a whole number of times, at least "
+              "`adaptive.finest`. Bodies, particles, `margin` and `width` count in these cells"),
       {&R::width,
        typed(Type::integer, "width", "1", 1, 50).like("5").means("Width w of the bridge in cells, 5 in [Cui14]")}};
   return all;
@@ -227,6 +233,7 @@ void build_mpm_region(Draft& draft) {
   if (!draft.has_gas || (!draft.has_bodies() && !draft.deck.given("mpm_region")) || draft.deck.broken("mpm_region"))
     return;
   run::MpmRegion region;
+  region.level = draft.region_level;
   Section const* section = draft.deck.section("mpm_region");
   bool sound = draft.domain_known && draft.boundaries_known;
   if (section != nullptr) {

@@ -19,7 +19,7 @@ constexpr int samples = 4;  ///< per cell and direction, where shapes are looked
 template <class Wrong>
 std::optional<Vec3> wrong_place(Draft const& draft, shape::Shape const& shape, bool by_centres, Wrong&& wrong,
                                 std::optional<shape::Box> const& within = {}) {
-  grid::Domain const& domain = draft.out.domain;
+  grid::Domain const domain = draft.particle_domain();
   auto bounds = shape::bounds(shape);
   for (int d = 0; within && d < draft.dims(); ++d) {
     bounds.lower[d] = std::max(bounds.lower[d], within->lower[d]);
@@ -61,10 +61,9 @@ void check_body_place(Draft const& draft, bridge::Region const& region, std::siz
                                  [&](Index3 const& cell) { return region.layer(cell) <= keep; });
   if (!place) return;
   Section const& section = (*draft.deck.sections("body"))[index];
+  grid::Domain const domain = draft.particle_domain();
   Index3 cell{0, 0, 0};
-  for (int d = 0; d < draft.dims(); ++d) {
-    cell[d] = static_cast<int>(std::floor((((*place)[d]) - draft.out.domain.lower[d]) / draft.out.domain.h));
-  }
+  for (int d = 0; d < draft.dims(); ++d) cell[d] = static_cast<int>(std::floor(domain.in_cells(d, (*place)[d])));
   int const layer = region.layer(cell);
   draft.error(
       section, place_key(section),
@@ -73,13 +72,14 @@ void check_body_place(Draft const& draft, bridge::Region const& region, std::siz
                   point_text(*place, draft.dims()),
                   layer == 0 ? std::string("beyond the MPM region")
                              : fmt::format("into cell {} from a face of the MPM region", layer),
-                  keep, keep * draft.out.domain.h));
+                  keep, keep * domain.h));
 }
 
 }  // namespace
 
 void check_mpm_region(Draft const& draft, bridge::Region const& region) {
   for (std::size_t i = 0; i < draft.body_shapes.size(); ++i) check_body_place(draft, region, i);
+  grid::Domain const domain = draft.particle_domain();
   // The region and the cells beside it that act as particles.
   std::vector<Index3> near;
   for (Index3 const& cell : region.proxy_cells()) near.push_back(region.clamped(cell));
@@ -91,9 +91,9 @@ void check_mpm_region(Draft const& draft, bridge::Region const& region) {
   for (auto const* cells : {&region.cells(), &region.proxy_cells()}) {
     for (Index3 const& cell : *cells) {
       for (int d = 0; d < draft.dims(); ++d) {
-        double const low = draft.out.domain.lower[d] + cell[d] * draft.out.domain.h;
+        double const low = domain.face(d, cell[d]);
         around.lower[d] = std::min(around.lower[d], low);
-        around.upper[d] = std::max(around.upper[d], low + draft.out.domain.h);
+        around.upper[d] = std::max(around.upper[d], low + domain.h);
       }
     }
   }
@@ -106,8 +106,7 @@ void check_mpm_region(Draft const& draft, bridge::Region const& region) {
     Vec3 const middle = shape::centre(shape);
     Index3 cell{0, 0, 0};
     for (int d = 0; d < draft.dims(); ++d) {
-      cell[d] = std::clamp(static_cast<int>(std::floor((middle[d] - draft.out.domain.lower[d]) / draft.out.domain.h)),
-                           0, draft.out.domain.cells[d] - 1);
+      cell[d] = std::clamp(static_cast<int>(std::floor(domain.in_cells(d, middle[d]))), 0, domain.cells[d] - 1);
     }
     if (!place && taken(cell)) place = middle;
     if (!place) continue;
@@ -117,15 +116,16 @@ void check_mpm_region(Draft const& draft, bridge::Region const& region) {
                             point_text(*place, draft.dims())));
   }
   auto const* obstacles = draft.deck.sections("obstacle");
-  setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
+  setup::SolidCells const solid(domain, draft.out.obstacles);
   for (auto const& [index, shape] : draft.obstacle_shapes) {
     std::optional<Vec3> place;
-    shape::for_each_share({shape}, draft.out.domain, shape::cells_around(shape, draft.out.domain),
+    shape::for_each_share({shape}, domain,
+                          grid::common(shape::cells_around(shape, domain), shape::cells_around(around, domain)),
                           [&](shape::CellRange const& r, std::vector<shape::Share> const&) {
                             for (int k = r.lower[2]; k < r.upper[2] && !place; ++k) {
                               for (int j = r.lower[1]; j < r.upper[1] && !place; ++j) {
                                 for (int i = r.lower[0]; i < r.upper[0] && !place; ++i) {
-                                  if (taken({i, j, k}) && solid({i, j, k})) place = draft.out.domain.centre({i, j, k});
+                                  if (taken({i, j, k}) && solid({i, j, k})) place = domain.centre({i, j, k});
                                 }
                               }
                             }

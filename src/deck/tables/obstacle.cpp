@@ -63,7 +63,7 @@ void check_panels(Draft const& draft, setup::SolidCells const& solid) {
     if (!draft.out.obstacles[n].release) continue;
     Section const& section = sections[draft.obstacle_shapes[n].first];
     try {
-      (void)setup::place_panel(draft.out.domain, draft.out.obstacles, solid, n);
+      (void)setup::place_panel(draft.obstacle_domain(), draft.out.obstacles, solid, n);
     } catch (InputError const& problem) {
       draft.error(section, "fails_at", problem.what());
     }
@@ -72,7 +72,7 @@ void check_panels(Draft const& draft, setup::SolidCells const& solid) {
 
 /// Warns of gaps beside boxes that are narrower than a cell and would be closed.
 void closed_gaps(Draft const& draft, setup::SolidCells const& solid) {
-  grid::Domain const& domain = draft.out.domain;
+  grid::Domain const domain = draft.obstacle_domain();
   auto const& sections = *draft.deck.sections("obstacle");
   auto const look = [&](std::size_t n, int d, double from, double to, shape::Box const& across, int other) {
     if (to - from <= draft.tiny() || to - from >= domain.h) return;
@@ -90,10 +90,11 @@ void closed_gaps(Draft const& draft, setup::SolidCells const& solid) {
     std::string const what =
         other < 0 ? fmt::format("the face {}", grid::face_names[static_cast<std::size_t>(-1 - other)])
                   : fmt::format("obstacle[{}]", draft.obstacle_shapes[static_cast<std::size_t>(other)].first + 1);
-    draft.warn(section, place_key(section),
-               fmt::format("the gap of {:.4g} m between it and {} at {} m is narrower than a cell and will be closed: "
-                           "use cells of {:.3g} m or less (domain.cell) to keep it open",
-                           to - from, what, point_text(middle, draft.dims()), 0.5 * (to - from)));
+    draft.warn(
+        section, place_key(section),
+        fmt::format("the gap of {:.4g} m between it and {} at {} m is narrower than a cell and will be closed: "
+                    "use cells of {:.3g} m or less ({}) to keep it open",
+                    to - from, what, point_text(middle, draft.dims()), 0.5 * (to - from), draft.obstacle_cell_key()));
   };
   auto const box_of = [&](std::size_t n) { return std::get_if<shape::Box>(&draft.out.obstacles[n].shape); };
   for (std::size_t n = 0; n < draft.out.obstacles.size(); ++n) {
@@ -116,8 +117,8 @@ void closed_gaps(Draft const& draft, setup::SolidCells const& solid) {
 void check_obstacles(Draft const& draft) {
   if (!draft.domain_known || draft.out.obstacles.empty()) return;
   auto const& sections = *draft.deck.sections("obstacle");
-  setup::SolidCells const solid(draft.out.domain, draft.out.obstacles);
-  double const h = draft.out.domain.h;
+  setup::SolidCells const solid(draft.obstacle_domain(), draft.out.obstacles);
+  double const h = draft.obstacle_domain().h;
   bool sound = true;
   for (std::size_t n = 0; n < draft.out.obstacles.size(); ++n) {
     shape::Shape const& shape = draft.out.obstacles[n].shape;
@@ -135,9 +136,9 @@ void check_obstacles(Draft const& draft) {
     double const cell = std::min(std::holds_alternative<shape::Box>(shape) && thin == 1 ? t : 0.5 * t, 0.5 * h);
     draft.error(section, place_key(section),
                 fmt::format("the obstacle fills less than half of every cell, so it would not affect the gas: it is "
-                            "{:.4g} m thick and a cell is {:.4g} m; make the cells {:.3g} m or smaller (domain.cell), "
+                            "{:.4g} m thick and a cell is {:.4g} m; make the cells {:.3g} m or smaller ({}), "
                             "make the obstacle thicker, or align its faces with cell faces",
-                            t, h, cell));
+                            t, h, cell, draft.obstacle_cell_key()));
   }
   if (!sound || setup::has_cut_cells(draft.out)) return;
   closed_gaps(draft, solid);
@@ -156,9 +157,10 @@ void check_obstacles(Draft const& draft) {
   double const t = solid.thickness(leak->obstacle);
   draft.error(section, place_key(section),
               fmt::format("gas would flow through the obstacle at {} m, where it fills less than half of the cells: it "
-                          "is too thin there for cells of {:.4g} m; make the cells {:.3g} m or smaller (domain.cell), "
+                          "is too thin there for cells of {:.4g} m; make the cells {:.3g} m or smaller ({}), "
                           "make the obstacle thicker, or align its faces with cell faces",
-                          point_text(leak->place, draft.dims()), h, t < 2.0 * h ? std::min(t, 0.5 * h) : 0.5 * h));
+                          point_text(leak->place, draft.dims()), h, t < 2.0 * h ? std::min(t, 0.5 * h) : 0.5 * h,
+                          draft.obstacle_cell_key()));
 }
 
 }  // namespace

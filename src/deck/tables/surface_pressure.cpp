@@ -144,7 +144,7 @@ bool curved_layer(Draft const& draft, Section const& section, double specified, 
 /// Has the body particles in the loaded layer of a surface pressure?
 bool has_particles_in(Draft const& draft, shape::Shape const& body, shape::Shape const& layer,
                       long particles_per_cell) {
-  grid::Domain fine = draft.out.domain;
+  grid::Domain fine = draft.particle_domain();
   fine.h /= static_cast<double>(particles_per_cell);
   for (int d = 0; d < draft.dims(); ++d) fine.cells[d] *= static_cast<int>(particles_per_cell);
   shape::CellRange range = shape::cells_around(body, fine);
@@ -217,7 +217,7 @@ std::optional<Loaded> loaded_part(Draft const& draft, Section const& section, st
   auto const b = shape::bounds(*body);
   shape::Box reach{b.lower, b.upper};
   if (section.given("within") && !meets(draft, section, region, reach)) return std::nullopt;
-  double const layer = draft.out.domain.h / static_cast<double>(*per_cell);
+  double const layer = draft.particle_domain().h / static_cast<double>(*per_cell);
   return Loaded{*body, std::move(region), reach, *per_cell, layer, section.number("thickness").value_or(layer)};
 }
 
@@ -245,9 +245,9 @@ std::vector<shape::Facet> seen_surface(Draft const& draft, Loaded const& part, V
   std::vector<shape::Facet> facets;
   flat = true;
   for (shape::Facet const& f :
-       shape::surface(part.body, part.within, draft.out.domain, facets_per_layer * part.layer)) {
+       shape::surface(part.body, part.within, draft.particle_domain(), facets_per_layer * part.layer)) {
     double const along = dot(f.area, normal) / norm(f.area);
-    if (along < 1e-9 || !shape::is_clear(part.body, draft.out.domain, f.x, normal, 0.05 * part.layer)) continue;
+    if (along < 1e-9 || !shape::is_clear(part.body, draft.particle_domain(), f.x, normal, 0.05 * part.layer)) continue;
     flat = flat && along > 1.0 - 1e-9 && std::abs(f.x[part.direction] - part.face) < draft.tiny();
     facets.push_back(f);
   }
@@ -287,7 +287,8 @@ bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressu
   auto part = loaded_part(draft, section, static_cast<std::size_t>(pressure.body));
   if (!part) return false;
   if (!section.given("normal")) {
-    pressure.surface = shape::surface(part->body, part->within, draft.out.domain, facets_per_layer * part->layer);
+    pressure.surface =
+        shape::surface(part->body, part->within, draft.particle_domain(), facets_per_layer * part->layer);
     if (pressure.surface.empty()) {
       draft.report.error(section.place_of("within"), section.path_of("within"),
                          "it contains no part of the surface of the body: move it, or make it larger");

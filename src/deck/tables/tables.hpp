@@ -19,12 +19,21 @@ namespace brisance::deck {
 /// The case of a deck, through the builders of all its tables.
 [[nodiscard]] Draft build_case(Section const& deck, Report& report);
 
-// --- domain, boundaries, inflow
+// --- domain, levels, boundaries, inflow
 
 /// Names of the domain's faces: x_low, x_high, ...
 [[nodiscard]] std::vector<std::string> const& faces();
 [[nodiscard]] Table const& domain_table();
 void build_domain(Draft& draft);
+[[nodiscard]] Table const& adaptive_table();
+/// Cells of several sizes, by [adaptive], [[refine]] and mpm_region.cell. Where they are not known the domain is not
+/// either.
+void build_adaptive(Draft& draft);
+/// The level whose cells have the size that a key gives; nothing where there is none or where it is finer than the
+/// finest, which is reported.
+[[nodiscard]] std::optional<int> level_up_to_finest(Draft const& draft, Section const& section, std::string_view key);
+[[nodiscard]] Table const& refine_table();
+void build_refinements(Draft& draft);
 [[nodiscard]] Table const& boundaries_table();
 void build_boundaries(Draft& draft);
 [[nodiscard]] Table const& inflow_table();
