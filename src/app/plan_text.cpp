@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/gauge_text.hpp"
+#include "app/plan_parts.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
 #include "output/json.hpp"
@@ -18,36 +19,6 @@
 namespace brisance::app {
 
 namespace {
-
-double relative_error(run::ChargeReport const& c) { return (c.realised_mass - c.specified_mass) / c.specified_mass; }
-
-double relative_error(run::BodyReport const& b) { return (b.mass - b.geometric_mass) / b.geometric_mass; }
-
-/// Name, role and source of every material of a case.
-struct MaterialLine {
-  std::string name;
-  std::string role;
-  std::string source;
-};
-
-std::vector<MaterialLine> materials_of(run::Case const& setup) {
-  std::vector<MaterialLine> lines;
-  if (!setup.particles.any() || setup.mpm_region)
-    lines.push_back({setup.ambient.fluid.name, "ambient fluid", setup.ambient.fluid.source});
-  for (run::Body const& body : setup.particles.bodies) {
-    bool const known =
-        std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == body.solid.name; });
-    if (!known) lines.push_back({body.solid.name, "body", body.solid.source});
-  }
-  for (int k = 1; setup.charges.empty() && setup.other_fluid(k) != nullptr; ++k)
-    lines.push_back({setup.other_fluid(k)->name, "second fluid", setup.other_fluid(k)->source});
-  for (run::Charge const& charge : setup.charges) {
-    bool const known =
-        std::any_of(lines.begin(), lines.end(), [&](MaterialLine const& l) { return l.name == charge.explosive.name; });
-    if (!known) lines.push_back({charge.explosive.name, "explosive", charge.explosive.source});
-  }
-  return lines;
-}
 
 std::string end_text(run::End const& end) {
   std::string text = quantity(end.time, "s");
@@ -111,8 +82,6 @@ std::string region_text(run::Case const& setup, session::RegionPlan const& r) {
 
 constexpr std::size_t most_listed = 20;
 
-double density_of(run::Body const& body) { return body.density.value_or(body.solid.density); }
-
 std::string initial_state_line(std::size_t number, run::InitialStateReport const& r) {
   return fmt::format(
       "{:<12} {}: {}, volume specified {:.6g} m3, placed {:.6g}; mass specified {:.6g} kg, placed {:.6g}; energy "
@@ -141,6 +110,28 @@ std::string line(std::string const& label, std::string const& text) { return fmt
 bool has_particles(session::Plan const& p) { return p.particles > 0.0; }
 bool has_gas(session::Plan const& p) { return !has_particles(p) || p.region; }
 
+/// Cells of all levels: "level 0: 480 of 64 mm, level 1: 300 of 32 mm".
+std::string level_counts(session::Plan const& p, double session::LevelPlan::*count, bool sizes) {
+  std::string out;
+  for (std::size_t l = 0; l < p.levels.size(); ++l) {
+    out += fmt::format("{}level {}: {}{}", l == 0 ? "" : ", ", l, large_count(p.levels[l].*count),
+                       sizes ? " of " + quantity(p.levels[l].cell, "m") : "");
+  }
+  return out;
+}
+
+std::string levels_text(session::Plan const& p) {
+  using session::LevelPlan;
+  std::string const start =
+      p.blocks > 0 ? fmt::format("at the start, in {} blocks", p.blocks) : std::string("at the start, estimate");
+  return line("cells", fmt::format("{} ({})", level_counts(p, &LevelPlan::start, true), start)) +
+         line("", fmt::format("later, on average, about {}; at most about {} in total",
+                              level_counts(p, &LevelPlan::mean, false), large_count(p.cells))) +
+         line("",
+              "(estimate: shocks of charges spread freely, are reflected once by each wall of the domain, and keep a "
+              "layer of cells 4 blocks thick)");
+}
+
 std::string domain_text(run::Case const& setup, session::Plan const& p) {
   grid::Domain const& d = setup.domain;
   int const dims = d.dimensions();
@@ -152,8 +143,12 @@ std::string domain_text(run::Case const& setup, session::Plan const& p) {
     cells += fmt::format("{}{}", k == 0 ? "" : " x ", d.cells[k]);
   }
   out += line("domain", fmt::format("{}, {} m", word_of(d.geometry), box));
-  out += line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.smallest_cell(), "m"),
-                                   !has_gas(p) ? "" : fmt::format(", in {} blocks", p.blocks)));
+  if (p.levels.empty()) {
+    out += line("cells", fmt::format("{} = {} of {}{}", cells, large_count(p.cells), quantity(d.smallest_cell(), "m"),
+                                     !has_gas(p) ? "" : fmt::format(", in {} blocks", p.blocks)));
+  } else {
+    out += levels_text(p);
+  }
   std::string boundaries;
   for (int f = 0; f < 2 * dims; ++f)
     boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", grid::face_names[f], word_of(d.boundary[f]));
@@ -188,6 +183,16 @@ std::string scheme_text(run::Case const& setup, session::Plan const& p) {
 }
 
 std::string steps_text(session::Plan const& p) {
+  if (!p.levels.empty()) {
+    std::string const region =
+        p.region ? fmt::format("{} of the MPM region's level, {} MPM sub-steps; ", large_count(p.region->gas_steps),
+                               large_count(p.region->particle_steps))
+                 : std::string();
+    return line("steps",
+                fmt::format("about {} of the coarsest cells, each finer level twice as many ({}estimates; up to "
+                            "{} cell updates, fewer while blocks sleep)",
+                            large_count(p.steps), region, large_count(p.cell_updates)));
+  }
   if (p.region) {
     return line("steps", fmt::format("about {} coupled steps ({} gas, {} MPM sub-steps; estimates, fewer while the MPM "
                                      "region or gas blocks sleep)",
@@ -199,7 +204,7 @@ std::string steps_text(session::Plan const& p) {
                                      large_count(p.steps), large_count(p.steps * p.particles)));
   }
   return line("steps", fmt::format("about {} (estimate; up to {} cell updates, fewer while blocks sleep)",
-                                   large_count(p.steps), large_count(p.steps * p.cells)));
+                                   large_count(p.steps), large_count(p.cell_updates)));
 }
 
 std::string costs_text(run::Case const& setup, session::Plan const& p) {
@@ -320,52 +325,6 @@ std::string output_text(run::Case const& setup, session::Plan const& p) {
   return out;
 }
 
-nlohmann::json charges_json(run::Case const& setup, session::Plan const& p) {
-  nlohmann::json charges = nlohmann::json::array();
-  for (std::size_t n = 0; n < p.charges.size(); ++n) {
-    auto const& c = p.charges[n];
-    auto const& explosive = setup.charges[n].explosive;
-    charges.push_back({{"explosive", c.explosive},
-                       {"specified_mass", c.specified_mass},
-                       {"realised_mass", output::json_or_null(c.realised_mass)},
-                       {"relative_error", output::json_or_null(relative_error(c))},
-                       {"specified_volume", c.specified_mass / explosive.density()},
-                       {"realised_volume", output::json_or_null(c.realised_mass / explosive.density())},
-                       {"specified_energy", c.specified_mass * explosive.specific_energy()},
-                       {"realised_energy", c.realised_energy},
-                       {"cells_per_radius", c.cells_per_radius}});
-  }
-  return charges;
-}
-
-nlohmann::json bodies_json(run::Case const& setup, session::Plan const& p) {
-  nlohmann::json bodies = nlohmann::json::array();
-  for (std::size_t n = 0; n < p.bodies.size(); ++n) {
-    auto const& b = p.bodies[n];
-    double const density = density_of(setup.particles.bodies[n]);
-    bodies.push_back({{"name", b.name},
-                      {"material", b.material},
-                      {"points", b.particles},
-                      {"mass", output::json_or_null(b.mass)},
-                      {"geometric_mass", output::json_or_null(b.geometric_mass)},
-                      {"volume", output::json_or_null(b.mass / density)},
-                      {"geometric_volume", output::json_or_null(b.geometric_mass / density)},
-                      {"relative_error", output::json_or_null(relative_error(b))}});
-  }
-  return bodies;
-}
-
-nlohmann::json region_json(run::Case const& setup, session::RegionPlan const& r) {
-  return {{"lower", r.lower},
-          {"upper", r.upper},
-          {"cells", r.cells},
-          {"width", setup.mpm_region->width},
-          {"bridge_faces", r.bridge_faces},
-          {"gas_points", r.gas_particles},
-          {"gas_steps", std::round(r.gas_steps)},
-          {"point_steps", std::round(r.particle_steps)}};
-}
-
 }  // namespace
 
 std::string plan_text(run::Case const& setup, session::Plan const& p) {
@@ -385,54 +344,6 @@ std::string plan_text(run::Case const& setup, session::Plan const& p) {
   std::vector<std::string> warnings;
   for (auto const& w : p.warnings) warnings.push_back(fmt::format("\nwarning: {}", w));
   return out + listed(warnings);
-}
-
-nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
-  using nlohmann::json;
-  json memory = json::array();
-  for (session::MemoryPart const& part : p.memory) memory.push_back({{"what", part.what}, {"bytes", part.bytes}});
-  json materials = json::array();
-  for (MaterialLine const& m : materials_of(setup))
-    materials.push_back({{"name", m.name}, {"role", m.role}, {"source", m.source}});
-  json boundaries = json::object();
-  for (int f = 0; f < 2 * setup.domain.dimensions(); ++f)
-    boundaries[grid::face_names[f]] = word_of(setup.domain.boundary[f]);
-  json fields = json::array();
-  for (auto const& f : output::dumped_fields(setup, output::IsLast::yes)) fields.push_back(f.name);
-  for (auto const& f : output::dumped_particle_fields(setup)) fields.push_back(f.name);
-  return {{"title", setup.title},
-          {"geometry", word_of(setup.domain.geometry)},
-          {"cells", setup.domain.cells},
-          {"cell_count", setup.domain.cell_count()},
-          {"cell_size", setup.domain.smallest_cell()},
-          {"blocks", p.blocks},
-          {"boundaries", boundaries},
-          {"memory_bytes", p.memory_bytes},
-          {"memory", memory},
-          {"estimated_seconds", p.seconds},
-          {"threads", threads()},
-          {"disk_bytes", p.disk_bytes},
-          {"machine_memory_bytes", p.machine_memory_bytes},
-          {"end_time", setup.end.time},
-          {"estimated_steps", std::round(p.steps)},
-          {"charges", charges_json(setup, p)},
-          {"starts", p.starts},
-          {"points", p.particles},
-          {"bodies", bodies_json(setup, p)},
-          {"materials", materials},
-          {"mpm_region", p.region ? region_json(setup, *p.region) : json()},
-          {"gauges", setup.particles.gauges.size() + setup.gauges.size()},
-          {"gauge_bytes", p.gauge_bytes},
-          {"gauge_peaks", gauge_plan_json(p.gauges)},
-          {"obstacles", setup.obstacles.size()},
-          {"initial_states", output::initial_states_json(p.initial_states)},
-          {"placed_obstacles", output::obstacles_json(p.obstacles)},
-          {"panels", output::panels_json(p.panels)},
-          {"fields", fields},
-          {"dumps", p.dumps},
-          {"dump_bytes", p.dump_bytes},
-          {"checkpoint_bytes", p.checkpoint_bytes},
-          {"warnings", p.warnings}};
 }
 
 }  // namespace brisance::app

@@ -27,6 +27,8 @@ constexpr double mixed_rate = 18e6;           // products in a part of the domai
 constexpr double afterburn_share = 0.84;      // of the rate, where the afterburn's progress is carried
 constexpr double linear_particle_rate = 8e6;  // of linear shape functions
 constexpr double particle_rate = 5e6;
+constexpr double level_share = 0.8;    // of the rate, where blocks have several levels: estimate
+constexpr double least_covered = 0.2;  // blocks below finer ones, per block that is not
 constexpr double thread_share = 0.95;  // of a thread's rate, where it is not alone
 
 double cells_of(grid::Domain const& domain) { return static_cast<double>(domain.cell_count()); }
@@ -99,6 +101,28 @@ void add_gas_memory(run::Case const& setup, grid::Partition const& partition, Pl
     p.memory.push_back({"peak fields (output.peak_fields)", peak_components * cells * double_bytes});
 }
 
+void add_level_memory(run::Case const& setup, grid::Grid const* start, Plan& p) {
+  double const components = gas_components(setup);
+  Index3 const size = grid::refinable_partition_of(setup.domain, setup.numerics.block_cells).size;
+  int shortest = size[0];
+  for (int d = 1; d < setup.domain.dimensions(); ++d) shortest = std::min(shortest, size[d]);
+  double leaves = 0.0;
+  double blocks = 0.0;
+  for (std::size_t b = 0; start != nullptr && b < start->blocks().size(); ++b) {
+    leaves += start->blocks()[b].covered ? 0.0 : 1.0;
+    blocks += 1.0;
+  }
+  double const covered = std::max(least_covered, leaves > 0.0 ? blocks / leaves - 1.0 : 0.0);
+  double const ghosts = (1.0 + covered) * 2.0 * grid::ghost_layers / shortest;
+  p.memory.push_back(
+      {fmt::format("state of the gas, {:g} values per cell", components), components * p.cells * double_bytes});
+  p.memory.push_back({"blocks below finer ones", components * covered * p.cells * double_bytes});
+  p.memory.push_back({"ghost layers of the blocks", components * ghosts * p.cells * double_bytes});
+  if (setup.output.peak_fields)
+    p.memory.push_back(
+        {"peak fields (output.peak_fields)", peak_components * (1.0 + covered) * p.cells * double_bytes});
+}
+
 void sum_memory(Plan& p) {
   p.memory.push_back({"the dump that is being written", p.last_dump_bytes});
   p.memory.push_back({"the program itself", program_bytes});
@@ -158,8 +182,8 @@ void add_particle_memory(run::Particles const& particles, Plan& p, int dimension
 double estimated_particle_step(run::Case const& setup) {
   double most = 0.0;  // of signal over Courant number
   for (run::Body const& body : setup.particles.bodies)
-    most = std::max(most, fastest_signal(body, setup.domain) / setup.courant_of(body));
-  return setup.domain.smallest_cell() / most;
+    most = std::max(most, fastest_signal(body, setup.region_domain()) / setup.courant_of(body));
+  return setup.region_domain().smallest_cell() / most;
 }
 
 double estimated_particle_steps(run::Case const& setup) {
@@ -178,7 +202,8 @@ double estimated_seconds(run::Case const& setup, Plan const& p) {
     if (gas_components(setup) == gas::most_components) per_second *= afterburn_share;
     // A step has one sweep per direction, and the rates are those of three.
     double const sweeps = setup.domain.dimensions() / 3.0;
-    seconds += p.cells * (p.region ? p.region->gas_steps : p.steps) * sweeps / per_second;
+    if (!p.levels.empty()) per_second *= level_share;
+    seconds += p.cell_updates * sweeps / per_second;
   }
   if (p.particles > 0.0) {
     bool const linear = mpm::reach_of(setup.particles.options.shape) == 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "case/case.hpp"
+#include "grid/grid.hpp"
 #include "grid/partition.hpp"
 #include "session/plan.hpp"
 
@@ -20,6 +21,8 @@ inline constexpr double bytes_per_particle_record = 200.0;
 
 /// The gas of a case whose grid is cut into blocks so.
 void add_gas_memory(run::Case const& setup, grid::Partition const& partition, Plan& plan);
+/// The same with several levels, of the most cells that there will be; `start`: null where it is too large for a look.
+void add_level_memory(run::Case const& setup, grid::Grid const* start, Plan& plan);
 /// Nodes that carry the particles: their cells, with the margins of the patches, once for each grid field.
 void add_particle_memory(run::Particles const& particles, Plan& plan, int dimensions);
 /// Adds the program itself, and sorts.

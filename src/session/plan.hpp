@@ -36,13 +36,23 @@ struct GaugePlan {
   std::optional<observe::ExpectedPeak> peak;  ///< nothing where the curves do not tell
 };
 
+/// Cells of one size, where there are several.
+struct LevelPlan {
+  double cell = 0.0;   ///< their size [m]
+  double start = 0.0;  ///< how many there are at the start
+  double mean = 0.0;   ///< on average over the run, estimate
+  double most = 0.0;   ///< when there are the most of all levels, estimate
+};
+
 struct Plan {
-  double cells = 0.0;
-  int blocks = 0;
+  double cells = 0.0;                 ///< of the gas; with several levels the most that there will be
+  int blocks = 0;                     ///< with several levels those of the start
+  std::vector<LevelPlan> levels;      ///< from the coarsest on; empty where all cells have one size
+  double cell_updates = 0.0;          ///< of the gas, estimate: cells times their steps
   double memory_bytes = 0.0;          ///< estimate for the whole program
   std::vector<MemoryPart> memory;     ///< its parts, the largest first
   double machine_memory_bytes = 0.0;  ///< what this machine, or the limit set on this process, has
-  double steps = 0.0;                 ///< estimate
+  double steps = 0.0;                 ///< estimate; with several levels those of the coarsest cells
   std::vector<run::ChargeReport> charges;
   std::vector<std::string> starts;  ///< how each charge starts, where it is remapped
   /// What initial states and obstacles become; empty where that would take long to count.
