@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "observe/expected_peak.hpp"
 #include "shape/shape.hpp"
 
 namespace brisance::observe {
@@ -59,11 +60,12 @@ std::vector<GaugeSummary> summarise(Case const& setup, std::vector<GaugeHistory>
   std::vector<double> time;
   std::vector<double> overpressure;
   auto const& air = setup.ambient;
-  Surroundings around{air.fluid.eos, air.state.density, air.state.pressure, setup.domain.smallest_cell(), {}};
+  Surroundings around{air.fluid.eos, air.state.density, air.state.pressure, 0.0, {}};
   for (auto const& history : gauges) {
     time.clear();
     overpressure.clear();
     around.velocity.clear();
+    around.cell = expected_cell(setup, history.gauge.position);
     for (auto const& record : history.records) {
       time.push_back(record.time);
       overpressure.push_back(record.pressure - setup.ambient.state.pressure);

@@ -24,10 +24,27 @@ bool is_solid(run::Case const& setup, Vec3 const& x) {
   return std::ranges::any_of(setup.obstacles, holds) || std::ranges::any_of(setup.particles.bodies, holds);
 }
 
+/// Is x in the MPM region, as far as that is known before it is built?
+bool in_region(run::Case const& setup, Vec3 const& x) {
+  if (!setup.mpm_region) return false;
+  auto const holds = [&](shape::Box const& box) { return shape::contains(shape::Shape{box}, setup.domain, x); };
+  if (!setup.mpm_region->boxes.empty()) return std::ranges::any_of(setup.mpm_region->boxes, holds);
+  // The bridge lies between the bodies and the faces of the box around them.
+  double const margin = setup.mpm_region->width * setup.region_domain().smallest_cell();
+  return std::ranges::any_of(setup.particles.bodies, [&](run::Body const& body) {
+    shape::Box box = shape::bounds(body.shape);
+    for (int d = 0; d < setup.domain.dimensions(); ++d) {
+      box.lower[d] -= margin;
+      box.upper[d] += margin;
+    }
+    return holds(box);
+  });
+}
+
 /// Does something rigid stand within a few cells behind x, seen from the charge, and face it?
-bool reflects(run::Case const& setup, Vec3 const& charge, double radius, Vec3 const& x) {
+bool reflects(run::Case const& setup, Vec3 const& charge, double radius, Vec3 const& x, double cell) {
   grid::Domain const& domain = setup.domain;
-  double const reach = cells_to_wall * domain.smallest_cell();
+  double const reach = cells_to_wall * cell;
   double const distance = norm(x - charge);
   for (int d = 0; d < domain.dimensions(); ++d) {
     double const away = x[d] - charge[d];
@@ -40,7 +57,7 @@ bool reflects(run::Case const& setup, Vec3 const& charge, double radius, Vec3 co
       return true;
     for (double step = 0.5; step <= cells_to_wall; step += 0.5) {
       Vec3 behind = x;
-      behind[d] += std::copysign(step * domain.smallest_cell(), away);
+      behind[d] += std::copysign(step * cell, away);
       if (is_solid(setup, behind)) return true;
     }
   }
@@ -48,11 +65,11 @@ bool reflects(run::Case const& setup, Vec3 const& charge, double radius, Vec3 co
 }
 
 /// Does something solid stand between the charge and x?
-bool in_shadow(run::Case const& setup, Vec3 const& charge, Vec3 const& x) {
+bool in_shadow(run::Case const& setup, Vec3 const& charge, Vec3 const& x, double cell) {
   double const distance = norm(x - charge);
-  double const last = distance - setup.domain.smallest_cell();  // a gauge on a surface touches what it stands on
+  double const last = distance - cell;  // a gauge on a surface touches what it stands on
   constexpr int most_steps = 400;
-  double const step = std::max(0.5 * setup.domain.smallest_cell(), distance / most_steps);
+  double const step = std::max(0.5 * cell, distance / most_steps);
   for (double way = 0.0; way < last; way += step) {
     if (is_solid(setup, charge + (way / distance) * (x - charge))) return true;
   }
@@ -82,6 +99,17 @@ double half_of_friedlander(double b) {
 }
 
 }  // namespace
+
+double expected_cell(run::Case const& setup, Vec3 const& x) {
+  run::Adaptive const& adaptive = setup.adaptive;
+  if (!adaptive.any()) return setup.domain.smallest_cell();
+  if (in_region(setup, x)) return setup.region_domain().smallest_cell();
+  int level = std::max(adaptive.shocks, adaptive.gauges.value_or(0));
+  for (run::Refine const& part : adaptive.parts) {
+    if (shape::contains(part.shape, setup.domain, x)) level = std::max(level, part.level);
+  }
+  return setup.domain_of(std::min(level, adaptive.finest)).smallest_cell();
+}
 
 double friedlander_half_width(double peak, double impulse, double duration) {
   // impulse / (peak T) = 1/b - (1 - exp(-b)) / b^2, 1/2 for b = 0 and falling with b.
@@ -129,13 +157,14 @@ std::optional<ExpectedPeak> expected_peak(run::Case const& setup, Vec3 const& x)
   double const sound = material::sound_speed(air.fluid.eos, air.state.density, air.state.pressure);
   empirical::Atmosphere const atmosphere{air.state.pressure, sound};
 
+  double const cell = expected_cell(setup, x);
   std::optional<ExpectedPeak> strongest;
   for (run::Charge const& charge : setup.charges) {
     Vec3 const centre = shape::centre(charge.shape);
     double const distance = norm(x - centre);
     double const mass = charge.mass * charge.explosive.tnt_equivalent_pressure.value_or(
                                           charge.explosive.specific_energy() / tnt_energy);
-    if (!(distance > 0.0) || !(mass > 0.0) || in_shadow(setup, centre, x)) continue;
+    if (!(distance > 0.0) || !(mass > 0.0) || in_shadow(setup, centre, x, cell)) continue;
     double const radius = shape::equivalent_radius(charge.mass / charge.explosive.density(), domain.geometry);
     auto const burst = setup.burst == run::Burst::hemispherical || touches_a_wall(domain, centre, radius)
                            ? empirical::Burst::hemispherical
@@ -143,7 +172,8 @@ std::optional<ExpectedPeak> expected_peak(run::Case const& setup, Vec3 const& x)
     auto const curves = [&](double r) { return empirical::kingery_bulmash(mass, r, burst, atmosphere); };
     auto const wave = curves(distance);
     ExpectedPeak expected;
-    expected.reflected = reflects(setup, centre, radius, x);
+    expected.cell = cell;
+    expected.reflected = reflects(setup, centre, radius, x, cell);
     if (!wave.incident_overpressure || !wave.shock_speed) continue;
     if (expected.reflected) {
       if (!wave.reflected_overpressure || !wave.reflected_impulse || !wave.duration) continue;
@@ -160,7 +190,7 @@ std::optional<ExpectedPeak> expected_peak(run::Case const& setup, Vec3 const& x)
           wave.duration ? half_of_friedlander(*wave.duration / decay - 1.0) * *wave.duration : std::log(2.0) * decay;
     }
     expected.strength = 1.4 * *wave.incident_overpressure / (air.state.density * sound * sound);
-    expected.cells_per_half_width = expected.half_width * *wave.shock_speed / domain.smallest_cell();
+    expected.cells_per_half_width = expected.half_width * *wave.shock_speed / cell;
     expected.clipping = clipping(expected.cells_per_half_width, {expected.strength, expected.reflected});
     if (!strongest || expected.strength > strongest->strength) strongest = expected;
   }

@@ -13,11 +13,16 @@ struct ExpectedPeak {
   double half_width = 0.0;            ///< time in which the overpressure falls to half [s]: of a passing
                                       ///< shock by `decay_time` of the curve of its peak, of a reflected one by its
                                       ///< impulse
+  double cell = 0.0;                  ///< size of the cells that the shock meets at the gauge [m]
   double cells_per_half_width = 0.0;  ///< that the incident shock passes in this time
   double clipping = 0.0;              ///< fraction of the peak that such cells cut off, see `clipping`
   double strength = 0.0;              ///< of the incident shock, see `IncidentShock`
   bool reflected = false;             ///< a wall or a body stands behind the gauge, facing the charge
 };
+
+/// Size of the cells that a shock meets at x [m]. Where there are several, those that shocks, gauges, parts of the
+/// domain and the MPM region ask for by the case; a limit on their number is not known here.
+[[nodiscard]] double expected_cell(run::Case const& setup, Vec3 const& x);
 
 /// Time in which a Friedlander wave p = peak (1 - t/T) exp(-b t/T) of this peak [Pa], impulse [Pa s] and duration T [s]
 /// falls to half [s].

@@ -17,7 +17,7 @@ struct CellOf {
   run::System const& system;
   GasView const* view;
   grid::Cell at;
-  Index3 cell;  ///< in the domain
+  PlacedCell cell;
 };
 
 /// Of the gas in a cell, by cells or particles.
@@ -39,7 +39,7 @@ namespace {
 double part_of_region(CellOf const& c) {
   if (c.system.bridge == nullptr) return 0.0;
   bridge::Region const& region = c.system.bridge->region();
-  int const layer = region.layer(c.cell);
+  int const layer = c.cell.level == region.level() ? region.layer(c.cell.index) : 0;
   return layer == 0 ? 0.0 : layer <= region.width() ? 1.0 : 2.0;
 }
 
@@ -91,8 +91,15 @@ std::vector<GasField> const& gas_fields() {
       {{"region", "1", 1, "0: gas cells, 1: bridge of the MPM region, 2: particles"}, OfCell{part_of_region}},
       {{"solid", "1", 1, "fraction of the cell that is filled by bodies of the MPM region"},
        OfCell{[](CellOf const& c) { return c.view == nullptr ? 0.0 : c.view->solid_at(c.cell); }}},
+      {{"level", "1", 1, "level of the cell: 0 for the coarsest, each of the next half as large"},
+       OfCell{[](CellOf const& c) { return static_cast<double>(c.cell.level); }}},
   };
   return fields;
+}
+
+PlacedCell placed(run::System const& system, grid::Cell const& cell) {
+  grid::Block const& block = system.grid.block(cell);
+  return {block.level, block.index(cell)};
 }
 
 /// The gas of a cell; obstacles show what their cells hold.
@@ -127,7 +134,7 @@ FieldValues::FieldValues(run::System const& system, std::vector<std::string> con
 }
 
 void FieldValues::at(grid::Cell const& cell, double* out) const {
-  CellOf const c{*system_, view_, cell, system_->grid.block(cell).index(cell)};
+  CellOf const c{*system_, view_, cell, placed(*system_, cell)};
   put(c, need_gas_ ? gas_in(c) : std::nullopt, out);
 }
 
@@ -151,7 +158,7 @@ void FieldValues::row(grid::Cell const& first, int count, double* out) const {
   grid::Cell cell = first;
   std::optional<gas::Primitive> gas;
   for (int n = 0; n < count; ++n, ++cell.i, ++cell.offset) {
-    CellOf const c{*system_, view_, cell, system_->grid.block(cell).index(cell)};
+    CellOf const c{*system_, view_, cell, placed(*system_, cell)};
     // Undisturbed gas stands in many cells.
     bool const again = n > 0 && view_ == nullptr && gas::hold_the_same(*system_->gas, cell.block, cell.offset - 1);
     if (need_gas_ && !again) gas = gas_in(c);

@@ -23,7 +23,7 @@ GasView::GasView(run::System const& system, std::vector<Index3> const& cells) : 
   bridge::Region const& region = system.bridge->region();
   number_.assign(static_cast<std::size_t>(region.particles_domain().cell_count()), -1);
   for (Index3 const& cell : cells) {
-    if (!in_particles(cell)) continue;
+    if (!in_particles({region.level(), cell})) continue;
     int& number = number_[number_in_particles_grid(region, cell)];
     if (number >= 0) continue;
     number = static_cast<int>(cells_.size());
@@ -37,27 +37,33 @@ void GasView::update() {
   if (averages_ != nullptr) averages_->compute(*system_->particles, system_->gas_body());
 }
 
-bool GasView::in_particles(Index3 const& cell) const {
-  if (system_->bridge == nullptr) return false;
+bridge::Region const* GasView::region_at(int level) const {
+  if (system_->bridge == nullptr) return nullptr;
   bridge::Region const& region = system_->bridge->region();
-  return region.layer(cell) > region.width();
+  return region.level() == level ? &region : nullptr;
 }
 
-std::optional<gas::Primitive> GasView::at(Index3 const& cell) const {
+bool GasView::in_particles(PlacedCell const& cell) const {
+  bridge::Region const* const region = region_at(cell.level);
+  return region != nullptr && region->layer(cell.index) > region->width();
+}
+
+std::optional<gas::Primitive> GasView::at(PlacedCell const& cell) const {
   if (in_particles(cell)) {
     bridge::Region const& region = system_->bridge->region();
-    bridge::CellSums const& sums = averages_->sums()[number_[number_in_particles_grid(region, cell)]];
-    if (sums.volume < least_part * region.metric().cell_volume(cell[0])) return std::nullopt;
+    bridge::CellSums const& sums = averages_->sums()[number_[number_in_particles_grid(region, cell.index)]];
+    if (sums.volume < least_part * region.metric().cell_volume(cell.index[0])) return std::nullopt;
     return system_->bridge->primitive(sums);
   }
-  grid::Cell const at = system_->grid.locate(cell);
+  grid::Cell const at = system_->grid.locate(cell.level, cell.index).value();
   if (system_->gas->obstacles.contain(at)) return std::nullopt;
   return system_->gas->primitive(at);
 }
 
-double GasView::solid_at(Index3 const& cell) const {
-  if (solids_.empty() || !system_->bridge->region().inside(cell)) return 0.0;
-  return solids_[number_in_particles_grid(system_->bridge->region(), cell)];
+double GasView::solid_at(PlacedCell const& cell) const {
+  bridge::Region const* const region = region_at(cell.level);
+  if (solids_.empty() || region == nullptr || !region->inside(cell.index)) return 0.0;
+  return solids_[number_in_particles_grid(*region, cell.index)];
 }
 
 void GasView::update_solids() {

@@ -1,5 +1,7 @@
 /// Gauges: linear interpolation between cell centres, so that a gauge between two cells sees the shock between their
-/// times. Gauges of the material points ride on the particle itself.
+/// times. A gauge lies in a leaf of some level and sees cells of that level; where there are none, beside coarser
+/// leaves, their values are interpolated in the same way between cells of the level below. Gauges of the material
+/// points ride on the particle itself.
 #include "observe/gauges.hpp"
 
 #include <algorithm>
@@ -17,15 +19,18 @@ namespace brisance::observe {
 
 /// Cells and their weights.
 struct Stencil {
-  std::vector<Index3> cells;
+  std::vector<PlacedCell> cells;
   std::vector<double> weights;
 };
 
 namespace {
 
-/// The cells around x and their weights; beyond the last cell centre the nearest cell counts alone.
-Stencil stencil_at(grid::Domain const& domain, Vec3 const& x) {
-  Stencil s;
+/// Adds the cells of a level around x with their weights, all times `whole`; beyond the last cell centre of the domain
+/// the nearest cell counts alone. A cell that the level does not have is in turn replaced by those of the level below
+/// around its centre. Those are there: the coarser leaf that holds it touches the leaf of x, and where that leaf's
+/// neighbours are finer, covered blocks lie below them.
+void add_cells_around(grid::Grid const& grid, int level, Vec3 const& x, double whole, Stencil& s) {
+  grid::Domain const& domain = grid.domain(level);
   int const dims = domain.dimensions();
   Index3 low{0, 0, 0};
   Vec3 part{0.0, 0.0, 0.0};
@@ -36,16 +41,25 @@ Stencil stencil_at(grid::Domain const& domain, Vec3 const& x) {
   }
   for (int corner = 0; corner < 1 << dims; ++corner) {
     Index3 cell = low;
-    double weight = 1.0;
+    double weight = whole;
     for (int d = 0; d < dims; ++d) {
       int const up = corner >> d & 1;
       cell[d] += up;
       weight *= up ? part[d] : 1.0 - part[d];
     }
     if (weight <= 0.0) continue;
-    s.cells.push_back(cell);
+    if (level > 0 && !grid.locate(level, cell)) {
+      add_cells_around(grid, level - 1, domain.centre(cell), weight, s);
+      continue;
+    }
+    s.cells.push_back({level, cell});
     s.weights.push_back(weight);
   }
+}
+
+Stencil stencil_at(grid::Grid const& grid, Vec3 const& x) {
+  Stencil s;
+  add_cells_around(grid, grid.block(grid.locate(x)).level, x, 1.0, s);
   return s;
 }
 
@@ -129,15 +143,23 @@ void Gauges::sample(run::System& system) {
   if (!gas.empty()) sample_gas(system);
 }
 
-void Gauges::sample_gas(run::System const& system) {
-  if (view_ == nullptr) {
-    std::vector<Index3> cells;
-    for (GaugeHistory const& history : gas) {
-      Stencil const& s = stencils_.emplace_back(stencil_at(system.setup.domain, history.gauge.position));
-      cells.insert(cells.end(), s.cells.begin(), s.cells.end());
+void Gauges::find_stencils(run::System const& system) {
+  long const changes = system.adaptation == nullptr ? 0 : system.adaptation->changes();
+  if (view_ != nullptr && changes == changes_) return;
+  changes_ = changes;
+  stencils_.clear();
+  std::vector<Index3> in_region;
+  for (GaugeHistory const& history : gas) {
+    Stencil const& s = stencils_.emplace_back(stencil_at(system.grid, history.gauge.position));
+    for (PlacedCell const& cell : s.cells) {
+      if (system.bridge != nullptr && cell.level == system.bridge->region().level()) in_region.push_back(cell.index);
     }
-    view_ = std::make_unique<GasView>(system, cells);
   }
+  view_ = std::make_unique<GasView>(system, in_region);
+}
+
+void Gauges::sample_gas(run::System const& system) {
+  find_stencils(system);
   view_->update();
   std::vector<double> sampled;
   for (std::size_t g = 0; g < gas.size(); ++g) {

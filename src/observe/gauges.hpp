@@ -94,8 +94,11 @@ class Gauges {
   void sample_gas(run::System const& system);
   void sample_particles(run::System const& system);
 
+  void find_stencils(run::System const& system);
+
   std::vector<Stencil> stencils_;  ///< of the gas gauges, made with `view_`
-  std::unique_ptr<GasView> view_;  ///< made with the first sample
+  std::unique_ptr<GasView> view_;  ///< made with the first sample, and again when blocks have changed
+  long changes_ = 0;               ///< of the blocks that it knows of
 };
 
 }  // namespace brisance::observe

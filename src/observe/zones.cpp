@@ -151,7 +151,7 @@ Extent extent_of(grid::Domain const& domain, Survey const& survey, Kind kind, in
 std::vector<BrokenZones> broken_zones(run::System const& w) {
   std::vector<BrokenZones> all;
   if (w.particles == nullptr) return all;
-  grid::Domain const& domain = w.setup.domain;
+  grid::Domain const domain = w.setup.region_domain();
   for (std::size_t b = 0; b < w.setup.particles.bodies.size(); ++b) {
     int const body = static_cast<int>(b);
     mpm::Body const& made_of = w.particles->bodies()[b];
