@@ -4,6 +4,7 @@ import io
 
 import matplotlib
 import numpy as np
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
@@ -221,6 +222,8 @@ class Cut:
         self.fixed = self.filled > 0.999 if self.filled is not None else None
         self.blocked = self.fixed
         self.region = dump.plane("region", normal, self.index) if "region" in dump.fields else None
+        self.show_blocks = run.show_blocks
+        self.blocks = []
 
     @property
     def title(self):
@@ -229,7 +232,9 @@ class Cut:
         return f"plane {self.axes[self.normal]} = {self.position:.4g} m"
 
     def look_at(self, dump):
-        """Sets the solid cells to those of one dump, since bodies move."""
+        """Sets the solid cells and the blocks to those of one dump, since bodies move and blocks change."""
+        if self.show_blocks and hasattr(dump, "outlines"):
+            self.blocks = dump.outlines(self.normal, self.position)
         if "solid" in dump.fields:
             solid = dump.plane("solid", self.normal, self.index) > 0.5
             self.blocked = solid if self.fixed is None else solid | self.fixed
@@ -250,6 +255,9 @@ class Cut:
         if self.region is not None and (self.region > 0).any() and (self.region == 0).any():
             panel.contour(*self.centres, (self.region > 0).astype(float), levels=[0.5], colors=[MUTED], linewidths=0.7,
                           linestyles=[(0, (4, 3))])
+        if self.blocks:
+            corners = [[low, (high[0], low[1]), high, (low[0], high[1])] for low, high in self.blocks]
+            panel.add_collection(PolyCollection(corners, facecolors="none", edgecolors=MUTED, linewidths=0.25))
         panel.set_aspect("equal")
         panel.grid(False)
         panel.xaxis.set_major_locator(MaxNLocator(5))

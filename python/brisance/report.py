@@ -1,6 +1,9 @@
 """Writes one self-contained HTML page about a run.
 
-Usage: python3 report.py DIR        (the output folder of a run; the page is DIR/report.html)
+Usage: python3 report.py DIR [--blocks]
+
+DIR is the output folder of a run, and the page DIR/report.html. With --blocks the pictures of a run with cells of
+several sizes show the outlines of its blocks.
 
 Exit status: 0 done, 2 wrong usage, 5 a file or a Python package is missing.
 """
@@ -124,14 +127,20 @@ def facts(log):
     points = log.get("points")
     region = log.get("mpm_region")
     steps = f"{region['gas_steps']:,} gas, {region['point_steps']:,} MPM sub-steps" if region else ""
+    size_of_cells = f"{number(domain['cell_size'] * 1e3)} mm"
     gas = ("cells", f"{domain['cell_count']:,}", f"in {log['blocks']} blocks")
+    if "levels" in log:
+        levels = [level for level in log["levels"]["cells"] if level["cells"] > 0]
+        gas = ("cells", f"{sum(level['cells'] for level in levels):,}",
+               f"in {sum(level['blocks'] for level in levels)} blocks at the end")
+        size_of_cells = " to ".join(number(level["cell_size"] * 1e3) for level in (levels[-1], levels[0])) + " mm"
     material = ("material points", f"{points['count']:,}", f"in {bodies_in_words(points)}") if points else None
     entries = [
         ("simulated time", f"{number(log['time'] * 1e3)} ms", f"of {number(log['end_time'] * 1e3)} ms"),
         ("steps", f"{log['step']:,}", steps),
         ("grid", " × ".join(str(n) for n in resolved), GEOMETRIES[domain["geometry"]]),
         *([gas, material] if region else [material or gas]),
-        ("cell size", f"{number(domain['cell_size'] * 1e3)} mm", ""),
+        ("cell size", size_of_cells, ""),
         ("domain", " × ".join(number(s) for s in size) + " m", ""),
         ("wall-clock time", duration(log["wall_seconds"]), f"on {log['machine']['threads']} threads"),
         ("speed", f"{points['point_updates_per_second'] / 1e6:.3g} million", "particles/s")
@@ -657,6 +666,8 @@ the field dumps in the run's output folder.</footer>
 
 
 def main(arguments):
+    show_blocks = "--blocks" in arguments
+    arguments = [argument for argument in arguments if argument != "--blocks"]
     if len(arguments) != 1 or arguments[0] in ("-h", "--help"):
         print(__doc__, file=sys.stderr)
         return 2
@@ -670,7 +681,7 @@ def main(arguments):
         return 5
     folder = Path(arguments[0])
     try:
-        content = page(results.Run(folder), figures, point_figures)
+        content = page(results.Run(folder, show_blocks), figures, point_figures)
         temporary = folder / "report.html.part"
         temporary.unlink(missing_ok=True)
         with open(temporary, "x", encoding="utf-8") as file:  # a new file: not through an existing link

@@ -17,6 +17,9 @@ DIMENSIONS = {"cartesian3d": 3, "planar2d": 2, "axisymmetric2d": 2, "planar1d": 
 AXES = {"axisymmetric2d": ("r", "z", ""), "cylindrical1d": ("r", "", ""), "spherical1d": ("r", "", "")}
 
 
+PICTURE_CELLS = 1200  # along a direction: more than the pixels that a picture of the report has for them
+
+
 def text(attribute):
     """A text that HDF5 may store as bytes."""
     return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
@@ -72,6 +75,151 @@ class Dump:
         """Index of the layer of cells that contains a position, clamped to the domain."""
         index = int(np.floor((position - self.origin[direction]) / self.spacing))
         return min(max(index, 0), self.cells[direction] - 1)
+
+
+class LevelDump:
+    """One field dump of a run with cells of several sizes. It shows itself as if all cells were of one size, that of
+    `level`: what finer cells hold is averaged, coarser ones are repeated. Values are read on demand, and only as far as
+    needed."""
+
+    def __init__(self, path):
+        self.path = path
+        with h5py.File(path, "r") as file:
+            self.time = float(file.attrs["time"])
+            self.step = int(file.attrs["step"])
+            self.geometry = text(file.attrs["geometry"])
+            self.origin = np.array(file.attrs["origin"])
+            self._spacing = float(file.attrs["spacing"])  # of level 0
+            self._cells = tuple(int(n) for n in file.attrs["cells"])
+            self._levels = []  # group in the file, level, first and last cells of the blocks
+            for group in sorted((name for name in file["VTKHDF"] if name.startswith("Level")),
+                                key=lambda name: int(name[5:])):
+                level = round(np.log2(self._spacing / float(file["VTKHDF"][group].attrs["Spacing"][0])))
+                self._levels.append((group, level, file["VTKHDF"][group]["AMRBox"][...].astype(int).reshape(-1, 3, 2)))
+            self.fields = sorted(file["VTKHDF"][self._levels[0][0]]["CellData"])
+        self.dimensions = DIMENSIONS[self.geometry]
+        self.finest = max(level for _, level, _ in self._levels)
+        self.level = self.finest
+
+    def _scales(self, level):
+        """How many cells of a level go into one of level 0, along each direction."""
+        return [2 ** level if d < self.dimensions else 1 for d in range(3)]
+
+    @property
+    def spacing(self):
+        """Size of the cells that are shown [m]."""
+        return self._spacing / 2 ** self.level
+
+    @property
+    def cells(self):
+        return self.cells_of(self.level)
+
+    def cells_of(self, level):
+        """Cells of a level along each direction of the domain."""
+        return tuple(n * scale for n, scale in zip(self._cells, self._scales(level)))
+
+    def _size(self, direction):
+        return self._spacing / self._scales(self.level)[direction]
+
+    def centres(self, direction):
+        """Positions of the centres of the cells that are shown along a direction [m]."""
+        return self.origin[direction] + (np.arange(self.cells[direction]) + 0.5) * self._size(direction)
+
+    def edges(self, direction):
+        """Positions of their faces along a direction [m]."""
+        return self.origin[direction] + np.arange(self.cells[direction] + 1) * self._size(direction)
+
+    def layer(self, direction, position):
+        """Index of the layer of such cells that contains a position, clamped to the domain."""
+        index = int(np.floor((position - self.origin[direction]) / self._size(direction)))
+        return min(max(index, 0), self.cells[direction] - 1)
+
+    def values(self, field):
+        """All values of a field on cells of one size, [k, j, i] with k along z, without the directions that the run
+        does not resolve; for a vector the last index is the component."""
+        values = self._sampled(field, [(0, n) for n in self.cells])
+        return values.reshape(values.shape[3 - self.dimensions:])
+
+    def plane(self, field, normal, index):
+        """Values of a scalar field in the layer `index` of such cells across direction `normal` (0: x, 1: y, 2: z).
+
+        The last index of the result belongs to the lower of the two remaining directions.
+        """
+        window = [(0, n) for n in self.cells]
+        window[normal] = (index, index + 1)
+        return self._sampled(field, window).squeeze(2 - normal)
+
+    def leaf_values(self, field):
+        """For each block of cells its level, the index of its first cell in the domain, counted in cells of that level,
+        and the values in it, [k, j, i]."""
+        with h5py.File(self.path, "r") as file:
+            for group, level, boxes in self._levels:
+                data = file["VTKHDF"][group]["CellData"][field]
+                at = 0
+                for box in boxes:
+                    n = box[:, 1] - box[:, 0] + 1
+                    values = data[at:at + n.prod()].astype(float)
+                    yield level, box[:, 0], values.reshape(n[2], n[1], n[0], *values.shape[1:])
+                    at += n.prod()
+
+    def outlines(self, normal, position):
+        """Lower and upper corners [m], in the two other directions, of the blocks of cells that a plane meets."""
+        across = [d for d in range(3) if d != normal]
+        found = []
+        for _, level, boxes in self._levels:
+            size = self._spacing / np.array(self._scales(level), dtype=float)
+            lower = self.origin + boxes[:, :, 0] * size
+            upper = self.origin + (boxes[:, :, 1] + 1) * size
+            met = (lower[:, normal] <= position) & (position < upper[:, normal])
+            found += list(zip(lower[met][:, across], upper[met][:, across]))
+        return found
+
+    def _sampled(self, field, window):
+        """Values in the cells of a window, [k, j, i]; `window`: first and last but one index along x, y and z."""
+        with h5py.File(self.path, "r") as file:
+            shape = file["VTKHDF"][self._levels[0][0]]["CellData"][field].shape[1:]
+            out = np.zeros([end - start for start, end in reversed(window)] + list(shape))
+            for group, level, boxes in self._levels:
+                data = file["VTKHDF"][group]["CellData"][field]
+                ends = np.cumsum((boxes[:, :, 1] - boxes[:, :, 0] + 1).prod(axis=1))
+                for box, end in zip(boxes, ends):
+                    self._add(out, window, level, box, data, end)
+        return out
+
+    def _add(self, out, window, level, box, data, end):
+        """Adds what a block holds to the cells of the window; `end`: of its values in those of the level."""
+        parts = [self._overlap(window[d], level if d < self.dimensions else self.level, box[d]) for d in (2, 1, 0)]
+        if any(part is None for part in parts):
+            return
+        n = box[:, 1] - box[:, 0] + 1
+        values = data[end - n.prod():end].astype(float)
+        values = values.reshape(n[2], n[1], n[0], *values.shape[1:])[tuple(part[0] for part in parts)]
+        for axis, (_, _, shown) in enumerate(parts):
+            values = shown(values, axis)
+        out[tuple(part[1] for part in parts)] += values
+
+    def _overlap(self, window, level, box):
+        """Of a block along one direction: which of its cells the window meets, where they lie in it, and what turns
+        their values into those of the cells that are shown; None if it meets none."""
+        start, stop = int(box[0]), int(box[1]) + 1
+        if level <= self.level:
+            repeat = 2 ** (self.level - level)
+            low, high = max(start * repeat, window[0]), min(stop * repeat, window[1])
+            first, last = low // repeat, -(-high // repeat)
+
+            def shown(values, axis):
+                return values.take(np.arange(low, high) // repeat - first, axis=axis)
+        else:
+            count = 2 ** (level - self.level)
+            first, last = max(start, window[0] * count), min(stop, window[1] * count)
+            low, high = first // count, -(-last // count)
+
+            def shown(values, axis):
+                begins = np.maximum(np.arange(low, high) * count, first) - first
+                return np.add.reduceat(values, begins, axis=axis) / count
+        if low >= high:
+            return None
+        return slice(first - start, last - start), slice(low - window[0], high - window[0]), shown
 
 
 class PointDump:
@@ -137,8 +285,9 @@ class UnknownFormat(OSError):
 class Run:
     """The folder of a run. Files are read on demand."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, show_blocks=False):
         self.folder = Path(folder)
+        self.show_blocks = show_blocks  # outlines of blocks in pictures of cells of several sizes
         self.log = self._json("run.json")
         if self.log is None:
             raise FileNotFoundError(f'"{folder}" is not the output folder of a run: it does not contain run.json')
@@ -183,8 +332,17 @@ class Run:
 
     @functools.cached_property
     def dumps(self):
-        """Field dumps in order of time."""
-        return sorted((Dump(path) for path in self.folder.glob("fields/fields_*.h5")), key=lambda dump: dump.time)
+        """Field dumps in order of time. Those of a run with cells of several sizes show themselves on cells of one, the
+        same for all: the finest that there are, but no more than `PICTURE_CELLS` along a direction."""
+        dumps = [Dump(path) for path in self.folder.glob("fields/fields_*.h5")]
+        of_levels = [LevelDump(path) for path in self.folder.glob("fields/fields_*.hdf")]
+        if of_levels:
+            level = max(dump.finest for dump in of_levels)
+            while level > 0 and max(of_levels[0].cells_of(level)) > PICTURE_CELLS:
+                level -= 1
+            for dump in of_levels:
+                dump.level = level
+        return sorted(dumps + of_levels, key=lambda dump: dump.time)
 
     @functools.cached_property
     def point_dumps(self):

@@ -60,14 +60,8 @@ KINDS = {
 }
 
 
-def write_dump(path, kind, time, step, obstacle):
-    nx, ny, nz = kind["cells"]
-    h = kind["spacing"]
-    x, y, z = ((np.arange(n) + 0.5) * h for n in (nx, ny, nz))
-    if ny == 1:
-        y = y * 0
-    if nz == 1:
-        z = z * 0
+def fields_on(x, y, z, time, obstacle):
+    """Fields at the centres of cells: unit and values, [k, j, i]."""
     zz, yy, xx = np.meshgrid(z, y, x, indexing="ij")
     r = np.sqrt(xx ** 2 + yy ** 2 + zz ** 2)
     p = np.maximum(overpressure(r, time), -0.6 * AMBIENT)
@@ -78,6 +72,66 @@ def write_dump(path, kind, time, step, obstacle):
               "impulse": ("Pa s", np.where(seen, impulse(r), 0.0))}
     if obstacle is not None:
         fields["obstacle"] = ("1", obstacle(xx, yy, zz).astype(float))
+    return fields
+
+
+BLOCK = 16
+
+
+def leaves(kind, time):
+    """Blocks of cells around the front of the wave, up to two levels finer: level and place, counted in blocks."""
+    dims = sum(n > 1 for n in kind["cells"])
+    found = []
+
+    def visit(level, place):
+        edge = BLOCK * kind["spacing"] / 2 ** level
+        low = np.array(place[:dims]) * edge
+        nearest = np.sqrt(np.sum(low ** 2))
+        farthest = np.sqrt(np.sum((low + edge) ** 2))
+        front = np.interp(time, ARRIVALS, RADII)
+        if level < 2 and nearest <= front <= farthest:
+            for corner in range(2 ** dims):
+                visit(level + 1, [2 * place[d] + (corner >> d & 1) if d < dims else 0 for d in range(3)])
+        else:
+            found.append((level, place))
+
+    parts = [max(1, n // BLOCK) for n in kind["cells"]]
+    for place in np.ndindex(*parts[::-1]):
+        visit(0, list(place[::-1]))
+    return found
+
+
+def write_level_dump(path, kind, time, step, obstacle):
+    """A dump of cells of several sizes as src/output/level_fields.cpp lays it out."""
+    dims = sum(n > 1 for n in kind["cells"])
+    h = kind["spacing"]
+    with h5py.File(path, "w") as file:
+        file.attrs.update(time=time, step=step, geometry=kind["geometry"], origin=[0.0, 0.0, 0.0], spacing=h,
+                          cells=kind["cells"])
+        blocks = leaves(kind, time)
+        for level in range(max(level for level, _ in blocks) + 1):
+            group = file.create_group(f"VTKHDF/Level{level}")
+            group.attrs["Spacing"] = [h / 2 ** level if d < dims else h for d in range(3)]
+            boxes, arrays = [], {}
+            for _, place in (block for block in blocks if block[0] == level):
+                n = [BLOCK if d < dims else 1 for d in range(3)]
+                low = [place[d] * n[d] for d in range(3)]
+                boxes.append([bound for d in range(3) for bound in (low[d], low[d] + n[d] - 1)])
+                axes = [(low[d] + np.arange(n[d]) + 0.5) * h / 2 ** level if d < dims else np.zeros(1)
+                        for d in range(3)]
+                for name, (_, values) in (fields_on(*axes, time, obstacle)
+                                          | {"level": ("1", np.full(n[::-1], float(level)))}).items():
+                    arrays.setdefault(name, []).append(values.reshape(-1, *values.shape[3:]))
+            group["AMRBox"] = np.array(boxes, dtype="i4").reshape(-1, 6)
+            for name, parts in arrays.items():
+                group.create_dataset("CellData/" + name, data=np.concatenate(parts).astype("f4"), compression=1)
+
+
+def write_dump(path, kind, time, step, obstacle):
+    nx, ny, nz = kind["cells"]
+    h = kind["spacing"]
+    x, y, z = ((np.arange(n) + 0.5) * h for n in (nx, ny, nz))
+    fields = fields_on(x, y if ny > 1 else y * 0, z if nz > 1 else z * 0, time, obstacle)
     with h5py.File(path, "w") as file:
         file.attrs.update(time=time, step=step, geometry=kind["geometry"], origin=[0.0, 0.0, 0.0], spacing=h,
                           cells=[nx, ny, nz])
@@ -129,8 +183,8 @@ def write_gauges(folder, kind, end):
          "kingery_bulmash_curve": curve}))
 
 
-def write(folder, which, dumps=7):
-    """Fills `folder`, which must not exist."""
+def write(folder, which, dumps=7, levels=False):
+    """Fills `folder`, which must not exist. `levels`: with cells of several sizes."""
     kind = KINDS[which]
     folder = Path(folder)
     folder.mkdir(parents=True)
@@ -144,7 +198,10 @@ def write(folder, which, dumps=7):
     if not bare:
         (folder / "fields").mkdir()
         for n, time in enumerate(np.linspace(0.0, end, dumps)):
-            write_dump(folder / f"fields/fields_{n:06d}.h5", kind, time, 100 * n, inside)
+            if levels:
+                write_level_dump(folder / f"fields/fields_{n:06d}.hdf", kind, time, 100 * n, inside)
+            else:
+                write_dump(folder / f"fields/fields_{n:06d}.h5", kind, time, 100 * n, inside)
         write_gauges(folder, kind, end)
     totals = {"mass": [1764.0, 8.0], "momentum": [0.0, 0.0, 0.0], "energy": 4.1e8}
     nothing = {"mass": [0.0, 0.0], "momentum": [0.0, 0.0, 0.0], "energy": 0.0}
@@ -176,6 +233,12 @@ def write(folder, which, dumps=7):
            "versions": {"brisance": "0.1.0", "compiler": "GNU 12.2.0", "compiler_flags": "-O3 -march=native",
                         "hdf5": "1.10.8"},
            "machine": {"processor": "AMD EPYC 7B13", "cores": 2, "threads": 2}}
+    if levels:
+        last = leaves(kind, 0.3 * end)  # later the front is outside
+        log["levels"] = {"changes": 12, "cells": [
+            {"level": level, "cell_size": h / 2 ** level, "blocks": sum(leaf[0] == level for leaf in last),
+             "cells": sum(leaf[0] == level for leaf in last) * BLOCK ** sum(n > 1 for n in kind["cells"])}
+            for level in range(3)]}
     (folder / "run.json").write_text(json.dumps(log))
 
 
