@@ -304,6 +304,7 @@ void Gas::advance_level(int level, double time, double dt, bool reverse, Compani
     time_ = time + dt;
     companion.after(time, dt);
   }
+  if (companion.look) companion.look(level, time + dt);
 }
 
 double Gas::fine_steps(int level, double left) const {
@@ -321,7 +322,10 @@ void Gas::take_from_finer(int level) {
     disturbance_.note(cell);
   };
   levels_.correct(fields_, level, note);
-  levels_.restrict(fields_, level, note);
+  levels_.restrict(fields_, awake_, level, [this](int block) {
+    awake_[block] = 1;
+    disturbance_.find(fields_, quiet_.state, block);
+  });
 }
 
 void Gas::advance(double dt, bool reverse, Companion const& companion) {

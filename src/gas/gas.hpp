@@ -62,6 +62,8 @@ struct Companion {
   int level = -1;  ///< of which it sees every step; -1: none
   /// Before a step, and after it and the steps of finer levels in it: of what length, and where it begins [s].
   std::function<void(double time, double dt)> before, after;
+  /// Looks at a level after each of its steps, at a time [s]; null: nobody does.
+  std::function<void(int level, double time)> look;
 };
 
 /// Guards and boundary flows since the start, summed over blocks in fixed order.

@@ -80,12 +80,14 @@ Levels::Levels(grid::Grid const& grid, Fluids const& fluids, int components, IsS
     : grid_(&grid),
       fluids_(fluids),
       components_(components),
+      covered_(grid.levels()),
       contacts_(grid.levels()),
       strips_(grid.levels()),
       strip_of_(grid, std::array<int, 6>{-1, -1, -1, -1, -1, -1}),
       registers_(grid.blocks().size()),
       clock_(grid.levels()) {
   for (grid::Block const& block : grid.blocks()) {
+    if (block.covered) covered_[block.level].push_back(block.number);
     for (int face = 0; face < 6; ++face) {
       if (block.beyond[face] != grid::Beyond::coarser) continue;
       Contact contact = contact_at(block, face);
@@ -260,13 +262,43 @@ std::vector<grid::Cell> Levels::correct(grid::Fields& fields, Contact const& con
   return changed;
 }
 
-bool Levels::restrict(grid::Fields& fields, grid::Block const& block, grid::Cell const& cell) const {
-  grid::Parts const parts = grid::parts_of(*grid_, block.level, block.index(cell));
+void Levels::restrict(grid::Fields& fields, grid::AwakeBlocks const& awake, std::vector<int> const& blocks,
+                      std::vector<std::uint8_t>& disturbed) const {
+  int const dims = grid_->domain().dimensions();
+  parallel_for(static_cast<int>(blocks.size()), [&](int n, int) {
+    grid::Block const& block = grid_->blocks()[blocks[n]];
+    grid_->for_each_block_in(block.level + 1, grid::fine_cells(block.in_domain(), dims),
+                             [&](grid::Block const& fine, grid::CellRange const&) {
+                               // Both hold quiescent gas alone.
+                               if (awake[fine.number] == 0 && awake[block.number] == 0) return;
+                               if (restrict(fields, block, fine)) disturbed[n] = 1;
+                             });
+  });
+}
+
+bool Levels::restrict(grid::Fields& fields, grid::Block const& coarse, grid::Block const& fine) const {
+  int const dims = grid_->domain().dimensions();
+  grid::CellRange const cells = grid::coarse_cells(fine.in_domain(), dims);
+  grid::Parts const first = grid::parts_of(*grid_, coarse.level, cells.lower);
+  bool const radial = grid::radial_exponent(fine.metric.geometry) > 0;
   bool quiet = true;
   for (int c = 0; c < components_; ++c) {
-    double const mean = parts.mean(fields.at(parts.block, c));
-    fields.at(block.number, c)[cell.offset] = mean;
-    quiet = quiet && mean == quiet_[c];
+    double const* const from = fields.at(fine.number, c);
+    for (int k = cells.lower[2]; k < cells.upper[2]; ++k) {
+      for (int j = cells.lower[1]; j < cells.upper[1]; ++j) {
+        Index3 const row{cells.lower[0], j, k};
+        double* const to = fields.at(coarse.number, c) + coarse.in_domain().offset(row);
+        Index3 const corner = grid::fine_cells(row, dims).lower;
+        double const* const fine_row = from + fine.in_domain().offset(corner) - first.offset[0];
+        for (int i = 0; i < cells.n(0); ++i) {
+          // Rings have shares of their own.
+          double const mean = radial ? grid::parts_of(*grid_, coarse.level, {cells.lower[0] + i, j, k}).mean(from)
+                                     : first.mean(fine_row + std::ptrdiff_t{2} * i);
+          to[i] = mean;
+          quiet = quiet && mean == quiet_[c];
+        }
+      }
+    }
   }
   return !quiet;
 }

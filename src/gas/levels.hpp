@@ -55,12 +55,15 @@ class Levels {
     for (Contact const& contact : contacts_[level]) correct(fields, contact, changed);
   }
 
-  /// Gives the covered blocks of a level the means of the finer cells. Calls changed(cell) for those that are not
-  /// quiescent.
+  /// Gives the covered blocks of a level the means of the finer cells. Calls changed(block) for those in which any is
+  /// not quiescent.
   template <class Changed>
-  void restrict(grid::Fields& fields, int level, Changed const& changed) const {
-    for (int const b : grid_->blocks_of(level)) {
-      if (grid_->blocks()[b].covered) restrict(fields, grid_->blocks()[b], changed);
+  void restrict(grid::Fields& fields, grid::AwakeBlocks const& awake, int level, Changed const& changed) const {
+    std::vector<int> const& blocks = covered_[level];
+    std::vector<std::uint8_t> disturbed(blocks.size(), 0);
+    restrict(fields, awake, blocks, disturbed);
+    for (std::size_t n = 0; n < blocks.size(); ++n) {
+      if (disturbed[n] != 0) changed(blocks[n]);
     }
   }
 
@@ -117,14 +120,10 @@ class Levels {
     for (grid::Cell const& cell : cells) changed(cell);
   }
   std::vector<grid::Cell> correct(grid::Fields& fields, Contact const& contact);
-  template <class Changed>
-  void restrict(grid::Fields& fields, grid::Block const& block, Changed const& changed) const {
-    for_each_cell(block, [&](grid::Cell const& cell) {
-      if (restrict(fields, block, cell)) changed(cell);
-    });
-  }
-  /// Is the mean anything but quiescent?
-  bool restrict(grid::Fields& fields, grid::Block const& block, grid::Cell const& cell) const;
+  void restrict(grid::Fields& fields, grid::AwakeBlocks const& awake, std::vector<int> const& blocks,
+                std::vector<std::uint8_t>& disturbed) const;
+  /// The cells of a block that one finer block covers; is any mean anything but quiescent?
+  bool restrict(grid::Fields& fields, grid::Block const& coarse, grid::Block const& fine) const;
 
   grid::Grid const* grid_;
   Fluids fluids_;
@@ -132,6 +131,7 @@ class Levels {
   Components quiet_{};
   std::array<Components, 3> quiet_flux_{};
   Vec3 quiet_velocity_{0.0, 0.0, 0.0};
+  std::vector<std::vector<int>> covered_;          ///< blocks, by their level
   std::vector<std::vector<Contact>> contacts_;     ///< by the level of the coarse cells
   std::vector<std::vector<Strip>> strips_;         ///< of the same
   grid::BlockStore<std::array<int, 6>> strip_of_;  ///< of a fine block's faces, by the number in its level

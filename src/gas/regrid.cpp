@@ -162,7 +162,7 @@ void Gas::find_levels() {
       tallies_.resize(std::max(tallies_.size(), last.tally + last.chain->size()));
     }
   }
-  for (int level = grid_->levels() - 2; level >= 0; --level) levels_.restrict(fields_, level, [](grid::Cell const&) {});
+  for (int level = grid_->levels() - 2; level >= 0; --level) levels_.restrict(fields_, grid::AwakeBlocks(*grid_, 1), level, [](int) {});
 }
 
 }  // namespace brisance::gas

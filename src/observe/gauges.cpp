@@ -161,34 +161,56 @@ void Gauges::find_stencils(run::System const& system) {
 void Gauges::sample_gas(run::System const& system) {
   find_stencils(system);
   view_->update();
-  std::vector<double> sampled;
+  for (std::size_t g = 0; g < gas.size(); ++g) sample_gauge(system, g, system.clock.time);
+}
+
+void Gauges::sample_level(run::System& system, int level, double time) {
+  if (gas.empty() || level == 0 || system.setup.output.gauge_interval > 0.0) return;
+  PhaseTimer const timer(system.timings["gauges"]);
+  find_stencils(system);
+  bool updated = false;
   for (std::size_t g = 0; g < gas.size(); ++g) {
-    GaugeHistory& history = gas[g];
-    Stencil const& s = stencils_[g];
-    GaugeRecord record;
-    record.time = system.clock.time;
-    double sum = 0.0;
-    sampled.assign(sampled_columns(gas_columns()), 0.0);
-    for (std::size_t n = 0; n < s.cells.size(); ++n) {
-      auto const seen = view_->at(s.cells[n]);
-      if (!seen) continue;
-      double const weight = s.weights[n];
-      sum += weight;
-      record.pressure += weight * seen->pressure;
-      record.density += weight * seen->density;
-      record.velocity = record.velocity + weight * seen->velocity;
-      for_each_sampled(gas_columns(), [&](std::size_t c, auto of) { sampled[c] += weight * of(*seen); });
+    std::vector<PlacedCell> const& cells = stencils_[g].cells;
+    auto const of_level = [level](PlacedCell const& cell) { return cell.level == level; };
+    if (!std::all_of(cells.begin(), cells.end(), of_level)) continue;
+    auto const in_particles = [this](PlacedCell const& cell) { return view_->in_particles(cell); };
+    if (!updated && std::any_of(cells.begin(), cells.end(), in_particles)) {
+      view_->update();
+      updated = true;
     }
-    if (sum > 0.0) {
-      record.pressure /= sum;
-      record.density /= sum;
-      record.velocity = (1.0 / sum) * record.velocity;
-    } else {
-      record.pressure = system.setup.ambient.state.pressure;  // a body has come over the gauge
-    }
-    history.records.push_back(record);
-    for (double const value : sampled) history.sampled.push_back(sum > 0.0 ? value / sum : 0.0);
+    sample_gauge(system, g, time);
   }
+}
+
+void Gauges::sample_gauge(run::System const& system, std::size_t number, double time) {
+  GaugeHistory& history = gas[number];
+  Stencil const& s = stencils_[number];
+  GaugeRecord record;
+  record.time = time;
+  double sum = 0.0;
+  std::vector<double> sampled(sampled_columns(gas_columns()), 0.0);
+  for (std::size_t n = 0; n < s.cells.size(); ++n) {
+    auto const seen = view_->at(s.cells[n]);
+    if (!seen) continue;
+    double const weight = s.weights[n];
+    sum += weight;
+    record.pressure += weight * seen->pressure;
+    record.density += weight * seen->density;
+    record.velocity = record.velocity + weight * seen->velocity;
+    for_each_sampled(gas_columns(), [&](std::size_t c, auto of) { sampled[c] += weight * of(*seen); });
+  }
+  if (sum > 0.0) {
+    record.pressure /= sum;
+    record.density /= sum;
+    record.velocity = (1.0 / sum) * record.velocity;
+  } else {
+    record.pressure = system.setup.ambient.state.pressure;  // a body has come over the gauge
+  }
+  // The last step of a level ends with that of the whole, maybe in another last digit.
+  bool const levels = system.adaptation != nullptr && !history.records.empty();
+  if (levels && time <= history.records.back().time * (1.0 + 1e-14)) return;
+  history.records.push_back(record);
+  for (double const value : sampled) history.sampled.push_back(sum > 0.0 ? value / sum : 0.0);
 }
 
 void Gauges::sample_particles(run::System const& system) {

@@ -85,6 +85,9 @@ class Gauges {
 
   /// Records every gauge at the present time of the system, among whose timings is how long that takes.
   void sample(run::System& system);
+  /// Records the gauges in leaves of a level at a time within a step [s], the end of one of the level's own steps, see
+  /// `run::System::look`. Those that see cells of other levels too are left out: their times differ.
+  void sample_level(run::System& system, int level, double time);
   /// Records the sums over each body at the present time, where that has not been done: for the end of a run.
   void record_bodies(run::System const& system);
   /// The histories in a checkpoint, after the system itself. Throws IoError where they are of other gauges.
@@ -92,6 +95,7 @@ class Gauges {
 
  private:
   void sample_gas(run::System const& system);
+  void sample_gauge(run::System const& system, std::size_t number, double time);
   void sample_particles(run::System const& system);
 
   void find_stencils(run::System const& system);

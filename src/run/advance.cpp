@@ -135,6 +135,7 @@ void advance_coupled_levels(System& w, double dt) {
   companion.after = [&w](double, double step) {
     if (w.bridge->awake()) advance_particles(w, step);
   };
+  companion.look = w.look;
   w.gas->advance(dt, w.clock.gas_steps % 2 == 1, companion);
   ++w.clock.gas_steps;
 }
@@ -172,7 +173,9 @@ double advance(System& w, double latest) {
   } else if (w.gas != nullptr && particles_move(w)) {
     advance_coupled(w, dt);
   } else if (w.gas != nullptr) {
-    w.gas->advance(dt, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
+    gas::Companion companion;
+    if (w.adaptation != nullptr) companion.look = w.look;
+    w.gas->advance(dt, w.clock.gas_steps % 2 == 1, companion);  // (8) Eq. (6)
     ++w.clock.gas_steps;
   } else {
     w.particles->advance(dt);  // (2)-(4), (6), (9)-(13) Eqs. (18)-(30)

@@ -1,6 +1,7 @@
 /// The system that is simulated: a case, what was built of it, and the time that it has come to.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -57,6 +58,9 @@ class System {
   std::vector<StartReport> starts;                 ///< of each charge, where the case starts by a remap
   std::vector<BodyReport> bodies;
   Timings timings;
+  /// Looks at the gas of a level after each of its steps, at a time [s]; null: nobody does. Steps of finer levels end
+  /// within one of the whole.
+  std::function<void(int level, double time)> look;
   std::optional<double> awake_since;  ///< when the MPM region woke [s]
 
   [[nodiscard]] grid::Forest const& forest() const { return forest_; }

@@ -39,7 +39,12 @@ class Recorder {
         dump_times_(output::dump_times(world.setup.output, world.setup.end.time)),
         checkpoints_(writer.folder(), world.setup.checkpoint.keep) {
     plan_checkpoints();
+    if (world.adaptation == nullptr) return;
+    world.look = [this](int level, double time) { gauges_->sample_level(*world_, level, time); };
   }
+  ~Recorder() { world_->look = nullptr; }
+  Recorder(Recorder const&) = delete;
+  Recorder& operator=(Recorder const&) = delete;
 
   /// Goes on from a checkpoint whose world has been read.
   void resume(Archive& archive) {
