@@ -102,6 +102,10 @@ DumpFile::DumpFile(std::size_t expected_bytes, char const* group)
     : file_(check(create(expected_bytes)), H5Fclose),
       group_(check(H5Gcreate2(file_, group, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)), H5Gclose) {}
 
+Handle DumpFile::add_group(std::string const& name) {
+  return {check(H5Gcreate2(group_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)), H5Gclose};
+}
+
 void DumpFile::attribute(hid_t object, char const* name, std::string const& value) {
   Handle type(check(H5Tcopy(H5T_C_S1)), H5Tclose);
   check(H5Tset_size(type, std::max<std::size_t>(1, value.size())));
@@ -126,8 +130,9 @@ DumpFile::Dataset DumpFile::dataset(std::string const& name, Layout const& layou
   check(H5Pset_obj_track_times(creation, false));
   if (layout.compression > 0) compress(creation, layout);
   hid_t const space = check(H5Screate_simple(rank, layout.shape.data(), nullptr));
-  hid_t const data =
-      H5Dcreate2(group_, name.c_str(), file_type(layout.type), space, H5P_DEFAULT, creation, H5P_DEFAULT);
+  Handle link(check(H5Pcreate(H5P_LINK_CREATE)), H5Pclose);
+  check(H5Pset_create_intermediate_group(link, 1));
+  hid_t const data = H5Dcreate2(group_, name.c_str(), file_type(layout.type), space, link, creation, H5P_DEFAULT);
   if (data < 0) H5Sclose(space);
   check(data);
   Dataset dataset(data, space);

@@ -60,7 +60,7 @@ enum class NumberType { float32, float64, int32, int64 };
 /// once a write of its own has failed, so that it must never meet a full disk. The same content gives the same bytes.
 class DumpFile {
  public:
-  /// `group` holds the datasets.
+  /// `group` holds the datasets, in groups within it where their names say so: "level/pressure".
   DumpFile(std::size_t expected_bytes, char const* group);
 
   void attribute(hid_t object, char const* name, std::string const& value);
@@ -76,6 +76,9 @@ class DumpFile {
   }
 
   [[nodiscard]] hid_t root() const { return file_; }
+  [[nodiscard]] hid_t group() const { return group_; }
+  /// A new group within `group`.
+  [[nodiscard]] Handle add_group(std::string const& name);
 
   /// A dataset: `shape` with the slowest direction first, chunks of at most `edge` in each direction.
   struct Layout {

@@ -14,7 +14,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string index_of(std::string const& entries) {
+std::string index_of(std::string const& entries, DumpForm form) {
+  if (form == DumpForm::vtkhdf)
+    return "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n" + entries + "\n  ]\n}\n";
   return "<?xml version=\"1.0\"?>\n"
          "<Xdmf Version=\"2.0\">\n"
          "  <Domain>\n"
@@ -37,7 +39,8 @@ void write_dump(Dump& dump, fs::path const& path) {
 
 }  // namespace
 
-DumpSeries::DumpSeries(fs::path folder, std::string kind) : folder_(std::move(folder)), kind_(std::move(kind)) {}
+DumpSeries::DumpSeries(fs::path folder, std::string kind, DumpForm form)
+    : folder_(std::move(folder)), kind_(std::move(kind)), form_(form) {}
 
 GatheredDump DumpSeries::add(std::shared_ptr<Dump> dump, DumpPlace place,
                              std::function<std::string(std::string const& file)> const& entry) {
@@ -45,15 +48,16 @@ GatheredDump DumpSeries::add(std::shared_ptr<Dump> dump, DumpPlace place,
     --count_;
     entries_.resize(before_last_);
   }
-  std::string const name = dump_name(kind_, count_);
+  std::string const name = dump_name(kind_, count_, form_);
   before_last_ = entries_.size();
+  if (form_ == DumpForm::vtkhdf && !entries_.empty()) entries_ += ",\n";
   entries_ += entry(name);
   ++count_;
-  auto write = [this, dump, name, place, number = count_, index = index_of(entries_)] {
+  auto write = [this, dump, name, place, number = count_, index = index_of(entries_, form_)] {
     make_folder(folder_ / kind_);
     if (place == DumpPlace::next) list_files(folder_, {name});
     write_dump(*dump, folder_ / name);
-    replace_file(folder_ / (kind_ + ".xmf2"), index);
+    replace_file(folder_ / index_name(kind_, form_), index);
     written_ = number;
   };
   return {std::move(dump), std::move(write)};
@@ -66,13 +70,13 @@ void DumpSeries::archive(Archive& a) {
   if (!a.reading()) return;
   written_ = count_;
   for (auto const& name : listed_files(folder_)) {
-    auto const number = dump_number(kind_, name);
+    auto const number = dump_number(kind_, name, form_);
     if (number && *number >= count_) remove_listed(folder_, name);
   }
   if (count_ > 0) {
-    replace_file(folder_ / (kind_ + ".xmf2"), index_of(entries_));
+    replace_file(folder_ / index_name(kind_, form_), index_of(entries_, form_));
   } else {
-    remove_listed(folder_, kind_ + ".xmf2");
+    remove_listed(folder_, index_name(kind_, form_));
   }
 }
 

@@ -1,4 +1,4 @@
-/// Numbered dumps of one kind and the XDMF index that ParaView opens as a time series.
+/// Numbered dumps of one kind and the index that ParaView opens as a time series.
 #pragma once
 
 #include <atomic>
@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/archive.hpp"
+#include "output/folder.hpp"
 
 namespace brisance::output {
 
@@ -30,9 +31,10 @@ struct GatheredDump {
 class DumpSeries {
  public:
   /// `kind`: "fields" or "points". Writes into `folder` (which exists). Nothing is created before the first dump.
-  DumpSeries(std::filesystem::path folder, std::string kind);
+  DumpSeries(std::filesystem::path folder, std::string kind, DumpForm form = DumpForm::xdmf);
 
-  /// `entry` makes the dump's <Grid> element of the index, given the name of its file.
+  /// `entry` makes what the index says of the dump, given the name of its file: a <Grid> element of XDMF, or the item
+  /// of a list of files.
   [[nodiscard]] GatheredDump add(std::shared_ptr<Dump> dump, DumpPlace place,
                                  std::function<std::string(std::string const& file)> const& entry);
 
@@ -46,8 +48,9 @@ class DumpSeries {
  private:
   std::filesystem::path folder_;
   std::string kind_;
+  DumpForm form_;
   int count_ = 0;
-  std::string entries_;          ///< the index's <Grid> elements so far
+  std::string entries_;          ///< of the index so far
   std::size_t before_last_ = 0;  ///< length of those before the last dump's
   std::atomic<int> written_ = 0;
 };

@@ -8,6 +8,7 @@
 
 #include "core/parallel.hpp"
 #include "output/dump.hpp"
+#include "output/level_fields.hpp"
 
 namespace brisance::output {
 
@@ -135,11 +136,15 @@ std::string index_entry(std::string const& file, double time, grid::Domain const
 
 }  // namespace
 
-FieldSeries::FieldSeries(std::filesystem::path const& folder, FieldOptions options)
-    : series_(folder, "fields"), options_(options) {}
+FieldSeries::FieldSeries(std::filesystem::path const& folder, FieldOptions options, DumpForm form)
+    : series_(folder, "fields", form), options_(options), form_(form) {}
 
 GatheredDump FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
                                RowValues const& values, DumpPlace place) {
+  if (form_ == DumpForm::vtkhdf) {
+    return series_.add(level_dump(time, step, grid, fields, options_, values), place,
+                       [time](std::string const& file) { return level_index_entry(file, time); });
+  }
   grid::Domain const& domain = grid.domain();
   auto dump = std::make_shared<Dump>(
       "cells", std::size_t(bytes_per_dump(domain, fields, options_.single_precision)),
@@ -159,9 +164,13 @@ GatheredDump FieldSeries::dump(double time, long step, grid::Grid const& grid, s
 
 double FieldSeries::bytes_per_dump(grid::Domain const& domain, std::vector<FieldSpec> const& fields,
                                    bool single_precision) {
+  return bytes_per_dump(static_cast<double>(domain.cell_count()), fields, single_precision);
+}
+
+double FieldSeries::bytes_per_dump(double cells, std::vector<FieldSpec> const& fields, bool single_precision) {
   double components = 0.0;
   for (auto const& field : fields) components += field.components;
-  return static_cast<double>(domain.cell_count()) * components * (single_precision ? 4.0 : 8.0);
+  return cells * components * (single_precision ? 4.0 : 8.0);
 }
 
 }  // namespace brisance::output

@@ -3,6 +3,8 @@
 /// Layout of a dump `fields/fields_NNNNNN.h5`: attributes of the root (time [s], step, geometry, origin [m], spacing
 /// [m], cells) and one dataset per field, /cells/NAME, shape (nz, ny, nx) or (nz, ny, nx, 3), with attributes `unit`
 /// and `meaning`. Directions that are not resolved have one cell.
+///
+/// Runs with cells of several sizes write other files, see level_fields.hpp.
 #pragma once
 
 #include <filesystem>
@@ -28,10 +30,11 @@ using RowValues = std::function<void(grid::Cell const& first, int count, double*
 
 class FieldSeries {
  public:
-  /// Writes into `folder` (which exists). Nothing is created before the first dump.
-  FieldSeries(std::filesystem::path const& folder, FieldOptions options);
+  /// Writes into `folder` (which exists). Nothing is created before the first dump. `form`: `vtkhdf` for grids that may
+  /// have several levels.
+  FieldSeries(std::filesystem::path const& folder, FieldOptions options, DumpForm form = DumpForm::xdmf);
 
-  /// Gathers one dump; what it returns writes it.
+  /// Gathers one dump; what it returns writes it. With `vtkhdf` the leaves of all levels, else the cells of level 0.
   [[nodiscard]] GatheredDump dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
                                   RowValues const& values, DumpPlace place = DumpPlace::next);
 
@@ -42,10 +45,12 @@ class FieldSeries {
   /// Bytes of one dump without compression.
   [[nodiscard]] static double bytes_per_dump(grid::Domain const& domain, std::vector<FieldSpec> const& fields,
                                              bool single_precision);
+  [[nodiscard]] static double bytes_per_dump(double cells, std::vector<FieldSpec> const& fields, bool single_precision);
 
  private:
   DumpSeries series_;
   FieldOptions options_;
+  DumpForm form_;
 };
 
 }  // namespace brisance::output

@@ -92,14 +92,20 @@ void create_folder(fs::path const& folder) {
   if (error) throw_io_error("create the output folder", folder, error.value());
 }
 
-std::string dump_name(std::string const& kind, int number) { return fmt::format("{0}/{0}_{1:06d}.h5", kind, number); }
+std::string dump_name(std::string const& kind, int number, DumpForm form) {
+  return fmt::format("{0}/{0}_{1:06d}.{2}", kind, number, form == DumpForm::xdmf ? "h5" : "hdf");
+}
 
-std::optional<int> dump_number(std::string const& kind, std::string const& name) {
+std::string index_name(std::string const& kind, DumpForm form) {
+  return kind + (form == DumpForm::xdmf ? ".xmf2" : ".hdf.series");
+}
+
+std::optional<int> dump_number(std::string const& kind, std::string const& name, DumpForm form) {
   std::string const head = fmt::format("{0}/{0}_", kind);
   if (!name.starts_with(head)) return std::nullopt;
   int number = 0;
   std::from_chars(name.data() + head.size(), name.data() + name.size(), number);
-  return dump_name(kind, number) == name ? std::optional<int>(number) : std::nullopt;
+  return dump_name(kind, number, form) == name ? std::optional<int>(number) : std::nullopt;
 }
 
 void remove_listed(fs::path const& folder, std::string const& name) {
@@ -123,8 +129,8 @@ void tidy_list(fs::path const& folder, std::string const& head) {
   replace_list(folder, names);
 }
 
-void prepare_folder(fs::path const& folder, Earlier what_with_earlier, double needed_bytes,
-                    Written const& written) try {
+void prepare_folder(fs::path const& folder, Earlier what_with_earlier, double needed_bytes, Written const& written,
+                    std::string const& how_estimated) try {
   create_folder(folder);
   auto listed = listed_files(folder);
   auto const earlier = std::ranges::find_if(listed, [&](std::string const& name) { return is_own_file(folder, name); });
@@ -168,9 +174,9 @@ void prepare_folder(fs::path const& folder, Earlier what_with_earlier, double ne
   double const available = static_cast<double>(fs::space(folder).available);
   if (available < needed_bytes)
     throw IoError(fmt::format(
-        "not enough space for the results: \"{}\" has {} free, but the field dumps and checkpoints need about {}; "
+        "not enough space for the results: \"{}\" has {} free, but the field dumps and checkpoints need about {}{}; "
         "write fewer fields or dumps, keep fewer checkpoints, or choose another folder with --output",
-        folder.string(), readable_size(available), readable_size(needed_bytes)));
+        folder.string(), readable_size(available), readable_size(needed_bytes), how_estimated));
 } catch (fs::filesystem_error const& problem) {
   throw_io_error("use the output folder", problem.path1(), problem.code().value());
 }

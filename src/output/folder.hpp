@@ -32,14 +32,24 @@ void create_folder(std::filesystem::path const& folder);
 /// Creates it (with its parents) where it does not exist and proves by a trial file that it can be written. Results of
 /// an earlier run are the files of its list (manifest.hpp): they refuse the run, or go, or stay, as `earlier` says; no
 /// other file is touched. Throws IoError when they refuse it, when a file of somebody else, or a link, stands where
-/// the run will write, and when less than `needed_bytes` are free on its file system.
+/// the run will write, and when less than `needed_bytes` are free on its file system; `how_estimated` is told with
+/// them.
 void prepare_folder(std::filesystem::path const& folder, Earlier earlier, double needed_bytes,
-                    Written const& written = {});
+                    Written const& written = {}, std::string const& how_estimated = "");
 
-/// "fields/fields_000012.h5": a dump of a kind ("fields" or "particles").
-[[nodiscard]] std::string dump_name(std::string const& kind, int number);
+/// What the files of a series of dumps are, and the index by which ParaView opens them.
+enum class DumpForm {
+  xdmf,    ///< HDF5, `.h5`, with an index `.xmf2`
+  vtkhdf,  ///< HDF5 of the VTKHDF layout, `.hdf`, with a list of files and times, `.hdf.series`
+};
+
+/// "fields/fields_000012.h5": a dump of a kind ("fields" or "points").
+[[nodiscard]] std::string dump_name(std::string const& kind, int number, DumpForm form = DumpForm::xdmf);
 /// Its number; nothing for other names.
-[[nodiscard]] std::optional<int> dump_number(std::string const& kind, std::string const& name);
+[[nodiscard]] std::optional<int> dump_number(std::string const& kind, std::string const& name,
+                                             DumpForm form = DumpForm::xdmf);
+/// "fields.xmf2": the index of a kind.
+[[nodiscard]] std::string index_name(std::string const& kind, DumpForm form = DumpForm::xdmf);
 
 /// Removes a file that is listed in the folder, and its unfinished form, where they are files and not links.
 void remove_listed(std::filesystem::path const& folder, std::string const& name);

@@ -142,6 +142,36 @@ json domain_of(grid::Domain const& d) {
           {"boundary", std::move(boundary)}};
 }
 
+/// The cells of leaves as they are now, level by level, and how often blocks have changed.
+json levels(run::World const& world) {
+  json cells = json::array();
+  for (int level = 0; level < world.grid.levels(); ++level) {
+    long count = 0;
+    long blocks = 0;
+    for (int const b : world.grid.blocks_of(level)) {
+      grid::Block const& block = world.grid.blocks()[b];
+      if (block.covered) continue;
+      count += block.cell_count();
+      ++blocks;
+    }
+    double const size = world.grid.domain(level).smallest_cell();
+    cells.push_back({{"level", level}, {"cell_size", size}, {"blocks", blocks}, {"cells", count}});
+  }
+  return {{"cells", std::move(cells)}, {"changes", world.adaptation->changes()}};
+}
+
+/// Updates of gas cells so far; of several levels as if the blocks had always been what they are now.
+double cell_updates(run::World const& world) {
+  double per_step = static_cast<double>(world.setup.domain.cell_count());
+  if (world.adaptation != nullptr) {
+    per_step = 0.0;
+    for (grid::Block const& block : world.grid.blocks()) {
+      if (!block.covered) per_step += std::ldexp(block.cell_count(), block.level);
+    }
+  }
+  return per_step * static_cast<double>(world.clock.gas_steps);
+}
+
 /// The largest drift so far, of the energy at work.
 json largest_drift(run::World const& world) {
   for (run::AuditFinding const& f : world.audit_findings()) {
@@ -323,8 +353,7 @@ json machine() {
 }
 
 json run_log(run::World const& world, RunStatus const& status) {
-  double const updates =
-      static_cast<double>(world.setup.domain.cell_count()) * static_cast<double>(world.clock.gas_steps);
+  double const updates = cell_updates(world);
   json timings = json::object();
   for (auto const& [phase, seconds] : world.timings) timings[phase] = json_or_null(seconds);
   bool const gas = world.gas != nullptr;
@@ -362,6 +391,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"format", log_format},
            {"versions", versions()},
            {"machine", machine()}};
+  if (world.adaptation != nullptr) log["levels"] = levels(world);
   if (world.panels != nullptr) log["panels"] = panels_json(world.panels->reports());
   if (world.setup.afterburn) log["afterburn"] = afterburn(*world.setup.afterburn);
   if (world.particles != nullptr) log["points"] = particles(world, status.wall_seconds);

@@ -30,10 +30,21 @@ namespace {
 /// that fits.
 constexpr double expected_compression = 0.5;
 
+/// Of several levels, how much larger the dumps may become than the first: shocks spread.
+constexpr double expected_growth = 2.0;
+
+/// Cells that the dumps will have on average.
+double expected_cells(run::World const& world) {
+  if (form_of_fields(world.setup) == DumpForm::xdmf) return static_cast<double>(world.setup.domain.cell_count());
+  double cells = 0.0;
+  for (grid::Block const& block : world.grid.blocks()) cells += block.covered ? 0 : block.cell_count();
+  return expected_growth * cells;
+}
+
 double expected_bytes(run::World const& world, WriterOptions const& options) {
   run::Case const& setup = world.setup;
   bool const single = setup.output.single_precision;
-  double dump = FieldSeries::bytes_per_dump(setup.domain, dumped_fields(setup, IsLast::no), single);
+  double dump = FieldSeries::bytes_per_dump(expected_cells(world), dumped_fields(setup, IsLast::no), single);
   if (world.particles != nullptr) {
     dump += ParticleSeries::bytes_per_dump(static_cast<double>(observe::dumped_particles(world)),
                                            dumped_particle_fields(setup), single);
@@ -46,13 +57,13 @@ double expected_bytes(run::World const& world, WriterOptions const& options) {
 Written files_of(run::World const& world, observe::Gauges const& histories) {
   run::Case const& setup = world.setup;
   Written files{{"run.json", "deck.toml", "summary.csv", "summary.json"}, {"checkpoints/stopped.brz"}};
-  auto const series = [&](char const* kind) {
-    files.first.push_back(std::string(kind) + ".xmf2");
+  auto const series = [&](char const* kind, DumpForm form = DumpForm::xdmf) {
+    files.first.push_back(index_name(kind, form));
     int const dumps = static_cast<int>(dump_times(setup.output, setup.end.time).size());
     // One more where the run is stopped between two.
-    for (int n = 0; n <= dumps; ++n) files.later.push_back(dump_name(kind, n));
+    for (int n = 0; n <= dumps; ++n) files.later.push_back(dump_name(kind, n, form));
   };
-  if (world.gas != nullptr) series("fields");
+  if (world.gas != nullptr) series("fields", form_of_fields(setup));
   if (!dumped_particle_fields(setup).empty()) series("points");
   if (world.particles != nullptr) files.first.emplace_back("energies.csv");
   if (world.particles != nullptr && world.gas != nullptr) files.first.emplace_back("bodies.csv");
@@ -74,7 +85,10 @@ fs::path prepared(fs::path const& folder, run::World const& world, observe::Gaug
   // Before it is looked at whether it is a link: one that leads nowhere cannot be created.
   create_folder(folder);
   fs::path real = real_folder(folder);
-  prepare_folder(real, options.earlier, expected_bytes(world, options), files_of(world, gauges));
+  prepare_folder(real, options.earlier, expected_bytes(world, options), files_of(world, gauges),
+                 form_of_fields(world.setup) == DumpForm::xdmf
+                     ? ""
+                     : " with twice the cells of the start, for shocks that spread take fine cells with them");
   return real;
 }
 
@@ -101,12 +115,15 @@ std::vector<FieldSpec> dumped_fields(run::Case const& setup, IsLast last) {
     add("region");
     if (setup.particles.any()) add("solid");
   }
+  if (form_of_fields(setup) == DumpForm::vtkhdf) add("level");
 
   std::vector<FieldSpec> specs;
   specs.reserve(names.size());
   for (auto const& name : names) specs.push_back(spec_of(name, observe::known_fields()));
   return specs;
 }
+
+DumpForm form_of_fields(run::Case const& setup) { return setup.adaptive.any() ? DumpForm::vtkhdf : DumpForm::xdmf; }
 
 std::vector<FieldSpec> dumped_particle_fields(run::Case const& setup) {
   std::vector<FieldSpec> specs;
@@ -146,7 +163,7 @@ Writer::Writer(run::World const& world, observe::Gauges const& gauges, fs::path 
       fields_(dumped_fields(world.setup, IsLast::no)),
       last_fields_(dumped_fields(world.setup, IsLast::yes)),
       particle_fields_(dumped_particle_fields(world.setup)),
-      series_(folder_, {world.setup.output.single_precision, options.compression}),
+      series_(folder_, {world.setup.output.single_precision, options.compression}, form_of_fields(world.setup)),
       particles_(folder_, {world.setup.output.single_precision, options.compression}),
       gauges_(folder_, gauges.gas, world.setup.ambient.state.pressure),
       particle_gauges_(folder_, world, gauges),

@@ -4,6 +4,7 @@
 ///     files.txt           the list of all that runs have written here, see manifest.hpp
 ///     deck.toml           the deck as read
 ///     fields.xmf2         index of the field dumps, opens in ParaView; fields/fields_NNNNNN.h5
+///     fields.hdf.series   the same of runs with cells of several sizes; fields/fields_NNNNNN.hdf
 ///     points.xmf2         index of the dumps of the material points; points/points_NNNNNN.h5
 ///     gauges/NAME.csv     histories, growing during the run
 ///     energies.csv        energies of every body, growing during the run
@@ -109,13 +110,17 @@ class Writer {
 };
 
 /// The fields of the gas that the dumps of a case hold: the specified ones, in the last dump the peak fields where
-/// asked, the obstacle mask where there are obstacles, region and solid where there is an MPM region. None without gas.
+/// asked, the obstacle mask where there are obstacles, region and solid where there is an MPM region, the level where
+/// there are several. None without gas.
 /// Throws InputError for an unknown name.
 [[nodiscard]] std::vector<FieldSpec> dumped_fields(run::Case const& setup, IsLast last);
 
 /// Those of material points: position, body, material and the specified ones. None where no particles are dumped.
 /// Throws InputError for an unknown name.
 [[nodiscard]] std::vector<FieldSpec> dumped_particle_fields(run::Case const& setup);
+
+/// What the field dumps of a case are.
+[[nodiscard]] DumpForm form_of_fields(run::Case const& setup);
 
 /// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end.
 /// Times closer than 1e-9 of the end time are one.

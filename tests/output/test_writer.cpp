@@ -1,3 +1,4 @@
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "../observe/watched.hpp"
@@ -76,6 +77,60 @@ TEST(Writer, FolderHoldsDeckLogGaugesFieldsAndSummary) {
 
   EXPECT_THROW(Writer(world, world.gauges, folder), IoError);
   EXPECT_NO_THROW(Writer(world, world.gauges, folder, {.earlier = Earlier::replace}));
+}
+
+/// The same on two levels.
+run::Case refined_box() {
+  run::Case setup = air_box();
+  setup.numerics.block_cells = 4;
+  setup.adaptive.finest = 1;
+  setup.adaptive.parts = {{shape::Sphere{{0.1, 0.1, 0.1}, 0.05}, 1}};
+  return setup;
+}
+
+TEST(Writer, FieldsOfSeveralLevelsAreAListOfFiles) {
+  if (!grid::Forest::can_refine(3)) GTEST_SKIP() << "built without p4est";
+  observe::Watched world(refined_box());
+  ASSERT_EQ(world.grid.levels(), 2);
+  ScratchFolder scratch;
+  fs::path const folder = scratch.path() / "out";
+  Writer writer(world, world.gauges, folder);
+  writer.dump(world, IsLast::no);
+  writer.finish_dumps();
+  auto const list = nlohmann::json::parse(read_file(folder / "fields.hdf.series"));
+  EXPECT_EQ(list["files"][0]["name"], "fields/fields_000000.hdf");
+  EXPECT_FALSE(fs::exists(folder / "fields.xmf2"));
+  writer.finish(world, "end time reached", 0);
+  auto const log = nlohmann::json::parse(read_file(folder / "run.json"));
+  EXPECT_EQ(log["dumps"], 1);
+  ASSERT_EQ(log["levels"]["cells"].size(), 2U);
+  EXPECT_EQ(log["levels"]["cells"][0]["cell_size"], 0.1);
+  EXPECT_EQ(log["levels"]["cells"][1]["cell_size"], 0.05);
+  double volume = 0.0;
+  for (auto const& level : log["levels"]["cells"])
+    volume += level["cells"].get<double>() * std::pow(level["cell_size"].get<double>(), 3);
+  EXPECT_NEAR(volume, 0.512, 1e-12);
+  EXPECT_EQ(log["levels"]["changes"], 0);
+
+  // A run of one level in its place takes all of it away.
+  observe::Watched uniform(air_box());
+  Writer other(uniform, uniform.gauges, folder, {.earlier = Earlier::replace});
+  EXPECT_FALSE(fs::exists(folder / "fields.hdf.series"));
+  EXPECT_FALSE(fs::exists(folder / "fields/fields_000000.hdf"));
+}
+
+TEST(Writer, DiskCheckOfSeveralLevelsTellsHowItCounts) {
+  if (!grid::Forest::can_refine(3)) GTEST_SKIP() << "built without p4est";
+  observe::Watched world(refined_box());
+  ScratchFolder scratch;
+  try {
+    Writer const writer(world, world.gauges, scratch.path() / "out", {.checkpoint_bytes = 1e18});
+    FAIL() << "a disk of 1e18 bytes";
+  } catch (IoError const& error) {
+    std::string const message = error.what();
+    EXPECT_NE(message.find("with twice the cells of the start"), std::string::npos) << message;
+    EXPECT_NE(message.find("write fewer fields or dumps"), std::string::npos) << message;
+  }
 }
 
 TEST(Writer, LogTellsWhatDoesNotBalance) {
