@@ -128,8 +128,9 @@ std::string levels_text(session::Plan const& p) {
          line("", fmt::format("later, on average, about {}; at most about {} in total",
                               level_counts(p, &LevelPlan::mean, false), large_count(p.cells))) +
          line("",
-              "(estimate: shocks of charges spread freely, are reflected once by each wall of the domain, and keep a "
-              "layer of cells 4 blocks thick)");
+              "(estimate: each charge sends two shocks through the domain, each wall reflects them once, and they keep "
+              "a "
+              "layer of cells 5 blocks thick)");
 }
 
 std::string domain_text(run::Case const& setup, session::Plan const& p) {

@@ -18,10 +18,13 @@ namespace brisance::session {
 
 namespace {
 
-constexpr double most_leaves = 1e6;  ///< that a look at a case makes
-/// Thickness of the layer of blocks of a level that a shock keeps, in edges of its blocks: a front crosses 1.5 of the
-/// next coarser ones on average, and those that it reaches before the next change of blocks are there already.
-constexpr double layer_in_blocks = 4.0;
+constexpr double most_leaves = 3e5;  ///< that a look at a case makes
+/// Thickness of the layer of blocks of a level that a shock keeps, in edges of its blocks: blocks come and go in
+/// families, those that it reaches before the next change are there already, and those behind it stay for two changes.
+/// Read off simulations in 2D.
+constexpr double layer_in_blocks = 5.0;
+/// When the second shock of a charge reaches a place, in times of the first; read off simulations of TNT in air.
+constexpr std::array followers{1.0, 2.5};
 constexpr int samples = 20000;  ///< places at which the arrival of fronts is looked up
 constexpr int intervals = 50;   ///< of the run, for which the fronts' areas are found
 
@@ -54,19 +57,29 @@ std::optional<StartLeaves> leaves_of(run::Case const& setup,
     if (rules.while_bursting) all.least = std::max(all.least, rules.while_bursting(level, cells).least);
     return all;
   };
-  StartLeaves start{{partition.parts, dims, grid::periodic_directions(setup.domain)}, true, {}};
-  for (int level = 1; level <= rules.most_level && start.complete; ++level) {
-    gas::refine_to(start.forest, setup.domain, partition.size, level, bounds);
-    start.complete = static_cast<double>(start.forest.leaves().size()) <= most_leaves || level == rules.most_level;
-  }
-  start.cells.assign(static_cast<std::size_t>(rules.most_level) + 1, 0.0);
-  for (grid::Leaf const& leaf : start.forest.leaves()) {
+  auto const cells_of = [&](grid::Leaf const& leaf) {
     grid::CellRange cells{leaf.place, leaf.place};
     for (int d = 0; d < 3; ++d) {
       cells.lower[d] *= partition.size[d];
       cells.upper[d] = cells.lower[d] + partition.size[d];
     }
-    cells = grid::common(cells, setup.domain_of(leaf.level).all_cells());
+    return grid::common(cells, setup.domain_of(leaf.level).all_cells());
+  };
+  StartLeaves start{{partition.parts, dims, grid::periodic_directions(setup.domain)}, true, {}};
+  for (int level = 0; level < rules.most_level && start.complete; ++level) {  // as `gas::refine_to`
+    std::vector<std::int8_t> marks;
+    double more = 0.0;
+    for (grid::Leaf const& leaf : start.forest.leaves()) {
+      auto const cells = leaf.level == level ? cells_of(leaf) : grid::CellRange{leaf.place, leaf.place};
+      marks.push_back(!cells.empty() && bounds(level, cells).least > level ? 1 : 0);
+      more += marks.back() != 0 ? std::ldexp(1.0, dims) - 1.0 : 0.0;
+    }
+    start.complete = static_cast<double>(marks.size()) + more <= most_leaves;
+    if (start.complete) start.forest.adapt(marks, rules.most_level);
+  }
+  start.cells.assign(static_cast<std::size_t>(rules.most_level) + 1, 0.0);
+  for (grid::Leaf const& leaf : start.forest.leaves()) {
+    grid::CellRange const cells = cells_of(leaf);
     if (cells.empty()) continue;
     int const level = start.complete ? leaf.level : std::max(leaf.level, bounds(leaf.level, cells).least);
     start.cells[static_cast<std::size_t>(level)] +=
@@ -229,9 +242,11 @@ std::array<double, intervals> areas_of_fronts(run::Case const& setup) {
           x[d] = domain.lower[d] + (at - std::floor(at)) * (domain.upper(d) - domain.lower[d]);
         }
         double const r = front.distance(x);
-        double const t = arrivals.at(r);
-        if (r <= 0.0 || t >= setup.end.time) continue;
-        areas[static_cast<std::size_t>(t / interval)] += share / (front.speed(r) * interval);
+        for (double const later : followers) {
+          double const t = later * arrivals.at(r);
+          if (r <= 0.0 || t >= setup.end.time) continue;
+          areas[static_cast<std::size_t>(t / interval)] += later * share / (front.speed(r) * interval);
+        }
       }
     }
   }
@@ -302,7 +317,8 @@ StartLevels start_levels(run::Case const& setup) {
   }
   start.cells = leaves->cells;
   if (!leaves->complete) return start;
-  start.grid.emplace(setup.domain, partition_of(setup).size, setup::start_forest(setup, obstacles));
+  if (setup.adaptive.most_cells > 0.0) (void)setup::start_forest(setup, obstacles);  // says if they do not suffice
+  start.grid.emplace(setup.domain, partition_of(setup).size, leaves->forest);
   require_fitting_obstacles(setup, *start.grid, *obstacles);
   return start;
 }

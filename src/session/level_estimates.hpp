@@ -21,8 +21,9 @@ struct StartLevels {
 /// finer cells than a surface of an obstacle may have.
 [[nodiscard]] StartLevels start_levels(run::Case const& setup);
 
-/// Cells by level. What shocks add later is an estimate: those of charges spread freely, as strong explosions do and
-/// not below the speed of sound, are reflected once by each wall of the domain, and keep a layer of cells.
+/// Cells by level. What shocks add later is an estimate: each charge sends out two, which spread freely, as those of
+/// strong explosions do and not below the speed of sound, are reflected once by each wall of the domain, and keep a
+/// layer of cells.
 [[nodiscard]] std::vector<LevelPlan> plan_levels(run::Case const& setup, StartLevels const& start);
 
 }  // namespace brisance::session

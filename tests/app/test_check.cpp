@@ -11,6 +11,7 @@
 #include "app/gauge_text.hpp"
 #include "app/plan_text.hpp"
 #include "core/error.hpp"
+#include "grid/forest.hpp"
 #include "grid/grid.hpp"
 
 namespace brisance::app {
@@ -62,6 +63,28 @@ TEST(Plan, MemoryGrowsWithCellsTimesValues) {
   EXPECT_EQ(dump - (after.dump_bytes - before.dump_bytes), 2 * 4e6);
   // 8 components, 3 peak values and the last dump per cell, and the ghost layers of a thousand blocks.
   EXPECT_NEAR(after.memory_bytes - before.memory_bytes, 8.0 * 11e6 + dump, 2e6);
+}
+
+TEST(Plan, TellsTheCellsOfEachLevel) {
+  if (!grid::Forest::can_refine(2)) GTEST_SKIP() << "built without p4est";
+  auto const result = deck::read_text(
+      "[domain]\ngeometry = \"planar2d\"\nsize = [2.048, 2.048]\ncell = \"64 mm\"\n[end]\ntime = \"1 ms\"\n"
+      "[[charge]]\nradius = 0.1\nposition = [1, 1]\n[adaptive]\nfinest = \"32 mm\"\n",
+      "d");
+  ASSERT_TRUE(result.case_);
+  Plan const p = plan(*result.case_);
+  std::string const text = plan_text(*result.case_, p);
+  // The charge is in the middle of four blocks of 16 x 16 cells, and of the domain.
+  EXPECT_NE(text.find("cells        level 0: 0 of 64 mm, level 1: 4096 of 32 mm (at the start, in 16 blocks)\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("of the coarsest cells, each finer level twice as many"), std::string::npos) << text;
+  nlohmann::json const json = plan_json(*result.case_, p);
+  ASSERT_EQ(json["levels"].size(), 2U);
+  EXPECT_EQ(json["levels"][1]["cells_at_start"], 4096.0);
+  EXPECT_EQ(json["levels"][1]["cell_size"], 0.032);
+  EXPECT_TRUE(
+      plan_json(small_case("[end]\ntime = 1e-3\n"), plan(small_case("[end]\ntime = 1e-3\n")))["levels"].empty());
 }
 
 TEST(Plan, EstimatesTheStepsWithinAFactorOfTwo) {

@@ -112,16 +112,44 @@ TEST_F(PlanLevels, AFrontIsAsLongAsItsCircle) {
       0.5 * std::sqrt(setup.charges[0].mass * explosive.specific_energy() / setup.ambient.state.density);
   double const D = explosive.detonation_speed;
   double const slow = half / D;  // radius at which it becomes slower than the detonation
-  double const r = std::sqrt(slow * slow + 2.0 * half * (setup.end.time - slow / D));
+  auto const radius_at = [&](double t) {
+    return t < slow / D ? D * t : std::sqrt(slow * slow + 2.0 * half * (t - slow / D));
+  };
+  double const r = radius_at(setup.end.time);
   ASSERT_GT(r, slow);
   ASSERT_LT(r, 1.9);
+  double const lengths = 2.0 * std::numbers::pi * (r + radius_at(setup.end.time / 2.5));
   double const square = 0.1;  // that is looked at in the place of the charge
   Plan const p = plan(setup);
   double const domain = 4.096 * 4.096;
   double const fraction = p.levels[3].most * 0.008 * 0.008 / domain;
-  double const length = -std::log(1.0 - fraction) * domain / (4.0 * 16.0 * 0.008);
+  double const length = -std::log(1.0 - fraction) * domain / (5.0 * 16.0 * 0.008);
   // In the last of 50 intervals; 20000 places of which the interval has a few hundred.
-  EXPECT_NEAR(length / (2.0 * std::numbers::pi * r + 8.0 * square), 1.0, 0.05);
+  EXPECT_NEAR(length / (lengths + 2.0 * 8.0 * square), 1.0, 0.05);
+}
+
+// Against simulations: cells on average and at most. All shocks have left the domain at the end of the second one.
+TEST_F(PlanLevels, EstimatesTheCellsWithinAFactorOfTwo) {
+  for (auto const* radius : {"0.03", "0.1"}) {
+    run::Case setup = case_of(std::string("[[charge]]\nradius = ") + radius +
+                              "\nposition = [2, 2]\n[adaptive]\nfinest = \"16 mm\"\n");
+    setup.end.time = 1.5e-3;
+    Plan const p = plan(setup);
+    observe::Watched world{run::Case(setup)};
+    double mean = 0.0;
+    double most = 0.0;
+    while (!world.finished()) {
+      double cells = 0.0;
+      for (grid::Block const& block : world.grid.blocks())
+        cells += block.covered ? 0.0 : static_cast<double>(block.in_domain().count());
+      run::advance(world, setup.end.time);
+      mean += cells * world.clock.dt / setup.end.time;
+      most = std::max(most, cells);
+    }
+    double const expected = sum(p, &LevelPlan::mean);
+    EXPECT_LT(std::abs(std::log2(expected / mean)), 1.0) << expected << " and " << mean;
+    EXPECT_LT(std::abs(std::log2(p.cells / most)), 1.0) << p.cells << " and " << most;
+  }
 }
 
 TEST_F(PlanLevels, TooFewCellsAllowedIsAnError) {
