@@ -78,8 +78,8 @@ class CellStates {
   [[nodiscard]] Vec3 velocity(int index, TimeWeights const& weights) const;
 
   int level_;
-  std::vector<Index3> cells_;       ///< the given ones and their neighbours
-  std::vector<grid::Cell> places_;  ///< where they lie
+  std::vector<Index3> cells_;                         ///< the given ones and their neighbours
+  std::vector<grid::Cell> places_;                    ///< where they lie
   std::vector<std::array<Neighbour, 6>> neighbours_;  ///< of the nth cell
   int dims_;
   int levels_ = 0;                              ///< how many of the three times have been read

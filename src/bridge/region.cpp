@@ -42,6 +42,16 @@ void check_box(grid::Domain const& domain, CellBox const& box) {
 
 int Region::layer(Index3 const& cell) const { return space_.contains(cell) ? layers_[at(cell)] : 0; }
 
+grid::Cell Region::locate(grid::Grid const& grid, Index3 const& cell) const {
+  auto const found = grid.locate(level_, cell);
+  if (found && !grid.block(*found).covered) return *found;
+  Vec3 const x = domain_.centre(cell);
+  throw InputError(
+      fmt::format("the gas at the MPM region near ({:.6g}, {:.6g}, {:.6g}) m has other cells than those of {:.6g} m of "
+                  "the region: give mpm_region.cell the size of the finest cells nearby, or move the refinement away",
+                  x[0], x[1], x[2], domain_.smallest_cell()));
+}
+
 gas::Role Region::role(Index3 const& cell) const {
   int const l = layer(cell);
   if (l == 0) return gas::Role::own;
@@ -54,11 +64,11 @@ Index3 Region::clamped(Index3 cell) const {
 }
 
 Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int proxy_layers, int level)
-    : domain_(domain), level_(level), width_(width) {
-  if (boxes.empty()) throw InputError("an MPM region needs at least one box");
+    : domain_(domain), boxes_(std::move(boxes)), level_(level), width_(width) {
+  if (boxes_.empty()) throw InputError("an MPM region needs at least one box");
   if (width < 1) throw InputError("the bridge must be at least 1 cell wide");
-  CellBox hull = boxes.front();
-  for (CellBox const& box : boxes) {
+  CellBox hull = boxes_.front();
+  for (CellBox const& box : boxes_) {
     check_box(domain, box);
     for (int d = 0; d < domain.dimensions(); ++d) {
       hull.lower[d] = std::min(hull.lower[d], box.lower[d]);
@@ -66,7 +76,7 @@ Region::Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width
     }
   }
   frame(hull, proxy_layers);
-  find_layers(boxes);
+  find_layers(boxes_);
   int const deepest = list_cells();
   if (std::any_of(faces_.begin(), faces_.end(), [](Face const& f) { return !f.open; }) && deepest < width + 3) {
     throw InputError(

@@ -45,12 +45,11 @@ class Region {
   Region(grid::Domain const& domain, std::vector<CellBox> boxes, int width, int proxy_layers, int level = 0);
 
   [[nodiscard]] grid::Domain const& domain() const { return domain_; }
+  [[nodiscard]] std::vector<CellBox> const& boxes() const { return boxes_; }
   /// Of its cells and those beside it.
   [[nodiscard]] int level() const { return level_; }
-  /// One of them among those of the gas.
-  [[nodiscard]] grid::Cell locate(grid::Grid const& grid, Index3 const& cell) const {
-    return grid.locate(level_, cell).value();
-  }
+  /// One of them among those of the gas. Throws InputError where the gas has cells of another level there.
+  [[nodiscard]] grid::Cell locate(grid::Grid const& grid, Index3 const& cell) const;
   /// Of its cells, which are all of one size, by their index in the domain.
   [[nodiscard]] grid::Metric const& metric() const { return domain_; }
   [[nodiscard]] int width() const { return width_; }
@@ -91,6 +90,7 @@ class Region {
   void list_proxy_cells(int proxy_layers);
 
   grid::Domain domain_;
+  std::vector<CellBox> boxes_;
   int level_;
   int width_;
   CellBox space_;  ///< what `layers_` covers; it may reach beyond the domain

@@ -216,15 +216,15 @@ struct Refine {
 
 /// Cells of several sizes. Those of level l are 1/2^l as large as `domain.h`, which is the size of level 0.
 struct Adaptive {
-  int finest = 0;                ///< finest level of the gas; 0: all cells are of one size
-  int shocks = 0;                ///< to which shocks are followed
-  int charges = 0;               ///< of charges, until they have burst
-  int obstacles = 0;             ///< of the surfaces of obstacles that do not fit larger cells
-  std::optional<int> gauges;     ///< around gauges; absent: they ask for nothing
-  std::optional<int> products;   ///< of the surface of the products; absent: it asks for nothing
-  std::vector<Refine> parts;     ///< [[refine]]
-  double threshold = 0.3;        ///< of the norm of [Lohner87] from which on a shock asks, 0 to 1
-  double most_cells = 0.0;       ///< of the whole domain; 0: no limit
+  int finest = 0;               ///< finest level of the gas; 0: all cells are of one size
+  int shocks = 0;               ///< to which shocks are followed
+  int charges = 0;              ///< of charges, until they have burst
+  int obstacles = 0;            ///< of the surfaces of obstacles that do not fit larger cells
+  std::optional<int> gauges;    ///< around gauges; absent: they ask for nothing
+  std::optional<int> products;  ///< of the surface of the products; absent: it asks for nothing
+  std::vector<Refine> parts;    ///< [[refine]]
+  double threshold = 0.3;       ///< of the norm of [Lohner87] from which on a shock asks, 0 to 1
+  double most_cells = 0.0;      ///< of the whole domain; 0: no limit
 
   [[nodiscard]] bool any() const { return finest > 0; }
 };

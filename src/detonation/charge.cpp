@@ -55,15 +55,13 @@ grid::CellRange cells_of(shape::Shape const& shape, grid::Grid const& grid, int 
 void require_cell(grid::Grid const& grid, int level, Index3 const& cell, std::string const& what) {
   int const block = grid.block_of(level, cell);
   if (block != grid::no_neighbour && !grid.blocks()[block].covered) return;
-  throw InputError(fmt::format("{} lies in cells of different sizes; refine all of it alike, with some cells around it",
-                               what));
+  throw InputError(
+      fmt::format("{} lies in cells of different sizes; refine all of it alike, with some cells around it", what));
 }
 
 }  // namespace
 
-int level_of(shape::Shape const& shape, grid::Grid const& grid) {
-  return grid.block(grid.locate(centre(shape))).level;
-}
+int level_of(shape::Shape const& shape, grid::Grid const& grid) { return grid.block(grid.locate(centre(shape))).level; }
 
 FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume, std::string const& what,
                        std::function<double(Index3 const&)> const& open, int level) {

@@ -36,8 +36,8 @@ struct FilledCells {
 /// Solid cells, of which nothing is open, take nothing of the charge; those beside them take more. Throws InputError
 /// where there is no room, or where cells of other levels are in the way.
 [[nodiscard]] FilledCells fill_cells(shape::Shape const& shape, grid::Grid const& grid, double volume,
-                                     std::string const& what, std::function<double(Index3 const&)> const& open = nullptr,
-                                     int level = 0);
+                                     std::string const& what,
+                                     std::function<double(Index3 const&)> const& open = nullptr, int level = 0);
 
 /// The level of the cells at the centre of a shape, where a charge lies.
 [[nodiscard]] int level_of(shape::Shape const& shape, grid::Grid const& grid);

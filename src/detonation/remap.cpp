@@ -336,7 +336,8 @@ RemapReport remap(gas::Gas& gas, Profile const& profile, Placing const& placing)
   bool const axial = profile.domain.geometry == Geometry::axisymmetric2d;
   auto const fill_radial = [&] {
     // Shells far thinner than a cell cost time and move nothing.
-    int const together = static_cast<int>(gas.grid().smallest_cell() / (shells_per_cell * profile.domain.smallest_cell()));
+    int const together =
+        static_cast<int>(gas.grid().smallest_cell() / (shells_per_cell * profile.domain.smallest_cell()));
     Profile const shells = merged(profile, std::max(1, together));
     return fill(gas, shells, placing.centre, [&] { return RadialSource(shells, domain.geometry); });
   };

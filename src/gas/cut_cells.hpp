@@ -98,8 +98,6 @@ class CutCells {
   /// That of all of them.
   [[nodiscard]] int level() const { return level_; }
   [[nodiscard]] std::vector<CutCell> const& cells() const { return cells_; }
-  /// The cut cell at a place; null: it is whole, or solid.
-  [[nodiscard]] CutCell const* find(grid::Cell const& cell) const;
   /// The node at a place; -1: none.
   [[nodiscard]] int node_at(grid::Cell const& cell) const;
   /// What obstacles leave of a cell's volume [m3]; of one that is solid as a whole all of it, for it holds gas too.
@@ -158,6 +156,8 @@ class CutCells {
   /// The open area of a cell's face, and its open volume.
   [[nodiscard]] double open_area(Index3 const& cell, int face) const;
   [[nodiscard]] double open_volume(Index3 const& cell) const;
+  /// The cut cell at a place; null: it is whole, or solid.
+  [[nodiscard]] CutCell const* find(grid::Cell const& cell) const;
   [[nodiscard]] CutCell const* find(Index3 const& cell) const;
   void make_nodes(std::vector<Group> const& groups);
   void make_mergers(std::vector<Group> const& groups);

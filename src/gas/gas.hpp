@@ -183,8 +183,8 @@ class Gas {
   /// A step of a level from a time on, and those of the finer ones in it.
   void advance_level(int level, double time, double dt, bool reverse, Companion const& companion);
   void sweep_level(int level, int direction, double dt, bool last);
-  /// Steps that the finer level needs in what is left of a step of a level, 2 in the whole: more where waves have become
-  /// much faster since the step was chosen.
+  /// Steps that the finer level needs in what is left of a step of a level, 2 in the whole: more where waves have
+  /// become much faster since the step was chosen.
   [[nodiscard]] double fine_steps(int level, double left) const;
   /// What the finer level has found becomes the coarser one's.
   void take_from_finer(int level);

@@ -45,10 +45,7 @@ Levels::Strip Levels::strip_at(Contact const& contact, IsSolid const& is_solid) 
   };
   if (grid::common(strip.box, domain.all_cells()).count() == strip.box.count()) {
     grid_->for_each_block_in(level, strip.box, [&](grid::Block const& block, grid::CellRange const& cells) {
-      for_each_cell(cells, [&](Index3 const& index) {
-        take(strip.box.offset(index),
-             block.cell(index[0] - block.origin[0], index[1] - block.origin[1], index[2] - block.origin[2]));
-      });
+      for_each_cell(cells, [&](Index3 const& index) { take(strip.box.offset(index), block.cell_with(index)); });
     });
   } else {
     for_each_cell(strip.box, [&](Index3 const& cell) {
@@ -284,21 +281,19 @@ bool Levels::restrict(grid::Fields& fields, grid::Block const& coarse, grid::Blo
   bool quiet = true;
   for (int c = 0; c < components_; ++c) {
     double const* const from = fields.at(fine.number, c);
-    for (int k = cells.lower[2]; k < cells.upper[2]; ++k) {
-      for (int j = cells.lower[1]; j < cells.upper[1]; ++j) {
-        Index3 const row{cells.lower[0], j, k};
-        double* const to = fields.at(coarse.number, c) + coarse.in_domain().offset(row);
-        Index3 const corner = grid::fine_cells(row, dims).lower;
-        double const* const fine_row = from + fine.in_domain().offset(corner) - first.offset[0];
-        for (int i = 0; i < cells.n(0); ++i) {
-          // Rings have shares of their own.
-          double const mean = radial ? grid::parts_of(*grid_, coarse.level, {cells.lower[0] + i, j, k}).mean(from)
-                                     : first.mean(fine_row + std::ptrdiff_t{2} * i);
-          to[i] = mean;
-          quiet = quiet && mean == quiet_[c];
-        }
+    for_each_row(cells, [&](Index3 const& row) {
+      double* const to = fields.at(coarse.number, c) + coarse.in_domain().offset(row);
+      Index3 const corner = grid::fine_cells(row, dims).lower;
+      double const* const fine_row = from + fine.in_domain().offset(corner) - first.offset[0];
+      Index3 cell = row;
+      for (int i = 0; i < cells.n(0); ++i, ++cell[0]) {
+        // Rings have shares of their own.
+        double const mean = radial ? grid::parts_of(*grid_, coarse.level, cell).mean(from)
+                                   : first.mean(fine_row + std::ptrdiff_t{2} * i);
+        to[i] = mean;
+        quiet = quiet && mean == quiet_[c];
       }
-    }
+    });
   }
   return !quiet;
 }

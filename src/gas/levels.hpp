@@ -75,10 +75,10 @@ class Levels {
   };
   /// A fine block's face behind which cells are coarser.
   struct Contact {
-    int fine = 0;          ///< block
-    int face = 0;          ///< of the fine block
-    int coarse = 0;        ///< block
-    grid::CellRange core;  ///< the coarse cells beside the face, by their index in the domain
+    int fine = 0;                      ///< block
+    int face = 0;                      ///< of the fine block
+    int coarse = 0;                    ///< block
+    grid::CellRange core;              ///< the coarse cells beside the face, by their index in the domain
     std::vector<std::uint8_t> closed;  ///< of the core: nothing goes through the face; empty: through all of it
   };
   struct Strip {

@@ -27,8 +27,7 @@ void place_obstacles(Gas& gas, shape::CutGeometry const& geometry, Primitive con
 
 double open_part(Gas const& gas, grid::Cell const& cell) {
   if (gas.obstacles.contain(cell)) return 0.0;
-  CutCell const* const cut = gas.cut.find(cell);
-  return cut == nullptr ? 1.0 : cut->volume / gas.grid().block(cell).volume(cell);
+  return gas.cut.volume(cell) / gas.grid().block(cell).volume(cell);
 }
 
 }  // namespace brisance::gas

@@ -15,7 +15,8 @@ namespace brisance::gas {
 
 namespace {
 
-/// Pressure and velocity of a block's cells and of one layer beyond each face, as far as blocks of the same level reach.
+/// Pressure and velocity of a block's cells and of one layer beyond each face, as far as blocks of the same level
+/// reach.
 class Surroundings {
  public:
   Surroundings(Gas const& gas, grid::Block const& block)
@@ -50,18 +51,17 @@ class Surroundings {
   /// Takes cells of a block, each to the place of its index moved by some cells.
   void take(int block, grid::CellRange const& cells, Index3 const& move) {
     grid::Block const& from = gas_->grid().blocks()[block];
-    for (int k = cells.lower[2]; k < cells.upper[2]; ++k) {
-      for (int j = cells.lower[1]; j < cells.upper[1]; ++j) {
-        std::size_t const to = box_.offset({cells.lower[0] + move[0], j + move[1], k + move[2]});
-        take_row(block, from.offset(cells.lower[0], j, k), cells.n(0), to);
-      }
-    }
+    for_each_row(cells, [&](Index3 const& first) {
+      std::size_t const to = box_.offset({first[0] + move[0], first[1] + move[1], first[2] + move[2]});
+      take_row(block, from.cell(first).offset, cells.n(0), to);
+    });
   }
   void take_row(int block, int at, int count, std::size_t to) {
     material::Fluids const& fluids = gas_->fluids();
     grid::Fields const& fields = gas_->fields();
     bool pure = true;
-    for (int k = 1; k < fluids.count && pure; ++k) pure = all_equal(fields.at(block, volume_fraction(k)) + at, count, 0.0);
+    for (int k = 1; k < fluids.count && pure; ++k)
+      pure = all_equal(fields.at(block, volume_fraction(k)) + at, count, 0.0);
     auto const* const ideal = std::get_if<material::IdealGas>(&fluids.ambient());
     if (!pure || ideal == nullptr) {
       for (int n = 0; n < count; ++n) take_mixture(block, at + n, to + n);
@@ -105,17 +105,23 @@ struct Reach {
   }
 };
 
+/// How a cell asks: that it does, and towards which faces what asks moves.
+constexpr std::uint8_t asking_bit = 1;
+constexpr std::uint8_t towards(int face) { return static_cast<std::uint8_t>(2U << static_cast<unsigned>(face)); }
+constexpr std::uint8_t everywhere = 0x7f;
+
 Reach reach_of(grid::Block const& block, std::vector<std::uint8_t> const& asks, int buffer) {
   Reach reach;
   int const dims = block.metric.dimensions();
   for_each_cell(block, [&](grid::Cell const& cell) {
-    if (asks[cell.offset] == 0) return;
+    std::uint8_t const how = asks[cell.offset];
+    if (how == 0) return;
     Index3 least{0, 0, 0};
     Index3 most{0, 0, 0};
     Index3 const within = cell.within();
     for (int d = 0; d < dims; ++d) {
-      if (within[d] < buffer) least[d] = -1;
-      if (within[d] >= block.n[d] - buffer) most[d] = 1;
+      if (within[d] < buffer && (how & towards(2 * d)) != 0) least[d] = -1;
+      if (within[d] >= block.n[d] - buffer && (how & towards(2 * d + 1)) != 0) most[d] = 1;
     }
     for_each_cell(grid::CellRange{least, {most[0] + 1, most[1] + 1, most[2] + 1}},
                   [&](Index3 const& offset) { reach.around[Reach::number(offset)] = true; });
@@ -130,33 +136,49 @@ namespace {
 /// Sums over the directions that the norm is made of, cell by cell.
 struct NormSums {
   std::vector<double> above, below, divergence;
-  explicit NormSums(int cells) : above(cells, 0.0), below(cells, 0.0), divergence(cells, 0.0) {}
+  std::array<std::vector<double>, 3> rise;  ///< of the pressure along a direction, over two cells [Pa]
+  explicit NormSums(int cells) : above(cells, 0.0), below(cells, 0.0), divergence(cells, 0.0) {
+    for (auto& along : rise) along.assign(cells, 0.0);
+  }
 
   void add(Surroundings const& around, grid::Block const& block, int d, double filter) {
     grid::CellRange cells = block.interior();
     if (!around.known(2 * d)) ++cells.lower[d];
     if (!around.known(2 * d + 1)) --cells.upper[d];
     std::ptrdiff_t const step = around.box().stride(d);
-    for (int k = cells.lower[2]; k < cells.upper[2]; ++k) {
-      for (int j = cells.lower[1]; j < cells.upper[1]; ++j) {
-        std::size_t const from = around.box().offset({cells.lower[0], j, k});
-        double const* const p = around.pressure() + from;
-        double const* const u = around.velocity(d) + from;
-        int const to = block.offset(cells.lower[0], j, k);
-        double* const a = above.data() + to;
-        double* const b = below.data() + to;
-        double* const div = divergence.data() + to;
-        BRISANCE_VECTOR_LOOP
-        for (int i = 0; i < cells.n(0); ++i) {
-          double const second = p[i + step] - 2.0 * p[i] + p[i - step];
-          double const first = std::abs(p[i + step] - p[i]) + std::abs(p[i] - p[i - step]) +
-                               filter * std::abs(p[i + step] + 2.0 * p[i] + p[i - step]);
-          a[i] += second * second;
-          b[i] += first * first;
-          div[i] += u[i + step] - u[i - step];
-        }
+    for_each_row(cells, [&](Index3 const& first) {
+      std::size_t const from = around.box().offset(first);
+      double const* const p = around.pressure() + from;
+      double const* const u = around.velocity(d) + from;
+      int const to = block.cell(first).offset;
+      double* const a = above.data() + to;
+      double* const b = below.data() + to;
+      double* const div = divergence.data() + to;
+      double* const along = rise[d].data() + to;
+      BRISANCE_VECTOR_LOOP
+      for (int i = 0; i < cells.n(0); ++i) {
+        double const second = p[i + step] - 2.0 * p[i] + p[i - step];
+        double const difference = std::abs(p[i + step] - p[i]) + std::abs(p[i] - p[i - step]) +
+                                  filter * std::abs(p[i + step] + 2.0 * p[i] + p[i - step]);
+        a[i] += second * second;
+        b[i] += difference * difference;
+        div[i] += u[i + step] - u[i - step];
+        along[i] = p[i + step] - p[i - step];
       }
+    });
+  }
+
+  /// A shock moves to where the pressure is lower.
+  [[nodiscard]] std::uint8_t way_of(int cell) const {
+    double largest = 0.0;
+    for (auto const& along : rise) largest = std::max(largest, std::abs(along[cell]));
+    constexpr double a_good_part = 0.25;
+    std::uint8_t how = asking_bit;
+    for (int d = 0; d < 3; ++d) {
+      double const here = rise[d][cell];
+      if (std::abs(here) >= a_good_part * largest) how |= towards(2 * d + (here < 0.0 ? 1 : 0));
     }
+    return how;
   }
 };
 
@@ -176,7 +198,7 @@ double shock_norm(Gas const& gas, grid::Block const& block, RefinementRules cons
     if (sums.divergence[n] > 0.0 || !(sums.below[n] > 0.0)) continue;
     double const square = sums.above[n] / sums.below[n];
     largest = std::max(largest, square);
-    asks[n] = square >= threshold ? 1 : 0;
+    if (square >= threshold) asks[n] = sums.way_of(n);
   }
   return std::sqrt(largest);
 }
@@ -204,7 +226,7 @@ double mark_products_surface(Gas const& gas, grid::Block const& block, std::vect
       grid::Cell const next = block.cell(grid::beside(cell.within(), d, 1));
       double const difference = std::abs(alpha[next.offset] - alpha[cell.offset]);
       if (difference < step) continue;
-      asks[cell.offset] = asks[next.offset] = 1;
+      asks[cell.offset] = asks[next.offset] = everywhere;
       largest = std::max(largest, difference);
     }
   });
@@ -219,48 +241,83 @@ void refine_to(grid::Forest& forest, grid::Domain const& domain, Index3 const& s
     grid::Domain const fine = domain.refined(level);
     std::vector<std::int8_t> marks;
     for (grid::Leaf const& leaf : forest.leaves()) {
-      grid::CellRange const cells = leaf.level == level ? cells_of(leaf, fine, size) : grid::CellRange{{0, 0, 0}, {0, 0, 0}};
+      grid::CellRange const cells =
+          leaf.level == level ? cells_of(leaf, fine, size) : grid::CellRange{{0, 0, 0}, {0, 0, 0}};
       marks.push_back(!cells.empty() && bounds(level, cells).least > level ? 1 : 0);
     }
     forest.adapt(marks, most_level);
   }
 }
 
+namespace {
+
+/// The block of a leaf; `no_neighbour`: it lies outside the domain.
+int block_of(grid::Grid const& grid, grid::Leaf const& leaf) {
+  grid::Domain const& domain = grid.domain(leaf.level);
+  grid::CellRange const cells = cells_of(leaf, domain, grid.block_size());
+  return cells.empty() ? grid::no_neighbour : grid.block_of(leaf.level, cells.lower);
+}
+
+/// What cells of a leaf ask for: a level, how strongly, and in which blocks around.
+struct Asking {
+  int level = 0;
+  double norm = 0.0;
+  Reach reach;
+};
+
+/// Shocks in the block of a leaf, and the surface of the products.
+std::array<Asking, 2> asking_of(Gas const& gas, grid::Block const& block, RefinementRules const& rules) {
+  std::array<Asking, 2> asking;
+  std::vector<std::uint8_t> asks;
+  double const norm = shock_norm(gas, block, rules, asks);
+  if (norm >= rules.threshold) asking[0] = {rules.shock_level, norm, reach_of(block, asks, rules.buffer)};
+  if (rules.products_level < 0 || !gas.fluids().mixed()) return asking;
+  asks.assign(asks.size(), 0);
+  double const difference = mark_products_surface(gas, block, asks);
+  if (difference > 0.0) asking[1] = {rules.products_level, difference, reach_of(block, asks, rules.buffer)};
+  return asking;
+}
+
+/// Calls ask(number of a leaf, level) for the leaves around one that its cells ask for.
+template <class Ask>
+void for_each_asked(grid::Forest const& forest, grid::Leaf const& leaf, Asking const& asking, Ask const& ask) {
+  int const level = std::min(leaf.level + 1, asking.level);
+  for (int at = 0; at < 27; ++at) {
+    if (!asking.reach.around[at]) continue;
+    std::optional<grid::Leaf> next = leaf;
+    std::array<int, 3> const offset{at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1};
+    for (int d = 0; d < 3 && next; ++d) {
+      if (offset[d] != 0) next = forest.across(*next, 2 * d + (offset[d] > 0 ? 1 : 0));
+    }
+    if (!next) continue;
+    if (int const holder = forest.holding(*next); holder >= 0) {
+      ask(holder, level);
+      continue;
+    }
+    // There are finer ones: those stay.
+    for_each_cell(grid::fine_cells(next->place, forest.dimensions()), [&](Index3 const& place) {
+      int const finer = forest.find({next->level + 1, place});
+      if (finer >= 0) ask(finer, level);
+    });
+  }
+}
+
+}  // namespace
+
 std::vector<Refinement::Need> Refinement::needs(Gas const& gas, grid::Forest const& forest) const {
   grid::Grid const& grid = gas.grid();
   std::vector<grid::Leaf> const& leaves = forest.leaves();
   auto const count = static_cast<int>(leaves.size());
-  auto const block_of = [&](int n) {
-    Index3 cell = leaves[n].place;
-    for (int d = 0; d < 3; ++d) cell[d] *= grid.block_size()[d];
-    return grid.domain(leaves[n].level).contains(cell) ? grid.block_of(leaves[n].level, cell) : grid::no_neighbour;
-  };
-  /// What asks: a level, how strongly, and in which blocks around.
-  struct Asking {
-    int level = 0;
-    double norm = 0.0;
-    Reach reach;
-  };
   std::vector<std::array<Asking, 2>> asking(leaves.size());
-  bool const follow_products = rules_.products_level >= 0 && gas.fluids().mixed();
   parallel_for(count, [&](int n, int) {
-    int const b = block_of(n);
-    if (b == grid::no_neighbour || !gas.awake(b)) return;
-    grid::Block const& block = grid.blocks()[b];
-    std::vector<std::uint8_t> asks;
-    double const norm = shock_norm(gas, block, rules_, asks);
-    if (norm >= rules_.threshold) asking[n][0] = {rules_.shock_level, norm, reach_of(block, asks, rules_.buffer)};
-    if (!follow_products) return;
-    asks.assign(asks.size(), 0);
-    double const difference = mark_products_surface(gas, block, asks);
-    if (difference > 0.0) asking[n][1] = {rules_.products_level, difference, reach_of(block, asks, rules_.buffer)};
+    int const b = block_of(grid, leaves[n]);
+    if (b != grid::no_neighbour && gas.awake(b)) asking[n] = asking_of(gas, grid.blocks()[b], rules_);
   });
   bool const bursting = rules_.while_bursting && (gas.burn.bursting() || std::isfinite(gas.burn.next_burst()));
   std::vector<Need> needs(leaves.size());
   for (int n = 0; n < count; ++n) {
-    int const b = block_of(n);
-    if (b == grid::no_neighbour) continue;
-    grid::CellRange const cells = grid.blocks()[b].in_domain();
+    grid::CellRange const cells = cells_of(leaves[n], grid.domain(leaves[n].level), grid.block_size());
+    if (cells.empty()) continue;
     auto const take = [&](RefinementRules::Bounds const& bounds) {
       LevelBounds const found = bounds(leaves[n].level, cells);
       needs[n].least = std::max(needs[n].least, found.least);
@@ -270,32 +327,12 @@ std::vector<Refinement::Need> Refinement::needs(Gas const& gas, grid::Forest con
     if (bursting) take(rules_.while_bursting);
     needs[n].level = needs[n].least;
   }
-  auto const ask = [&](int n, int level, double norm) {
-    needs[n].level = std::max(needs[n].level, std::min(level, needs[n].most));
-    needs[n].norm = std::max(needs[n].norm, norm);
-  };
   for (int n = 0; n < count; ++n) {
-    for (Asking const& a : asking[n]) {
-      for (int at = 0; at < 27; ++at) {
-        if (!a.reach.around[at]) continue;
-        std::optional<grid::Leaf> next = leaves[n];
-        std::array<int, 3> const offset{at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1};
-        for (int d = 0; d < 3 && next; ++d) {
-          if (offset[d] != 0) next = forest.across(*next, 2 * d + (offset[d] > 0 ? 1 : 0));
-        }
-        if (!next) continue;
-        int const level = std::min(leaves[n].level + 1, a.level);
-        int const holder = forest.holding(*next);
-        if (holder >= 0) {
-          ask(holder, level, a.norm);
-          continue;
-        }
-        // There are finer ones: those stay.
-        for_each_cell(grid::fine_cells(next->place, grid.domain().dimensions()), [&](Index3 const& place) {
-          int const finer = forest.find({next->level + 1, place});
-          if (finer >= 0) ask(finer, level, a.norm);
-        });
-      }
+    for (Asking const& of : asking[n]) {
+      for_each_asked(forest, leaves[n], of, [&](int asked, int level) {
+        needs[asked].level = std::max(needs[asked].level, std::min(level, needs[asked].most));
+        needs[asked].norm = std::max(needs[asked].norm, of.norm);
+      });
     }
   }
   return needs;

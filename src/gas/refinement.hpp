@@ -41,8 +41,8 @@ struct RefinementRules {
   int buffer = 4;
   /// Changes of blocks that a block must have been without need before it is merged.
   int patience = 2;
-  Bounds bounds;             ///< null: no part of the domain asks
-  Bounds while_bursting;     ///< the same until all charges have burst
+  Bounds bounds;            ///< null: no part of the domain asks
+  Bounds while_bursting;    ///< the same until all charges have burst
   double most_cells = 0.0;  ///< of all leaves; 0: no limit. What shocks ask for gives way, the weakest first
 };
 
@@ -50,7 +50,8 @@ struct RefinementRules {
 void refine_to(grid::Forest& forest, grid::Domain const& domain, Index3 const& size, int most_level,
                RefinementRules::Bounds const& bounds);
 
-/// Largest norm in a block's cells, and in which of them it reaches the threshold.
+/// Largest norm in a block's cells, and in which of them it reaches the threshold: 0 where it does not, else some bits
+/// that tell which way the shock moves.
 [[nodiscard]] double shock_norm(Gas const& gas, grid::Block const& block, RefinementRules const& rules,
                                 std::vector<std::uint8_t>& asks);
 

@@ -65,9 +65,7 @@ void Gas::refine_into(grid::Block const& block, Contents& contents) const {
   grid::Domain const& domain = grid_->domain(level);
   if (grid::common(patch.box(), domain.all_cells()).count() == patch.box().count()) {
     grid_->for_each_block_in(level, patch.box(), [&](grid::Block const& from, grid::CellRange const& cells) {
-      for_each_cell(cells, [&](Index3 const& index) {
-        take(index, from.cell(index[0] - from.origin[0], index[1] - from.origin[1], index[2] - from.origin[2]));
-      });
+      for_each_cell(cells, [&](Index3 const& index) { take(index, from.cell_with(index)); });
     });
   } else {
     for_each_cell(patch.box(), [&](Index3 const& index) {
@@ -162,7 +160,8 @@ void Gas::find_levels() {
       tallies_.resize(std::max(tallies_.size(), last.tally + last.chain->size()));
     }
   }
-  for (int level = grid_->levels() - 2; level >= 0; --level) levels_.restrict(fields_, grid::AwakeBlocks(*grid_, 1), level, [](int) {});
+  for (int level = grid_->levels() - 2; level >= 0; --level)
+    levels_.restrict(fields_, grid::AwakeBlocks(*grid_, 1), level, [](int) {});
 }
 
 }  // namespace brisance::gas

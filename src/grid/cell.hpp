@@ -91,6 +91,15 @@ void for_each_cell(CellRange const& box, Visit&& visit) {
   }
 }
 
+/// Calls visit(index) for the first cell of every row of a box; n(0) cells of it follow each other.
+template <class Visit>
+void for_each_row(CellRange const& box, Visit&& visit) {
+  if (box.empty()) return;
+  for (int k = box.lower[2]; k < box.upper[2]; ++k) {
+    for (int j = box.lower[1]; j < box.upper[1]; ++j) visit(Index3{box.lower[0], j, k});
+  }
+}
+
 /// Is there a cell in the box of which test(index) is true?
 template <class Test>
 [[nodiscard]] bool any_cell(CellRange const& box, Test&& test) {

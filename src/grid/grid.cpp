@@ -153,9 +153,10 @@ Partition refinable_partition_of(Domain const& domain, int block_cells) {
     };
     auto const found = std::find_if(candidates.begin(), candidates.end(), fits);
     if (found == candidates.end()) {
-      throw InputError(fmt::format("the domain has {} cells along {}, which cannot be divided into blocks that can be "
-                                   "refined: use an even number of at least 4",
-                                   n, "xyz"[d]));
+      throw InputError(
+          fmt::format("the domain has {} cells along {}, which cannot be divided into blocks that can be "
+                      "refined: use an even number of at least 4",
+                      n, "xyz"[d]));
     }
     p.size[d] = block_cells > 0 && fits(block_cells) ? block_cells : *found;
     p.parts[d] = (n + p.size[d] - 1) / p.size[d];

@@ -71,6 +71,10 @@ struct Block {
     return {origin[0] + within[0], origin[1] + within[1], origin[2] + within[2]};
   }
   [[nodiscard]] Index3 index(Cell const& cell) const { return index(cell.within()); }
+  /// That with an index in the domain.
+  [[nodiscard]] Cell cell_with(Index3 const& index) const {
+    return cell(index[0] - origin[0], index[1] - origin[1], index[2] - origin[2]);
+  }
   /// Its cells by their index within it, and by their index in the domain.
   [[nodiscard]] CellRange interior() const { return {{0, 0, 0}, n}; }
   [[nodiscard]] CellRange in_domain() const { return interior().moved(origin); }

@@ -29,14 +29,6 @@ struct NodeBox {
   }
 };
 
-/// Calls visit(index) for the first of each row along x of a box, in the order of arrays over it.
-template <class Visit>
-void for_each_row(CellRange const& box, Visit&& visit) {
-  for (int k = box.lower[2]; k < box.upper[2]; ++k) {
-    for (int j = box.lower[1]; j < box.upper[1]; ++j) visit(Index3{box.lower[0], j, k});
-  }
-}
-
 /// Calls visit(place) for the nodes of a part of a box, in the order of arrays over the box.
 template <class Visit>
 void for_each_node(NodeBox const& box, CellRange const& part, Visit&& visit) {

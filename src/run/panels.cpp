@@ -61,8 +61,7 @@ void open_up_to(gas::Gas& gas, PanelReport& panel, int ring) {
     if (!gas_below && !gas_above) continue;
     bool const from_below = gas_below && (!gas_above || pressure_of(gas, panel, low) <= pressure_of(gas, panel, high));
     grid::Cell const donor = cell_at(gas, panel, from_below ? low : high);
-    for (int n = 0; n < c.count; ++n)
-      gas.fill_opened(cell_at(gas, panel, moved(c.first, direction, n)), donor);
+    for (int n = 0; n < c.count; ++n) gas.fill_opened(cell_at(gas, panel, moved(c.first, direction, n)), donor);
   }
   std::vector<Index3> cells;
   collect(panel, panel.open_rings, ring, cells);

@@ -23,14 +23,14 @@ System::System(Case c)
       grid(*grid_) {}
 
 System::System(Case c, grid::Forest forest)
-    : grid_(std::make_unique<grid::Grid>(c.domain, grid::refinable_partition_of(c.domain, c.numerics.block_cells).size, forest)),
+    : grid_(std::make_unique<grid::Grid>(c.domain, grid::refinable_partition_of(c.domain, c.numerics.block_cells).size,
+                                         forest)),
       forest_(std::move(forest)),
       setup(std::move(c)),
       grid(*grid_) {}
 
 void System::regrid(grid::Forest forest) {
-  gas->regrid(*grid_, forest,
-              [this](std::vector<int> const& new_blocks) { adaptation->furnish(*gas, new_blocks); });
+  gas->regrid(*grid_, forest, [this](std::vector<int> const& new_blocks) { adaptation->furnish(*gas, new_blocks); });
   forest_ = std::move(forest);
   if (bridge != nullptr) bridge->follow_blocks();
 }

@@ -37,9 +37,8 @@ grid::CellRange cells_around(grid::Domain const& domain, Vec3 const& x) {
 
 /// Does a shape reach into cells, or past them within so many layers?
 bool reaches_into(shape::Shape const& shape, grid::Domain const& domain, grid::CellRange const& cells, int layers) {
-  grid::CellRange const box =
-      grid::common(grid::common(cells.grown(layers, domain.dimensions()), domain.all_cells()),
-                   shape::cells_around(shape, domain));
+  grid::CellRange const box = grid::common(grid::common(cells.grown(layers, domain.dimensions()), domain.all_cells()),
+                                           shape::cells_around(shape, domain));
   if (box.empty()) return false;
   bool found = false;
   shape::for_each_share({shape}, domain, box, [&](grid::CellRange const&, std::vector<shape::Share> const& shares) {
@@ -96,11 +95,12 @@ LevelObstacles::OfBlock LevelObstacles::find(grid::Block const& block, grid::Dom
       if (cells.contains(cell.cell)) of.cut.push_back(cell);
     }
   } else {
-    shape::for_each_share(shapes_, domain, near, [&](grid::CellRange const& r, std::vector<shape::Share> const& shares) {
-      if (!SolidCells::solid(shape::sum_of(shares))) return true;
-      for_each_cell(r, [&](Index3 const& cell) { solid[near.offset(cell)] = 1; });
-      return true;
-    });
+    shape::for_each_share(shapes_, domain, near,
+                          [&](grid::CellRange const& r, std::vector<shape::Share> const& shares) {
+                            if (!SolidCells::solid(shape::sum_of(shares))) return true;
+                            for_each_cell(r, [&](Index3 const& cell) { solid[near.offset(cell)] = 1; });
+                            return true;
+                          });
   }
   bool any = !of.cut.empty();
   of.solid.assign(box.count(), 0);
@@ -148,81 +148,103 @@ void LevelObstacles::furnish(gas::Gas& gas, std::vector<int> const& new_blocks) 
       gas.fields().components());
 }
 
-gas::RefinementRules::Bounds level_bounds(Case const& setup, std::shared_ptr<LevelObstacles const> const& obstacles) {
-  std::vector<Refine> parts = setup.adaptive.parts;
-  std::vector<Vec3> places;
-  int const gauge_level = setup.adaptive.gauges.value_or(0);
-  if (setup.adaptive.gauges) {
-    for (Gauge const& gauge : setup.gauges) places.push_back(gauge.position);
+namespace {
+
+/// What the parts of a domain ask for.
+class PartsOfDomain {
+ public:
+  PartsOfDomain(Case const& setup, std::shared_ptr<LevelObstacles const> obstacles)
+      : domain_(setup.domain),
+        parts_(setup.adaptive.parts),
+        gauge_level_(setup.adaptive.gauges.value_or(0)),
+        obstacles_(std::move(obstacles)),
+        obstacle_level_(setup.adaptive.obstacles) {
+    if (setup.adaptive.gauges) {
+      for (Gauge const& gauge : setup.gauges) gauges_.push_back(gauge.position);
+    }
+    for (Obstacle const& obstacle : setup.obstacles) {
+      if (obstacle.release) panels_.push_back(obstacle.shape);
+    }
+    if (setup.mpm_region) find_region(setup);
   }
-  grid::Domain const domain = setup.domain;
-  std::optional<grid::CellRange> region;
-  int region_level = 0;
-  if (setup.mpm_region) {
-    region_level = setup.mpm_region->level;
-    bridge::Region const of_case = region_of(setup);
-    grid::CellRange hull{of_case.proxy_cells().front(), of_case.proxy_cells().front()};
-    auto const add = [&](Index3 const& cell) {
-      for (int d = 0; d < 3; ++d) {
-        hull.lower[d] = std::min(hull.lower[d], cell[d]);
-        hull.upper[d] = std::max(hull.upper[d], cell[d] + 1);
-      }
-    };
-    for (Index3 const& cell : of_case.proxy_cells()) add(cell);
-    for (Index3 const& cell : of_case.cells()) add(cell);
-    region = hull.grown(level_margin, domain.dimensions());
-  }
-  int const obstacle_level = setup.adaptive.obstacles;
-  std::vector<shape::Shape> panels;  // they open cell by cell
-  for (Obstacle const& obstacle : setup.obstacles) {
-    if (obstacle.release) panels.push_back(obstacle.shape);
-  }
-  return [=](int level, grid::CellRange const& cells) {
+
+  LevelBounds operator()(int level, grid::CellRange const& cells) const {
     LevelBounds bounds;
-    grid::Domain const fine = domain.refined(level);
-    int const dims = fine.dimensions();
+    grid::Domain const fine = domain_.refined(level);
     auto const at_least = [&](int wanted) { bounds.least = std::max(bounds.least, wanted); };
-    for (Refine const& part : parts) {
+    for (Refine const& part : parts_) {
       if (bounds.least < part.level && reaches_into(part.shape, fine, cells, 0)) at_least(part.level);
     }
-    for (Vec3 const& x : places) {
-      if (!grid::common(cells_around(fine, x), cells).empty()) at_least(gauge_level);
+    for (Vec3 const& x : gauges_) {
+      if (!grid::common(cells_around(fine, x), cells).empty()) at_least(gauge_level_);
     }
-    if (region) {
-      // Its cells, in cells of this level.
-      grid::CellRange here = *region;
-      for (int d = 0; d < dims; ++d) {
-        double const scale = std::ldexp(1.0, level - region_level);
-        here.lower[d] = static_cast<int>(std::floor(region->lower[d] * scale));
-        here.upper[d] = static_cast<int>(std::ceil(region->upper[d] * scale));
-      }
-      if (!grid::common(here, cells).empty()) {
-        at_least(region_level);
-        bounds.most = region_level;
+    for (shape::Shape const& panel : panels_) {
+      if (reaches_into(panel, fine, cells, level_margin)) keep(obstacle_level_, bounds);
+    }
+    if (obstacles_ != nullptr && obstacles_->any()) {
+      if (!obstacles_->fit(level, cells)) {
+        keep(obstacle_level_, bounds);
+      } else if (level > 0 && bounds.least < level && !obstacles_->fit(level - 1, coarser_block(level, cells))) {
+        at_least(level);
       }
     }
-    for (shape::Shape const& panel : panels) {
-      if (!reaches_into(panel, fine, cells, level_margin)) continue;
-      at_least(obstacle_level);
-      bounds.most = std::min(bounds.most, std::max(obstacle_level, bounds.least));
-    }
-    if (obstacles != nullptr && obstacles->any()) {
-      if (!obstacles->fit(level, cells)) {
-        at_least(obstacle_level);
-        bounds.most = std::min(bounds.most, std::max(obstacle_level, bounds.least));
-      } else if (level > 0 && bounds.least < level) {
-        // May it be merged?
-        grid::CellRange coarser = cells;
-        for (int d = 0; d < dims; ++d) {
-          int const n = cells.upper[d] - cells.lower[d];
-          coarser.lower[d] = cells.lower[d] / (2 * n) * n;
-          coarser.upper[d] = coarser.lower[d] + n;
-        }
-        if (!obstacles->fit(level - 1, grid::common(coarser, domain.refined(level - 1).all_cells()))) at_least(level);
-      }
-    }
+    // Last: nothing may change the cells of the region.
+    if (touches_region(level, cells)) bounds = {region_level_, region_level_};
     return bounds;
-  };
+  }
+
+ private:
+  /// Shocks ask for no more than a level that something has.
+  static void keep(int level, LevelBounds& bounds) {
+    bounds.least = std::max(bounds.least, level);
+    bounds.most = std::min(bounds.most, bounds.least);
+  }
+  /// The cells of the block that a block would be merged into.
+  [[nodiscard]] grid::CellRange coarser_block(int level, grid::CellRange const& cells) const {
+    grid::CellRange coarser = cells;
+    for (int d = 0; d < domain_.dimensions(); ++d) {
+      int const n = cells.n(d);
+      coarser.lower[d] = cells.lower[d] / (2 * n) * n;
+      coarser.upper[d] = coarser.lower[d] + n;
+    }
+    return grid::common(coarser, domain_.refined(level - 1).all_cells());
+  }
+  void find_region(Case const& setup) {
+    region_level_ = setup.mpm_region->level;
+    bridge::Region const of_case = region_of(setup);
+    // Boxes may lie far apart.
+    for (grid::CellRange box : of_case.boxes()) {
+      int const layers = level_margin + proxy_reach(setup);
+      region_.push_back(box.grown(layers, domain_.dimensions()));
+    }
+  }
+  [[nodiscard]] bool touches_region(int level, grid::CellRange const& cells) const {
+    double const scale = std::ldexp(1.0, level - region_level_);
+    return std::any_of(region_.begin(), region_.end(), [&](grid::CellRange const& box) {
+      grid::CellRange here = box;  // in cells of this level
+      for (int d = 0; d < domain_.dimensions(); ++d) {
+        here.lower[d] = static_cast<int>(std::floor(box.lower[d] * scale));
+        here.upper[d] = static_cast<int>(std::ceil(box.upper[d] * scale));
+      }
+      return !grid::common(here, cells).empty();
+    });
+  }
+
+  grid::Domain domain_;
+  std::vector<Refine> parts_;
+  std::vector<Vec3> gauges_;
+  int gauge_level_;
+  std::vector<shape::Shape> panels_;
+  std::shared_ptr<LevelObstacles const> obstacles_;
+  int obstacle_level_;
+  std::vector<grid::CellRange> region_;  ///< with the cells beside it
+  int region_level_ = 0;
+};
+
+}  // namespace
+
+gas::RefinementRules::Bounds level_bounds(Case const& setup, std::shared_ptr<LevelObstacles const> const& obstacles) {
+  return PartsOfDomain(setup, obstacles);
 }
 
 gas::RefinementRules::Bounds charge_bounds(Case const& setup) {
@@ -255,7 +277,7 @@ gas::RefinementRules refinement_rules(Case const& setup, std::shared_ptr<LevelOb
   Index3 const size = grid::refinable_partition_of(setup.domain, setup.numerics.block_cells).size;
   int least = size[0];
   for (int d = 1; d < setup.domain.dimensions(); ++d) least = std::min(least, size[d]);
-// No shock outruns the sound behind it: it makes less than a step's Courant number of cells in each.
+  // No shock outruns the sound behind it: it makes less than a step's Courant number of cells in each.
   rules.buffer = std::min(least, 3 * (steps_between_changes(setup) << adaptive.shocks) / 4);
   rules.bounds = level_bounds(setup, obstacles);
   rules.while_bursting = charge_bounds(setup);

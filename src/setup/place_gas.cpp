@@ -115,8 +115,8 @@ detonation::TakenCells place_charges(run::System& w, std::shared_ptr<detonation:
     report.specified_mass = charge.mass;
     report.realised_mass = (products() - before) * filled.images;
     report.realised_energy = report.realised_mass * charge.explosive.specific_energy();
-    report.cells_per_radius =
-        shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) / grid.domain(level).smallest_cell();
+    report.cells_per_radius = shape::equivalent_radius(report.realised_mass / density, setup.domain.geometry) /
+                              grid.domain(level).smallest_cell();
     w.charges.push_back(report);
   }
   if (!burning.empty()) plan = std::make_shared<detonation::BurnPlan>(gas, std::move(burning));
@@ -151,16 +151,18 @@ void place_gas(run::System& w) {
   }
   if (setup.start.remap && !setup.start.from_checkpoint) place_start(w);
   if (!setup.adaptive.any()) return;
-  w.adaptation = std::make_unique<run::Adaptation>(
-      refinement_rules(setup, obstacles), steps_between_changes(setup),
-      [obstacles, burn](gas::Gas& changed, std::vector<int> const& new_blocks) {
-        obstacles->furnish(changed, new_blocks);
-        if (burn != nullptr && changed.burn.burning()) burn->set_times(changed, new_blocks);
-      });
+  w.adaptation =
+      std::make_unique<run::Adaptation>(refinement_rules(setup, obstacles), steps_between_changes(setup),
+                                        [obstacles, burn](gas::Gas& changed, std::vector<int> const& new_blocks) {
+                                          obstacles->furnish(changed, new_blocks);
+                                          if (burn != nullptr && changed.burn.burning())
+                                            burn->set_times(changed, new_blocks);
+                                        });
 }
 
 run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, std::string const& what,
-                                  std::function<double(Index3 const&)> const& open, detonation::TakenCells* taken, int level) {
+                                  std::function<double(Index3 const&)> const& open, detonation::TakenCells* taken,
+                                  int level) {
   double const density = charge.explosive.density();
   auto const filled = detonation::fill_cells(charge.shape, grid, charge.mass / density, what, open, level);
   grid::Domain const& domain = grid.domain(level);
@@ -175,8 +177,7 @@ run::ChargeReport realised_charge(Charge const& charge, grid::Grid const& grid, 
   report.specified_mass = charge.mass;
   report.realised_mass = volume * filled.images * density;
   report.realised_energy = volume * filled.images * charge.explosive.energy;
-  report.cells_per_radius =
-      shape::equivalent_radius(volume * filled.images, domain.geometry) / domain.smallest_cell();
+  report.cells_per_radius = shape::equivalent_radius(volume * filled.images, domain.geometry) / domain.smallest_cell();
   return report;
 }
 

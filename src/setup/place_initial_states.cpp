@@ -207,11 +207,12 @@ void InitialStatePlacing::give_way(detonation::TakenCells const& taken) {
   if (shapes_.empty()) return;
   for (auto const& [place, part] : taken) {
     grid::Domain const domain = setup_->domain_of(place.first);
-    for_each(domain, grid::around(place.second, 0, 0), [&, part = part](CellRange const& r, std::vector<Share> const& shares) {
-      for (Share const& s : shares)
-        placed_[static_cast<std::size_t>(s.shape)] -= part * s.fraction * shape::volume_of(r, domain);
-      return true;
-    });
+    for_each(domain, grid::around(place.second, 0, 0),
+             [&, part = part](CellRange const& r, std::vector<Share> const& shares) {
+               for (Share const& s : shares)
+                 placed_[static_cast<std::size_t>(s.shape)] -= part * s.fraction * shape::volume_of(r, domain);
+               return true;
+             });
   }
 }
 

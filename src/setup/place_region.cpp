@@ -182,6 +182,8 @@ void check_neighbours(run::System const& w) {
 
 }  // namespace
 
+int proxy_reach(Case const& setup) { return proxy_layers(setup.particles.options.shape); }
+
 int margin_of(MpmRegion const& region) { return region.margin > 0 ? region.margin : region.width + 2 + usual_room; }
 
 bridge::Region region_of(Case const& setup) {

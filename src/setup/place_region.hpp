@@ -10,6 +10,9 @@ class System;
 
 namespace brisance::setup {
 
+/// Layers of cells outside the region that act as particles.
+[[nodiscard]] int proxy_reach(Case const& setup);
+
 /// Cells between the bodies and the faces of a box that the program chooses.
 [[nodiscard]] int margin_of(MpmRegion const& region);
 

@@ -86,7 +86,7 @@ TEST(CutCells, LeaveGasAtRest) {
     double fastest = 0.0;
     double pressure = 0.0;
     problem.for_each_cell([&](int, int, Index3 const& cell) {
-      if (problem.gas->obstacles.contain(cell)) return;
+      if (problem.gas->obstacles.contain(0, cell)) return;
       auto const w = problem.at(cell);
       fastest = std::max(fastest, norm(w.velocity) / w.sound_speed);
       pressure = std::max(pressure, std::abs(w.pressure / (3.0 * p0) - 1.0));
@@ -143,7 +143,7 @@ TEST(CutCells, LeaveAStreamAlongAWallUniform) {
       double velocity = 0.0;
       double pressure = 0.0;
       problem.for_each_cell([&](int, int, Index3 const& cell) {
-        if (problem.gas->obstacles.contain(cell)) return;
+        if (problem.gas->obstacles.contain(0, cell)) return;
         auto const w = problem.at(cell);
         velocity = std::max(velocity, norm(w.velocity - wind.velocity) / u);
         pressure = std::max(pressure, std::abs(w.pressure / p0 - 1.0));
@@ -291,7 +291,7 @@ Steady steady_reflection(double wall_angle, double height, int cells) {
   std::vector<Index3> rim;  // where the stream comes from
   problem.for_each_cell([&](int, int, Index3 const& cell) {
     bool const at_rim = cell[0] < 3 || cell[1] < 3 || cell[1] >= problem.domain.cells[1] - 3;
-    if (at_rim && !problem.gas->obstacles.contain(cell)) rim.push_back(cell);
+    if (at_rim && !problem.gas->obstacles.contain(0, cell)) rim.push_back(cell);
   });
   double const end = 3.0 / free.speed();
   for (int step = 0; problem.gas->time() < end; ++step) {

@@ -1,5 +1,5 @@
-// Cells of several sizes in a whole simulation: blocks follow shocks, obstacles and charges keep their shape, nothing is
-// lost, and a world that is written and read goes on with the same bits.
+// Cells of several sizes in a whole simulation: blocks follow shocks, obstacles and charges keep their shape, nothing
+// is lost, and a world that is written and read goes on with the same bits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,8 @@ class RunLevels : public ::testing::TestWithParam<Geometry> {
 Case burst_case(Geometry geometry, int cells, int levels) {
   int const dims = grid::dimensions(geometry);
   Case c = air_case(geometry, {cells, cells, dims == 3 ? cells : 1}, 1.0 / cells, Boundary::wall);
-  c.initial_states.push_back({shape::Sphere{{0.3, 0.3, dims == 3 ? 0.3 : 0.0}, 0.15}, {6.0, 20.0 * bar, {0.0, 0.0, 0.0}}});
+  c.initial_states.push_back(
+      {shape::Sphere{{0.3, 0.3, dims == 3 ? 0.3 : 0.0}, 0.15}, {6.0, 20.0 * bar, {0.0, 0.0, 0.0}}});
   c.adaptive.finest = c.adaptive.shocks = c.adaptive.obstacles = c.adaptive.charges = levels;
   c.numerics.block_cells = 8;
   return c;
@@ -81,7 +82,9 @@ TEST_P(RunLevels, FollowTheShockAsUniformCellsDo) {
 
 INSTANTIATE_TEST_SUITE_P(Geometries, RunLevels,
                          ::testing::Values(Geometry::planar2d, Geometry::axisymmetric2d, Geometry::cartesian3d),
-                         [](auto const& info) { return std::string(word_of(info.param)).substr(0, 6) + std::to_string(info.index); });
+                         [](auto const& info) {
+                           return std::string(word_of(info.param)).substr(0, 6) + std::to_string(info.index);
+                         });
 
 std::string written(World& world) {
   std::string bytes;

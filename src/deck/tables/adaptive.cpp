@@ -218,6 +218,13 @@ bool read_region_level(Draft& draft) {
     return false;
   }
   if (!level_up_to_finest(draft, *region, "cell")) return false;
+  if (*level < draft.out.adaptive.shocks) {
+    draft.error(*region, "cell",
+                fmt::format("{} is coarser than the cells of shocks, \"{}\", which would ask for finer cells in the "
+                            "region: write this or a smaller size, or make adaptive.shocks coarser",
+                            region->shown("cell"), size_text(draft, draft.out.adaptive.shocks)));
+    return false;
+  }
   draft.region_level = *level;
   return true;
 }
