@@ -1,5 +1,4 @@
 """Cells of several sizes: blasts on blocks that follow the shocks against uniform cells, and what both cost."""
-import json
 import os
 import subprocess
 import sys
@@ -28,7 +27,7 @@ class Run:
         self.seconds = self.result.log["wall_seconds"]
         timings = self.result.log["timings"]
         self.regrid = timings.get("regrid", 0.0) / self.seconds
-        self.gauges = {g["name"]: g for g in json.loads((folder / "summary.json").read_text())["gauges"]}
+        self.gauges = {g["name"]: g for g in self.result.summary["gauges"]}
 
 
 def deck(case, cell, coarsest=None):
@@ -68,11 +67,12 @@ def compare(arguments, work, case, pairs):
                     f"{uniform[0].memory:.0f}", "-"),
                    (f"{1000 * ratio * half:g} to {1000 * half:g} mm", f"{median([a.seconds for a in adaptive]):.1f}",
                     f"{adaptive[0].memory:.0f}", f"{100 * adaptive[0].regrid:.1f} %")])
+    coarsest, finest = f"{1000 * ratio * half:g} mm", f"{1000 * half:g} mm"
+    memory = adaptive[0].memory / uniform[0].memory
     return f"""## {case}
 
-Coarsest cells of {1000 * ratio * half:g} mm, finest of {1000 * half:g} mm, half of the case's own, against {1000 * half:g} mm
-everywhere: {gain:.2f} times as fast (median of {pairs} pairs in turn), {adaptive[0].memory / uniform[0].memory:.2f} of
-the memory.
+Coarsest cells of {coarsest}, finest of {finest}, half of the case's own, against cells of {finest} everywhere:
+{gain:.2f} times as fast (median of {pairs} pairs in turn), {memory:.2f} of the memory.
 
 {costs}
 Differences at the gauges:

@@ -256,6 +256,12 @@ void print_results(run::World const& world, observe::Gauges const& gauges) {
     print_panels(world);
     print_audit(world);
   }
+  if (world.adaptation != nullptr && world.adaptation->held_back()) {
+    print(stdout,
+          "warning: the limit adaptive.cells = {:g} was reached: weak shocks stayed on cells larger than "
+          "adaptive.shocks\n",
+          world.setup.adaptive.most_cells);
+  }
 }
 
 }  // namespace brisance::app

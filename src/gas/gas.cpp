@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -64,7 +65,9 @@ Gas::Gas(grid::Grid const& grid, Fluids const& fluids, Options const& options, P
   for (int b = 0; b < grid.block_count(); ++b) {
     for (int c = 0; c < components(); ++c) std::fill_n(fields_.at(b, c), grid.blocks()[b].cell_count(), u[c]);
   }
-  find_levels();
+  std::vector<int> all(grid.blocks().size());
+  std::iota(all.begin(), all.end(), 0);
+  find_levels(all);
 }
 
 void Gas::set(grid::Cell const& cell, Primitive const& state) {
@@ -129,7 +132,9 @@ void Gas::start(double time) {
   prepare_workspaces();
   obstacles.find_near_walls();
   find_quiescence();
-  find_levels();
+  std::vector<int> all(grid_->blocks().size());
+  std::iota(all.begin(), all.end(), 0);
+  find_levels(all);
   for (int b = 0; b < grid_->block_count(); ++b) {
     if (grid_->blocks()[b].covered) awake_[b] = options_.sleep && is_quiescent_block(b) ? 0 : 1;
   }

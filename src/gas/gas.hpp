@@ -172,8 +172,8 @@ class Gas {
   void merge_into(grid::Block const& block, Contents& contents) const;
   void refine_into(grid::Block const& block, Contents& contents) const;
   [[nodiscard]] bool is_quiescent_block(int block) const;
-  /// Parts and what joins levels, for the grid's blocks; covered blocks take the means of the finer ones.
-  void find_levels();
+  /// Parts and what joins levels, for the grid's blocks; new ones that are covered take the means of the finer ones.
+  void find_levels(std::vector<int> const& new_blocks);
 
   [[nodiscard]] int components() const { return fields_.components(); }
   /// The parts of a level for sweeps along a direction. They do not depend on the number of threads.

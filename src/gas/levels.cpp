@@ -3,11 +3,29 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/loops.hpp"
 #include "core/parallel.hpp"
 #include "grid/exchange_plan.hpp"
 #include "grid/fine_cells.hpp"
 
 namespace brisance::gas {
+
+namespace {
+
+/// Means of the parts of a row of coarse cells, as `grid::Parts::mean` has them.
+template <int count>
+void means_of_row(grid::Parts const& parts, double const* fine, double* means, int cells) {
+  std::array<double const*, count> at{};
+  for (int n = 0; n < count; ++n) at[n] = fine + parts.offset[n];
+  for (int i = 0; i < cells; ++i) {
+    double const first = at[0][2 * i];
+    double sum = 0.0;
+    for (int n = 1; n < count; ++n) sum += parts.share[n] * (at[n][2 * i] - first);
+    means[i] = first + sum;
+  }
+}
+
+}  // namespace
 
 grid::CellRange Levels::face_cells(grid::Block const& block, int face) {
   grid::CellRange cells = block.interior();
@@ -259,8 +277,8 @@ std::vector<grid::Cell> Levels::correct(grid::Fields& fields, Contact const& con
   return changed;
 }
 
-void Levels::restrict(grid::Fields& fields, grid::AwakeBlocks const& awake, std::vector<int> const& blocks,
-                      std::vector<std::uint8_t>& disturbed) const {
+void Levels::find_means(grid::Fields& fields, grid::AwakeBlocks const& awake, std::vector<int> const& blocks,
+                        std::vector<std::uint8_t>& disturbed) const {
   int const dims = grid_->domain().dimensions();
   parallel_for(static_cast<int>(blocks.size()), [&](int n, int) {
     grid::Block const& block = grid_->blocks()[blocks[n]];
@@ -268,12 +286,12 @@ void Levels::restrict(grid::Fields& fields, grid::AwakeBlocks const& awake, std:
                              [&](grid::Block const& fine, grid::CellRange const&) {
                                // Both hold quiescent gas alone.
                                if (awake[fine.number] == 0 && awake[block.number] == 0) return;
-                               if (restrict(fields, block, fine)) disturbed[n] = 1;
+                               if (find_means(fields, block, fine)) disturbed[n] = 1;
                              });
   });
 }
 
-bool Levels::restrict(grid::Fields& fields, grid::Block const& coarse, grid::Block const& fine) const {
+bool Levels::find_means(grid::Fields& fields, grid::Block const& coarse, grid::Block const& fine) const {
   int const dims = grid_->domain().dimensions();
   grid::CellRange const cells = grid::coarse_cells(fine.in_domain(), dims);
   grid::Parts const first = grid::parts_of(*grid_, coarse.level, cells.lower);
@@ -284,15 +302,17 @@ bool Levels::restrict(grid::Fields& fields, grid::Block const& coarse, grid::Blo
     for_each_row(cells, [&](Index3 const& row) {
       double* const to = fields.at(coarse.number, c) + coarse.in_domain().offset(row);
       Index3 const corner = grid::fine_cells(row, dims).lower;
-      double const* const fine_row = from + fine.in_domain().offset(corner) - first.offset[0];
-      Index3 cell = row;
-      for (int i = 0; i < cells.n(0); ++i, ++cell[0]) {
-        // Rings have shares of their own.
-        double const mean = radial ? grid::parts_of(*grid_, coarse.level, cell).mean(from)
-                                   : first.mean(fine_row + std::ptrdiff_t{2} * i);
-        to[i] = mean;
-        quiet = quiet && mean == quiet_[c];
+      if (radial) {  // rings have shares of their own
+        Index3 cell = row;
+        for (int i = 0; i < cells.n(0); ++i, ++cell[0]) to[i] = grid::parts_of(*grid_, coarse.level, cell).mean(from);
+      } else {
+        double const* const fine_row = from + fine.in_domain().offset(corner) - first.offset[0];
+        if (dims == 3)
+          means_of_row<8>(first, fine_row, to, cells.n(0));
+        else
+          means_of_row<4>(first, fine_row, to, cells.n(0));
       }
+      quiet = quiet && all_equal(to, cells.n(0), quiet_[c]);
     });
   }
   return !quiet;

@@ -59,9 +59,14 @@ class Levels {
   /// not quiescent.
   template <class Changed>
   void restrict(grid::Fields& fields, grid::AwakeBlocks const& awake, int level, Changed const& changed) const {
-    std::vector<int> const& blocks = covered_[level];
+    restrict(fields, awake, covered_[level], changed);
+  }
+  /// The same for some of them.
+  template <class Changed>
+  void restrict(grid::Fields& fields, grid::AwakeBlocks const& awake, std::vector<int> const& blocks,
+                Changed const& changed) const {
     std::vector<std::uint8_t> disturbed(blocks.size(), 0);
-    restrict(fields, awake, blocks, disturbed);
+    find_means(fields, awake, blocks, disturbed);
     for (std::size_t n = 0; n < blocks.size(); ++n) {
       if (disturbed[n] != 0) changed(blocks[n]);
     }
@@ -120,10 +125,10 @@ class Levels {
     for (grid::Cell const& cell : cells) changed(cell);
   }
   std::vector<grid::Cell> correct(grid::Fields& fields, Contact const& contact);
-  void restrict(grid::Fields& fields, grid::AwakeBlocks const& awake, std::vector<int> const& blocks,
-                std::vector<std::uint8_t>& disturbed) const;
+  void find_means(grid::Fields& fields, grid::AwakeBlocks const& awake, std::vector<int> const& blocks,
+                  std::vector<std::uint8_t>& disturbed) const;
   /// The cells of a block that one finer block covers; is any mean anything but quiescent?
-  bool restrict(grid::Fields& fields, grid::Block const& coarse, grid::Block const& fine) const;
+  bool find_means(grid::Fields& fields, grid::Block const& coarse, grid::Block const& fine) const;
 
   grid::Grid const* grid_;
   Fluids fluids_;

@@ -83,6 +83,27 @@ bool Obstacles::reach_obstacle(grid::Block const& block, int d) const {
   return false;
 }
 
+char Obstacles::Marks::at(grid::Cell const& line, Index3 const& cell, int d) const {
+  if (solid->empty()) return 0;
+  Index3 within = line.within();
+  within[d] = cell[d] - block->in_domain().lower[d];
+  return static_cast<char>((*solid)[block->with_ghosts().offset(within)]);
+}
+
+std::array<Obstacles::Marks, 3> Obstacles::marks_along(grid::Block const& block, int d, int reach) const {
+  std::array<Marks, 3> marks{Marks{&block, &blocks_[block.number].solid}, Marks{}, Marks{}};
+  for (int side = 0; side < 2; ++side) {
+    int const other = block.neighbour[2 * d + side];
+    if (other == grid::no_neighbour) continue;
+    grid::Block const& beyond = grid_->blocks()[other];
+    grid::CellRange const own = block.in_domain();
+    grid::CellRange const next = beyond.in_domain();
+    bool const adjoins = side == 0 ? next.upper[d] == own.lower[d] : next.lower[d] == own.upper[d];
+    if (adjoins && beyond.n[d] >= reach) marks[1 + side] = {&beyond, &blocks_[other].solid};
+  }
+  return marks;
+}
+
 void Obstacles::find_near_walls(grid::Block const& block, int d, bool any_obstacle) {
   grid::Domain const& domain = grid_->domain_of(block);
   // A face of the domain that reflects; the axis and the centre do not.
@@ -114,11 +135,13 @@ void Obstacles::find_near_walls(grid::Block const& block, int d, bool any_obstac
     bool above;
   };
   std::vector<Found> found;
+  std::array<Marks, 3> const marks = marks_along(block, d, reach);
   for_each_face_cell(block, d, 0, [&](grid::Cell const& line) {
     Index3 cell = block.index(line);
-    for (int l = 0; l < length; ++l) {
+    for (int l = 0; obstacle_near && l < length; ++l) {
       cell[d] = first - reach + l;
-      solid[l] = obstacle_near && contain(block.level, grid::image_cell(domain, cell)) ? 1 : 0;
+      Marks const& of = marks[l < reach ? 1 : l < reach + block.n[d] ? 0 : 2];
+      solid[l] = of.block == nullptr ? contain(block.level, grid::image_cell(domain, cell)) : of.at(line, cell, d);
     }
     // Is the face between places l - 1 and l rigid?
     auto const rigid = [&](int l) {

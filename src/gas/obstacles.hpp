@@ -47,6 +47,15 @@ class Obstacles {
     std::array<std::vector<std::vector<WallRun>>, 3> near_walls;  ///< per direction and bundle; empty: none near
   };
   void find_near_walls(grid::Block const& block, int direction, bool any_obstacle);
+  /// The marks of a block; no block: they are found cell by cell.
+  struct Marks {
+    grid::Block const* block = nullptr;
+    std::vector<std::uint8_t> const* solid = nullptr;
+    /// Of a cell on the line of one along a direction.
+    [[nodiscard]] char at(grid::Cell const& line, Index3 const& cell, int d) const;
+  };
+  /// Of a block and of those below and above it, where they are of its level and at least so long.
+  [[nodiscard]] std::array<Marks, 3> marks_along(grid::Block const& block, int d, int reach) const;
   /// Do a block or those beside it in a direction hold any?
   [[nodiscard]] bool reach_obstacle(grid::Block const& block, int direction) const;
   /// Blocks that reach, with so many layers around them, into the box of some cells; all where the domain is periodic.

@@ -89,10 +89,14 @@ OpenFaces::Known OpenFaces::known_at(grid::Grid const& grid, Faces const& faces,
   return {&of.beyond[of.beyond.size() == 1 ? 0 : n], &of.memory[n]};
 }
 
-void OpenFaces::follow(grid::Grid const& before) {
+void OpenFaces::follow(grid::Grid const& before, std::vector<int> const& numbers) {
   Faces const known = std::exchange(faces_, open_faces_of(*grid_));
   int const dims = grid_->domain().dimensions();
   for (grid::Block const& block : grid_->blocks()) {
+    if (int const same = numbers[block.number]; same != grid::no_neighbour) {
+      faces_[block.number] = known[same];
+      continue;
+    }
     for (int f = 0; f < 2 * dims; ++f) {
       if (!faces_[block.number][f]) continue;
       Face& face = *faces_[block.number][f];

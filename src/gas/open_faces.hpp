@@ -54,8 +54,9 @@ class OpenFaces {
   void start(grid::Fields const& fields, Components const& ambient,
              std::function<bool(grid::Cell const& cell)> const& consumed);
 
-  /// When the grid's blocks have changed: takes over what is known beyond the faces of the blocks before.
-  void follow(grid::Grid const& before);
+  /// When the grid's blocks have changed: takes over what is known beyond the faces of the blocks before. `numbers`: of
+  /// each block before, see `BlockStore::rearrange`.
+  void follow(grid::Grid const& before, std::vector<int> const& numbers);
 
   /// Has a block such faces in a direction?
   [[nodiscard]] bool at(int block, int direction) const {

@@ -111,6 +111,7 @@ constexpr std::uint8_t towards(int face) { return static_cast<std::uint8_t>(2U <
 constexpr std::uint8_t everywhere = 0x7f;
 
 Reach reach_of(grid::Block const& block, std::vector<std::uint8_t> const& asks, int buffer) {
+  constexpr int beside = 2;  // cells that every shock needs around: it is as thick
   Reach reach;
   int const dims = block.metric.dimensions();
   for_each_cell(block, [&](grid::Cell const& cell) {
@@ -120,8 +121,9 @@ Reach reach_of(grid::Block const& block, std::vector<std::uint8_t> const& asks, 
     Index3 most{0, 0, 0};
     Index3 const within = cell.within();
     for (int d = 0; d < dims; ++d) {
-      if (within[d] < buffer && (how & towards(2 * d)) != 0) least[d] = -1;
-      if (within[d] >= block.n[d] - buffer && (how & towards(2 * d + 1)) != 0) most[d] = 1;
+      auto const cells = [&](int side) { return (how & towards(2 * d + side)) != 0 ? buffer : beside; };
+      if (within[d] < cells(0)) least[d] = -1;
+      if (within[d] >= block.n[d] - cells(1)) most[d] = 1;
     }
     for_each_cell(grid::CellRange{least, {most[0] + 1, most[1] + 1, most[2] + 1}},
                   [&](Index3 const& offset) { reach.around[Reach::number(offset)] = true; });
@@ -339,7 +341,6 @@ std::vector<Refinement::Need> Refinement::needs(Gas const& gas, grid::Forest con
 }
 
 void Refinement::keep_within_limit(grid::Forest const& forest, double cells_per_leaf, std::vector<Need>& needs) {
-  held_back_ = false;
   if (!(rules_.most_cells > 0.0)) return;
   std::vector<grid::Leaf> const& leaves = forest.leaves();
   double const more = cells_per_leaf * ((1 << forest.dimensions()) - 1);

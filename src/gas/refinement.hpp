@@ -62,7 +62,7 @@ class Refinement {
 
   /// Changes the forest of the gas's grid; false: all leaves stay. Leaves and the gas alone decide, not the threads.
   bool adapt(Gas const& gas, grid::Forest& forest);
-  /// Has the limit on the number of cells held it back?
+  /// Has the limit on the number of cells ever held it back?
   [[nodiscard]] bool held_back() const { return held_back_; }
   void archive(Archive& a);  ///< in a checkpoint
 

@@ -112,7 +112,7 @@ void Gas::regrid(grid::Grid& grid, grid::Forest const& forest, Furnish const& fu
   shells_.rearrange(blocks, before);
   awake_.rearrange(blocks, before);
   disturbance_.rearrange(blocks, before);
-  open_faces_.follow(old);
+  open_faces_.follow(old, before);
   exchange_.follow_blocks();
   obstacles.rearrange(blocks, before);
   cut = CutCells(grid, options_.bundle_cells);
@@ -131,7 +131,7 @@ void Gas::regrid(grid::Grid& grid, grid::Forest const& forest, Furnish const& fu
   }
   if (furnish) furnish(new_blocks);
   obstacles.find_near_walls(new_blocks);
-  find_levels();
+  find_levels(new_blocks);
   for (int const b : new_blocks) {
     disturbance_.find(fields_, quiet_.state, b);
     awake_[b] = options_.sleep && is_quiescent_block(b) ? 0 : 1;
@@ -146,7 +146,7 @@ bool Gas::is_quiescent_block(int b) const {
   return true;
 }
 
-void Gas::find_levels() {
+void Gas::find_levels(std::vector<int> const& new_blocks) {
   auto const is_solid = [this](grid::Cell const& cell) { return obstacles.contain(cell); };
   levels_ = Levels(*grid_, fluids_, components(), obstacles.any() ? Levels::IsSolid(is_solid) : Levels::IsSolid());
   levels_.set_quiescent(quiet_.state, quiet_.flux, quiescent_.velocity);
@@ -160,8 +160,15 @@ void Gas::find_levels() {
       tallies_.resize(std::max(tallies_.size(), last.tally + last.chain->size()));
     }
   }
-  for (int level = grid_->levels() - 2; level >= 0; --level)
-    levels_.restrict(fields_, grid::AwakeBlocks(*grid_, 1), level, [](int) {});
+  // Those of finer levels first.
+  grid::AwakeBlocks const all(*grid_, 1);
+  for (int level = grid_->levels() - 2; level >= 0; --level) {
+    std::vector<int> covered;
+    for (int const b : new_blocks) {
+      if (grid_->blocks()[b].covered && grid_->blocks()[b].level == level) covered.push_back(b);
+    }
+    levels_.restrict(fields_, all, covered, [](int) {});
+  }
 }
 
 }  // namespace brisance::gas

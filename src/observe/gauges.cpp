@@ -206,9 +206,13 @@ void Gauges::sample_gauge(run::System const& system, std::size_t number, double 
   } else {
     record.pressure = system.setup.ambient.state.pressure;  // a body has come over the gauge
   }
-  // The last step of a level ends with that of the whole, maybe in another last digit.
-  bool const levels = system.adaptation != nullptr && !history.records.empty();
-  if (levels && time <= history.records.back().time * (1.0 + 1e-14)) return;
+  // The last step of a level ends with that of the whole, maybe in another last digit: what is known last counts.
+  bool const again =
+      system.adaptation != nullptr && !history.records.empty() && time <= history.records.back().time * (1.0 + 1e-14);
+  if (again) {
+    history.records.pop_back();
+    history.sampled.resize(history.sampled.size() - sampled.size());
+  }
   history.records.push_back(record);
   for (double const value : sampled) history.sampled.push_back(sum > 0.0 ? value / sum : 0.0);
 }

@@ -157,7 +157,9 @@ json levels(run::World const& world) {
     double const size = world.grid.domain(level).smallest_cell();
     cells.push_back({{"level", level}, {"cell_size", size}, {"blocks", blocks}, {"cells", count}});
   }
-  return {{"cells", std::move(cells)}, {"changes", world.adaptation->changes()}};
+  return {{"cells", std::move(cells)},
+          {"changes", world.adaptation->changes()},
+          {"held_back", world.adaptation->held_back()}};
 }
 
 /// Updates of gas cells so far; of several levels as if the blocks had always been what they are now.

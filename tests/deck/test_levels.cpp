@@ -89,8 +89,8 @@ TEST_F(Levels, CellsOfOneSizeAreTold) {
 
 TEST_F(Levels, ARegionMayHaveCellsThatAreNotTheFinest) {
   std::string const thick = "[[body]]\nmaterial = \"RHA\"\nshape = \"box\"\nlower = [1.4, 0.4]\nupper = [1.45, 0.6]\n";
-  run::Case const c =
-      case_of(head + charge + thick + "[mpm_region]\ncell = \"16 mm\"\n[adaptive]\nfinest = \"8 mm\"\n");
+  run::Case const c = case_of(head + charge + thick +
+                              "[mpm_region]\ncell = \"16 mm\"\n[adaptive]\nfinest = \"8 mm\"\nshocks = \"16 mm\"\n");
   EXPECT_EQ(c.mpm_region->level, 2);
   EXPECT_EQ(c.adaptive.finest, 3);
 }

@@ -461,6 +461,7 @@ Burst burst(int n, int most_level) {
   gas::RefinementRules rules;
   rules.most_level = most_level;
   rules.shock_level = most_level;
+  rules.filter = 0.02;  // weak waves too
   gas::Refinement refinement(rules);
   auto const initial = [&](Vec3 const& x) {
     return norm(x - Vec3{0.5, 0.5, 0.0}) < 0.15 ? state(6.0, 0.0, 2e6) : problem.quiescent;
