@@ -340,7 +340,8 @@ std::vector<Refinement::Need> Refinement::needs(Gas const& gas, grid::Forest con
   return needs;
 }
 
-void Refinement::keep_within_limit(grid::Forest const& forest, double cells_per_leaf, std::vector<Need>& needs) {
+void Refinement::keep_within_limit(grid::Forest const& forest, double cells_per_leaf, double allowed,
+                                   std::vector<Need>& needs) {
   if (!(rules_.most_cells > 0.0)) return;
   std::vector<grid::Leaf> const& leaves = forest.leaves();
   double const more = cells_per_leaf * ((1 << forest.dimensions()) - 1);
@@ -353,7 +354,7 @@ void Refinement::keep_within_limit(grid::Forest const& forest, double cells_per_
   std::stable_sort(giving.begin(), giving.end(),
                    [&](std::size_t a, std::size_t b) { return needs[a].norm < needs[b].norm; });
   for (std::size_t const n : giving) {
-    if (cells <= rules_.most_cells) return;
+    if (cells <= allowed) return;
     held_back_ = true;
     // Not refined, or else merged, where its family goes with it.
     bool const refined = needs[n].level > leaves[n].level;
@@ -365,25 +366,42 @@ void Refinement::keep_within_limit(grid::Forest const& forest, double cells_per_
 bool Refinement::adapt(Gas const& gas, grid::Forest& forest) {
   std::vector<grid::Leaf> const& leaves = forest.leaves();
   unneeded_.resize(leaves.size(), 0);
-  std::vector<Need> needs = this->needs(gas, forest);
+  std::vector<Need> const wanted = needs(gas, forest);
   Index3 const& size = gas.grid().block_size();
-  keep_within_limit(forest, static_cast<double>(size[0]) * size[1] * size[2], needs);
-  std::vector<std::int8_t> marks(leaves.size(), 0);
-  for (std::size_t n = 0; n < leaves.size(); ++n) {
-    bool const needed = needs[n].level >= leaves[n].level;
-    unneeded_[n] = needed ? 0 : unneeded_[n] + 1;
-    if (needs[n].level > leaves[n].level) marks[n] = 1;
-    if (!needed && unneeded_[n] >= rules_.patience) marks[n] = -1;
+  double const cells_per_leaf = static_cast<double>(size[0]) * size[1] * size[2];
+  std::vector<int> unneeded;
+  std::vector<grid::Origin> origins;
+  grid::Forest changed = forest;
+  // Balance may refine more than was asked for, and families stay where one of them is needed: then less is allowed.
+  constexpr int most_tries = 6;
+  double allowed = rules_.most_cells;
+  for (int tries = 0; tries < most_tries; ++tries) {
+    std::vector<Need> kept = wanted;
+    keep_within_limit(forest, cells_per_leaf, allowed, kept);
+    unneeded = unneeded_;
+    std::vector<std::int8_t> marks(leaves.size(), 0);
+    for (std::size_t n = 0; n < leaves.size(); ++n) {
+      bool const needed = kept[n].level >= leaves[n].level;
+      unneeded[n] = needed ? 0 : unneeded[n] + 1;
+      if (kept[n].level > leaves[n].level) marks[n] = 1;
+      // What gives way to others does so at once.
+      bool const gives_way = !needed && wanted[n].level >= leaves[n].level;
+      if (!needed && (gives_way || unneeded[n] >= rules_.patience)) marks[n] = -1;
+    }
+    changed = forest;
+    origins = changed.adapt(marks, rules_.most_level);
+    double const cells = cells_per_leaf * static_cast<double>(changed.leaves().size());
+    if (!(rules_.most_cells > 0.0) || cells <= rules_.most_cells) break;
+    allowed *= 0.95 * rules_.most_cells / cells;
   }
-  std::vector<int> const before = unneeded_;
-  std::vector<grid::Origin> const origins = forest.adapt(marks, rules_.most_level);
-  bool const changed = origins.size() != before.size() ||
+  bool const differs = origins.size() != leaves.size() ||
                        std::any_of(origins.begin(), origins.end(), [](grid::Origin const& o) { return o.count != 1; });
   unneeded_.assign(origins.size(), 0);
   for (std::size_t n = 0; n < origins.size(); ++n) {
-    if (origins[n].count == 1) unneeded_[n] = before[origins[n].first];
+    if (origins[n].count == 1) unneeded_[n] = unneeded[origins[n].first];
   }
-  return changed;
+  forest = std::move(changed);
+  return differs;
 }
 
 void Refinement::archive(Archive& a) { a(unneeded_, held_back_); }

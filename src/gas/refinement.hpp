@@ -75,7 +75,8 @@ class Refinement {
     double norm = 0.0;
   };
   [[nodiscard]] std::vector<Need> needs(Gas const& gas, grid::Forest const& forest) const;
-  void keep_within_limit(grid::Forest const& forest, double cells_per_leaf, std::vector<Need>& needs);
+  /// What shocks ask for gives way, the weakest first, until about so many cells are left.
+  void keep_within_limit(grid::Forest const& forest, double cells_per_leaf, double allowed, std::vector<Need>& needs);
 
   RefinementRules rules_;
   bool held_back_ = false;
