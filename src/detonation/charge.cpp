@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "core/error.hpp"
@@ -308,8 +309,8 @@ BurnPlan::BurnPlan(gas::Gas& gas, std::vector<BurningCharge> charges) : charges_
     gas.burn.expect_burst(cells.begin, cells.end + break_out * (cells.end - cells.begin));
     last = std::max(last, cells.end);
   }
-  std::vector<int> all;
-  for (int b = 0; b < gas.grid().block_count(); ++b) all.push_back(b);
+  std::vector<int> all(gas.grid().blocks().size());
+  std::iota(all.begin(), all.end(), 0);
   set_times(gas, all);
   for (grid::Block const& block : gas.grid().blocks()) {
     for (gas::BurnTime const& times : gas.burn.times(block.number)) last = std::max(last, times.end);

@@ -64,15 +64,16 @@ LevelObstacles::LevelObstacles(Case const& setup)
 
 bool LevelObstacles::fit(int level, grid::CellRange const& cells) const {
   if (shapes_.empty()) return true;
-  auto const [found, fresh] = fits_.try_emplace({level, cells.lower}, true);
-  if (!fresh) return found->second;
+  auto const known = fits_.try_emplace({level, cells.lower}, true);
+  bool& fits = known.first->second;
+  if (!known.second) return fits;
   grid::Domain const domain = domain_.refined(level);
   grid::CellRange const around = grid::common(cells.grown(fit_margin, domain.dimensions()), domain.all_cells());
   shape::for_each_share(shapes_, domain, around, [&](grid::CellRange const&, std::vector<shape::Share> const& shares) {
-    found->second = !is_part(shape::sum_of(shares));
-    return found->second;
+    fits = !is_part(shape::sum_of(shares));
+    return fits;
   });
-  return found->second;
+  return fits;
 }
 
 LevelObstacles::OfBlock LevelObstacles::find(grid::Block const& block, grid::Domain const& domain) const {

@@ -112,8 +112,9 @@ bool InitialStatePlacing::measure(long most) {
     if (std::holds_alternative<shape::Box>(shapes_[n])) continue;
     double full = 0.0;
     double part = 0.0;
-    for (auto const& [domain, cells] : pieces_) {
-      shape::for_each_share({shapes_[n]}, domain, grid::common(cells, shape::cells_around(shapes_[n], domain)),
+    for (Piece const& piece : pieces_) {
+      grid::Domain const& domain = piece.domain;
+      shape::for_each_share({shapes_[n]}, domain, grid::common(piece.cells, shape::cells_around(shapes_[n], domain)),
                             [&](CellRange const& r, std::vector<Share> const& shares) {
                               double const f = shares.front().fraction;
                               (f < 1.0 ? part : full) += f * shape::volume_of(r, domain);
@@ -125,8 +126,9 @@ bool InitialStatePlacing::measure(long most) {
     if (part > 0.0 && std::abs(missing) > 1e-13 * asked_[n] && asked_[n] > full) scales_[n] = (asked_[n] - full) / part;
   }
   placed_.assign(shapes_.size(), 0.0);
-  for (auto const& [domain, cells] : pieces_) {
-    for_each(domain, cells, [&](CellRange const& r, std::vector<Share> const& shares) {
+  for (Piece const& piece : pieces_) {
+    grid::Domain const& domain = piece.domain;
+    for_each(domain, piece.cells, [&](CellRange const& r, std::vector<Share> const& shares) {
       for (Share const& s : shares)
         placed_[static_cast<std::size_t>(s.shape)] += s.fraction * shape::volume_of(r, domain);
       return ++cut <= most;
