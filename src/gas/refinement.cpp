@@ -20,7 +20,7 @@ namespace {
 class Surroundings {
  public:
   Surroundings(Gas const& gas, grid::Block const& block)
-      : gas_(&gas), block_(&block), box_(block.interior().grown(1, block.metric.dimensions())) {
+      : gas_(&gas), box_(block.interior().grown(1, block.metric.dimensions())) {
     for (auto& array : values_) array.assign(box_.count(), 0.0);
     take(block.number, block.interior(), {0, 0, 0});
     for (int face = 0; face < 2 * block.metric.dimensions(); ++face) {
@@ -91,7 +91,6 @@ class Surroundings {
   }
 
   Gas const* gas_;
-  grid::Block const* block_;
   grid::CellRange box_;
   std::array<std::vector<double>, 4> values_;  ///< velocity, pressure
   std::array<bool, 6> known_{};

@@ -29,20 +29,12 @@ run::World start_on_levels(Case setup) {
 }  // namespace
 
 run::World build(Case setup) {
-  if (setup.adaptive.any()) {
-    run::World w = start_on_levels(std::move(setup));
-    if (w.setup.mpm_region) place_region(w);
-    w.gas->start(w.clock.time);
-    if (w.particles != nullptr) w.particles->set_time(w.clock.time);
-    if (w.bridge != nullptr && w.bridge->awake()) w.awake_since = w.clock.time;
-    w.start_audit();
-    return w;
-  }
-  run::World w(std::move(setup));
-  if (w.setup.particles.any() && !w.setup.mpm_region) {
+  bool const bodies_alone = setup.particles.any() && !setup.mpm_region;
+  run::World w = setup.adaptive.any() ? start_on_levels(std::move(setup)) : run::World(std::move(setup));
+  if (bodies_alone) {
     place_bodies(w, w.setup.domain);
   } else {
-    place_gas(w);
+    if (w.gas == nullptr) place_gas(w);
     if (w.setup.mpm_region) place_region(w);
     w.gas->start(w.clock.time);
     if (w.particles != nullptr) w.particles->set_time(w.clock.time);
