@@ -9,7 +9,6 @@
 
 #include "core/parallel.hpp"
 #include "grid/bundle.hpp"
-#include "grid/fine_cells.hpp"
 
 namespace brisance::gas {
 
@@ -45,7 +44,7 @@ bool Obstacles::contain(grid::Cell const& cell) const {
 
 bool Obstacles::contain(int level, Index3 const& cell) const {
   if (auto const found = grid_->locate(level, cell)) return contain(*found);
-  return level > 0 && contain(level - 1, grid::coarse_cell(cell, grid_->domain().dimensions()));
+  return elsewhere_ && elsewhere_(level, cell);
 }
 
 std::vector<WallRun> const* Obstacles::near_walls(int block, int direction, int bundle) const {
@@ -57,13 +56,42 @@ bool Obstacles::any() const {
   return std::any_of(blocks_.begin(), blocks_.end(), [](OfBlock const& data) { return !data.solid.empty(); });
 }
 
-void Obstacles::find_near_walls() {
-  std::vector<int> all(blocks_.size());
-  std::iota(all.begin(), all.end(), 0);
-  find_near_walls(all);
+void Obstacles::rearrange(grid::Grid const& old, std::vector<grid::Block> const& blocks,
+                          std::vector<int> const& before) {
+  std::vector<std::uint8_t> stays(old.blocks().size(), 0);
+  for (int const b : before) {
+    if (b != grid::no_neighbour) stays[b] = 1;
+  }
+  for (grid::Block const& block : old.blocks()) {
+    if (stays[block.number] == 0)
+      gone_[{block.level, block.in_domain().lower}] = std::move(blocks_[block.number].near_walls);
+  }
+  blocks_.rearrange(blocks, before);
 }
 
-void Obstacles::find_near_walls(std::vector<int> const& blocks) {
+void Obstacles::find_near_walls() {
+  gone_.clear();
+  std::vector<int> all(blocks_.size());
+  std::iota(all.begin(), all.end(), 0);
+  find_near_walls_of(all);
+}
+
+void Obstacles::find_near_walls(std::vector<int> const& new_blocks) {
+  std::vector<int> unknown;
+  for (int const b : new_blocks) {
+    grid::Block const& block = grid_->blocks()[b];
+    auto const found = gone_.find({block.level, block.in_domain().lower});
+    if (found == gone_.end()) {
+      unknown.push_back(b);
+      continue;
+    }
+    blocks_[b].near_walls = std::move(found->second);
+    gone_.erase(found);
+  }
+  find_near_walls_of(unknown);
+}
+
+void Obstacles::find_near_walls_of(std::vector<int> const& blocks) {
   bool const any_obstacle = any();
   parallel_for(static_cast<int>(blocks.size()), [&](int n, int) {
     grid::Block const& block = grid_->blocks()[blocks[static_cast<std::size_t>(n)]];
@@ -75,6 +103,7 @@ bool Obstacles::reach_obstacle(grid::Block const& block, int d) const {
   if (!blocks_[block.number].solid.empty()) return true;
   for (int face = 2 * d; face < 2 * d + 2; ++face) {
     int other = block.neighbour[face];
+    if (block.beyond[face] == grid::Beyond::nothing) return true;
     if (block.beyond[face] == grid::Beyond::coarser) other = grid::coarser_block_beyond(*grid_, block, face);
     if (other == grid::no_neighbour) continue;
     // Behind a thin block there is another one.
@@ -215,7 +244,8 @@ std::vector<int> Obstacles::open(int level, std::vector<Index3> const& cells) {
     });
     if (sees) changed.push_back(b);
   }
-  find_near_walls(blocks_near(level, cells, near_wall_cells + 1));
+  gone_.clear();
+  find_near_walls_of(blocks_near(level, cells, near_wall_cells + 1));
   return changed;
 }
 

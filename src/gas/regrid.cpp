@@ -64,8 +64,8 @@ void Gas::refine_into(grid::Block const& block, Contents& contents) const {
   };
   grid::Domain const& domain = grid_->domain(level);
   if (grid::common(patch.box(), domain.all_cells()).count() == patch.box().count()) {
-    grid_->for_each_block_in(level, patch.box(), [&](grid::Block const& from, grid::CellRange const& cells) {
-      for_each_cell(cells, [&](Index3 const& index) { take(index, from.cell_with(index)); });
+    grid_->for_each_block_in(level, patch.box(), [&](grid::Block const& from, grid::CellRange const& part) {
+      for_each_cell(part, [&](Index3 const& index) { take(index, from.cell_with(index)); });
     });
   } else {
     for_each_cell(patch.box(), [&](Index3 const& index) {
@@ -114,7 +114,7 @@ void Gas::regrid(grid::Grid& grid, grid::Forest const& forest, Furnish const& fu
   disturbance_.rearrange(blocks, before);
   open_faces_.follow(old, before);
   exchange_.follow_blocks();
-  obstacles.rearrange(blocks, before);
+  obstacles.rearrange(old, blocks, before);
   cut = CutCells(grid, options_.bundle_cells);
   burn.rearrange(blocks, before);
   coupling.rearrange(blocks, before);

@@ -56,6 +56,7 @@ bool reaches_into(shape::Shape const& shape, grid::Domain const& domain, grid::C
 
 LevelObstacles::LevelObstacles(Case const& setup)
     : domain_(setup.domain),
+      block_size_(grid::refinable_partition_of(setup.domain, setup.numerics.block_cells).size),
       level_(setup.adaptive.obstacles),
       finest_(setup.adaptive.finest),
       cut_(has_cut_cells(setup)) {
@@ -76,14 +77,14 @@ bool LevelObstacles::fit(int level, grid::CellRange const& cells) const {
   return fits;
 }
 
-LevelObstacles::OfBlock LevelObstacles::find(grid::Block const& block, grid::Domain const& domain) const {
+LevelObstacles::OfBlock LevelObstacles::find(int level, grid::CellRange const& cells) const {
   OfBlock of;
-  grid::CellRange const box = block.with_ghosts();
-  grid::CellRange const cells = block.in_domain();
+  grid::Domain const domain = domain_.refined(level);
+  grid::CellRange const box = cells.grown(grid::ghost_layers, domain.dimensions());
   // Beyond the domain lie images, maybe of cells at its other end: those are looked at one by one.
   grid::CellRange const near =
       grid::common(cells.grown(grid::ghost_layers + cut_margin, domain.dimensions()), domain.all_cells());
-  bool const cut = cut_ && block.level == level_;
+  bool const cut = cut_ && level == level_;
   shape::CutGeometry geometry;
   if (cut) geometry = shape::cut_cells(shapes_, domain, near);
   auto const by_half = [&](Index3 const& cell) {
@@ -105,25 +106,41 @@ LevelObstacles::OfBlock LevelObstacles::find(grid::Block const& block, grid::Dom
   }
   bool any = !of.cut.empty();
   of.solid.assign(box.count(), 0);
-  for_each_cell(box, [&](Index3 const& within) {
-    Index3 const cell = grid::image_cell(domain, block.index(within));
+  for_each_cell(box, [&](Index3 const& index) {
+    Index3 const cell = grid::image_cell(domain, index);
     bool const here = near.contains(cell) ? solid[near.offset(cell)] != 0 : by_half(cell);
     if (!here) return;
-    of.solid[box.offset(within)] = 1;
+    of.solid[box.offset(index)] = 1;
     any = true;
   });
   if (!any) of.solid.clear();
   return of;
 }
 
+LevelObstacles::OfBlock const& LevelObstacles::of(int level, grid::CellRange const& cells) const {
+  std::lock_guard const lock(mutex_);
+  auto const [found, fresh] = known_.try_emplace({level, cells.lower});
+  if (fresh) found->second = find(level, cells);
+  return found->second;
+}
+
+bool LevelObstacles::solid(int level, Index3 const& cell) const {
+  grid::CellRange const all = domain_.refined(level).all_cells();
+  if (shapes_.empty() || !all.contains(cell)) return false;
+  grid::CellRange block{cell, cell};
+  for (int d = 0; d < domain_.dimensions(); ++d) {
+    block.lower[d] = cell[d] / block_size_[d] * block_size_[d];
+    block.upper[d] = block.lower[d] + block_size_[d];
+  }
+  for (int d = domain_.dimensions(); d < 3; ++d) ++block.upper[d];
+  block = grid::common(block, all);
+  std::vector<std::uint8_t> const& marks = of(level, block).solid;
+  return !marks.empty() && marks[block.grown(grid::ghost_layers, domain_.dimensions()).offset(cell)] != 0;
+}
+
 void LevelObstacles::furnish(gas::Gas& gas, std::vector<int> const& new_blocks) const {
   if (shapes_.empty()) return;
   grid::Grid const& grid = gas.grid();
-  auto const of = [&](grid::Block const& block) -> OfBlock const& {
-    auto const [found, fresh] = known_.try_emplace({block.level, block.in_domain().lower});
-    if (fresh) found->second = find(block, grid.domain_of(block));
-    return found->second;
-  };
   for (int const b : new_blocks) {
     grid::Block const& block = grid.blocks()[b];
     if (block.level > level_ && !fit(block.level, block.in_domain())) {
@@ -134,14 +151,14 @@ void LevelObstacles::furnish(gas::Gas& gas, std::vector<int> const& new_blocks) 
                       "refinement away from the obstacle",
                       x[0], x[1], x[2], block.h(), grid.domain(level_).smallest_cell()));
     }
-    OfBlock const& found = of(block);
+    OfBlock const& found = of(block.level, block.in_domain());
     if (!found.solid.empty()) gas.obstacles.set(b, found.solid);
   }
   if (!cut_ || level_ >= grid.levels()) return;
   std::vector<shape::CutCell> cells;
   for (int const b : grid.blocks_of(level_)) {
     if (grid.blocks()[b].covered) continue;
-    OfBlock const& found = of(grid.blocks()[b]);
+    OfBlock const& found = of(level_, grid.blocks()[b].in_domain());
     cells.insert(cells.end(), found.cut.begin(), found.cut.end());
   }
   gas.cut.set(

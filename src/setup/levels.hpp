@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "case/case.hpp"
@@ -27,6 +28,8 @@ class LevelObstacles {
   /// Marks the obstacles of blocks that are new and sets all cut cells. Throws InputError where a surface lies in cells
   /// of a finer level than its own.
   void furnish(gas::Gas& gas, std::vector<int> const& new_blocks) const;
+  /// What a block of a level would mark, whether there is one or not. Threads may ask at once.
+  [[nodiscard]] bool solid(int level, Index3 const& cell) const;
 
  private:
   /// What obstacles make of a block.
@@ -34,15 +37,19 @@ class LevelObstacles {
     std::vector<std::uint8_t> solid;  ///< over `Block::with_ghosts`; empty: none
     std::vector<shape::CutCell> cut;
   };
-  [[nodiscard]] OfBlock find(grid::Block const& block, grid::Domain const& domain) const;
+  /// Of a block that has some cells of the domain.
+  [[nodiscard]] OfBlock const& of(int level, grid::CellRange const& cells) const;
+  [[nodiscard]] OfBlock find(int level, grid::CellRange const& cells) const;
 
   std::vector<shape::Shape> shapes_;
   grid::Domain domain_;
+  Index3 block_size_;
   int level_;
   int finest_;
   bool cut_;
   /// By the level and the index of the first cell.
   mutable std::map<std::pair<int, Index3>, OfBlock> known_;
+  mutable std::mutex mutex_;
   mutable std::map<std::pair<int, Index3>, bool> fits_;
 };
 

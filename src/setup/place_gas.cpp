@@ -136,6 +136,8 @@ void place_gas(run::System& w) {
   std::shared_ptr<LevelObstacles const> obstacles;
   if (setup.adaptive.any()) {
     obstacles = std::make_shared<LevelObstacles const>(setup);
+    if (obstacles->any())
+      gas.obstacles.set_elsewhere([obstacles](int level, Index3 const& cell) { return obstacles->solid(level, cell); });
     place_obstacles(setup, *obstacles, gas);
   } else {
     place_obstacles(setup, solid, gas);

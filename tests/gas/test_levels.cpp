@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <tuple>
 
@@ -54,6 +55,25 @@ struct LevelProblem : Problem {
     fill_grid(state);
   }
 
+  /// Is a cell of a level a part of one of the coarsest ones?
+  [[nodiscard]] bool lies_in(grid::CellRange const& coarsest, int level, Index3 cell) const {
+    for (int d = 0; d < domain.dimensions(); ++d) cell[d] = static_cast<int>(std::floor(std::ldexp(cell[d], -level)));
+    return coarsest.contains(cell);
+  }
+  /// Makes an obstacle of some of the coarsest cells, in blocks.
+  void place_obstacle(gas::Gas& of, std::vector<int> const& blocks, grid::CellRange const& obstacle) const {
+    for (int const b : blocks) {
+      grid::Block const& block = grid->blocks()[b];
+      grid::CellRange const box = block.with_ghosts();
+      std::vector<std::uint8_t> solid(box.count(), 0);
+      grid::for_each_cell(box, [&](Index3 const& within) {
+        solid[box.offset(within)] = lies_in(obstacle, block.level, block.index(within)) ? 1 : 0;
+      });
+      if (std::count(solid.begin(), solid.end(), 1) > 0) of.obstacles.set(b, std::move(solid));
+    }
+  }
+
+  using Furnish = gas::Gas::Furnish;
   /// Refines and merges blocks at random.
   void regrid(std::minstd_rand& random, int most_level) {
     std::vector<std::int8_t> marks(forest->leaves().size());
@@ -61,9 +81,38 @@ struct LevelProblem : Problem {
     forest->adapt(marks, most_level);
     gas->regrid(*grid, *forest);
   }
+  /// Refines blocks around a place, merges others.
+  void regrid_around(Vec3 const& place, double radius, int most_level, Furnish const& furnish) {
+    std::vector<std::int8_t> marks;
+    for (Leaf const& leaf : forest->leaves()) {
+      Vec3 way{0.0, 0.0, 0.0};
+      for (int d = 0; d < domain.dimensions(); ++d)
+        way[d] = domain.lower[d] + (leaf.place[d] + 0.5) * size[d] * std::ldexp(domain.h, -leaf.level) - place[d];
+      marks.push_back(static_cast<std::int8_t>(norm(way) < radius ? 1 : -1));
+    }
+    forest->adapt(marks, most_level);
+    gas->regrid(*grid, *forest, furnish);
+  }
   void step(double courant_number) {
     gas->advance(courant_number * domain.h / gas->fastest_signal(), steps % 2 == 1);
     ++steps;
+  }
+
+  /// Of all blocks, in order.
+  [[nodiscard]] std::vector<std::array<int, 7>> near_walls() const {
+    std::vector<std::array<int, 7>> runs;
+    for (grid::Block const& block : grid->blocks()) {
+      for (int d = 0; d < domain.dimensions(); ++d) {
+        int const bundles = grid::Bundles(block, d, options.bundle_cells).count();
+        for (int n = 0; n < bundles; ++n) {
+          auto const* const found = gas->obstacles.near_walls(block.number, d, n);
+          if (found == nullptr) continue;
+          for (gas::WallRun const& run : *found)
+            runs.push_back({block.number, d, run.q, run.count, run.distance, run.change, run.above ? 1 : 0});
+        }
+      }
+    }
+    return runs;
   }
 
   /// Calls visit(block, cell) for the cells of all leaves.
@@ -219,6 +268,46 @@ TEST_P(Levels, LoseNothingWhileBlocksComeAndGo) {
   }
   EXPECT_EQ(problem.gas->account().guarded_cells, 0);
   for (int n = 0; n < 3; ++n) EXPECT_NEAR(problem.total(components[n]) / before[n], 1.0, 1e-12) << n;
+}
+
+TEST_P(Levels, LoseNothingBesideAnObstacleWhileBlocksComeAndGo) {
+  auto const [geometry, scheme] = GetParam();
+  int const dims = grid::dimensions(geometry);
+  LevelProblem problem = problem_with(geometry, Boundary::wall, 2, dims > 2 ? 32 : 64);
+  problem.options.scheme = scheme;
+  // Off the ends of blocks by a cell and more.
+  int const last = problem.domain.cells[0];
+  grid::CellRange const obstacle{{17, 13, dims > 2 ? 9 : 0}, {last / 2 + 5, 23, dims > 2 ? 18 : 1}};
+  Vec3 const place{0.37, 0.2, dims > 2 ? 0.25 : 0.0};
+  problem.fill([&](Vec3 const& x) {
+    Vec3 way = x - place;
+    for (int d = dims; d < 3; ++d) way[d] = 0.0;
+    return norm(way) < 0.1 ? state(3.0, 0.0, 2e6) : state(1.2, 0.0, 1e5);
+  });
+  std::vector<int> all(problem.grid->blocks().size());
+  std::iota(all.begin(), all.end(), 0);
+  problem.gas->obstacles.set_elsewhere(
+      [&](int level, Index3 const& cell) { return problem.lies_in(obstacle, level, cell); });
+  problem.place_obstacle(*problem.gas, all, obstacle);
+  problem.gas->start();
+  std::array<int, 2> const components{gas::partial_density(0), gas::energy};
+  std::array<double, 2> before{};
+  for (int n = 0; n < 2; ++n) before[n] = problem.total(components[n]);
+  std::minstd_rand random(11);
+  for (int n = 0; n < (dims > 2 ? 8 : 60); ++n) {
+    auto const at = [&] { return static_cast<double>(random() % 1000) / 1000.0; };
+    Vec3 const middle{at(), at(), dims > 2 ? at() : 0.0};
+    problem.regrid_around(middle, 0.4, 2, [&](std::vector<int> const& blocks) {
+      problem.place_obstacle(*problem.gas, blocks, obstacle);
+    });
+    problem.step(0.5);
+    if (n % 4 != 3) continue;
+    auto const kept = problem.near_walls();
+    problem.gas->obstacles.find_near_walls();
+    ASSERT_TRUE(problem.near_walls() == kept) << "after change " << n;
+  }
+  EXPECT_EQ(problem.gas->account().guarded_cells, 0);
+  for (int n = 0; n < 2; ++n) EXPECT_NEAR(problem.total(components[n]) / before[n], 1.0, 1e-12) << n;
 }
 
 TEST_P(Levels, KeepAnInterfaceUniformWhileBlocksComeAndGo) {
