@@ -7,25 +7,9 @@
 #include "core/parallel.hpp"
 #include "grid/exchange_plan.hpp"
 #include "grid/fine_cells.hpp"
+#include "grid/means.hpp"
 
 namespace brisance::gas {
-
-namespace {
-
-/// Means of the parts of a row of coarse cells, as `grid::Parts::mean` has them.
-template <int count>
-void means_of_row(grid::Parts const& parts, double const* fine, double* means, int cells) {
-  std::array<double const*, count> at{};
-  for (int n = 0; n < count; ++n) at[n] = fine + parts.offset[n];
-  for (int i = 0; i < cells; ++i) {
-    double const first = at[0][2 * i];
-    double sum = 0.0;
-    for (int n = 1; n < count; ++n) sum += parts.share[n] * (at[n][2 * i] - first);
-    means[i] = first + sum;
-  }
-}
-
-}  // namespace
 
 grid::CellRange Levels::face_cells(grid::Block const& block, int face) {
   grid::CellRange cells = block.interior();
@@ -53,28 +37,40 @@ Levels::Contact Levels::contact_at(grid::Block const& fine, int face) const {
 
 Levels::Strip Levels::strip_at(Contact const& contact, IsSolid const& is_solid) const {
   int const level = grid_->blocks()[contact.coarse].level;
+  int const dims = grid_->domain().dimensions();
   grid::Domain const& domain = grid_->domain(level);
   Strip strip;
-  strip.box = contact.core.grown(1, domain.dimensions());
-  strip.sources.resize(strip.box.count());
-  auto const take = [&](std::size_t place, grid::Cell const& cell) {
-    strip.sources[place] = {cell.block, cell.offset, is_solid && is_solid(cell)};
-    if (strip.blocks.empty() || strip.blocks.back() != cell.block) strip.blocks.push_back(cell.block);
+  strip.box = contact.core.grown(1, dims);
+  strip.holds.assign(strip.box.count(), Holds::nothing);
+  // Slopes look at faces: what lies beyond an edge of the core has no say.
+  auto const beyond = [&](Index3 const& cell, int d) {
+    return cell[d] < contact.core.lower[d] || cell[d] >= contact.core.upper[d] ? 1 : 0;
+  };
+  auto const take_row = [&](grid::Block const& block, Index3 const& index, Index3 const& first, int count) {
+    if (beyond(first, 1) + beyond(first, 2) > 1) return;
+    grid::Cell const cell = block.cell_with(index);
+    std::size_t const place = strip.box.offset(first);
+    strip.rows.push_back({block.number, cell.offset, count, place});
+    for (int i = 0; i < count; ++i) {
+      bool const solid = is_solid && is_solid(block.cell_with({index[0] + i, index[1], index[2]}));
+      strip.holds[place + i] = solid ? Holds::solid : Holds::gas;
+    }
+    if (strip.blocks.empty() || strip.blocks.back() != block.number) strip.blocks.push_back(block.number);
   };
   if (grid::common(strip.box, domain.all_cells()).count() == strip.box.count()) {
     grid_->for_each_block_in(level, strip.box, [&](grid::Block const& block, grid::CellRange const& cells) {
-      for_each_cell(cells, [&](Index3 const& index) { take(strip.box.offset(index), block.cell_with(index)); });
+      for_each_row(cells, [&](Index3 const& first) { take_row(block, first, first, cells.n(0)); });
     });
   } else {
     for_each_cell(strip.box, [&](Index3 const& cell) {
       Index3 image = cell;
       if (!CoarsePatch::find_image(domain, image)) return;
-      if (auto const found = grid_->locate(level, image)) take(strip.box.offset(cell), *found);
+      int const block = grid_->block_of(level, image);
+      if (block != grid::no_neighbour) take_row(grid_->blocks()[block], image, cell, 1);
     });
   }
   std::sort(strip.blocks.begin(), strip.blocks.end());
   strip.blocks.erase(std::unique(strip.blocks.begin(), strip.blocks.end()), strip.blocks.end());
-  for (auto& stage : strip.stages) stage.resize(strip.sources.size());
   return strip;
 }
 
@@ -83,8 +79,9 @@ void Levels::close(Contact& contact, Strip const& strip) {
   bool any = false;
   contact.closed.clear();
   for_each_cell(contact.core, [&](Index3 const& cell) {
-    bool const closed = strip.sources[strip.box.offset(cell)].solid ||
-                        strip.sources[strip.box.offset(grid::beside(cell, d, 1 - contact.face % 2))].solid;
+    Index3 const behind = grid::beside(cell, d, 1 - contact.face % 2);
+    bool const closed =
+        strip.holds[strip.box.offset(cell)] == Holds::solid || strip.holds[strip.box.offset(behind)] == Holds::solid;
     contact.closed.push_back(closed ? 1 : 0);
     any = any || closed;
   });
@@ -105,19 +102,24 @@ Levels::Levels(grid::Grid const& grid, Fluids const& fluids, int components, IsS
     if (block.covered) covered_[block.level].push_back(block.number);
     for (int face = 0; face < 6; ++face) {
       if (block.beyond[face] != grid::Beyond::coarser) continue;
-      Contact contact = contact_at(block, face);
-      int const level = block.level - 1;
-      strip_of_[block.number][face] = static_cast<int>(strips_[level].size());
-      strips_[level].push_back(strip_at(contact, is_solid));
-      if (is_solid) close(contact, strips_[level].back());
-      contacts_[level].push_back(contact);
+      std::vector<Contact>& contacts = contacts_[block.level - 1];
+      strip_of_[block.number][face] = static_cast<int>(contacts.size());
+      contacts.push_back(contact_at(block, face));
       auto const make = [&](grid::Block const& of, int its_face) {
         auto& sum = registers_[of.number][its_face].sum;
         if (sum.empty()) sum.assign(face_cells(of, its_face).count() * values(), 0.0);
       };
       make(block, face);
-      make(grid.blocks()[contact.coarse], 2 * (face / 2) + 1 - face % 2);
+      make(grid.blocks()[contacts.back().coarse], 2 * (face / 2) + 1 - face % 2);
     }
+  }
+  for (int level = 0; level < grid.levels(); ++level) {
+    std::vector<Contact>& contacts = contacts_[level];
+    strips_[level].resize(contacts.size());
+    parallel_for(static_cast<int>(contacts.size()), [&](int n, int) {
+      strips_[level][n] = strip_at(contacts[n], is_solid);
+      if (is_solid) close(contacts[n], strips_[level][n]);
+    });
   }
 }
 
@@ -132,16 +134,22 @@ void Levels::gather(grid::Fields const& fields, grid::AwakeBlocks const& awake, 
   bool const quiet = std::none_of(strip.blocks.begin(), strip.blocks.end(), is_awake);
   if (stage == 0) strip.quiet = quiet;
   if (quiet && strip.quiet) return;
+  std::size_t const pitch = strip.box.count();
+  auto const make = [&](int of) {
+    if (strip.stages[of].empty()) strip.stages[of].assign(pitch * components_, 0.0);
+    return strip.stages[of].data();
+  };
   if (strip.quiet) {  // it has been disturbed since
     strip.quiet = false;
-    for (int before = 0; before < stage; ++before)
-      std::fill(strip.stages[before].begin(), strip.stages[before].end(), quiet_);
+    for (int before = 0; before < stage; ++before) {
+      double* const cells = make(before);
+      for (int c = 0; c < components_; ++c) std::fill_n(cells + pitch * c, pitch, quiet_[c]);
+    }
   }
-  std::vector<Components>& cells = strip.stages[stage];
-  for (std::size_t n = 0; n < cells.size(); ++n) {
-    auto const [block, offset, solid] = strip.sources[n];
-    if (block == grid::no_neighbour) continue;
-    for (int c = 0; c < components_; ++c) cells[n][c] = fields.at(block, c)[offset];
+  double* const cells = make(stage);
+  for (int c = 0; c < components_; ++c) {
+    for (Strip::Row const& row : strip.rows)
+      std::copy_n(fields.at(row.block, c) + row.offset, row.count, cells + pitch * c + row.place);
   }
 }
 
@@ -165,20 +173,21 @@ void Levels::begin_fine_step(int level, double begun, double length) {
   clock_[level].done = {false, false, false};
 }
 
-Components Levels::at_present(Strip const& strip, std::size_t cell, int coarse_level) const {
+std::vector<double> Levels::at_present(Strip const& strip, int coarse_level) const {
   Clock const& coarse = clock_[coarse_level];
   Clock const& fine = clock_[coarse_level + 1];
-  Components const& first = strip.stages[0][cell];
-  Components u = first;
-  if (fine.begun > 0.0) {
-    Components const& last = strip.stages[coarse.sweeps][cell];
-    for (int c = 0; c < components_; ++c) u[c] += fine.begun * (last[c] - first[c]);
-  }
+  std::vector<double> u = strip.stages[0];
+  auto const add = [&u](double part, std::vector<double> const& before, std::vector<double> const& after) {
+    double* const to = u.data();
+    double const* const from = before.data();
+    double const* const until = after.data();
+    auto const count = static_cast<int>(u.size());
+    BRISANCE_VECTOR_LOOP
+    for (int n = 0; n < count; ++n) to[n] += part * (until[n] - from[n]);
+  };
+  if (fine.begun > 0.0) add(fine.begun, strip.stages[0], strip.stages[coarse.sweeps]);
   for (int n = 0; n < coarse.sweeps; ++n) {
-    if (!fine.done[coarse.order[n]]) continue;
-    Components const& before = strip.stages[n][cell];
-    Components const& after = strip.stages[n + 1][cell];
-    for (int c = 0; c < components_; ++c) u[c] += fine.length * (after[c] - before[c]);
+    if (fine.done[coarse.order[n]]) add(fine.length, strip.stages[n], strip.stages[n + 1]);
   }
   return u;
 }
@@ -196,12 +205,15 @@ void Levels::fill(int b, int face, double* ghosts) const {
     return;
   }
   CoarsePatch patch(fluids_, components_, grid_->domain(level), contact.core);
-  for (std::size_t n = 0; n < strip.sources.size(); ++n) {
-    if (strip.sources[n].block == grid::no_neighbour) continue;
-    if (strip.sources[n].solid)
-      patch.set_solid(n, strip.stages[0][n]);
+  std::vector<double> const cells = at_present(strip, level);
+  for (std::size_t n = 0; n < strip.holds.size(); ++n) {
+    if (strip.holds[n] == Holds::nothing) continue;
+    Components u{};
+    for (int c = 0; c < components_; ++c) u[c] = cells[strip.holds.size() * c + n];
+    if (strip.holds[n] == Holds::solid)
+      patch.set_solid(n, u);
     else
-      patch.set(n, at_present(strip, n, level));
+      patch.set(n, u);
   }
   grid::CellRange const beyond = grid::ghosts_in_domain(block, face);
   Prolongation::Parts parts;
@@ -292,28 +304,14 @@ void Levels::find_means(grid::Fields& fields, grid::AwakeBlocks const& awake, st
 }
 
 bool Levels::find_means(grid::Fields& fields, grid::Block const& coarse, grid::Block const& fine) const {
-  int const dims = grid_->domain().dimensions();
-  grid::CellRange const cells = grid::coarse_cells(fine.in_domain(), dims);
-  grid::Parts const first = grid::parts_of(*grid_, coarse.level, cells.lower);
-  bool const radial = grid::radial_exponent(fine.metric.geometry) > 0;
+  grid::CellRange const cells = grid::coarse_cells(fine.in_domain(), grid_->domain().dimensions());
+  grid::CellRange const box = coarse.in_domain();
   bool quiet = true;
   for (int c = 0; c < components_; ++c) {
-    double const* const from = fields.at(fine.number, c);
-    for_each_row(cells, [&](Index3 const& row) {
-      double* const to = fields.at(coarse.number, c) + coarse.in_domain().offset(row);
-      Index3 const corner = grid::fine_cells(row, dims).lower;
-      if (radial) {  // rings have shares of their own
-        Index3 cell = row;
-        for (int i = 0; i < cells.n(0); ++i, ++cell[0]) to[i] = grid::parts_of(*grid_, coarse.level, cell).mean(from);
-      } else {
-        double const* const fine_row = from + fine.in_domain().offset(corner) - first.offset[0];
-        if (dims == 3)
-          means_of_row<8>(first, fine_row, to, cells.n(0));
-        else
-          means_of_row<4>(first, fine_row, to, cells.n(0));
-      }
-      quiet = quiet && all_equal(to, cells.n(0), quiet_[c]);
-    });
+    double* const to = fields.at(coarse.number, c);
+    grid::take_means(fine, fields.at(fine.number, c), box, to);
+    for_each_row(
+        cells, [&](Index3 const& first) { quiet = quiet && all_equal(to + box.offset(first), cells.n(0), quiet_[c]); });
   }
   return !quiet;
 }

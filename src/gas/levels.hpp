@@ -86,18 +86,23 @@ class Levels {
     grid::CellRange core;              ///< the coarse cells beside the face, by their index in the domain
     std::vector<std::uint8_t> closed;  ///< of the core: nothing goes through the face; empty: through all of it
   };
+  enum class Holds : std::uint8_t { nothing, gas, solid };
   struct Strip {
     grid::CellRange box;  ///< the core of its contact and one layer around
-    struct Source {
-      int block = grid::no_neighbour;
+    /// Cells of the box along x that follow each other in a block.
+    struct Row {
+      int block = 0;
       int offset = 0;
-      bool solid = false;
+      int count = 0;
+      std::size_t place = 0;  ///< in the box
     };
-    std::vector<Source> sources;  ///< of the cells of the box
-    std::vector<int> blocks;      ///< that give something
-    bool quiet = false;           ///< all of them have slept since the step began
-    /// The cells at the start of the step and after each sweep: components in turn for each cell.
-    std::array<std::vector<Components>, 4> stages;
+    std::vector<Row> rows;
+    std::vector<Holds> holds;  ///< what the cells of the box hold
+    std::vector<int> blocks;   ///< that give something
+    bool quiet = false;        ///< all of them have slept since the step began
+    /// The cells at the start of the step and after each sweep: arrays over the box, component by component. Empty
+    /// as long as none was needed.
+    std::array<std::vector<double>, 4> stages;
   };
   /// Where a level stands within a step of the level below it.
   struct Clock {
@@ -114,8 +119,8 @@ class Levels {
   static void close(Contact& contact, Strip const& strip);
   [[nodiscard]] Strip strip_at(Contact const& contact, IsSolid const& is_solid) const;
   void gather(grid::Fields const& fields, grid::AwakeBlocks const& awake, Strip& strip, int stage) const;
-  /// The state of a strip's cell at the time of the fine level.
-  [[nodiscard]] Components at_present(Strip const& strip, std::size_t cell, int coarse_level) const;
+  /// The arrays of a strip at the time of the fine level.
+  [[nodiscard]] std::vector<double> at_present(Strip const& strip, int coarse_level) const;
   [[nodiscard]] int values() const { return components_ + 1; }
   [[nodiscard]] double* entry(int block, int face, grid::Cell const& cell);
 

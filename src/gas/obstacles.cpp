@@ -178,6 +178,9 @@ void Obstacles::find_near_walls(grid::Block const& block, int d, bool any_obstac
       return solid[l - 1] != solid[l] || (upper == 0 && is_rigid_face(d, 0)) ||
              (upper == domain.cells[d] && is_rigid_face(d, 1));
     };
+    bool any_rigid = false;
+    for (int l = 1; l < length && !any_rigid; ++l) any_rigid = rigid(l);
+    if (!any_rigid) return;
     below[0] = far_away;
     for (int l = 1; l < length; ++l) below[l] = rigid(l) ? 0 : std::min(far_away, below[l - 1] + 1);
     above[length - 1] = far_away;

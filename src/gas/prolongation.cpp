@@ -151,6 +151,18 @@ class Split {
 
 }  // namespace
 
+namespace {
+
+/// Is there no more than a trace of any fluid but the ambient one? Sweeps then look at nothing else either.
+bool is_pure(Fluids const& fluids, PhaseState const& state) {
+  for (int k = 1; k < fluids.count; ++k) {
+    if (state.alpha[k] > vanishing_fraction) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 PhaseState phase_state_of(Fluids const& fluids, Components const& u) {
   PhaseState state;
   Fractions const alpha = volume_fractions(fluids.count, u.data());
@@ -161,8 +173,13 @@ PhaseState phase_state_of(Fluids const& fluids, Components const& u) {
     if (alpha[k] > vanishing_fraction) state.density[k] = partial[k] / alpha[k];
   }
   for (int d = 0; d < 3; ++d) state.velocity[d] = u[momentum_x + d] / rho;
-  state.pressure =
-      mixture(fluids, partial, alpha).pressure(u[energy] - 0.5 * rho * dot(state.velocity, state.velocity));
+  double const internal = u[energy] - 0.5 * rho * dot(state.velocity, state.velocity);
+  auto const* const ideal = std::get_if<material::IdealGas>(&fluids.ambient());
+  if (ideal != nullptr && is_pure(fluids, state)) {
+    state.pressure = (ideal->gamma - 1.0) * internal;
+    return state;
+  }
+  state.pressure = mixture(fluids, partial, alpha).pressure(internal);
   return state;
 }
 

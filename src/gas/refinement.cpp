@@ -5,96 +5,14 @@
 #include <optional>
 
 #include "core/archive.hpp"
-#include "core/loops.hpp"
 #include "core/parallel.hpp"
 #include "gas/gas.hpp"
-#include "gas/prolongation.hpp"
+#include "gas/shock_norm.hpp"
 #include "grid/fine_cells.hpp"
 
 namespace brisance::gas {
 
 namespace {
-
-/// Pressure and velocity of a block's cells and of one layer beyond each face, as far as blocks of the same level
-/// reach.
-class Surroundings {
- public:
-  Surroundings(Gas const& gas, grid::Block const& block)
-      : gas_(&gas), box_(block.interior().grown(1, block.metric.dimensions())) {
-    for (auto& array : values_) array.assign(box_.count(), 0.0);
-    take(block.number, block.interior(), {0, 0, 0});
-    for (int face = 0; face < 2 * block.metric.dimensions(); ++face) {
-      int const other = block.neighbour[face];
-      known_[face] = other != grid::no_neighbour;
-      if (!known_[face]) continue;
-      grid::Block const& beyond = gas.grid().blocks()[other];
-      int const d = face / 2;
-      grid::CellRange layer = beyond.interior();
-      Index3 move{0, 0, 0};
-      if (face % 2 == 0) {
-        layer.lower[d] = beyond.n[d] - 1;
-        move[d] = -beyond.n[d];
-      } else {
-        layer.upper[d] = 1;
-        move[d] = block.n[d];
-      }
-      take(other, layer, move);
-    }
-  }
-  [[nodiscard]] grid::CellRange const& box() const { return box_; }
-  /// Is there a layer beyond a face?
-  [[nodiscard]] bool known(int face) const { return known_[face]; }
-  [[nodiscard]] double const* pressure() const { return values_[3].data(); }
-  [[nodiscard]] double const* velocity(int d) const { return values_[d].data(); }
-
- private:
-  /// Takes cells of a block, each to the place of its index moved by some cells.
-  void take(int block, grid::CellRange const& cells, Index3 const& move) {
-    grid::Block const& from = gas_->grid().blocks()[block];
-    for_each_row(cells, [&](Index3 const& first) {
-      std::size_t const to = box_.offset({first[0] + move[0], first[1] + move[1], first[2] + move[2]});
-      take_row(block, from.cell(first).offset, cells.n(0), to);
-    });
-  }
-  void take_row(int block, int at, int count, std::size_t to) {
-    material::Fluids const& fluids = gas_->fluids();
-    grid::Fields const& fields = gas_->fields();
-    bool pure = true;
-    for (int k = 1; k < fluids.count && pure; ++k)
-      pure = all_equal(fields.at(block, volume_fraction(k)) + at, count, 0.0);
-    auto const* const ideal = std::get_if<material::IdealGas>(&fluids.ambient());
-    if (!pure || ideal == nullptr) {
-      for (int n = 0; n < count; ++n) take_mixture(block, at + n, to + n);
-      return;
-    }
-    std::array<double const*, 5> u{};
-    for (int d = 0; d < 3; ++d) u[d] = fields.at(block, momentum_x + d) + at;
-    u[3] = fields.at(block, energy) + at;
-    u[4] = fields.at(block, partial_density(0)) + at;
-    double const factor = ideal->gamma - 1.0;
-    BRISANCE_VECTOR_LOOP
-    for (int n = 0; n < count; ++n) {
-      double const inverse = 1.0 / u[4][n];
-      double const square = u[0][n] * u[0][n] + u[1][n] * u[1][n] + u[2][n] * u[2][n];
-      values_[0][to + n] = inverse * u[0][n];
-      values_[1][to + n] = inverse * u[1][n];
-      values_[2][to + n] = inverse * u[2][n];
-      values_[3][to + n] = factor * (u[3][n] - 0.5 * inverse * square);
-    }
-  }
-  void take_mixture(int block, int at, std::size_t to) {
-    Components u{};
-    for (int c = 0; c < gas_->fields().components(); ++c) u[c] = gas_->fields().at(block, c)[at];
-    PhaseState const state = phase_state_of(gas_->fluids(), u);
-    for (int d = 0; d < 3; ++d) values_[d][to] = state.velocity[d];
-    values_[3][to] = state.pressure;
-  }
-
-  Gas const* gas_;
-  grid::CellRange box_;
-  std::array<std::vector<double>, 4> values_;  ///< velocity, pressure
-  std::array<bool, 6> known_{};
-};
 
 /// Blocks around a block that cells which ask reach with the buffer: bits by the offset in {-1, 0, 1}^3.
 struct Reach {
@@ -103,11 +21,6 @@ struct Reach {
     return offset[0] + 1 + 3 * (offset[1] + 1) + 9 * (offset[2] + 1);
   }
 };
-
-/// How a cell asks: that it does, and towards which faces what asks moves.
-constexpr std::uint8_t asking_bit = 1;
-constexpr std::uint8_t towards(int face) { return static_cast<std::uint8_t>(2U << static_cast<unsigned>(face)); }
-constexpr std::uint8_t everywhere = 0x7f;
 
 Reach reach_of(grid::Block const& block, std::vector<std::uint8_t> const& asks, int buffer) {
   constexpr int beside = 2;  // cells that every shock needs around: it is as thick
@@ -120,7 +33,7 @@ Reach reach_of(grid::Block const& block, std::vector<std::uint8_t> const& asks, 
     Index3 most{0, 0, 0};
     Index3 const within = cell.within();
     for (int d = 0; d < dims; ++d) {
-      auto const cells = [&](int side) { return (how & towards(2 * d + side)) != 0 ? buffer : beside; };
+      auto const cells = [&](int side) { return (how & asks_towards(2 * d + side)) != 0 ? buffer : beside; };
       if (within[d] < cells(0)) least[d] = -1;
       if (within[d] >= block.n[d] - cells(1)) most[d] = 1;
     }
@@ -129,82 +42,6 @@ Reach reach_of(grid::Block const& block, std::vector<std::uint8_t> const& asks, 
   });
   return reach;
 }
-
-}  // namespace
-
-namespace {
-
-/// Sums over the directions that the norm is made of, cell by cell.
-struct NormSums {
-  std::vector<double> above, below, divergence;
-  std::array<std::vector<double>, 3> rise;  ///< of the pressure along a direction, over two cells [Pa]
-  explicit NormSums(int cells) : above(cells, 0.0), below(cells, 0.0), divergence(cells, 0.0) {
-    for (auto& along : rise) along.assign(cells, 0.0);
-  }
-
-  void add(Surroundings const& around, grid::Block const& block, int d, double filter) {
-    grid::CellRange cells = block.interior();
-    if (!around.known(2 * d)) ++cells.lower[d];
-    if (!around.known(2 * d + 1)) --cells.upper[d];
-    std::ptrdiff_t const step = around.box().stride(d);
-    for_each_row(cells, [&](Index3 const& first) {
-      std::size_t const from = around.box().offset(first);
-      double const* const p = around.pressure() + from;
-      double const* const u = around.velocity(d) + from;
-      int const to = block.cell(first).offset;
-      double* const a = above.data() + to;
-      double* const b = below.data() + to;
-      double* const div = divergence.data() + to;
-      double* const along = rise[d].data() + to;
-      BRISANCE_VECTOR_LOOP
-      for (int i = 0; i < cells.n(0); ++i) {
-        double const second = p[i + step] - 2.0 * p[i] + p[i - step];
-        double const difference = std::abs(p[i + step] - p[i]) + std::abs(p[i] - p[i - step]) +
-                                  filter * std::abs(p[i + step] + 2.0 * p[i] + p[i - step]);
-        a[i] += second * second;
-        b[i] += difference * difference;
-        div[i] += u[i + step] - u[i - step];
-        along[i] = p[i + step] - p[i - step];
-      }
-    });
-  }
-
-  /// A shock moves to where the pressure is lower.
-  [[nodiscard]] std::uint8_t way_of(int cell) const {
-    double largest = 0.0;
-    for (auto const& along : rise) largest = std::max(largest, std::abs(along[cell]));
-    constexpr double a_good_part = 0.25;
-    std::uint8_t how = asking_bit;
-    for (int d = 0; d < 3; ++d) {
-      double const here = rise[d][cell];
-      if (std::abs(here) >= a_good_part * largest) how |= towards(2 * d + (here < 0.0 ? 1 : 0));
-    }
-    return how;
-  }
-};
-
-}  // namespace
-
-double shock_norm(Gas const& gas, grid::Block const& block, RefinementRules const& rules,
-                  std::vector<std::uint8_t>& asks) {
-  int const cells = block.cell_count();
-  asks.assign(cells, 0);
-  Surroundings const around(gas, block);
-  NormSums sums(cells);
-  for (int d = 0; d < block.metric.dimensions(); ++d) sums.add(around, block, d, rules.filter);
-  double largest = 0.0;  // squared
-  double const threshold = rules.threshold * rules.threshold;
-  for (int n = 0; n < cells; ++n) {
-    // Gas at rest with a jump of the pressure is about to make a shock.
-    if (sums.divergence[n] > 0.0 || !(sums.below[n] > 0.0)) continue;
-    double const square = sums.above[n] / sums.below[n];
-    largest = std::max(largest, square);
-    if (square >= threshold) asks[n] = sums.way_of(n);
-  }
-  return std::sqrt(largest);
-}
-
-namespace {
 
 /// The cells of a leaf inside the domain.
 grid::CellRange cells_of(grid::Leaf const& leaf, grid::Domain const& domain, Index3 const& size) {
@@ -227,7 +64,7 @@ double mark_products_surface(Gas const& gas, grid::Block const& block, std::vect
       grid::Cell const next = block.cell(grid::beside(cell.within(), d, 1));
       double const difference = std::abs(alpha[next.offset] - alpha[cell.offset]);
       if (difference < step) continue;
-      asks[cell.offset] = asks[next.offset] = everywhere;
+      asks[cell.offset] = asks[next.offset] = asks_everywhere;
       largest = std::max(largest, difference);
     }
   });
@@ -267,10 +104,11 @@ struct Asking {
 };
 
 /// Shocks in the block of a leaf, and the surface of the products.
-std::array<Asking, 2> asking_of(Gas const& gas, grid::Block const& block, RefinementRules const& rules) {
+std::array<Asking, 2> asking_of(Gas const& gas, grid::Block const& block, RefinementRules const& rules,
+                                ShockNorm& shocks) {
   std::array<Asking, 2> asking;
   std::vector<std::uint8_t> asks;
-  double const norm = shock_norm(gas, block, rules, asks);
+  double const norm = shocks.find(gas, block, rules, asks);
   if (norm >= rules.threshold) asking[0] = {rules.shock_level, norm, reach_of(block, asks, rules.buffer)};
   if (rules.products_level < 0 || !gas.fluids().mixed()) return asking;
   asks.assign(asks.size(), 0);
@@ -310,9 +148,10 @@ std::vector<Refinement::Need> Refinement::needs(Gas const& gas, grid::Forest con
   std::vector<grid::Leaf> const& leaves = forest.leaves();
   auto const count = static_cast<int>(leaves.size());
   std::vector<std::array<Asking, 2>> asking(leaves.size());
-  parallel_for(count, [&](int n, int) {
+  std::vector<ShockNorm> shocks(threads());
+  parallel_for(count, [&](int n, int thread) {
     int const b = block_of(grid, leaves[n]);
-    if (b != grid::no_neighbour && gas.awake(b)) asking[n] = asking_of(gas, grid.blocks()[b], rules_);
+    if (b != grid::no_neighbour && gas.awake(b)) asking[n] = asking_of(gas, grid.blocks()[b], rules_, shocks[thread]);
   });
   bool const bursting = rules_.while_bursting && (gas.burn.bursting() || std::isfinite(gas.burn.next_burst()));
   std::vector<Need> needs(leaves.size());

@@ -1,5 +1,4 @@
-/// Where the gas asks for finer cells: at shocks, by a norm of second differences of the pressure [Lohner87] that
-/// does not count where the gas expands, and where a user wants them. Contacts and rarefactions do not ask.
+/// Where finer cells are: where shocks ask for them (`ShockNorm`), and where a user wants them.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +34,7 @@ struct RefinementRules {
   /// From this value of the norm on, 0 to 1, a cell asks for the finest level.
   double threshold = 0.3;
   /// Second differences of the pressure count by this part of the pressure itself: weaker waves do not ask.
-  double filter = 0.05;
+  double filter = 0.1;
   /// Cells of its own level around one that asks which get the same: the way that a shock makes until blocks are
   /// changed again.
   int buffer = 4;
@@ -49,11 +48,6 @@ struct RefinementRules {
 /// Refines the leaves of a forest until all are of the least level that is asked for. `size`: cells of a block.
 void refine_to(grid::Forest& forest, grid::Domain const& domain, Index3 const& size, int most_level,
                RefinementRules::Bounds const& bounds);
-
-/// Largest norm in a block's cells, and in which of them it reaches the threshold: 0 where it does not, else some bits
-/// that tell which way the shock moves.
-[[nodiscard]] double shock_norm(Gas const& gas, grid::Block const& block, RefinementRules const& rules,
-                                std::vector<std::uint8_t>& asks);
 
 /// Decides which leaves are refined or merged, and remembers how long they have been without need.
 class Refinement {

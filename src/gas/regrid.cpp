@@ -8,6 +8,7 @@
 #include "gas/prolongation.hpp"
 #include "grid/fine_cells.hpp"
 #include "grid/forest.hpp"
+#include "grid/means.hpp"
 
 namespace brisance::gas {
 
@@ -39,13 +40,15 @@ Gas::Contents Gas::contents_of(grid::Block const& block) const {
 
 void Gas::merge_into(grid::Block const& block, Contents& contents) const {
   auto const cells = static_cast<std::size_t>(block.cell_count());
-  for_each_cell(block, [&](grid::Cell const& cell) {
-    grid::Parts const parts = grid::parts_of(*grid_, block.level, block.index(cell));
-    for (int c = 0; c < components(); ++c)
-      contents.fields[c * cells + cell.offset] = parts.mean(fields_.at(parts.block, c));
-    for (int p = 0; p < peaks_.values(); ++p)
-      contents.peaks[p * cells + cell.offset] = parts.mean(peaks_.values_of(parts.block, p));
-  });
+  grid::CellRange const box = block.in_domain();
+  grid_->for_each_block_in(
+      block.level + 1, grid::fine_cells(box, grid_->domain().dimensions()),
+      [&](grid::Block const& fine, grid::CellRange const&) {
+        for (int c = 0; c < components(); ++c)
+          grid::take_means(fine, fields_.at(fine.number, c), box, contents.fields.data() + c * cells);
+        for (int p = 0; p < peaks_.values(); ++p)
+          grid::take_means(fine, peaks_.values_of(fine.number, p), box, contents.peaks.data() + p * cells);
+      });
 }
 
 void Gas::refine_into(grid::Block const& block, Contents& contents) const {
@@ -113,18 +116,17 @@ void Gas::regrid(grid::Grid& grid, grid::Forest const& forest, Furnish const& fu
   awake_.rearrange(blocks, before);
   disturbance_.rearrange(blocks, before);
   open_faces_.follow(old, before);
-  exchange_.follow_blocks();
+  exchange_.follow_blocks(before);
   obstacles.rearrange(old, blocks, before);
   cut = CutCells(grid, options_.bundle_cells);
   burn.rearrange(blocks, before);
   coupling.rearrange(blocks, before);
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    if (contents[b].fields.size() == 0) continue;
+  parallel_for(grid.block_count(), [&](int b, int) {
+    if (contents[b].fields.size() == 0) return;
     auto const cells = static_cast<std::size_t>(blocks[b].cell_count());
-    for (int c = 0; c < components(); ++c)
-      std::copy_n(contents[b].fields.data() + c * cells, cells, fields_.at(static_cast<int>(b), c));
-    peaks_.put(static_cast<int>(b), std::move(contents[b].peaks));
-  }
+    for (int c = 0; c < components(); ++c) std::copy_n(contents[b].fields.data() + c * cells, cells, fields_.at(b, c));
+    peaks_.put(b, std::move(contents[b].peaks));
+  });
   std::vector<int> new_blocks;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     if (before[b] == grid::no_neighbour) new_blocks.push_back(static_cast<int>(b));
@@ -132,10 +134,11 @@ void Gas::regrid(grid::Grid& grid, grid::Forest const& forest, Furnish const& fu
   if (furnish) furnish(new_blocks);
   obstacles.find_near_walls(new_blocks);
   find_levels(new_blocks);
-  for (int const b : new_blocks) {
+  parallel_for(static_cast<int>(new_blocks.size()), [&](int n, int) {
+    int const b = new_blocks[n];
     disturbance_.find(fields_, quiet_.state, b);
     awake_[b] = options_.sleep && is_quiescent_block(b) ? 0 : 1;
-  }
+  });
   load_nodes();
 }
 

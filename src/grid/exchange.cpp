@@ -78,20 +78,22 @@ Exchange::Exchange(Grid const& grid, int components, ExchangeRules rules, int bu
       bundle_cells_(bundle_cells),
       rules_(std::move(rules)),
       plan_(grid, bundle_cells),
-      slabs_(make_slabs()) {}
+      slabs_(grid, [](Block const&) { return Slabs{}; }) {
+  fit_slabs();
+}
 
-BlockStore<Exchange::Slabs> Exchange::make_slabs() const {
-  std::vector<std::array<std::size_t, 2>> cells(grid_->blocks().size());
+void Exchange::fit_slabs() {
   for (Block const& block : grid_->blocks()) {
+    std::array<std::size_t, 2> cells{0, 0};
     for (int face = 0; face < 2 * grid_->domain().dimensions(); ++face) {
-      std::size_t& most = cells[block.number][face % 2];
+      std::size_t& most = cells[face % 2];
       if (!plan_.links(block.number, face)) most = std::max(most, ghost_box(block, face / 2).count());
     }
+    for (int side = 0; side < 2; ++side) {
+      Buffer& slab = slabs_[block.number][side];
+      if (slab.size() != cells[side] * components_) slab = Buffer(cells[side] * components_);
+    }
   }
-  return {*grid_, [cells, components = components_](Block const& block) {
-            auto const [low, high] = cells[block.number];
-            return Slabs{Buffer(low * components), Buffer(high * components)};
-          }};
 }
 
 void Exchange::execute(Transfer const& t, Fields const& fields, Block const& block,
@@ -123,9 +125,10 @@ void Exchange::execute(Transfer const& t, Fields const& fields, Block const& blo
   }
 }
 
-void Exchange::follow_blocks() {
+void Exchange::follow_blocks(std::vector<int> const& before) {
   plan_ = ExchangePlan(*grid_, bundle_cells_);
-  slabs_ = make_slabs();
+  slabs_.rearrange(grid_->blocks(), before);
+  fit_slabs();
 }
 
 bool Exchange::sees_quiescence(Transfer const& t, Fields const& fields, int b) const {

@@ -49,13 +49,14 @@ class Exchange {
   /// To overwrite them; beyond outflow boundaries they hold copies of the cells next to the face.
   [[nodiscard]] double* ghosts(int block, int side) { return slabs_[block][side].data(); }
 
-  /// When the grid's blocks have changed: makes the plan again. `fill` comes next.
-  void follow_blocks();
+  /// When the grid's blocks have changed, see `BlockStore`: makes the plan again. `fill` comes next.
+  void follow_blocks(std::vector<int> const& before);
 
  private:
   using Slabs = std::array<Buffer, 2>;  ///< of a block's low and high side, for the direction with the largest faces
 
-  [[nodiscard]] BlockStore<Slabs> make_slabs() const;
+  /// Gives the blocks slabs of the size that the plan asks for, as far as theirs have another.
+  void fit_slabs();
   void execute(Transfer const& transfer, Fields const& fields, Block const& block,
                std::function<void(int, int, double*)> const& finer);
   /// Could a sleeping block see anything but quiescent cells across its two faces of `direction`?

@@ -1,8 +1,5 @@
-/// Cells of two levels: which fine ones lie in a coarse one, and the mean of what they hold.
+/// Cells of two levels: which fine ones lie in a coarse one.
 #pragma once
-
-#include <array>
-#include <cstddef>
 
 #include "grid/grid.hpp"
 
@@ -42,45 +39,6 @@ namespace brisance::grid {
   cells.lower[d] = face % 2 == 0 ? cells.lower[d] - ghost_layers : cells.upper[d];
   cells.upper[d] = cells.lower[d] + ghost_layers;
   return cells;
-}
-
-/// The finer cells in a cell. They all lie in one block, for blocks have an even number of cells.
-struct Parts {
-  int block = 0;
-  int count = 0;
-  std::array<int, 8> offset{};
-  std::array<double, 8> share{};  ///< of the coarse cell's volume
-
-  /// From the differences to one of them: equal values stay what they are to the last bit.
-  [[nodiscard]] double mean(double const* values) const {
-    double const first = values[offset[0]];
-    double sum = 0.0;
-    for (int n = 1; n < count; ++n) sum += share[n] * (values[offset[n]] - first);
-    return first + sum;
-  }
-};
-
-/// Those in a cell of the domain with an index at a level; the finer level must have cells there.
-[[nodiscard]] inline Parts parts_of(Grid const& grid, int level, Index3 const& index) {
-  int const dims = grid.domain().dimensions();
-  Index3 const corner = fine_cells(index, dims).lower;
-  Block const& fine = grid.blocks()[grid.block_of(level + 1, corner)];
-  CellRange const cells = fine.in_domain();
-  auto const first = static_cast<int>(cells.offset(corner));
-  Parts parts;
-  parts.block = fine.number;
-  parts.count = 1 << dims;
-  std::array<double, 2> volume{1.0, 1.0};  // of those with a low and a high index along x
-  if (radial_exponent(fine.metric.geometry) > 0)
-    volume = {fine.metric.cell_volume(corner[0]), fine.metric.cell_volume(corner[0] + 1)};
-  double const whole = 0.5 * parts.count * (volume[0] + volume[1]);
-  for (int n = 0; n < parts.count; ++n) {
-    std::ptrdiff_t offset = 0;
-    for (int d = 0; d < dims; ++d) offset += (n >> d & 1) * cells.stride(d);
-    parts.offset[n] = first + static_cast<int>(offset);
-    parts.share[n] = volume[n & 1] / whole;
-  }
-  return parts;
 }
 
 }  // namespace brisance::grid

@@ -10,6 +10,7 @@
 #include "core/parallel.hpp"
 #include "gas/harness.hpp"
 #include "gas/refinement.hpp"
+#include "gas/shock_norm.hpp"
 #include "grid/forest.hpp"
 
 namespace brisance::test {
@@ -602,6 +603,20 @@ TEST_F(Refinement, GivesWhatFineCellsEverywhereGive) {
               miss(coarse), miss(adapted), adapted.cells, fine.cells);
   EXPECT_LT(miss(adapted), 0.3 * miss(coarse));
   EXPECT_LT(adapted.cells, fine.cells * 7 / 10);
+}
+
+TEST_F(Refinement, IsNotAskedForByAPocket) {
+  for (double const width : {0.03, 0.5}) {  // of the corner with a higher pressure: a cell, or a quarter of the box
+    Problem problem;
+    problem.box(Geometry::planar2d, 32, 1.0, Boundary::wall);
+    problem.block_cells = 32;
+    problem.fill([&](Vec3 const& x) { return state(1.2, 0.0, x[0] < width && x[1] < width ? 3e5 : 1e5); });
+    std::vector<std::uint8_t> asks;
+    double const norm = gas::ShockNorm().find(*problem.gas, problem.grid->blocks()[0], {}, asks);
+    auto const asking = std::count_if(asks.begin(), asks.end(), [](std::uint8_t a) { return a != 0; });
+    EXPECT_EQ(asking > 0, width == 0.5);
+    EXPECT_EQ(norm > 0.0, width == 0.5);
+  }
 }
 
 TEST_F(Refinement, GivesTheSameBitsOnAnyNumberOfThreads) {

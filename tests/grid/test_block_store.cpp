@@ -100,7 +100,7 @@ TEST(BlockStore, AnExchangeFollowsTheBlocks) {
   rules.quiescent = {0.0};
   Exchange exchange(grid, 1, rules);
   grid = row_of_blocks(4, 4);
-  exchange.follow_blocks();
+  exchange.follow_blocks({no_neighbour, no_neighbour, no_neighbour, no_neighbour});
   Fields fields(grid, 1);
   for (Block const& block : grid.blocks())
     std::iota(fields.at(block.number, 0), fields.at(block.number, 0) + 4, block.origin[0]);

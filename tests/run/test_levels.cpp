@@ -29,7 +29,7 @@ Case burst_case(Geometry geometry, int cells, int levels) {
   int const dims = grid::dimensions(geometry);
   Case c = air_case(geometry, {cells, cells, dims == 3 ? cells : 1}, 1.0 / cells, Boundary::wall);
   c.initial_states.push_back(
-      {shape::Sphere{{0.3, 0.3, dims == 3 ? 0.3 : 0.0}, 0.15}, {6.0, 20.0 * bar, {0.0, 0.0, 0.0}}, {}});
+      {shape::Sphere{{0.3, 0.3, dims == 3 ? 0.3 : 0.0}, 0.15}, {6.0, 20.0 * bar, {0.0, 0.0, 0.0}}, {}, {}});
   c.adaptive.finest = c.adaptive.shocks = c.adaptive.obstacles = c.adaptive.charges = levels;
   c.numerics.block_cells = 8;
   return c;
@@ -193,7 +193,7 @@ TEST(RunLevelsWhole, KeepWithinTheLimitOnCells) {
 Case slab_case(int coarse, int levels) {
   Case c = air_case(Geometry::planar2d, {4 * coarse, coarse, 1}, 1.0 / coarse, Boundary::wall);
   c.initial_states.push_back(
-      {shape::Cylinder{{0.35, 0.5, 0.0}, 0.15, 1.0, {0.0, 0.0, 1.0}}, {6.0, 20.0 * bar, {0.0, 0.0, 0.0}}, {}});
+      {shape::Cylinder{{0.35, 0.5, 0.0}, 0.15, 1.0, {0.0, 0.0, 1.0}}, {6.0, 20.0 * bar, {0.0, 0.0, 0.0}}, {}, {}});
   c.adaptive.finest = c.adaptive.shocks = c.adaptive.obstacles = c.adaptive.charges = levels;
   c.mpm_region.emplace();
   c.mpm_region->level = levels;
