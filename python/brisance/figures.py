@@ -233,7 +233,7 @@ class Cut:
 
     def look_at(self, dump):
         """Sets the solid cells and the blocks to those of one dump, since bodies move and blocks change."""
-        if self.show_blocks and hasattr(dump, "outlines"):
+        if self.show_blocks:
             self.blocks = dump.outlines(self.normal, self.position)
         if "solid" in dump.fields:
             solid = dump.plane("solid", self.normal, self.index) > 0.5
@@ -256,8 +256,9 @@ class Cut:
             panel.contour(*self.centres, (self.region > 0).astype(float), levels=[0.5], colors=[MUTED], linewidths=0.7,
                           linestyles=[(0, (4, 3))])
         if self.blocks:
-            corners = [[low, (high[0], low[1]), high, (low[0], high[1])] for low, high in self.blocks]
-            panel.add_collection(PolyCollection(corners, facecolors="none", edgecolors=MUTED, linewidths=0.25))
+            corners = [[low, (high[0], low[1]), high, (low[0], high[1])] for _, low, high in self.blocks]
+            widths = [block_line(level) for level, _, _ in self.blocks]
+            panel.add_collection(PolyCollection(corners, facecolors="none", edgecolors=MUTED, linewidths=widths))
         panel.set_aspect("equal")
         panel.grid(False)
         panel.xaxis.set_major_locator(MaxNLocator(5))
@@ -287,6 +288,11 @@ class Cut:
     def aspect(self):
         """Height over width."""
         return (self.edges[1][-1] - self.edges[1][0]) / (self.edges[0][-1] - self.edges[0][0])
+
+
+def block_line(level):
+    """Width of the outline of a block: finer levels thinner, so that they do not hide their cells."""
+    return max(0.1, 0.5 * 0.7 ** level)
 
 
 def cuts(run, with_plan):

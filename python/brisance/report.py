@@ -2,8 +2,8 @@
 
 Usage: python3 report.py DIR [--blocks]
 
-DIR is the output folder of a run, and the page DIR/report.html. With --blocks the pictures of a run with cells of
-several sizes show the outlines of its blocks.
+DIR is the output folder of a run, and the page DIR/report.html. With --blocks the slices of the gas show the outlines
+of the grid's blocks.
 
 Exit status: 0 done, 2 wrong usage, 5 a file or a Python package is missing.
 """

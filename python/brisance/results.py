@@ -44,6 +44,8 @@ class Dump:
             self.origin = np.array(file.attrs["origin"])
             self.spacing = float(file.attrs["spacing"])
             self.cells = tuple(int(n) for n in file.attrs["cells"])
+            # Dumps of earlier versions do not tell.
+            self._block_size = tuple(int(n) for n in file.attrs.get("block_size", ()))
             self.fields = sorted(file["cells"])
 
     def values(self, field):
@@ -75,6 +77,16 @@ class Dump:
         """Index of the layer of cells that contains a position, clamped to the domain."""
         index = int(np.floor((position - self.origin[direction]) / self.spacing))
         return min(max(index, 0), self.cells[direction] - 1)
+
+    def outlines(self, normal, position):
+        """The level, which is 0, and lower and upper corners [m], in the two other directions, of the blocks of cells
+        that a plane meets."""
+        if not self._block_size:
+            return []
+        # The last blocks end with the domain.
+        edges = [self.edges(d)[[*range(0, self.cells[d], self._block_size[d]), -1]] for d in range(3) if d != normal]
+        return [(0, np.array([edges[0][i], edges[1][j]]), np.array([edges[0][i + 1], edges[1][j + 1]]))
+                for j in range(len(edges[1]) - 1) for i in range(len(edges[0]) - 1)]
 
 
 class LevelDump:
@@ -163,7 +175,8 @@ class LevelDump:
                     at += n.prod()
 
     def outlines(self, normal, position):
-        """Lower and upper corners [m], in the two other directions, of the blocks of cells that a plane meets."""
+        """The level, and lower and upper corners [m], in the two other directions, of the blocks of cells that a plane
+        meets."""
         across = [d for d in range(3) if d != normal]
         found = []
         for _, level, boxes in self._levels:
@@ -171,7 +184,7 @@ class LevelDump:
             lower = self.origin + boxes[:, :, 0] * size
             upper = self.origin + (boxes[:, :, 1] + 1) * size
             met = (lower[:, normal] <= position) & (position < upper[:, normal])
-            found += list(zip(lower[met][:, across], upper[met][:, across]))
+            found += [(level, *corners) for corners in zip(lower[met][:, across], upper[met][:, across])]
         return found
 
     def _sampled(self, field, window):
@@ -220,6 +233,60 @@ class LevelDump:
         if low >= high:
             return None
         return slice(first - start, last - start), slice(low - window[0], high - window[0]), shown
+
+
+def on_one_level(dumps):
+    """Makes dumps of cells of several sizes show themselves on cells of one, the same for all: the finest that there
+    are, but no more than `PICTURE_CELLS` along a direction."""
+    if dumps:
+        level = max(dump.finest for dump in dumps)
+        while level > 0 and max(dumps[0].cells_of(level)) > PICTURE_CELLS:
+            level -= 1
+        for dump in dumps:
+            dump.level = level
+    return dumps
+
+
+class PlaneDump:
+    """One dump of a plane: what it cuts out of cells, squares or in 2D lines, from the largest on. Values are read on
+    demand."""
+
+    def __init__(self, path):
+        self.path = path
+        with h5py.File(path, "r") as file:
+            self.time = float(file.attrs["time"])
+            self.step = int(file.attrs["step"])
+            self.geometry = text(file.attrs["geometry"])
+            self.normal = int(file.attrs["normal"])
+            self.position = float(file.attrs["position"])
+            self.count = int(file["VTKHDF/NumberOfCells"][0])
+            self.fields = sorted(file["VTKHDF/CellData"])
+
+    def values(self, field):
+        """All values of a field: (n) or (n, 3)."""
+        with h5py.File(self.path, "r") as file:
+            return file["VTKHDF/CellData"][field][...].astype(float)
+
+    def corners(self):
+        """Corners of the squares going round each, or ends of the lines [m]: (n, 4, 3) or (n, 2, 3)."""
+        with h5py.File(self.path, "r") as file:
+            return file["VTKHDF/Points"][...][file["VTKHDF/Connectivity"][...].reshape(self.count, -1)]
+
+    def centres(self):
+        """Their centres [m]: (n, 3)."""
+        return self.corners().mean(axis=1)
+
+    def sizes(self):
+        """Lengths of their sides, the sizes of the cells [m]: (n)."""
+        corners = self.corners()
+        return np.abs(corners[:, 1] - corners[:, 0]).max(axis=1)
+
+
+def subset_dump(path):
+    """A dump of a subset of the fields: of a plane, or of a box, which shows itself as if it were a domain."""
+    with h5py.File(path, "r") as file:
+        plane = text(file["VTKHDF"].attrs["Type"]) == "UnstructuredGrid"
+    return PlaneDump(path) if plane else LevelDump(path)
 
 
 class PointDump:
@@ -287,7 +354,7 @@ class Run:
 
     def __init__(self, folder, show_blocks=False):
         self.folder = Path(folder)
-        self.show_blocks = show_blocks  # outlines of blocks in pictures of cells of several sizes
+        self.show_blocks = show_blocks  # outlines of blocks in pictures of cells
         self.log = self._json("run.json")
         if self.log is None:
             raise FileNotFoundError(f'"{folder}" is not the output folder of a run: it does not contain run.json')
@@ -335,14 +402,20 @@ class Run:
         """Field dumps in order of time. Those of a run with cells of several sizes show themselves on cells of one, the
         same for all: the finest that there are, but no more than `PICTURE_CELLS` along a direction."""
         dumps = [Dump(path) for path in self.folder.glob("fields/fields_*.h5")]
-        of_levels = [LevelDump(path) for path in self.folder.glob("fields/fields_*.hdf")]
-        if of_levels:
-            level = max(dump.finest for dump in of_levels)
-            while level > 0 and max(of_levels[0].cells_of(level)) > PICTURE_CELLS:
-                level -= 1
-            for dump in of_levels:
-                dump.level = level
+        of_levels = on_one_level([LevelDump(path) for path in self.folder.glob("fields/fields_*.hdf")])
         return sorted(dumps + of_levels, key=lambda dump: dump.time)
+
+    @functools.cached_property
+    def subsets(self):
+        """Dumps of each subset of the fields in order of time, by the subset's name; of boxes see `dumps`."""
+        found = {}
+        for index in sorted(self.folder.glob("subsets/*.hdf.series")):
+            files = json.loads(index.read_text(encoding="utf-8"))["files"]
+            dumps = [subset_dump(index.parent / file["name"]) for file in files]
+            boxes = on_one_level([dump for dump in dumps if isinstance(dump, LevelDump)])
+            planes = [dump for dump in dumps if isinstance(dump, PlaneDump)]
+            found[index.name.removesuffix(".hdf.series")] = sorted(boxes + planes, key=lambda dump: dump.time)
+        return found
 
     @functools.cached_property
     def point_dumps(self):

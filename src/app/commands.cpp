@@ -165,8 +165,9 @@ ExitCode info(InfoArguments const& arguments) {
   return ExitCode::done;
 }
 
-ExitCode report(std::string const& folder) {
-  print(stdout, "{}\n", output::write_report(folder).string());
+ExitCode report(ReportArguments const& arguments) {
+  auto const blocks = arguments.blocks ? output::Outlines::yes : output::Outlines::no;
+  print(stdout, "{}\n", output::write_report(arguments.folder, blocks).string());
   return ExitCode::done;
 }
 

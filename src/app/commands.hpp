@@ -39,7 +39,11 @@ struct InfoArguments {
 };
 [[nodiscard]] ExitCode info(InfoArguments const& arguments);
 
-[[nodiscard]] ExitCode report(std::string const& folder);
+struct ReportArguments {
+  std::string folder;   ///< of the results
+  bool blocks = false;  ///< show the outlines of the grid's blocks
+};
+[[nodiscard]] ExitCode report(ReportArguments const& arguments);
 
 struct KbArguments {
   std::string charge;    ///< mass with unit

@@ -116,11 +116,12 @@ void add_info(CLI::App& app, brisance::app::InfoArguments& arguments, ExitCode& 
   info->callback([&arguments, &code] { code = guarded([&] { return brisance::app::info(arguments); }); });
 }
 
-void add_report(CLI::App& app, std::string& folder, ExitCode& code) {
+void add_report(CLI::App& app, brisance::app::ReportArguments& arguments, ExitCode& code) {
   auto* report = app.add_subcommand("report", "Write the HTML report of a run and print its path");
-  report->add_option("DIR", folder, "the output folder of a run")->required();
+  report->add_option("DIR", arguments.folder, "the output folder of a run")->required();
+  report->add_flag("--blocks", arguments.blocks, "show the outlines of the grid's blocks in slices of the gas");
   report->footer("Example: brisance report burst");
-  report->callback([&folder, &code] { code = guarded([&] { return brisance::app::report(folder); }); });
+  report->callback([&arguments, &code] { code = guarded([&] { return brisance::app::report(arguments); }); });
 }
 
 void add_kb(CLI::App& app, brisance::app::KbArguments& arguments, ExitCode& code) {
@@ -158,7 +159,7 @@ int main(int argc, char** argv) {
   brisance::app::CheckArguments check;
   brisance::app::MigrateArguments migrate;
   brisance::app::InfoArguments info;
-  std::string report;
+  brisance::app::ReportArguments report;
   brisance::app::KbArguments kb;
   add_run(app, run, code);
   add_check(app, check, code);

@@ -82,6 +82,9 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
   json boundaries = json::object();
   for (int f = 0; f < 2 * setup.domain.dimensions(); ++f)
     boundaries[grid::face_names[f]] = word_of(setup.domain.boundary[f]);
+  json subsets = json::array();
+  for (session::SubsetPlan const& subset : p.subsets)
+    subsets.push_back({{"name", subset.name}, {"dumps", subset.dumps}, {"dump_bytes", subset.dump_bytes}});
   json fields = json::array();
   for (auto const& f : output::dumped_fields(setup, output::IsLast::yes)) fields.push_back(f.name);
   for (auto const& f : output::dumped_particle_fields(setup)) fields.push_back(f.name);
@@ -118,6 +121,7 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
           {"fields", fields},
           {"dumps", p.dumps},
           {"dump_bytes", p.dump_bytes},
+          {"subsets", subsets},
           {"checkpoint_bytes", p.checkpoint_bytes},
           {"warnings", p.warnings}};
 }

@@ -10,6 +10,7 @@
 #include "app/plan_parts.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
+#include "observe/subset_cells.hpp"
 #include "output/json.hpp"
 #include "output/placed.hpp"
 #include "output/run_log.hpp"
@@ -208,6 +209,13 @@ std::string steps_text(session::Plan const& p) {
                                    large_count(p.steps), large_count(p.cell_updates)));
 }
 
+/// Of the dumps of all subsets.
+std::string subsets_size(session::Plan const& p) {
+  double sum = 0.0;
+  for (session::SubsetPlan const& subset : p.subsets) sum += static_cast<double>(subset.dumps) * subset.dump_bytes;
+  return p.subsets.empty() ? "" : fmt::format("subsets {}, ", bytes(sum));
+}
+
 std::string costs_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   out += line("memory",
@@ -218,9 +226,9 @@ std::string costs_text(run::Case const& setup, session::Plan const& p) {
   out += line(
       "disk",
       fmt::format(
-          "up to about {} (estimate): {} dumps of {} each before compression, gauges {}, {} checkpoints of {} each",
-          bytes(p.disk_bytes), p.dumps, bytes(p.dump_bytes), bytes(p.gauge_bytes), setup.checkpoint.keep + 1,
-          bytes(p.checkpoint_bytes)));
+          "up to about {} (estimate): {} dumps of {} each before compression, {}gauges {}, {} checkpoints of {} each",
+          bytes(p.disk_bytes), p.dumps, bytes(p.dump_bytes), subsets_size(p), bytes(p.gauge_bytes),
+          setup.checkpoint.keep + 1, bytes(p.checkpoint_bytes)));
   return out;
 }
 
@@ -310,6 +318,26 @@ std::string field_names(run::Case const& setup) {
   return names;
 }
 
+/// A subset and what its dumps hold.
+std::string subset_line(run::Case const& setup, std::size_t number, session::SubsetPlan const& plan) {
+  run::FieldSubset const& subset = setup.output.subsets[number];
+  observe::SubsetCells const shown(subset, setup.domain, setup.adaptive.finest);
+  std::string place;
+  if (auto const* plane = std::get_if<run::Plane>(&subset.place)) {
+    place = fmt::format("plane {} = {:g} m", "xyz"[plane->normal], plane -> at);
+  } else {
+    grid::Domain const box = shown.shown();
+    std::vector<std::string> sides;
+    for (int d = 0; d < box.dimensions(); ++d) sides.push_back(fmt::format("{:g} to {:g}", box.lower[d], box.upper(d)));
+    place = fmt::format("box {} m", fmt::join(sides, ", "));
+  }
+  std::vector<std::string> names;
+  for (auto const& field : output::dumped_fields(setup, subset)) names.push_back(field.name);
+  return line(number == 0 ? "subsets" : "",
+              fmt::format("{}: {}, {} dumps of {} each before compression: {}", plan.name, place, plan.dumps,
+                          bytes(plan.dump_bytes), fmt::join(names, ", ")));
+}
+
 std::string output_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   std::size_t const gauges = setup.particles.gauges.size() + setup.gauges.size();
@@ -320,8 +348,10 @@ std::string output_text(run::Case const& setup, session::Plan const& p) {
   if (p.region && !particle_fields.empty()) fields += "; of particles:";
   for (std::size_t n = 0; n < particle_fields.size(); ++n)
     fields += (fields.empty() ? "" : n == 0 ? " " : ", ") + particle_fields[n].name;
-  out +=
-      line("fields", fmt::format("{} dumps of {} each before compression: {}", p.dumps, bytes(p.dump_bytes), fields));
+  out += line("fields", p.dumps == 0 ? std::string("none of the whole domain")
+                                     : fmt::format("{} dumps of {} each before compression: {}", p.dumps,
+                                                   bytes(p.dump_bytes), fields));
+  for (std::size_t n = 0; n < p.subsets.size(); ++n) out += subset_line(setup, n, p.subsets[n]);
   out += line("checkpoints", fmt::format("{} kept, about {} each", setup.checkpoint.keep, bytes(p.checkpoint_bytes)));
   return out;
 }

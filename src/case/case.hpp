@@ -229,7 +229,28 @@ struct Adaptive {
   [[nodiscard]] bool any() const { return finest > 0; }
 };
 
+/// A plane across one direction.
+struct Plane {
+  int normal = 0;   ///< direction
+  double at = 0.0;  ///< along it [m]
+};
+
+/// A part of the gas whose fields are written as a series of their own, at times of their own: the cells that a plane
+/// cuts, or those in a box.
+struct FieldSubset {
+  std::string name;
+  std::variant<Plane, shape::Box> place;
+  /// Finer cells are shown as their means over cells of this level; below 0: cells larger than `domain.h`. Absent: all
+  /// cells as they are.
+  std::optional<int> level;
+  double interval = 0.0;  ///< [s]; 0: at the start and the end only
+  /// Names; empty: those of the whole domain.
+  std::vector<std::string> fields;
+};
+
 struct Output {
+  bool whole = true;  ///< dumps of the whole domain are written, not subsets alone
+  std::vector<FieldSubset> subsets;
   double field_interval = 0.0;      ///< [s]; 0: none but the last
   std::vector<double> field_times;  ///< extra times [s]
   double gauge_interval = 0.0;      ///< [s]; 0: every step

@@ -70,13 +70,16 @@ std::string table_text(std::string const& heading, Table const& table) {
   return out;
 }
 
-/// A table of the deck and the tables in it, each of which is explained once, where it comes first.
-std::string deck_table_text(std::string const& name, Table const& table, std::map<Table const*, std::string>& told) {
-  std::string out = table_text(fmt::format("## `{}`", name), table);
+/// The tables in a table, each of which is explained once, where it comes first; in those in turn what is new.
+std::string inner_tables_text(std::string const& name, Table const& table, std::map<Table const*, std::string>& told,
+                              bool only_new = false) {
+  std::string out;
   for (auto const& key : table.keys) {
     if (key.table == nullptr) continue;
     auto const [first, fresh] = told.try_emplace(key.table, fmt::format("`{}` of `{}`", key.name, name));
-    out += fresh ? table_text(fmt::format("### {}", first->second), *key.table)
+    if (!fresh && only_new) continue;
+    out += fresh ? table_text(fmt::format("### {}", first->second), *key.table) +
+                       inner_tables_text(key.name, *key.table, told, true)
                  : fmt::format("\n### `{}` of `{}`\n\nSame keys as {}.\n", key.name, name, first->second);
   }
   return out;
@@ -139,7 +142,7 @@ std::string reference_manual() {
     std::string heading = fmt::format("[{}]", key.name);
     if (key.type == Type::tables) heading = fmt::format("[[{}]]", key.name);
     if (key.type == Type::named) heading = fmt::format("[{}.{}]", key.name, key.choices.empty() ? "NAME" : "FACE");
-    out += deck_table_text(heading, *key.table, told);
+    out += table_text(fmt::format("## `{}`", heading), *key.table) + inner_tables_text(heading, *key.table, told);
   }
   return out;
 }

@@ -42,6 +42,7 @@ hid_t file_type(NumberType type) {
     case NumberType::float64: return H5T_IEEE_F64LE;
     case NumberType::int32: return H5T_STD_I32LE;
     case NumberType::int64: return H5T_STD_I64LE;
+    case NumberType::uint8: return H5T_STD_U8LE;
   }
   return H5T_IEEE_F64LE;
 }
@@ -68,6 +69,7 @@ std::vector<char> shuffled(std::vector<double> const& values, NumberType type) {
     case NumberType::float64: return shuffled<double>(values);
     case NumberType::int32: return shuffled<std::int32_t>(values);
     case NumberType::int64: return shuffled<std::int64_t>(values);
+    case NumberType::uint8: return shuffled<std::uint8_t>(values);
   }
   return {};
 }

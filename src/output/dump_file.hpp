@@ -46,7 +46,7 @@ class QuietHdf5 {
 };
 
 /// How numbers are kept in a file, little-endian.
-enum class NumberType { float32, float64, int32, int64 };
+enum class NumberType { float32, float64, int32, int64, uint8 };
 
 /// The numbers of a chunk as bytes of the type, the bytes of equal rank side by side. `values`: all of the chunk's, in
 /// the order of the file.

@@ -51,10 +51,10 @@ GatheredDump DumpSeries::add(std::shared_ptr<Dump> dump, DumpPlace place,
   std::string const name = dump_name(kind_, count_, form_);
   before_last_ = entries_.size();
   if (form_ == DumpForm::vtkhdf && !entries_.empty()) entries_ += ",\n";
-  entries_ += entry(name);
+  entries_ += entry(fs::path(name).lexically_relative(fs::path(kind_).parent_path()).string());
   ++count_;
   auto write = [this, dump, name, place, number = count_, index = index_of(entries_, form_)] {
-    make_folder(folder_ / kind_);
+    make_folder((folder_ / name).parent_path());
     if (place == DumpPlace::next) list_files(folder_, {name});
     write_dump(*dump, folder_ / name);
     replace_file(folder_ / index_name(kind_, form_), index);
@@ -74,6 +74,8 @@ void DumpSeries::archive(Archive& a) {
     if (number && *number >= count_) remove_listed(folder_, name);
   }
   if (count_ > 0) {
+    fs::path const parent = fs::path(kind_).parent_path();
+    if (!parent.empty()) make_folder(folder_ / parent);
     replace_file(folder_ / index_name(kind_, form_), index_of(entries_, form_));
   } else {
     remove_listed(folder_, index_name(kind_, form_));

@@ -30,11 +30,12 @@ struct GatheredDump {
 
 class DumpSeries {
  public:
-  /// `kind`: "fields" or "points". Writes into `folder` (which exists). Nothing is created before the first dump.
+  /// `kind`: "fields", "points" or "subsets/NAME". Writes into `folder` (which exists). Nothing is created before the
+  /// first dump.
   DumpSeries(std::filesystem::path folder, std::string kind, DumpForm form = DumpForm::xdmf);
 
-  /// `entry` makes what the index says of the dump, given the name of its file: a <Grid> element of XDMF, or the item
-  /// of a list of files.
+  /// `entry` makes what the index says of the dump, given its file's path from the index: a <Grid> element of XDMF, or
+  /// the item of a list of files.
   [[nodiscard]] GatheredDump add(std::shared_ptr<Dump> dump, DumpPlace place,
                                  std::function<std::string(std::string const& file)> const& entry);
 

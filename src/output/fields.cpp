@@ -142,19 +142,20 @@ FieldSeries::FieldSeries(std::filesystem::path const& folder, FieldOptions optio
 GatheredDump FieldSeries::dump(double time, long step, grid::Grid const& grid, std::vector<FieldSpec> const& fields,
                                RowValues const& values, DumpPlace place) {
   if (form_ == DumpForm::vtkhdf) {
-    return series_.add(level_dump(time, step, grid, fields, options_, values), place,
+    return series_.add(level_dump({time, step}, grid, fields, options_, values), place,
                        [time](std::string const& file) { return level_index_entry(file, time); });
   }
   grid::Domain const& domain = grid.domain();
   auto dump = std::make_shared<Dump>(
       "cells", std::size_t(bytes_per_dump(domain, fields, options_.single_precision)),
-      [time, step, domain](DumpFile& file) {
+      [time, step, domain, block = grid.block_size()](DumpFile& file) {
         file.attribute(file.root(), "time", std::array{time});
         file.attribute(file.root(), "step", std::array{step});
         file.attribute(file.root(), "geometry", word_of(domain.geometry));
         file.attribute(file.root(), "origin", domain.lower);
         file.attribute(file.root(), "spacing", std::array{domain.smallest_cell()});
         file.attribute(file.root(), "cells", std::array<long, 3>{domain.cells[0], domain.cells[1], domain.cells[2]});
+        file.attribute(file.root(), "block_size", std::array<long, 3>{block[0], block[1], block[2]});
       });
   gather(*dump, grid, fields, options_, values);
   return series_.add(std::move(dump), place, [&](std::string const& file) {

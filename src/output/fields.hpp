@@ -1,8 +1,8 @@
 /// Field dumps: one HDF5 file per dump and one XDMF index, `fields.xmf2`, that ParaView opens as a time series.
 ///
 /// Layout of a dump `fields/fields_NNNNNN.h5`: attributes of the root (time [s], step, geometry, origin [m], spacing
-/// [m], cells) and one dataset per field, /cells/NAME, shape (nz, ny, nx) or (nz, ny, nx, 3), with attributes `unit`
-/// and `meaning`. Directions that are not resolved have one cell.
+/// [m], cells, block_size [cells]) and one dataset per field, /cells/NAME, shape (nz, ny, nx) or (nz, ny, nx, 3), with
+/// attributes `unit` and `meaning`. Directions that are not resolved have one cell.
 ///
 /// Runs with cells of several sizes write other files, see level_fields.hpp.
 #pragma once

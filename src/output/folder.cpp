@@ -92,8 +92,17 @@ void create_folder(fs::path const& folder) {
   if (error) throw_io_error("create the output folder", folder, error.value());
 }
 
+namespace {
+
+/// What the names of a kind's dumps begin with. A kind in a folder has its dumps there too.
+std::string head_of(std::string const& kind) {
+  return kind.find('/') == std::string::npos ? fmt::format("{0}/{0}_", kind) : kind + "_";
+}
+
+}  // namespace
+
 std::string dump_name(std::string const& kind, int number, DumpForm form) {
-  return fmt::format("{0}/{0}_{1:06d}.{2}", kind, number, form == DumpForm::xdmf ? "h5" : "hdf");
+  return fmt::format("{}{:06d}.{}", head_of(kind), number, form == DumpForm::xdmf ? "h5" : "hdf");
 }
 
 std::string index_name(std::string const& kind, DumpForm form) {
@@ -101,7 +110,7 @@ std::string index_name(std::string const& kind, DumpForm form) {
 }
 
 std::optional<int> dump_number(std::string const& kind, std::string const& name, DumpForm form) {
-  std::string const head = fmt::format("{0}/{0}_", kind);
+  std::string const head = head_of(kind);
   if (!name.starts_with(head)) return std::nullopt;
   int number = 0;
   std::from_chars(name.data() + head.size(), name.data() + name.size(), number);

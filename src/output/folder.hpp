@@ -43,7 +43,8 @@ enum class DumpForm {
   vtkhdf,  ///< HDF5 of the VTKHDF layout, `.hdf`, with a list of files and times, `.hdf.series`
 };
 
-/// "fields/fields_000012.h5": a dump of a kind ("fields" or "points").
+/// "fields/fields_000012.h5": a dump of a kind ("fields" or "points"); "subsets/street_000012.hdf": of the subset
+/// "subsets/street".
 [[nodiscard]] std::string dump_name(std::string const& kind, int number, DumpForm form = DumpForm::xdmf);
 /// Its number; nothing for other names.
 [[nodiscard]] std::optional<int> dump_number(std::string const& kind, std::string const& name,

@@ -3,7 +3,7 @@
 /// `fields.hdf.series`, that ParaView opens as a time series.
 ///
 /// They hold the cells of leaves only. ParaView 5.11 would count covered cells beside the finer ones in Slice and Clip,
-/// and in 2D everywhere.
+/// and in 2D everywhere. So that it does not crash, a few cells may be means, see `let_levels_enclose_finer_ones`.
 ///
 /// Layout of a dump `fields/fields_NNNNNN.hdf`: attributes of the root (time [s], step, geometry, origin [m], spacing
 /// [m] and cells of level 0), and for each level from the coarsest that has leaves on, /VTKHDF/LevelN with the
@@ -18,13 +18,19 @@
 #include <vector>
 
 #include "output/fields.hpp"
+#include "output/shown_cells.hpp"
 
 namespace brisance::output {
 
-/// Gathers one dump.
-[[nodiscard]] std::shared_ptr<Dump> level_dump(double time, long step, grid::Grid const& grid,
+/// Gathers one dump of the whole domain.
+[[nodiscard]] std::shared_ptr<Dump> level_dump(DumpMoment const& moment, grid::Grid const& grid,
                                                std::vector<FieldSpec> const& fields, FieldOptions const& options,
                                                RowValues const& values);
+
+/// Gathers one dump of a box: laid out as if the box were the domain, with its coarsest cells as those of level 0.
+[[nodiscard]] std::shared_ptr<Dump> box_dump(DumpMoment const& moment, grid::Grid const& grid,
+                                             observe::SubsetCells const& box, std::vector<FieldSpec> const& fields,
+                                             FieldOptions const& options, RowValues const& values);
 
 /// The item of the list of files.
 [[nodiscard]] std::string level_index_entry(std::string const& file, double time);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array top_files{"run.json",    "deck.toml",         "summary.csv",  "summary.json", "fields.xmf2",
                                "points.xmf2", "fields.hdf.series", "energies.csv", "bodies.csv",   "report.html"};
-constexpr std::array sub_folders{"fields", "points", "gauges", "profiles", "checkpoints"};
+constexpr std::array sub_folders{"fields", "points", "gauges", "profiles", "subsets", "checkpoints"};
 
 /// A run writes these names, and files in these folders. Whatever else an edited list says is not touched.
 bool may_be_written(std::string_view name) {

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.hpp"
@@ -85,14 +86,16 @@ Outcome run_program(std::vector<std::string> arguments) {
 
 }  // namespace
 
-fs::path write_report(fs::path const& folder) {
+fs::path write_report(fs::path const& folder, Outlines blocks) {
   if (!fs::exists(folder / "run.json"))
     throw IoError(
         fmt::format("\"{}\" is not the output folder of a run: it does not contain run.json", folder.string()));
   if (fs::exists(folder / manifest_name)) list_files(real_folder(folder), {"report.html"});
   std::string const python = interpreter();
   fs::path const script = package_folder() / "brisance" / "report.py";
-  auto const outcome = run_program({python, script.string(), folder.string()});
+  std::vector<std::string> arguments{python, script.string(), folder.string()};
+  if (blocks == Outlines::yes) arguments.emplace_back("--blocks");
+  auto const outcome = run_program(std::move(arguments));
   if (outcome.status == not_started)
     throw IoError(
         fmt::format("cannot start \"{}\", which writes the report: install python3, or set the environment variable "

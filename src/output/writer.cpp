@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -33,38 +34,48 @@ constexpr double expected_compression = 0.5;
 /// Of several levels, how much larger the dumps may become than the first: shocks spread.
 constexpr double expected_growth = 2.0;
 
-/// Cells that the dumps will have on average.
-double expected_cells(run::World const& world) {
-  if (form_of_fields(world.setup) == DumpForm::xdmf) return static_cast<double>(world.setup.domain.cell_count());
-  double cells = 0.0;
-  for (grid::Block const& block : world.grid.blocks()) cells += block.covered ? 0 : block.cell_count();
-  return expected_growth * cells;
+/// Cells of each level that the dumps will have on average.
+std::vector<double> expected_cells(run::World const& world) {
+  if (form_of_fields(world.setup) == DumpForm::xdmf) return {static_cast<double>(world.setup.domain.cell_count())};
+  std::vector<double> cells(static_cast<std::size_t>(world.grid.levels()), 0.0);
+  for (grid::Block const& block : world.grid.blocks()) {
+    if (!block.covered) cells[block.level] += expected_growth * block.cell_count();
+  }
+  return cells;
 }
 
 double expected_bytes(run::World const& world, WriterOptions const& options) {
   run::Case const& setup = world.setup;
   bool const single = setup.output.single_precision;
-  double dump = FieldSeries::bytes_per_dump(expected_cells(world), dumped_fields(setup, IsLast::no), single);
+  std::vector<double> const cells = expected_cells(world);
+  double dump = FieldSeries::bytes_per_dump(std::accumulate(cells.begin(), cells.end(), 0.0),
+                                            dumped_fields(setup, IsLast::no), single);
   if (world.particles != nullptr) {
     dump += ParticleSeries::bytes_per_dump(static_cast<double>(observe::dumped_particles(world)),
                                            dumped_particle_fields(setup), single);
   }
-  return dump * static_cast<double>(dump_times(setup.output, setup.end.time).size()) * expected_compression +
-         options.checkpoint_bytes;
+  double dumps = dump * static_cast<double>(dump_times(setup.output, setup.end.time).size());
+  auto const bytes = subset_bytes(setup, cells);
+  auto const times = subset_times(setup);
+  for (std::size_t n = 0; n < bytes.size(); ++n) dumps += bytes[n] * static_cast<double>(times[n].size());
+  return dumps * expected_compression + options.checkpoint_bytes;
 }
 
 /// The files of a run. Dumps and checkpoints are listed when they come.
 Written files_of(run::World const& world, observe::Gauges const& histories) {
   run::Case const& setup = world.setup;
   Written files{{"run.json", "deck.toml", "summary.csv", "summary.json"}, {"checkpoints/stopped.brz"}};
-  auto const series = [&](char const* kind, DumpForm form = DumpForm::xdmf) {
+  auto const series = [&](std::string const& kind, DumpForm form, std::size_t dumps) {
     files.first.push_back(index_name(kind, form));
-    int const dumps = static_cast<int>(dump_times(setup.output, setup.end.time).size());
     // One more where the run is stopped between two.
-    for (int n = 0; n <= dumps; ++n) files.later.push_back(dump_name(kind, n, form));
+    for (std::size_t n = 0; n <= dumps; ++n) files.later.push_back(dump_name(kind, static_cast<int>(n), form));
   };
-  if (world.gas != nullptr) series("fields", form_of_fields(setup));
-  if (!dumped_particle_fields(setup).empty()) series("points");
+  std::size_t const dumps = dump_times(setup.output, setup.end.time).size();
+  if (world.gas != nullptr && dumps > 0) series("fields", form_of_fields(setup), dumps);
+  if (!dumped_particle_fields(setup).empty() && dumps > 0) series("points", DumpForm::xdmf, dumps);
+  auto const times = subset_times(setup);
+  for (std::size_t n = 0; n < times.size(); ++n)
+    series(subset_kind(setup.output.subsets[n]), DumpForm::vtkhdf, times[n].size());
   if (world.particles != nullptr) files.first.emplace_back("energies.csv");
   if (world.particles != nullptr && world.gas != nullptr) files.first.emplace_back("bodies.csv");
   std::vector<std::string> gauges;
@@ -92,69 +103,7 @@ fs::path prepared(fs::path const& folder, run::World const& world, observe::Gaug
   return real;
 }
 
-FieldSpec spec_of(std::string const& name, std::vector<observe::FieldInfo> const& known) {
-  auto const found = std::ranges::find(known, name, &observe::FieldInfo::name);
-  if (found == known.end()) throw InputError("unknown field \"" + name + "\"");
-  return {found->name, found->unit, found->components, found->meaning};
-}
-
 }  // namespace
-
-std::vector<FieldSpec> dumped_fields(run::Case const& setup, IsLast last) {
-  if (setup.particles.any() && !setup.mpm_region) return {};
-  std::vector<std::string> names = setup.output.fields;
-  auto const add = [&names](char const* name) {
-    if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
-  };
-  if (setup.output.peak_fields && last == IsLast::yes) {
-    add("peak_overpressure");
-    add("impulse");
-  }
-  if (!setup.obstacles.empty()) add("obstacle");
-  if (setup.mpm_region) {
-    add("region");
-    if (setup.particles.any()) add("solid");
-  }
-  if (form_of_fields(setup) == DumpForm::vtkhdf) add("level");
-
-  std::vector<FieldSpec> specs;
-  specs.reserve(names.size());
-  for (auto const& name : names) specs.push_back(spec_of(name, observe::known_fields()));
-  return specs;
-}
-
-DumpForm form_of_fields(run::Case const& setup) { return setup.adaptive.any() ? DumpForm::vtkhdf : DumpForm::xdmf; }
-
-std::vector<FieldSpec> dumped_particle_fields(run::Case const& setup) {
-  std::vector<FieldSpec> specs;
-  if (!setup.particles.any() && !(setup.mpm_region && setup.output.gas_particles)) return specs;
-  auto const& standing = observe::standing_particle_fields();
-  specs.reserve(standing.size() + setup.output.particle_fields.size());
-  for (auto const& field : standing) specs.push_back(spec_of(field.name, standing));
-  for (auto const& name : setup.output.particle_fields) {
-    bool const already = std::ranges::find(specs, name, &FieldSpec::name) != specs.end();
-    if (!already) specs.push_back(spec_of(name, observe::known_particle_fields()));
-  }
-  return specs;
-}
-
-std::vector<double> dump_times(run::Output const& output, double end_time) {
-  std::vector<double> times{0.0, end_time};
-  if (output.field_interval > 0.0) {
-    for (long n = 1; static_cast<double>(n) * output.field_interval < end_time; ++n) {
-      times.push_back(static_cast<double>(n) * output.field_interval);
-    }
-  }
-  for (double const t : output.field_times) {
-    if (t <= end_time) times.push_back(t);
-  }
-  std::sort(times.begin(), times.end());
-  double const slack = 1e-9 * end_time;
-  times.erase(std::unique(times.begin(), times.end(), [slack](double a, double b) { return b - a <= slack; }),
-              times.end());
-  times.back() = end_time;
-  return times;
-}
 
 Writer::Writer(run::World const& world, observe::Gauges const& gauges, fs::path const& folder,
                WriterOptions const& options)
@@ -165,6 +114,7 @@ Writer::Writer(run::World const& world, observe::Gauges const& gauges, fs::path 
       particle_fields_(dumped_particle_fields(world.setup)),
       series_(folder_, {world.setup.output.single_precision, options.compression}, form_of_fields(world.setup)),
       particles_(folder_, {world.setup.output.single_precision, options.compression}),
+      subsets_(world.setup, folder_, {world.setup.output.single_precision, options.compression}),
       gauges_(folder_, gauges.gas, world.setup.ambient.state.pressure),
       particle_gauges_(folder_, world, gauges),
       begin_(std::chrono::steady_clock::now()),
@@ -182,29 +132,40 @@ void Writer::dump(run::World const& world, IsLast last) {
         particle_fields_,
         [&world](std::string const& field, std::vector<double>& out) { observe::particle_field(world, field, out); }));
   }
-  if (world.gas != nullptr) dumps.push_back(gathered_fields(world, last, DumpPlace::next));
+  observe::GasView const* const view = present_view(world);
+  if (world.gas != nullptr) dumps.push_back(gathered_fields(world, last, DumpPlace::next, view));
+  for (GatheredDump& subset : subsets_.dump(world, last, view)) dumps.push_back(std::move(subset));
   write_later(world, std::move(dumps));
+}
+
+void Writer::dump_subsets(run::World const& world, IsLast last) {
+  finish_dumps();
+  write_later(world, subsets_.dump(world, last, present_view(world)));
 }
 
 void Writer::dump_again(run::World const& world, IsLast last) {
   if (fields_.size() == last_fields_.size()) return;
   finish_dumps();
   std::vector<GatheredDump> dumps;
-  dumps.push_back(gathered_fields(world, last, DumpPlace::again));
+  dumps.push_back(gathered_fields(world, last, DumpPlace::again, present_view(world)));
   write_later(world, std::move(dumps));
 }
 
-GatheredDump Writer::gathered_fields(run::World const& world, IsLast last, DumpPlace place) {
-  if (world.bridge != nullptr) {
-    if (view_ == nullptr) view_ = std::make_unique<observe::GasView>(world, world.bridge->region().cells());
-    view_->update();
-    view_->update_solids();
-  }
+observe::GasView const* Writer::present_view(run::World const& world) {
+  if (world.bridge == nullptr) return nullptr;
+  if (view_ == nullptr) view_ = std::make_unique<observe::GasView>(world, world.bridge->region().cells());
+  view_->update();
+  view_->update_solids();
+  return view_.get();
+}
+
+GatheredDump Writer::gathered_fields(run::World const& world, IsLast last, DumpPlace place,
+                                     observe::GasView const* view) {
   std::vector<FieldSpec> const& fields = last == IsLast::yes ? last_fields_ : fields_;
   std::vector<std::string> names;
   names.reserve(fields.size());
   for (FieldSpec const& field : fields) names.push_back(field.name);
-  observe::FieldValues const values(world, names, view_.get());
+  observe::FieldValues const values(world, names, view);
   return series_.dump(
       world.clock.time, world.clock.step, world.grid, fields,
       [&values](grid::Cell const& first, int count, double* out) { values.row(first, count, out); }, place);
@@ -237,6 +198,7 @@ void Writer::archive(Archive& a, run::World const& world) {
   a.section("output");
   double wall = wall_seconds();
   a(series_, particles_, started_at_, wall, resumed_at_);
+  subsets_.archive(a, world.clock.time);
   constexpr double longest = 1e10;  // s, beyond all runs
   a.require(wall >= 0.0 && wall < longest, "the time by the clock");
   if (!a.reading()) return;

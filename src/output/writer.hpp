@@ -5,6 +5,7 @@
 ///     deck.toml           the deck as read
 ///     fields.xmf2         index of the field dumps, opens in ParaView; fields/fields_NNNNNN.h5
 ///     fields.hdf.series   the same of runs with cells of several sizes; fields/fields_NNNNNN.hdf
+///     subsets/            planes and boxes of the fields, see subsets.hpp
 ///     points.xmf2         index of the dumps of the material points; points/points_NNNNNN.h5
 ///     gauges/NAME.csv     histories, growing during the run
 ///     energies.csv        energies of every body, growing during the run
@@ -25,11 +26,13 @@
 #include "core/task_queue.hpp"
 #include "observe/gas_view.hpp"
 #include "observe/gauges.hpp"
+#include "output/dump_plan.hpp"
 #include "output/fields.hpp"
 #include "output/folder.hpp"
 #include "output/gauges.hpp"
 #include "output/particle_gauges.hpp"
 #include "output/particles.hpp"
+#include "output/subsets.hpp"
 
 namespace brisance::run {
 class World;
@@ -43,9 +46,6 @@ struct WriterOptions {
   double checkpoint_bytes = 0.0;      ///< space that all checkpoints will take
 };
 
-/// Is a dump the last one of its run?
-enum class IsLast { no, yes };
-
 class Writer {
  public:
   /// Prepares the folder and writes the deck and the first run log. Keeps a reference to the gauges. Throws IoError.
@@ -53,9 +53,16 @@ class Writer {
          WriterOptions const& options = {});
   ~Writer();
 
-  /// Gathers one dump of the gas fields, of the material points or of both. A thread of its own writes it and brings
-  /// the run log up to date; a dump before it is waited for. The last one of a run also holds the peak fields.
+  /// Gathers one dump of the gas fields, of the material points or of both, and those of subsets whose time has come,
+  /// with the last one those of all subsets. A thread of its own writes them and brings the run log up to date; a dump
+  /// before it is waited for. The last one of a run also holds the peak fields.
   void dump(run::World const& world, IsLast last);
+
+  /// The same of subsets alone.
+  void dump_subsets(run::World const& world, IsLast last);
+
+  /// The earliest time at which a subset is still to be written [s]; infinity: none is.
+  [[nodiscard]] double next_subset() const { return subsets_.next(); }
 
   /// Gathers the fields of the last dump again, from the same state, where the last one of a run holds others.
   void dump_again(run::World const& world, IsLast last);
@@ -85,7 +92,10 @@ class Writer {
   [[nodiscard]] int dump_count() const { return std::max(series_.series().written(), particles_.series().written()); }
 
  private:
-  [[nodiscard]] GatheredDump gathered_fields(run::World const& world, IsLast last, DumpPlace place);
+  /// The gas of an MPM region as it is now; null without one.
+  [[nodiscard]] observe::GasView const* present_view(run::World const& world);
+  [[nodiscard]] GatheredDump gathered_fields(run::World const& world, IsLast last, DumpPlace place,
+                                             observe::GasView const* view);
   void write_later(run::World const& world, std::vector<GatheredDump> dumps);
   [[nodiscard]] double wall_seconds() const;
   [[nodiscard]] std::string log_text(run::World const& world, std::string const& status, std::string const& end_reason,
@@ -100,6 +110,7 @@ class Writer {
   std::unique_ptr<observe::GasView> view_;  ///< of all cells, made with the first dump
   FieldSeries series_;
   ParticleSeries particles_;
+  Subsets subsets_;
   GaugeFiles gauges_;
   ParticleGaugeFiles particle_gauges_;
   std::chrono::steady_clock::time_point begin_;
@@ -108,22 +119,5 @@ class Writer {
   std::vector<std::shared_ptr<Dump>> under_way_;
   TaskQueue queue_{1};  ///< ends before what it writes from
 };
-
-/// The fields of the gas that the dumps of a case hold: the specified ones, in the last dump the peak fields where
-/// asked, the obstacle mask where there are obstacles, region and solid where there is an MPM region, the level where
-/// there are several. None without gas.
-/// Throws InputError for an unknown name.
-[[nodiscard]] std::vector<FieldSpec> dumped_fields(run::Case const& setup, IsLast last);
-
-/// Those of material points: position, body, material and the specified ones. None where no particles are dumped.
-/// Throws InputError for an unknown name.
-[[nodiscard]] std::vector<FieldSpec> dumped_particle_fields(run::Case const& setup);
-
-/// What the field dumps of a case are.
-[[nodiscard]] DumpForm form_of_fields(run::Case const& setup);
-
-/// Times at which fields are written [s], rising: 0, the multiples of `field_interval`, `field_times`, and the end.
-/// Times closer than 1e-9 of the end time are one.
-[[nodiscard]] std::vector<double> dump_times(run::Output const& output, double end_time);
 
 }  // namespace brisance::output

@@ -61,15 +61,19 @@ class Recorder {
 
   /// The time that the next step may not pass [s].
   [[nodiscard]] double next_dump() const {
-    return next_dump_ < dump_times_.size() ? dump_times_[next_dump_] : world_->setup.end.time;
+    double const whole = next_dump_ < dump_times_.size() ? dump_times_[next_dump_] : world_->setup.end.time;
+    return std::min(whole, writer_->next_subset());
   }
 
   void record() {
     writer_->check();
     if (world_->clock.time >= next_gauge_) sample();
-    if (world_->clock.time >= next_dump()) {
-      while (next_dump_ < dump_times_.size() && dump_times_[next_dump_] <= world_->clock.time) ++next_dump_;
+    double const now = world_->clock.time;
+    if (next_dump_ < dump_times_.size() && now >= dump_times_[next_dump_]) {
+      while (next_dump_ < dump_times_.size() && dump_times_[next_dump_] <= now) ++next_dump_;
       dump(next_dump_ == dump_times_.size() ? output::IsLast::yes : output::IsLast::no);
+    } else if (now >= writer_->next_subset()) {
+      dump_subsets(output::IsLast::no);
     }
     if (std::chrono::steady_clock::now() >= next_append_) append();
     if (checkpoint_is_due()) checkpoint();
@@ -99,11 +103,14 @@ class Recorder {
   void record_last(bool state_is_sound) {
     if (state_is_sound && sampled_step_ != world_->clock.step) sample();
     if (state_is_sound && world_->particles != nullptr) gauges_->record_bodies(*world_);
-    if (dumped_step_ != world_->clock.step || !state_is_sound) {
+    if (!world_->setup.output.whole) {
+      dump_subsets(output::IsLast::yes);
+    } else if (dumped_step_ != world_->clock.step || !state_is_sound) {
       dump(output::IsLast::yes);
     } else if (last_dumped_ == output::IsLast::no) {
       PhaseTimer const timer(world_->timings["output"]);
       writer_->dump_again(*world_, output::IsLast::yes);
+      writer_->dump_subsets(*world_, output::IsLast::yes);
     }
   }
 
@@ -161,6 +168,12 @@ class Recorder {
     writer_->dump(*world_, last);
     dumped_step_ = world_->clock.step;
     last_dumped_ = last;
+  }
+
+  void dump_subsets(output::IsLast last) {
+    PhaseTimer const timer(world_->timings["output"]);
+    world_->update_audit();
+    writer_->dump_subsets(*world_, last);
   }
 
   void append() {

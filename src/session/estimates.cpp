@@ -124,7 +124,9 @@ void add_level_memory(run::Case const& setup, grid::Grid const* start, Plan& p) 
 }
 
 void sum_memory(Plan& p) {
-  p.memory.push_back({"the dump that is being written", p.last_dump_bytes});
+  double dumped = p.dumps > 0 ? p.last_dump_bytes : 0.0;
+  for (SubsetPlan const& subset : p.subsets) dumped += subset.dump_bytes;
+  p.memory.push_back({"the dump that is being written", dumped});
   p.memory.push_back({"the program itself", program_bytes});
   p.memory_bytes = 0.0;
   for (MemoryPart const& part : p.memory) p.memory_bytes += part.bytes;

@@ -204,6 +204,27 @@ std::optional<std::string> clipping_warning(std::vector<GaugePlan> const& gauges
       quantity(wanted, "m", 3), percent(tolerable_clipping));
 }
 
+namespace {
+
+void plan_subsets(run::Case const& setup, Plan& p) {
+  std::vector<double> cells;
+  for (LevelPlan const& level : p.levels) cells.push_back(level.most);
+  if (cells.empty()) cells.push_back(static_cast<double>(setup.domain.cell_count()));
+  auto const bytes = output::subset_bytes(setup, cells);
+  auto const times = output::subset_times(setup);
+  for (std::size_t n = 0; n < bytes.size(); ++n)
+    p.subsets.push_back({setup.output.subsets[n].name, static_cast<long>(times[n].size()), bytes[n]});
+}
+
+/// Of all dumps, uncompressed.
+double dumped_bytes(Plan const& p) {
+  double sum = p.dumps > 0 ? static_cast<double>(p.dumps - 1) * p.dump_bytes + p.last_dump_bytes : 0.0;
+  for (SubsetPlan const& subset : p.subsets) sum += static_cast<double>(subset.dumps) * subset.dump_bytes;
+  return sum;
+}
+
+}  // namespace
+
 Plan plan(run::Case const& setup) {
   Plan p;
   p.cells = static_cast<double>(setup.domain.cell_count());
@@ -216,9 +237,9 @@ Plan plan(run::Case const& setup) {
   } else {
     plan_gas(setup, p);
   }
+  plan_subsets(setup, p);
   sum_memory(p);
-  p.disk_bytes = static_cast<double>(p.dumps - 1) * p.dump_bytes + p.last_dump_bytes + p.gauge_bytes +
-                 (setup.checkpoint.keep + 1) * p.checkpoint_bytes;
+  p.disk_bytes = dumped_bytes(p) + p.gauge_bytes + (setup.checkpoint.keep + 1) * p.checkpoint_bytes;
   p.seconds = estimated_seconds(setup, p);
   if (p.memory_bytes > p.machine_memory_bytes) {
     p.warnings.push_back(

@@ -44,6 +44,13 @@ struct LevelPlan {
   double most = 0.0;   ///< when there are the most of all levels, estimate
 };
 
+/// A subset of the field output.
+struct SubsetPlan {
+  std::string name;
+  long dumps = 0;
+  double dump_bytes = 0.0;  ///< of one, uncompressed; estimate where cells have several sizes
+};
+
 struct Plan {
   double cells = 0.0;                 ///< of the gas; with several levels the most that there will be
   int blocks = 0;                     ///< with several levels those of the start
@@ -62,7 +69,8 @@ struct Plan {
   std::vector<run::BodyReport> bodies;
   double particles = 0.0;  ///< material points; 0: a simulation of the gas alone
   std::optional<RegionPlan> region;
-  long dumps = 0;
+  long dumps = 0;  ///< of the whole domain; 0: subsets alone are written
+  std::vector<SubsetPlan> subsets;
   double dump_bytes = 0.0;        ///< of one dump, of fields and particles, uncompressed
   double last_dump_bytes = 0.0;   ///< of the last dump, which holds the peak fields too
   std::vector<GaugePlan> gauges;  ///< of the gas

@@ -46,6 +46,40 @@ TEST(Plan, CountsDumpsAndWarnsOfCoarseCharges) {
   EXPECT_NE(plan(setup).warnings[0].find("1.1 cells per radius"), std::string::npos) << plan(setup).warnings[0];
 }
 
+TEST(Plan, CountsSubsetsOnTheDisk) {
+  std::string const head =
+      "[domain]\nsize = [1, 1, 1]\ncell = \"50 mm\"\n[[charge]]\nmass = \"1 kg\"\nposition = [0.5, 0.5, 0.5]\n"
+      "[end]\ntime = \"0.2 ms\"\n[output]\nfields = [\"pressure\"]\npeak_fields = false\n";
+  std::string const subsets =
+      "[[output.subset]]\nname = \"cut\"\nplane = {normal = \"z\", at = 0.5}\ninterval = \"50 us\"\n"
+      "fields = [\"velocity\"]\n"
+      "[[output.subset]]\nname = \"part\"\nbox = {lower = [0, 0, 0], upper = [0.5, 0.5, 0.1]}\ncell = \"0.1 m\"\n";
+  auto const read = [](std::string const& text) { return deck::read_text(text, "deck").case_.value(); };
+  Plan const without = plan(read(head));
+  auto const setup = read(head + "field_interval = \"0.1 ms\"\n" + subsets);
+  Plan const p = plan(setup);
+  EXPECT_EQ(p.dumps, 3);
+  ASSERT_EQ(p.subsets.size(), 2U);
+  EXPECT_EQ(p.subsets[0].dumps, 5);
+  // Values in single precision; one corner [m], four numbers of corners, one beginning and one type a square.
+  EXPECT_EQ(p.subsets[0].dump_bytes, 400.0 * (3 * 4 + 24 + 4 * 8 + 8 + 1));
+  EXPECT_EQ(p.subsets[1].dumps, 3);
+  EXPECT_EQ(p.subsets[1].dump_bytes, 5.0 * 5.0 * 1.0 * 4.0);
+  EXPECT_DOUBLE_EQ(p.disk_bytes,
+                   without.disk_bytes + p.dump_bytes + 5 * p.subsets[0].dump_bytes + 3 * p.subsets[1].dump_bytes);
+  Plan const alone = plan(read(head + subsets));
+  EXPECT_EQ(alone.dumps, 0);
+  EXPECT_EQ(alone.subsets[1].dumps, 2);
+  EXPECT_DOUBLE_EQ(alone.disk_bytes,
+                   without.disk_bytes - 2 * p.dump_bytes + 5 * p.subsets[0].dump_bytes + 2 * p.subsets[1].dump_bytes);
+  std::string const text = plan_text(setup, p);
+  for (char const* part : {"cut: plane z = 0.5 m, 5 dumps of 30.8 kB each before compression: velocity",
+                           "part: box 0 to 0.5, 0 to 0.5, 0 to 0.1 m, 3 dumps of 100 B each", "subsets 154 kB, "})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  EXPECT_NE(plan_text(setup, alone).find("none of the whole domain"), std::string::npos);
+  EXPECT_EQ(plan_json(setup, p)["subsets"][1]["dump_bytes"], 100.0);
+}
+
 TEST(Plan, RefusesWhatDoesNotFitIntoTheMachine) {
   Plan p = plan(small_case("[end]\ntime = \"0.2 ms\"\n"));
   EXPECT_NO_THROW(refuse_unless_it_fits(p));

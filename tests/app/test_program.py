@@ -39,6 +39,18 @@ time = "0.4 ms"
 # Too long to end before a signal comes.
 LONG = SMALL.replace('"5 mm"', '"0.25 mm"').replace('"0.4 ms"', '"1 s"').replace('"0.1 ms"', '"0.5 s"')
 
+PLANE = """
+[domain]
+geometry = "planar2d"
+size = [1, 1]
+cell = "10 mm"
+[[charge]]
+mass = "1 kg"
+position = [0.5, 0.5]
+[end]
+time = "0.1 ms"
+"""
+
 # A charge across several blocks in 3D, with an obstacle and air that is quiet for a while.
 BLAST_3D = """
 [domain]
@@ -490,6 +502,12 @@ class Run(Case):
         self.assertIn("near", page)
         self.assertIn("1 kg", page)
 
+    def test_report_with_the_outlines_of_blocks(self):
+        self.brisance("run", self.deck(PLANE), "--output", "out", "--quiet")
+        pages = [(self.folder / self.brisance("report", "out", *options).stdout.strip()).read_text()
+                 for options in ([], ["--blocks"])]
+        self.assertNotEqual(*pages)
+
     def test_report_of_nothing(self):
         self.assertIn("does not contain run.json", self.brisance("report", ".", code=5).stderr)
 
@@ -735,6 +753,15 @@ class Failures(Case):
         done = self.brisance("run", deck, "--output", disk / "out", code=5)
         self.assertIn("not enough space", done.stderr)
         self.assertNotIn("step", done.stderr)
+        # Subsets count too.
+        checkpoints = "[checkpoint]\nat_end = false\non_signal = false\nwall_clock = 0\nkeep = 1\n"
+        for interval, code in (("0", 0), ('"1 us"', 5)):
+            subset = (f'[[output.subset]]\nname = "cut"\nplane = {{normal = "x", at = 0.5}}\ninterval = {interval}\n'
+                      'fields = ["pressure"]\n')
+            deck = self.deck(PLANE.replace('"10 mm"', '"50 mm"') + "[output]\npeak_fields = false\n" + subset +
+                             checkpoints)
+            done = self.brisance("run", deck, "--output", disk / "out", "--force", "--quiet", code=code)
+            self.assertEqual("not enough space" in done.stderr, code == 5)
 
 
 class Determinism(Case):

@@ -70,6 +70,16 @@ line = {from = [0.3, 0.1], to = [0.7, 0.7], count = 3}
 [output]
 field_interval = "0.05 ms"
 precision = "double"
+[[output.subset]]
+name = "floor"
+plane = {normal = "y", at = "20 mm"}
+interval = "17 us"
+[[output.subset]]
+name = "near"
+box = {lower = [0.3, 0], upper = [0.7, 0.5]}
+cell = "25 mm"
+interval = "40 us"
+fields = ["pressure", "obstacle"]
 [checkpoint]
 interval = "2 us"
 keep = 3
@@ -176,6 +186,10 @@ body = "slab"
 [output]
 field_interval = "10 us"
 precision = "double"
+[[output.subset]]
+name = "middle"
+plane = {normal = "y", at = "120 mm"}
+interval = "4 us"
 [checkpoint]
 steps = 2
 [end]
@@ -368,6 +382,29 @@ class Resume(Case):
         self.assertEqual((log["time"], log["status"]), (0.7e-3, "done"))
         self.assertTrue((self.folder / "whole/gauges/near.csv").read_text().startswith(former[:-200]))
         self.assertEqual(len(list((self.folder / "whole/fields").iterdir())), 9)
+
+    def test_subsets_may_come_and_go(self):
+        def series(name):
+            listed = json.loads((self.folder / "out/subsets" / f"{name}.hdf.series").read_text())["files"]
+            there = sorted(path.name for path in (self.folder / "out/subsets").glob(f"{name}_*.hdf"))
+            self.assertEqual([file["name"] for file in listed], there)
+            return [file["time"] for file in listed]
+
+        with_floor = BURST.replace("steps = 220", "").replace('"1 ms"', '"0.2 ms"')
+        parts = re.split(r"(?=\[\[output\.subset\]\]|\[checkpoint\])", with_floor)
+        head, floor, near, rest = parts
+        self.deck(head + floor + rest)
+        self.brisance("--output", "out", "--quiet")
+        former = series("floor")
+        self.assertEqual(former[-1], 0.2e-3)
+        later = rest.replace('"0.2 ms"', '"0.3 ms"')
+        self.deck(head + near + later)
+        self.brisance("--output", "out", "--resume", "--quiet")
+        self.assertEqual(series("floor"), former)
+        fresh = series("near")
+        self.assertEqual(len(fresh), 3)
+        for moment, expected in zip(fresh, (0.24e-3, 0.28e-3, 0.3e-3)):
+            self.assertAlmostEqual(moment, expected, delta=1e-12)
 
     def test_only_the_last_dump_holds_peaks_also_when_the_end_is_moved(self):
         def with_peaks(name):

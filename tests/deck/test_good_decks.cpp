@@ -216,6 +216,16 @@ TEST(GoodDecks, DefaultsOfTheShortestDeck) {
   EXPECT_EQ(c.deck_text, text);
 }
 
+TEST(GoodDecks, SubsetsReplaceTheWholeDomainUnlessItHasTimes) {
+  std::string const head = small_domain + "[[charge]]\nmass = 1\nposition = [1, 1, 1]\n[output]\n";
+  std::string const subset = "[[output.subset]]\nname = \"a\"\nplane = {normal = \"x\", at = 2}\n";
+  EXPECT_TRUE(read(head).output.whole);
+  EXPECT_FALSE(read(head + subset).output.whole);
+  EXPECT_EQ(read(head + subset).output.subsets[0].interval, 0.0);
+  EXPECT_TRUE(read(head + "field_interval = 0\n" + subset).output.whole);
+  EXPECT_TRUE(read(head + "field_times = [5e-4]\n" + subset).output.whole);
+}
+
 TEST(GoodDecks, EveryKeyArrives) {
   run::Case const c = read_good("all_keys.toml");
   EXPECT_EQ(c.title, "everything");
@@ -291,6 +301,19 @@ TEST(GoodDecks, EveryKeyArrives) {
   EXPECT_FALSE(c.output.peak_fields);
   EXPECT_FALSE(c.output.single_precision);
   EXPECT_EQ(c.output.fields, (std::vector<std::string>{"pressure", "velocity"}));
+  EXPECT_TRUE(c.output.whole);
+  ASSERT_EQ(c.output.subsets.size(), 2U);
+  EXPECT_EQ(c.output.subsets[0].name, "street");
+  EXPECT_EQ(std::get<run::Plane>(c.output.subsets[0].place).normal, 2);
+  EXPECT_EQ(std::get<run::Plane>(c.output.subsets[0].place).at, 1.5);
+  EXPECT_EQ(c.output.subsets[0].level, -2);
+  EXPECT_EQ(c.output.subsets[0].interval, 0.5e-3);
+  EXPECT_EQ(c.output.subsets[0].fields, (std::vector<std::string>{"impulse", "mach"}));
+  EXPECT_EQ(std::get<shape::Box>(c.output.subsets[1].place).lower, (Vec3{0.0, -0.5, 0.0}));
+  EXPECT_EQ(std::get<shape::Box>(c.output.subsets[1].place).upper, (Vec3{1.0, 0.5, 0.25}));
+  EXPECT_FALSE(c.output.subsets[1].level);
+  EXPECT_EQ(c.output.subsets[1].interval, 1e-3);
+  EXPECT_TRUE(c.output.subsets[1].fields.empty());
   EXPECT_EQ(c.end.steps, 500);
   EXPECT_TRUE(c.end.gauges);
   EXPECT_EQ(c.end.kinetic_energy, 0.02);

@@ -1,13 +1,12 @@
 // Dumps of cells of several sizes.
 #include <gtest/gtest.h>
-#include <hdf5.h>
 
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "core/parallel.hpp"
-#include "grid/forest.hpp"
+#include "level_grid.hpp"
 #include "output/fields.hpp"
 #include "output/file.hpp"
 #include "output/manifest.hpp"
@@ -21,77 +20,12 @@ namespace fs = std::filesystem;
 using grid::Geometry;
 using nlohmann::json;
 
-std::vector<FieldSpec> const specs{
-    {"pressure", "Pa", 1, "pressure"}, {"velocity", "m/s", 3, "velocity"}, {"level", "1", 1, "level"}};
-
-grid::Domain domain_of(Geometry geometry) {
-  grid::Domain domain;
-  domain.geometry = geometry;
-  domain.lower = {1.0, -2.0, 3.0};
-  domain.h = 0.25;
-  domain.cells = {22, 20, grid::dimensions(geometry) > 2 ? 20 : 1};  // the last blocks reach beyond
-  return domain;
-}
-
-/// Blocks of 8 cells, two levels finer around a corner of blocks; `everywhere`: one level finer in all the domain.
-grid::Grid levels_grid(Geometry geometry, int levels = 2, bool everywhere = false) {
-  grid::Domain const domain = domain_of(geometry);
-  int const dims = domain.dimensions();
-  Index3 const size{8, 8, dims > 2 ? 8 : 1};
-  grid::Forest forest({3, 3, dims > 2 ? 3 : 1}, dims, {false, false, false});
-  for (int level = 0; level < levels; ++level) {
-    std::vector<std::int8_t> marks;
-    for (grid::Leaf const& leaf : forest.leaves()) {
-      double way = 0.0;
-      for (int d = 0; d < dims; ++d) way += std::pow((leaf.place[d] + 0.5) * std::ldexp(8.0, -leaf.level) - 9.0, 2);
-      bool const near = std::sqrt(way) < std::ldexp(8.0, -level);
-      marks.push_back(leaf.level == level && (everywhere || near) ? 1 : 0);
-    }
-    forest.adapt(marks, level + 1);
-  }
-  return grid::Grid(domain, size, forest);
-}
-
-/// Linear, and exact in single precision.
-double pressure_at(Vec3 const& x, int time) { return 1024.0 * x[0] + 64.0 * x[1] + 4.0 * x[2] + 4096.0 * time; }
-
-RowValues values_on(grid::Grid const& grid, int time) {
-  return [&grid, time](grid::Cell const& first, int count, double* out) {
-    grid::Cell cell = first;
-    grid::Block const& block = grid.block(first);
-    for (int n = 0; n < count; ++n, ++cell.i, ++cell.offset) {
-      Vec3 const x = block.centre(cell);
-      *out++ = pressure_at(x, time);
-      for (int d = 0; d < 3; ++d) *out++ = x[d];
-      *out++ = block.level;
-    }
-  };
-}
-
-double leaf_cells(grid::Grid const& grid) {
-  double cells = 0.0;
-  for (grid::Block const& block : grid.blocks()) cells += block.covered ? 0 : block.cell_count();
-  return cells;
-}
-
 class LevelFields : public testing::TestWithParam<Geometry> {
  protected:
   void SetUp() override {
     if (!grid::Forest::can_refine(2)) GTEST_SKIP() << "built without p4est";
   }
 };
-
-std::vector<double> read_numbers(fs::path const& file, std::string const& name) {
-  hid_t const f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  hid_t const d = H5Dopen2(f, name.c_str(), H5P_DEFAULT);
-  hid_t const space = H5Dget_space(d);
-  std::vector<double> values(std::size_t(H5Sget_simple_extent_npoints(space)));
-  EXPECT_GE(H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
-  H5Sclose(space);
-  H5Dclose(d);
-  H5Fclose(f);
-  return values;
-}
 
 TEST_P(LevelFields, HoldEveryCellOfEveryLeafOnce) {
   grid::Grid const grid = levels_grid(GetParam());

@@ -220,6 +220,25 @@ TEST(DumpTimes, MergeWhatOnlyRoundOffKeepsApart) {
   EXPECT_EQ(times.back(), 1.0);
 }
 
+TEST(DumpTimes, SubsetsShareTheTimesThatOnlyRoundOffKeepsApart) {
+  run::Case setup = air_box();
+  setup.end.time = 1.0;
+  setup.output.field_interval = 0.1;
+  setup.output.subsets.resize(3);
+  setup.output.subsets[0].interval = 0.3;
+  setup.output.subsets[1].interval = 0.15;
+  auto const whole = dump_times(setup.output, 1.0);
+  auto const times = subset_times(setup);
+  ASSERT_EQ(times.size(), 3U);
+  EXPECT_EQ(times[0], (std::vector{0.0, whole[3], whole[6], whole[9], 1.0}));
+  EXPECT_EQ(times[1][1], 0.15);
+  EXPECT_EQ(times[1][2], whole[3]);
+  EXPECT_EQ(times[2], (std::vector{0.0, 1.0}));
+  setup.output.whole = false;
+  EXPECT_TRUE(dump_times(setup.output, 1.0).empty());
+  EXPECT_EQ(subset_times(setup)[1][2], subset_times(setup)[0][1]);
+}
+
 TEST(Report, FolderWithoutRunIsAnError) {
   ScratchFolder scratch;
   try {

@@ -134,7 +134,7 @@ def write_dump(path, kind, time, step, obstacle):
     fields = fields_on(x, y if ny > 1 else y * 0, z if nz > 1 else z * 0, time, obstacle)
     with h5py.File(path, "w") as file:
         file.attrs.update(time=time, step=step, geometry=kind["geometry"], origin=[0.0, 0.0, 0.0], spacing=h,
-                          cells=[nx, ny, nz])
+                          cells=[nx, ny, nz], block_size=[BLOCK if n > 1 else 1 for n in (nx, ny, nz)])
         for name, (unit, values) in fields.items():
             data = file.create_dataset("cells/" + name, data=values.astype("f4"), compression=1, shuffle=True)
             data.attrs["unit"] = unit

@@ -132,9 +132,10 @@ class Levels(unittest.TestCase):
         self.assertAlmostEqual(volume, 6.0 ** 3)
 
     def test_outlines_are_the_blocks_in_a_plane(self):
-        area = sum(np.prod(high - low) for low, high in self.dump(3).outlines(2, 3.9))
+        area = sum(np.prod(high - low) for _, low, high in self.dump(3).outlines(2, 3.9))
         self.assertAlmostEqual(area, 36.0)
-        self.assertEqual(len(self.dump(2).outlines(2, 3.1)), 8 + 3 + 4)
+        levels = [level for level, _, _ in self.dump(2).outlines(2, 3.1)]
+        self.assertEqual([levels.count(level) for level in (0, 1, 2)], [8, 3, 4])
 
     def test_run_shows_all_dumps_on_one_level_with_few_cells(self):
         synthetic_run.write(self.root / "plane", "2d", dumps=3, levels=True)
@@ -148,6 +149,14 @@ class Levels(unittest.TestCase):
             results.PICTURE_CELLS = kept
 
     def test_report_shows_the_fields(self):
+        pages = []
+        for options in ([], ["--blocks"]):
+            folder = self.root / "report_uniform"
+            if not folder.exists():
+                synthetic_run.write(folder, "2d", dumps=2)
+            self.assertEqual(report.main([str(folder), *options]), 0)
+            pages.append((folder / "report.html").read_text(encoding="utf-8"))
+        self.assertNotEqual(pages[0], pages[1])
         pages = []
         for which, options in (("2d", []), ("2d", ["--blocks"]), ("3d", ["--blocks"])):
             folder = self.root / f"report_{which}"
@@ -164,6 +173,8 @@ class Levels(unittest.TestCase):
         cut = figures.cuts(results.Run(folder, show_blocks=True), with_plan=False)[0]
         cut.look_at(results.Run(folder).dumps[1])
         self.assertGreater(len(cut.blocks), 10)
+        widths = [figures.block_line(level) for level, _, _ in cut.blocks]
+        self.assertLess(min(widths), max(widths))
 
 
 if __name__ == "__main__":

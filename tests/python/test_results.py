@@ -1,4 +1,5 @@
 """The reader of results: the examples of docs/output.md, and what it makes of folders of every kind."""
+import json
 import os
 import re
 import subprocess
@@ -33,6 +34,17 @@ def write_profile(path):
         file["profile/ambient"] = [1.225, 0.0]
 
 
+def example(number, folder):
+    """What an example of docs/output.md prints in a folder, word by word."""
+    part = (ROOT / "docs/output.md").read_text(encoding="utf-8").split("\n## Reading results in Python\n")[1]
+    code = re.findall(r"```python\n(.*?)```", part.split("\n## ")[0], re.DOTALL)[number]
+    done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True,
+                          env=os.environ | {"PYTHONPATH": str(ROOT / "python")})
+    if done.returncode != 0:
+        raise AssertionError(done.stderr)
+    return done.stdout.splitlines()
+
+
 class Reader(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -48,17 +60,8 @@ class Reader(unittest.TestCase):
     def tearDownClass(cls):
         cls.scratch.cleanup()
 
-    def example(self, number):
-        """What an example of docs/output.md prints, word by word."""
-        part = (ROOT / "docs/output.md").read_text(encoding="utf-8").split("\n## Reading results in Python\n")[1]
-        code = re.findall(r"```python\n(.*?)```", part.split("\n## ")[0], re.DOTALL)[number]
-        done = subprocess.run([sys.executable, "-c", code], cwd=self.root, capture_output=True, text=True,
-                              env=os.environ | {"PYTHONPATH": str(ROOT / "python")})
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.splitlines()
-
     def test_example_of_gas(self):
-        lines = self.example(0)
+        lines = example(0, self.root)
         self.assertEqual(lines[0], "done 0.05")
         place = synthetic_run.KINDS["2d"]["gauges"]
         for n, line in enumerate(lines[1:3]):
@@ -72,7 +75,7 @@ class Reader(unittest.TestCase):
         self.assertEqual(int(lines[3].split()[2]), over.argmax())
 
     def test_example_of_points(self):
-        first, second = self.example(1)
+        first, second = example(2, self.root)
         self.assertEqual(first.split(), ["4e-05", str(round(0.75 * 11.75, 2)), "186.0", "185.6"])
         self.assertAlmostEqual(float(second.split()[0]), -0.25 * 11.75e-3, places=9)
         self.assertIn("['bar']", second)
@@ -132,6 +135,22 @@ class Reader(unittest.TestCase):
         finally:
             log.write_text(text)
 
+    def test_outlines_of_a_uniform_dump_are_its_blocks(self):
+        dump = results.Run(self.root / "out").dumps[0]
+        cells = [n for n in dump.cells if n > 1]
+        blocks = dump.outlines(2, 0.0)
+        self.assertEqual(len(blocks), np.prod([-(-n // 16) for n in cells[:2]]))
+        self.assertEqual({level for level, _, _ in blocks}, {0})
+        area = sum(np.prod(high - low) for _, low, high in blocks)
+        self.assertAlmostEqual(area, np.prod(cells[:2]) * dump.spacing ** 2)
+        with h5py.File(dump.path, "r+") as file:
+            size = file.attrs.pop("block_size")
+        try:
+            self.assertEqual(results.Dump(dump.path).outlines(2, 0.0), [])  # of an earlier version
+        finally:
+            with h5py.File(dump.path, "r+") as file:
+                file.attrs["block_size"] = size
+
     def test_no_dump_is_told(self):
         with self.assertRaisesRegex(ValueError, "no dump"):
             results.nearest(results.Run(self.root / "bare").dumps, 0.0)
@@ -147,6 +166,67 @@ class Reader(unittest.TestCase):
     def test_folder_without_dumps_and_energies(self):
         run = results.Run(self.root / "bare")
         self.assertEqual((run.dumps, run.point_dumps, run.profiles, run.energies), ([], [], {}, None))
+
+
+def write_subsets(folder):
+    """Two dumps of a plane and one of a box as src/output/plane_fields.cpp and level_fields.cpp lay them out."""
+    (folder / "subsets").mkdir(parents=True)
+    (folder / "run.json").write_text('{"format": 2}')
+    files = []
+    for number in range(2):
+        files.append({"name": f"street_{number:06d}.hdf", "time": 4e-3 * number})
+        with h5py.File(folder / "subsets" / files[-1]["name"], "w") as file:
+            file.attrs.update(time=4e-3 * number, step=number, geometry="cartesian3d", normal=2, position=1.5)
+            group = file.create_group("VTKHDF")
+            group.attrs["Type"] = np.bytes_("UnstructuredGrid")
+            group["NumberOfCells"] = [2]
+            # A large square beside a small one, which share a corner.
+            group["Points"] = [[0, 0, 1.5], [2, 0, 1.5], [2, 2, 1.5], [0, 2, 1.5], [3, 0, 1.5], [3, 1, 1.5],
+                               [2, 1, 1.5]]
+            group["Connectivity"] = [0, 1, 2, 3, 1, 4, 5, 6]
+            group["CellData/pressure"] = [1e5, 1e5 + number]
+            group["CellData/velocity"] = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
+    (folder / "subsets/street.hdf.series").write_text(json.dumps({"files": files}))
+    (folder / "subsets/street_000002.hdf").write_text("a dump that a killed run has not listed")
+    with h5py.File(folder / "subsets/corner_000000.hdf", "w") as file:
+        file.attrs.update(time=0.0, step=0, geometry="cartesian3d", origin=[1.0, 0.0, 0.0], spacing=0.5,
+                          cells=[4, 2, 1])
+        group = file.create_group("VTKHDF")
+        group.attrs["Type"] = np.bytes_("OverlappingAMR")
+        group.create_group("Level0").attrs["Spacing"] = [0.5] * 3
+        group["Level0/AMRBox"] = [[0, 3, 0, 1, 0, 0]]
+        group["Level0/CellData/pressure"] = np.arange(8.0)
+    (folder / "subsets/corner.hdf.series").write_text(
+        json.dumps({"files": [{"name": "corner_000000.hdf", "time": 0.0}]}))
+
+
+class Subsets(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.root = Path(cls.scratch.name)
+        write_subsets(cls.root / "subsets_out")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    def test_planes_and_boxes_are_listed_by_name(self):
+        run = results.Run(self.root / "subsets_out")
+        self.assertEqual(list(run.subsets), ["corner", "street"])
+        self.assertEqual([dump.time for dump in run.subsets["street"]], [0.0, 4e-3])
+        cut = run.subsets["street"][1]
+        self.assertEqual((cut.count, cut.normal, cut.position, cut.fields), (2, 2, 1.5, ["pressure", "velocity"]))
+        np.testing.assert_array_equal(cut.centres(), [[1.0, 1.0, 1.5], [2.5, 0.5, 1.5]])
+        np.testing.assert_array_equal(cut.sizes(), [2.0, 1.0])
+        np.testing.assert_array_equal(cut.values("pressure"), [1e5, 1e5 + 1])
+        self.assertEqual(cut.values("velocity").shape, (2, 3))
+        box = run.subsets["corner"][0]
+        np.testing.assert_array_equal(box.values("pressure"), [[[0, 1, 2, 3], [4, 5, 6, 7]]])
+        np.testing.assert_array_equal(box.edges(0), [1.0, 1.5, 2.0, 2.5, 3.0])
+
+    def test_example_of_subsets(self):
+        self.assertEqual(example(1, self.root), ["0.004 2 1.5 1", "(4, 2, 1) (1, 2, 4)"])
 
 
 class OneReader(unittest.TestCase):

@@ -46,6 +46,90 @@ TEST(Drive, WritesEveryDumpAtItsTimeAndReachesTheEnd) {
   EXPECT_EQ(log_of(scratch)["status"], "done");
 }
 
+/// A charge in 0.5 m of air; `output` goes into the table [output] and behind it.
+run::Case plane_case(std::string const& output) {
+  auto const result = deck::read_text(
+      "[domain]\ngeometry = \"planar2d\"\nsize = [0.5, 0.5]\ncell = \"25 mm\"\n[[charge]]\nradius = 0.08\n"
+      "position = [0.25, 0.25]\n[end]\ntime = \"0.1 ms\"\n[output]\n" +
+          output,
+      "plane.toml");
+  for (auto const& error : result.errors) ADD_FAILURE() << deck::format(error);
+  return result.case_.value();
+}
+
+/// Times of a series of dumps, all of whose files are there.
+std::vector<double> series_of(Scratch const& scratch, std::string const& name) {
+  std::vector<double> times;
+  auto const list = nlohmann::json::parse(std::ifstream(scratch.path() / "subsets" / (name + ".hdf.series")));
+  for (auto const& file : list["files"]) {
+    times.push_back(file["time"]);
+    EXPECT_TRUE(std::filesystem::exists(scratch.path() / "subsets" / file["name"].get<std::string>()));
+  }
+  return times;
+}
+
+/// The same but for the last digits, in which 30 us and 3e-5 may differ.
+void expect_times(std::vector<double> const& times, std::vector<double> const& expected) {
+  ASSERT_EQ(times.size(), expected.size());
+  for (std::size_t n = 0; n < times.size(); ++n) EXPECT_NEAR(times[n], expected[n], 1e-17) << n;
+}
+
+char const* const two_subsets =
+    "[[output.subset]]\nname = \"cut\"\nplane = {normal = \"x\", at = 0.2}\ninterval = \"30 us\"\n"
+    "[[output.subset]]\nname = \"box\"\nbox = {lower = [0, 0], upper = [0.2, 0.2]}\n";
+
+TEST(Drive, SubsetsAreWrittenAtTimesOfTheirOwn) {
+  Scratch const scratch;
+  observe::Watched world(plane_case(std::string("field_interval = \"20 us\"\n") + two_subsets));
+  output::Writer writer(world, world.gauges, scratch.path());
+  std::vector<double> times{0.0};
+  EXPECT_EQ(drive(world, world.gauges, writer, go_on, [&](run::World const& w) { times.push_back(w.clock.time); }).code,
+            ExitCode::done);
+  EXPECT_EQ(writer.dump_count(), 6);
+  expect_times(series_of(scratch, "cut"), {0.0, 3e-5, 6e-5, 9e-5, 1e-4});
+  // Without an interval of its own it has that of the whole domain.
+  expect_times(series_of(scratch, "box"), {0.0, 2e-5, 4e-5, 2e-5 * 3.0, 8e-5, 1e-4});
+  // 60 us is one time, whatever it is a multiple of.
+  for (std::size_t n = 1; n < times.size(); ++n) EXPECT_GT(times[n] - times[n - 1], 1e-9) << times[n];
+}
+
+TEST(Drive, SubsetsAloneWriteNothingElse) {
+  Scratch const scratch;
+  observe::Watched world(plane_case(two_subsets));
+  output::Writer writer(world, world.gauges, scratch.path());
+  EXPECT_EQ(drive(world, world.gauges, writer, go_on, ignore).code, ExitCode::done);
+  EXPECT_EQ(world.clock.time, 1e-4);
+  expect_times(series_of(scratch, "cut"), {0.0, 3e-5, 6e-5, 9e-5, 1e-4});
+  expect_times(series_of(scratch, "box"), {0.0, 1e-4});
+  EXPECT_FALSE(std::filesystem::exists(scratch.path() / "fields"));
+  EXPECT_FALSE(std::filesystem::exists(scratch.path() / "fields.xmf2"));
+  EXPECT_EQ(log_of(scratch)["status"], "done");
+}
+
+TEST(Drive, TheLastStateOfAStoppedRunIsInAllSubsetsUntilItGoesOn) {
+  Scratch const scratch;
+  std::atomic<bool> stop{false};
+  observe::Watched world(plane_case(two_subsets));
+  double stopped_at = 0.0;
+  {
+    output::Writer writer(world, world.gauges, scratch.path());
+    auto const ending =
+        drive(world, world.gauges, writer, stop, [&](run::World const& w) { stop = w.clock.time > 4e-5; });
+    EXPECT_EQ(ending.code, ExitCode::stopped_by_user);
+    stopped_at = world.clock.time;
+  }
+  expect_times(series_of(scratch, "cut"), {0.0, 3e-5, stopped_at});
+  expect_times(series_of(scratch, "box"), {0.0, stopped_at});
+  observe::Watched again(run::Case(world.setup));
+  output::CheckpointReader checkpoint(scratch.path() / "checkpoints" /
+                                      fmt::format("checkpoint_{:08d}.brz", world.clock.step));
+  again.archive(checkpoint.archive());
+  output::Writer resumed(again, again.gauges, scratch.path(), {.earlier = output::Earlier::keep});
+  EXPECT_EQ(drive(again, again.gauges, resumed, go_on, ignore, &checkpoint.archive()).code, ExitCode::done);
+  expect_times(series_of(scratch, "cut"), {0.0, 3e-5, 6e-5, 9e-5, 1e-4});
+  expect_times(series_of(scratch, "box"), {0.0, 1e-4});
+}
+
 TEST(Drive, GaugeIntervalThinsTheRecordsButKeepsTheLast) {
   Scratch const scratch;
   observe::Watched world(small_case("[output]\ngauge_interval = \"20 us\"\n[end]\ntime = \"0.19 ms\"\n"));

@@ -96,6 +96,28 @@ TEST_F(PlanLevels, UpdatesCountTheStepsOfEachLevel) {
   EXPECT_EQ(uniform.steps, p.steps);
 }
 
+// Two subsets of known shares of the domain.
+TEST_F(PlanLevels, SubsetsCountOnTheCellsOfTheirLevels) {
+  auto setup = case_of(charge + "[adaptive]\nfinest = \"8 mm\"\n");
+  setup.output.fields = {"pressure"};
+  grid::Domain const& domain = setup.domain;
+  shape::Box whole{domain.lower, domain.lower};
+  for (int d = 0; d < domain.dimensions(); ++d) whole.upper[d] = domain.upper(d);
+  run::FieldSubset all;
+  all.name = "all";
+  all.place = whole;
+  all.fields = {"pressure"};
+  run::FieldSubset coarse = all;
+  coarse.name = "coarse";
+  coarse.level = 0;
+  setup.output.subsets = {all, coarse};
+  Plan const p = plan(setup);
+  ASSERT_EQ(p.subsets.size(), 2U);
+  EXPECT_NEAR(p.subsets[0].dump_bytes / (4.0 * sum(p, &LevelPlan::most)), 1.0, 1e-12);
+  // As many of the coarsest cells as fill the domain.
+  EXPECT_NEAR(p.subsets[1].dump_bytes / (4.0 * as_coarse(p, &LevelPlan::most)), 1.0, 1e-12);
+}
+
 TEST_F(PlanLevels, WhatIsAtRestKeepsItsCells) {
   Plan const p = plan(case_of(
       "[adaptive]\nfinest = \"8 mm\"\n[[refine]]\nshape = \"box\"\nlower = [0, 0]\nupper = [1, 1]\nlevel = 2\n"));

@@ -58,7 +58,11 @@ Settings<run::Output> const& settings() {
        typed(Type::boolean, "profile")
            .like("true")
            .means("Write the final state as a profile, `profiles/end.h5`, from which a later deck can start "
-                  "(`[remap]`); for spherical1d, cylindrical1d and axisymmetric2d with one charge")}};
+                  "(`[remap]`); for spherical1d, cylindrical1d and axisymmetric2d with one charge")},
+      nested(Type::tables, "subset", subset_table())
+          .like("[{name = \"street\", plane = {normal = \"z\", at = \"1.5 m\"}}]")
+          .means("Planes and boxes that are written beside the whole domain or in its place, usually as "
+                 "`[[output.subset]]`")};
   return all;
 }
 
@@ -74,7 +78,8 @@ namespace {
 constexpr double most_dumps = 1e4;
 constexpr double most_records = 1e7;  ///< per gauge
 
-/// Each word once, in the order of the list.
+}  // namespace
+
 void without_repeats(std::vector<std::string>& all) {
   std::vector<std::string> once;
   for (auto& word : all) {
@@ -83,16 +88,14 @@ void without_repeats(std::vector<std::string>& all) {
   all = std::move(once);
 }
 
-void too_many(Draft const& draft, Section const& section, std::string_view key, double interval, double most,
-              char const* things) {
-  if (interval <= 0.0 || draft.out.end.time / interval <= most) return;
+void limit_times(Draft const& draft, Section const& section, std::string_view key, double interval, double most,
+                 char const* things) {
+  if (!draft.end_known || interval <= 0.0 || draft.out.end.time / interval <= most) return;
   draft.error(
       section, key,
       fmt::format("{} until {:g} s gives {:.4g} {}; allowed: at most {:g}; write at least {:.3g} s", section.shown(key),
                   draft.out.end.time, draft.out.end.time / interval, things, most, draft.out.end.time / most));
 }
-
-}  // namespace
 
 void build_output(Draft& draft) {
   Section const* section = draft.deck.section("output");
@@ -115,6 +118,7 @@ void build_output(Draft& draft) {
                       : "has no effect in a deck without bodies");
   }
   std::sort(o.field_times.begin(), o.field_times.end());
+  build_subsets(draft, *section);
   if (!draft.end_known) return;
   double const time = draft.out.end.time;
   if (!o.field_times.empty() && o.field_times.back() > time) {
@@ -129,8 +133,8 @@ void build_output(Draft& draft) {
                  fmt::format("is longer than the simulation, {:g} s: {} only at its start and its end", time, what));
     }
   }
-  too_many(draft, *section, "field_interval", o.field_interval, most_dumps, "field dumps");
-  too_many(draft, *section, "gauge_interval", o.gauge_interval, most_records, "records per gauge");
+  limit_times(draft, *section, "field_interval", o.field_interval, most_dumps, "field dumps");
+  limit_times(draft, *section, "gauge_interval", o.gauge_interval, most_records, "records per gauge");
 }
 
 }  // namespace brisance::deck

@@ -131,6 +131,14 @@ void build_gauges(Draft& draft);
 void build_end(Draft& draft);
 [[nodiscard]] Table const& output_table();
 void build_output(Draft& draft);
+/// Reports an interval [s] that gives more than `most` of some things until the end.
+void limit_times(Draft const& draft, Section const& section, std::string_view key, double interval, double most,
+                 char const* things);
+/// Each word once, in the order of the list.
+void without_repeats(std::vector<std::string>& all);
+[[nodiscard]] Table const& subset_table();
+/// The subsets in the table [output].
+void build_subsets(Draft& draft, Section const& output);
 [[nodiscard]] Table const& checkpoint_table();
 void build_checkpoint(Draft& draft);
 [[nodiscard]] Table const& audit_table();

@@ -1,0 +1,83 @@
+/// Grids of several levels, fields on them, and numbers of files, for tests of dumps.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "grid/forest.hpp"
+#include "output/fields.hpp"
+
+namespace brisance::output::test {
+
+inline std::vector<FieldSpec> const specs{
+    {"pressure", "Pa", 1, "pressure"}, {"velocity", "m/s", 3, "velocity"}, {"level", "1", 1, "level"}};
+
+inline grid::Domain domain_of(grid::Geometry geometry) {
+  grid::Domain domain;
+  domain.geometry = geometry;
+  domain.lower = {1.0, -2.0, 3.0};
+  domain.h = 0.25;
+  domain.cells = {22, 20, grid::dimensions(geometry) > 2 ? 20 : 1};  // the last blocks reach beyond
+  return domain;
+}
+
+/// Blocks of 8 cells, two levels finer around a corner of blocks; `everywhere`: one level finer in all the domain.
+inline grid::Grid levels_grid(grid::Geometry geometry, int levels = 2, bool everywhere = false) {
+  grid::Domain const domain = domain_of(geometry);
+  int const dims = domain.dimensions();
+  Index3 const size{8, 8, dims > 2 ? 8 : 1};
+  grid::Forest forest({3, 3, dims > 2 ? 3 : 1}, dims, {false, false, false});
+  for (int level = 0; level < levels; ++level) {
+    std::vector<std::int8_t> marks;
+    for (grid::Leaf const& leaf : forest.leaves()) {
+      double way = 0.0;
+      for (int d = 0; d < dims; ++d) way += std::pow((leaf.place[d] + 0.5) * std::ldexp(8.0, -leaf.level) - 9.0, 2);
+      bool const near = std::sqrt(way) < std::ldexp(8.0, -level);
+      marks.push_back(leaf.level == level && (everywhere || near) ? 1 : 0);
+    }
+    forest.adapt(marks, level + 1);
+  }
+  return grid::Grid(domain, size, forest);
+}
+
+/// Linear, and exact in single precision.
+inline double pressure_at(Vec3 const& x, int time) { return 1024.0 * x[0] + 64.0 * x[1] + 4.0 * x[2] + 4096.0 * time; }
+
+inline RowValues values_on(grid::Grid const& grid, int time) {
+  return [&grid, time](grid::Cell const& first, int count, double* out) {
+    grid::Cell cell = first;
+    grid::Block const& block = grid.block(first);
+    for (int n = 0; n < count; ++n, ++cell.i, ++cell.offset) {
+      Vec3 const x = block.centre(cell);
+      *out++ = pressure_at(x, time);
+      for (int d = 0; d < 3; ++d) *out++ = x[d];
+      *out++ = block.level;
+    }
+  };
+}
+
+inline double leaf_cells(grid::Grid const& grid) {
+  double cells = 0.0;
+  for (grid::Block const& block : grid.blocks()) cells += block.covered ? 0 : block.cell_count();
+  return cells;
+}
+
+inline std::vector<double> read_numbers(std::filesystem::path const& file, std::string const& name) {
+  hid_t const f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  hid_t const d = H5Dopen2(f, name.c_str(), H5P_DEFAULT);
+  hid_t const space = H5Dget_space(d);
+  std::vector<double> values(std::size_t(H5Sget_simple_extent_npoints(space)));
+  EXPECT_GE(H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
+  H5Sclose(space);
+  H5Dclose(d);
+  H5Fclose(f);
+  return values;
+}
+
+}  // namespace brisance::output::test
