@@ -3,7 +3,8 @@
 /// `fields.hdf.series`, that ParaView opens as a time series.
 ///
 /// They hold the cells of leaves only. ParaView 5.11 would count covered cells beside the finer ones in Slice and Clip,
-/// and in 2D everywhere. So that it does not crash, a few cells may be means, see `let_levels_enclose_finer_ones`.
+/// and in 2D everywhere. Its reader relies on levels that enclose the finer ones: a few cells may be means, see
+/// `let_levels_enclose_finer_ones`.
 ///
 /// Layout of a dump `fields/fields_NNNNNN.hdf`: attributes of the root (time [s], step, geometry, origin [m], spacing
 /// [m] and cells of level 0), and for each level from the coarsest that has leaves on, /VTKHDF/LevelN with the

@@ -35,8 +35,8 @@ struct ShownCells {
   [[nodiscard]] hsize_t count() const { return first.back(); }
 };
 
-/// ParaView 5.11 crashes where a level reaches beyond the box around all cells of the next coarser one. Wherever that
-/// is so, in at most two places a direction, cells are replaced by their mean in one of the coarser level.
+/// The reader of ParaView 5.11 relies on levels within the box around all cells of the next coarser one. Where one
+/// reaches beyond, in at most two places a direction, cells are replaced by their mean in one of the coarser level.
 void let_levels_enclose_finer_ones(std::vector<ShownCells>& levels, int dimensions);
 
 /// Of each level from the coarsest that has any on, the leaves of a grid.
