@@ -26,6 +26,7 @@ void Gas::archive(Archive& a) {
   a.require(std::isfinite(time_) && std::isfinite(time_at_step_end_) && fastest_signal_ >= 0.0, "the time of the gas");
   awake_.sized(a, "the number of gas blocks");
   a(timings_);
+  gas::archive(a, carried_);
   coupling.archive(a);
   open_faces_.archive(a);
   for (int b = 0; b < grid_->block_count(); ++b) {
@@ -36,7 +37,9 @@ void Gas::archive(Archive& a) {
     auto const& times = burn.times(b);
     a.same(checksum(solid.data(), solid.size()), "the shape of the obstacles");
     a.same(checksum(roles.data(), roles.size()), "the MPM region");
-    a.same(checksum(times.data(), times.size() * sizeof(BurnTime)), "the initiation of the charges");
+    // Blocks that came after the burn were told nothing of it.
+    if (burn.burning())
+      a.same(checksum(times.data(), times.size() * sizeof(BurnTime)), "the initiation of the charges");
     gas::archive(a, data.account);
     a(data.signal);
     auto const cells = static_cast<std::size_t>(grid_->blocks()[b].cell_count());
