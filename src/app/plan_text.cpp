@@ -323,11 +323,13 @@ std::string subset_line(run::Case const& setup, std::size_t number, session::Sub
   run::FieldSubset const& subset = setup.output.subsets[number];
   observe::SubsetCells const shown(subset, setup.domain, setup.adaptive.finest);
   std::string place;
-  if (auto const* plane = std::get_if<run::Plane>(&subset.place)) {
-    place = fmt::format("plane {} = {:g} m", "xyz"[plane->normal], plane -> at);
+  if (auto const* cut = std::get_if<run::Plane>(&subset.place)) {
+    run::Plane const& plane = *cut;
+    place = fmt::format("plane {} = {:g} m", "xyz"[plane.normal], plane.at);
   } else {
     grid::Domain const box = shown.shown();
     std::vector<std::string> sides;
+    sides.reserve(static_cast<std::size_t>(box.dimensions()));
     for (int d = 0; d < box.dimensions(); ++d) sides.push_back(fmt::format("{:g} to {:g}", box.lower[d], box.upper(d)));
     place = fmt::format("box {} m", fmt::join(sides, ", "));
   }
