@@ -70,10 +70,11 @@ Mesh mesh_of(ShownCells const& cells, grid::Domain const& domain, int finest, in
 
 void gather_mesh(Dump& dump, Mesh const& mesh) {
   std::size_t const cells = mesh.connectivity.size() / mesh.corners;
+  std::size_t const points = mesh.points.size() / 3;
   auto const number = [&](char const* name, double value, char const* meaning) {
     gather_table(dump, {name, "1", 1, meaning}, {value}, NumberType::int64);
   };
-  number("NumberOfPoints", static_cast<double>(mesh.points.size() / 3), "corners of cells");
+  number("NumberOfPoints", static_cast<double>(points), "corners of cells");
   number("NumberOfCells", static_cast<double>(cells), "cells that the plane cuts");
   number("NumberOfConnectivityIds", static_cast<double>(mesh.connectivity.size()), "elements of Connectivity");
   std::vector<double> offsets;
