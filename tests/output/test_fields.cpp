@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "output/fields.hpp"
 #include "output/file.hpp"
+#include "read_numbers.hpp"
 #include "scratch.hpp"
 
 namespace brisance::output::test {
@@ -42,18 +43,6 @@ RowValues numbered(grid::Grid const& grid, std::vector<FieldSpec> const& fields,
   };
 }
 
-std::vector<double> read_dataset(fs::path const& file, char const* name) {
-  hid_t const f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  hid_t const d = H5Dopen2(f, name, H5P_DEFAULT);
-  hid_t const space = H5Dget_space(d);
-  std::vector<double> values(std::size_t(H5Sget_simple_extent_npoints(space)));
-  EXPECT_GE(H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
-  H5Sclose(space);
-  H5Dclose(d);
-  H5Fclose(f);
-  return values;
-}
-
 struct Variant {
   char const* name;
   Index3 cells;
@@ -76,8 +65,8 @@ TEST_P(FieldsRoundTrip, EveryCellOfEveryBlockComesBack) {
   series.dump(2.5e-4, 7, grid, specs, numbered(grid, specs, 1)).write();
 
   fs::path const file = folder.path() / "fields/fields_000000.h5";
-  auto const pressure = read_dataset(file, "/cells/pressure");
-  auto const velocity = read_dataset(file, "/cells/velocity");
+  auto const pressure = read_numbers(file, "/cells/pressure");
+  auto const velocity = read_numbers(file, "/cells/velocity");
   ASSERT_EQ(pressure.size(), std::size_t(grid.domain().cell_count()));
   ASSERT_EQ(velocity.size(), 3 * pressure.size());
   std::size_t at = 0;
@@ -237,7 +226,7 @@ TEST(Fields, FailedWriteIsAnErrorNamingTheFileAndLeavesTheSeriesIntact) {
   // The library must be usable afterwards.
   second(DumpPlace::again).write();
   EXPECT_EQ(series.series().written(), 2);
-  EXPECT_EQ(read_dataset(folder.path() / "fields/fields_000001.h5", "/cells/pressure").front(),
+  EXPECT_EQ(read_numbers(folder.path() / "fields/fields_000001.h5", "/cells/pressure").front(),
             value_of({0, 0, 0}, 0, 1));
 }
 

@@ -17,24 +17,13 @@
 #include "output/report.hpp"
 #include "output/run_log.hpp"
 #include "output/writer.hpp"
+#include "read_numbers.hpp"
 #include "scratch.hpp"
 
 namespace brisance::output::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<double> read_particles(fs::path const& file, std::string const& name) {
-  hid_t const f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  hid_t const d = H5Dopen2(f, ("/points/" + name).c_str(), H5P_DEFAULT);
-  hid_t const space = H5Dget_space(d);
-  std::vector<double> values(std::size_t(H5Sget_simple_extent_npoints(space)));
-  EXPECT_GE(H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
-  H5Sclose(space);
-  H5Dclose(d);
-  H5Fclose(f);
-  return values;
-}
 
 /// Runs `steps` steps of a case into a folder, with a dump at the start and one at the end.
 void write_run(observe::Watched& world, fs::path const& folder, int steps) {
@@ -77,7 +66,7 @@ TEST(Particles, DumpHoldsWhatTheParticlesCarry) {
     for (std::string const name :
          {"position", "body", "material", "velocity", "stress", "mises", "identity", "plastic_strain"}) {
       observe::particle_field(world, name, values);
-      auto const read = read_particles(file, name);
+      auto const read = read_numbers(file, "/points/" + name);
       ASSERT_EQ(read.size(), values.size()) << name;
       bool const rounded = single && name != "body" && name != "material" && name != "identity";
       for (std::size_t i = 0; i < read.size(); ++i)
@@ -285,7 +274,7 @@ TEST(Particles, EmptyDomainIsWritten) {
   writer.dump(world, IsLast::no);
   world.update_audit();
   writer.finish(world, "done", 0);
-  EXPECT_TRUE(read_particles(folder.path() / "points/points_000001.h5", "velocity").empty());
+  EXPECT_TRUE(read_numbers(folder.path() / "points/points_000001.h5", "/points/velocity").empty());
   auto const index = read_file(folder.path() / "points.xmf2");
   EXPECT_EQ(index.find("points_000001"), std::string::npos) << "readers cannot take an empty grid";
   auto const summary = nlohmann::json::parse(read_file(folder.path() / "summary.json"));
