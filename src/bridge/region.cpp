@@ -44,7 +44,7 @@ int Region::layer(Index3 const& cell) const { return space_.contains(cell) ? lay
 
 grid::Cell Region::locate(grid::Grid const& grid, Index3 const& cell) const {
   auto const found = grid.locate(level_, cell);
-  if (found && !grid.block(*found).covered) return *found;
+  if (found && !grid.block(*found).is_covered(*found)) return *found;
   Vec3 const x = domain_.centre(cell);
   throw InputError(
       fmt::format("the gas at the MPM region near ({:.6g}, {:.6g}, {:.6g}) m has other cells than those of {:.6g} m of "

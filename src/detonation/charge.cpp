@@ -54,8 +54,8 @@ grid::CellRange cells_of(shape::Shape const& shape, grid::Grid const& grid, int 
 
 /// Is there a leaf's cell at an index in the domain of a level?
 void require_cell(grid::Grid const& grid, int level, Index3 const& cell, std::string const& what) {
-  int const block = grid.block_of(level, cell);
-  if (block != grid::no_neighbour && !grid.blocks()[block].covered) return;
+  auto const found = grid.locate(level, cell);
+  if (found && !grid.block(*found).is_covered(*found)) return;
   throw InputError(
       fmt::format("{} lies in cells of different sizes; refine all of it alike, with some cells around it", what));
 }

@@ -88,6 +88,7 @@ std::vector<Touched> fill(gas::Gas& gas, Profile const& profile, Vec3 const& cen
     int const dims = block.metric.dimensions();
     for (int n = part.begin; n < part.end; ++n) {
       grid::Cell const cell = block.cell_at(n);
+      if (block.is_covered(cell)) continue;
       Vec3 const low = corner(block.metric, block.index(cell), centre);
       if (distances(low, h, {true, dims > 1, dims > 2})[0] >= reach) continue;
       if (!sources[thread].integrate(low, h, sums)) continue;

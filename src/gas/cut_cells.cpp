@@ -70,7 +70,6 @@ double CutCells::open_volume(Index3 const& cell) const {
 
 CutCells::Group CutCells::group_of(std::size_t number, IsSolid const& is_solid) const {
   grid::Domain const& domain = this->domain();
-  grid::CellRange const all = domain.all_cells();
   CutCell const& cut = cells_[number];
   double const wanted = large_enough * domain.cell_volume(cut.cell[0]);
   double const size = std::max(norm(cut.wall), 1e-300);

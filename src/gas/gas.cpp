@@ -136,7 +136,7 @@ void Gas::start(double time) {
   std::iota(all.begin(), all.end(), 0);
   find_levels(all);
   for (int b = 0; b < grid_->block_count(); ++b) {
-    if (grid_->blocks()[b].covered) awake_[b] = options_.sleep && is_quiescent_block(b) ? 0 : 1;
+    if (grid_->blocks()[b].covered_parts != 0) awake_[b] = options_.sleep && is_quiescent_block(b) ? 0 : 1;
   }
   disturbance_.find(fields_, quiet);
   load_nodes();

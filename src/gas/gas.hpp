@@ -120,8 +120,11 @@ class Gas {
   /// Ends the initial phase: finds the quiescent blocks, the state beyond outflow boundaries and the first wave speeds.
   void start(double time = 0.0);
 
-  /// Largest |u_d| + c over the resolved directions and all cells [m/s].
-  [[nodiscard]] double fastest_signal() const { return fastest_signal_; }
+  /// Largest |u_d| + c over the resolved directions and all cells, or those of a block that is awake [m/s].
+  static constexpr int all_blocks = -1;
+  [[nodiscard]] double fastest_signal(int block = all_blocks) const {
+    return block == all_blocks ? fastest_signal_ : blocks_[block].signal;
+  }
 
   /// One step of length dt: a sweep in each resolved direction, x first or last. A pair of steps with `reverse` false
   /// and true is the Strang splitting of [Cui14] Eq. (6) over 2 dt. Level l takes 2^l steps of dt / 2^l, and the
@@ -169,6 +172,8 @@ class Gas {
   };
   /// Of a block that is to come, from the blocks that are.
   [[nodiscard]] Contents contents_of(grid::Block const& block) const;
+  /// The peaks of cells that finer ones have covered until now are the means of theirs.
+  void keep_peaks_of_uncovered(grid::Grid const& next, std::vector<int> const& before);
   void merge_into(grid::Block const& block, Contents& contents) const;
   void refine_into(grid::Block const& block, Contents& contents) const;
   [[nodiscard]] bool is_quiescent_block(int block) const;

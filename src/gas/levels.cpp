@@ -11,13 +11,13 @@
 
 namespace brisance::gas {
 
-grid::CellRange Levels::face_cells(grid::Block const& block, int face) {
+grid::CellRange Levels::cells_at(grid::Block const& block, int direction, Plane plane) {
   grid::CellRange cells = block.interior();
-  int const d = face / 2;
-  if (face % 2 == 0)
-    cells.upper[d] = 1;
-  else
-    cells.lower[d] = block.n[d] - 1;
+  int const layer = plane == Plane::low    ? 0
+                    : plane == Plane::high ? block.n[direction] - 1
+                                           : block.size[direction] / 2 - 1;
+  cells.lower[direction] = layer;
+  cells.upper[direction] = layer + 1;
   return cells;
 }
 
@@ -32,6 +32,13 @@ Levels::Contact Levels::contact_at(grid::Block const& fine, int face) const {
   core.lower[d] = face % 2 == 0 ? own.lower[d] / 2 - 1 : own.upper[d] / 2;
   core.upper[d] = core.lower[d] + 1;
   contact.coarse = grid::coarser_block_beyond(*grid_, fine, face);
+  grid::Block const& coarse = grid_->blocks()[contact.coarse];
+  Index3 const beside = grid::image_cell(grid_->domain_of(coarse), core.lower);
+  int const layer = coarse.cell_with(beside).within()[d];
+  bool const fine_is_above = face % 2 == 0;
+  contact.plane = fine_is_above && layer == coarse.n[d] - 1 ? Plane::high
+                  : !fine_is_above && layer == 0            ? Plane::low
+                                                            : Plane::middle;
   return contact;
 }
 
@@ -99,18 +106,18 @@ Levels::Levels(grid::Grid const& grid, Fluids const& fluids, int components, IsS
       registers_(grid.blocks().size()),
       clock_(grid.levels()) {
   for (grid::Block const& block : grid.blocks()) {
-    if (block.covered) covered_[block.level].push_back(block.number);
+    if (block.covered_parts != 0) covered_[block.level].push_back(block.number);
     for (int face = 0; face < 6; ++face) {
       if (block.beyond[face] != grid::Beyond::coarser) continue;
       std::vector<Contact>& contacts = contacts_[block.level - 1];
       strip_of_[block.number][face] = static_cast<int>(contacts.size());
       contacts.push_back(contact_at(block, face));
-      auto const make = [&](grid::Block const& of, int its_face) {
-        auto& sum = registers_[of.number][its_face].sum;
-        if (sum.empty()) sum.assign(face_cells(of, its_face).count() * values(), 0.0);
+      auto const make = [&](grid::Block const& of, Plane plane) {
+        auto& sum = registers_[of.number][number_of(face / 2, plane)].sum;
+        if (sum.empty()) sum.assign(cells_at(of, face / 2, plane).count() * values(), 0.0);
       };
-      make(block, face);
-      make(grid.blocks()[contacts.back().coarse], 2 * (face / 2) + 1 - face % 2);
+      make(block, face % 2 == 0 ? Plane::low : Plane::high);
+      make(grid.blocks()[contacts.back().coarse], contacts.back().plane);
     }
   }
   for (int level = 0; level < grid.levels(); ++level) {
@@ -228,21 +235,27 @@ void Levels::fill(int b, int face, double* ghosts) const {
   });
 }
 
-double* Levels::entry(int block, int face, grid::Cell const& cell) {
-  grid::CellRange const cells = face_cells(grid_->blocks()[block], face);
-  return registers_[block][face].sum.data() + cells.offset(cell.within()) * values();
+double* Levels::entry(int block, int direction, Plane plane, grid::Cell const& cell) {
+  grid::CellRange const cells = cells_at(grid_->blocks()[block], direction, plane);
+  Index3 at = cell.within();
+  at[direction] = cells.lower[direction];
+  return registers_[block][number_of(direction, plane)].sum.data() + cells.offset(at) * values();
 }
 
-void Levels::count(int b, BundleLayout const& layout, int side, SweepContext const& s, BundleArrays& a) {
+void Levels::count(int b, BundleLayout const& layout, Plane plane, SweepContext const& s, BundleArrays& a) {
   grid::Block const& block = grid_->blocks()[b];
-  int const face = 2 * s.direction + side;
+  int const layer = cells_at(block, s.direction, plane).lower[s.direction];
+  int const side = plane == Plane::low ? 0 : 1;
   Components const& quiet = quiet_flux_[s.direction];
   for (int line = 0; line < layout.lines(); ++line) {
+    // Face q lies above cell q.
     int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
-    q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
-    grid::Cell const cell = layout.end_cell(block, side, line);
+    q += (layer - 1 + side) * layout.stride;
+    Index3 at = layout.end_cell(block, 0, line).within();
+    at[s.direction] = layer;
+    grid::Cell const cell = block.cell(at);
     double const weight = block.face_area(s.direction, side, cell) * s.dt;
-    double* const sum = entry(b, face, cell);
+    double* const sum = entry(b, s.direction, plane, cell);
     for (int c = 0; c <= energy; ++c) sum[c] += weight * (a[a_flux + c][q] - quiet[c]);
     for (int k = 1; k < s.present; ++k) {
       sum[partial_density(k)] += weight * a[a_flux + partial_density(k)][q];
@@ -258,21 +271,21 @@ std::vector<grid::Cell> Levels::correct(grid::Fields& fields, Contact const& con
   int const dims = grid_->domain().dimensions();
   grid::Block const& fine = grid_->blocks()[contact.fine];
   grid::Block const& coarse = grid_->blocks()[contact.coarse];
-  int const coarse_face = 2 * d + 1 - contact.face % 2;
-  double const outwards = coarse_face % 2 == 0 ? -1.0 : 1.0;  // of the coarse cell
+  double const outwards = contact.face % 2 == 0 ? 1.0 : -1.0;  // of the coarse cell
+  Plane const fine_plane = contact.face % 2 == 0 ? Plane::low : Plane::high;
   std::vector<grid::Cell> changed;
   for_each_cell(contact.core, [&](Index3 const& index) {
     // Where the block lies behind a periodic boundary the core does not lie in it.
     grid::Cell const cell = *grid_->locate(coarse.level, grid::image_cell(grid_->domain_of(coarse), index));
     std::array<double, most_components + 1> more{};
-    double* const own = entry(contact.coarse, coarse_face, cell);
+    double* const own = entry(contact.coarse, d, contact.plane, cell);
     for (int c = 0; c < values(); ++c) more[c] = -std::exchange(own[c], 0.0);
     grid::CellRange parts = grid::fine_cells(index, dims);
     grid::CellRange const own_cells = fine.in_domain();
     parts.lower[d] = contact.face % 2 == 0 ? own_cells.lower[d] : own_cells.upper[d] - 1;
     parts.upper[d] = parts.lower[d] + 1;
     for_each_cell(parts, [&](Index3 const& part) {
-      double* const sum = entry(contact.fine, contact.face, *grid_->locate(fine.level, part));
+      double* const sum = entry(contact.fine, d, fine_plane, *grid_->locate(fine.level, part));
       for (int c = 0; c < values(); ++c) more[c] += std::exchange(sum[c], 0.0);
     });
     if (!contact.closed.empty() && contact.closed[contact.core.offset(index)] != 0) return;

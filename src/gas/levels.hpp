@@ -7,7 +7,7 @@
 ///     made of them, at the time and after the sweeps that the fine step has reached;
 ///   - flux registers: what went through the faces between two levels, found by both. The coarse cells are corrected to
 ///     what the fine ones found, so that nothing is lost or made there;
-///   - covered blocks: they take the means of the fine cells that cover them.
+///   - covered blocks and covered parts: they take the means of the fine cells that cover them.
 #pragma once
 
 #include <array>
@@ -46,9 +46,13 @@ class Levels {
   void fill(int block, int face, double* ghosts) const;
 
   // Registers.
-  [[nodiscard]] bool counts(int block, int face) const { return !registers_[block][face].sum.empty(); }
-  /// Adds what goes through one side of a bundle's block in a sweep.
-  void count(int block, BundleLayout const& layout, int side, SweepContext const& context, BundleArrays& arrays);
+  /// The planes of a block across a direction at which cells may meet those of another level.
+  enum class Plane : std::uint8_t { low, high, middle };
+  [[nodiscard]] bool counts(int block, int direction, Plane plane) const {
+    return !registers_[block][number_of(direction, plane)].sum.empty();
+  }
+  /// Adds what goes through a plane of a bundle's block in a sweep.
+  void count(int block, BundleLayout const& layout, Plane plane, SweepContext const& context, BundleArrays& arrays);
   /// Corrects the cells of a level beside finer ones, and forgets what was counted. Calls changed(cell) for each.
   template <class Changed>
   void correct(grid::Fields& fields, int level, Changed const& changed) {
@@ -73,7 +77,11 @@ class Levels {
   }
 
  private:
-  /// What went through the faces of a block's cells at one of its faces, less what quiescent gas carries, times area
+  static constexpr int plane_count = 9;  ///< of a block: its faces, and one in the middle across each direction
+  [[nodiscard]] static int number_of(int direction, Plane plane) {
+    return plane == Plane::middle ? 6 + direction : 2 * direction + (plane == Plane::low ? 0 : 1);
+  }
+  /// What went through the faces of a block's cells at one of its planes, less what quiescent gas carries, times area
   /// and time: all components and the volume, cell by cell.
   struct Register {
     std::vector<double> sum;
@@ -83,6 +91,7 @@ class Levels {
     int fine = 0;                      ///< block
     int face = 0;                      ///< of the fine block
     int coarse = 0;                    ///< block
+    Plane plane = Plane::low;          ///< of the coarse block: in the middle where the fine one covers a part of it
     grid::CellRange core;              ///< the coarse cells beside the face, by their index in the domain
     std::vector<std::uint8_t> closed;  ///< of the core: nothing goes through the face; empty: through all of it
   };
@@ -113,7 +122,8 @@ class Levels {
     std::array<bool, 3> done{false, false, false};  ///< own sweeps, by their direction
   };
 
-  [[nodiscard]] static grid::CellRange face_cells(grid::Block const& block, int face);
+  /// The cells at a plane of a block; where it lies in the middle, those below it.
+  [[nodiscard]] static grid::CellRange cells_at(grid::Block const& block, int direction, Plane plane);
   [[nodiscard]] Contact contact_at(grid::Block const& fine, int face) const;
   /// Finds where the face is closed, from the strip of the contact.
   static void close(Contact& contact, Strip const& strip);
@@ -122,7 +132,7 @@ class Levels {
   /// The arrays of a strip at the time of the fine level.
   [[nodiscard]] std::vector<double> at_present(Strip const& strip, int coarse_level) const;
   [[nodiscard]] int values() const { return components_ + 1; }
-  [[nodiscard]] double* entry(int block, int face, grid::Cell const& cell);
+  [[nodiscard]] double* entry(int block, int direction, Plane plane, grid::Cell const& cell);
 
   template <class Changed>
   void correct(grid::Fields& fields, Contact const& contact, Changed const& changed) {
@@ -141,11 +151,11 @@ class Levels {
   Components quiet_{};
   std::array<Components, 3> quiet_flux_{};
   Vec3 quiet_velocity_{0.0, 0.0, 0.0};
-  std::vector<std::vector<int>> covered_;          ///< blocks, by their level
+  std::vector<std::vector<int>> covered_;          ///< blocks, as a whole or in part, by their level
   std::vector<std::vector<Contact>> contacts_;     ///< by the level of the coarse cells
   std::vector<std::vector<Strip>> strips_;         ///< of the same
   grid::BlockStore<std::array<int, 6>> strip_of_;  ///< of a fine block's faces, by the number in its level
-  std::vector<std::array<Register, 6>> registers_;
+  std::vector<std::array<Register, plane_count>> registers_;
   std::vector<Clock> clock_;
 };
 

@@ -18,6 +18,11 @@ double const* Peaks::of(int block, Peak peak) const {
   return blocks_[block].data() + static_cast<std::size_t>(peak) * grid_->blocks()[block].cell_count();
 }
 
+double* Peaks::values_of(int block, int value) {
+  if (!wanted_) return nullptr;
+  return blocks_[block].data() + static_cast<std::size_t>(value) * grid_->blocks()[block].cell_count();
+}
+
 void Peaks::follow(int b, grid::BundleLayout const& layout, double const* const p, double ambient, double dt) {
   if (!wanted_) return;
   grid::Block const& block = grid_->blocks()[b];

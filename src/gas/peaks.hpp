@@ -34,6 +34,7 @@ class Peaks {
   /// Values that are kept of each cell.
   [[nodiscard]] int values() const { return wanted_ ? peak_count : 0; }
   [[nodiscard]] double const* values_of(int block, int value) const { return of(block, static_cast<Peak>(value)); }
+  [[nodiscard]] double* values_of(int block, int value);
   /// All of a block, value by value.
   void put(int block, Buffer values) { blocks_[block] = std::move(values); }
   /// When the blocks change, see `BlockStore`.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -38,14 +39,15 @@ struct RefinementRules {
   /// Cells of its own level around one that asks which get the same: the way that a shock makes until blocks are
   /// changed again.
   int buffer = 4;
-  /// Changes of blocks that a block must have been without need before it is merged.
-  int patience = 2;
+  /// Changes of blocks that a block must have been without need before it is left coarse or merged.
+  int patience = 1;
   Bounds bounds;            ///< null: no part of the domain asks
   Bounds while_bursting;    ///< the same until all charges have burst
   double most_cells = 0.0;  ///< of all leaves; 0: no limit. What shocks ask for gives way, the weakest first
 };
 
-/// Refines the leaves of a forest until all are of the least level that is asked for. `size`: cells of a block.
+/// Refines the leaves of a forest until all cells are of the least level that is asked for; leaves that nothing asks
+/// for are left coarse where that is possible. `size`: cells of a block.
 void refine_to(grid::Forest& forest, grid::Domain const& domain, Index3 const& size, int most_level,
                RefinementRules::Bounds const& bounds);
 
@@ -68,9 +70,19 @@ class Refinement {
     int most = std::numeric_limits<int>::max();
     double norm = 0.0;
   };
-  [[nodiscard]] std::vector<Need> needs(Gas const& gas, grid::Forest const& forest) const;
+  /// What is asked of a forest.
+  struct Needs {
+    std::vector<Need> of_leaf;
+    /// Places in which shocks ask for blocks of a level or a finer one, by their Morton keys, from level 0 on.
+    std::vector<std::unordered_set<std::uint64_t>> places;
+  };
+  [[nodiscard]] bool is_bursting(Gas const& gas) const;
+  [[nodiscard]] Needs needs(Gas const& gas, grid::Forest const& forest) const;
+  /// What the place of a leaf asks for whatever the gas does.
+  [[nodiscard]] LevelBounds bounds_of(Gas const& gas, grid::Leaf const& leaf, bool bursting) const;
   /// What shocks ask for gives way, the weakest first, until about so many cells are left.
-  void keep_within_limit(grid::Forest const& forest, double cells_per_leaf, double allowed, std::vector<Need>& needs);
+  void keep_within_limit(grid::Forest const& forest, Needs const& asked, double cells_per_leaf, double allowed,
+                         std::vector<Need>& needs);
 
   RefinementRules rules_;
   bool held_back_ = false;

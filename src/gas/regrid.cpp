@@ -92,6 +92,25 @@ void Gas::refine_into(grid::Block const& block, Contents& contents) const {
   });
 }
 
+void Gas::keep_peaks_of_uncovered(grid::Grid const& next, std::vector<int> const& before) {
+  if (peaks_.values() == 0) return;
+  int const dims = grid_->domain().dimensions();
+  for (grid::Block const& block : next.blocks()) {
+    if (before[block.number] == grid::no_neighbour) continue;
+    grid::Block const& old = grid_->blocks()[before[block.number]];
+    for (int part = 0; part < grid::part_count(old); ++part) {
+      if (!grid::is_part_covered(old, part) || grid::is_part_covered(block, part)) continue;
+      Index3 const corner = old.index(grid::part(old, part).lower);
+      int const finer = grid_->block_of(old.level + 1, grid::fine_cells(corner, dims).lower);
+      if (finer == grid::no_neighbour) continue;
+      for (int p = 0; p < peaks_.values(); ++p) {
+        grid::take_means(grid_->blocks()[finer], peaks_.values_of(finer, p), old.in_domain(),
+                         peaks_.values_of(old.number, p));
+      }
+    }
+  }
+}
+
 void Gas::regrid(grid::Grid& grid, grid::Forest const& forest, Furnish const& furnish) {
   grid::Grid next(grid.domain(), grid.block_size(), forest);
   std::vector<int> const before = numbers_before(grid, next);
@@ -99,6 +118,7 @@ void Gas::regrid(grid::Grid& grid, grid::Forest const& forest, Furnish const& fu
   parallel_for(static_cast<int>(before.size()), [&](int b, int) {
     if (before[b] == grid::no_neighbour && !next.blocks()[b].covered) contents[b] = contents_of(next.blocks()[b]);
   });
+  keep_peaks_of_uncovered(next, before);
   std::vector<std::uint8_t> kept(grid.blocks().size(), 0);
   for (int const b : before) {
     if (b != grid::no_neighbour) kept[b] = 1;
@@ -168,7 +188,7 @@ void Gas::find_levels(std::vector<int> const& new_blocks) {
   for (int level = grid_->levels() - 2; level >= 0; --level) {
     std::vector<int> covered;
     for (int const b : new_blocks) {
-      if (grid_->blocks()[b].covered && grid_->blocks()[b].level == level) covered.push_back(b);
+      if (grid_->blocks()[b].covered_parts != 0 && grid_->blocks()[b].level == level) covered.push_back(b);
     }
     levels_.restrict(fields_, all, covered, [](int) {});
   }

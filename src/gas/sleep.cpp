@@ -113,7 +113,7 @@ void Gas::account_quiet(int b, BundleLayout const& layout, int direction, double
     double const sign = side == 0 ? -1.0 : 1.0;
     for (int line = 0; line < layout.lines(); ++line) {
       grid::Cell const cell = layout.end_cell(block, side, line);
-      if (!coupling.is_own(cell)) continue;
+      if (!coupling.is_own(cell) || block.is_covered(cell)) continue;
       double const area = cut.area(cell, direction, side);
       for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * dt * flux[c];
     }

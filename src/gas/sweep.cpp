@@ -120,7 +120,7 @@ void Gas::account_boundaries(int b, BundleLayout const& layout, SweepContext con
       int q = s.direction == 0 ? layout.begin(line) : layout.begin(0) + line;
       q += side == 0 ? -layout.stride : (layout.length - 1) * layout.stride;
       grid::Cell const cell = layout.end_cell(block, side, line);
-      if (!coupling.is_own(cell)) continue;
+      if (!coupling.is_own(cell) || block.is_covered(cell)) continue;
       double const area = is_cut ? cut.area(cell, s.direction, side) : block.face_area(s.direction, side, cell);
       Components& outflow = account.outflow;
       for (int c = 0; c <= energy; ++c) outflow[c] += sign * area * s.dt * a[a_flux + c][q];
@@ -186,13 +186,15 @@ void Gas::burn_on(int b, BundleLayout const& layout, SweepContext const& s, Bund
   auto const volume = [&](int at) {
     return has_cut_cells ? cut.volume(block.cell_at(at)) : block.volume(block.column(at));
   };
+  if (block.covered) return;
   double sum = 0.0;
   for_each_run(layout, block, [&](int q, int offset, int count) {
     for (int n = 0; n < count; ++n) {
+      if (block.covered_parts != 0 && block.is_covered(block.cell_at(offset + n))) continue;
       sum += release[q + n] * volume(offset + n);
     }
   });
-  if (!block.covered) account.afterburn_energy += sum;
+  account.afterburn_energy += sum;
 }
 
 void Gas::measure(int b, int index, BundleLayout const& layout, SweepContext const& s, BundleArrays& a,
@@ -218,12 +220,12 @@ void Gas::measure(int b, int index, BundleLayout const& layout, SweepContext con
 
 void Gas::account_guards(int b, BundleLayout const& layout, GuardCount const& guards, Tally& tally) const {
   grid::Block const& block = grid_->blocks()[b];
-  if (!grid_->blocks()[b].covered) tally.account.fallback_faces += guards.fallback_faces;
+  if (!block.covered) tally.account.fallback_faces += guards.fallback_faces;
   for (Lift const& lift : guards.lifts) {
     for_each_run(layout, block, [&](int q, int offset, int count) {
       if (lift.q < q || lift.q >= q + count) return;
       int const at = offset + lift.q - q;
-      bool const is_own = coupling.role(b, at) == Role::own && !grid_->blocks()[b].covered;
+      bool const is_own = coupling.role(b, at) == Role::own && !block.is_covered(block.cell_at(at));
       if (!is_own && lift.finite) return;
       double const volume = cut.volume(block.cell_at(at));
       ++tally.account.guarded_cells;
@@ -322,8 +324,8 @@ void Gas::sweep_bundle(int b, int index, BundleLayout const& layout, SweepContex
   if (block.at_boundary(2 * s.direction) || block.at_boundary(2 * s.direction + 1))
     account_boundaries(b, layout, s, a, tally.account);
   account_watched(b, index, layout, s, a);
-  for (int side = 0; side < 2; ++side) {
-    if (levels_.counts(b, 2 * s.direction + side)) levels_.count(b, layout, side, s, a);
+  for (auto const plane : {Levels::Plane::low, Levels::Plane::high, Levels::Plane::middle}) {
+    if (levels_.counts(b, s.direction, plane)) levels_.count(b, layout, plane, s, a);
   }
   take_cut_changes(b, index, layout, s, a);
   passes_of(s).update(s, layout, a);

@@ -84,17 +84,53 @@ Forest::Forest(Index3 const& parts, int dimensions, std::array<bool, 3> const& p
   number();
 }
 
-Forest::Forest(Index3 const& parts, int dimensions, std::array<bool, 3> const& periodic, std::vector<Leaf> leaves)
+Forest::Forest(Index3 const& parts, int dimensions, std::array<bool, 3> const& periodic, std::vector<Leaf> leaves,
+               std::vector<std::uint8_t> const& left_coarse)
     : Forest(parts, dimensions, periodic) {
   leaves_ = std::move(leaves);
   require_tiling();
   number();
   require_balance();
+  if (left_coarse.empty()) return;
+  leave_coarse(left_coarse);
+  if (left_coarse_ != left_coarse) throw InputError("blocks of the grid are left coarse beside finer ones");
 }
 
 void Forest::number() {
   keys_.resize(leaves_.size());
   std::transform(leaves_.begin(), leaves_.end(), keys_.begin(), [this](Leaf const& leaf) { return key(leaf); });
+  left_coarse_.assign(leaves_.size(), 0);
+}
+
+bool Forest::touches_finer(Leaf const& leaf) const {
+  return any_cell(around({0, 0, 0}, 1, dimensions_), [&](Index3 const& offset) {
+    std::optional<Leaf> const next = at_offset(leaf, offset);
+    if (!next || holding(*next) >= 0) return false;
+    // Of the finer leaves those that touch.
+    CellRange touching{next->place, next->place};
+    for (int d = 0; d < 3; ++d) {
+      if (d < dimensions_) touching.lower[d] = 2 * next->place[d] + (offset[d] < 0 ? 1 : 0);
+      touching.upper[d] = touching.lower[d] + (d < dimensions_ && offset[d] == 0 ? 2 : 1);
+    }
+    return any_cell(touching, [&](Index3 const& place) {
+      int const finer = find({leaf.level + 1, place});
+      return finer < 0 || !is_left_coarse(finer);
+    });
+  });
+}
+
+void Forest::leave_coarse(std::vector<std::uint8_t> const& may) {
+  if (may.size() != leaves_.size())
+    throw InputError(fmt::format("{} marks for {} blocks of the grid", may.size(), leaves_.size()));
+  left_coarse_.assign(leaves_.size(), 0);
+  int finest = 0;
+  for (Leaf const& leaf : leaves_) finest = std::max(finest, leaf.level);
+  // Those of finer levels first: what they come to decides for the coarser ones.
+  for (int level = finest; level > 0; --level) {
+    for (std::size_t n = 0; n < leaves_.size(); ++n) {
+      if (may[n] != 0 && leaves_[n].level == level && !touches_finer(leaves_[n])) left_coarse_[n] = 1;
+    }
+  }
 }
 
 bool Forest::in_domain(Leaf const& block) const {
@@ -196,7 +232,7 @@ bool Forest::merges(std::vector<std::int8_t> const& marks) const {
   return false;
 }
 
-std::vector<Origin> Forest::adapt(std::vector<std::int8_t> const& marks, int most_level) {
+std::vector<Origin> Forest::adapt(std::vector<std::int8_t> const& marks, int most_level, IsWanted const& is_wanted) {
   if (marks.size() != leaves_.size()) {
     throw InputError(fmt::format("{} marks for {} blocks of the grid", marks.size(), leaves_.size()));
   }
@@ -204,19 +240,36 @@ std::vector<Origin> Forest::adapt(std::vector<std::int8_t> const& marks, int mos
     throw InputError(fmt::format("a grid of {} x {} x {} blocks can have up to {} levels above the first, not {}",
                                  parts_[0], parts_[1], parts_[2], deepest_level_, most_level));
   }
-  bool const refined = refines(marks, most_level);
+  std::vector<std::int8_t> of_leaves = marks;
+  for (std::size_t n = 0; n < marks.size(); ++n) {
+    if (left_coarse_[n] != 0 && marks[n] > 0) of_leaves[n] = 0;
+  }
+  bool const refined = refines(of_leaves, most_level);
   if (refined && !can_refine(dimensions_)) {
     throw InputError(dimensions_ == 1
                          ? "a 1D grid has blocks of one level only"
                          : "this program was built without p4est: its grids have blocks of one level only");
   }
   std::vector<Leaf> const before = leaves_;
+  std::vector<std::uint8_t> const coarse_before = left_coarse_;
+  left_coarse_.assign(leaves_.size(), 0);
   // A grid of one level never starts the library.
-  if (refined || merges(marks)) {
-    leaves_ = leaves_by_p4est(*this, marks, most_level);
+  if (refined || merges(of_leaves)) {
+    leaves_ = leaves_by_p4est(*this, of_leaves, most_level);
     number();
   }
-  return origins(before, leaves_, dimensions_);
+  std::vector<Origin> const from = origins(before, leaves_, dimensions_);
+  if (!is_wanted) return from;
+  std::vector<std::uint8_t> may(leaves_.size(), 0);
+  for (std::size_t n = 0; n < leaves_.size(); ++n) {
+    auto const first = static_cast<std::size_t>(from[n].first);
+    if (leaves_[n].level == 0 || from[n].count > 1) continue;
+    bool const stays = leaves_[n].level == before[first].level;
+    bool const leaves_it = coarse_before[first] != 0 ? marks[first] <= 0 : marks[first] < 0;
+    may[n] = (stays ? leaves_it : !is_wanted(leaves_[n])) ? 1 : 0;
+  }
+  leave_coarse(may);
+  return from;
 }
 
 }  // namespace brisance::grid

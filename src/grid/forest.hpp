@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,8 +45,10 @@ class Forest {
   /// two faces. Throws InputError when a direction has more blocks than an order can be found for: 2^21.
   Forest(Index3 const& parts, int dimensions, std::array<bool, 3> const& periodic);
   /// The same with leaves as they were. Throws InputError unless they are in order, tile the domain and are balanced,
-  /// or where there are several levels and `can_refine` is false.
-  Forest(Index3 const& parts, int dimensions, std::array<bool, 3> const& periodic, std::vector<Leaf> leaves);
+  /// or where there are several levels and `can_refine` is false. `left_coarse`: which leaves are, or nothing; throws
+  /// InputError where one of them cannot be.
+  Forest(Index3 const& parts, int dimensions, std::array<bool, 3> const& periodic, std::vector<Leaf> leaves,
+         std::vector<std::uint8_t> const& left_coarse = {});
 
   [[nodiscard]] std::vector<Leaf> const& leaves() const { return leaves_; }
   [[nodiscard]] Index3 const& parts() const { return parts_; }
@@ -54,6 +57,17 @@ class Forest {
   /// The finest level that a forest of so many blocks may have.
   [[nodiscard]] int deepest_level() const { return deepest_level_; }
 
+  /// Leaves that are left coarse: a family has one that is needed, and nobody asks for the fine cells of this one. It
+  /// stands among the leaves, but its cells are those of the next coarser level.
+  [[nodiscard]] bool is_left_coarse(int leaf) const { return left_coarse_[static_cast<std::size_t>(leaf)] != 0; }
+  [[nodiscard]] std::vector<std::uint8_t> const& left_coarse() const { return left_coarse_; }
+  /// The level of a leaf's cells.
+  [[nodiscard]] int level_of_cells(int leaf) const {
+    return leaves_[static_cast<std::size_t>(leaf)].level - (is_left_coarse(leaf) ? 1 : 0);
+  }
+  /// Leaves leaves coarse that `may` be, and no others: those that touch no finer cells than their own would be.
+  void leave_coarse(std::vector<std::uint8_t> const& may);
+
   /// Number of the leaf that is a block or holds it; -1 where leaves are finer, or outside the domain.
   [[nodiscard]] int holding(Leaf const& block) const;
   /// Number of the leaf that is the block; -1 if none is.
@@ -61,12 +75,19 @@ class Forest {
   /// The block of the same level across a face (`Face` order), leaf or not; none behind the boundary of the domain.
   [[nodiscard]] std::optional<Leaf> across(Leaf const& block, int face) const;
 
+  /// Asks whether the fine cells of a new leaf are wanted.
+  using IsWanted = std::function<bool(Leaf const&)>;
   /// Refines leaves with mark > 0 that are below `most_level`, merges families all of whose leaves have mark < 0, each
   /// by one level, and refines what else the balance demands. It demands nothing finer than there is, so that no leaf
   /// goes beyond `most_level`. What would be merged only to be refined again stays as it is.
-  /// Returns where each leaf comes from. Leaves and marks alone determine the result.
+  ///
+  /// With `is_wanted`, leaves are left coarse where that is possible: those with mark < 0, and new finer ones that are
+  /// not wanted. One that has been left coarse stays so unless its mark is > 0; then it gets its own cells, and is not
+  /// refined. So cells become coarser or finer by one level at most. Without, no leaf of the result is left coarse.
+  ///
+  /// Returns where each leaf comes from. Leaves, marks and `is_wanted` alone determine the result.
   /// Throws InputError when leaves must be refined and `can_refine` is false.
-  std::vector<Origin> adapt(std::vector<std::int8_t> const& marks, int most_level);
+  std::vector<Origin> adapt(std::vector<std::int8_t> const& marks, int most_level, IsWanted const& is_wanted = {});
 
   /// Can forests with so many resolved directions have more than one level? In 2D and 3D, if the library is there.
   [[nodiscard]] static bool can_refine(int dimensions);
@@ -82,6 +103,8 @@ class Forest {
   [[nodiscard]] std::uint64_t key(Leaf const& block) const;
   /// Such keys that a block covers: those from its own on.
   [[nodiscard]] std::uint64_t keys_of(int level) const { return std::uint64_t{1} << (3 * (deepest_level_ - level)); }
+  /// Does a leaf touch cells that are finer than its own level?
+  [[nodiscard]] bool touches_finer(Leaf const& leaf) const;
   void require_tiling() const;
   void require_balance() const;
   /// Do the marks change a leaf?
@@ -95,6 +118,7 @@ class Forest {
   int deepest_level_ = 0;
   std::vector<Leaf> leaves_;
   std::vector<std::uint64_t> keys_;  ///< of the leaves: they increase
+  std::vector<std::uint8_t> left_coarse_;
 };
 
 }  // namespace brisance::grid

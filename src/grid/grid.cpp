@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <unordered_set>
 #include <utility>
 
 #include "core/error.hpp"
 #include "grid/forest.hpp"
 #include "grid/partition.hpp"
+#include "grid/pieces.hpp"
 
 namespace brisance::grid {
 
@@ -83,40 +83,36 @@ Index3 fast_block_sizes(Index3 const& n, int dims) {
   return best;
 }
 
-/// The blocks below the leaves of finer levels that touch leaves of theirs, be it at a corner.
-std::vector<Leaf> covered_blocks(std::vector<Domain> const& domains, Index3 const& size,
-                                 std::vector<Leaf> const& leaves) {
-  int const dims = domains.front().dimensions();
-  std::vector<std::unordered_set<std::uint64_t>> known(domains.size());  // Morton keys of places, by the level
-  for (Leaf const& leaf : leaves) known[leaf.level].insert(morton(leaf.place));
-  std::vector<std::unordered_set<std::uint64_t>> found(domains.size());
-  std::vector<Leaf> covered;
-  for (Leaf const& leaf : leaves) {
-    Domain const& domain = domains[leaf.level];
-    Index3 parts{1, 1, 1};
-    for (int d = 0; d < dims; ++d) parts[d] = (domain.cells[d] + size[d] - 1) / size[d];
-    for_each_cell(around(leaf.place, 1, dims), [&](Index3 place) {
-      for (int d = 0; d < dims; ++d) {
-        if (place[d] >= 0 && place[d] < parts[d]) continue;
-        if (domain.boundary[2 * d] != Boundary::periodic) return;
-        place[d] = (place[d] + parts[d]) % parts[d];
-      }
-      // It is no leaf: part of a coarser one, or it has been refined, and then one of the leaves in it touches the
-      // leaf.
-      if (known[leaf.level].contains(morton(place))) return;
-      Leaf coarser{leaf.level, place};
-      while (coarser.level > 0) {
-        --coarser.level;
-        for (int d = 0; d < dims; ++d) coarser.place[d] /= 2;
-        if (known[coarser.level].contains(morton(coarser.place))) return;
-      }
-      if (found[leaf.level].insert(morton(place)).second) covered.push_back({leaf.level, place});
-    });
+/// Do finer blocks cover all parts of a block at a face?
+bool is_covered_at(Block const& block, int face) {
+  for (int n = 0; n < part_count(block); ++n) {
+    CellRange const cells = part(block, n);
+    int const d = face / 2;
+    bool const there = face % 2 == 0 ? cells.lower[d] == 0 : cells.upper[d] == block.n[d];
+    if (there && !cells.empty() && !is_part_covered(block, n)) return false;
   }
-  return covered;
+  return true;
 }
 
 }  // namespace
+
+int part_of(Block const& block, Index3 const& within) {
+  int number = 0;
+  for (int d = 0; d < block.metric.dimensions(); ++d) number |= (2 * within[d] >= block.size[d] ? 1 : 0) << d;
+  return number;
+}
+
+CellRange part(Block const& block, int number) {
+  CellRange cells = block.interior();
+  for (int d = 0; d < block.metric.dimensions(); ++d) {
+    int const half = block.size[d] / 2;
+    if ((number >> d & 1) != 0)
+      cells.lower[d] = std::min(half, block.n[d]);
+    else
+      cells.upper[d] = std::min(half, block.n[d]);
+  }
+  return cells;
+}
 
 std::array<bool, 3> periodic_directions(Domain const& domain) {
   std::array<bool, 3> periodic{};
@@ -175,7 +171,7 @@ Grid::Grid(Domain const& domain, int block_cells) : domain_(domain), domains_{do
   Partition const partition = partition_of(domain, block_cells);
   block_size_ = partition.size;
   parts_ = partition.parts;
-  number_blocks(Forest(parts_, dims, periodic_directions(domain)).leaves());
+  number_blocks(pieces_of(Forest(parts_, dims, periodic_directions(domain)), domains_, block_size_));
   for (Block& block : blocks_) find_neighbours(block);
 }
 
@@ -213,51 +209,47 @@ Grid::Grid(Domain const& domain, Index3 const& size, Forest const& forest) : dom
   for (Leaf const& leaf : leaves) finest = std::max(finest, leaf.level);
   for (int level = 0; level <= finest; ++level) domains_.push_back(domain.refined(level));
 
-  auto const is_outside = [&](Leaf const& leaf) {
-    for (int d = 0; d < dims; ++d) {
-      if (leaf.place[d] * size[d] >= domains_[leaf.level].cells[d]) return true;
-    }
-    return false;
-  };
-  std::vector<Leaf> blocks;
-  for (Leaf const& leaf : leaves) {
-    if (!is_outside(leaf)) blocks.push_back(leaf);
-  }
-  std::vector<Leaf> const covered = covered_blocks(domains_, size, blocks);
-  blocks.insert(blocks.end(), covered.begin(), covered.end());
-  number_blocks(blocks);
-  for (Leaf const& at : covered) blocks_[block_at(at.level, at.place)].covered = true;
+  std::vector<Piece> pieces = pieces_of(forest, domains_, size);
+  std::vector<Piece> const below = pieces_below(pieces, domains_, size);
+  pieces.insert(pieces.end(), below.begin(), below.end());
+  number_blocks(pieces);
   for (Block& block : blocks_) find_neighbours(block);
 }
 
-Block Grid::make_block(Leaf const& at) const {
+Block Grid::make_block(Piece const& piece) const {
   Block block;
-  Domain const& domain = domains_[at.level];
-  block.level = at.level;
+  Domain const& domain = domains_[piece.at.level];
+  block.level = piece.at.level;
   block.metric = static_cast<Metric const&>(domain);
   block.size = block_size_;
   for (int d = 0; d < 3; ++d) {
-    block.origin[d] = at.place[d] * block_size_[d];
+    block.origin[d] = piece.at.place[d] * block_size_[d];
     block.n[d] = std::min(block_size_[d], domain.cells[d] - block.origin[d]);
+  }
+  block.covered = piece.counting == 0;
+  for (int n = 0; n < part_count(block); ++n) {
+    if ((piece.counting >> n & 1U) == 0 && !part(block, n).empty())
+      block.covered_parts = static_cast<std::uint8_t>(block.covered_parts | 1U << n);
   }
   return block;
 }
 
-void Grid::number_blocks(std::vector<Leaf> const& positions) {
-  std::vector<Leaf> sorted = positions;
+void Grid::number_blocks(std::vector<Piece> const& blocks) {
+  std::vector<Piece> sorted = blocks;
   int const finest = levels() - 1;
   // A covered block comes before those that cover it.
-  auto const key = [&](Leaf const& leaf) {
-    Index3 place = leaf.place;
-    for (int d = 0; d < domain_.dimensions(); ++d) place[d] <<= finest - leaf.level;
-    return std::pair{morton(place), leaf.level};
+  auto const key = [&](Piece const& piece) {
+    Index3 place = piece.at.place;
+    for (int d = 0; d < domain_.dimensions(); ++d) place[d] <<= finest - piece.at.level;
+    return std::pair{morton(place), piece.at.level};
   };
-  std::sort(sorted.begin(), sorted.end(), [&](Leaf const& a, Leaf const& b) { return key(a) < key(b); });
+  std::sort(sorted.begin(), sorted.end(), [&](Piece const& a, Piece const& b) { return key(a) < key(b); });
   block_of_part_.assign(CellRange{{0, 0, 0}, parts_}.count(), no_neighbour);
   block_of_fine_part_.resize(finest + 1);
   of_level_.resize(finest + 1);
-  for (Leaf const& at : sorted) {
-    Block block = make_block(at);
+  for (Piece const& piece : sorted) {
+    Leaf const& at = piece.at;
+    Block block = make_block(piece);
     block.number = block_count();
     of_level_[at.level].push_back(block.number);
     if (at.level == 0)
@@ -288,7 +280,7 @@ void Grid::find_neighbours(Block& block) const {
     }
     block.neighbour[face] = block_of(block.level, cell);
     block.beyond[face] = block.neighbour[face] != no_neighbour ? Beyond::block
-                         : block.covered                       ? Beyond::nothing
+                         : is_covered_at(block, face)          ? Beyond::nothing
                                                                : Beyond::coarser;
   }
 }
@@ -320,7 +312,7 @@ Cell Grid::locate(Vec3 const& x) const {
     Index3 cell = place;
     for (int d = 0; d < domain_.dimensions(); ++d) cell[d] >>= finest - level;
     auto const found = locate(level, cell);
-    if (found && !block(*found).covered) return *found;
+    if (found && !block(*found).is_covered(*found)) return *found;
   }
   return locate(cell_at(0, x));
 }

@@ -14,7 +14,7 @@
 namespace brisance::grid {
 
 class Forest;
-struct Leaf;
+struct Piece;
 
 inline constexpr int no_neighbour = -1;
 
@@ -39,9 +39,11 @@ inline constexpr int ghost_layers = 2;
 /// Blocks of level l have cells of 1/2^l of the coarsest size, and cells are counted by level: `origin` and whatever is
 /// called an index in the domain count the cells of the block's level, as if the whole domain had them.
 struct Block {
-  int number = 0;          ///< in `Grid::blocks`
-  int level = 0;           ///< 0: the coarsest
-  bool covered = false;    ///< finer blocks cover it: it holds the means of their cells, and its own count for nothing
+  int number = 0;        ///< in `Grid::blocks`
+  int level = 0;         ///< 0: the coarsest
+  bool covered = false;  ///< finer blocks cover it: it holds the means of their cells, and its own count for nothing
+  /// Of its parts, the halves along each resolved direction, x fastest: bit n is set where a finer block covers part n.
+  std::uint8_t covered_parts = 0;
   Index3 origin{0, 0, 0};  ///< index of its first cell in the domain
   Index3 n{1, 1, 1};       ///< cells per direction
   Index3 size{1, 1, 1};    ///< what `n` is in a block that lies in the domain as a whole
@@ -75,6 +77,8 @@ struct Block {
   [[nodiscard]] Cell cell_with(Index3 const& index) const {
     return cell(index[0] - origin[0], index[1] - origin[1], index[2] - origin[2]);
   }
+  /// Do finer cells cover a cell? Then it counts for nothing.
+  [[nodiscard]] bool is_covered(Cell const& cell) const;
   /// Its cells by their index within it, and by their index in the domain.
   [[nodiscard]] CellRange interior() const { return {{0, 0, 0}, n}; }
   [[nodiscard]] CellRange in_domain() const { return interior().moved(origin); }
@@ -104,6 +108,40 @@ void for_each_cell(Block const& block, Visit&& visit) {
       }
     }
   }
+}
+
+/// The parts of a block: halves along each resolved direction, x fastest. See `Block::covered_parts`.
+[[nodiscard]] inline int part_count(Block const& block) { return 1 << block.metric.dimensions(); }
+/// The part that a cell lies in.
+[[nodiscard]] int part_of(Block const& block, Index3 const& within);
+/// The cells of a part by their index within the block: none where it lies outside the domain.
+[[nodiscard]] CellRange part(Block const& block, int number);
+[[nodiscard]] inline bool is_part_covered(Block const& block, int number) {
+  return (block.covered_parts >> number & 1) != 0;
+}
+
+inline bool Block::is_covered(Cell const& cell) const {
+  return covered_parts != 0 && is_part_covered(*this, part_of(*this, cell.within()));
+}
+
+/// Calls visit(cells) for boxes, by their index in the domain, that make up the cells of a block which no finer ones
+/// cover.
+template <class Visit>
+void for_each_uncovered_box(Block const& block, Visit&& visit) {
+  if (block.covered_parts == 0) {
+    visit(block.in_domain());
+    return;
+  }
+  for (int n = 0; n < part_count(block); ++n) {
+    CellRange const cells = part(block, n);
+    if (!is_part_covered(block, n) && !cells.empty()) visit(cells.moved(block.origin));
+  }
+}
+/// The number of these cells.
+[[nodiscard]] inline int uncovered_count(Block const& block) {
+  int count = 0;
+  for_each_uncovered_box(block, [&](CellRange const& cells) { count += static_cast<int>(cells.count()); });
+  return count;
 }
 
 /// Calls visit(cell) for the first cell of every row of a block; the others of the row follow it in the arrays.
@@ -158,6 +196,9 @@ class Grid {
   /// beyond the domain is left out, and so are leaves that lie outside; a periodic direction has none. Throws
   /// InputError where the size is odd, too small or leaves too small a rest, or where the forest is not one of this
   /// domain.
+  ///
+  /// A leaf that is left coarse has no block of its own: its cells are those of its parent's block, which the other
+  /// leaves of the family cover in part.
   ///
   /// Beside the leaves there are covered blocks: where finer leaves touch coarser ones, those of the coarser level
   /// below the finer leaves. With them a level looks the same on both sides of its end, and steps of its own can be
@@ -221,8 +262,8 @@ class Grid {
 
  private:
   [[nodiscard]] int block_at(int level, Index3 const& part) const;
-  [[nodiscard]] Block make_block(Leaf const& at) const;
-  void number_blocks(std::vector<Leaf> const& blocks);
+  [[nodiscard]] Block make_block(Piece const& piece) const;
+  void number_blocks(std::vector<Piece> const& blocks);
   void find_neighbours(Block& block) const;
 
   Domain domain_;

@@ -18,7 +18,7 @@ double gas_energy(run::System const& w) {
       double row = 0.0;
       for (int i = 0; i < block.n[0]; ++i) {
         grid::Cell const cell = block.cell(i, first.j, first.k);
-        if (!w.gas->coupling.is_own(cell)) continue;
+        if (!w.gas->coupling.is_own(cell) || block.is_covered(cell)) continue;
         int const at = cell.offset;
         double const density = gas::mixture_density(fluids, [&](int c) { return fields.at(b, c)[at]; });
         double square = 0.0;

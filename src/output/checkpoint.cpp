@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Changes with every change of what the archive holds.
-constexpr std::uint32_t format_version = 12;
+constexpr std::uint32_t format_version = 13;
 
 /// The line break shows a transfer that takes the file for text.
 constexpr std::string_view magic = "BRISANCE STATE\r\n";

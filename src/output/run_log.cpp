@@ -151,7 +151,7 @@ json levels(run::World const& world) {
     for (int const b : world.grid.blocks_of(level)) {
       grid::Block const& block = world.grid.blocks()[b];
       if (block.covered) continue;
-      count += block.cell_count();
+      count += uncovered_count(block);
       ++blocks;
     }
     double const size = world.grid.domain(level).smallest_cell();
@@ -168,7 +168,7 @@ double cell_updates(run::World const& world) {
   if (world.adaptation != nullptr) {
     per_step = 0.0;
     for (grid::Block const& block : world.grid.blocks()) {
-      if (!block.covered) per_step += std::ldexp(block.cell_count(), block.level);
+      per_step += std::ldexp(uncovered_count(block), block.level);
     }
   }
   return per_step * static_cast<double>(world.clock.gas_steps);

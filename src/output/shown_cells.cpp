@@ -25,6 +25,16 @@ DumpFile::Layout layout_of(FieldSpec const& field, hsize_t cells, FieldOptions c
   return layout;
 }
 
+/// Calls visit(first, count) for the rows of some cells of a block, by their index in the domain, as far as no finer
+/// ones cover them.
+template <class Visit>
+void for_each_uncovered_row(grid::Block const& block, grid::CellRange const& cells, Visit&& visit) {
+  for_each_uncovered_box(block, [&](grid::CellRange const& box) {
+    grid::CellRange const part = common(box, cells);
+    for_each_row(part, [&](Index3 const& first) { visit(first, part.n(0)); });
+  });
+}
+
 /// What gives the values of rows of shown cells, from several threads.
 class Rows {
  public:
@@ -50,12 +60,11 @@ class Rows {
     for (int finer = std::max(level + 1, 0); finer < grid_->levels(); ++finer) {
       grid::CellRange const cells = observe::on_level(row, level, finer, dimensions_);
       grid_->for_each_block_in(finer, cells, [&](grid::Block const& block, grid::CellRange const& part) {
-        if (block.covered) return;
-        for_each_row(part, [&](Index3 const& index) {
+        for_each_uncovered_row(block, part, [&](Index3 const& index, int cells_of_row) {
           grid::Cell const cell = block.cell_with(index);
-          fine.resize(components_ * static_cast<std::size_t>(part.n(0)));
-          (*values_)(cell, part.n(0), fine.data());
-          for (int n = 0; n < part.n(0); ++n) {
+          fine.resize(components_ * static_cast<std::size_t>(cells_of_row));
+          (*values_)(cell, cells_of_row, fine.data());
+          for (int n = 0; n < cells_of_row; ++n) {
             auto const to = static_cast<std::size_t>(((index[0] + n) >> (finer - level)) - first[0]);
             double const volume = block.volume(cell.i + n);
             volumes[to] += volume;
@@ -126,29 +135,32 @@ ShownCells leaves_in(grid::Grid const& grid, int level, grid::CellRange const& s
   ShownCells cells;
   for (int const b : grid.blocks_of(level)) {
     grid::Block const& block = grid.blocks()[b];
-    if (block.covered) continue;
-    grid::CellRange const part = common(block.in_domain(), shown);
-    if (!part.empty()) cells.add({level, part, b});
+    for_each_uncovered_box(block, [&](grid::CellRange const& box) {
+      grid::CellRange const part = common(box, shown);
+      if (!part.empty()) cells.add({level, part, b});
+    });
   }
   return cells;
 }
 
-/// Boxes of the finest level that is shown where finer leaves lie, in parts as large as blocks: parts of a level hold
-/// whole leaves of finer ones.
+/// Boxes of the finest level that is shown where finer leaves lie, in parts as large as blocks, or as parts of blocks
+/// that finer ones may cover: they hold whole leaves of finer levels.
 void add_means(ShownCells& cells, grid::Grid const& grid, int level, grid::CellRange const& shown) {
   int const dimensions = grid.domain().dimensions();
+  Index3 size = grid.block_size();
+  for (int d = 0; d < dimensions && grid.levels() > 1; ++d) size[d] /= 2;
   std::set<Index3> corners;
   for (int finer = std::max(level + 1, 0); finer < grid.levels(); ++finer) {
     for (int const b : grid.blocks_of(finer)) {
       grid::Block const& block = grid.blocks()[b];
       if (block.covered) continue;
       Index3 const first = observe::on_level(block.in_domain(), finer, level, dimensions).lower;
-      Index3 const low = part_around(first, grid.block_size()).lower;
+      Index3 const low = part_around(first, size).lower;
       corners.insert({low[2], low[1], low[0]});  // x fastest
     }
   }
   for (Index3 const& corner : corners) {
-    grid::CellRange const part = common(part_around({corner[2], corner[1], corner[0]}, grid.block_size()), shown);
+    grid::CellRange const part = common(part_around({corner[2], corner[1], corner[0]}, size), shown);
     if (!part.empty()) cells.add({level, part, -1});
   }
 }

@@ -39,7 +39,7 @@ std::vector<double> expected_cells(run::World const& world) {
   if (form_of_fields(world.setup) == DumpForm::xdmf) return {static_cast<double>(world.setup.domain.cell_count())};
   std::vector<double> cells(static_cast<std::size_t>(world.grid.levels()), 0.0);
   for (grid::Block const& block : world.grid.blocks()) {
-    if (!block.covered) cells[block.level] += expected_growth * block.cell_count();
+    cells[block.level] += expected_growth * uncovered_count(block);
   }
   return cells;
 }

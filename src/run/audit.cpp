@@ -154,7 +154,7 @@ Totals World::gas_totals() const {
     Totals sum;
     if (block.covered) return sum;
     grid::add_cells(block, sum, [&](grid::Cell const& cell, Totals& row) {
-      if (!gas->coupling.is_own(cell)) return;
+      if (!gas->coupling.is_own(cell) || block.is_covered(cell)) return;
       int const at = cell.offset;
       double const volume = gas->cut.volume(cell);
       auto const component = [&](int c) { return gas->fields().at(b, c)[at]; };
@@ -178,7 +178,7 @@ double World::gas_rest_energy() const {
   for (grid::Block const& block : grid.blocks()) {
     if (block.covered) continue;
     for_each_cell(block, [&](grid::Cell const& cell) {
-      if (gas->coupling.is_own(cell)) volume += gas->cut.volume(cell);
+      if (gas->coupling.is_own(cell) && !block.is_covered(cell)) volume += gas->cut.volume(cell);
     });
   }
   for (int b = 0; bridge != nullptr && b < particles->grid().block_count(); ++b) {

@@ -30,14 +30,15 @@ void World::archive_forest(Archive& a) {
     levels.push_back(leaf.level);
     places.push_back(leaf.place);
   }
-  a(levels, places);
+  std::vector<std::uint8_t> left_coarse = forest().left_coarse();
+  a(levels, places, left_coarse);
   adaptation->archive(a);
   if (!a.reading()) return;
-  a.require(levels.size() == places.size(), "the number of blocks");
+  a.require(levels.size() == places.size() && levels.size() == left_coarse.size(), "the number of blocks");
   std::vector<grid::Leaf> leaves;
   for (std::size_t n = 0; n < levels.size(); ++n) leaves.push_back({levels[n], places[n]});
   try {
-    regrid({forest().parts(), forest().dimensions(), forest().periodic(), std::move(leaves)});
+    regrid({forest().parts(), forest().dimensions(), forest().periodic(), std::move(leaves), left_coarse});
   } catch (InputError const&) {
     a.require(false, "the blocks");
   }

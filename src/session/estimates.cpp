@@ -109,7 +109,7 @@ void add_level_memory(run::Case const& setup, grid::Grid const* start, Plan& p) 
   double leaves = 0.0;
   double blocks = 0.0;
   for (std::size_t b = 0; start != nullptr && b < start->blocks().size(); ++b) {
-    leaves += start->blocks()[b].covered ? 0.0 : 1.0;
+    leaves += static_cast<double>(uncovered_count(start->blocks()[b])) / start->blocks()[b].cell_count();
     blocks += 1.0;
   }
   double const covered = std::max(least_covered, leaves > 0.0 ? blocks / leaves - 1.0 : 0.0);

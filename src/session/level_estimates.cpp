@@ -77,11 +77,22 @@ std::optional<StartLeaves> leaves_of(run::Case const& setup,
     start.complete = static_cast<double>(marks.size()) + more <= most_leaves;
     if (start.complete) start.forest.adapt(marks, rules.most_level);
   }
+  auto const least = [&](grid::Leaf const& leaf) {
+    auto const cells = cells_of(leaf);
+    return cells.empty() ? 0 : bounds(leaf.level, cells).least;
+  };
+  if (start.complete) {
+    std::vector<std::uint8_t> may;
+    for (grid::Leaf const& leaf : start.forest.leaves())
+      may.push_back(leaf.level > 0 && least(leaf) < leaf.level ? 1 : 0);
+    start.forest.leave_coarse(may);
+  }
   start.cells.assign(static_cast<std::size_t>(rules.most_level) + 1, 0.0);
-  for (grid::Leaf const& leaf : start.forest.leaves()) {
+  for (int n = 0; n < static_cast<int>(start.forest.leaves().size()); ++n) {
+    grid::Leaf const& leaf = start.forest.leaves()[n];
     grid::CellRange const cells = cells_of(leaf);
     if (cells.empty()) continue;
-    int const level = start.complete ? leaf.level : std::max(leaf.level, bounds(leaf.level, cells).least);
+    int const level = start.complete ? start.forest.level_of_cells(n) : std::max(leaf.level, least(leaf));
     start.cells[static_cast<std::size_t>(level)] +=
         std::ldexp(static_cast<double>(cells.count()), dims * (level - leaf.level));
   }

@@ -66,7 +66,9 @@ InitialStatePlacing::InitialStatePlacing(Case const& setup, grid::Grid const* gr
     pieces_.push_back({setup.domain, setup.domain.all_cells()});
   } else {
     for (grid::Block const& block : grid->blocks()) {
-      if (!block.covered) pieces_.push_back({grid->domain_of(block), block.in_domain()});
+      for_each_uncovered_box(block, [&](CellRange const& cells) {
+        pieces_.push_back({grid->domain_of(block), cells});
+      });
     }
   }
   for (InitialState const& initial : setup.initial_states) {
@@ -175,9 +177,8 @@ void InitialStatePlacing::fill(gas::Gas& gas) {
   }
   parallel_for(grid.block_count(), [&](int b, int) {
     grid::Block const& block = grid.blocks()[b];
-    if (block.covered) return;
     MovingStates own(*setup_, moving, gas.fluids(), states);
-    for_each(grid.domain_of(block), block.in_domain(), [&](CellRange const& r, std::vector<Share> const& shares) {
+    auto const fill_box = [&](CellRange const& r, std::vector<Share> const& shares) {
       double rest = 1.0;
       for (Share const& s : shares) rest -= s.fraction;
       grid::for_each_cell(r, [&](Index3 const& index) {
@@ -201,7 +202,8 @@ void InitialStatePlacing::fill(gas::Gas& gas) {
                         x[0], x[1], x[2]));
       });
       return true;
-    });
+    };
+    for_each_uncovered_box(block, [&](CellRange const& cells) { for_each(grid.domain_of(block), cells, fill_box); });
   });
 }
 

@@ -46,16 +46,25 @@ grid::Forest forest_of(grid::Domain const& domain, Index3 const& size, Refined c
 struct LevelProblem : Problem {
   Index3 size{1, 1, 1};
   Refined refined;
+  bool left_coarse = false;  ///< are every third of the leaves that may be, at the start?
 
   std::unique_ptr<grid::Forest> forest;
 
   void fill(StateAt const& state) {
     for (int d = 0; d < domain.dimensions(); ++d) size[d] = block_cells;
     forest = std::make_unique<grid::Forest>(forest_of(domain, size, refined));
+    if (left_coarse) {
+      std::vector<std::uint8_t> may;
+      for (std::size_t n = 0; n < forest->leaves().size(); ++n) may.push_back(n % 3 == 1 ? 1 : 0);
+      forest->leave_coarse(may);
+    }
     grid = std::make_unique<grid::Grid>(domain, size, *forest);
     fill_grid(state);
   }
 
+  [[nodiscard]] long leaves_left_coarse() const {
+    return std::count(forest->left_coarse().begin(), forest->left_coarse().end(), 1);
+  }
   /// Is a cell of a level a part of one of the coarsest ones?
   [[nodiscard]] bool lies_in(grid::CellRange const& coarsest, int level, Index3 cell) const {
     for (int d = 0; d < domain.dimensions(); ++d) cell[d] = static_cast<int>(std::floor(std::ldexp(cell[d], -level)));
@@ -75,14 +84,14 @@ struct LevelProblem : Problem {
   }
 
   using Furnish = gas::Gas::Furnish;
-  /// Refines and merges blocks at random.
+  /// Refines and merges blocks at random, and leaves some coarse.
   void regrid(std::minstd_rand& random, int most_level) {
     std::vector<std::int8_t> marks(forest->leaves().size());
     for (std::int8_t& mark : marks) mark = static_cast<std::int8_t>(random() % 3 == 0 ? 1 : -1);
-    forest->adapt(marks, most_level);
+    forest->adapt(marks, most_level, [&](Leaf const&) { return random() % 2 == 0; });
     gas->regrid(*grid, *forest);
   }
-  /// Refines blocks around a place, merges others.
+  /// Refines blocks around a place, merges others, and leaves some coarse.
   void regrid_around(Vec3 const& place, double radius, int most_level, Furnish const& furnish) {
     std::vector<std::int8_t> marks;
     for (Leaf const& leaf : forest->leaves()) {
@@ -91,7 +100,7 @@ struct LevelProblem : Problem {
         way[d] = domain.lower[d] + (leaf.place[d] + 0.5) * size[d] * std::ldexp(domain.h, -leaf.level) - place[d];
       marks.push_back(static_cast<std::int8_t>(norm(way) < radius ? 1 : -1));
     }
-    forest->adapt(marks, most_level);
+    forest->adapt(marks, most_level, [](Leaf const& leaf) { return (leaf.place[0] + leaf.place[1]) % 2 == 0; });
     gas->regrid(*grid, *forest, furnish);
   }
   void step(double courant_number) {
@@ -120,7 +129,9 @@ struct LevelProblem : Problem {
   template <class Visit>
   void for_each_leaf_cell(Visit&& visit) const {
     for (grid::Block const& block : grid->blocks()) {
-      if (!block.covered) grid::for_each_cell(block, [&](grid::Cell const& cell) { visit(block, cell); });
+      grid::for_each_cell(block, [&](grid::Cell const& cell) {
+        if (!block.is_covered(cell)) visit(block, cell);
+      });
     }
   }
   [[nodiscard]] double total(int component) const {
@@ -145,6 +156,7 @@ LevelProblem problem_with(Geometry geometry, Boundary boundary, int levels, int 
   problem.block_cells = 8;
   Vec3 const middle{0.5, problem.domain.dimensions() > 1 ? 0.5 : 0.0, problem.domain.dimensions() > 2 ? 0.5 : 0.0};
   problem.refined = around(middle, 0.4, levels);
+  problem.left_coarse = true;
   return problem;
 }
 
@@ -169,6 +181,7 @@ TEST_P(Levels, LeaveAUniformStreamUniform) {
   if (radial) problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::periodic;
   problem.fill([&](Vec3 const&) { return stream; });
   ASSERT_EQ(problem.grid->levels(), 3);
+  ASSERT_GT(problem.leaves_left_coarse(), 0);
   for (int step = 0; step < 20; ++step)
     problem.gas->advance(0.8 * problem.domain.h / problem.gas->fastest_signal(), step % 2 == 1);
   problem.for_each_leaf_cell([&](grid::Block const&, grid::Cell const& cell) {

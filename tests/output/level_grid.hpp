@@ -28,7 +28,8 @@ inline grid::Domain domain_of(grid::Geometry geometry) {
   return domain;
 }
 
-/// Blocks of 8 cells, two levels finer around a corner of blocks; `everywhere`: one level finer in all the domain.
+/// Blocks of 8 cells, two levels finer around a corner of blocks, where every third leaf that may be is left coarse;
+/// `everywhere`: one level finer in all the domain.
 inline grid::Grid levels_grid(grid::Geometry geometry, int levels = 2, bool everywhere = false) {
   grid::Domain const domain = domain_of(geometry);
   int const dims = domain.dimensions();
@@ -44,6 +45,9 @@ inline grid::Grid levels_grid(grid::Geometry geometry, int levels = 2, bool ever
     }
     forest.adapt(marks, level + 1);
   }
+  std::vector<std::uint8_t> may(forest.leaves().size(), 0);
+  for (std::size_t n = 1; n < may.size() && !everywhere; n += 3) may[n] = 1;
+  forest.leave_coarse(may);
   return grid::Grid(domain, size, forest);
 }
 
@@ -65,7 +69,7 @@ inline RowValues values_on(grid::Grid const& grid, int time) {
 
 inline double leaf_cells(grid::Grid const& grid) {
   double cells = 0.0;
-  for (grid::Block const& block : grid.blocks()) cells += block.covered ? 0 : block.cell_count();
+  for (grid::Block const& block : grid.blocks()) cells += uncovered_count(block);
   return cells;
 }
 

@@ -82,8 +82,8 @@ double whole_pressure(grid::Grid const& grid, int time, double* volume) {
     // Cells of finer levels count their own size along the direction that is not resolved.
     double sum = 0.0;
     for (grid::Block const& block : grid.blocks()) {
-      if (block.covered) continue;
       for_each_cell(block, [&](grid::Cell const& cell) {
+        if (block.is_covered(cell)) return;
         sum += pressure_at(block.centre(cell), time) * block.h() * block.h() * domain.h;
       });
     }

@@ -169,8 +169,8 @@ std::tuple<double, Vec3, int> mean_in(grid::Grid const& grid, Vec3 const& lower,
   double volume = 0.0;
   int count = 0;
   for (grid::Block const& block : grid.blocks()) {
-    if (block.covered) continue;
     for_each_cell(block, [&](grid::Cell const& cell) {
+      if (block.is_covered(cell)) return;
       Vec3 const x = block.centre(cell);
       for (int d = 0; d < grid.domain().dimensions(); ++d) {
         if (x[d] < lower[d] || x[d] > upper[d]) return;
@@ -270,8 +270,8 @@ TEST_P(Subset, BoxOfLargerCellsHoldsTheirMeans) {
     // Nothing of the density is lost.
     double exact = 0.0;
     for (grid::Block const& block : grid.blocks()) {
-      if (block.covered) continue;
       for_each_cell(block, [&](grid::Cell const& cell) {
+        if (block.is_covered(cell)) return;
         Vec3 const x = block.centre(cell);
         for (int d = 0; d < dims(); ++d) {
           if (x[d] < lower[d] || x[d] > upper[d]) return;

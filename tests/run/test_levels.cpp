@@ -177,7 +177,7 @@ TEST(RunLevelsWhole, KeepWithinTheLimitOnCells) {
     while (w.clock.step < 40) {
       advance(w, 1.0);
       long cells = 0;
-      for (grid::Block const& block : w.grid.blocks()) cells += block.covered ? 0 : block.cell_count();
+      for (grid::Block const& block : w.grid.blocks()) cells += uncovered_count(block);
       most = std::max(most, cells);
     }
     EXPECT_LT(audit_error(w), 1e-12);

@@ -56,7 +56,7 @@ TEST_F(PlanLevels, TheStartIsThatOfTheWorld) {
   int blocks = 0;
   for (grid::Block const& block : world.grid.blocks()) {
     if (block.covered) continue;
-    cells[static_cast<std::size_t>(block.level)] += static_cast<double>(block.in_domain().count());
+    cells[static_cast<std::size_t>(block.level)] += uncovered_count(block);
     ++blocks;
   }
   for (std::size_t l = 0; l < 4; ++l) {
@@ -165,8 +165,7 @@ TEST_F(PlanLevels, EstimatesTheCellsWithinAFactorOfTwo) {
     double most = 0.0;
     while (!world.finished()) {
       double cells = 0.0;
-      for (grid::Block const& block : world.grid.blocks())
-        cells += block.covered ? 0.0 : static_cast<double>(block.in_domain().count());
+      for (grid::Block const& block : world.grid.blocks()) cells += uncovered_count(block);
       run::advance(world, setup.end.time);
       mean += cells * world.clock.dt / setup.end.time;
       most = std::max(most, cells);
