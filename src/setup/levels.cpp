@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/error.hpp"
 #include "grid/partition.hpp"
@@ -183,7 +184,7 @@ class PartsOfDomain {
     for (Obstacle const& obstacle : setup.obstacles) {
       if (obstacle.release) panels_.push_back(obstacle.shape);
     }
-    if (setup.mpm_region) find_region(setup);
+    for (std::size_t number = 0; number < setup.mpm_regions.size(); ++number) find_region(setup, number);
   }
 
   LevelBounds operator()(int level, grid::CellRange const& cells) const {
@@ -206,9 +207,8 @@ class PartsOfDomain {
         at_least(level);
       }
     }
-    // Last: nothing may change the cells of the region.
-    if (touches_region(level, cells)) bounds = {region_level_, region_level_};
-    return bounds;
+    // Last: nothing may change the cells of a region.
+    return levels_of_regions(level, cells).value_or(bounds);
   }
 
  private:
@@ -227,25 +227,30 @@ class PartsOfDomain {
     }
     return grid::common(coarser, domain_.refined(level - 1).all_cells());
   }
-  void find_region(Case const& setup) {
-    region_level_ = setup.mpm_region->level;
-    bridge::Region const of_case = region_of(setup);
+  void find_region(Case const& setup, std::size_t number) {
+    bridge::Region const of_case = region_of(setup, number);
     // Boxes may lie far apart.
     for (grid::CellRange box : of_case.boxes()) {
       int const layers = level_margin + proxy_reach(setup);
-      region_.push_back(box.grown(layers, domain_.dimensions()));
+      regions_.push_back({of_case.level(), box.grown(layers, domain_.dimensions())});
     }
   }
-  [[nodiscard]] bool touches_region(int level, grid::CellRange const& cells) const {
-    double const scale = std::ldexp(1.0, level - region_level_);
-    return std::any_of(region_.begin(), region_.end(), [&](grid::CellRange const& box) {
-      grid::CellRange here = box;  // in cells of this level
+  /// A block that touches several regions is still coarser than any of them, and is refined.
+  [[nodiscard]] std::optional<LevelBounds> levels_of_regions(int level, grid::CellRange const& cells) const {
+    std::optional<LevelBounds> bounds;
+    for (RegionBox const& region : regions_) {
+      double const scale = std::ldexp(1.0, level - region.level);
+      grid::CellRange here = region.cells;  // in cells of this level
       for (int d = 0; d < domain_.dimensions(); ++d) {
-        here.lower[d] = static_cast<int>(std::floor(box.lower[d] * scale));
-        here.upper[d] = static_cast<int>(std::ceil(box.upper[d] * scale));
+        here.lower[d] = static_cast<int>(std::floor(region.cells.lower[d] * scale));
+        here.upper[d] = static_cast<int>(std::ceil(region.cells.upper[d] * scale));
       }
-      return !grid::common(here, cells).empty();
-    });
+      if (grid::common(here, cells).empty()) continue;
+      if (!bounds) bounds = {region.level, region.level};
+      bounds->least = std::min(bounds->least, region.level);
+      bounds->most = std::max(bounds->most, region.level);
+    }
+    return bounds;
   }
 
   grid::Domain domain_;
@@ -255,8 +260,12 @@ class PartsOfDomain {
   std::vector<shape::Shape> panels_;
   std::shared_ptr<LevelObstacles const> obstacles_;
   int obstacle_level_;
-  std::vector<grid::CellRange> region_;  ///< with the cells beside it
-  int region_level_ = 0;
+  /// A box of a region with the cells beside it.
+  struct RegionBox {
+    int level = 0;
+    grid::CellRange cells;
+  };
+  std::vector<RegionBox> regions_;
 };
 
 }  // namespace
@@ -288,7 +297,7 @@ gas::RefinementRules refinement_rules(Case const& setup, std::shared_ptr<LevelOb
   Adaptive const& adaptive = setup.adaptive;
   gas::RefinementRules rules;
   rules.most_level = adaptive.finest;
-  if (setup.mpm_region) rules.most_level = std::max(rules.most_level, setup.mpm_region->level);
+  for (MpmRegion const& region : setup.mpm_regions) rules.most_level = std::max(rules.most_level, region.level);
   rules.shock_level = adaptive.shocks;
   rules.products_level = adaptive.products.value_or(-1);
   rules.threshold = adaptive.threshold;

@@ -28,7 +28,7 @@ Case tube(bool body) {
   c.initial_states.push_back(high);
   MpmRegion region;
   region.boxes = {shape::Box{{1.0, 0.0, 0.0}, {2.0, 0.0, 0.0}}};
-  c.mpm_region = region;
+  c.mpm_regions = {region};
   if (body) {
     Body block;
     block.name = "block";
@@ -44,7 +44,12 @@ Case tube(bool body) {
 void gauge_at(Case& c, double x) { c.gauges.push_back({"g", {x, 0.0, 0.0}}); }
 
 std::vector<double> line(Watched const& w, std::string const& name) {
-  GasView view(w, w.bridge == nullptr ? std::vector<Index3>{} : w.bridge->region().cells());
+  std::vector<PlacedCell> cells;
+  for (run::Region const& of_world : w.regions) {
+    for (Index3 const& cell : of_world.bridge->region().cells())
+      cells.push_back({of_world.bridge->region().level(), cell});
+  }
+  GasView view(w, cells);
   view.update();
   view.update_solids();
   std::vector<double> out;
@@ -60,7 +65,7 @@ TEST(RegionOutput, GaugesAndFieldsSeeTheSameGasOnBothSidesOfTheBridge) {
   Case c = tube(false);
   for (double const x : {0.905, 1.035, 1.505}) gauge_at(c, x);  // gas, bridge, particles: centres of cells
   Watched coupled(c);
-  c.mpm_region.reset();
+  c.mpm_regions.clear();
   Watched gas(std::move(c));
   for (Watched* w : {&coupled, &gas}) {
     w->sample_gauges();
@@ -119,8 +124,8 @@ TEST(RegionOutput, GasParticlesAreDumpedWhenAskedFor) {
   Watched without(c);
   c.output.gas_particles = true;
   Watched with(std::move(c));
-  EXPECT_EQ(dumped_particles(without), mpm::sums(*without.particles, 0).particles);
-  EXPECT_EQ(dumped_particles(with), mpm::particle_count(*with.particles));
+  EXPECT_EQ(dumped_particles(without), mpm::sums(*without.regions.front().particles, 0).particles);
+  EXPECT_EQ(dumped_particles(with), mpm::particle_count(*with.regions.front().particles));
   EXPECT_GT(dumped_particles(with), dumped_particles(without));
   std::vector<double> body;
   particle_field(without, "body", body);

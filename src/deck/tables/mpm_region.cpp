@@ -253,12 +253,12 @@ void build_mpm_region(Draft& draft) {
                 "= [0, 0, 0], upper = [1, 1, 1]}");
     return;
   }
-  draft.out.mpm_region = region;
+  draft.out.mpm_regions = {region};
   products_of_bodies(draft);
   contacts_of_fluids(draft, region);
   if (!sound || (draft.has_bodies() && (!bodies_known || draft.body_shapes.empty()))) return;
   try {
-    check_mpm_region(draft, setup::region_of(draft.out));
+    check_mpm_region(draft, setup::region_of(draft.out, 0));
   } catch (InputError const& problem) {
     std::string const hint = automatic ? fmt::format(
                                              "; this is the box around the bodies with a margin of {} cells: write "
