@@ -211,6 +211,14 @@ class PartsOfDomain {
     return levels_of_regions(level, cells).value_or(bounds);
   }
 
+  /// A region that touches the block of a leaf and has other cells.
+  [[nodiscard]] std::optional<std::size_t> region_of_other_level(int level, grid::CellRange const& cells) const {
+    for (RegionBox const& region : regions_) {
+      if (region.level != level && touches(region, level, cells)) return region.number;
+    }
+    return std::nullopt;
+  }
+
  private:
   /// Shocks ask for no more than a level that something has.
   static void keep(int level, LevelBounds& bounds) {
@@ -227,25 +235,34 @@ class PartsOfDomain {
     }
     return grid::common(coarser, domain_.refined(level - 1).all_cells());
   }
+  /// A box of a region with the cells beside it.
+  struct RegionBox {
+    std::size_t number = 0;  ///< of the region
+    int level = 0;
+    grid::CellRange cells;
+  };
+  [[nodiscard]] bool touches(RegionBox const& region, int level, grid::CellRange const& cells) const {
+    double const scale = std::ldexp(1.0, level - region.level);
+    grid::CellRange here = region.cells;  // in cells of this level
+    for (int d = 0; d < domain_.dimensions(); ++d) {
+      here.lower[d] = static_cast<int>(std::floor(region.cells.lower[d] * scale));
+      here.upper[d] = static_cast<int>(std::ceil(region.cells.upper[d] * scale));
+    }
+    return !grid::common(here, cells).empty();
+  }
   void find_region(Case const& setup, std::size_t number) {
     bridge::Region const of_case = region_of(setup, number);
     // Boxes may lie far apart.
     for (grid::CellRange box : of_case.boxes()) {
       int const layers = level_margin + proxy_reach(setup);
-      regions_.push_back({of_case.level(), box.grown(layers, domain_.dimensions())});
+      regions_.push_back({number, of_case.level(), box.grown(layers, domain_.dimensions())});
     }
   }
   /// A block that touches several regions is still coarser than any of them, and is refined.
   [[nodiscard]] std::optional<LevelBounds> levels_of_regions(int level, grid::CellRange const& cells) const {
     std::optional<LevelBounds> bounds;
     for (RegionBox const& region : regions_) {
-      double const scale = std::ldexp(1.0, level - region.level);
-      grid::CellRange here = region.cells;  // in cells of this level
-      for (int d = 0; d < domain_.dimensions(); ++d) {
-        here.lower[d] = static_cast<int>(std::floor(region.cells.lower[d] * scale));
-        here.upper[d] = static_cast<int>(std::ceil(region.cells.upper[d] * scale));
-      }
-      if (grid::common(here, cells).empty()) continue;
+      if (!touches(region, level, cells)) continue;
       if (!bounds) bounds = {region.level, region.level};
       bounds->least = std::min(bounds->least, region.level);
       bounds->most = std::max(bounds->most, region.level);
@@ -260,11 +277,6 @@ class PartsOfDomain {
   std::vector<shape::Shape> panels_;
   std::shared_ptr<LevelObstacles const> obstacles_;
   int obstacle_level_;
-  /// A box of a region with the cells beside it.
-  struct RegionBox {
-    int level = 0;
-    grid::CellRange cells;
-  };
   std::vector<RegionBox> regions_;
 };
 
@@ -272,6 +284,36 @@ class PartsOfDomain {
 
 gas::RefinementRules::Bounds level_bounds(Case const& setup, std::shared_ptr<LevelObstacles const> const& obstacles) {
   return PartsOfDomain(setup, obstacles);
+}
+
+std::optional<std::pair<std::size_t, std::size_t>> regions_without_own_blocks(Case const& setup) {
+  auto const& regions = setup.mpm_regions;
+  auto const other = [&](std::size_t number) {
+    auto const found =
+        std::ranges::find_if(regions, [&](MpmRegion const& r) { return r.level != regions[number].level; });
+    return static_cast<std::size_t>(found - regions.begin());
+  };
+  if (!setup.adaptive.any() || regions.empty() || other(0) == regions.size()) return std::nullopt;
+  Case alone = setup;  // nothing but the regions asks for cells
+  alone.adaptive.parts.clear();
+  alone.adaptive.gauges.reset();
+  alone.obstacles.clear();
+  PartsOfDomain const bounds(alone, nullptr);
+  grid::Partition const partition = grid::refinable_partition_of(setup.domain, setup.numerics.block_cells);
+  int const dims = setup.domain.dimensions();
+  grid::Forest forest(partition.parts, dims, grid::periodic_directions(setup.domain));
+  gas::refine_to(forest, setup.domain, partition.size, refinement_rules(alone, nullptr).most_level, bounds);
+  for (grid::Leaf const& leaf : forest.leaves()) {
+    grid::CellRange cells;
+    for (int d = 0; d < dims; ++d) {
+      cells.lower[d] = leaf.place[d] * partition.size[d];
+      cells.upper[d] = cells.lower[d] + partition.size[d];
+    }
+    cells = grid::common(cells, setup.domain_of(leaf.level).all_cells());
+    auto const found = bounds.region_of_other_level(leaf.level, cells);
+    if (found) return std::pair{std::min(*found, other(*found)), std::max(*found, other(*found))};
+  }
+  return std::nullopt;
 }
 
 gas::RefinementRules::Bounds charge_bounds(Case const& setup) {

@@ -175,7 +175,7 @@ void place_bodies(run::System& w, run::Region& region, grid::Domain const& domai
   bodies.insert(bodies.end(), others.begin(), others.end());
   region.particles = std::make_unique<mpm::Mpm>(domain, bodies, options_of(w.setup), own.constraints(p.constraints),
                                                 own.contacts(p.contacts));
-  w.bodies.resize(p.bodies.size());
+  w.bodies.resize(std::max(w.bodies.size(), p.bodies.size()));  // the gas of earlier regions stands behind
   std::optional<Overburden> overburden;
   for (std::size_t n = 0; n < region.bodies.size(); ++n) {
     Body const& b = p.bodies[region.bodies[n]];

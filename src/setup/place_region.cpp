@@ -10,6 +10,7 @@
 #include "run/products.hpp"
 #include "run/system.hpp"
 #include "setup/place_bodies.hpp"
+#include "setup/region_gaps.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::setup {
@@ -277,6 +278,10 @@ void place_region(run::System& w, std::size_t number) {
 }  // namespace
 
 void place_regions(run::System& w) {
+  std::vector<bridge::Region> places;
+  places.reserve(w.setup.mpm_regions.size());
+  for (std::size_t n = 0; n < w.setup.mpm_regions.size(); ++n) places.push_back(region_of(w.setup, n));
+  if (auto const conflict = conflict_of(w.setup, places)) throw InputError(conflict->problem);
   for (std::size_t number = 0; number < w.setup.mpm_regions.size(); ++number) place_region(w, number);
 }
 

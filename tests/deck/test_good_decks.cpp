@@ -726,6 +726,36 @@ TEST(GoodDecks, SizeUpToTheLimitOfTheIndicesIsRead) {
   EXPECT_EQ(c.domain.cells, (Index3{1280, 1280, 1280}));
 }
 
+TEST(GoodDecks, BodiesBelongToTheRegionsThatNameOrHoldThem) {
+  std::string const domain =
+      "[domain]\ngeometry = \"planar2d\"\nsize = [1.28, 0.24]\ncell = \"10 mm\"\n[end]\ntime = 1e-3\n";
+  auto const body = [](char const* name, char const* low, char const* high) {
+    return fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = \"RHA\"\nshape = \"box\"\nlower = [{}, 0.08]\nupper = [{}, 0.16]\n", name,
+        low, high);
+  };
+  std::string const bodies = body("a", "0.37", "0.38") + body("b", "0.85", "0.88") + body("c", "0.39", "0.40");
+  std::string const first = "[[mpm_region]]\nbox = {lower = [0.26, 0], upper = [0.52, 0.24]}\nwidth = 3\n";
+  std::string const second = "[[mpm_region]]\nbox = {lower = [0.74, 0], upper = [1, 0.24]}\nwidth = 3\n";
+  for (std::string const& regions :
+       {first + second, first + "bodies = [\"c\", \"a\"]\n" + second, first + second + "bodies = [\"b\"]\n",
+        first + "[[mpm_region]]\nbodies = [\"b\"]\nmargin = 8\nwidth = 3\n"}) {
+    run::Case const c = read(domain + bodies + regions);
+    ASSERT_EQ(c.mpm_regions.size(), 2U);
+    EXPECT_EQ(c.mpm_regions[0].bodies, (std::vector<int>{0, 2})) << regions;
+    EXPECT_EQ(c.mpm_regions[1].bodies, std::vector<int>{1}) << regions;
+    EXPECT_EQ(c.region_with(2), 0U);
+    EXPECT_EQ(c.region_with(1), 1U);
+  }
+  // One region in a list is what a single table is.
+  std::string const box = "box = {lower = [0.26, 0], upper = [1, 0.24]}\n";
+  run::Case const list = read(domain + bodies + "[[mpm_region]]\n" + box);
+  run::Case const table = read(domain + bodies + "[mpm_region]\n" + box);
+  EXPECT_EQ(list.mpm_regions.size(), 1U);
+  EXPECT_EQ(list.mpm_regions[0].bodies, table.mpm_regions[0].bodies);
+  EXPECT_EQ(list.mpm_regions[0].boxes[0].upper, table.mpm_regions[0].boxes[0].upper);
+}
+
 TEST(GoodDecks, EveryKeyOfTheMpmRegionArrives) {
   run::Case const c = read_good("all_region.toml");
   ASSERT_TRUE(c.has_regions());

@@ -64,6 +64,20 @@ TEST_F(Levels, AllKeysAreUnderstood) {
   EXPECT_EQ(c.mpm_regions.front().level, 4);
 }
 
+TEST_F(Levels, SeveralRegionsHaveCellsOfTheirOwn) {
+  run::Case const c = case_of(test::file_text(test::root() / "tests/deck/good/two_regions.toml"));
+  ASSERT_EQ(c.mpm_regions.size(), 2U);
+  EXPECT_EQ(c.mpm_regions[0].level, 2);
+  EXPECT_EQ(c.mpm_regions[1].level, 3);
+  EXPECT_EQ(c.mpm_regions[0].bodies, std::vector<int>{0});
+  EXPECT_EQ(c.mpm_regions[1].bodies, std::vector<int>{1});
+  EXPECT_EQ(c.domain_around(0).h, 0.016);
+  EXPECT_EQ(c.domain_around(1).h, 0.008);
+  EXPECT_EQ(c.mpm_regions[0].width, 5);
+  EXPECT_EQ(c.mpm_regions[1].width, 3);
+  EXPECT_EQ(c.mpm_regions[1].margin, 12);
+}
+
 TEST_F(Levels, ObstaclesFollowTheCellsOfShocks) {
   run::Case const c = case_of(head + charge + "[adaptive]\nfinest = \"4 mm\"\nshocks = \"16 mm\"\n");
   EXPECT_EQ(c.adaptive.charges, 4);
