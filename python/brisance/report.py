@@ -120,13 +120,19 @@ def bodies_in_words(points):
     return f"{count} bod{'y' if count == 1 else 'ies'}"
 
 
+def regions_of(log):
+    """The MPM regions of a run, in the order of its deck."""
+    return log.get("mpm_regions") or ([log["mpm_region"]] if log.get("mpm_region") else [])
+
+
 def facts(log):
     domain = log["domain"]
     resolved = [n for n in domain["cells"] if n > 1] or [1]
     size = [high - low for low, high, n in zip(domain["lower"], domain["upper"], domain["cells"]) if n > 1]
     points = log.get("points")
-    region = log.get("mpm_region")
-    steps = f"{region['gas_steps']:,} gas, {region['point_steps']:,} MPM sub-steps" if region else ""
+    regions = regions_of(log)
+    sub_steps = sum(region["point_steps"] for region in regions)
+    steps = f"{regions[0]['gas_steps']:,} gas, {sub_steps:,} MPM sub-steps" if regions else ""
     size_of_cells = f"{number(domain['cell_size'] * 1e3)} mm"
     gas = ("cells", f"{domain['cell_count']:,}", f"in {log['blocks']} blocks")
     if "levels" in log:
@@ -139,12 +145,12 @@ def facts(log):
         ("simulated time", f"{number(log['time'] * 1e3)} ms", f"of {number(log['end_time'] * 1e3)} ms"),
         ("steps", f"{log['step']:,}", steps),
         ("grid", " × ".join(str(n) for n in resolved), GEOMETRIES[domain["geometry"]]),
-        *([gas, material] if region else [material or gas]),
+        *([gas, material] if regions else [material or gas]),
         ("cell size", size_of_cells, ""),
         ("domain", " × ".join(number(s) for s in size) + " m", ""),
         ("wall-clock time", duration(log["wall_seconds"]), f"on {log['machine']['threads']} threads"),
         ("speed", f"{points['point_updates_per_second'] / 1e6:.3g} million", "particles/s")
-        if points and not region else
+        if points and not regions else
         ("speed", f"{log['cell_updates_per_second'] / 1e6:.3g} million", "cells/s"),
     ]
     cells = "".join(f"<div><dt>{name}</dt><dd>{value} <small>{small}</small></dd></div>"
@@ -160,7 +166,7 @@ def setup_table(log):
     if log["domain"]["geometry"] in ("spherical1d", "cylindrical1d"):
         names = ["r low", "r high"]
     faces = ", ".join(f"{name}: {kind}" for name, kind in zip(names, boundary[:2 * resolved]))
-    if log.get("points") and not log.get("mpm_region"):
+    if log.get("points") and not regions_of(log):
         return pairs(point_setup(log, faces))
     ambient = log["ambient"]
     rows = [
@@ -170,18 +176,23 @@ def setup_table(log):
         ("obstacles, gauges, field dumps", f"{log['obstacles']}, {log['gauges']}, {log['dumps']}"),
         ("end", log["end_reason"] or "the run has not finished"),
     ]
-    if log.get("mpm_region"):
+    if regions_of(log):
         rows = rows[:-1] + region_setup(log) + [row for row in point_setup(log, faces)
                                                 if row[0] not in ("boundaries", "gauges, dumps")]
     return pairs(rows)
 
 
 def region_setup(log):
-    region = log["mpm_region"]
-    return [("MPM region", f"{region['cells']:,} cells, bridge {region['width']} cells wide, "
-                           f"{region['points_per_direction']} gas particles per cell and direction, "
-                           f"{region['transfer'].upper()}, {region['order'].upper()}"
-                           + ("" if region["transport"] == "ledger" else ", transport as printed in [Cui14]"))]
+    regions = regions_of(log)
+    return [(region_name(regions, n), f"{region['cells']:,} cells, bridge {region['width']} cells wide, "
+             f"{region['points_per_direction']} gas particles per cell and direction, "
+             f"{region['transfer'].upper()}, {region['order'].upper()}"
+             + ("" if region["transport"] == "ledger" else ", transport as printed in [Cui14]"))
+            for n, region in enumerate(regions)]
+
+
+def region_name(regions, number):
+    return "MPM region" if len(regions) == 1 else f"MPM region {number + 1}"
 
 
 SHAPES = {"linear": "linear", "gimp": "GIMP (uGIMP)", "cpgimp": "GIMP (cpGIMP)", "bspline": "quadratic B-spline"}
@@ -483,7 +494,7 @@ def audit_section(log):
             # The guards' mass is one figure for both fluids; it is shown with the first.
             guards = audit["guard_mass"] if name.endswith("ambient fluid") else None
             account(name, "kg", initial, outflow, guards, current, error)
-    if not log.get("mpm_region"):
+    if not regions_of(log):
         account("energy", "J", audit["initial"]["energy"], audit["outflow"]["energy"], audit["guard_energy"],
                 audit["current"]["energy"], audit["relative_error"]["energy"])
     lifted = audit["guarded_cells"]
@@ -528,21 +539,42 @@ def panel_words(panels, audit):
             f'{number(came["energy"], 3)} J relative to ambient gas.</p>')
 
 
+def region_words(regions):
+    return "MPM region" if len(regions) == 1 else "MPM regions"
+
+
+def energy_of_all(log):
+    """The accounts of the energy of gas and particles together."""
+    if log.get("mpm_region"):
+        return log["mpm_region"]["energy"]
+    energy = log["points"]["audit"]["energy"]
+    return energy | {"outflow": energy["lost"]}
+
+
+def traffic_words(regions, n):
+    region = regions[n]
+    if region["awake_since"] is None:
+        return f"No wave reached {region_name(regions, n)}."
+    return (f"The {region_name(regions, n)} became active at {number(region['awake_since'] * 1e3)} ms. "
+            f"{region['points_injected']:,} gas particles were injected through its faces and "
+            f"{region['points_absorbed']:,} absorbed; {number(sum(region['ledger']['mass']), 3)} kg are in the ledger "
+            "between gas and particles.")
+
+
 def region_section(run):
     """What crossed the bridge, and the energy of gas and particles together."""
-    region = run.log["mpm_region"]
-    if region["awake_since"] is None:
-        return "<p>No wave reached the MPM region; its particles stayed asleep.</p>"
-    energy, drift = region["energy"], region["energy"]["drift"]
+    regions = regions_of(run.log)
+    if all(region["awake_since"] is None for region in regions):
+        return f"<p>No wave reached the {region_words(regions)}; the particles stayed asleep.</p>"
+    energy = energy_of_all(run.log)
+    drift = energy["drift"]
+    bridge = run.log["timings"].get("bridge", 0.0)
     rows = [["energy of gas and particles [J]", number(energy["initial"], 6), number(energy["outflow"], 6),
              number(energy["work"], 3), number(energy["current"], 6),
              "–" if drift is None else f"{100 * drift:+.3g} %", ("text", drift_verdict(energy, run.log))]]
     return (table(["account", "initial", "flowed out", "work of loads", "now", "drift", ("text", "verdict")], rows)
-            + f"<p class=\"note\">The MPM region became active at {number(region['awake_since'] * 1e3)} ms. "
-            f"{region['points_injected']:,} gas particles were injected through its faces and "
-            f"{region['points_absorbed']:,} absorbed; {number(sum(region['ledger']['mass']), 3)} kg are in the ledger "
-            "between gas and particles. The bridge took "
-            f"{100 * region['bridge_share']:.0f} % of the time. "
+            + f"<p class=\"note\">{' '.join(traffic_words(regions, n) for n in range(len(regions)))} "
+            f"The bridge took {100 * bridge / max(run.log['wall_seconds'], 1e-9):.0f} % of the time. "
             f"{dissipation_words(energy)}The method does not conserve the energy of "
             "particles exactly; the drift shows how well the flow around the bodies is resolved.</p>")
 
@@ -602,12 +634,12 @@ def point_sections(run, figures):
             "; the layer of particles next to each plane." if run.dimensions == 3 else ".") + mirrored)
         + figure(figures.profiles(run), "Profiles at several times."))
     if run.point_gauges:
-        yield "Gauges on bodies" if run.log.get("mpm_region") else "Gauges", point_gauge_table(run) + figure(
+        yield "Gauges on bodies" if regions_of(run.log) else "Gauges", point_gauge_table(run) + figure(
             figures.gauge_histories(run), "Displacement, velocity and stress of the particles that the gauges follow.")
     together = (" The sums include all particles; gas particles are injected and absorbed."
-                if run.log.get("mpm_region") else "")
+                if regions_of(run.log) else "")
     yield "Energies", figure(figures.energies(run), "Energies over time." + together)
-    if not run.log.get("mpm_region"):
+    if not regions_of(run.log):
         yield "Conservation", point_audit_section(run.log)
 
 
@@ -615,11 +647,11 @@ def sections(run, figures, point_figures):
     """Titles and contents of the page, in order; those with nothing to show are left out."""
     log = run.log
     yield "Simulation", facts(log) + setup_table(log)
-    coupled = log.get("mpm_region")
+    coupled = regions_of(log)
     if coupled or not run.points:
         yield from gas_sections(run, figures)
     if coupled:
-        yield "MPM region", region_section(run)
+        yield region_words(coupled), region_section(run)
     if run.points:
         yield from point_sections(run, point_figures)
     versions, machine = log["versions"], log["machine"]
@@ -634,7 +666,7 @@ def sections(run, figures, point_figures):
 def page(run, figures, point_figures):
     log = run.log
     title = log["title"] or log["deck_path"] or "Brisance run"
-    kind = "Material point" if run.points and not log.get("mpm_region") else "Blast"
+    kind = "Material point" if run.points and not regions_of(log) else "Blast"
     style = (Path(__file__).parent / "report.css").read_text(encoding="utf-8")
     shown = [(name, content) for name, content in sections(run, figures, point_figures) if content]
     body = "\n".join(f'<section><h2><span class="number">{n}</span>{name}</h2>\n{content}</section>'

@@ -59,11 +59,12 @@ nlohmann::json levels_json(session::Plan const& p) {
   return levels;
 }
 
-nlohmann::json region_json(run::Case const& setup, session::RegionPlan const& r) {
+nlohmann::json region_json(run::Case const& setup, session::Plan const& p, std::size_t number) {
+  session::RegionPlan const& r = p.regions[number];
   return {{"lower", r.lower},
           {"upper", r.upper},
           {"cells", r.cells},
-          {"width", setup.mpm_region->width},
+          {"width", setup.mpm_regions[number].width},
           {"bridge_faces", r.bridge_faces},
           {"gas_points", r.gas_particles},
           {"gas_steps", std::round(r.gas_steps)},
@@ -88,42 +89,48 @@ nlohmann::json plan_json(run::Case const& setup, session::Plan const& p) {
   json fields = json::array();
   for (auto const& f : output::dumped_fields(setup, output::IsLast::yes)) fields.push_back(f.name);
   for (auto const& f : output::dumped_particle_fields(setup)) fields.push_back(f.name);
-  return {{"title", setup.title},
-          {"geometry", word_of(setup.domain.geometry)},
-          {"cells", setup.domain.cells},
-          {"cell_count", setup.domain.cell_count()},
-          {"cell_size", setup.domain.smallest_cell()},
-          {"blocks", p.blocks},
-          {"levels", levels_json(p)},
-          {"estimated_cell_updates", std::round(p.cell_updates)},
-          {"boundaries", boundaries},
-          {"memory_bytes", p.memory_bytes},
-          {"memory", memory},
-          {"estimated_seconds", p.seconds},
-          {"threads", threads()},
-          {"disk_bytes", p.disk_bytes},
-          {"machine_memory_bytes", p.machine_memory_bytes},
-          {"end_time", setup.end.time},
-          {"estimated_steps", std::round(p.steps)},
-          {"charges", charges_json(setup, p)},
-          {"starts", p.starts},
-          {"points", p.particles},
-          {"bodies", bodies_json(setup, p)},
-          {"materials", materials},
-          {"mpm_region", p.region ? region_json(setup, *p.region) : json()},
-          {"gauges", setup.particles.gauges.size() + setup.gauges.size()},
-          {"gauge_bytes", p.gauge_bytes},
-          {"gauge_peaks", gauge_plan_json(p.gauges)},
-          {"obstacles", setup.obstacles.size()},
-          {"initial_states", output::initial_states_json(p.initial_states)},
-          {"placed_obstacles", output::obstacles_json(p.obstacles)},
-          {"panels", output::panels_json(p.panels)},
-          {"fields", fields},
-          {"dumps", p.dumps},
-          {"dump_bytes", p.dump_bytes},
-          {"subsets", subsets},
-          {"checkpoint_bytes", p.checkpoint_bytes},
-          {"warnings", p.warnings}};
+  json plan{{"title", setup.title},
+            {"geometry", word_of(setup.domain.geometry)},
+            {"cells", setup.domain.cells},
+            {"cell_count", setup.domain.cell_count()},
+            {"cell_size", setup.domain.smallest_cell()},
+            {"blocks", p.blocks},
+            {"levels", levels_json(p)},
+            {"estimated_cell_updates", std::round(p.cell_updates)},
+            {"boundaries", boundaries},
+            {"memory_bytes", p.memory_bytes},
+            {"memory", memory},
+            {"estimated_seconds", p.seconds},
+            {"threads", threads()},
+            {"disk_bytes", p.disk_bytes},
+            {"machine_memory_bytes", p.machine_memory_bytes},
+            {"end_time", setup.end.time},
+            {"estimated_steps", std::round(p.steps)},
+            {"charges", charges_json(setup, p)},
+            {"starts", p.starts},
+            {"points", p.particles},
+            {"bodies", bodies_json(setup, p)},
+            {"materials", materials},
+            {"mpm_region", p.regions.size() == 1 ? region_json(setup, p, 0) : json()},
+            {"gauges", setup.particles.gauges.size() + setup.gauges.size()},
+            {"gauge_bytes", p.gauge_bytes},
+            {"gauge_peaks", gauge_plan_json(p.gauges)},
+            {"obstacles", setup.obstacles.size()},
+            {"initial_states", output::initial_states_json(p.initial_states)},
+            {"placed_obstacles", output::obstacles_json(p.obstacles)},
+            {"panels", output::panels_json(p.panels)},
+            {"fields", fields},
+            {"dumps", p.dumps},
+            {"dump_bytes", p.dump_bytes},
+            {"subsets", subsets},
+            {"checkpoint_bytes", p.checkpoint_bytes},
+            {"warnings", p.warnings}};
+  if (p.regions.size() > 1) {
+    json regions = json::array();
+    for (std::size_t n = 0; n < p.regions.size(); ++n) regions.push_back(region_json(setup, p, n));
+    plan["mpm_regions"] = std::move(regions);
+  }
+  return plan;
 }
 
 }  // namespace brisance::app

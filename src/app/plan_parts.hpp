@@ -25,7 +25,7 @@ struct MaterialLine {
 
 inline std::vector<MaterialLine> materials_of(run::Case const& setup) {
   std::vector<MaterialLine> lines;
-  if (!setup.particles.any() || setup.mpm_region)
+  if (!setup.particles.any() || setup.has_regions())
     lines.push_back({setup.ambient.fluid.name, "ambient fluid", setup.ambient.fluid.source});
   for (run::Body const& body : setup.particles.bodies) {
     bool const known =

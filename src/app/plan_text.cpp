@@ -63,7 +63,10 @@ std::string afterburn_text(material::Afterburn const& a) {
   return fmt::format("{}/kg of products, {}", quantity(a.energy, "J"), rate);
 }
 
-std::string region_text(run::Case const& setup, session::RegionPlan const& r) {
+std::string region_text(run::Case const& setup, session::Plan const& p, std::size_t number) {
+  session::RegionPlan const& r = p.regions[number];
+  run::MpmRegion const& settings = setup.mpm_regions[number];
+  bool const alone = p.regions.size() == 1;
   std::string box;
   for (int d = 0; d < setup.domain.dimensions(); ++d)
     box += fmt::format("{}{:g} to {:g}", d == 0 ? "" : " x ", r.lower[d], r.upper[d]);
@@ -71,14 +74,18 @@ std::string region_text(run::Case const& setup, session::RegionPlan const& r) {
   for (std::size_t f = 0; f < r.bridge_faces.size(); ++f) {
     if (r.bridge_faces[f] > 0) faces += fmt::format("{}{}", faces.empty() ? "" : ", ", grid::face_names[f]);
   }
-  std::string const kind = setup.mpm_region->boxes.empty()      ? "smallest box around the bodies plus margin"
-                           : setup.mpm_region->boxes.size() > 1 ? "several boxes"
-                                                                : "as specified";
-  return fmt::format("{:<12} {} m, {} cells ({})\n", "MPM region", box, large_count(r.cells), kind) +
+  std::string const kind = settings.boxes.empty()      ? (alone ? "smallest box around the bodies plus margin"
+                                                                : "smallest box around its bodies plus margin")
+                           : settings.boxes.size() > 1 ? "several boxes"
+                                                       : "as specified";
+  std::string const label = alone ? "MPM region" : fmt::format("MPM region {}", number + 1);
+  std::string const size =
+      alone ? "" : fmt::format(" of {}", quantity(setup.region_domain(number).smallest_cell(), "m"));
+  return fmt::format("{:<12} {} m, {} cells{} ({})\n", label, box, large_count(r.cells), size, kind) +
          fmt::format("{:<12} {}\n", "bridge",
                      faces.empty()
                          ? "none: the MPM region fills the domain"
-                         : fmt::format("{} cells wide, on sides {} of the MPM region", setup.mpm_region->width, faces));
+                         : fmt::format("{} cells wide, on sides {} of the MPM region", settings.width, faces));
 }
 
 constexpr std::size_t most_listed = 20;
@@ -109,7 +116,7 @@ std::string panel_line(run::PanelReport const& p) {
 std::string line(std::string const& label, std::string const& text) { return fmt::format("{:<12} {}\n", label, text); }
 
 bool has_particles(session::Plan const& p) { return p.particles > 0.0; }
-bool has_gas(session::Plan const& p) { return !has_particles(p) || p.region; }
+bool has_gas(session::Plan const& p) { return !has_particles(p) || !p.regions.empty(); }
 
 /// Cells of all levels: "level 0: 480 of 64 mm, level 1: 300 of 32 mm".
 std::string level_counts(session::Plan const& p, double session::LevelPlan::*count, bool sizes) {
@@ -155,8 +162,15 @@ std::string domain_text(run::Case const& setup, session::Plan const& p) {
   for (int f = 0; f < 2 * dims; ++f)
     boundaries += fmt::format("{}{} {}", f == 0 ? "" : ", ", grid::face_names[f], word_of(d.boundary[f]));
   out += line("boundaries", boundaries);
-  if (p.region) out += region_text(setup, *p.region);
+  for (std::size_t n = 0; n < p.regions.size(); ++n) out += region_text(setup, p, n);
   return out;
+}
+
+/// Of what all MPM regions have.
+double sum_over(session::Plan const& p, double session::RegionPlan::*of) {
+  double sum = 0.0;
+  for (session::RegionPlan const& region : p.regions) sum += region.*of;
+  return sum;
 }
 
 double largest_courant(run::Case const& setup) {
@@ -169,10 +183,11 @@ std::string scheme_text(run::Case const& setup, session::Plan const& p) {
   std::string out;
   if (has_particles(p)) {
     auto const& o = setup.particles.options;
-    double const of_gas = p.region ? p.region->gas_particles : 0.0;
-    out += line("particles", fmt::format("{} material points in {} bod{}{}", large_count(p.particles - of_gas),
-                                         p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
-                                         p.region ? fmt::format(", {} gas particles", large_count(of_gas)) : ""));
+    double const of_gas = sum_over(p, &session::RegionPlan::gas_particles);
+    out +=
+        line("particles", fmt::format("{} material points in {} bod{}{}", large_count(p.particles - of_gas),
+                                      p.bodies.size(), p.bodies.size() == 1 ? "y" : "ies",
+                                      p.regions.empty() ? "" : fmt::format(", {} gas particles", large_count(of_gas))));
     out += line("scheme", fmt::format("material points, {}, {}, {}, Courant number {:g}", word_of(o.shape),
                                       word_of(o.order), word_of(o.transfer), largest_courant(setup)));
   }
@@ -185,21 +200,24 @@ std::string scheme_text(run::Case const& setup, session::Plan const& p) {
 }
 
 std::string steps_text(session::Plan const& p) {
+  double const sub_steps = sum_over(p, &session::RegionPlan::particle_steps);
   if (!p.levels.empty()) {
-    std::string const region =
-        p.region ? fmt::format("{} of the MPM region's level, {} MPM sub-steps; ", large_count(p.region->gas_steps),
-                               large_count(p.region->particle_steps))
-                 : std::string();
+    std::string const region = p.regions.empty() ? ""
+                               : p.regions.size() == 1
+                                   ? fmt::format("{} of the MPM region's level, {} MPM sub-steps; ",
+                                                 large_count(p.regions.front().gas_steps), large_count(sub_steps))
+                                   : fmt::format("{} MPM sub-steps in all regions; ", large_count(sub_steps));
     return line("steps",
                 fmt::format("about {} of the coarsest cells, each finer level twice as many ({}estimates; up to "
                             "{} cell updates, fewer while blocks sleep)",
                             large_count(p.steps), region, large_count(p.cell_updates)));
   }
-  if (p.region) {
-    return line("steps", fmt::format("about {} coupled steps ({} gas, {} MPM sub-steps; estimates, fewer while the MPM "
-                                     "region or gas blocks sleep)",
-                                     large_count(p.steps), large_count(p.region->gas_steps),
-                                     large_count(p.region->particle_steps)));
+  if (!p.regions.empty()) {
+    return line("steps", fmt::format("about {} coupled steps ({} gas, {} MPM sub-steps{}; estimates, fewer while {} or "
+                                     "gas blocks sleep)",
+                                     large_count(p.steps), large_count(p.regions.front().gas_steps),
+                                     large_count(sub_steps), p.regions.size() > 1 ? " in all regions" : "",
+                                     p.regions.size() > 1 ? "MPM regions" : "the MPM region"));
   }
   if (has_particles(p)) {
     return line("steps", fmt::format("about {} (if the time step stays at its initial value; {} particle updates)",
@@ -347,7 +365,7 @@ std::string output_text(run::Case const& setup, session::Plan const& p) {
   out += gauge_plan_text(p.gauges);
   std::string fields = field_names(setup);
   auto const particle_fields = output::dumped_particle_fields(setup);
-  if (p.region && !particle_fields.empty()) fields += "; of particles:";
+  if (!p.regions.empty() && !particle_fields.empty()) fields += "; of particles:";
   for (std::size_t n = 0; n < particle_fields.size(); ++n)
     fields += (fields.empty() ? "" : n == 0 ? " " : ", ") + particle_fields[n].name;
   out += line("fields", p.dumps == 0 ? std::string("none of the whole domain")

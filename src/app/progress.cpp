@@ -61,9 +61,9 @@ void Progress::start(run::System const& system) {
 
 void Progress::step(run::System const& system) {
   ++steps_;
-  bool const both = system.bridge != nullptr;
-  bool const particles = system.particles != nullptr && !both;
-  active_updates_ += static_cast<double>(particles ? mpm::particle_count(*system.particles) : system.active_cells());
+  bool const both = system.coupled();
+  bool const particles = !system.regions.empty() && !both;
+  active_updates_ += static_cast<double>(particles ? system.particle_count() : system.active_cells());
   auto const now = Clock::now();
   double const done = part_done(system);
   if (!due(done, now)) return;
@@ -82,10 +82,9 @@ void Progress::step(run::System const& system) {
                         active_updates_ / seconds / 1e6, all_updates / seconds / 1e6, awake, system.grid.block_count());
   }
   if (both) {
-    speed +=
-        system.bridge->awake()
-            ? fmt::format("  {} particles", large_count(static_cast<double>(mpm::particle_count(*system.particles))))
-            : "  particles asleep";
+    bool const awake = std::ranges::any_of(system.regions, &run::Region::moves);
+    speed += awake ? fmt::format("  {} particles", large_count(static_cast<double>(system.particle_count())))
+                   : "  particles asleep";
   }
   show(fmt::format("{}{}  {}", place, speed, remaining(done, done_, seconds)));
   since_ = now;

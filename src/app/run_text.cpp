@@ -138,10 +138,11 @@ void print_dissipation(run::EnergyBalance const& energy) {
 }
 
 /// Energy that gas particles were given because they had less than none.
-void print_lifted(mpm::Mpm const& particles) {
-  if (particles.accounts().floored.particles == 0) return;
+void print_lifted(run::World const& world) {
+  mpm::FloorCount const floored = world.accounts().floored;
+  if (floored.particles == 0) return;
   print(stdout, "guards: {} updates of gas particles were raised to zero pressure, which added {:.3g} J\n",
-        particles.accounts().floored.particles, particles.accounts().floored.energy);
+        floored.particles, floored.energy);
 }
 
 void print_particle_audit(run::World const& world) {
@@ -155,17 +156,45 @@ void print_particle_audit(run::World const& world) {
         energy.work != 0.0 ? fmt::format(" through the work {} of external forces", quantity(energy.work, "J")) : "",
         100.0 * energy.drift(), quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
-  print_lifted(*world.particles);
-  auto const& lost = world.particles->accounts().losses;
+  print_lifted(world);
+  mpm::Losses const lost = world.accounts().losses;
   if (lost.particles > 0) {
     print(stdout, "{} particles left the domain with {:.4g} kg and {}\n", lost.particles, lost.mass,
           quantity(lost.energy, "J"));
   }
 }
 
+/// Of the time that the run took.
+double bridge_percent(run::World const& world) {
+  double total = 0.0;
+  for (auto const& [phase, seconds] : world.timings) total += seconds;
+  auto const bridge = world.timings.find("bridge");
+  return total > 0.0 && bridge != world.timings.end() ? 100.0 * bridge->second / total : 0.0;
+}
+
+/// What happened in one of the regions. What is measured of all together stands with one that is alone.
+void print_region(run::World const& world, std::size_t number) {
+  run::Region const& region = world.regions[number];
+  bool const alone = world.regions.size() == 1;
+  std::string const name = alone ? "MPM region" : fmt::format("MPM region {}", number + 1);
+  if (!region.awake_since) {
+    print(stdout, "{}: no wave reached it; its particles stayed asleep\n", name);
+    return;
+  }
+  bridge::Traffic const& traffic = region.bridge->traffic();
+  print(
+      stdout,
+      "{}: awake since {}; {} gas steps, {} MPM sub-steps; {} gas particles injected, {} absorbed; {} in the ledger at "
+      "the end{}\n",
+      name, quantity(*region.awake_since, "s"), world.clock.gas_steps, region.steps, traffic.injected, traffic.absorbed,
+      quantity(region.bridge->ledger().total(), "kg", 3),
+      alone ? fmt::format(" (at most {} during the run); the bridge took {:.0f} % of the time",
+                          quantity(world.audit.memory.content, "kg", 3), bridge_percent(world))
+            : "");
+}
+
 void print_region_audit(run::World const& world) {
   auto const error = world.audit.relative_error();
-  bridge::Amounts const ledger = world.bridge->ledger();
   auto const energy = world.energy_balance();
   print(stdout,
         "\naudit: {} (relative error of the mass: {} {:.1e}{}; energy {} to {}, drift {:+.3g} % of the reference "
@@ -174,22 +203,13 @@ void print_region_audit(run::World const& world) {
         quantity(energy.initial, "J"), quantity(energy.current + energy.lost, "J"), 100.0 * energy.drift(),
         quantity(energy.scale, "J"), verdict_reasons(world.verdict(), world.for_comparison()));
   print_dissipation(energy);
-  print_lifted(*world.particles);
+  print_lifted(world);
   print_guards(world.audit);
-  if (!world.awake_since) {
-    print(stdout, "MPM region: no wave reached it; its particles stayed asleep\n");
-    return;
+  for (std::size_t number = 0; number < world.regions.size(); ++number) print_region(world, number);
+  if (world.regions.size() > 1 && std::ranges::any_of(world.regions, &run::Region::moves)) {
+    print(stdout, "MPM regions: at most {} in all ledgers during the run; the bridges took {:.0f} % of the time\n",
+          quantity(world.audit.memory.content, "kg", 3), bridge_percent(world));
   }
-  double total = 0.0;
-  for (auto const& [phase, seconds] : world.timings) total += seconds;
-  auto const bridge = world.timings.find("bridge");
-  print(stdout,
-        "MPM region: awake since {}; {} gas steps, {} MPM sub-steps; {} gas particles injected, {} absorbed; {} in the "
-        "ledger at the end (at most {} during the run); the bridge took {:.0f} % of the time\n",
-        quantity(*world.awake_since, "s"), world.clock.gas_steps, world.clock.particle_steps,
-        world.bridge->traffic().injected, world.bridge->traffic().absorbed, quantity(ledger.total(), "kg", 3),
-        quantity(world.audit.memory.content, "kg", 3),
-        total > 0.0 && bridge != world.timings.end() ? 100.0 * bridge->second / total : 0.0);
 }
 
 }  // namespace
@@ -200,7 +220,9 @@ void print_head(session::Session const& session, std::string const& title) {
   if (!title.empty()) print(stdout, "{}\n", title);
   std::string const particles = fmt::format("{} material points", large_count(expected.particles));
   std::string const cells = fmt::format("{} cells", large_count(expected.cells));
-  std::string const what = expected.region ? cells + " and " + particles : expected.particles > 0.0 ? particles : cells;
+  std::string const what = !expected.regions.empty()  ? cells + " and " + particles
+                           : expected.particles > 0.0 ? particles
+                                                      : cells;
   print(stdout, "{}, about {} steps, {} thread{}{}; output folder: {}\n", what, large_count(expected.steps), threads(),
         threads() == 1 ? "" : "s", checkpoint == nullptr ? fmt::format(", {}", word_of(simd_set())) : "",
         session.folder().string());
@@ -241,13 +263,13 @@ void print_starts(run::World const& world) {
 }
 
 void print_results(run::World const& world, observe::Gauges const& gauges) {
-  if (world.bridge != nullptr) {
+  if (world.coupled()) {
     print(stdout, "{}", gauge_tables(world.setup, gauges.gas));
     print_particles(world, gauges);
     print_broken_zones(world);
     print_panels(world);
     print_region_audit(world);
-  } else if (world.particles != nullptr) {
+  } else if (!world.regions.empty()) {
     print_particles(world, gauges);
     print_broken_zones(world);
     print_particle_audit(world);

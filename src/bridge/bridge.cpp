@@ -38,6 +38,11 @@ void Bridge::set_roles() {
     std::vector<gas::Role> roles;
     roles.reserve(block.cell_count());
     for_each_cell(block.in_domain(), [&](Index3 const& cell) { roles.push_back(region_.role(cell)); });
+    // A block may have cells of several regions.
+    std::vector<gas::Role> const& before = gas_->coupling.roles(b);
+    for (std::size_t n = 0; n < before.size(); ++n) {
+      if (roles[n] == gas::Role::own) roles[n] = before[n];
+    }
     gas_->coupling.set_roles(b, std::move(roles));
   }
 }
@@ -70,7 +75,7 @@ bool Bridge::wake() {
       // What crossed the faces meanwhile belongs to the particles; what the gas at rest pushed there, they have not
       // felt.
       if (options_.transport == Transport::ledger) ledger_.add_fluxes(gas_->coupling.watched(), 1.0);
-      gas_->coupling.clear_watched();
+      forget_fluxes(gas_->coupling, region_);
       particles_->set_time(gas_->time());
       return true;
     }
@@ -175,6 +180,13 @@ std::vector<CellSums> Bridge::gas_in(std::vector<Index3> const& cells) const {
   Averages averages(region_.domain(), *particles_, region_.shift(), cells);
   averages.compute(*particles_, gas_body_);
   return averages.sums();
+}
+
+void forget_fluxes(gas::Coupling& coupling, Region const& region) {
+  // Not those of other regions, which are still to take theirs over.
+  for (Face const& face : region.faces()) {
+    if (!face.open) coupling.flux(face.watch) = {};
+  }
 }
 
 gas::Primitive Bridge::primitive(CellSums const& sums) const { return bridge::primitive(gas_->fluids(), sums); }

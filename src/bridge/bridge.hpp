@@ -129,4 +129,7 @@ class Bridge {
   ForbiddenCells forbidden_cells_;
 };
 
+/// What has gone through the faces of a region since it was last told so has been taken over.
+void forget_fluxes(gas::Coupling& coupling, Region const& region);
+
 }  // namespace brisance::bridge

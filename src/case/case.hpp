@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <variant>
@@ -130,9 +131,11 @@ struct Particles {
   [[nodiscard]] bool any() const { return !bodies.empty(); }
 };
 
-/// The part of a simulation with gas that material points calculate: the bodies and the gas around them.
+/// A part of a simulation with gas that material points calculate: bodies and the gas around them.
 struct MpmRegion {
-  /// Boxes [m] whose faces lie on the grid; none: the smallest box around the bodies with the margin.
+  /// Numbers of the bodies in it, rising. A region that is alone holds all of them, whatever stands here.
+  std::vector<int> bodies;
+  /// Boxes [m] whose faces lie on the grid; none: the smallest box around its bodies with the margin.
   std::vector<shape::Box> boxes;
   int margin =
       0;          ///< cells between the bodies and the faces of that box; 0: as few as the bridge allows, and some more
@@ -308,7 +311,7 @@ struct Case {
   std::vector<Gauge> gauges;
   std::vector<Obstacle> obstacles;
   Particles particles;
-  std::optional<MpmRegion> mpm_region;  ///< set where gas and bodies meet
+  std::vector<MpmRegion> mpm_regions;  ///< where gas and bodies meet
   Start start;
   Numerics numerics;
   Adaptive adaptive;
@@ -320,8 +323,25 @@ struct Case {
 
   /// The domain as if all its cells were of a level.
   [[nodiscard]] grid::Domain domain_of(int level) const { return domain.refined(level); }
-  /// The cells that material points see: those of the MPM region.
-  [[nodiscard]] grid::Domain region_domain() const { return domain_of(mpm_region ? mpm_region->level : 0); }
+  [[nodiscard]] bool has_regions() const { return !mpm_regions.empty(); }
+  /// Numbers of the bodies of an MPM region, rising; without one bodies in a vacuum are that of number 0.
+  [[nodiscard]] std::vector<int> bodies_of(std::size_t region) const {
+    if (mpm_regions.size() > 1) return mpm_regions[region].bodies;
+    std::vector<int> all(particles.bodies.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
+  /// Number of the region that holds a body.
+  [[nodiscard]] std::size_t region_with(int body) const {
+    std::size_t region = 0;
+    while (region + 1 < mpm_regions.size() && !std::ranges::binary_search(mpm_regions[region].bodies, body)) ++region;
+    return region;
+  }
+  /// The cells that material points see: those of their region.
+  [[nodiscard]] grid::Domain region_domain(std::size_t region) const {
+    return domain_of(has_regions() ? mpm_regions[region].level : 0);
+  }
+  [[nodiscard]] grid::Domain domain_around(int body) const { return region_domain(region_with(body)); }
   /// Fluid `number`, from 1 on; null where there is none.
   [[nodiscard]] material::Fluid const* other_fluid(int number) const {
     return number <= static_cast<int>(other_fluids.size()) ? &other_fluids[number - 1] : nullptr;
@@ -332,7 +352,7 @@ struct Case {
   [[nodiscard]] double courant_of(Body const& body) const {
     mpm::Options const& o = particles.options;
     bool const alike = body.solid.is_metal() || (body.solid.has_deviator() && !body.solid.plastic());
-    if (o.courant || !mpm_region || o.shape != mpm::ShapeFunction::bspline || !alike) return o.courant_number();
+    if (o.courant || !has_regions() || o.shape != mpm::ShapeFunction::bspline || !alike) return o.courant_number();
     return domain.dimensions() == 3 ? 0.5 : 0.6;
   }
   /// The explosive whose products fluid `number` is; null where no charge makes it.

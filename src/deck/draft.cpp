@@ -24,6 +24,12 @@ Section const& Draft::table(std::string_view key) {
   return section;
 }
 
+std::vector<Section> const& Draft::region_sections() const {
+  static std::vector<Section> const none;
+  auto const* given = deck.sections("mpm_region");
+  return given == nullptr ? none : *given;
+}
+
 std::optional<Vec3> Draft::point(Section const& section, std::string_view key) const {
   auto const* values = section.numbers(key);
   if (values == nullptr) return std::nullopt;

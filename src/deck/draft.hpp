@@ -2,6 +2,7 @@
 /// tables/ fill it, one for each table.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
@@ -90,15 +91,24 @@ struct Draft {
   std::vector<std::optional<shape::Shape>> body_shapes;  ///< in the same order; nothing after an error
   std::vector<Onset> onsets;
   std::map<std::string, Section, std::less<>> absent;  ///< tables that the deck does not have, see `table`
-  int region_level = 0;                                ///< of the cells that material points see
+  std::vector<int> region_levels{0};  ///< of the cells that material points see: of each MPM region, one at least
+  std::vector<int> body_regions;      ///< number of the region that holds each body
+  bool bodies_assigned = true;        ///< false where some body has none, or several
 
   [[nodiscard]] Geometry geometry() const { return out.domain.geometry; }
   [[nodiscard]] int dims() const { return out.domain.dimensions(); }
   [[nodiscard]] bool radial() const { return grid::radial_exponent(geometry()) > 0; }
   /// Lengths below this are round-off [m].
   [[nodiscard]] double tiny() const { return 1e-6 * out.domain.h; }
-  /// The grid that material points see.
-  [[nodiscard]] grid::Domain particle_domain() const { return out.domain_of(region_level); }
+  /// The cells that the particles of a body see; -1: those of all bodies, with several regions their coarsest.
+  [[nodiscard]] grid::Domain particle_domain(int body = -1) const {
+    auto const known = static_cast<std::size_t>(body) < body_regions.size();
+    return out.domain_of(known ? region_levels[static_cast<std::size_t>(body_regions[static_cast<std::size_t>(body)])]
+                               : *std::ranges::min_element(region_levels));
+  }
+  /// The tables of the MPM regions; none where the deck leaves the region to the program.
+  [[nodiscard]] std::vector<Section> const& region_sections() const;
+  [[nodiscard]] bool has_several_regions() const { return region_levels.size() > 1; }
   /// The domain as if all its cells were as large as those at surfaces of obstacles.
   [[nodiscard]] grid::Domain obstacle_domain() const { return out.domain_of(out.adaptive.obstacles); }
   /// The key that sets the size of those cells.

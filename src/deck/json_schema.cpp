@@ -112,7 +112,9 @@ Json Definitions::value(Key const& key, std::string const& path) {
     case Type::table:
       if (key.choices.empty()) return reference(*key.table, path);
       return {{"anyOf", {words(key), reference(*key.table, path)}}};
-    case Type::tables: return list_of(reference(*key.table, path));
+    case Type::tables:
+      if (key.single) return {{"anyOf", {reference(*key.table, path), list_of(reference(*key.table, path))}}};
+      return list_of(reference(*key.table, path));
     case Type::named: return named(key, reference(*key.table, path));
   }
   return {};

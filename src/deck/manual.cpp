@@ -27,7 +27,7 @@ std::string type_text(Key const& key) {
     case Type::field: return "point or expressions";
     case Type::pairs: return "list of pairs";
     case Type::table: return key.choices.empty() ? "table" : "table or word";
-    case Type::tables: return "list of tables";
+    case Type::tables: return key.single ? "table or list of tables" : "list of tables";
     case Type::named: return "named tables";
   }
   return {};
@@ -140,7 +140,7 @@ std::string reference_manual() {
   for (auto const& key : deck.keys) {
     if (key.table == nullptr) continue;
     std::string heading = fmt::format("[{}]", key.name);
-    if (key.type == Type::tables) heading = fmt::format("[[{}]]", key.name);
+    if (key.type == Type::tables && !key.single) heading = fmt::format("[[{}]]", key.name);
     if (key.type == Type::named) heading = fmt::format("[{}.{}]", key.name, key.choices.empty() ? "NAME" : "FACE");
     out += table_text(fmt::format("## `{}`", heading), *key.table) + inner_tables_text(heading, *key.table, told);
   }

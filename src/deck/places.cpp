@@ -44,7 +44,8 @@ shape::Box overlap(shape::Box const& a, shape::Box const& b) {
 
 bool fills(Draft const& draft, shape::Shape const& shape) {
   bool found = false;
-  grid::Domain const domain = draft.out.domain_of(std::max(draft.region_level, draft.out.adaptive.finest));
+  grid::Domain const domain =
+      draft.out.domain_of(std::max(std::ranges::max(draft.region_levels), draft.out.adaptive.finest));
   shape::for_each_share({shape}, domain, shape::cells_around(shape, domain),
                         [&](shape::CellRange const&, std::vector<shape::Share> const&) {
                           found = true;

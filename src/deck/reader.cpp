@@ -343,6 +343,11 @@ class Walker : Values {
 
   void tables(Entry& out, Key const& key, toml::node const& node, std::string const& path) {
     auto const* array = node.as_array();
+    if (key.single && node.is_table()) {
+      out.value = std::vector<Section>{section(*node.as_table(), *key.table, path, out.place)};
+      out.valid = true;
+      return;
+    }
     if (node.is_table() && path.find('.') == std::string::npos) {
       report_.error(out.place, path,
                     fmt::format("[{}] is a single table, expected an array of tables; write [[{}]]", path, path));

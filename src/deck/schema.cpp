@@ -122,7 +122,7 @@ std::string expectation(Key const& key) {
           "a list with one element per resolved direction, each {} or an expression of x, y and z in quotes", quantity);
     case Type::pairs: return fmt::format("a list of pairs such as [1, 2], each element {}", quantity);
     case Type::table: return key.choices.empty() ? "a table" : quoted_list(key.choices) + " or a table";
-    case Type::tables: return "an array of tables";
+    case Type::tables: return key.single ? "a table or an array of tables" : "an array of tables";
     case Type::named: return "a table of named tables";
   }
   return {};

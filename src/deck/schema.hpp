@@ -27,7 +27,7 @@ enum class Type {
   field,     ///< like a point; each element may be an expression of x, y, z; read as texts where one is
   pairs,     ///< list of lists of two quantities; read as all of them in a row
   table,     ///< one table, or one of a closed list of words
-  tables,    ///< array of tables
+  tables,    ///< array of tables; with `or_one` a single one stands for a list of it alone
   named,     ///< tables under names of the user's choice (or of a closed list)
 };
 
@@ -50,7 +50,12 @@ struct Key {
   std::vector<std::string> choices;    ///< for words, words instead of a table, and the names of `named`
   std::vector<std::string> also_unit;  ///< further units accepted, e.g. kg/m for a mass in planar geometry
   Table const* table = nullptr;
+  bool single = false;  ///< of `tables`: may be a single table too
 
+  Key& or_one() {
+    single = true;
+    return *this;
+  }
   Key& of(double value) {
     fallback = value;
     return *this;

@@ -279,9 +279,9 @@ void Gas::sweep_level(int level, int direction, double dt, bool last) {
 }
 
 void Gas::advance_level(int level, double time, double dt, bool reverse, Companion const& companion) {
-  if (level == companion.level) {
+  if (companion.sees(level)) {
     time_ = time;
-    companion.before(time, dt);
+    companion.before(level, time, dt);
   }
   time_at_step_end_ = time + dt;
   burn.follow(time, time_at_step_end_);
@@ -305,9 +305,9 @@ void Gas::advance_level(int level, double time, double dt, bool reverse, Compani
     }
     take_from_finer(level);
   }
-  if (level == companion.level) {
+  if (companion.sees(level)) {
     time_ = time + dt;
-    companion.after(time, dt);
+    companion.after(level, time, dt);
   }
   if (companion.look) companion.look(level, time + dt);
 }

@@ -1,6 +1,7 @@
 /// The gas region: conserved fields in blocks, advanced by dimensionally split sweeps. [Cui14] Sec. 2.1, Eqs. (1)-(9).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -57,13 +58,16 @@ struct Options {
   int part_cells = 16384;  ///< cells that a thread sweeps at a time: so few that all threads end at about the same time
 };
 
-/// What calculates beside the gas, step by step of one level.
+/// What calculates beside the gas, step by step of some levels.
 struct Companion {
-  int level = -1;  ///< of which it sees every step; -1: none
-  /// Before a step, and after it and the steps of finer levels in it: of what length, and where it begins [s].
-  std::function<void(double time, double dt)> before, after;
+  std::vector<int> levels;  ///< of which it sees every step
+  /// Before a step of a level, and after it and the steps of finer levels in it: where it begins [s], and of what
+  /// length.
+  std::function<void(int level, double time, double dt)> before, after;
   /// Looks at a level after each of its steps, at a time [s]; null: nobody does.
   std::function<void(int level, double time)> look;
+
+  [[nodiscard]] bool sees(int level) const { return std::find(levels.begin(), levels.end(), level) != levels.end(); }
 };
 
 /// Guards and boundary flows since the start, summed over blocks in fixed order.

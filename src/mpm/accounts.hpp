@@ -38,6 +38,14 @@ struct Losses {
   Vec3 momentum{0.0, 0.0, 0.0};
   double energy = 0.0;
   long particles = 0;
+
+  Losses& operator+=(Losses const& more) {
+    mass += more.mass;
+    momentum = momentum + more.momentum;
+    energy += more.energy;
+    particles += more.particles;
+    return *this;
+  }
 };
 
 /// Kinetic energy that particles lost, known where and why [J].
@@ -95,6 +103,16 @@ struct Accounts {
   Dissipation dissipation;    ///< what constrained nodes and filters took, of bodies with FLIP and XPIC
   FloorCount floored;         ///< energy that gas was given because it had less than none
   ConductionCount conducted;  ///< heat that went from points to others in shocks
+
+  Accounts& operator+=(Accounts const& more) {
+    losses += more.losses;
+    constraint_impulse = constraint_impulse + more.constraint_impulse;
+    outer_work += more.outer_work;
+    dissipation += more.dissipation;
+    floored += more.floored;
+    conducted += more.conducted;
+    return *this;
+  }
 };
 
 /// What proxy particles gave to a node in a step, in the directions of the axes: what they lost of it themselves,

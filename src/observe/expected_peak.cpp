@@ -24,15 +24,15 @@ bool is_solid(run::Case const& setup, Vec3 const& x) {
   return std::ranges::any_of(setup.obstacles, holds) || std::ranges::any_of(setup.particles.bodies, holds);
 }
 
-/// Is x in the MPM region, as far as that is known before it is built?
-bool in_region(run::Case const& setup, Vec3 const& x) {
-  if (!setup.mpm_region) return false;
+/// Is x in an MPM region, as far as that is known before it is built?
+bool in_region(run::Case const& setup, std::size_t number, Vec3 const& x) {
   auto const holds = [&](shape::Box const& box) { return shape::contains(shape::Shape{box}, setup.domain, x); };
-  if (!setup.mpm_region->boxes.empty()) return std::ranges::any_of(setup.mpm_region->boxes, holds);
+  run::MpmRegion const& region = setup.mpm_regions[number];
+  if (!region.boxes.empty()) return std::ranges::any_of(region.boxes, holds);
   // The bridge lies between the bodies and the faces of the box around them.
-  double const margin = setup.mpm_region->width * setup.region_domain().smallest_cell();
-  return std::ranges::any_of(setup.particles.bodies, [&](run::Body const& body) {
-    shape::Box box = shape::bounds(body.shape);
+  double const margin = region.width * setup.region_domain(number).smallest_cell();
+  return std::ranges::any_of(setup.bodies_of(number), [&](int body) {
+    shape::Box box = shape::bounds(setup.particles.bodies[body].shape);
     for (int d = 0; d < setup.domain.dimensions(); ++d) {
       box.lower[d] -= margin;
       box.upper[d] += margin;
@@ -103,7 +103,9 @@ double half_of_friedlander(double b) {
 double expected_cell(run::Case const& setup, Vec3 const& x) {
   run::Adaptive const& adaptive = setup.adaptive;
   if (!adaptive.any()) return setup.domain.smallest_cell();
-  if (in_region(setup, x)) return setup.region_domain().smallest_cell();
+  for (std::size_t number = 0; number < setup.mpm_regions.size(); ++number) {
+    if (in_region(setup, number, x)) return setup.region_domain(number).smallest_cell();
+  }
   int level = std::max(adaptive.shocks, adaptive.gauges.value_or(0));
   for (run::Refine const& part : adaptive.parts) {
     if (shape::contains(part.shape, setup.domain, x)) level = std::max(level, part.level);

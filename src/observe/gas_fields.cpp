@@ -37,10 +37,12 @@ namespace {
 
 /// 0: gas cells, 1: bridge, 2: particles.
 double part_of_region(CellOf const& c) {
-  if (c.system.bridge == nullptr) return 0.0;
-  bridge::Region const& region = c.system.bridge->region();
-  int const layer = c.cell.level == region.level() ? region.layer(c.cell.index) : 0;
-  return layer == 0 ? 0.0 : layer <= region.width() ? 1.0 : 2.0;
+  for (run::Region const& of_system : c.system.regions) {
+    bridge::Region const& region = of_system.bridge->region();
+    int const layer = c.cell.level == region.level() ? region.layer(c.cell.index) : 0;
+    if (layer > 0) return layer <= region.width() ? 1.0 : 2.0;
+  }
+  return 0.0;
 }
 
 /// Nothing keeps the peaks of particles; those of ghost cells belong to a part of the wave only.

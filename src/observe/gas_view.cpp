@@ -18,42 +18,53 @@ std::size_t number_in_particles_grid(bridge::Region const& region, Index3 const&
 
 }  // namespace
 
-GasView::GasView(run::System const& system, std::vector<Index3> const& cells) : system_(&system) {
-  if (system.bridge == nullptr) return;
-  bridge::Region const& region = system.bridge->region();
-  number_.assign(static_cast<std::size_t>(region.particles_domain().cell_count()), -1);
-  for (Index3 const& cell : cells) {
-    if (!in_particles({region.level(), cell})) continue;
-    int& number = number_[number_in_particles_grid(region, cell)];
-    if (number >= 0) continue;
-    number = static_cast<int>(cells_.size());
-    cells_.push_back(cell);
+GasView::GasView(run::System const& system, std::vector<PlacedCell> const& cells) : system_(&system) {
+  if (!system.coupled()) return;
+  for (run::Region const& of_system : system.regions) {
+    bridge::Region const& region = of_system.bridge->region();
+    std::vector<int> numbers(static_cast<std::size_t>(region.particles_domain().cell_count()), -1);
+    regions_.push_back({&region, std::move(numbers), nullptr, {}});
   }
-  if (cells_.empty()) return;
-  averages_ = std::make_unique<bridge::Averages>(region.domain(), *system.particles, region.shift(), cells_);
+  std::vector<std::vector<Index3>> prepared(regions_.size());
+  for (PlacedCell const& cell : cells) {
+    auto const r = region_around(cell, true);
+    if (!r) continue;
+    int& number = regions_[*r].number[number_in_particles_grid(*regions_[*r].region, cell.index)];
+    if (number >= 0) continue;
+    number = static_cast<int>(prepared[*r].size());
+    prepared[*r].push_back(cell.index);
+  }
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    if (prepared[r].empty()) continue;
+    bridge::Region const& region = *regions_[r].region;
+    regions_[r].averages =
+        std::make_unique<bridge::Averages>(region.domain(), *system.regions[r].particles, region.shift(), prepared[r]);
+  }
 }
 
 void GasView::update() {
-  if (averages_ != nullptr) averages_->compute(*system_->particles, system_->gas_body());
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    run::Region const& of_system = system_->regions[r];
+    if (regions_[r].averages != nullptr) regions_[r].averages->compute(*of_system.particles, of_system.gas_body());
+  }
 }
 
-bridge::Region const* GasView::region_at(int level) const {
-  if (system_->bridge == nullptr) return nullptr;
-  bridge::Region const& region = system_->bridge->region();
-  return region.level() == level ? &region : nullptr;
+std::optional<std::size_t> GasView::region_around(PlacedCell const& cell, bool beyond_bridge) const {
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    bridge::Region const& region = *regions_[r].region;
+    if (region.level() == cell.level && region.layer(cell.index) > (beyond_bridge ? region.width() : 0)) return r;
+  }
+  return std::nullopt;
 }
 
-bool GasView::in_particles(PlacedCell const& cell) const {
-  bridge::Region const* const region = region_at(cell.level);
-  return region != nullptr && region->layer(cell.index) > region->width();
-}
+bool GasView::in_particles(PlacedCell const& cell) const { return region_around(cell, true).has_value(); }
 
 std::optional<gas::Primitive> GasView::at(PlacedCell const& cell) const {
-  if (in_particles(cell)) {
-    bridge::Region const& region = system_->bridge->region();
-    bridge::CellSums const& sums = averages_->sums()[number_[number_in_particles_grid(region, cell.index)]];
-    if (sums.volume < least_part * region.metric().cell_volume(cell.index[0])) return std::nullopt;
-    return system_->bridge->primitive(sums);
+  if (auto const r = region_around(cell, true)) {
+    OfRegion const& of = regions_[*r];
+    bridge::CellSums const& sums = of.averages->sums()[of.number[number_in_particles_grid(*of.region, cell.index)]];
+    if (sums.volume < least_part * of.region->metric().cell_volume(cell.index[0])) return std::nullopt;
+    return system_->regions[*r].bridge->primitive(sums);
   }
   grid::Cell const at = system_->grid.locate(cell.level, cell.index).value();
   if (system_->gas->obstacles.contain(at)) return std::nullopt;
@@ -61,20 +72,24 @@ std::optional<gas::Primitive> GasView::at(PlacedCell const& cell) const {
 }
 
 double GasView::solid_at(PlacedCell const& cell) const {
-  bridge::Region const* const region = region_at(cell.level);
-  if (solids_.empty() || region == nullptr || !region->inside(cell.index)) return 0.0;
-  return solids_[number_in_particles_grid(*region, cell.index)];
+  auto const r = region_around(cell, false);
+  if (!r || regions_[*r].solids.empty()) return 0.0;
+  return regions_[*r].solids[number_in_particles_grid(*regions_[*r].region, cell.index)];
 }
 
 void GasView::update_solids() {
-  if (system_->bridge == nullptr) return;
-  mpm::Mpm const& particles = *system_->particles;
-  grid::Domain const& domain = system_->bridge->region().particles_domain();
+  for (std::size_t r = 0; r < regions_.size(); ++r) update_solids(r);
+}
+
+void GasView::update_solids(std::size_t number) {
+  mpm::Mpm const& particles = *system_->regions[number].particles;
+  grid::Domain const& domain = regions_[number].region->particles_domain();
+  std::vector<double>& solids = regions_[number].solids;
   grid::CellRange const all = domain.all_cells();
   int const dims = domain.dimensions();
-  solids_.assign(all.count(), 0.0);
+  solids.assign(all.count(), 0.0);
   for (int body = 0; body < static_cast<int>(particles.bodies().size()); ++body) {
-    if (body == system_->gas_body()) continue;
+    if (body == system_->regions[number].gas_body()) continue;
     double const half = 0.5 / particles.bodies()[body].particles_per_direction;  // of the box of a particle [cells]
     for (int block = 0; block < particles.grid().block_count(); ++block) {
       mpm::ParticleSet const& set = particles.particles(block, body);
@@ -101,13 +116,13 @@ void GasView::update_solids() {
             fraction *= parts[side][d];
             cell[d] = cells[side][d];
           }
-          solids_[all.offset(cell)] += fraction * volume;
+          solids[all.offset(cell)] += fraction * volume;
         }
       }
     }
   }
   for_each_cell(all, [&](Index3 const& cell) {
-    double& solid = solids_[all.offset(cell)];
+    double& solid = solids[all.offset(cell)];
     solid = std::min(1.0, solid / domain.cell_volume(cell[0]));
   });
 }

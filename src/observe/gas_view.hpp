@@ -22,17 +22,17 @@ struct PlacedCell {
   Index3 index{0, 0, 0};
 };
 
-/// Only cells of the MPM region's level lie in it.
+/// Only cells of an MPM region's level lie in it.
 class GasView {
  public:
-  /// Of the cells that will be asked for, those that particles hold are prepared. `cells`: of the level of the MPM
-  /// region; those outside it do not matter. Keeps a reference to the system.
-  GasView(run::System const& system, std::vector<Index3> const& cells);
+  /// Of the cells that will be asked for, those that particles hold are prepared; those outside the MPM regions do not
+  /// matter. Keeps a reference to the system.
+  GasView(run::System const& system, std::vector<PlacedCell> const& cells);
   /// Averages of the particles as they are now.
   void update();
   /// What solids fill now.
   void update_solids();
-  /// Does the cell lie deeper in the MPM region than its bridge?
+  /// Does the cell lie deeper in an MPM region than its bridge?
   [[nodiscard]] bool in_particles(PlacedCell const& cell) const;
   /// The gas in a cell, which must be there; nothing in obstacles, and where solids leave the gas less than a tenth of
   /// the cell.
@@ -42,13 +42,19 @@ class GasView {
   [[nodiscard]] double solid_at(PlacedCell const& cell) const;
 
  private:
-  [[nodiscard]] bridge::Region const* region_at(int level) const;
+  /// What is prepared of a region.
+  struct OfRegion {
+    bridge::Region const* region;
+    std::vector<int> number;  ///< of the cells of the particles' grid among those prepared; -1: none
+    std::unique_ptr<bridge::Averages> averages;
+    std::vector<double> solids;  ///< fractions of the cells of the particles' grid
+  };
+  /// The number of the region that holds a cell more than so many layers deep.
+  [[nodiscard]] std::optional<std::size_t> region_around(PlacedCell const& cell, bool beyond_bridge) const;
+  void update_solids(std::size_t number);
 
   run::System const* system_;
-  std::vector<Index3> cells_;  ///< in particles, in the order of `averages_`
-  std::vector<int> number_;    ///< of the cells of the particles' grid in `cells_`; -1: none
-  std::unique_ptr<bridge::Averages> averages_;
-  std::vector<double> solids_;  ///< fractions of the cells of the particles' grid
+  std::vector<OfRegion> regions_;
 };
 
 }  // namespace brisance::observe

@@ -125,11 +125,12 @@ Gauges::Gauges(run::System const& system) {
       for_each_sampled(gas_columns(), [&](std::size_t, auto of) { history.sampled.push_back(of(read)); });
     }
   }
-  if (system.particles == nullptr) return;
+  if (system.regions.empty()) return;
   for (ParticleGauge const& gauge : setup.particles.gauges) {
     ParticleGaugeHistory history;
     history.gauge = gauge;
-    if (gauge.point) history.identity = mpm::nearest(*system.particles, gauge.body, *gauge.point);
+    run::BodyPlace const at = system.place_of(gauge.body);
+    if (gauge.point) history.identity = mpm::nearest(*system.regions[at.region].particles, at.body, *gauge.point);
     particles.push_back(std::move(history));
   }
 }
@@ -137,9 +138,9 @@ Gauges::Gauges(run::System const& system) {
 Gauges::~Gauges() = default;
 
 void Gauges::sample(run::System& system) {
-  if (gas.empty() && system.particles == nullptr) return;
+  if (gas.empty() && system.regions.empty()) return;
   PhaseTimer const timer(system.timings["gauges"]);
-  if (system.particles != nullptr) sample_particles(system);
+  if (!system.regions.empty()) sample_particles(system);
   if (!gas.empty()) sample_gas(system);
 }
 
@@ -148,14 +149,12 @@ void Gauges::find_stencils(run::System const& system) {
   if (view_ != nullptr && changes == changes_) return;
   changes_ = changes;
   stencils_.clear();
-  std::vector<Index3> in_region;
+  std::vector<PlacedCell> seen;
   for (GaugeHistory const& history : gas) {
     Stencil const& s = stencils_.emplace_back(stencil_at(system.grid, history.gauge.position));
-    for (PlacedCell const& cell : s.cells) {
-      if (system.bridge != nullptr && cell.level == system.bridge->region().level()) in_region.push_back(cell.index);
-    }
+    seen.insert(seen.end(), s.cells.begin(), s.cells.end());
   }
-  view_ = std::make_unique<GasView>(system, in_region);
+  view_ = std::make_unique<GasView>(system, seen);
 }
 
 void Gauges::sample_gas(run::System const& system) {
@@ -227,7 +226,7 @@ void Gauges::sample_particles(run::System const& system) {
   // The sums of a body are taken once, whoever asks for them.
   std::vector<std::optional<mpm::BodySums>> sums(bodies.size());
   auto const sums_of = [&](int body) -> mpm::BodySums const& {
-    if (!sums[body]) sums[body] = mpm::sums(*system.particles, body);
+    if (!sums[body]) sums[body] = system.sums(body);
     return *sums[body];
   };
   for (int body = 0; due && body < count; ++body) bodies[body].push_back({now, sums_of(body)});
@@ -238,12 +237,14 @@ void Gauges::sample_particles(run::System const& system) {
       continue;
     }
     if (history.lost) continue;
-    history.place = mpm::find(*system.particles, body, history.identity, history.place);
+    run::BodyPlace const at = system.place_of(body);
+    mpm::Mpm const& all = *system.regions[at.region].particles;
+    history.place = mpm::find(all, at.body, history.identity, history.place);
     if (history.place.block < 0) {
       history.lost = true;
       continue;
     }
-    mpm::ParticleSet const& set = system.particles->particles(history.place.block, body);
+    mpm::ParticleSet const& set = all.particles(history.place.block, at.body);
     ParticleRecord record = record_of(set, history.place.index, now);
     // Also of particles that do not carry their origin: the gauge has seen it.
     if (!history.particles.empty()) record.displacement = record.position - history.particles.front().position;
@@ -256,7 +257,7 @@ void Gauges::sample_particles(run::System const& system) {
 void Gauges::record_bodies(run::System const& system) {
   if (bodies.empty() || bodies[0].back().time >= system.clock.time) return;
   for (std::size_t body = 0; body < bodies.size(); ++body)
-    bodies[body].push_back({system.clock.time, mpm::sums(*system.particles, static_cast<int>(body))});
+    bodies[body].push_back({system.clock.time, system.sums(static_cast<int>(body))});
 }
 
 void archive(Archive& a, GaugeRecord& r) { a(r.time, r.pressure, r.density, r.velocity); }
@@ -282,8 +283,8 @@ void Gauges::archive(Archive& a, run::System const& system) {
     a.same(history.gauge.name, "the name of a gauge");
     a.same(history.identity, "the particle of gauge \"" + history.gauge.name + "\"");
     a(history.place.block, history.place.index, history.lost, history.particles, history.bodies);
-    a.require(history.place.block < system.particles->grid().block_count() &&
-                  (history.place.block < 0 || history.place.index >= 0),
+    mpm::Mpm const& all = *system.regions[system.place_of(history.gauge.body).region].particles;
+    a.require(history.place.block < all.grid().block_count() && (history.place.block < 0 || history.place.index >= 0),
               "the place of gauge \"" + history.gauge.name + "\"");
     archive_sampled(a, particle_columns(), history.particles, history.sampled);
   }

@@ -38,9 +38,10 @@ double gas_energy(run::System const& w) {
 
 double kinetic_energy(run::System const& system) {
   double sum = system.gas == nullptr ? 0.0 : gas_energy(system);
-  auto const& particles = system.particles;
-  for (int body = 0; particles != nullptr && body < static_cast<int>(particles->bodies().size()); ++body)
-    sum += mpm::sums(*particles, body).kinetic_energy;
+  for (run::Region const& region : system.regions) {
+    for (std::size_t body = 0; body < region.bodies.size(); ++body)
+      sum += mpm::sums(*region.particles, static_cast<int>(body)).kinetic_energy;
+  }
   return sum;
 }
 

@@ -20,7 +20,7 @@ using mpm::Field;
 struct SetOf {
   run::System const& system;
   mpm::ParticleSet const& set;
-  int body;
+  int body;  ///< number in the system
 };
 
 /// A field that is written as it is kept, from its first component on, or what finds it.
@@ -67,8 +67,10 @@ void add_burn_fraction(SetOf const& s, double* out) {
   mpm::ParticleSet const& set = s.set;
   double const* const lighting = set.field(Field::lighting_time);
   if (lighting == nullptr) return;
-  double const speed = s.system.particles->bodies()[s.body].solid.detonation_speed;
-  double const rate = mpm::burn_rate(speed, s.system.particles->grid().smallest_cell());
+  run::BodyPlace const at = s.system.place_of(s.body);
+  mpm::Mpm const& particles = *s.system.regions[at.region].particles;
+  double const rate =
+      mpm::burn_rate(particles.bodies()[at.body].solid.detonation_speed, particles.grid().smallest_cell());
   double const time = s.system.clock.time;
   for (int q = 0; q < set.size(); ++q) out[q] = mpm::burn_fraction(time, lighting[q], rate);
 }
@@ -142,6 +144,20 @@ std::vector<FieldInfo> infos_of(std::vector<ParticleField> const& fields) {
   return all;
 }
 
+/// Calls use(set, body) for the particles that dumps hold, region by region and block by block.
+template <class Use>
+void for_each_dumped(run::System const& w, Use&& use) {
+  for (run::Region const& region : w.regions) {
+    for (int block = 0; block < region.particles->grid().block_count(); ++block) {
+      for (std::size_t n = 0; n < region.bodies.size(); ++n) {
+        int const body = region.bodies[n];
+        if (w.is_gas(body) && !w.setup.output.gas_particles) continue;
+        use(region.particles->particles(block, static_cast<int>(n)), body);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<FieldInfo> const& known_particle_fields() {
@@ -164,37 +180,25 @@ double mises_of(mpm::ParticleSet const& set, int q) {
   return std::sqrt(1.5 * sum);
 }
 
-int dumped_bodies(run::System const& w) {
-  int const count = static_cast<int>(w.particles->bodies().size());
-  return w.gas_body() >= 0 && !w.setup.output.gas_particles ? count - 1 : count;
-}
-
 long dumped_particles(run::System const& w) {
   long count = 0;
-  for (int block = 0; block < w.particles->grid().block_count(); ++block) {
-    for (int body = 0; body < dumped_bodies(w); ++body) count += w.particles->particles(block, body).size();
-  }
+  for_each_dumped(w, [&](mpm::ParticleSet const& set, int) { count += set.size(); });
   return count;
 }
 
 void particle_field(run::System const& w, std::string const& name, std::vector<double>& out) {
   ParticleField const& field = field_of(name);
   int const components = field.info.components;
-  mpm::Mpm const& particles = *w.particles;
   out.assign(static_cast<std::size_t>(dumped_particles(w)) * components, 0.0);
   double* at = out.data();
-  int const bodies = dumped_bodies(w);
-  for (int block = 0; block < particles.grid().block_count(); ++block) {
-    for (int body = 0; body < bodies; ++body) {
-      mpm::ParticleSet const& set = particles.particles(block, body);
-      if (Field const* kept = std::get_if<Field>(&field.value)) {
-        add_kept(set, *kept, components, at);
-      } else {
-        std::get<1>(field.value)({w, set, body}, at);
-      }
-      at += static_cast<std::ptrdiff_t>(set.size()) * components;
+  for_each_dumped(w, [&](mpm::ParticleSet const& set, int body) {
+    if (Field const* kept = std::get_if<Field>(&field.value)) {
+      add_kept(set, *kept, components, at);
+    } else {
+      std::get<1>(field.value)({w, set, body}, at);
     }
-  }
+    at += static_cast<std::ptrdiff_t>(set.size()) * components;
+  });
 }
 
 }  // namespace brisance::observe

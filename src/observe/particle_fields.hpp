@@ -20,14 +20,12 @@ namespace brisance::observe {
 /// (number of the first body of the same material).
 [[nodiscard]] std::vector<FieldInfo> const& standing_particle_fields();
 
-/// Number of bodies whose particles are dumped: all, or all but the gas, which is the last.
-[[nodiscard]] int dumped_bodies(run::System const& system);
-/// Number of their particles.
+/// Number of particles that are dumped: of all bodies, or of all but the gas.
 [[nodiscard]] long dumped_particles(run::System const& system);
 
-/// Values of a field of either list at all particles that are dumped, components interleaved: block by block, within a
-/// block body by body. A field that a body does not carry is 0 there. `out` is resized. Throws InputError for an
-/// unknown name.
+/// Values of a field of either list at all particles that are dumped, components interleaved: region by region, block
+/// by block, within a block body by body. A field that a body does not carry is 0 there. `out` is resized. Throws
+/// InputError for an unknown name.
 void particle_field(run::System const& system, std::string const& name, std::vector<double>& out);
 
 /// Equivalent stress (von Mises) of one particle [Pa]; 0 without a deviator.

@@ -20,7 +20,7 @@ BodySummary summary_of(run::System const& system, int body, std::string const& n
   s.name = name;
   s.body = system.bodies[body].name;
   s.material = system.bodies[body].material;
-  s.end = mpm::sums(*system.particles, body);
+  s.end = system.sums(body);
   s.start = records.empty() ? s.end : records.front().sums;
   for (BodyRecord const& r : records) {
     raise(s.displacement, r.sums.largest_displacement, r.time);

@@ -31,14 +31,16 @@ struct Survey {
   Vec3 high{0.0, 0.0, 0.0};
 };
 
-Survey survey_of(run::System const& w, int body, BrokenZones& zones) {
+Survey survey_of(run::System const& w, run::BodyPlace const& place, BrokenZones& zones) {
+  mpm::Mpm const& particles = *w.regions[place.region].particles;
+  int const body = place.body;
   Survey survey;
   double const far = std::numeric_limits<double>::max();
   survey.low = {far, far, far};
   survey.high = {-far, -far, -far};
-  double const density = w.particles->bodies()[body].solid.density;
-  for (int block = 0; block < w.particles->grid().block_count(); ++block) {
-    mpm::ParticleSet const& set = w.particles->particles(block, body);
+  double const density = particles.bodies()[body].solid.density;
+  for (int block = 0; block < particles.grid().block_count(); ++block) {
+    mpm::ParticleSet const& set = particles.particles(block, body);
     double const* const crushing = set.field(Field::crushing);
     double const* const cracking = set.field(Field::cracking);
     double const* const damage = set.field(Field::damage);
@@ -64,7 +66,7 @@ Survey survey_of(run::System const& w, int body, BrokenZones& zones) {
       survey.broken.push_back(particle);
     }
   }
-  double const half = 0.5 * w.particles->grid().smallest_cell() / w.particles->bodies()[body].particles_per_direction;
+  double const half = 0.5 * particles.grid().smallest_cell() / particles.bodies()[body].particles_per_direction;
   for (int d = 0; d < w.setup.domain.dimensions(); ++d) {
     survey.low[d] -= half;
     survey.high[d] += half;
@@ -150,16 +152,18 @@ Extent extent_of(grid::Domain const& domain, Survey const& survey, Kind kind, in
 
 std::vector<BrokenZones> broken_zones(run::System const& w) {
   std::vector<BrokenZones> all;
-  if (w.particles == nullptr) return all;
-  grid::Domain const domain = w.setup.region_domain();
+  if (w.regions.empty()) return all;
   for (std::size_t b = 0; b < w.setup.particles.bodies.size(); ++b) {
     int const body = static_cast<int>(b);
-    mpm::Body const& made_of = w.particles->bodies()[b];
+    run::BodyPlace const place = w.place_of(body);
+    mpm::Mpm const& particles = *w.regions[place.region].particles;
+    mpm::Body const& made_of = particles.bodies()[place.body];
     if (!made_of.solid.crushes()) continue;
+    grid::Domain const domain = w.setup.region_domain(place.region);
     BrokenZones zones;
     zones.body = body;
-    Survey const survey = survey_of(w, body, zones);
-    double const spacing = w.particles->grid().smallest_cell() / made_of.particles_per_direction;
+    Survey const survey = survey_of(w, place, zones);
+    double const spacing = particles.grid().smallest_cell() / made_of.particles_per_direction;
     auto const mirrored = [&](int face) {
       int const d = face / 2;
       double const gap = face % 2 == 0 ? survey.low[d] - domain.lower[d] : domain.upper(d) - survey.high[d];

@@ -22,7 +22,7 @@ FieldSpec spec_of(std::string const& name, std::vector<observe::FieldInfo> const
 }  // namespace
 
 std::vector<FieldSpec> dumped_fields(run::Case const& setup, IsLast last) {
-  if (setup.particles.any() && !setup.mpm_region) return {};
+  if (setup.particles.any() && !setup.has_regions()) return {};
   std::vector<std::string> names = setup.output.fields;
   auto const add = [&names](char const* name) {
     if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
@@ -32,7 +32,7 @@ std::vector<FieldSpec> dumped_fields(run::Case const& setup, IsLast last) {
     add("impulse");
   }
   if (!setup.obstacles.empty()) add("obstacle");
-  if (setup.mpm_region) {
+  if (setup.has_regions()) {
     add("region");
     if (setup.particles.any()) add("solid");
   }
@@ -48,7 +48,7 @@ DumpForm form_of_fields(run::Case const& setup) { return setup.adaptive.any() ? 
 
 std::vector<FieldSpec> dumped_particle_fields(run::Case const& setup) {
   std::vector<FieldSpec> specs;
-  if (!setup.particles.any() && !(setup.mpm_region && setup.output.gas_particles)) return specs;
+  if (!setup.particles.any() && !(setup.has_regions() && setup.output.gas_particles)) return specs;
   auto const& standing = observe::standing_particle_fields();
   specs.reserve(standing.size() + setup.output.particle_fields.size());
   for (auto const& field : standing) specs.push_back(spec_of(field.name, standing));

@@ -95,7 +95,7 @@ std::string csv_row(observe::BodySummary const& s) {
 ParticleGaugeFiles::ParticleGaugeFiles(fs::path const& folder, run::System const& system,
                                        observe::Gauges const& histories)
     : folder_(folder) {
-  if (system.particles == nullptr) return;
+  if (system.regions.empty()) return;
   // After those of the gas, whose files they shall not share.
   std::vector<std::string> gauges;
   for (auto const& history : histories.gas) gauges.push_back(history.gauge.name);

@@ -185,7 +185,7 @@ json largest_drift(run::World const& world) {
 /// The accounts of the energy of particles, alone or with gas; `left`: the key of what left the domain.
 json energy_of_particles(run::World const& world, char const* left) {
   run::EnergyBalance const energy = world.energy_balance();
-  mpm::Mpm const& particles = *world.particles;
+  mpm::Accounts const booked = world.accounts();
   return {{"initial", json_or_null(energy.initial)},
           {"current", json_or_null(energy.current)},
           {left, json_or_null(energy.lost)},
@@ -195,9 +195,9 @@ json energy_of_particles(run::World const& world, char const* left) {
           {"apic", json_or_null(energy.dissipated.apic)},
           {"friction", json_or_null(energy.dissipated.friction)},
           {"damping", json_or_null(energy.dissipated.damping)},
-          {"lifted", json_or_null(particles.accounts().floored.energy)},
-          {"lifted_points", particles.accounts().floored.particles},
-          {"conducted", json_or_null(particles.accounts().conducted.moved)},
+          {"lifted", json_or_null(booked.floored.energy)},
+          {"lifted_points", booked.floored.particles},
+          {"conducted", json_or_null(booked.conducted.moved)},
           {"scale", json_or_null(energy.scale)},
           {"drift", json_or_null(energy.drift())},
           {"largest_drift", largest_drift(world)}};
@@ -205,38 +205,43 @@ json energy_of_particles(run::World const& world, char const* left) {
 
 /// What a run of material points has beside the rest.
 json particles(run::World const& world, double wall_seconds) {
-  mpm::Mpm const& p = *world.particles;
-  mpm::Options const& o = p.options();
+  mpm::Options const& o = world.regions.front().particles->options();
   json bodies = json::array();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     auto const& report = world.bodies[b];
-    bool const gas = static_cast<int>(b) == world.gas_body();
+    bool const gas = world.is_gas(static_cast<int>(b));
+    run::BodyPlace const at = world.place_of(static_cast<int>(b));
     auto const* body = gas ? nullptr : &world.setup.particles.bodies[b];
     // Gas has no density of its own.
     double const density = gas ? std::nan("") : body->density.value_or(body->solid.density);
-    bodies.push_back({{"name", report.name},
-                      {"material", report.material},
-                      {"source", gas ? world.setup.ambient.fluid.source : body->solid.source},
-                      {"points", report.particles},
-                      {"points_per_direction", p.bodies()[b].particles_per_direction},
-                      {"mass", json_or_null(report.mass)},
-                      {"geometric_mass", json_or_null(report.geometric_mass)},
-                      {"volume", json_or_null(report.mass / density)},
-                      {"geometric_volume", json_or_null(report.geometric_mass / density)},
-                      {"velocity", gas                                ? json(world.setup.ambient.state.velocity)
-                                   : body->motion.expressions.empty() ? json(body->velocity)
-                                                                      : json(body->motion.expressions)},
-                      {"spin", gas ? Vec3{0.0, 0.0, 0.0} : body->motion.spin},
-                      {"rigid", !gas && body->rigid},
-                      {"bars", report.bars},
-                      {"bar_volume", json_or_null(report.bar_volume)}});
+    bodies.push_back(
+        {{"name", report.name},
+         {"material", report.material},
+         {"source", gas ? world.setup.ambient.fluid.source : body->solid.source},
+         {"points", report.particles},
+         {"points_per_direction", world.regions[at.region].particles->bodies()[at.body].particles_per_direction},
+         {"mass", json_or_null(report.mass)},
+         {"geometric_mass", json_or_null(report.geometric_mass)},
+         {"volume", json_or_null(report.mass / density)},
+         {"geometric_volume", json_or_null(report.geometric_mass / density)},
+         {"velocity", gas                                ? json(world.setup.ambient.state.velocity)
+                      : body->motion.expressions.empty() ? json(body->velocity)
+                                                         : json(body->motion.expressions)},
+         {"spin", gas ? Vec3{0.0, 0.0, 0.0} : body->motion.spin},
+         {"rigid", !gas && body->rigid},
+         {"bars", report.bars},
+         {"bar_volume", json_or_null(report.bar_volume)}});
   }
   auto const& a = world.audit;
-  auto const& impulse = p.accounts().constraint_impulse;
-  double const count = static_cast<double>(mpm::particle_count(p));
-  double const updates = count * static_cast<double>(world.clock.particle_steps);
-  return {{"count", mpm::particle_count(p)},
-          {"bytes", mpm::bytes(p)},
+  mpm::Accounts const booked = world.accounts();
+  std::size_t bytes = 0;
+  double updates = 0.0;
+  for (run::Region const& region : world.regions) {
+    bytes += mpm::bytes(*region.particles);
+    updates += static_cast<double>(mpm::particle_count(*region.particles)) * static_cast<double>(region.steps);
+  }
+  return {{"count", world.particle_count()},
+          {"bytes", bytes},
           {"shape_function", word_of(o.shape)},
           {"order", word_of(o.order)},
           {"transfer", word_of(o.transfer)},
@@ -264,16 +269,17 @@ json particles(run::World const& world, double wall_seconds) {
              {{"initial", a.initial.momentum},
               {"current", a.current.momentum},
               {"lost", a.outflow.momentum},
-              {"constraint_impulse", impulse}}},
+              {"constraint_impulse", booked.constraint_impulse}}},
             {"energy", energy_of_particles(world, "lost")},
-            {"lost_points", p.accounts().losses.particles}}}};
+            {"lost_points", booked.losses.particles}}}};
 }
 
-/// What a run of gas and particles together has beside both.
-json mpm_region(run::World const& world, double wall_seconds) {
-  bridge::Bridge const& bridge = *world.bridge;
+/// What a run of gas and particles together has beside both, of one of its regions.
+json mpm_region(run::World const& world, std::size_t number, double wall_seconds) {
+  run::Region const& of_world = world.regions[number];
+  bridge::Bridge const& bridge = *of_world.bridge;
   bridge::Region const& region = bridge.region();
-  run::MpmRegion const& settings = *world.setup.mpm_region;
+  run::MpmRegion const& settings = world.setup.mpm_regions[number];
   json boxes = json::array();
   for (auto const& box : settings.boxes) boxes.push_back({{"lower", box.lower}, {"upper", box.upper}});
   auto const bridges =
@@ -288,15 +294,31 @@ json mpm_region(run::World const& world, double wall_seconds) {
           {"points_per_direction", bridge.options().particles_per_direction},
           {"transfer", word_of(settings.transfer)},
           {"order", word_of(settings.order)},
-          {"awake_since", world.awake_since ? json(*world.awake_since) : json(nullptr)},
+          {"awake_since", of_world.awake_since ? json(*of_world.awake_since) : json(nullptr)},
           {"gas_steps", world.clock.gas_steps},
-          {"point_steps", world.clock.particle_steps},
+          {"point_steps", of_world.steps},
           {"points_injected", bridge.traffic().injected},
           {"points_absorbed", bridge.traffic().absorbed},
           {"ledger", amounts(bridge.ledger())},
           {"bridge_seconds", seconds},
           {"bridge_share", wall_seconds > 0.0 ? seconds / wall_seconds : 0.0},
           {"energy", energy_of_particles(world, "outflow")}};
+}
+
+/// One is `mpm_region`, several are the list `mpm_regions`. What is measured of all together is told of one alone: for
+/// several it is among the timings and in the audit of the particles.
+void add_regions(run::World const& world, double wall_seconds, json& log) {
+  if (world.regions.size() == 1) {
+    log["mpm_region"] = mpm_region(world, 0, wall_seconds);
+    return;
+  }
+  json regions = json::array();
+  for (std::size_t number = 0; number < world.regions.size(); ++number) {
+    json region = mpm_region(world, number, wall_seconds);
+    for (char const* of_all : {"bridge_seconds", "bridge_share", "energy"}) region.erase(of_all);
+    regions.push_back(std::move(region));
+  }
+  log["mpm_regions"] = std::move(regions);
 }
 
 }  // namespace
@@ -371,7 +393,7 @@ json run_log(run::World const& world, RunStatus const& status) {
            {"step", world.clock.step},
            {"last_dt", world.clock.dt},
            {"domain", domain_of(world.setup.domain)},
-           {"blocks", gas ? world.grid.block_count() : world.particles->grid().block_count()},
+           {"blocks", gas ? world.grid.block_count() : world.regions.front().particles->grid().block_count()},
            {"scheme", gas ? word_of(world.setup.numerics.scheme) : "material points"},
            {"courant", gas ? world.setup.numerics.courant : world.setup.particles.options.courant_number()},
            {"ambient",
@@ -396,9 +418,9 @@ json run_log(run::World const& world, RunStatus const& status) {
   if (world.adaptation != nullptr) log["levels"] = levels(world);
   if (world.panels != nullptr) log["panels"] = panels_json(world.panels->reports());
   if (world.setup.afterburn) log["afterburn"] = afterburn(*world.setup.afterburn);
-  if (world.particles != nullptr) log["points"] = particles(world, status.wall_seconds);
+  if (!world.regions.empty()) log["points"] = particles(world, status.wall_seconds);
   if (auto zones = broken_zones_json(world); !zones.empty()) log["points"]["broken_zones"] = std::move(zones);
-  if (world.bridge != nullptr) log["mpm_region"] = mpm_region(world, status.wall_seconds);
+  if (world.coupled()) add_regions(world, status.wall_seconds, log);
   return log;
 }
 

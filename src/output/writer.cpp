@@ -50,7 +50,7 @@ double expected_bytes(run::World const& world, WriterOptions const& options) {
   std::vector<double> const cells = expected_cells(world);
   double dump = FieldSeries::bytes_per_dump(std::accumulate(cells.begin(), cells.end(), 0.0),
                                             dumped_fields(setup, IsLast::no), single);
-  if (world.particles != nullptr) {
+  if (!world.regions.empty()) {
     dump += ParticleSeries::bytes_per_dump(static_cast<double>(observe::dumped_particles(world)),
                                            dumped_particle_fields(setup), single);
   }
@@ -76,8 +76,8 @@ Written files_of(run::World const& world, observe::Gauges const& histories) {
   auto const times = subset_times(setup);
   for (std::size_t n = 0; n < times.size(); ++n)
     series(subset_kind(setup.output.subsets[n]), DumpForm::vtkhdf, times[n].size());
-  if (world.particles != nullptr) files.first.emplace_back("energies.csv");
-  if (world.particles != nullptr && world.gas != nullptr) files.first.emplace_back("bodies.csv");
+  if (!world.regions.empty()) files.first.emplace_back("energies.csv");
+  if (world.coupled()) files.first.emplace_back("bodies.csv");
   std::vector<std::string> gauges;
   for (auto const& history : histories.gas) gauges.push_back(history.gauge.name);
   for (auto const& history : histories.particles) gauges.push_back(history.gauge.name);
@@ -152,8 +152,15 @@ void Writer::dump_again(run::World const& world, IsLast last) {
 }
 
 observe::GasView const* Writer::present_view(run::World const& world) {
-  if (world.bridge == nullptr) return nullptr;
-  if (view_ == nullptr) view_ = std::make_unique<observe::GasView>(world, world.bridge->region().cells());
+  if (!world.coupled()) return nullptr;
+  if (view_ == nullptr) {
+    std::vector<observe::PlacedCell> cells;
+    for (run::Region const& of_world : world.regions) {
+      bridge::Region const& region = of_world.bridge->region();
+      for (Index3 const& cell : region.cells()) cells.push_back({region.level(), cell});
+    }
+    view_ = std::make_unique<observe::GasView>(world, cells);
+  }
   view_->update();
   view_->update_solids();
   return view_.get();
@@ -220,9 +227,9 @@ void Writer::finish(run::World const& world, std::string const& end_reason, int 
   if (world.gas == nullptr) {
     write_particle_summary(folder_, world, *histories_, particle_gauges_.names());
   } else {
-    nlohmann::json more = world.particles == nullptr ? nlohmann::json::object()
-                                                     : write_particle_table(folder_ / "bodies.csv", world, *histories_,
-                                                                            particle_gauges_.names());
+    nlohmann::json more = world.regions.empty() ? nlohmann::json::object()
+                                                : write_particle_table(folder_ / "bodies.csv", world, *histories_,
+                                                                       particle_gauges_.names());
     if (world.setup.afterburn) more["afterburn_energy"] = json_or_null(world.audit.afterburn_energy);
     if (world.panels != nullptr) more["panels"] = panels_json(world.panels->reports());
     if (!world.starts.empty()) more["starts"] = starts(world);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.hpp"
 #include "core/timer.hpp"
@@ -41,17 +42,19 @@ double stable_gas_step(System const& w) {
   return std::min(step, gas.burn.next_burst() - gas.time());
 }
 
-/// A shock that is about to enter the region bounds the step of the particles as those do that are in it.
-double stable_particle_step(System const& w) {
-  double step = w.particles->stable_step();
-  if (w.bridge != nullptr && w.bridge->incoming_signal() > 0.0) {
-    step = std::min(step, w.setup.mpm_region->courant * w.bridge->region().metric().h / w.bridge->incoming_signal());
+/// A shock that is about to enter a region bounds the step of the particles as those do that are in it.
+double stable_particle_step(System const& w, std::size_t number) {
+  Region const& region = w.regions[number];
+  double step = region.particles->stable_step();
+  if (region.bridge != nullptr && region.bridge->incoming_signal() > 0.0) {
+    bridge::Bridge const& bridge = *region.bridge;
+    step = std::min(step, w.setup.mpm_regions[number].courant * bridge.region().metric().h / bridge.incoming_signal());
   }
   return ramp(w) * step;
 }
 
-/// Do the particles take part in the step?
-bool particles_move(System const& w) { return w.particles != nullptr && (w.bridge == nullptr || w.bridge->awake()); }
+/// Do any particles take part in the step?
+bool particles_move(System const& w) { return std::ranges::any_of(w.regions, &Region::moves); }
 
 constexpr double most_parts = 64;     // of a common step that the particles take
 constexpr double most_gas_parts = 4;  // that the gas takes: its ghost cells wait meanwhile
@@ -69,30 +72,32 @@ void in_parts(double dt, Stable&& stable, Step&& step) {
   }
 }
 
-/// The particles go through a step of the gas, in steps of their own. The gas went first, so that they find the cells
-/// beside them at any time in between.
-void advance_particles(System& w, double dt) {
-  bridge::Bridge& bridge = *w.bridge;
+/// The particles of a region go through a step of the gas, in steps of their own. The gas went first, so that they find
+/// the cells beside them at any time in between.
+void advance_particles(System& w, std::size_t number, double dt) {
+  Region& region = w.regions[number];
+  bridge::Bridge& bridge = *region.bridge;
   {
     PhaseTimer const timer(w.timings["bridge"]);
     bridge.read_cells();
   }
   in_parts(
-      dt, [&] { return stable_particle_step(w); },
+      dt, [&] { return stable_particle_step(w, number); },
       [&](double done, double fraction) {
         {
           PhaseTimer const timer(w.timings["bridge"]);
           bridge.lend_cells_to_nodes(done / dt, (done + fraction) / dt);  // (3), (5) Eqs. (37)-(39)
         }
-        w.particles->advance(fraction);  // (2), (4), (6), (9)-(13) Eqs. (18)-(30)
+        region.particles->advance(fraction);  // (2), (4), (6), (9)-(13) Eqs. (18)-(30)
+        ++region.steps;
         ++w.clock.particle_steps;
         PhaseTimer const timer(w.timings["bridge"]);
         bridge.exchange(fraction / dt, fraction);  // (14)
-        hand_over_products(w.setup, *w.particles, bridge.gas_body());
-        int const interval = w.setup.mpm_region->population_interval;
-        if (interval > 0 && w.clock.particle_steps % interval == 0) w.particles->control_population(bridge.gas_body());
+        hand_over_products(w.setup, region);
+        int const interval = w.setup.mpm_regions[number].population_interval;
+        if (interval > 0 && region.steps % interval == 0) region.particles->control_population(bridge.gas_body());
       });
-  w.gas->coupling.clear_watched();
+  forget_fluxes(w.gas->coupling, bridge.region());
   PhaseTimer const timer(w.timings["bridge"]);
   bridge.read_cells();  // with what the ledger gave back
   // Only now: in the midst of a step the mass is not balanced.
@@ -104,7 +109,9 @@ void advance_particles(System& w, double dt) {
 void advance_coupled(System& w, double dt) {
   {
     PhaseTimer const timer(w.timings["bridge"]);
-    w.bridge->lend_nodes_to_ghosts();  // (7) Eqs. (31)-(36), level n
+    for (Region& region : w.regions) {
+      if (region.moves()) region.bridge->lend_nodes_to_ghosts();  // (7) Eqs. (31)-(36), level n
+    }
   }
   in_parts(
       dt, [&] { return stable_gas_step(w); },
@@ -112,50 +119,75 @@ void advance_coupled(System& w, double dt) {
         w.gas->advance(fraction, w.clock.gas_steps % 2 == 1);  // (8) Eq. (6)
         ++w.clock.gas_steps;
       });
-  advance_particles(w, dt);
+  for (std::size_t r = 0; r < w.regions.size(); ++r) {
+    if (w.regions[r].moves()) advance_particles(w, r, dt);
+  }
 }
 
-void wake_region(System& w, double time) {
-  if (!w.bridge->wake()) return;
-  if (!w.awake_since) w.awake_since = time;
+void wake(System& w, Region& region, double time) {
+  if (!region.bridge->wake()) return;
+  if (!region.awake_since) region.awake_since = time;
   PhaseTimer const timer(w.timings["bridge"]);
-  w.bridge->read_cells();
+  region.bridge->read_cells();
 }
 
-/// The same where the gas has several levels: gas and particles meet at every step of the region's level.
+/// The same where the gas has several levels: gas and particles meet at every step of a region's level.
 void advance_coupled_levels(System& w, double dt) {
   gas::Companion companion;
-  companion.level = w.bridge->region().level();
-  companion.before = [&w](double time, double) {
-    if (!w.bridge->awake()) wake_region(w, time);
-    if (!w.bridge->awake()) return;
-    PhaseTimer const timer(w.timings["bridge"]);
-    w.bridge->lend_nodes_to_ghosts();
+  for (Region const& region : w.regions) companion.levels.push_back(region.bridge->region().level());
+  companion.before = [&w](int level, double time, double) {
+    for (Region& region : w.regions) {
+      if (region.bridge->region().level() != level) continue;
+      if (!region.bridge->awake()) wake(w, region, time);
+      if (!region.bridge->awake()) continue;
+      PhaseTimer const timer(w.timings["bridge"]);
+      region.bridge->lend_nodes_to_ghosts();
+    }
   };
-  companion.after = [&w](double, double step) {
-    if (w.bridge->awake()) advance_particles(w, step);
+  companion.after = [&w](int level, double, double step) {
+    for (std::size_t r = 0; r < w.regions.size(); ++r) {
+      bridge::Bridge const& bridge = *w.regions[r].bridge;
+      if (bridge.region().level() == level && bridge.awake()) advance_particles(w, r, step);
+    }
   };
   companion.look = w.look;
   w.gas->advance(dt, w.clock.gas_steps % 2 == 1, companion);
   ++w.clock.gas_steps;
 }
 
+/// Takes over what the gas and the particles have measured of themselves.
+void take_timings(System& w) {
+  if (w.gas != nullptr) {
+    for (auto const& [phase, seconds] : w.gas->timings()) w.timings[phase] = seconds;
+  }
+  Timings of_particles;
+  for (Region const& region : w.regions) {
+    for (auto const& [phase, seconds] : region.particles->timings()) of_particles[phase] += seconds;
+  }
+  for (auto const& [phase, seconds] : of_particles) w.timings[phase] = seconds;
+}
+
 }  // namespace
 
 double stable_step(System const& w) {
-  if (w.gas == nullptr) return stable_particle_step(w);
+  if (w.gas == nullptr) return stable_particle_step(w, 0);
   double const gas = stable_gas_step(w);
   if (!particles_move(w)) return gas;
-  double const particles = stable_particle_step(w);
-  // Steps of the region's level are shorter than those of the whole.
-  double const steps = std::ldexp(1.0, w.setup.mpm_region->level);
-  if (!w.setup.mpm_region->subcycling) return std::min(gas, steps * particles);
-  if (w.adaptation != nullptr) return std::min(gas, most_parts * steps * particles);
+  // Steps of a region's level are shorter than those of the whole.
+  double particles = std::numeric_limits<double>::infinity();
+  for (std::size_t r = 0; r < w.regions.size(); ++r) {
+    double const steps = std::ldexp(1.0, w.setup.mpm_regions[r].level);
+    if (w.regions[r].moves()) particles = std::min(particles, steps * stable_particle_step(w, r));
+  }
+  if (!w.setup.mpm_regions.front().subcycling) return std::min(gas, particles);
+  if (w.adaptation != nullptr) return std::min(gas, most_parts * particles);
   return std::min({std::max(gas, particles), most_gas_parts * gas, most_parts * particles});
 }
 
 double advance(System& w, double latest) {
-  if (w.bridge != nullptr) wake_region(w, w.clock.time);
+  for (Region& region : w.regions) {
+    if (region.bridge != nullptr) wake(w, region, w.clock.time);
+  }
   double const stable = stable_step(w);  // (1)
   // Where nothing but rigid bodies at rest is left, nothing changes and a step may have any length.
   bool const at_rest = w.gas == nullptr && std::isinf(stable);
@@ -168,7 +200,7 @@ double advance(System& w, double latest) {
   double const left = latest - w.clock.time;
   bool const arrives = left <= stable;
   double const dt = arrives ? left : left < 2.0 * stable ? 0.5 * left : stable;  // no sliver before an output time
-  if (w.bridge != nullptr && w.adaptation != nullptr) {
+  if (w.coupled() && w.adaptation != nullptr) {
     advance_coupled_levels(w, dt);
   } else if (w.gas != nullptr && particles_move(w)) {
     advance_coupled(w, dt);
@@ -178,7 +210,8 @@ double advance(System& w, double latest) {
     w.gas->advance(dt, w.clock.gas_steps % 2 == 1, companion);  // (8) Eq. (6)
     ++w.clock.gas_steps;
   } else {
-    w.particles->advance(dt);  // (2)-(4), (6), (9)-(13) Eqs. (18)-(30)
+    w.regions.front().particles->advance(dt);  // (2)-(4), (6), (9)-(13) Eqs. (18)-(30)
+    ++w.regions.front().steps;
     ++w.clock.particle_steps;
   }
   w.clock.time = arrives ? latest : w.clock.time + dt;
@@ -186,12 +219,7 @@ double advance(System& w, double latest) {
   ++w.clock.step;
   if (w.panels != nullptr) w.panels->follow(*w.gas, w.clock.time, dt, w.clock.step);
   if (w.adaptation != nullptr) w.adaptation->follow(w);
-  if (w.gas != nullptr) {
-    for (auto const& [phase, seconds] : w.gas->timings()) w.timings[phase] = seconds;
-  }
-  if (w.particles != nullptr) {
-    for (auto const& [phase, seconds] : w.particles->timings()) w.timings[phase] = seconds;
-  }
+  take_timings(w);
   return dt;
 }
 

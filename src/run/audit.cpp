@@ -47,7 +47,7 @@ bool burns(Body const& body) { return body.solid.burns() || !body.initiation.emp
 /// is that of their products, far apart; bodies without gas around stand in empty space, in which an ideal gas gives
 /// away all that it has.
 double rest_energy(Case const& setup, Body const& body) {
-  bool const expands = !setup.mpm_region && std::holds_alternative<material::IdealGas>(body.solid.eos);
+  bool const expands = !setup.has_regions() && std::holds_alternative<material::IdealGas>(body.solid.eos);
   return burns(body) || expands ? 0.0 : body.solid.specific_energy;
 }
 
@@ -115,18 +115,20 @@ bool AuditFinding::stops() const {
 /// Without gas the mass is that of all bodies, with gas that of the fluids in the gas particles.
 Totals World::particle_totals() const {
   Totals total;
-  int const gas_body = this->gas_body();
-  for (int body = 0; body < static_cast<int>(particles->bodies().size()); ++body) {
-    mpm::BodySums const sums = mpm::sums(*particles, body);
-    total.momentum = total.momentum + sums.momentum;
-    total.energy += sums.kinetic_energy + sums.internal_energy - sums.provisional_energy;
-    total.kinetic_energy += sums.kinetic_energy;
-    if (body != gas_body) total.rest_energy += sums.mass * rest_energy(setup, setup.particles.bodies[body]);
-    if (gas_body >= 0 && body != gas_body) {
-      if (int const fluid = products_of(setup, setup.particles.bodies[body])) total.mass[fluid] += sums.mass;
-      continue;
+  for (Region const& region : regions) {
+    for (std::size_t n = 0; n < region.bodies.size(); ++n) {
+      int const body = region.bodies[n];
+      mpm::BodySums const sums = mpm::sums(*region.particles, static_cast<int>(n));
+      total.momentum = total.momentum + sums.momentum;
+      total.energy += sums.kinetic_energy + sums.internal_energy - sums.provisional_energy;
+      total.kinetic_energy += sums.kinetic_energy;
+      if (!is_gas(body)) total.rest_energy += sums.mass * rest_energy(setup, setup.particles.bodies[body]);
+      if (coupled() && !is_gas(body)) {
+        if (int const fluid = products_of(setup, setup.particles.bodies[body])) total.mass[fluid] += sums.mass;
+        continue;
+      }
+      for (int k = 0; k < material::most_fluids; ++k) total.mass[k] += sums.fluid_mass[k];
     }
-    for (int k = 0; k < material::most_fluids; ++k) total.mass[k] += sums.fluid_mass[k];
   }
   return total;
 }
@@ -135,7 +137,7 @@ Totals World::totals() const {
   if (gas == nullptr) return particle_totals();
   Totals total = gas_totals();
   total.rest_energy = gas_rest_energy_;
-  if (bridge != nullptr) {
+  if (coupled()) {
     total += ledger_totals();
     total += particle_totals();
   }
@@ -143,8 +145,10 @@ Totals World::totals() const {
 }
 
 Totals World::ledger_totals() const {
-  if (bridge == nullptr) return {};
-  return {bridge->ledger()};
+  if (!coupled()) return {};
+  Totals total{regions.front().bridge->ledger()};
+  for (std::size_t r = 1; r < regions.size(); ++r) total += {regions[r].bridge->ledger()};
+  return total;
 }
 
 Totals World::gas_totals() const {
@@ -181,9 +185,11 @@ double World::gas_rest_energy() const {
       if (gas->coupling.is_own(cell) && !block.is_covered(cell)) volume += gas->cut.volume(cell);
     });
   }
-  for (int b = 0; bridge != nullptr && b < particles->grid().block_count(); ++b) {
-    mpm::ParticleSet const& set = particles->particles(b, gas_body());
-    for (int q = 0; q < set.size(); ++q) volume += set.field(mpm::Field::mass)[q] / set.field(mpm::Field::density)[q];
+  for (Region const& region : regions) {
+    for (int b = 0; b < region.particles->grid().block_count(); ++b) {
+      mpm::ParticleSet const& set = region.particles->particles(b, region.gas_body());
+      for (int q = 0; q < set.size(); ++q) volume += set.field(mpm::Field::mass)[q] / set.field(mpm::Field::density)[q];
+    }
   }
   Primitive const& ambient = setup.ambient.state;
   return volume * ambient.density *
@@ -201,16 +207,14 @@ void World::start_audit() {
 /// What is known without a look at cells and particles.
 void World::take_account() {
   audit.outflow = {};
-  if (particles != nullptr) {
-    mpm::Losses const& lost = particles->accounts().losses;
+  if (!regions.empty()) {
+    mpm::Losses const lost = accounts().losses;
     if (gas == nullptr) audit.outflow.mass[0] = lost.mass;
     audit.outflow.momentum = lost.momentum;
     audit.outflow.energy = lost.energy;
   }
   if (gas == nullptr) return;
-  if (bridge != nullptr) {
-    audit.outflow += {bridge->traffic().outflow};
-  }
+  for (Region const& region : regions) audit.outflow += {region.bridge->traffic().outflow};
   gas::Account const account = gas->account();
   audit.outflow += {gas::amounts_of(account.outflow)};
   audit.guarded_cells = account.guarded_cells;
@@ -229,7 +233,7 @@ void World::update_audit() {
 
 /// At present; see `EnergyBalance::scale`. The energy of gas alone follows from what went through its boundaries.
 double World::energy_at_work() const {
-  if (particles != nullptr) return energy_above(audit.current) + std::abs(particles->accounts().outer_work);
+  if (!regions.empty()) return energy_above(audit.current) + std::abs(accounts().outer_work);
   return std::abs(audit.initial.energy - audit.initial.rest_energy - audit.outflow.energy + audit.afterburn_energy +
                   audit.panels.energy);
 }
@@ -241,13 +245,26 @@ EnergyBalance World::energy_balance() const {
   balance.lost = audit.outflow.energy;
   balance.released = audit.afterburn_energy;
   balance.opened = audit.panels.energy;
-  if (particles != nullptr) {
-    balance.work = particles->accounts().outer_work;
-    balance.dissipated = particles->accounts().dissipation;
-  }
+  mpm::Accounts const booked = accounts();
+  balance.work = booked.outer_work;
+  balance.dissipated = booked.dissipation;
   balance.scale = std::max(audit.memory.scale, energy_at_work());
   balance.all = std::max(audit.memory.all, energy_at_work() + std::abs(audit.current.rest_energy));
   return balance;
+}
+
+void World::remember_ledgers() {
+  double content = 0.0;
+  double surplus = 0.0;
+  double gas_mass = 0.0;
+  for (Region const& region : regions) {
+    content += region.bridge->content();
+    surplus += region.bridge->surplus();
+    gas_mass += mpm::mass(*region.particles, region.gas_body());
+  }
+  audit.memory.content = std::max(audit.memory.content, content);
+  audit.memory.surplus = std::max(audit.memory.surplus, surplus);
+  audit.memory.gas = std::max(audit.memory.gas, gas_mass);
 }
 
 bool World::audit_is_due() const {
@@ -260,7 +277,7 @@ bool World::audit_is_due() const {
 
 void World::follow_audit() {
   AuditMemory& memory = audit.memory;
-  bool const due = particles != nullptr && audit_is_due();
+  bool const due = !regions.empty() && audit_is_due();
   if (gas != nullptr && gas->burn.burning() && audit_is_due()) {
     memory.unlit = std::max(memory.unlit, gas::unlit_compression(*gas));
   }
@@ -273,14 +290,10 @@ void World::follow_audit() {
     memory.drift = larger_size(memory.drift, energy.error());
     memory.fresh = std::abs(energy.work - memory.work);
     memory.work = energy.work;
-    if (bridge != nullptr) {
-      memory.content = std::max(memory.content, bridge->content());
-      memory.surplus = std::max(memory.surplus, bridge->surplus());
-      memory.gas = std::max(memory.gas, mpm::mass(*particles, gas_body()));
-    }
+    if (coupled()) remember_ledgers();
   } else {
     take_account();
-    if (particles == nullptr) {
+    if (regions.empty()) {
       memory.scale = std::max(memory.scale, energy_at_work());
       memory.all = std::max(memory.all, energy_at_work() + std::abs(audit.initial.rest_energy));
     }
@@ -307,31 +320,31 @@ std::vector<AuditFinding> World::audit_findings() const {
     found.push_back({Kind::mass, relative.mass[k], 1.0, round_off});
     found.back().fluid = k;
   }
-  if (particles == nullptr) found.push_back({Kind::gas_energy, relative.energy, 1.0, round_off});
+  if (regions.empty()) found.push_back({Kind::gas_energy, relative.energy, 1.0, round_off});
   if (gas != nullptr) {
     double const of_charges = charge_energy(*this);
     double const fail = limits.fail > 0.0 ? guards_fail : 0.0;
-    double const added = audit.guard_energy + (particles == nullptr ? 0.0 : particles->accounts().floored.energy);
+    double const added = audit.guard_energy + accounts().floored.energy;
     found.push_back({Kind::guard_energy, added, of_charges > 0.0 ? of_charges : energy.scale, guards_warn, fail,
                      of_charges > 0.0 ? 0.0 : drift_round_off * energy.all});
     double const mass = setup.charges.empty() ? audit.initial.mass[0] : audit.initial.mass[gas::products_fluid];
     found.push_back({Kind::guard_mass, audit.guard_mass, mass, guards_warn, fail});
     if (!setup.charges.empty()) found.push_back({Kind::unlit, audit.memory.unlit, 1.0, unlit_warn});
   }
-  if (particles == nullptr) return found;
+  if (regions.empty()) return found;
   if (gas == nullptr) {
-    found.push_back({Kind::guard_energy, particles->accounts().floored.energy, energy.scale, guards_warn,
+    found.push_back({Kind::guard_energy, accounts().floored.energy, energy.scale, guards_warn,
                      limits.fail > 0.0 ? guards_fail : 0.0, drift_round_off * energy.all});
   }
   // Velocities stand half a step before positions and stress (a leapfrog): while loads set something in motion, the
   // energies of the same time do not add up. The work that they did since the look before bounds that; it is a small
   // fraction of the scale but in the first moments of a load.
-  double const work = particles->accounts().outer_work;
+  double const work = accounts().outer_work;
   double const fresh = std::max(audit.memory.fresh, std::abs(work - audit.memory.work));
   double const drift = larger_size(audit.memory.drift, energy.error());
   double const smallest = std::max(drift_round_off * energy.all, noise * stiffness(*this));
   found.push_back({Kind::drift, drift, energy.scale, limits.warn, limits.fail, smallest, fresh});
-  if (bridge != nullptr) {
+  if (coupled()) {
     found.push_back({Kind::ledger, audit.memory.surplus, audit.memory.gas, limits.warn > 0.0 ? ledger_warn : 0.0,
                      limits.fail > 0.0 ? ledger_fail : 0.0});
   }
@@ -369,12 +382,14 @@ std::string World::in_words(AuditFinding const& f) const {
 
 bool World::for_comparison() const {
   bool const scheme = gas != nullptr && setup.numerics.scheme == Scheme::lax_wendroff;
-  return scheme || (bridge != nullptr && bridge->options().transport == bridge::Transport::paper);
+  return scheme || std::ranges::any_of(setup.mpm_regions, [](MpmRegion const& region) {
+           return region.transport == bridge::Transport::paper;
+         });
 }
 
 Verdict World::verdict() const {
   Verdict verdict;
-  verdict.drift_judged = particles == nullptr || setup.audit.warn > 0.0;
+  verdict.drift_judged = regions.empty() || setup.audit.warn > 0.0;
   for (AuditFinding const& finding : audit_findings()) {
     if (finding.tells()) verdict.reasons.push_back(in_words(finding));
   }

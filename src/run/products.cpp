@@ -4,10 +4,12 @@
 
 #include <array>
 
+#include "run/system.hpp"
+
 namespace brisance::run {
 
 int products_of(Case const& c, Body const& body) {
-  if (!c.mpm_region || !body.solid.burns()) return 0;
+  if (!c.has_regions() || !body.solid.burns()) return 0;
   for (int k = 1; k < material::most_fluids; ++k) {
     material::Explosive const* explosive = c.explosive_of(k);
     material::Fluid const* fluid = c.other_fluid(k);
@@ -22,10 +24,11 @@ std::string fluid_in_words(Case const& c, int fluid) {
   return fluid == 0 ? c.ambient.fluid.name : fmt::format("the {} fluid", numbers.at(fluid));
 }
 
-void hand_over_products(Case const& setup, mpm::Mpm& particles, int gas_body) {
-  for (std::size_t n = 0; n < setup.particles.bodies.size(); ++n) {
-    if (products_of(setup, setup.particles.bodies[n]) > 0)
-      mpm::hand_over_burnt(particles, static_cast<int>(n), gas_body);
+void hand_over_products(Case const& setup, Region& region) {
+  int const gas_body = region.gas_body();
+  for (int n = 0; n < gas_body; ++n) {
+    if (products_of(setup, setup.particles.bodies[region.bodies[n]]) > 0)
+      mpm::hand_over_burnt(*region.particles, n, gas_body);
   }
 }
 

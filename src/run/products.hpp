@@ -7,12 +7,14 @@
 
 namespace brisance::run {
 
+struct Region;
+
 /// Number of the fluid that the products of a body become as it burns: an explosive in an MPM region whose gas knows
 /// them. 0: they become none.
 [[nodiscard]] int products_of(Case const& setup, Body const& body);
 /// A fluid of the gas in messages.
 [[nodiscard]] std::string fluid_in_words(Case const& setup, int fluid);
-/// What has burnt of the explosives in the MPM region becomes gas.
-void hand_over_products(Case const& setup, mpm::Mpm& particles, int gas_body);
+/// What has burnt of the explosives in an MPM region becomes gas.
+void hand_over_products(Case const& setup, Region& region);
 
 }  // namespace brisance::run

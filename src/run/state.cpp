@@ -1,5 +1,6 @@
 /// The world in a checkpoint. The world that reads it has been built from the same case: the grid and the realised
 /// masses are those already, and only what time has changed is taken over.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -44,10 +45,28 @@ void World::archive_forest(Archive& a) {
   }
 }
 
+/// When the regions woke, and how many steps each has made. Without any there is one that never wakes.
+void World::archive_awakening(Archive& a) {
+  std::size_t const count = std::max<std::size_t>(regions.size(), 1);
+  if (count > 1) a.same(count, "the number of MPM regions");
+  for (std::size_t r = 0; r < count; ++r) {
+    bool woken = r < regions.size() && regions[r].awake_since.has_value();
+    double since = woken ? *regions[r].awake_since : 0.0;
+    a(woken, since);
+    if (r == regions.size()) return;
+    Region& region = regions[r];
+    region.awake_since = woken ? std::optional<double>(since) : std::nullopt;
+    // The steps of one are those of the clock.
+    if (count > 1) a(region.steps);
+    if (count == 1) region.steps = clock.particle_steps;
+    a.require(region.steps >= 0 && region.steps <= clock.particle_steps, "the steps of an MPM region");
+  }
+}
+
 void World::archive(Archive& a) {
   a.section("world");
   a.same(gas != nullptr, "whether there is gas");
-  a.same(particles != nullptr, "whether there are material points");
+  a.same(!regions.empty(), "whether there are material points");
   a.same(setup.domain.cells, "the number of cells");
   a.same(grid.smallest_cell(), "the size of the cells");
   auto set = static_cast<int>(simd_set());
@@ -58,10 +77,7 @@ void World::archive(Archive& a) {
   a.require(std::isfinite(clock.time) && std::isfinite(clock.dt) && clock.step >= 0 && clock.gas_steps >= 0 &&
                 clock.particle_steps >= 0,
             "the time");
-  bool woken = awake_since.has_value();
-  double since = awake_since.value_or(0.0);
-  a(woken, since);
-  awake_since = woken ? std::optional<double>(since) : std::nullopt;
+  archive_awakening(a);
   // What the audit knows beside its start and its memory follows from the state.
   run::archive(a, audit.initial);
   a(audit.memory.scale, audit.memory.all, audit.memory.drift, audit.memory.content, audit.memory.surplus,
@@ -77,9 +93,11 @@ void World::archive(Archive& a) {
   a.same(panels != nullptr, "whether there are panels");
   if (panels != nullptr) panels->archive(a, *gas);
   if (gas != nullptr) gas->archive(a);
-  if (particles != nullptr) particles->archive(a);
-  a.same(bridge != nullptr, "whether gas and particles are coupled");
-  if (bridge != nullptr) bridge->archive(a);
+  for (Region& region : regions) region.particles->archive(a);
+  a.same(coupled(), "whether gas and particles are coupled");
+  for (Region& region : regions) {
+    if (region.bridge != nullptr) region.bridge->archive(a);
+  }
 
   if (a.reading()) update_audit();
 }

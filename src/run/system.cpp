@@ -1,5 +1,10 @@
 #include "run/system.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
 #include "core/reduce.hpp"
 #include "grid/partition.hpp"
 
@@ -32,7 +37,7 @@ System::System(Case c, grid::Forest forest)
 void System::regrid(grid::Forest forest) {
   gas->regrid(*grid_, forest, [this](std::vector<int> const& new_blocks) { adaptation->furnish(*gas, new_blocks); });
   forest_ = std::move(forest);
-  if (bridge != nullptr) bridge->follow_blocks();
+  for (Region& region : regions) region.bridge->follow_blocks();
 }
 
 System::System(System&&) noexcept = default;
@@ -44,7 +49,33 @@ bool System::finished() const {
   return time_over || (setup.end.steps > 0 && clock.step >= setup.end.steps) || bodies_have_left();
 }
 
-bool System::bodies_have_left() const { return gas == nullptr && mpm::particle_count(*particles) == 0; }
+bool System::bodies_have_left() const { return gas == nullptr && particle_count() == 0; }
+
+BodyPlace System::place_of(int body) const {
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    auto const found = std::ranges::find(regions[r].bodies, body);
+    if (found != regions[r].bodies.end()) return {r, static_cast<int>(found - regions[r].bodies.begin())};
+  }
+  throw std::logic_error(fmt::format("there is no body {}", body));
+}
+
+mpm::BodySums System::sums(int body) const {
+  BodyPlace const place = place_of(body);
+  return mpm::sums(*regions[place.region].particles, place.body);
+}
+
+long System::particle_count() const {
+  long count = 0;
+  for (Region const& region : regions) count += mpm::particle_count(*region.particles);
+  return count;
+}
+
+mpm::Accounts System::accounts() const {
+  if (regions.empty()) return {};
+  mpm::Accounts sum = regions.front().particles->accounts();
+  for (std::size_t r = 1; r < regions.size(); ++r) sum += regions[r].particles->accounts();
+  return sum;
+}
 
 long System::active_cells() const {
   if (gas == nullptr) return 0;

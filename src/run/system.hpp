@@ -26,6 +26,27 @@ struct Clock {
   long particle_steps = 0;  ///< of the particles
 };
 
+/// Material points on a background grid of their own: an MPM region, or bodies in a vacuum.
+struct Region {
+  std::unique_ptr<mpm::Mpm> particles;
+  std::unique_ptr<bridge::Bridge> bridge;  ///< joins them to the gas around; null in a vacuum
+  /// Numbers of its bodies in `System::bodies`, in the order in which `particles` has them.
+  std::vector<int> bodies;
+  std::optional<double> awake_since;  ///< when it woke [s]
+  long steps = 0;                     ///< of the particles
+
+  /// The body of the gas particles in `particles`, -1 in a vacuum.
+  [[nodiscard]] int gas_body() const { return bridge == nullptr ? -1 : bridge->gas_body(); }
+  /// Do the particles take part in the step?
+  [[nodiscard]] bool moves() const { return bridge == nullptr || bridge->awake(); }
+};
+
+/// Where a body is: the number of its region, and its own number there.
+struct BodyPlace {
+  std::size_t region = 0;
+  int body = 0;
+};
+
 /// Wall-clock seconds per phase of the step and of the output.
 using Timings = std::map<std::string, double>;
 
@@ -47,8 +68,7 @@ class System {
   Case setup;
   grid::Grid const& grid;
   std::unique_ptr<gas::Gas> gas;           ///< null where the case has bodies in a vacuum
-  std::unique_ptr<mpm::Mpm> particles;     ///< null where it has none
-  std::unique_ptr<bridge::Bridge> bridge;  ///< joins the two where both are there
+  std::vector<Region> regions;             ///< empty where the case is one of gas alone
   std::unique_ptr<Panels> panels;          ///< null where the case has none
   std::unique_ptr<Adaptation> adaptation;  ///< null where all cells are of one size
   Clock clock;
@@ -56,12 +76,11 @@ class System {
   std::vector<InitialStateReport> initial_states;  ///< what became of each on the grid
   std::vector<ObstacleReport> obstacles;           ///< and of each obstacle
   std::vector<StartReport> starts;                 ///< of each charge, where the case starts by a remap
-  std::vector<BodyReport> bodies;
+  std::vector<BodyReport> bodies;                  ///< those of the case, then the gas of each region
   Timings timings;
   /// Looks at the gas of a level after each of its steps, at a time [s]; null: nobody does. Steps of finer levels end
   /// within one of the whole.
   std::function<void(int level, double time)> look;
-  std::optional<double> awake_since;  ///< when the MPM region woke [s]
 
   [[nodiscard]] grid::Forest const& forest() const { return forest_; }
   /// Changes the blocks to the leaves of a forest, and all that follows them.
@@ -73,8 +92,17 @@ class System {
   [[nodiscard]] bool bodies_have_left() const;
   /// Number of cells of the blocks that are awake.
   [[nodiscard]] long active_cells() const;
-  /// The body of the gas particles, -1 without an MPM region.
-  [[nodiscard]] int gas_body() const { return bridge == nullptr ? -1 : bridge->gas_body(); }
+  /// Are there gas and particles?
+  [[nodiscard]] bool coupled() const { return gas != nullptr && !regions.empty(); }
+  /// Is a body the gas of a region?
+  [[nodiscard]] bool is_gas(int body) const { return body >= static_cast<int>(setup.particles.bodies.size()); }
+  [[nodiscard]] BodyPlace place_of(int body) const;
+  /// What the particles of a body come to.
+  [[nodiscard]] mpm::BodySums sums(int body) const;
+  /// Of all regions.
+  [[nodiscard]] long particle_count() const;
+  /// What the particles of all regions have booked, in the order of the regions.
+  [[nodiscard]] mpm::Accounts accounts() const;
 };
 
 /// Largest stable time step of the present state [s].

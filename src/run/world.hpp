@@ -44,11 +44,13 @@ class World : public System {
 
  private:
   void archive_forest(Archive& a);
+  void archive_awakening(Archive& a);
   [[nodiscard]] Totals gas_totals() const;
   [[nodiscard]] Totals particle_totals() const;
   [[nodiscard]] Totals ledger_totals() const;
   [[nodiscard]] double gas_rest_energy() const;
   void take_account();
+  void remember_ledgers();
   [[nodiscard]] double energy_at_work() const;
   [[nodiscard]] bool audit_is_due() const;
   [[nodiscard]] std::string in_words(AuditFinding const& finding) const;

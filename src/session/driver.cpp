@@ -102,7 +102,7 @@ class Recorder {
   /// Whatever of the present state has not been recorded yet.
   void record_last(bool state_is_sound) {
     if (state_is_sound && sampled_step_ != world_->clock.step) sample();
-    if (state_is_sound && world_->particles != nullptr) gauges_->record_bodies(*world_);
+    if (state_is_sound && !world_->regions.empty()) gauges_->record_bodies(*world_);
     if (!world_->setup.output.whole) {
       dump_subsets(output::IsLast::yes);
     } else if (dumped_step_ != world_->clock.step || !state_is_sound) {

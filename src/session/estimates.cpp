@@ -175,29 +175,48 @@ void add_particle_memory(run::Particles const& particles, Plan& p, int dimension
         static_cast<double>(p.bodies[b].particles) / std::pow(particles.bodies[b].particles_per_direction, dimensions);
   constexpr double margins = 2.0;  // blocks of 8 cells with two layers around: (12/8)^3 and less
   double const records = std::min(p.steps, p.gauge_bytes / bytes_per_particle_record);
-  if (p.region) nodes += p.region->cells;
+  for (RegionPlan const& region : p.regions) nodes += region.cells;
   p.memory.push_back({"material points", p.particles * bytes_per_particle});
   p.memory.push_back({"nodes around the material points", nodes * margins * bytes_per_node});
   p.memory.push_back({"records of gauges on bodies", records * sizeof(observe::ParticleRecord)});
 }
 
-double estimated_particle_step(run::Case const& setup) {
+double estimated_particle_step(run::Case const& setup, std::size_t region) {
+  grid::Domain const domain = setup.region_domain(region);
   double most = 0.0;  // of signal over Courant number
-  for (run::Body const& body : setup.particles.bodies)
-    most = std::max(most, fastest_signal(body, setup.region_domain()) / setup.courant_of(body));
-  return setup.region_domain().smallest_cell() / most;
+  for (int const number : setup.bodies_of(region)) {
+    run::Body const& body = setup.particles.bodies[number];
+    most = std::max(most, fastest_signal(body, domain) / setup.courant_of(body));
+  }
+  return domain.smallest_cell() / most;
 }
 
-double estimated_particle_steps(run::Case const& setup) {
-  double const steps = setup.end.time / estimated_particle_step(setup) + 5.0;  // 5 for the gentle start
+double estimated_particle_steps(run::Case const& setup, std::size_t region) {
+  double const steps = setup.end.time / estimated_particle_step(setup, region) + 5.0;  // 5 for the gentle start
   return setup.end.steps > 0 ? std::min(steps, static_cast<double>(setup.end.steps)) : steps;
 }
+
+namespace {
+
+/// Material points times their steps.
+double particle_updates(run::Case const& setup, Plan const& p) {
+  if (p.regions.empty()) return p.particles * p.steps;
+  double updates = 0.0;
+  for (std::size_t region = 0; region < p.regions.size(); ++region) {
+    double particles = 0.0;
+    for (int const body : setup.bodies_of(region)) particles += static_cast<double>(p.bodies[body].particles);
+    updates += (particles + p.regions[region].gas_particles) * p.regions[region].particle_steps;
+  }
+  return updates;
+}
+
+}  // namespace
 
 double estimated_seconds(run::Case const& setup, Plan const& p) {
   double const parts = p.blocks > 0 ? p.blocks : std::max(1.0, p.cells / 512.0);  // particles: blocks of 8^3 cells
   double const workers = std::min<double>(threads(), parts);
   double const rate = workers > 1.0 ? workers * thread_share : 1.0;
-  bool const gas = !setup.particles.any() || setup.mpm_region;
+  bool const gas = !setup.particles.any() || setup.has_regions();
   double seconds = 0.0;
   if (gas) {
     double per_second = gas_fluids(setup) > 1 ? mixed_rate : one_fluid_rate;
@@ -209,8 +228,7 @@ double estimated_seconds(run::Case const& setup, Plan const& p) {
   }
   if (p.particles > 0.0) {
     bool const linear = mpm::reach_of(setup.particles.options.shape) == 0;
-    seconds +=
-        p.particles * (p.region ? p.region->particle_steps : p.steps) / (linear ? linear_particle_rate : particle_rate);
+    seconds += particle_updates(setup, p) / (linear ? linear_particle_rate : particle_rate);
   }
   return seconds / rate;
 }

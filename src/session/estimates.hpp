@@ -30,10 +30,10 @@ void sum_memory(Plan& plan);
 
 /// Steps of the gas, good to about a factor of two.
 [[nodiscard]] double estimated_steps(run::Case const& setup);
-/// Length of a step of the particles that the start allows [s].
-[[nodiscard]] double estimated_particle_step(run::Case const& setup);
-/// Steps of the particles at the length that the start allows.
-[[nodiscard]] double estimated_particle_steps(run::Case const& setup);
+/// Length of a step of the bodies of a region that the start allows [s]; bodies in a vacuum are the region 0.
+[[nodiscard]] double estimated_particle_step(run::Case const& setup, std::size_t region);
+/// Steps of these bodies at the length that the start allows.
+[[nodiscard]] double estimated_particle_steps(run::Case const& setup, std::size_t region);
 /// Time of the steps, were no cell at rest [s].
 [[nodiscard]] double estimated_seconds(run::Case const& setup, Plan const& plan);
 

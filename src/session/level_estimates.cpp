@@ -30,7 +30,7 @@ constexpr int intervals = 50;   ///< of the run, for which the fronts' areas are
 
 int finest_level(run::Case const& setup) {
   int finest = setup.adaptive.finest;
-  if (setup.mpm_region) finest = std::max(finest, setup.mpm_region->level);
+  for (run::MpmRegion const& region : setup.mpm_regions) finest = std::max(finest, region.level);
   return finest;
 }
 

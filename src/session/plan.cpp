@@ -68,9 +68,12 @@ double particles_across(run::Body const& body, grid::Domain const& domain) {
 
 void plan_particles(run::Case const& setup, Plan& p) {
   auto const& particles = setup.particles;
-  grid::Domain const domain = setup.region_domain();
-  p.steps = estimated_particle_steps(setup);
-  for (run::Body const& body : particles.bodies) {
+  std::size_t const regions = std::max<std::size_t>(setup.mpm_regions.size(), 1);
+  for (std::size_t region = 0; region < regions; ++region)
+    p.steps = std::max(p.steps, estimated_particle_steps(setup, region));
+  for (std::size_t n = 0; n < particles.bodies.size(); ++n) {
+    run::Body const& body = particles.bodies[n];
+    grid::Domain const domain = setup.domain_around(static_cast<int>(n));
     // What no machine holds, or is a lot for a look, is not tried out.
     p.bodies.push_back(realised(body, domain, most_particles_tried - p.particles));
     p.particles += static_cast<double>(p.bodies.back().particles);
@@ -86,8 +89,8 @@ void plan_particles(run::Case const& setup, Plan& p) {
           body.name, across, quantity(domain.smallest_cell() * across / coarse_body, "m", 2), coarse_body));
     }
   }
-  double const step = estimated_particle_step(setup);
   for (std::size_t n = 0; n < particles.pressures.size(); ++n) {
+    double const step = estimated_particle_step(setup, setup.region_with(particles.pressures[n].body));
     auto const& times = particles.pressures[n].times;
     if (times.size() < 2 || !std::isfinite(step) || times.back() - times.front() >= few_steps * step) continue;
     p.warnings.push_back(
@@ -100,17 +103,15 @@ void plan_particles(run::Case const& setup, Plan& p) {
   p.gauge_bytes = records * bytes_per_particle_record * static_cast<double>(particles.gauges.size());
   add_particle_memory(particles, p, setup.domain.dimensions());
   p.checkpoint_bytes = p.particles * bytes_per_particle;
-  double const dumped = p.particles - (p.region && !setup.output.gas_particles ? p.region->gas_particles : 0.0);
-  p.dump_bytes = output::ParticleSeries::bytes_per_dump(dumped, output::dumped_particle_fields(setup),
+  p.dump_bytes = output::ParticleSeries::bytes_per_dump(p.particles, output::dumped_particle_fields(setup),
                                                         setup.output.single_precision);
   p.last_dump_bytes = p.dump_bytes;
 }
 
-/// Gas and particles together. Each takes steps of its own within common ones, see `run::stable_step`.
-void plan_region(run::Case const& setup, Plan& p) {
-  grid::Domain const domain = setup.region_domain();
-  double const steps_of_level = std::ldexp(1.0, setup.mpm_region->level);  // in one of the coarsest
-  bridge::Region const region = setup::region_of(setup);
+/// Where a region lies.
+RegionPlan extent_of(run::Case const& setup, std::size_t number) {
+  grid::Domain const domain = setup.region_domain(number);
+  bridge::Region const region = setup::region_of(setup, number);
   RegionPlan r;
   r.cells = static_cast<double>(region.cells().size());
   for (int d = 0; d < domain.dimensions(); ++d) {
@@ -122,26 +123,62 @@ void plan_region(run::Case const& setup, Plan& p) {
   for (bridge::Face const& face : region.faces()) {
     if (!face.open) ++r.bridge_faces[2 * face.direction + face.side];
   }
+  return r;
+}
+
+/// How many steps of the level of a region are in one of the coarsest.
+double steps_of_level(run::Case const& setup, std::size_t region) {
+  return std::ldexp(1.0, setup.mpm_regions[region].level);
+}
+
+/// The gas of a region, once its bodies are known. It fills what they leave, with particles of its own density.
+void plan_gas_particles(run::Case const& setup, std::size_t number, double gas_steps, Plan& p) {
+  RegionPlan& r = p.regions[number];
+  run::MpmRegion const& settings = setup.mpm_regions[number];
+  int const dims = setup.domain.dimensions();
+  std::vector<int> const bodies = setup.bodies_of(number);
+  double cells = r.cells;
+  for (int const b : bodies) {
+    cells -=
+        static_cast<double>(p.bodies[b].particles) / std::pow(setup.particles.bodies[b].particles_per_direction, dims);
+  }
+  r.gas_particles = std::max(0.0, cells) * std::pow(settings.gas_particles(dims), dims);
+  r.gas_steps = gas_steps * steps_of_level(setup, number);
+  // Gas particles see the signals of the gas, at the Courant number of the particles.
+  double const gas_particle_steps = r.gas_steps * setup.numerics.courant / settings.courant;
+  r.particle_steps = std::max(bodies.empty() ? 0.0 : estimated_particle_steps(setup, number), gas_particle_steps);
+  p.particles += r.gas_particles;
+}
+
+/// The common steps.
+void plan_steps(run::Case const& setup, Plan const& gas, Plan& p) {
+  bool const subcycling = setup.mpm_regions.front().subcycling;
+  if (setup.adaptive.any()) {
+    double const parts = subcycling ? 64.0 : 1.0;
+    p.steps = gas.steps;
+    for (std::size_t n = 0; n < p.regions.size(); ++n)
+      p.steps = std::max(p.steps, p.regions[n].particle_steps / (parts * steps_of_level(setup, n)));
+    for (std::size_t n = 0; n < p.regions.size(); ++n) p.regions[n].gas_steps = p.steps * steps_of_level(setup, n);
+    p.cell_updates *= p.steps / gas.steps;
+    return;
+  }
+  double const gas_steps = p.regions.front().gas_steps;
+  double most = 0.0;
+  for (RegionPlan const& r : p.regions) most = std::max(most, r.particle_steps);
+  p.steps =
+      subcycling ? std::max({std::min(gas_steps, most), gas_steps / 4.0, most / 64.0}) : std::max(gas_steps, most);
+}
+
+/// Gas and particles together. Each takes steps of its own within common ones, see `run::stable_step`.
+void plan_regions(run::Case const& setup, Plan& p) {
   Plan gas = p;
   plan_gas(setup, gas);
   p.memory = gas.memory;
-  p.region = r;
-  // The gas fills what the bodies leave, with particles of its own density.
-  double cells = r.cells;
+  for (std::size_t n = 0; n < setup.mpm_regions.size(); ++n) p.regions.push_back(extent_of(setup, n));
   plan_particles(setup, p);
   p.memory = gas.memory;  // that of the particles follows when those of the gas are known
-  for (std::size_t b = 0; b < p.bodies.size(); ++b) {
-    cells -= static_cast<double>(p.bodies[b].particles) /
-             std::pow(setup.particles.bodies[b].particles_per_direction, domain.dimensions());
-  }
-  r.gas_particles =
-      std::max(0.0, cells) * std::pow(setup.mpm_region->gas_particles(domain.dimensions()), domain.dimensions());
-  r.gas_steps = gas.steps * steps_of_level;
-  // Gas particles see the signals of the gas, at the Courant number of the particles.
-  double const gas_particle_steps = r.gas_steps * setup.numerics.courant / setup.mpm_region->courant;
-  r.particle_steps = std::max(setup.particles.any() ? p.steps : 0.0, gas_particle_steps);
-  p.region = r;
-  p.particles += r.gas_particles;
+  double const of_bodies = p.particles;
+  for (std::size_t n = 0; n < p.regions.size(); ++n) plan_gas_particles(setup, n, gas.steps, p);
   p.cells = gas.cells;
   p.blocks = gas.blocks;
   p.levels = gas.levels;
@@ -151,19 +188,9 @@ void plan_region(run::Case const& setup, Plan& p) {
   p.obstacles = gas.obstacles;
   p.starts = gas.starts;
   p.gauges = gas.gauges;
-  double const shorter = std::min(r.gas_steps, r.particle_steps);
-  if (setup.adaptive.any()) {
-    double const parts = setup.mpm_region->subcycling ? 64.0 : 1.0;
-    p.steps = std::max(gas.steps, r.particle_steps / (parts * steps_of_level));
-    r.gas_steps = p.steps * steps_of_level;
-    p.cell_updates *= p.steps / gas.steps;
-    p.region = r;
-  } else {
-    p.steps = setup.mpm_region->subcycling ? std::max({shorter, r.gas_steps / 4.0, r.particle_steps / 64.0})
-                                           : std::max(r.gas_steps, r.particle_steps);
-  }
-  add_particle_memory(setup.particles, p, domain.dimensions());
-  double const dumped = p.particles - (setup.output.gas_particles ? 0.0 : r.gas_particles);
+  plan_steps(setup, gas, p);
+  add_particle_memory(setup.particles, p, setup.domain.dimensions());
+  double const dumped = setup.output.gas_particles ? p.particles : of_bodies;
   double const particle_bytes = output::ParticleSeries::bytes_per_dump(dumped, output::dumped_particle_fields(setup),
                                                                        setup.output.single_precision);
   p.dump_bytes = gas.dump_bytes + particle_bytes;
@@ -230,8 +257,8 @@ Plan plan(run::Case const& setup) {
   p.cells = static_cast<double>(setup.domain.cell_count());
   p.machine_memory_bytes = machine_memory();
   p.dumps = static_cast<long>(output::dump_times(setup.output, setup.end.time).size());
-  if (setup.mpm_region) {
-    plan_region(setup, p);
+  if (setup.has_regions()) {
+    plan_regions(setup, p);
   } else if (setup.particles.any()) {
     plan_particles(setup, p);
   } else {
@@ -254,11 +281,12 @@ void refuse_unless_it_fits(Plan const& p) {
                                             : fmt::format(" (the largest part, {}, for: {})",
                                                           bytes(p.memory.front().bytes), p.memory.front().what);
   throw InputError(
-      p.region ? fmt::format("the case needs about {} of memory for its {} cells and {} material points{}, but this "
-                             "machine has {}: use larger cells (domain.cell), a smaller domain or MPM region, fewer "
-                             "particles per cell, or symmetry planes",
-                             bytes(p.memory_bytes), large_count(p.cells), large_count(p.particles), most,
-                             bytes(p.machine_memory_bytes))
+      !p.regions.empty()
+          ? fmt::format("the case needs about {} of memory for its {} cells and {} material points{}, but this "
+                        "machine has {}: use larger cells (domain.cell), a smaller domain or MPM region, fewer "
+                        "particles per cell, or symmetry planes",
+                        bytes(p.memory_bytes), large_count(p.cells), large_count(p.particles), most,
+                        bytes(p.machine_memory_bytes))
       : p.particles > 0.0
           ? fmt::format("the case needs about {} of memory for its {} material points{}, but this machine has {}: use "
                         "larger cells (domain.cell), fewer particles per cell, or symmetry planes",

@@ -13,7 +13,7 @@
 
 namespace brisance::session {
 
-/// The MPM region as it will be.
+/// An MPM region as it will be.
 struct RegionPlan {
   Vec3 lower{0.0, 0.0, 0.0};  ///< of the smallest box around it [m]
   Vec3 upper{0.0, 0.0, 0.0};
@@ -68,7 +68,7 @@ struct Plan {
   std::vector<run::PanelReport> panels;
   std::vector<run::BodyReport> bodies;
   double particles = 0.0;  ///< material points; 0: a simulation of the gas alone
-  std::optional<RegionPlan> region;
+  std::vector<RegionPlan> regions;
   long dumps = 0;  ///< of the whole domain; 0: subsets alone are written
   std::vector<SubsetPlan> subsets;
   double dump_bytes = 0.0;        ///< of one dump, of fields and particles, uncompressed

@@ -29,16 +29,18 @@ run::World start_on_levels(Case setup) {
 }  // namespace
 
 run::World build(Case setup) {
-  bool const bodies_alone = setup.particles.any() && !setup.mpm_region;
+  bool const bodies_alone = setup.particles.any() && !setup.has_regions();
   run::World w = setup.adaptive.any() ? start_on_levels(std::move(setup)) : run::World(std::move(setup));
   if (bodies_alone) {
-    place_bodies(w, w.setup.domain);
+    place_bodies(w, w.regions.emplace_back(), w.setup.domain);
   } else {
     if (w.gas == nullptr) place_gas(w);
-    if (w.setup.mpm_region) place_region(w);
+    place_regions(w);
     w.gas->start(w.clock.time);
-    if (w.particles != nullptr) w.particles->set_time(w.clock.time);
-    if (w.bridge != nullptr && w.bridge->awake()) w.awake_since = w.clock.time;
+    for (run::Region& region : w.regions) {
+      region.particles->set_time(w.clock.time);
+      if (region.bridge->awake()) region.awake_since = w.clock.time;
+    }
   }
   w.start_audit();
   return w;

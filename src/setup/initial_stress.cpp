@@ -35,7 +35,7 @@ int samples_per_cell(std::vector<Body> const& bodies) {
 
 }  // namespace
 
-Overburden::Overburden(Case const& setup) : setup_(&setup) {
+Overburden::Overburden(Case const& setup, grid::Domain const& cells) : setup_(&setup) {
   Vec3 const& force = setup.particles.options.body_force;
   int axes = 0;
   for (int d = 0; d < setup.domain.dimensions(); ++d) {
@@ -47,7 +47,7 @@ Overburden::Overburden(Case const& setup) : setup_(&setup) {
   g_ = std::abs(force[axis_]);
   downwards_ = force[axis_] < 0.0;
   int const per_cell = samples_per_cell(setup.particles.bodies);
-  samples_ = setup.region_domain().cells[axis_] * per_cell;
+  samples_ = cells.cells[axis_] * per_cell;
   spacing_ = (setup.domain.upper(axis_) - setup.domain.lower[axis_]) / samples_;
 }
 

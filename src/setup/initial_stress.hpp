@@ -20,8 +20,9 @@ struct GravityState {
 /// bodies that stand on each other, those with `lateral_stress` as dense as their weight makes them.
 class Overburden {
  public:
-  /// Throws InputError where the body force points along no axis.
-  explicit Overburden(Case const& setup);
+  /// `cells`: the domain with the cells that the particles see. Throws InputError where the body force points along no
+  /// axis.
+  Overburden(Case const& setup, grid::Domain const& cells);
 
   /// Vertical stress [Pa] at a place of a body.
   [[nodiscard]] double at(Vec3 const& x);

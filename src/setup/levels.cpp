@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/error.hpp"
 #include "grid/partition.hpp"
@@ -183,7 +184,7 @@ class PartsOfDomain {
     for (Obstacle const& obstacle : setup.obstacles) {
       if (obstacle.release) panels_.push_back(obstacle.shape);
     }
-    if (setup.mpm_region) find_region(setup);
+    for (std::size_t number = 0; number < setup.mpm_regions.size(); ++number) find_region(setup, number);
   }
 
   LevelBounds operator()(int level, grid::CellRange const& cells) const {
@@ -206,9 +207,16 @@ class PartsOfDomain {
         at_least(level);
       }
     }
-    // Last: nothing may change the cells of the region.
-    if (touches_region(level, cells)) bounds = {region_level_, region_level_};
-    return bounds;
+    // Last: nothing may change the cells of a region.
+    return levels_of_regions(level, cells).value_or(bounds);
+  }
+
+  /// A region that touches the block of a leaf and has other cells.
+  [[nodiscard]] std::optional<std::size_t> region_of_other_level(int level, grid::CellRange const& cells) const {
+    for (RegionBox const& region : regions_) {
+      if (region.level != level && touches(region, level, cells)) return region.number;
+    }
+    return std::nullopt;
   }
 
  private:
@@ -227,25 +235,39 @@ class PartsOfDomain {
     }
     return grid::common(coarser, domain_.refined(level - 1).all_cells());
   }
-  void find_region(Case const& setup) {
-    region_level_ = setup.mpm_region->level;
-    bridge::Region const of_case = region_of(setup);
+  /// A box of a region with the cells beside it.
+  struct RegionBox {
+    std::size_t number = 0;  ///< of the region
+    int level = 0;
+    grid::CellRange cells;
+  };
+  [[nodiscard]] bool touches(RegionBox const& region, int level, grid::CellRange const& cells) const {
+    double const scale = std::ldexp(1.0, level - region.level);
+    grid::CellRange here = region.cells;  // in cells of this level
+    for (int d = 0; d < domain_.dimensions(); ++d) {
+      here.lower[d] = static_cast<int>(std::floor(region.cells.lower[d] * scale));
+      here.upper[d] = static_cast<int>(std::ceil(region.cells.upper[d] * scale));
+    }
+    return !grid::common(here, cells).empty();
+  }
+  void find_region(Case const& setup, std::size_t number) {
+    bridge::Region const of_case = region_of(setup, number);
     // Boxes may lie far apart.
     for (grid::CellRange box : of_case.boxes()) {
       int const layers = level_margin + proxy_reach(setup);
-      region_.push_back(box.grown(layers, domain_.dimensions()));
+      regions_.push_back({number, of_case.level(), box.grown(layers, domain_.dimensions())});
     }
   }
-  [[nodiscard]] bool touches_region(int level, grid::CellRange const& cells) const {
-    double const scale = std::ldexp(1.0, level - region_level_);
-    return std::any_of(region_.begin(), region_.end(), [&](grid::CellRange const& box) {
-      grid::CellRange here = box;  // in cells of this level
-      for (int d = 0; d < domain_.dimensions(); ++d) {
-        here.lower[d] = static_cast<int>(std::floor(box.lower[d] * scale));
-        here.upper[d] = static_cast<int>(std::ceil(box.upper[d] * scale));
-      }
-      return !grid::common(here, cells).empty();
-    });
+  /// A block that touches several regions is still coarser than any of them, and is refined.
+  [[nodiscard]] std::optional<LevelBounds> levels_of_regions(int level, grid::CellRange const& cells) const {
+    std::optional<LevelBounds> bounds;
+    for (RegionBox const& region : regions_) {
+      if (!touches(region, level, cells)) continue;
+      if (!bounds) bounds = {region.level, region.level};
+      bounds->least = std::min(bounds->least, region.level);
+      bounds->most = std::max(bounds->most, region.level);
+    }
+    return bounds;
   }
 
   grid::Domain domain_;
@@ -255,14 +277,43 @@ class PartsOfDomain {
   std::vector<shape::Shape> panels_;
   std::shared_ptr<LevelObstacles const> obstacles_;
   int obstacle_level_;
-  std::vector<grid::CellRange> region_;  ///< with the cells beside it
-  int region_level_ = 0;
+  std::vector<RegionBox> regions_;
 };
 
 }  // namespace
 
 gas::RefinementRules::Bounds level_bounds(Case const& setup, std::shared_ptr<LevelObstacles const> const& obstacles) {
   return PartsOfDomain(setup, obstacles);
+}
+
+std::optional<std::pair<std::size_t, std::size_t>> regions_without_own_blocks(Case const& setup) {
+  auto const& regions = setup.mpm_regions;
+  auto const other = [&](std::size_t number) {
+    auto const found =
+        std::ranges::find_if(regions, [&](MpmRegion const& r) { return r.level != regions[number].level; });
+    return static_cast<std::size_t>(found - regions.begin());
+  };
+  if (!setup.adaptive.any() || regions.empty() || other(0) == regions.size()) return std::nullopt;
+  Case alone = setup;  // nothing but the regions asks for cells
+  alone.adaptive.parts.clear();
+  alone.adaptive.gauges.reset();
+  alone.obstacles.clear();
+  PartsOfDomain const bounds(alone, nullptr);
+  grid::Partition const partition = grid::refinable_partition_of(setup.domain, setup.numerics.block_cells);
+  int const dims = setup.domain.dimensions();
+  grid::Forest forest(partition.parts, dims, grid::periodic_directions(setup.domain));
+  gas::refine_to(forest, setup.domain, partition.size, refinement_rules(alone, nullptr).most_level, bounds);
+  for (grid::Leaf const& leaf : forest.leaves()) {
+    grid::CellRange cells;
+    for (int d = 0; d < dims; ++d) {
+      cells.lower[d] = leaf.place[d] * partition.size[d];
+      cells.upper[d] = cells.lower[d] + partition.size[d];
+    }
+    cells = grid::common(cells, setup.domain_of(leaf.level).all_cells());
+    auto const found = bounds.region_of_other_level(leaf.level, cells);
+    if (found) return std::pair{std::min(*found, other(*found)), std::max(*found, other(*found))};
+  }
+  return std::nullopt;
 }
 
 gas::RefinementRules::Bounds charge_bounds(Case const& setup) {
@@ -288,7 +339,7 @@ gas::RefinementRules refinement_rules(Case const& setup, std::shared_ptr<LevelOb
   Adaptive const& adaptive = setup.adaptive;
   gas::RefinementRules rules;
   rules.most_level = adaptive.finest;
-  if (setup.mpm_region) rules.most_level = std::max(rules.most_level, setup.mpm_region->level);
+  for (MpmRegion const& region : setup.mpm_regions) rules.most_level = std::max(rules.most_level, region.level);
   rules.shock_level = adaptive.shocks;
   rules.products_level = adaptive.products.value_or(-1);
   rules.threshold = adaptive.threshold;

@@ -4,6 +4,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "case/case.hpp"
@@ -56,6 +58,10 @@ class LevelObstacles {
 /// What the parts of the domain ask for whatever the gas does: [[refine]], gauges, the MPM region, obstacles.
 [[nodiscard]] gas::RefinementRules::Bounds level_bounds(Case const& setup,
                                                         std::shared_ptr<LevelObstacles const> const& obstacles);
+
+/// Two regions of different levels so near to each other that blocks, which have cells of one level, cannot give both
+/// the cells that they need; nothing: there are none.
+[[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> regions_without_own_blocks(Case const& setup);
 
 /// What charges ask for until they have burst.
 [[nodiscard]] gas::RefinementRules::Bounds charge_bounds(Case const& setup);

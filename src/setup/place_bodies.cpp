@@ -60,73 +60,143 @@ void compress(Body const& body, Overburden& overburden, mpm::Filling& filling) {
                   body.name, most, *body.lateral_stress));
 }
 
-}  // namespace
+/// From the numbers of bodies in the case to those in their region.
+class OwnNumbers {
+ public:
+  explicit OwnNumbers(std::vector<int> const& bodies) : bodies_(&bodies) {}
 
-void place_bodies(run::System& w, grid::Domain const& domain, std::vector<mpm::Body> others) {
-  Particles const& p = w.setup.particles;
+  /// Nothing of a body in another region.
+  std::optional<int> operator()(int body) const {
+    auto const found = std::ranges::find(*bodies_, body);
+    if (found == bodies_->end()) return std::nullopt;
+    return static_cast<int>(found - bodies_->begin());
+  }
+  /// Those of bodies in the region, and those of all bodies.
+  [[nodiscard]] std::vector<mpm::Constraint> constraints(std::vector<mpm::Constraint> const& all) const {
+    std::vector<mpm::Constraint> kept;
+    for (mpm::Constraint c : all) {
+      auto const body = c.body < 0 ? -1 : (*this)(c.body);
+      if (!body) continue;
+      c.body = *body;
+      kept.push_back(std::move(c));
+    }
+    return kept;
+  }
+  [[nodiscard]] std::vector<mpm::Contact> contacts(std::vector<mpm::Contact> const& all) const {
+    std::vector<mpm::Contact> kept;
+    for (mpm::Contact c : all) {
+      auto const first = (*this)(c.first);
+      auto const second = (*this)(c.second);
+      if (!first || !second) continue;
+      c.first = *first;
+      c.second = *second;
+      kept.push_back(c);
+    }
+    return kept;
+  }
+
+ private:
+  std::vector<int> const* bodies_;
+};
+
+/// The bodies of a region, still empty.
+std::vector<mpm::Body> bodies_in(Case const& setup, std::size_t region) {
+  Particles const& p = setup.particles;
+  MpmRegion const* settings = setup.has_regions() ? &setup.mpm_regions[region] : nullptr;
   std::vector<mpm::Body> bodies;
-  for (Body const& b : p.bodies) {
+  for (int const number : setup.bodies_of(region)) {
+    Body const& b = p.bodies[number];
     mpm::Body body;
     body.name = b.name;
     body.solid = b.solid;
     if (b.initiation.empty()) body.solid.detonation_speed = 0.0;
     body.particles_per_direction = b.particles_per_direction;
     if (b.rigid) body.rigid_velocity = b.velocity;
-    body.slips = w.setup.mpm_region && w.setup.mpm_region->slip && !b.rigid && !b.solid.has_deviator();
+    body.slips = settings != nullptr && settings->slip && !b.rigid && !b.solid.has_deviator();
     body.damped = !b.rigid && !b.solid.is_gas();
-    body.books_work = w.setup.mpm_region || !p.contacts.empty() || p.options.transfer == mpm::Transfer::apic;
-    body.courant = w.setup.courant_of(b);
-    if (run::products_of(w.setup, b) > 0) calculate_as_gas(*w.setup.mpm_region, body);
+    body.books_work = settings != nullptr || !p.contacts.empty() || p.options.transfer == mpm::Transfer::apic;
+    body.courant = setup.courant_of(b);
+    if (run::products_of(setup, b) > 0) calculate_as_gas(*settings, body);
     bodies.push_back(std::move(body));
   }
-  bodies.insert(bodies.end(), others.begin(), others.end());
-  mpm::Options options = p.options;
-  for (int d = 0; d < w.setup.domain.dimensions(); ++d) {
+  return bodies;
+}
+
+mpm::Options options_of(Case const& setup) {
+  mpm::Options options = setup.particles.options;
+  for (int d = 0; d < setup.domain.dimensions(); ++d) {
     for (int side = 0; side < 2; ++side) {
-      auto const boundary = w.setup.domain.boundary[2 * d + side];
+      auto const boundary = setup.domain.boundary[2 * d + side];
       if (grid::has_images(boundary)) continue;
-      options.ends[2 * d + side] = side == 0 ? w.setup.domain.lower[d] : w.setup.domain.upper(d);
+      options.ends[2 * d + side] = side == 0 ? setup.domain.lower[d] : setup.domain.upper(d);
     }
   }
-  w.particles = std::make_unique<mpm::Mpm>(domain, bodies, options, p.constraints, p.contacts);
+  return options;
+}
+
+/// Fills a body with particles; `domain`: whose cells they see.
+run::BodyReport place_body(Body const& b, grid::Domain const& domain, Overburden* overburden, mpm::Mpm& particles,
+                           std::size_t n) {
+  int const number = static_cast<int>(n);
+  shape::Placement placement = shape::place_particles(b.shape, domain, b.particles_per_direction);
+  if (placement.positions.empty()) {
+    throw InputError(fmt::format(
+        "body \"{}\" contains no material point: it lies outside the domain or is much smaller than a cell", b.name));
+  }
+  mpm::Filling filling;
+  filling.positions = std::move(placement.positions);
+  filling.volumes = std::move(placement.volumes);
+  filling.velocity = b.velocity;
+  if (b.motion.any()) set_in_motion(b, domain, filling);
+  filling.density = b.density;
+  filling.specific_energy = b.specific_energy;
+  if (b.lateral_stress) compress(b, *overburden, filling);
+  particles.fill(number, filling);
+  if (!b.initiation.empty()) {
+    double const speed = b.solid.detonation_speed;
+    mpm::set_lighting(particles, number,
+                      [&](Vec3 const& x) { return detonation::lighting_time(x, b.initiation, speed); });
+  }
+  mpm::BodySums const sums = mpm::sums(particles, number);
+  return {b.name, b.solid.name, sums.particles, sums.mass,
+          filling.densities.empty()
+              ? placement.volume * b.density.value_or(b.solid.density)
+              : std::inner_product(filling.densities.begin(), filling.densities.end(), filling.volumes.begin(), 0.0)};
+}
+
+}  // namespace
+
+void place_bodies(run::System& w, run::Region& region, grid::Domain const& domain, std::vector<mpm::Body> others) {
+  Particles const& p = w.setup.particles;
+  std::size_t const number = w.regions.size() - 1;
+  region.bodies = w.setup.bodies_of(number);
+  OwnNumbers const own(region.bodies);
+  std::vector<mpm::Body> bodies = bodies_in(w.setup, number);
+  bodies.insert(bodies.end(), others.begin(), others.end());
+  region.particles = std::make_unique<mpm::Mpm>(domain, bodies, options_of(w.setup), own.constraints(p.constraints),
+                                                own.contacts(p.contacts));
+  w.bodies.resize(std::max(w.bodies.size(), p.bodies.size()));  // the gas of earlier regions stands behind
   std::optional<Overburden> overburden;
-  for (std::size_t n = 0; n < p.bodies.size(); ++n) {
-    Body const& b = p.bodies[n];
-    int const number = static_cast<int>(n);
-    shape::Placement placement = shape::place_particles(b.shape, w.setup.region_domain(), b.particles_per_direction);
-    if (placement.positions.empty()) {
-      throw InputError(fmt::format(
-          "body \"{}\" contains no material point: it lies outside the domain or is much smaller than a cell", b.name));
-    }
-    mpm::Filling filling;
-    filling.positions = std::move(placement.positions);
-    filling.volumes = std::move(placement.volumes);
-    filling.velocity = b.velocity;
-    if (b.motion.any()) set_in_motion(b, w.setup.region_domain(), filling);
-    filling.density = b.density;
-    filling.specific_energy = b.specific_energy;
-    if (b.lateral_stress) {
-      if (!overburden) overburden.emplace(w.setup);
-      compress(b, *overburden, filling);
-    }
-    w.particles->fill(number, filling);
-    if (!b.initiation.empty()) {
-      double const speed = b.solid.detonation_speed;
-      mpm::set_lighting(*w.particles, number,
-                        [&](Vec3 const& x) { return detonation::lighting_time(x, b.initiation, speed); });
-    }
-    mpm::BodySums const sums = mpm::sums(*w.particles, number);
-    w.bodies.push_back(
-        {b.name, b.solid.name, sums.particles, sums.mass,
-         filling.densities.empty()
-             ? placement.volume * b.density.value_or(b.solid.density)
-             : std::inner_product(filling.densities.begin(), filling.densities.end(), filling.volumes.begin(), 0.0)});
+  for (std::size_t n = 0; n < region.bodies.size(); ++n) {
+    Body const& b = p.bodies[region.bodies[n]];
+    if (b.lateral_stress && !overburden) overburden.emplace(w.setup, w.setup.region_domain(number));
+    w.bodies[region.bodies[n]] =
+        place_body(b, w.setup.region_domain(number), overburden ? &*overburden : nullptr, *region.particles, n);
   }
-  for (mpm::Bar const& bar : p.bars) {
-    ++w.bodies[bar.body].bars;
-    w.bodies[bar.body].bar_volume += w.particles->reinforce(bar).volume;
+  for (mpm::Bar bar : p.bars) {
+    auto const body = own(bar.body);
+    if (!body) continue;
+    run::BodyReport& report = w.bodies[bar.body];
+    bar.body = *body;
+    ++report.bars;
+    report.bar_volume += region.particles->reinforce(bar).volume;
   }
-  for (mpm::SurfacePressure const& pressure : p.pressures) w.particles->load(pressure);
+  for (mpm::SurfacePressure pressure : p.pressures) {
+    auto const body = own(pressure.body);
+    if (!body) continue;
+    pressure.body = *body;
+    region.particles->load(pressure);
+  }
 }
 
 }  // namespace brisance::setup

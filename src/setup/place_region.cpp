@@ -10,6 +10,7 @@
 #include "run/products.hpp"
 #include "run/system.hpp"
 #include "setup/place_bodies.hpp"
+#include "setup/region_gaps.hpp"
 #include "shape/placement.hpp"
 
 namespace brisance::setup {
@@ -49,9 +50,15 @@ bridge::CellBox cells_of(grid::Domain const& domain, shape::Box const& box) {
   return cells;
 }
 
+/// The bodies of a region.
+std::vector<Body> bodies_in(Case const& setup, std::size_t number) {
+  std::vector<Body> bodies;
+  for (int const body : setup.bodies_of(number)) bodies.push_back(setup.particles.bodies[body]);
+  return bodies;
+}
+
 /// What an explosive throws out of soil flies anywhere.
-bool throws_out(Case const& setup) {
-  auto const& bodies = setup.particles.bodies;
+bool throws_out(std::vector<Body> const& bodies) {
   return std::any_of(bodies.begin(), bodies.end(), [](Body const& b) { return b.solid.burns(); }) &&
          std::any_of(bodies.begin(), bodies.end(), [](Body const& b) {
            return std::holds_alternative<material::DruckerPrager>(b.solid.strength) && !b.rigid;
@@ -69,15 +76,16 @@ bridge::CellBox whole_domain(grid::Domain const& domain) {
   return cells;
 }
 
-bridge::CellBox box_around_bodies(Case const& setup) {
-  grid::Domain const domain = setup.region_domain();
-  if (throws_out(setup)) return whole_domain(domain);
-  int const margin = margin_of(*setup.mpm_region);
+bridge::CellBox box_around_bodies(Case const& setup, std::size_t number) {
+  grid::Domain const domain = setup.region_domain(number);
+  std::vector<Body> const bodies = bodies_in(setup, number);
+  if (throws_out(bodies)) return whole_domain(domain);
+  int const margin = margin_of(setup.mpm_regions[number]);
   bridge::CellBox cells;
   for (int d = 0; d < domain.dimensions(); ++d) {
     double low = domain.upper(d);
     double high = domain.lower[d];
-    for (Body const& body : setup.particles.bodies) {
+    for (Body const& body : bodies) {
       shape::Box const box = shape::bounds(body.shape);
       low = std::min(low, box.lower[d]);
       high = std::max(high, box.upper[d]);
@@ -94,16 +102,17 @@ bridge::CellBox box_around_bodies(Case const& setup) {
   return cells;
 }
 
-std::vector<bridge::CellBox> boxes_of(Case const& setup) {
+std::vector<bridge::CellBox> boxes_of(Case const& setup, std::size_t number) {
   std::vector<bridge::CellBox> cells;
-  for (shape::Box const& box : setup.mpm_region->boxes) cells.push_back(cells_of(setup.region_domain(), box));
-  if (cells.empty()) cells.push_back(box_around_bodies(setup));
+  for (shape::Box const& box : setup.mpm_regions[number].boxes)
+    cells.push_back(cells_of(setup.region_domain(number), box));
+  if (cells.empty()) cells.push_back(box_around_bodies(setup, number));
   return cells;
 }
 
-/// The part of space that the gas particles fill.
-shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& boxes) {
-  grid::Domain const domain = setup.region_domain();
+/// The part of space that the gas particles of a region fill.
+shape::Shape gas_space(Case const& setup, std::size_t number, std::vector<bridge::CellBox> const& boxes) {
+  grid::Domain const domain = setup.region_domain(number);
   std::vector<shape::Shape> parts;
   for (bridge::CellBox const& cells : boxes) {
     shape::Box box;
@@ -115,18 +124,22 @@ shape::Shape gas_space(Case const& setup, std::vector<bridge::CellBox> const& bo
     parts.emplace_back(box);
   }
   shape::Shape whole = parts.size() == 1 ? parts.front() : shape::combine(shape::Operation::united, parts);
-  if (setup.particles.bodies.empty()) return whole;
+  std::vector<Body> const bodies = bodies_in(setup, number);
+  if (bodies.empty()) return whole;
   std::vector<shape::Shape> left{whole};
-  for (Body const& body : setup.particles.bodies) left.push_back(body.shape);
+  for (Body const& body : bodies) left.push_back(body.shape);
   return shape::combine(shape::Operation::difference, left);
 }
 
-/// Gas particles in the state of the cells that they lie in.
-void fill_gas(run::System& w, int body, std::vector<bridge::CellBox> const& boxes) {
-  grid::Domain const domain = w.setup.region_domain();
-  int const parts = w.setup.mpm_region->gas_particles(domain.dimensions());
-  shape::Placement const placement = shape::place_particles(gas_space(w.setup, boxes), domain, parts);
-  mpm::ParticleSet set(mpm::fields(*w.particles, body));
+/// Gas particles of the last region in the state of the cells that they lie in.
+void fill_gas(run::System& w, int body) {
+  std::size_t const number = w.regions.size() - 1;
+  mpm::Mpm& particles = *w.regions.back().particles;
+  grid::Domain const domain = w.setup.region_domain(number);
+  int const parts = w.setup.mpm_regions[number].gas_particles(domain.dimensions());
+  shape::Placement const placement =
+      shape::place_particles(gas_space(w.setup, number, boxes_of(w.setup, number)), domain, parts);
+  mpm::ParticleSet set(mpm::fields(particles, body));
   double const half = 0.5 * domain.smallest_cell() / parts;
   for (std::size_t n = 0; n < placement.positions.size(); ++n) {
     Vec3 const& x = placement.positions[n];
@@ -145,25 +158,27 @@ void fill_gas(run::System& w, int body, std::vector<bridge::CellBox> const& boxe
     if (double* Y = set.field(Field::mass_fraction)) Y[q] = s.mass_fraction[1];
     if (double* alpha = set.field(Field::volume_fraction)) alpha[q] = s.volume_fraction[1];
   }
-  w.particles->add(body, set);
-  w.particles->update_signals();
+  particles.add(body, set);
+  particles.update_signals();
 }
 
-/// Does anything in the region move by itself?
-bool moves(Case const& setup) {
+/// Does anything in a region move by itself?
+bool moves(Case const& setup, std::size_t number) {
   auto const is_moving = [](Vec3 const& v) { return dot(v, v) > 0.0; };
   Particles const& p = setup.particles;
-  bool const bodies = std::any_of(p.bodies.begin(), p.bodies.end(), [&](Body const& b) {
+  auto const here = [&](int body) { return body < 0 || setup.region_with(body) == number; };
+  std::vector<Body> const all = bodies_in(setup, number);
+  bool const bodies = std::any_of(all.begin(), all.end(), [&](Body const& b) {
     return b.moves() || b.density || b.specific_energy || b.solid.burns();
   });
   bool const constrained = std::any_of(p.constraints.begin(), p.constraints.end(),
-                                       [&](mpm::Constraint const& c) { return is_moving(c.velocity); });
-  return bodies || constrained || !p.pressures.empty() || is_moving(p.options.body_force) ||
-         is_moving(setup.ambient.state.velocity);
+                                       [&](mpm::Constraint const& c) { return here(c.body) && is_moving(c.velocity); });
+  bool const loaded = std::any_of(p.pressures.begin(), p.pressures.end(),
+                                  [&](mpm::SurfacePressure const& pressure) { return here(pressure.body); });
+  return bodies || constrained || loaded || is_moving(p.options.body_force) || is_moving(setup.ambient.state.velocity);
 }
 
-void check_neighbours(run::System const& w) {
-  bridge::Region const& region = w.bridge->region();
+void check_neighbours(run::System const& w, bridge::Region const& region) {
   auto const check = [&](Index3 const& index) {
     grid::Cell const cell = region.locate(w.grid, index);
     if (w.gas->obstacles.contain(cell)) {
@@ -186,8 +201,8 @@ int proxy_reach(Case const& setup) { return proxy_layers(setup.particles.options
 
 int margin_of(MpmRegion const& region) { return region.margin > 0 ? region.margin : region.width + 2 + usual_room; }
 
-bridge::Region region_of(Case const& setup) {
-  std::vector<bridge::CellBox> const boxes = boxes_of(setup);
+bridge::Region region_of(Case const& setup, std::size_t number) {
+  std::vector<bridge::CellBox> const boxes = boxes_of(setup, number);
   double cells = 0.0;
   for (bridge::CellBox const& box : boxes) {
     double count = 1.0;
@@ -211,27 +226,31 @@ bridge::Region region_of(Case const& setup) {
                     "at most {:.3g}: move them closer together, or simulate them separately",
                     around, most_cells));
   }
-  return {setup.region_domain(), boxes, setup.mpm_region->width, proxy_layers(setup.particles.options.shape),
-          setup.mpm_region->level};
+  return {setup.region_domain(number), boxes, setup.mpm_regions[number].width,
+          proxy_layers(setup.particles.options.shape), setup.mpm_regions[number].level};
 }
 
-void place_region(run::System& w) {
-  MpmRegion const& settings = *w.setup.mpm_region;
-  bridge::Region region = region_of(w.setup);
+namespace {
+
+void place_region(run::System& w, std::size_t number) {
+  MpmRegion const& settings = w.setup.mpm_regions[number];
+  run::Region& made = w.regions.emplace_back();
+  bridge::Region region = region_of(w.setup, number);
   Primitive const& ambient = w.setup.ambient.state;
 
   mpm::Body gas;
-  gas.name = "gas";
+  gas.name = w.setup.mpm_regions.size() > 1 ? fmt::format("gas of region {}", number + 1) : "gas";
   gas.solid = material::gas_of(w.gas->fluids(), ambient.density, ambient.pressure);
   gas.particles_per_direction = settings.gas_particles(w.setup.domain.dimensions());
   calculate_as_gas(settings, gas);
   gas.shock_conduction = settings.shock_conduction;
   gas.books_work = true;
   gas.fills_space = settings.transport == bridge::Transport::ledger;
-  place_bodies(w, region.particles_domain(), {gas});
-  int const gas_body = static_cast<int>(w.particles->bodies().size()) - 1;
-  fill_gas(w, gas_body, boxes_of(w.setup));
-  mpm::BodySums const sums = mpm::sums(*w.particles, gas_body);
+  place_bodies(w, made, region.particles_domain(), {gas});
+  int const gas_body = static_cast<int>(made.bodies.size());
+  made.bodies.push_back(static_cast<int>(w.bodies.size()));
+  fill_gas(w, gas_body);
+  mpm::BodySums const sums = mpm::sums(*made.particles, gas_body);
   w.bodies.push_back({gas.name, gas.solid.name, sums.particles, sums.mass, sums.mass});
 
   bridge::Options options;
@@ -241,18 +260,29 @@ void place_region(run::System& w) {
   options.reference_pressure = settings.reference_pressure;
   options.activation = settings.activation.value_or(1e-3 * ambient.pressure);
   // A region whose gas differs from the ambient one anywhere does not sleep either.
-  bool still = !moves(w.setup);
+  bool still = !moves(w.setup, number);
   for (Index3 const& cell : region.cells()) {
     if (!still) break;
     gas::Primitive const s = w.gas->primitive(region.locate(w.grid, cell));
     still = std::abs(s.pressure - ambient.pressure) <= options.activation && norm(s.velocity) == 0.0;
   }
   options.awake = !still;
-  w.bridge = std::make_unique<bridge::Bridge>(*w.gas, *w.particles, gas_body, std::move(region), options, ambient);
-  check_neighbours(w);
-  run::hand_over_products(w.setup, *w.particles, gas_body);
-  std::string const intruder = w.bridge->intruder();
+  made.bridge =
+      std::make_unique<bridge::Bridge>(*w.gas, *made.particles, gas_body, std::move(region), options, ambient);
+  check_neighbours(w, made.bridge->region());
+  run::hand_over_products(w.setup, made);
+  std::string const intruder = made.bridge->intruder();
   if (!intruder.empty()) throw InputError(intruder);
+}
+
+}  // namespace
+
+void place_regions(run::System& w) {
+  std::vector<bridge::Region> places;
+  places.reserve(w.setup.mpm_regions.size());
+  for (std::size_t n = 0; n < w.setup.mpm_regions.size(); ++n) places.push_back(region_of(w.setup, n));
+  if (auto const conflict = conflict_of(w.setup, places)) throw InputError(conflict->problem);
+  for (std::size_t number = 0; number < w.setup.mpm_regions.size(); ++number) place_region(w, number);
 }
 
 }  // namespace brisance::setup

@@ -1,4 +1,4 @@
-/// The MPM region of a case with gas: which cells it takes, its bodies and its gas.
+/// The MPM regions of a case with gas: which cells they take, their bodies and their gas.
 #pragma once
 
 #include "bridge/region.hpp"
@@ -10,19 +10,19 @@ class System;
 
 namespace brisance::setup {
 
-/// Layers of cells outside the region that act as particles.
+/// Layers of cells outside a region that act as particles.
 [[nodiscard]] int proxy_reach(Case const& setup);
 
 /// Cells between the bodies and the faces of a box that the program chooses.
 [[nodiscard]] int margin_of(MpmRegion const& region);
 
-/// The cells of the region: the boxes of the case, or the smallest box around the bodies with a margin. Throws
-/// InputError where faces of a box do not lie on the grid or the region does not fit the domain.
-[[nodiscard]] bridge::Region region_of(Case const& setup);
+/// The cells of a region: its boxes, or the smallest box around its bodies with a margin. Throws InputError where faces
+/// of a box do not lie on the grid or the region does not fit the domain.
+[[nodiscard]] bridge::Region region_of(Case const& setup, std::size_t number);
 
-/// Builds `system.points` with the bodies and the gas of the region, and `system.bridge`. The gas cells have been
-/// filled: the gas particles take their state. Throws InputError where bodies, charges or obstacles do not fit the
+/// Builds the regions of a system one after the other: their bodies, their gas and their bridges. The gas cells have
+/// been filled: the gas particles take their state. Throws InputError where bodies, charges or obstacles do not fit a
 /// region.
-void place_region(run::System& system);
+void place_regions(run::System& system);
 
 }  // namespace brisance::setup

@@ -156,7 +156,7 @@ detonation::Profile profile_of(run::System const& w) {
         fmt::format("a state in {} cannot become a profile; allowed: spherical1d, cylindrical1d, axisymmetric2d",
                     word_of(geometry)));
   }
-  if (w.gas == nullptr || w.particles != nullptr || w.setup.charges.size() != 1 || !w.setup.obstacles.empty() ||
+  if (w.gas == nullptr || !w.regions.empty() || w.setup.charges.size() != 1 || !w.setup.obstacles.empty() ||
       !w.setup.initial_states.empty()) {
     throw InputError("a profile describes the blast wave of one charge, without bodies, obstacles and initial states");
   }

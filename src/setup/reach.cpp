@@ -92,12 +92,12 @@ Reach reach_of(Case const& setup, std::size_t number, bool with_gauges, int grou
     double const distance = distance_to_obstacle(domain, solid, obstacle.shape, centre, reach.radius + h);
     bound(distance - h, fmt::format("obstacle \"{}\"", obstacle.name));
   }
-  if (setup.mpm_region) {
+  for (std::size_t r = 0; r < setup.mpm_regions.size(); ++r) {
     // Three layers of cells around the region act as its particles.
     constexpr double room = 5.0;
     double nearest = reach.radius + room * h;
-    bridge::Region const region = region_of(setup);
-    grid::Domain const fine = setup.region_domain();
+    bridge::Region const region = region_of(setup, r);
+    grid::Domain const fine = setup.region_domain(r);
     for (Index3 const& cell : region.cells()) nearest = std::min(nearest, distance_to_cell(fine, cell, centre));
     bound(nearest - room * h, "the MPM region");
   }

@@ -169,7 +169,7 @@ Case start_case(Case const& setup, std::size_t number, StartPlan const& plan) {
   one.gauges.clear();
   one.obstacles.clear();
   one.particles = {};
-  one.mpm_region.reset();
+  one.mpm_regions.clear();
   one.burst = Burst::none;
   one.end.steps = 0;
   Charge& charge = one.charges.front();

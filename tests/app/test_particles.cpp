@@ -24,7 +24,7 @@ TEST(ParticlePlan, KnowsTheBodiesAsTheWorldWillFillThem) {
   Plan const p = plan(setup);
   observe::Watched const world{run::Case(setup)};
   ASSERT_EQ(p.bodies.size(), 3U);
-  EXPECT_EQ(p.particles, static_cast<double>(mpm::particle_count(*world.particles)));
+  EXPECT_EQ(p.particles, static_cast<double>(mpm::particle_count(*world.regions.front().particles)));
   for (int b = 0; b < 3; ++b) {
     EXPECT_EQ(p.bodies[b].particles, world.bodies[b].particles);
     // Two ways of summing the same points: round-off.
@@ -36,7 +36,7 @@ TEST(ParticlePlan, KnowsTheBodiesAsTheWorldWillFillThem) {
 TEST(ParticlePlan, StepsAreAsLongAsTheFirst) {
   auto setup = run::two_blocks();
   observe::Watched world{run::Case(setup)};
-  double const first = world.particles->stable_step();
+  double const first = world.regions.front().particles->stable_step();
   // The steps of the gentle start come on top.
   EXPECT_NEAR(plan(setup).steps, setup.end.time / first + 5.0, 1e-6 * setup.end.time / first);
   setup.end.steps = 12;
@@ -44,7 +44,7 @@ TEST(ParticlePlan, StepsAreAsLongAsTheFirst) {
   // Explosives: the detonation is faster than the sound.
   auto const charge = run::charge_slab();
   observe::Watched const slab{run::Case(charge)};
-  EXPECT_NEAR(plan(charge).steps / (charge.end.time / slab.particles->stable_step() + 5.0), 1.0, 1e-6);
+  EXPECT_NEAR(plan(charge).steps / (charge.end.time / slab.regions.front().particles->stable_step() + 5.0), 1.0, 1e-6);
 }
 
 TEST(ParticlePlan, MemoryIsThatOfTheParticles) {
@@ -58,8 +58,9 @@ TEST(ParticlePlan, MemoryIsThatOfTheParticles) {
   // What the particles really take is not more.
   observe::Watched const world{run::Case(setup)};
   double taken = 0.0;
-  for (int block = 0; block < world.particles->grid().block_count(); ++block)
-    for (int body = 0; body < 3; ++body) taken += static_cast<double>(world.particles->particles(block, body).bytes());
+  for (int block = 0; block < world.regions.front().particles->grid().block_count(); ++block)
+    for (int body = 0; body < 3; ++body)
+      taken += static_cast<double>(world.regions.front().particles->particles(block, body).bytes());
   EXPECT_LT(taken, p.particles * 300.0);
   EXPECT_GT(taken, p.particles * 100.0);
 }

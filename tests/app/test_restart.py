@@ -197,6 +197,23 @@ time = "45 us"
 """
 
 
+# The same with a second slab in a region of its own, which the wave reaches later.
+SLABS = SLAB.replace('upper = ["200 mm", "240 mm"]', 'upper = ["380 mm", "240 mm"]').replace("[mpm_region]", '''[[body]]
+name = "second"
+material = "stone"
+shape = "box"
+lower = ["290 mm", "80 mm"]
+upper = ["310 mm", "160 mm"]
+[[mpm_region]]
+box = {lower = ["240 mm", "40 mm"], upper = ["360 mm", "200 mm"]}
+width = 2
+[[mpm_region]]''').replace('time = "45 us"', 'time = "80 us"').replace("[output]", '''[[gauge]]
+body = "second"
+point = ["292 mm", "120 mm"]
+[output]
+gas_points = true''')
+
+
 class Case(unittest.TestCase):
     def setUp(self):
         scratch = tempfile.TemporaryDirectory()
@@ -232,7 +249,7 @@ class Case(unittest.TestCase):
         for key in ("bytes", "point_updates_per_second"):
             log.get("points", {}).pop(key, None)
         for key in ("bridge_seconds", "bridge_share"):
-            log.get("mpm_region", {}).pop(key, None)
+            log.get("mpm_region", {}).pop(key, None)  # several regions have no such keys
         out["run.json"] = json.dumps(log, sort_keys=True).encode()
         return out
 
@@ -309,6 +326,11 @@ class Interrupted(Case):
 
     def test_slab(self):
         self.interrupt(SLAB)
+
+    def test_slabs_in_regions_of_their_own(self):
+        self.interrupt(SLABS)
+        log = json.loads((self.folder / "whole/run.json").read_text())
+        self.assertEqual([region["awake_since"] is None for region in log["mpm_regions"]], [False, False])
 
     def test_remap(self):
         self.interrupt('start = "remap"\n[remap]\ncell = "0.5 mm"' + SLAB)

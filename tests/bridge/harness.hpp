@@ -32,7 +32,7 @@ inline run::Case coupled_case(grid::Geometry geometry, Index3 const& cells, grid
   c.numerics.pressure_floor = 1e-12;
   c.output.peak_fields = false;
   c.end.time = 10.0;
-  c.mpm_region.emplace();
+  c.mpm_regions.emplace_back();
   return c;
 }
 
@@ -43,7 +43,7 @@ inline void set_region(run::Case& c, Index3 const& lower, Index3 const& upper) {
     box.lower[d] = c.domain.lower[d] + lower[d] * c.domain.h;
     box.upper[d] = c.domain.lower[d] + upper[d] * c.domain.h;
   }
-  c.mpm_region->boxes.push_back(box);
+  c.mpm_regions.front().boxes.push_back(box);
 }
 
 /// Runs to a time; returns the number of steps.
@@ -78,8 +78,8 @@ void for_each_own_cell(run::World const& w, Visit&& visit) {
 /// Calls visit(set, q) for all particles of a body.
 template <class Visit>
 void for_each_particle(run::World const& w, int body, Visit&& visit) {
-  for (int b = 0; b < w.particles->grid().block_count(); ++b) {
-    mpm::ParticleSet const& set = w.particles->particles(b, body);
+  for (int b = 0; b < w.regions.front().particles->grid().block_count(); ++b) {
+    mpm::ParticleSet const& set = w.regions.front().particles->particles(b, body);
     for (int q = 0; q < set.size(); ++q) visit(set, q);
   }
 }
@@ -102,7 +102,7 @@ inline Deviation deviation_of(run::World const& w, material::Primitive const& un
     d.see(norm(s.velocity - uniform.velocity), std::abs(s.pressure / uniform.pressure - 1.0),
           std::abs(s.density / uniform.density - 1.0));
   });
-  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
+  for_each_particle(w, w.regions.front().gas_body(), [&](mpm::ParticleSet const& set, int q) {
     Vec3 const v{set.field(Field::velocity_x)[q], set.field(Field::velocity_y)[q], set.field(Field::velocity_z)[q]};
     d.see(norm(v - uniform.velocity), std::abs(set.field(Field::pressure)[q] / uniform.pressure - 1.0),
           std::abs(set.field(Field::density)[q] / uniform.density - 1.0));
@@ -135,13 +135,13 @@ inline std::vector<double> pressure_line(run::World const& w, int row = 0) {
   auto const states = gas::gather(*w.gas, cells);
   std::vector<double> p;
   for (gas::Primitive const& s : states) p.push_back(s.pressure);
-  if (w.bridge == nullptr) return p;
+  if (!w.coupled()) return p;
   std::vector<Index3> inner;
   for (Index3 const& cell : cells) {
-    if (w.bridge->region().inside(cell)) inner.push_back(cell);
+    if (w.regions.front().bridge->region().inside(cell)) inner.push_back(cell);
   }
-  auto const sums = w.bridge->gas_in(inner);
-  for (std::size_t n = 0; n < inner.size(); ++n) p[inner[n][0]] = w.bridge->primitive(sums[n]).pressure;
+  auto const sums = w.regions.front().bridge->gas_in(inner);
+  for (std::size_t n = 0; n < inner.size(); ++n) p[inner[n][0]] = w.regions.front().bridge->primitive(sums[n]).pressure;
   return p;
 }
 

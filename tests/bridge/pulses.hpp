@@ -110,8 +110,8 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
                         grid::Boundary::outflow);
   c.domain.boundary[2] = c.domain.boundary[3] = grid::Boundary::periodic;
   set_region(c, {setting.into_region ? half : 0, 0, 0}, {setting.into_region ? n : half, rows, 1});
-  c.mpm_region->activation = -1.0;
-  if (setting.change) setting.change(*c.mpm_region);
+  c.mpm_regions.front().activation = -1.0;
+  if (setting.change) setting.change(c.mpm_regions.front());
   double const centre = 0.5 - (0.5 * length + before) * h;
   double const ky = oblique ? 2.0 * std::numbers::pi / (rows * h) : 0.0;
   Packet packet(centre, wavelength * h, ky, length * h, 2.0);
@@ -120,9 +120,9 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
   auto const make = [&](Media media) {
     bool const with_particles = media != Media::gas;
     run::Case one = c;
-    if (!with_particles) one.mpm_region.reset();
+    if (!with_particles) one.mpm_regions.clear();
     if (media == Media::particles) {
-      one.mpm_region->boxes.clear();
+      one.mpm_regions.front().boxes.clear();
       set_region(one, {0, 0, 0}, {n, rows, 1});
     }
     auto w = std::make_unique<run::World>(setup::build(one));
@@ -137,9 +137,10 @@ inline PulseResult run_pulse(PulseSetting const& setting) {
     });
     w->gas->start();
     if (!with_particles) return w;
-    double const half_step = 0.5 * w->particles->stable_step();  // the velocity of particles lags (leapfrog)
-    for (int b = 0; b < w->particles->grid().block_count(); ++b) {
-      mpm::ParticleSet& set = w->particles->particles(b, w->gas_body());
+    double const half_step =
+        0.5 * w->regions.front().particles->stable_step();  // the velocity of particles lags (leapfrog)
+    for (int b = 0; b < w->regions.front().particles->grid().block_count(); ++b) {
+      mpm::ParticleSet& set = w->regions.front().particles->particles(b, w->regions.front().gas_body());
       for (int q = 0; q < set.size(); ++q) {
         double const x = set.field(Field::position_x)[q];
         double const y = oblique ? set.field(Field::position_y)[q] : 0.0;

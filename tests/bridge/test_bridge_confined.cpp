@@ -26,13 +26,13 @@ double mean_pressure(run::World const& w) {
 
 /// Most that an account holds, in particles of the gas beside it.
 double fullest_account(run::World const& w) {
-  bridge::Bridge const& bridge = *w.bridge;
+  bridge::Bridge const& bridge = *w.regions.front().bridge;
   double most = 0.0;
   std::size_t const lanes = bridge.accounts().size() / bridge.region().faces().size();
   for (std::size_t n = 0; n < bridge.accounts().size(); ++n) {
     bridge::Face const& face = bridge.region().faces()[n / lanes];
     double const density = gas::gather(*w.gas, {face.outside()})[0].density;
-    double const particle = density * w.grid.domain().h / w.setup.mpm_region->gas_particles(1);
+    double const particle = density * w.grid.domain().h / w.setup.mpm_regions.front().gas_particles(1);
     most = std::max(most, std::abs(bridge.accounts()[n].total()) / particle);
   }
   return most;
@@ -58,7 +58,7 @@ TEST_P(Confined, TubeKeepsItsEnergy) {
   for (double const bar : {2.0, 5.0, 20.0, 50.0}) {
     auto c = tube(1e5 * bar);
     auto gas_alone = c;
-    gas_alone.mpm_region.reset();
+    gas_alone.mpm_regions.clear();
     run::World alone = setup::build(gas_alone);
     run_to(alone, 0.04);
     set_region(c, {GetParam().lower, 0, 0}, {GetParam().upper, 1, 1});
@@ -73,7 +73,7 @@ TEST_P(Confined, TubeKeepsItsEnergy) {
         "in "
         "the end all hold %+.1e of the gas; surplus %.1e kg\n",
         GetParam().name, bar, pressure, w.audit.current.energy / before.energy - 1.0, b.mass, fullest,
-        w.bridge->ledger().total() / before.mass[0], w.bridge->surplus());
+        w.regions.front().bridge->ledger().total() / before.mass[0], w.regions.front().bridge->surplus());
     EXPECT_NEAR(pressure, 1.0, 0.005);
     EXPECT_LT(b.energy, 0.002);
     EXPECT_LE(b.mass, mass_tolerance);
@@ -92,7 +92,7 @@ run::Case room(grid::Boundary boundary) {
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
   c.end.time = 1.0;
-  c.mpm_region->activation = -1.0;
+  c.mpm_regions.front().activation = -1.0;
   return c;
 }
 
@@ -111,9 +111,9 @@ TEST(Confined, MomentumIsKeptToRoundOff) {
     run_to(w, 0.002, [&](run::World& now) { largest = std::max(largest, norm(now.totals().momentum - before)); });
     double const scale = std::sqrt(2.0 * w.totals().energy * w.totals().mass[0]);
     std::printf("%zu boxes: momentum changes by %.1e of what there is; %ld points injected\n", boxes.size(),
-                largest / scale, w.bridge->traffic().injected);
+                largest / scale, w.regions.front().bridge->traffic().injected);
     EXPECT_LT(largest / scale, 1e-13);
-    EXPECT_GT(w.bridge->traffic().injected, 1000);
+    EXPECT_GT(w.regions.front().bridge->traffic().injected, 1000);
   }
 }
 
@@ -121,7 +121,7 @@ TEST(Confined, MomentumIsKeptToRoundOff) {
 TEST(Confined, RoomKeepsItsEnergy) {
   auto c = room(grid::Boundary::wall);
   auto gas_alone = c;
-  gas_alone.mpm_region.reset();
+  gas_alone.mpm_regions.clear();
   run::World alone = setup::build(gas_alone);
   run_to(alone, 0.01);
   set_region(c, {20, 16, 0}, {38, 36, 1});
@@ -131,7 +131,8 @@ TEST(Confined, RoomKeepsItsEnergy) {
   Balance const b = balance_of(w, before);
   double const pressure = mean_pressure(w) / mean_pressure(alone);
   std::printf("room: mean pressure %.4f of gas alone; energy %+.1e, mass %.1e; surplus %.1e of the gas\n", pressure,
-              w.audit.current.energy / before.energy - 1.0, b.mass, w.bridge->surplus() / before.mass[0]);
+              w.audit.current.energy / before.energy - 1.0, b.mass,
+              w.regions.front().bridge->surplus() / before.mass[0]);
   EXPECT_NEAR(pressure, 1.0, 0.01);
   EXPECT_LT(b.energy, 0.003);
   EXPECT_LE(b.mass, mass_tolerance);

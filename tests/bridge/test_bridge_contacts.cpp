@@ -33,7 +33,7 @@ Worst carry(Moving const& m) {
   c.other_fluids[0].name = "products";
   c.other_fluids[0].eos = material::Jwl{};
   c.ambient.state = {air, m.pressure, {m.speed, 0.0, 0.0}};
-  c.mpm_region->reference_pressure = m.reference;
+  c.mpm_regions.front().reference_pressure = m.reference;
   double const contact = 0.4;  // 20 cells before the face
   run::InitialState filled;
   filled.shape = m.products_ahead ? shape::Box{{contact, -1.0, -1.0}, {2.0, 1.0, 1.0}}
@@ -149,7 +149,7 @@ TEST(Contact, CrossesTheBridgeBehindAShock) {
     Error particles;
     auto const p = pressure_line(w);
     for (int i = 0; i < n; ++i) see((i + 0.5) / n, p[i], cells);
-    for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
+    for_each_particle(w, w.regions.front().gas_body(), [&](mpm::ParticleSet const& set, int q) {
       see(set.field(Field::position_x)[q], set.field(Field::pressure)[q], particles);
     });
     Balance const b = balance_of(w, before);

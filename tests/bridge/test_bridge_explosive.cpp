@@ -31,7 +31,7 @@ run::Case air_and_tnt(Geometry geometry, Index3 const& cells, double h) {
   c.other_fluids = {material::Fluid{"TNT", "", material::Jwl{}, 1630.0, 1e10}};
   c.output.peak_fields = false;
   c.end.time = 1.0;
-  c.mpm_region.emplace();
+  c.mpm_regions.emplace_back();
   return c;
 }
 
@@ -79,7 +79,9 @@ run::Case charge_and_soil(double height) {
 /// Largest drift of the energy between walls, as a part of that of the charge.
 class Drift {
  public:
-  explicit Drift(run::World& w) : before_(w.totals()) { charge_ = mpm::sums(*w.particles, 0).internal_energy; }
+  explicit Drift(run::World& w) : before_(w.totals()) {
+    charge_ = mpm::sums(*w.regions.front().particles, 0).internal_energy;
+  }
   void see(run::World& w) {
     run::Totals const now = w.totals();
     last = std::abs(now.energy - before_.energy) / charge_;
@@ -97,7 +99,7 @@ class Drift {
 
 double fastest_gas(run::World const& w) {
   double fastest = 0.0;
-  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
+  for_each_particle(w, w.regions.front().gas_body(), [&](mpm::ParticleSet const& set, int q) {
     fastest = std::max(fastest, norm(Vec3{set.field(Field::velocity_x)[q], set.field(Field::velocity_y)[q], 0.0}));
   });
   return fastest;
@@ -146,20 +148,20 @@ TEST(SlabBesideSoil, KeepsTheEnergy) {
 TEST(Products, LeaveTheRegionAsGas) {
   auto c = air_and_tnt(Geometry::planar1d, {200, 1, 1}, 5e-3);
   set_region(c, {60, 0, 0}, {140, 1, 1});
-  c.mpm_region->subcycling = false;
+  c.mpm_regions.front().subcycling = false;
   add_tnt(c, shape::Box{{0.45, -1.0, -1.0}, {0.55, 1.0, 1.0}}, {0.45, 0.0, 0.0});
   run::World w = setup::build(c);
-  double const mass = mpm::sums(*w.particles, 0).mass;
+  double const mass = mpm::sums(*w.regions.front().particles, 0).mass;
   Drift drift(w);
   bool burning = false;
   run_to(w, 150e-6, [&](run::World& now) {
     drift.see(now);
-    burning = burning || (mpm::sums(*now.particles, 0).particles > 0 &&
-                          mpm::sums(*now.particles, 0).particles < now.bodies[0].particles);
+    burning = burning || (mpm::sums(*now.regions.front().particles, 0).particles > 0 &&
+                          mpm::sums(*now.regions.front().particles, 0).particles < now.bodies[0].particles);
   });
   std::printf("drift %.2e, in the end %.2e, products %.1e\n", drift.worst, drift.last, drift.mass);
   EXPECT_TRUE(burning);
-  EXPECT_EQ(mpm::sums(*w.particles, 0).particles, 0);
+  EXPECT_EQ(mpm::sums(*w.regions.front().particles, 0).particles, 0);
   double outside = 0.0;
   for_each_own_cell(w, [&](gas::Primitive const& s, Index3 const& cell) {
     outside += s.mass_fraction[1] * s.density * w.setup.domain.cell_volume(cell[0]);
@@ -175,7 +177,7 @@ std::vector<double> everything(run::World const& w) {
   for_each_cell(w, [&](int block, int offset, Index3 const&) {
     for (int k = 0; k < w.gas->fields().components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
   });
-  for (int body = 0; body < static_cast<int>(w.particles->bodies().size()); ++body) {
+  for (int body = 0; body < static_cast<int>(w.regions.front().particles->bodies().size()); ++body) {
     for_each_particle(w, body, [&](mpm::ParticleSet const& set, int q) {
       for (int f = 0; f < mpm::field_count; ++f) {
         if (double const* values = set.field(static_cast<Field>(f))) all.push_back(values[q]);
@@ -194,7 +196,7 @@ bool same(run::World const& a, run::World const& b) {
 TEST(Products, AreTheSameOnAnyNumberOfThreadsAndAfterARestart) {
   auto c = charge_and_soil(0.0308);
   c.particles.options.block_cells = 7;
-  c.mpm_region->subcycling = false;
+  c.mpm_regions.front().subcycling = false;
   auto const runs = [&](int threads, int steps) {
     set_threads(threads);
     auto w = std::make_unique<run::World>(setup::build(c));
@@ -204,8 +206,8 @@ TEST(Products, AreTheSameOnAnyNumberOfThreadsAndAfterARestart) {
   };
   auto const one = runs(1, 12);
   auto const three = runs(3, 12);
-  EXPECT_GT(mpm::sums(*one->particles, 0).particles, 0);  // it still burns
-  EXPECT_LT(mpm::sums(*one->particles, 0).particles, one->bodies[0].particles);
+  EXPECT_GT(one->sums(0).particles, 0);  // it still burns
+  EXPECT_LT(one->sums(0).particles, one->bodies[0].particles);
   EXPECT_TRUE(same(*one, *three));
   std::string saved;
   Archive writer([&](void const* from, std::size_t count) { saved.append(static_cast<char const*>(from), count); });
@@ -228,11 +230,11 @@ TEST(Products, AreTheSameOnAnyNumberOfThreadsAndAfterARestart) {
 TEST(AutomaticBox, TakesTheDomainWhereSoilIsThrownOut) {
   auto c = charge_and_soil(-0.08);
   c.domain.cells[1] = 120;  // far above what the box around the bodies takes
-  EXPECT_EQ(setup::region_of(c).cells().size(), 32U * 120U);
+  EXPECT_EQ(setup::region_of(c, 0).cells().size(), 32U * 120U);
   c.domain.boundary[3] = Boundary::inflow;
-  EXPECT_EQ(setup::region_of(c).cells().size(), 32U * 116U);
+  EXPECT_EQ(setup::region_of(c, 0).cells().size(), 32U * 116U);
   c.particles.bodies.erase(c.particles.bodies.begin());
-  EXPECT_EQ(setup::region_of(c).cells().size(), 32U * (24U + 15U));  // nobody throws
+  EXPECT_EQ(setup::region_of(c, 0).cells().size(), 32U * (24U + 15U));  // nobody throws
 }
 
 /// Gas at `pressure` around a ball of soil that has come loose: its particles count a thousandth of its density.
@@ -350,7 +352,7 @@ TEST(OpenFace, CountsWhatLeavesToTheWorkAtTheNodes) {
   set_region(c, {0, 0, 0}, {24, 24, 1});
   add_tnt(c, shape::Cylinder{{0.0, 0.0, 0.0}, 0.0308, 1.0, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0});
   run::World w = setup::build(c);
-  double const charge = mpm::sums(*w.particles, 0).internal_energy;
+  double const charge = mpm::sums(*w.regions.front().particles, 0).internal_energy;
   double const before = w.totals().energy;
   run_to(w, 200e-6);
   w.update_audit();
@@ -367,10 +369,10 @@ TEST(OpenFace, LetsNoGasIntoSoil) {
   c.domain.boundary.fill(Boundary::outflow);
   set_region(c, {0, 0, 0}, {20, 20, 1});
   add_soil(c, shape::Box{{0.0, 0.0, -1.0}, {0.2, 0.1, 1.0}});
-  c.mpm_region->population_interval = 0;
+  c.mpm_regions.front().population_interval = 0;
   c.particles.bodies[0].velocity = {1e-6, 0.0, 0.0};  // the region is awake
   run::World w = setup::build(c);
-  mpm::ParticleSet puff(mpm::fields(*w.particles, w.gas_body()));
+  mpm::ParticleSet puff(mpm::fields(*w.regions.front().particles, w.regions.front().gas_body()));
   for (int n = 0; n < 4; ++n) {
     int const q = puff.append();
     puff.field(Field::position_x)[q] = 0.195;
@@ -381,11 +383,11 @@ TEST(OpenFace, LetsNoGasIntoSoil) {
     puff.field(Field::pressure)[q] = 1e-2;
     puff.field(Field::energy)[q] = 1e-2 / (0.4 * 1e-6);
   }
-  w.particles->add(w.gas_body(), puff);
-  w.particles->update_signals();
+  w.regions.front().particles->add(w.regions.front().gas_body(), puff);
+  w.regions.front().particles->update_signals();
   for (int step = 0; step < 30; ++step) run::advance(w, 1.0);
   int inside = 0;
-  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
+  for_each_particle(w, w.regions.front().gas_body(), [&](mpm::ParticleSet const& set, int q) {
     inside += set.field(Field::position_y)[q] < 0.08 ? 1 : 0;
   });
   EXPECT_LE(inside, 4);
@@ -402,7 +404,7 @@ TEST(OpenFace, TracesOfGasInSoilLeaveWithNoEnergy) {
   c.particles.options.shape = ShapeFunction::gimp;
   c.particles.options.courant = 0.3;
   set_region(c, {0, 0, 0}, {30, 16, 1});
-  c.mpm_region->width = 3;
+  c.mpm_regions.front().width = 3;
   add_soil(c, shape::Box{{0.0, -0.2, -1.0}, {0.6, 0.0, 1.0}});
   c.particles.bodies[0].particles_per_direction = 1;
   run::InitialState puff;

@@ -141,7 +141,7 @@ std::string refusal(run::Case const& c) {
 TEST(RegionOfACase, LiesOnTheGrid) {
   auto c = coupled_case(Geometry::planar1d, {100, 1, 1}, Boundary::outflow);
   set_region(c, {40, 0, 0}, {100, 1, 1});
-  c.mpm_region->boxes[0].lower[0] = 0.403;
+  c.mpm_regions.front().boxes[0].lower[0] = 0.403;
   EXPECT_EQ(refusal(c),
             "the faces of the MPM region must be cell faces: x = 0.403 m lies inside a cell; the nearest cell faces "
             "are at 0.4 and 0.41 m");

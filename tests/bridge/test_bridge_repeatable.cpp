@@ -17,9 +17,9 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
   int const n = dims == 3 ? 26 : 40;
   auto c = coupled_case(geometry, {n, n, dims == 3 ? n : 1}, Boundary::outflow);
   c.domain.boundary[2] = Boundary::symmetry;
-  c.mpm_region->width = 1;
-  c.mpm_region->activation = -1.0;
-  c.mpm_region->population_interval = 2;
+  c.mpm_regions.front().width = 1;
+  c.mpm_regions.front().activation = -1.0;
+  c.mpm_regions.front().population_interval = 2;
   c.numerics.block_cells = 8;
   c.numerics.sleep = sleep;
   c.particles.options.block_cells = 5;
@@ -38,14 +38,16 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
       shape::Box{{low, low, dims == 3 ? low : -1.0}, {low + 4 * h, low + 4 * h, dims == 3 ? low + 4 * h : 1.0}};
   c.particles.bodies = {body};
   run::World w = setup::build(c);
-  long const at_start = mpm::sums(*w.particles, w.gas_body()).particles;
+  long const at_start = mpm::sums(*w.regions.front().particles, w.regions.front().gas_body()).particles;
   for (int step = 0; step < 24; ++step) run::advance(w, 10.0);
-  EXPECT_GT(w.bridge->traffic().injected, 0);
-  EXPECT_GT(w.bridge->traffic().absorbed, 0);
+  EXPECT_GT(w.regions.front().bridge->traffic().injected, 0);
+  EXPECT_GT(w.regions.front().bridge->traffic().absorbed, 0);
   // Population control acted: the count changed by other than injection and absorption.
-  long const now = mpm::sums(*w.particles, w.gas_body()).particles;
-  EXPECT_NE(now - at_start, w.bridge->traffic().injected - w.bridge->traffic().absorbed);
-  std::vector<double> all{w.clock.time, static_cast<double>(now), static_cast<double>(w.bridge->traffic().injected)};
+  long const now = mpm::sums(*w.regions.front().particles, w.regions.front().gas_body()).particles;
+  EXPECT_NE(now - at_start,
+            w.regions.front().bridge->traffic().injected - w.regions.front().bridge->traffic().absorbed);
+  std::vector<double> all{w.clock.time, static_cast<double>(now),
+                          static_cast<double>(w.regions.front().bridge->traffic().injected)};
   for_each_cell(w, [&](int block, int offset, Index3 const&) {
     for (int k = 0; k < w.gas->fields().components(); ++k) all.push_back(w.gas->fields().at(block, k)[offset]);
   });
@@ -56,7 +58,7 @@ std::vector<double> everything(Geometry geometry, int threads, bool sleep = true
       }
     });
   }
-  for (bridge::Amounts const& account : w.bridge->accounts()) {
+  for (bridge::Amounts const& account : w.regions.front().bridge->accounts()) {
     all.insert(all.end(),
                {account.mass[0], account.momentum[0], account.momentum[1], account.momentum[2], account.energy});
   }

@@ -23,11 +23,11 @@ run::Case blast_case() {
 TEST(Activation, SleepsUntilTheShockArrives) {
   auto c = blast_case();
   run::World w = setup::build(c);
-  EXPECT_FALSE(w.bridge->awake());
+  EXPECT_FALSE(w.regions.front().bridge->awake());
   double woken = 0.0;
   run_to(w, 0.25, [&](run::World& now) {
-    if (now.bridge->awake() && woken == 0.0) woken = now.clock.time;
-    if (!now.bridge->awake()) {
+    if (now.regions.front().bridge->awake() && woken == 0.0) woken = now.clock.time;
+    if (!now.regions.front().bridge->awake()) {
       EXPECT_EQ(now.clock.particle_steps, 0);  // a sleeping region costs nothing
     }
   });
@@ -37,7 +37,7 @@ TEST(Activation, SleepsUntilTheShockArrives) {
   EXPECT_GT(woken, 0.235 / 2.0);
   EXPECT_LT(woken, 0.235 / 1.4);
 
-  c.mpm_region->activation = -1.0;  // awake from the start
+  c.mpm_regions.front().activation = -1.0;  // awake from the start
   run::World early = setup::build(c);
   run_to(early, 0.25);
   EXPECT_GT(early.clock.particle_steps, w.clock.particle_steps);
@@ -59,7 +59,7 @@ TEST(Activation, SleepsUntilTheShockArrives) {
               woken, w.clock.particle_steps, early.clock.particle_steps, worst);
   EXPECT_LT(worst, 2e-3);
 
-  c.mpm_region->activation = 0.0;  // any disturbance at all
+  c.mpm_regions.front().activation = 0.0;  // any disturbance at all
   run::World zero = setup::build(c);
   run_to(zero, 0.25);
   auto const zero_p = pressure_line(zero);
@@ -97,7 +97,7 @@ double difference(run::World& a, run::World& b, double end, char const* what) {
 TEST(SubCycling, WithSteelTheParticlesTakeMoreSteps) {
   auto c = coupled_case(Geometry::planar1d, {160, 1, 1}, Boundary::outflow);
   set_region(c, {80, 0, 0}, {160, 1, 1});
-  c.mpm_region->activation = -1.0;
+  c.mpm_regions.front().activation = -1.0;
   c.ambient.state = {1.225, 101325.0, {0.0, 0.0, 0.0}};
   c.numerics.density_floor = 1e-6;
   c.numerics.pressure_floor = 1.0;
@@ -111,15 +111,15 @@ TEST(SubCycling, WithSteelTheParticlesTakeMoreSteps) {
   body.shape = shape::Box{{0.7, -1.0, -1.0}, {0.8, 1.0, 1.0}};
   c.particles.bodies = {body};
   run::World with = setup::build(c);
-  c.mpm_region->subcycling = false;
+  c.mpm_regions.front().subcycling = false;
   run::World without = setup::build(c);
   EXPECT_LT(difference(with, without, 6e-4, "steel"), 0.02);
   EXPECT_GT(with.clock.particle_steps, 3 * with.clock.gas_steps);
   EXPECT_EQ(without.clock.particle_steps, without.clock.gas_steps);
-  double const v = mpm::sums(*with.particles, 0).momentum[0];
+  double const v = mpm::sums(*with.regions.front().particles, 0).momentum[0];
   EXPECT_GT(v, 0.0);
   // The impulse counts from the shock's arrival, which its width shifts: as the pressure.
-  EXPECT_NEAR(mpm::sums(*without.particles, 0).momentum[0] / v, 1.0, 0.02);
+  EXPECT_NEAR(mpm::sums(*without.regions.front().particles, 0).momentum[0] / v, 1.0, 0.02);
 }
 
 TEST(SubCycling, WithHotGasOutsideTheGasTakesMoreSteps) {
@@ -130,7 +130,7 @@ TEST(SubCycling, WithHotGasOutsideTheGasTakesMoreSteps) {
   hot.state = {0.014, 4.0, {0.0, 0.0, 0.0}};
   c.initial_states = {hot};
   run::World with = setup::build(c);
-  c.mpm_region->subcycling = false;
+  c.mpm_regions.front().subcycling = false;
   run::World without = setup::build(c);
   EXPECT_LT(difference(with, without, 0.35, "hot gas"), 0.02);
   EXPECT_GT(with.clock.gas_steps, with.clock.particle_steps);
@@ -180,7 +180,7 @@ TEST(Shapes, TwoBoxesAnLAndMirrors) {
     auto c = coupled_case(layout.geometry, {n, n, 1}, Boundary::outflow);
     if (layout.symmetric) c.domain.boundary[0] = Boundary::symmetry;
     for (auto const& box : layout.boxes) set_region(c, box[0], box[1]);
-    c.mpm_region->width = 2;
+    c.mpm_regions.front().width = 2;
     run::InitialState hot;
     hot.shape = shape::Sphere{{24.0 / n, 24.0 / n, 0.5 / n}, 4.0 / n};
     if (layout.geometry == Geometry::axisymmetric2d || layout.symmetric) {
@@ -210,8 +210,8 @@ TEST(Shapes, TwoBoxesAnLAndMirrors) {
     std::printf(
         "%s: %ld point steps, injected %ld, absorbed %ld, mass %.1e, energy %.1e, largest pressure %.3f, asymmetry "
         "%.1e\n",
-        layout.name, w.clock.particle_steps, w.bridge->traffic().injected, w.bridge->traffic().absorbed, b.mass,
-        b.energy, largest, asymmetry);
+        layout.name, w.clock.particle_steps, w.regions.front().bridge->traffic().injected,
+        w.regions.front().bridge->traffic().absorbed, b.mass, b.energy, largest, asymmetry);
     EXPECT_GT(w.clock.particle_steps, 20);
     EXPECT_LE(b.mass, mass_tolerance);
     EXPECT_LT(b.energy, 2e-3);  // 0.1 % in plane shock tubes
@@ -224,25 +224,25 @@ TEST(LongRun, KeepsTheNumberOfParticles) {
   auto c = coupled_case(Geometry::planar1d, {100, 1, 1}, Boundary::periodic);
   set_region(c, {30, 0, 0}, {70, 1, 1});
   c.ambient.state.velocity = {0.6, 0.0, 0.0};
-  c.mpm_region->activation = -1.0;
+  c.mpm_regions.front().activation = -1.0;
   run::InitialState wave;  // the flow is not uniform: there is something to split and to merge
   wave.shape = shape::Box{{0.1, -1.0, -1.0}, {0.25, 1.0, 1.0}};
   wave.state = {2.8, 1.8, {0.6, 0.0, 0.0}};
   c.initial_states = {wave};
   run::World w = setup::build(c);
   run::Totals const before = w.totals();
-  long const start = mpm::sums(*w.particles, w.gas_body()).particles;
+  long const start = mpm::sums(*w.regions.front().particles, w.regions.front().gas_body()).particles;
   long least = start;
   long most = start;
   run_to(w, 10.0 * 0.4 / 0.6, [&](run::World& now) {
-    long const count = mpm::sums(*now.particles, now.gas_body()).particles;
+    long const count = mpm::sums(*now.regions.front().particles, now.regions.front().gas_body()).particles;
     least = std::min(least, count);
     most = std::max(most, count);
   });
   Balance const b = balance_of(w, before);
   double light = 1e30;
   double heavy = 0.0;
-  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
+  for_each_particle(w, w.regions.front().gas_body(), [&](mpm::ParticleSet const& set, int q) {
     light = std::min(light, set.field(Field::mass)[q]);
     heavy = std::max(heavy, set.field(Field::mass)[q]);
   });
@@ -250,8 +250,8 @@ TEST(LongRun, KeepsTheNumberOfParticles) {
       "ten transits: %ld steps, points %ld at the start, from %ld to %ld; masses from %.2f to %.2f of the usual; "
       "injected %ld, absorbed %ld; mass %.1e, energy %.1e\n",
       w.clock.step, start, least, most, light / (1.4 * 0.01 / 4), heavy / (1.4 * 0.01 / 4),
-      w.bridge->traffic().injected, w.bridge->traffic().absorbed, b.mass, b.energy);
-  EXPECT_GT(w.bridge->traffic().injected, 5 * start);
+      w.regions.front().bridge->traffic().injected, w.regions.front().bridge->traffic().absorbed, b.mass, b.energy);
+  EXPECT_GT(w.regions.front().bridge->traffic().injected, 5 * start);
   EXPECT_GT(least, start / 2);
   EXPECT_LT(most, 2 * start);
   EXPECT_LE(b.mass, mass_tolerance);

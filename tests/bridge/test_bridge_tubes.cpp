@@ -56,7 +56,7 @@ TEST(PrintedTransport, CountsTwiceWhatFlowsOut) {
   for (Where const where : {Where{200, false}, Where{200, true}}) {
     run::Case c = tube_case(sod, where);
     TubeResult const ledger = run_tube(sod, c);
-    c.mpm_region->transport = bridge::Transport::paper;
+    c.mpm_regions.front().transport = bridge::Transport::paper;
     TubeResult const printed = run_tube(sod, c);
     print(where.right ? "Sod, as printed, into the region" : "Sod, as printed, out of the region", printed);
     print("   with the ledger", ledger);

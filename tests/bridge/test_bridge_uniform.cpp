@@ -24,7 +24,7 @@ run::Case case_of(Geometry geometry, ShapeFunction shape, Boundary boundary) {
   int const n = dims == 3 ? 26 : 40;
   auto c = coupled_case(geometry, {n, dims > 1 ? n : 1, dims > 2 ? n : 1}, boundary);
   if (grid::radial_exponent(geometry) > 0) c.domain.boundary[0] = Boundary::symmetry;
-  c.mpm_region->width = dims == 3 ? 2 : 5;
+  c.mpm_regions.front().width = dims == 3 ? 2 : 5;
   Index3 lower{0, 0, 0};
   Index3 upper{1, 1, 1};
   for (int d = 0; d < dims; ++d) {
@@ -34,7 +34,7 @@ run::Case case_of(Geometry geometry, ShapeFunction shape, Boundary boundary) {
   if (geometry == Geometry::axisymmetric2d) lower[0] = 0;  // on the axis
   set_region(c, lower, upper);
   c.particles.options.shape = shape;
-  c.mpm_region->activation = -1.0;
+  c.mpm_regions.front().activation = -1.0;
   return c;
 }
 
@@ -42,9 +42,10 @@ run::Case case_of(Geometry geometry, ShapeFunction shape, Boundary boundary) {
 /// gas pushes is what the nodes take of the cells outside, lane by lane, beside edges, mirrors and the axis too.
 double largest_account(run::World const& w) {
   double most = 0.0;
-  for (bridge::Amounts const& account : w.bridge->accounts()) most = std::max(most, norm(account.momentum));
+  for (bridge::Amounts const& account : w.regions.front().bridge->accounts())
+    most = std::max(most, norm(account.momentum));
   int const dims = w.grid.domain().dimensions();
-  return most / (w.clock.dt * std::pow(w.grid.domain().h / w.setup.mpm_region->gas_particles(dims), dims - 1));
+  return most / (w.clock.dt * std::pow(w.grid.domain().h / w.setup.mpm_regions.front().gas_particles(dims), dims - 1));
 }
 
 Deviation run_uniform(run::Case const& c, double end, char const* what) {
@@ -58,7 +59,7 @@ Deviation run_uniform(run::Case const& c, double end, char const* what) {
       "absorbed "
       "%ld\n",
       word_of(c.domain.geometry), word_of(c.particles.options.shape), what, steps, d.velocity, d.pressure, d.density,
-      b.mass, b.energy, w.bridge->traffic().injected, w.bridge->traffic().absorbed);
+      b.mass, b.energy, w.regions.front().bridge->traffic().injected, w.regions.front().bridge->traffic().absorbed);
   EXPECT_GT(w.clock.particle_steps, 10);
   EXPECT_LE(b.mass, mass_tolerance);
   // The nodes' sums over particles are as exact as the shape function; those of tents at the axis are not.
@@ -110,8 +111,8 @@ TEST_P(Uniform, DISABLED_NoiseWithoutReferencePressure) {
   if (geometry != Geometry::planar1d && geometry != Geometry::planar2d) return;
   for (Transfer const transfer : {Transfer::flip, Transfer::apic, Transfer::xpic}) {
     auto c = moving_case(geometry, shape);
-    c.mpm_region->transfer = transfer;
-    c.mpm_region->reference_pressure = 0.0;
+    c.mpm_regions.front().transfer = transfer;
+    c.mpm_regions.front().reference_pressure = 0.0;
     std::printf("%s, no reference pressure: ", word_of(transfer));
     run_uniform(c, 1.0, "in motion");
   }

@@ -75,7 +75,7 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
   auto const pressure_before_wall = [&](double nearest, double farthest) {
     double sum = 0.0;
     double volume = 0.0;
-    for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
+    for_each_particle(w, w.regions.front().gas_body(), [&](mpm::ParticleSet const& set, int q) {
       double const cells = wall - set.field(Field::position_x)[q] / c.domain.h;
       if (cells < nearest || cells > farthest) return;
       double const v = set.field(Field::mass)[q] / set.field(Field::density)[q];
@@ -84,7 +84,7 @@ Hit hit(double mach, grid::Geometry geometry, double courant_end = 1.0) {
     });
     return sum / volume;
   };
-  auto const wall_momentum = [&] { return mpm::sums(*w.particles, 0).momentum[0]; };
+  auto const wall_momentum = [&] { return mpm::sums(*w.regions.front().particles, 0).momentum[0]; };
   // From when the reflected shock is 12 cells before the wall; before that the shock's width matters.
   double const formed = arrival + 12.0 * c.domain.h / s.back;
   run_to(w, formed);
@@ -169,9 +169,9 @@ struct Burst {
   [[nodiscard]] static Burst on_wall(bool by_particles) {
     auto c = above(0);
     c.domain.boundary[2] = grid::Boundary::wall;
-    c.mpm_region.reset();
+    c.mpm_regions.clear();
     if (by_particles) {
-      c.mpm_region.emplace();
+      c.mpm_regions.emplace_back();
       set_region(c, {0, 0, 0}, {cells, particles, 1});
     }
     light(c, 0.0);
@@ -190,7 +190,7 @@ struct Burst {
     auto c = above(below);
     double const face = (below + part) * c.domain.h;
     set_region(c, {0, 0, 0}, {cells, below + particles, 1});
-    c.mpm_region->slip = slip;
+    c.mpm_regions.front().slip = slip;
     run::Body plate;
     plate.name = "plate";
     plate.solid = material::elastic_solid(1400.0, 1.4e5, 0.3);
@@ -207,7 +207,7 @@ struct Burst {
     run::World w = setup::build(c);
     Burst burst;
     burst.run(w, 1, face);
-    burst.impulse = w.particles->accounts().constraint_impulse[1];
+    burst.impulse = w.regions.front().particles->accounts().constraint_impulse[1];
     return burst;
   }
 };

@@ -60,7 +60,7 @@ inline run::Case tube_case(Tube const& t, Where const& where, int cells = 400) {
   left.shape = shape::Box{{-1.0, -1.0, -1.0}, {t.diaphragm, 1.0, 1.0}};
   left.state = {t.left.rho, t.left.p, {t.left.u, 0.0, 0.0}};
   c.initial_states = {left};
-  c.mpm_region->activation = -1.0;
+  c.mpm_regions.front().activation = -1.0;
   return c;
 }
 
@@ -90,14 +90,14 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
   run_to(w, t.end);
   w.update_audit();
   run::Case c_alone = c;
-  c_alone.mpm_region.reset();
+  c_alone.mpm_regions.clear();
   run::World alone = setup::build(c_alone);
   run_to(alone, t.end);
 
   TubeResult r;
   double const scale = std::max({t.left.p, t.right.p, at(t.diaphragm).p});
   int face = 0;
-  for (bridge::Face const& f : w.bridge->region().faces()) {
+  for (bridge::Face const& f : w.regions.front().bridge->region().faces()) {
     if (!f.open) face = f.inside[0] + f.side;
   }
   Norms scale_cells{};
@@ -118,7 +118,7 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
       r.peak_at = x * n;
     }
   });
-  for_each_particle(w, w.gas_body(), [&](mpm::ParticleSet const& set, int q) {
+  for_each_particle(w, w.regions.front().gas_body(), [&](mpm::ParticleSet const& set, int q) {
     double const x = set.field(Field::position_x)[q];
     double const volume = set.field(Field::mass)[q] / set.field(Field::density)[q];
     exact::State const e = at(x);
@@ -134,7 +134,7 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
     double const x = (i + 0.5) / n;
     exact::State const e = at(x);
     gas::Primitive const s = gas::gather(*alone.gas, {{i, 0, 0}})[0];
-    bool const inside = w.bridge->region().inside({i, 0, 0});
+    bool const inside = w.regions.front().bridge->region().inside({i, 0, 0});
     add(inside ? r.particles_alone : r.alone, 1.0, s.density - e.rho, s.velocity[0] - e.u, s.pressure - e.p);
     if (inside) add(scale_inside, 1.0, e.rho, e.u, e.p);
     if (std::abs(i + 0.5 - face) < near_bridge) r.peak_alone = std::max(r.peak_alone, excess(x, s.pressure) / scale);
@@ -153,8 +153,8 @@ inline TubeResult run_tube(Tube const& t, run::Case const& c) {
     if (std::abs(drift) > std::abs(r.mass_drift)) r.mass_drift = drift;
   }
   r.energy_drift = (now.energy + out.energy - before.energy) / before.energy;
-  r.injected = w.bridge->traffic().injected;
-  r.absorbed = w.bridge->traffic().absorbed;
+  r.injected = w.regions.front().bridge->traffic().injected;
+  r.absorbed = w.regions.front().bridge->traffic().absorbed;
   return r;
 }
 

@@ -659,7 +659,7 @@ TEST(GoodDecks, SurfacePressurePushesWithItsForce) {
                "\"\npressure = 1e6\nwithin = {shape = \"box\", lower = [0.3, 0.3, 0], upper = [0.6, 0.4, 1]}\n"));
       double const push = normal == "+z" ? -1.0 : 1.0;
       while (!world.finished()) run::advance(world, world.setup.end.time);
-      Vec3 const momentum = mpm::sums(*world.particles, 0).momentum;
+      Vec3 const momentum = mpm::sums(*world.regions.front().particles, 0).momentum;
       // The force goes with the volume of the loaded particles, which changes by 1 MPa / K = 1.5e-5 of itself.
       EXPECT_NEAR(momentum[2], push * 1e6 * 0.03 * 2e-5, 1.5e-5 * 0.6) << top << normal;
       EXPECT_NEAR(momentum[0], 0.0, 1e-9);
@@ -726,10 +726,40 @@ TEST(GoodDecks, SizeUpToTheLimitOfTheIndicesIsRead) {
   EXPECT_EQ(c.domain.cells, (Index3{1280, 1280, 1280}));
 }
 
+TEST(GoodDecks, BodiesBelongToTheRegionsThatNameOrHoldThem) {
+  std::string const domain =
+      "[domain]\ngeometry = \"planar2d\"\nsize = [1.28, 0.24]\ncell = \"10 mm\"\n[end]\ntime = 1e-3\n";
+  auto const body = [](char const* name, char const* low, char const* high) {
+    return fmt::format(
+        "[[body]]\nname = \"{}\"\nmaterial = \"RHA\"\nshape = \"box\"\nlower = [{}, 0.08]\nupper = [{}, 0.16]\n", name,
+        low, high);
+  };
+  std::string const bodies = body("a", "0.37", "0.38") + body("b", "0.85", "0.88") + body("c", "0.39", "0.40");
+  std::string const first = "[[mpm_region]]\nbox = {lower = [0.26, 0], upper = [0.52, 0.24]}\nwidth = 3\n";
+  std::string const second = "[[mpm_region]]\nbox = {lower = [0.74, 0], upper = [1, 0.24]}\nwidth = 3\n";
+  for (std::string const& regions :
+       {first + second, first + "bodies = [\"c\", \"a\"]\n" + second, first + second + "bodies = [\"b\"]\n",
+        first + "[[mpm_region]]\nbodies = [\"b\"]\nmargin = 8\nwidth = 3\n"}) {
+    run::Case const c = read(domain + bodies + regions);
+    ASSERT_EQ(c.mpm_regions.size(), 2U);
+    EXPECT_EQ(c.mpm_regions[0].bodies, (std::vector<int>{0, 2})) << regions;
+    EXPECT_EQ(c.mpm_regions[1].bodies, std::vector<int>{1}) << regions;
+    EXPECT_EQ(c.region_with(2), 0U);
+    EXPECT_EQ(c.region_with(1), 1U);
+  }
+  // One region in a list is what a single table is.
+  std::string const box = "box = {lower = [0.26, 0], upper = [1, 0.24]}\n";
+  run::Case const list = read(domain + bodies + "[[mpm_region]]\n" + box);
+  run::Case const table = read(domain + bodies + "[mpm_region]\n" + box);
+  EXPECT_EQ(list.mpm_regions.size(), 1U);
+  EXPECT_EQ(list.mpm_regions[0].bodies, table.mpm_regions[0].bodies);
+  EXPECT_EQ(list.mpm_regions[0].boxes[0].upper, table.mpm_regions[0].boxes[0].upper);
+}
+
 TEST(GoodDecks, EveryKeyOfTheMpmRegionArrives) {
   run::Case const c = read_good("all_region.toml");
-  ASSERT_TRUE(c.mpm_region);
-  run::MpmRegion const& r = *c.mpm_region;
+  ASSERT_TRUE(c.has_regions());
+  run::MpmRegion const& r = c.mpm_regions.front();
   ASSERT_EQ(r.boxes.size(), 2U);
   EXPECT_EQ(r.boxes[0].lower[0], 1.0);
   EXPECT_EQ(r.boxes[0].upper[1], 0.5);
@@ -779,18 +809,18 @@ TEST(GoodDecks, EveryKeyOfTheRemapArrives) {
 TEST(GoodDecks, WhereGasAndBodiesMeetThereIsAnMpmRegion) {
   std::string const domain = "[end]\ntime = 1e-3\n[domain]\nsize = [4, 4, 4]\ncell = 0.05\n";
   std::string const body = "[[body]]\nmaterial = \"RHA\"\nradius = 0.2\nposition = [2, 2, 2]\nvelocity = [1, 0, 0]\n";
-  EXPECT_FALSE(read(domain + body).mpm_region);
+  EXPECT_FALSE(read(domain + body).has_regions());
   for (std::string const gas :
        {"[mpm_region]\n", "[[charge]]\nmass = 0.1\nposition = [0.15, 0.15, 0.15]\n",
         "[[initial_state]]\nshape = \"sphere\"\nradius = 0.1\npressure = 2e5\n",
         "[[obstacle]]\nradius = 0.05\nposition = [0.1, 0.1, 0.1]\n", "[[gauge]]\npoint = [0, 0, 0]\n"}) {
     run::Case const c = read(domain + "[mpm_region]\nmargin = 9\n" + (gas[1] == 'm' ? "" : gas) + body);
-    EXPECT_TRUE(c.mpm_region && c.mpm_region->boxes.empty()) << gas;
-    EXPECT_EQ(c.mpm_region->margin, 9);
+    EXPECT_TRUE(c.has_regions() && c.mpm_regions.front().boxes.empty()) << gas;
+    EXPECT_EQ(c.mpm_regions.front().margin, 9);
   }
   // Without the table the box has the usual margin.
   auto const only = deck::read_text(domain + "[[gauge]]\npoint = [0, 0, 0]\n" + body, "d");
-  ASSERT_TRUE(only.case_ && only.case_->mpm_region);
+  ASSERT_TRUE(only.case_ && only.case_->has_regions());
   ASSERT_EQ(only.warnings.size(), 1U);
   EXPECT_NE(only.warnings[0].find("d:6:3: warning: gauge: gauges in the gas surround the bodies"), std::string::npos)
       << only.warnings[0];
@@ -798,7 +828,7 @@ TEST(GoodDecks, WhereGasAndBodiesMeetThereIsAnMpmRegion) {
   run::Case const gas = read(domain +
                              "[mpm_region]\nbox = {lower = [1, 0, 0], upper = [2, 4, 4]}\n[[charge]]\nmass = 0.1\n"
                              "position = [0.5, 1, 1]\n");
-  EXPECT_TRUE(gas.mpm_region && gas.mpm_region->boxes.size() == 1 && !gas.particles.any());
+  EXPECT_TRUE(gas.has_regions() && gas.mpm_regions.front().boxes.size() == 1 && !gas.particles.any());
 }
 
 TEST(GoodDecks, WarningsNameWhatIsDoubtful) {

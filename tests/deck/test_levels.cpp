@@ -41,10 +41,10 @@ TEST_F(Levels, TheFinestCellIsAllThatMustBeSaid) {
   EXPECT_FALSE(c.adaptive.products);
   EXPECT_EQ(c.adaptive.threshold, 0.3);
   EXPECT_EQ(c.adaptive.most_cells, 0.0);
-  ASSERT_TRUE(c.mpm_region);
-  EXPECT_EQ(c.mpm_region->level, 4);
+  ASSERT_TRUE(c.has_regions());
+  EXPECT_EQ(c.mpm_regions.front().level, 4);
   EXPECT_EQ(c.domain.h, 0.064);
-  EXPECT_EQ(c.region_domain().h, 0.004);
+  EXPECT_EQ(c.region_domain(0).h, 0.004);
 }
 
 TEST_F(Levels, AllKeysAreUnderstood) {
@@ -61,7 +61,21 @@ TEST_F(Levels, AllKeysAreUnderstood) {
   EXPECT_EQ(c.adaptive.parts[0].level, 1);
   EXPECT_TRUE(std::holds_alternative<shape::Box>(c.adaptive.parts[0].shape));
   EXPECT_EQ(c.adaptive.parts[1].level, 3);
-  EXPECT_EQ(c.mpm_region->level, 4);
+  EXPECT_EQ(c.mpm_regions.front().level, 4);
+}
+
+TEST_F(Levels, SeveralRegionsHaveCellsOfTheirOwn) {
+  run::Case const c = case_of(test::file_text(test::root() / "tests/deck/good/two_regions.toml"));
+  ASSERT_EQ(c.mpm_regions.size(), 2U);
+  EXPECT_EQ(c.mpm_regions[0].level, 2);
+  EXPECT_EQ(c.mpm_regions[1].level, 3);
+  EXPECT_EQ(c.mpm_regions[0].bodies, std::vector<int>{0});
+  EXPECT_EQ(c.mpm_regions[1].bodies, std::vector<int>{1});
+  EXPECT_EQ(c.domain_around(0).h, 0.016);
+  EXPECT_EQ(c.domain_around(1).h, 0.008);
+  EXPECT_EQ(c.mpm_regions[0].width, 5);
+  EXPECT_EQ(c.mpm_regions[1].width, 3);
+  EXPECT_EQ(c.mpm_regions[1].margin, 12);
 }
 
 TEST_F(Levels, ObstaclesFollowTheCellsOfShocks) {
@@ -91,7 +105,7 @@ TEST_F(Levels, ARegionMayHaveCellsThatAreNotTheFinest) {
   std::string const thick = "[[body]]\nmaterial = \"RHA\"\nshape = \"box\"\nlower = [1.4, 0.4]\nupper = [1.45, 0.6]\n";
   run::Case const c = case_of(head + charge + thick +
                               "[mpm_region]\ncell = \"16 mm\"\n[adaptive]\nfinest = \"8 mm\"\nshocks = \"16 mm\"\n");
-  EXPECT_EQ(c.mpm_region->level, 2);
+  EXPECT_EQ(c.mpm_regions.front().level, 2);
   EXPECT_EQ(c.adaptive.finest, 3);
 }
 
@@ -99,7 +113,7 @@ TEST_F(Levels, ARegionMayHaveCellsThatAreNotTheFinest) {
 TEST_F(Levels, ARegionsBoxLiesOnItsOwnCells) {
   std::string const deck = head + charge + plate + "[adaptive]\nfinest = \"4 mm\"\n[mpm_region]\nbox = ";
   run::Case const c = case_of(deck + "{lower = [1.308, 0.308], upper = [1.508, 0.708]}\n");
-  EXPECT_EQ(c.mpm_region->boxes.size(), 1U);
+  EXPECT_EQ(c.mpm_regions.front().boxes.size(), 1U);
   EXPECT_FALSE(read(deck + "{lower = [1.306, 0.308], upper = [1.508, 0.708]}\n").case_);
 }
 

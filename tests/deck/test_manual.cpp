@@ -64,7 +64,7 @@ TEST(Manual, TheDecksOfTheUserGuideAreRead) {
     EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
     ++count;
   }
-  EXPECT_EQ(count, 6);
+  EXPECT_EQ(count, 7);
 }
 
 void check_keys(deck::Table const& table, std::string const& where) {

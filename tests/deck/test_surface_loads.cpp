@@ -34,8 +34,8 @@ run::World world_of(std::string const& text) {
 
 Resultant resultant(run::World const& world) {
   Resultant all;
-  for (int b = 0; b < world.particles->grid().block_count(); ++b) {
-    mpm::ParticleSet const& set = world.particles->particles(b, 0);
+  for (int b = 0; b < world.regions.front().particles->grid().block_count(); ++b) {
+    mpm::ParticleSet const& set = world.regions.front().particles->particles(b, 0);
     for (int q = 0; q < set.size(); ++q) {
       if (set.field(Field::load_number)[q] == 0.0) continue;
       double const volume = set.field(Field::mass)[q] / set.field(Field::density)[q];
@@ -209,7 +209,7 @@ TEST(SurfaceLoads, DriveABall) {
   run::World world = world_of(deck_of(
       "cartesian3d", space, "shape = \"sphere\"\nradius = 0.2\nposition = [0.5, 0.5, 0.5]\n", "normal = \"+z\""));
   while (!world.finished()) run::advance(world, world.setup.end.time);
-  Vec3 const momentum = mpm::sums(*world.particles, 0).momentum;
+  Vec3 const momentum = mpm::sums(*world.regions.front().particles, 0).momentum;
   EXPECT_NEAR(momentum[2] / (-1e6 * pi * 0.04 * 1e-5), 1.0, 0.01);
   EXPECT_NEAR(momentum[0] / momentum[2], 0.0, 1e-6);
 }

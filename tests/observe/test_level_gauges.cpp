@@ -182,7 +182,7 @@ TEST(ExpectedCell, IsThatOfTheLevelWhichTheCaseAsksFor) {
   MpmRegion region;
   region.boxes = {shape::Box{{2.0, 2.0, 0.0}, {3.0, 3.0, 0.0}}};
   region.level = 2;
-  c.mpm_region = region;
+  c.mpm_regions = {region};
   EXPECT_EQ(expected_cell(c, {2.5, 2.5, 0.0}), 0.02);
 }
 

@@ -23,7 +23,7 @@ std::vector<double> field(Watched const& w, std::string const& name) {
 
 TEST(ParticleFields, EveryKnownFieldHasItsComponentsForEveryParticle) {
   Watched const w(two_blocks());
-  auto const count = static_cast<std::size_t>(mpm::particle_count(*w.particles));
+  auto const count = static_cast<std::size_t>(mpm::particle_count(*w.regions.front().particles));
   for (auto const* list : {&known_particle_fields(), &standing_particle_fields()}) {
     for (FieldInfo const& info : *list) EXPECT_EQ(field(w, info.name).size(), count * info.components) << info.name;
   }
@@ -148,7 +148,7 @@ TEST(ParticleGauges, RideOnTheirParticle) {
 
   auto const& watched = w.gauges.particles[1].bodies;
   ASSERT_EQ(watched.size(), 41U);
-  EXPECT_EQ(watched.back().sums.kinetic_energy, mpm::sums(*w.particles, 1).kinetic_energy);
+  EXPECT_EQ(watched.back().sums.kinetic_energy, mpm::sums(*w.regions.front().particles, 1).kinetic_energy);
   EXPECT_GT(watched.back().sums.kinetic_energy, watched.front().sums.kinetic_energy);
 }
 
@@ -160,7 +160,7 @@ TEST(ParticleGauges, KeepTheirLastRecordWhenTheParticleLeaves) {
   c.domain.boundary[0] = grid::Boundary::outflow;
   Watched w(std::move(c));
   w.sample_gauges();
-  while (w.particles->accounts().losses.particles < 1600) {  // all 40 x 40
+  while (w.regions.front().particles->accounts().losses.particles < 1600) {  // all 40 x 40
     advance(w, 1.0);
     w.sample_gauges();
     ASSERT_LT(w.clock.time, 2e-4) << "the block does not leave";
@@ -170,7 +170,7 @@ TEST(ParticleGauges, KeepTheirLastRecordWhenTheParticleLeaves) {
   ASSERT_GT(gauge.particles.size(), 10U);
   EXPECT_LT(gauge.particles.back().time, w.clock.time);
   EXPECT_LT(gauge.particles.back().position[0], 3e-3);
-  EXPECT_EQ(mpm::particle_count(*w.particles), 0);
+  EXPECT_EQ(mpm::particle_count(*w.regions.front().particles), 0);
   EXPECT_TRUE(field(w, "stress").empty());
   w.update_audit();
   EXPECT_LT(w.audit.relative_error().mass[0], 1e-12);

@@ -221,7 +221,7 @@ TEST(Particles, LogTellsBodiesOptionsAndAudit) {
   EXPECT_EQ(particles["count"], 3600);
   EXPECT_EQ(particles["order"], "musl");
   EXPECT_EQ(particles["transfer"], "flip");
-  EXPECT_EQ(particles["shape_function"], word_of(world.particles->options().shape));
+  EXPECT_EQ(particles["shape_function"], word_of(world.regions.front().particles->options().shape));
   EXPECT_GT(particles["point_updates_per_second"].get<double>(), 0.0);
   ASSERT_EQ(particles["bodies"].size(), 3U);
   auto const& left = particles["bodies"][0];
@@ -266,7 +266,7 @@ TEST(Particles, EmptyDomainIsWritten) {
   ScratchFolder folder;
   Writer writer(world, world.gauges, folder.path());
   writer.dump(world, IsLast::no);
-  while (mpm::particle_count(*world.particles) > 0) {
+  while (mpm::particle_count(*world.regions.front().particles) > 0) {
     run::advance(world, 1.0);
     world.sample_gauges();
     ASSERT_LT(world.clock.time, 1e-4);

@@ -237,17 +237,17 @@ TEST(Verdict, KnowsWhatIsAtWorkInARegion) {
   plate.solid = material::elastic_solid(2700.0, 70e9, 0.3);
   plate.shape = shape::Box{{0.22, 0.2, 0.0}, {0.26, 0.28, 0.0}};
   c.particles.bodies = {plate};
-  c.mpm_region.emplace();
-  c.mpm_region->boxes = {shape::Box{{0.1, 0.1, 0.0}, {0.38, 0.38, 0.0}}};
+  c.mpm_regions.emplace_back();
+  c.mpm_regions.front().boxes = {shape::Box{{0.1, 0.1, 0.0}, {0.38, 0.38, 0.0}}};
   observe::Watched const still(c);
   EXPECT_LT(still.energy_balance().scale, 1e-12 * still.energy_balance().all);
   EXPECT_FALSE(still.for_comparison());
   c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.05, 0.48, 0.0}}, {2.0, 3e5, {}}, false, ""}};
   double const above = (3e5 - c.ambient.state.pressure) / 0.4 * 0.05 * 0.48;
   EXPECT_NEAR(observe::Watched(c).energy_balance().scale / above, 1.0, 1e-3);
-  c.mpm_region->transport = bridge::Transport::paper;
+  c.mpm_regions.front().transport = bridge::Transport::paper;
   EXPECT_TRUE(observe::Watched(c).for_comparison());
-  c.mpm_region->transport = bridge::Transport::ledger;
+  c.mpm_regions.front().transport = bridge::Transport::ledger;
   c.numerics.scheme = Scheme::lax_wendroff;
   EXPECT_TRUE(observe::Watched(c).for_comparison());
 }
@@ -255,8 +255,8 @@ TEST(Verdict, KnowsWhatIsAtWorkInARegion) {
 // The ledger holds half a particle of each lane; gas that gathers there belongs to neither side.
 TEST(Verdict, GasInTheLedgerIsAnError) {
   Case c = air_case(grid::Geometry::planar1d, {200, 1, 1}, 0.005, grid::Boundary::wall);
-  c.mpm_region.emplace();
-  c.mpm_region->boxes = {shape::Box{{0.4, 0.0, 0.0}, {0.6, 0.0, 0.0}}};
+  c.mpm_regions.emplace_back();
+  c.mpm_regions.front().boxes = {shape::Box{{0.4, 0.0, 0.0}, {0.6, 0.0, 0.0}}};
   c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.25, 0.0, 0.0}}, {2.0, 1.5e5, {}}, false, ""}};
   c.end.time = 2e-3;
   observe::Watched w(c);
@@ -265,7 +265,7 @@ TEST(Verdict, GasInTheLedgerIsAnError) {
     w.follow_audit();
   }
   EXPECT_EQ(w.audit.memory.surplus, 0.0) << "one passage of a weak wave";
-  EXPECT_GT(w.bridge->ledger().total(), 0.0);
+  EXPECT_GT(w.regions.front().bridge->ledger().total(), 0.0);
   double const gas = w.audit.memory.gas;
   EXPECT_NEAR(gas, 0.2 * 1.225, 0.1);
   w.audit.memory.surplus = 0.009 * gas;
@@ -318,8 +318,9 @@ TEST(FollowAudit, StopsWhereTheEnergyRunsAway) {
   Case c = two_blocks();
   observe::Watched w(c);
   auto const heat = [&](double part) {
-    mpm::ParticleSet& set =
-        w.particles->particles(w.particles->grid().block_of(w.particles->grid().cell_at({0.03, 0.012, 0.0})), 1);
+    mpm::ParticleSet& set = w.regions.front().particles->particles(
+        w.regions.front().particles->grid().block_of(w.regions.front().particles->grid().cell_at({0.03, 0.012, 0.0})),
+        1);
     ASSERT_GT(set.size(), 0);
     set.field(mpm::Field::energy)[0] += part * w.audit.memory.scale / set.field(mpm::Field::mass)[0];
   };
@@ -349,8 +350,8 @@ TEST(FollowAudit, StopsWhereTheEnergyRunsAway) {
 // What the audit remembers does not depend on threads, nor on what is written and when.
 TEST(FollowAudit, RemembersTheSameWhateverIsWritten) {
   Case c = air_case(grid::Geometry::planar2d, {40, 16, 1}, 0.01, grid::Boundary::wall);
-  c.mpm_region.emplace();
-  c.mpm_region->boxes = {shape::Box{{0.16, 0.0, 0.0}, {0.4, 0.16, 0.0}}};
+  c.mpm_regions.emplace_back();
+  c.mpm_regions.front().boxes = {shape::Box{{0.16, 0.0, 0.0}, {0.4, 0.16, 0.0}}};
   c.particles.options.block_cells = 8;
   c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.08, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
   c.end.time = 0.1;  // the looks by the time are far apart, those by steps are not

@@ -165,8 +165,8 @@ TEST(BrokenZones, AreMeasuredFromTheFaces) {
   // radius is counted to 3 %, layers exactly.
   observe::Watched& w = block_world();
   double volume = 0.0;
-  for (int b = 0; b < w.particles->grid().block_count(); ++b) {
-    mpm::ParticleSet& set = w.particles->particles(b, 0);
+  for (int b = 0; b < w.regions.front().particles->grid().block_count(); ++b) {
+    mpm::ParticleSet& set = w.regions.front().particles->particles(b, 0);
     for (int q = 0; q < set.size(); ++q) {
       Vec3 const x{set.field(Field::origin_x)[q], set.field(Field::origin_y)[q], set.field(Field::origin_z)[q]};
       bool const crushed = std::hypot(x[0], x[1]) < 0.05 && x[2] > 0.06;

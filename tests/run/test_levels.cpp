@@ -195,9 +195,9 @@ Case slab_case(int coarse, int levels) {
   c.initial_states.push_back(
       {shape::Cylinder{{0.35, 0.5, 0.0}, 0.15, 1.0, {0.0, 0.0, 1.0}}, {6.0, 20.0 * bar, {0.0, 0.0, 0.0}}, {}, {}});
   c.adaptive.finest = c.adaptive.shocks = c.adaptive.obstacles = c.adaptive.charges = levels;
-  c.mpm_region.emplace();
-  c.mpm_region->level = levels;
-  c.mpm_region->boxes.push_back({{0.75, 0.125, -1.0}, {1.5, 0.875, 1.0}});
+  c.mpm_regions.emplace_back();
+  c.mpm_regions.front().level = levels;
+  c.mpm_regions.front().boxes.push_back({{0.75, 0.125, -1.0}, {1.5, 0.875, 1.0}});
   Body body;
   body.name = "slab";
   body.solid = material::elastic_solid(7850.0, 210e9, 0.3);
@@ -207,7 +207,7 @@ Case slab_case(int coarse, int levels) {
   return c;
 }
 
-double slab_momentum(World const& w) { return mpm::sums(*w.particles, 0).momentum[0]; }
+double slab_momentum(World const& w) { return mpm::sums(*w.regions.front().particles, 0).momentum[0]; }
 
 TEST(RunLevelsRegion, ASlabFeelsTheShockAsOnUniformCells) {
   if (!grid::Forest::can_refine(2)) GTEST_SKIP() << "a build without p4est";
@@ -239,7 +239,7 @@ TEST(RunLevelsRegion, GoesOnFromACheckpoint) {
     while (second.clock.step < 40) advance(second, 1.0);
     EXPECT_EQ(bits_of(second), bits_of(whole)) << "stopped after step " << stop;
     EXPECT_EQ(slab_momentum(second), slab_momentum(whole));
-    EXPECT_TRUE(whole.bridge->awake());
+    EXPECT_TRUE(whole.regions.front().bridge->awake());
   }
 }
 

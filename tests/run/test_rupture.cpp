@@ -70,8 +70,8 @@ double gas_beyond(World const& w, double x) {
       mass += w.gas->fields().at(b, gas::partial_density(0))[cell.offset] * block.volume(cell);
     });
   }
-  for (int b = 0; w.particles != nullptr && b < w.particles->grid().block_count(); ++b) {
-    mpm::ParticleSet const& set = w.particles->particles(b, w.gas_body());
+  for (int b = 0; !w.regions.empty() && b < w.regions.front().particles->grid().block_count(); ++b) {
+    mpm::ParticleSet const& set = w.regions.front().particles->particles(b, w.regions.front().gas_body());
     for (int q = 0; q < set.size(); ++q) {
       if (set.field(mpm::Field::position_x)[q] > x) mass += set.field(mpm::Field::mass)[q];
     }
@@ -94,7 +94,7 @@ TEST(Rupture, GasPassesWhereAPlateTearsAndNotBefore) {
     if (gas_beyond(w, x) <= pushed) held = w.clock.time;
   }
   w.update_audit();
-  mpm::BodySums const sums = mpm::sums(*w.particles, 0);
+  mpm::BodySums const sums = mpm::sums(*w.regions.front().particles, 0);
   EXPECT_GT(sums.damaged_mass, 0.3 * sums.mass) << "the plate did not tear: the test would prove nothing";
   EXPECT_GT(held, 0.5e-3) << "gas came through before the plate had parted";
   EXPECT_LT(held, 0.85e-3) << "torn debris holds the gas back";
@@ -109,7 +109,7 @@ TEST(Rupture, NoGasPassesAPlateThatIsWhole) {
   w.setup.end.time = 0.6e-3;
   double const first = gas_beyond(w, 0.26);
   while (!w.finished()) advance(w, w.setup.end.time);
-  EXPECT_GT(mpm::sums(*w.particles, 0).largest_displacement, 0.01) << "it has not even bulged";
+  EXPECT_GT(mpm::sums(*w.regions.front().particles, 0).largest_displacement, 0.01) << "it has not even bulged";
   EXPECT_LT(gas_beyond(w, 0.26) - first, 1.225 * 0.05 * 0.05) << "more than what it pushes along";
 }
 

@@ -74,11 +74,12 @@ std::vector<double> bits_of(observe::Watched& world) {
       bits.insert(bits.end(), {r.time, r.pressure, r.density, r.velocity[0], r.velocity[1], r.velocity[2]});
     }
   }
-  if (world.bridge != nullptr) {
-    bits.insert(bits.end(), {world.bridge->awake() ? 1.0 : 0.0, double(world.clock.gas_steps),
-                             double(world.clock.particle_steps), double(world.bridge->traffic().injected),
-                             double(world.bridge->traffic().absorbed), world.bridge->traffic().pressure_work});
-    for (bridge::Amounts const& l : world.bridge->accounts()) {
+  for (Region const& region : world.regions) {
+    if (region.bridge == nullptr) continue;
+    bridge::Traffic const& traffic = region.bridge->traffic();
+    bits.insert(bits.end(), {region.bridge->awake() ? 1.0 : 0.0, double(world.clock.gas_steps), double(region.steps),
+                             double(traffic.injected), double(traffic.absorbed), traffic.pressure_work});
+    for (bridge::Amounts const& l : region.bridge->accounts()) {
       bits.insert(bits.end(), {l.mass[0], l.mass[1], l.momentum[0], l.momentum[1], l.momentum[2], l.energy});
     }
     for (gas::FaceFlux const& flux : world.gas->coupling.watched())
@@ -92,20 +93,21 @@ std::vector<double> bits_of(observe::Watched& world) {
                                p.speed, double(p.open_rings)});
     }
   }
-  if (world.particles == nullptr) return bits;
-  for (int b = 0; b < world.particles->grid().block_count(); ++b) {
-    for (int body = 0; body < static_cast<int>(world.bodies.size()); ++body) {
-      mpm::ParticleSet const& set = world.particles->particles(b, body);
-      bits.push_back(set.size());
-      for (int f = 0; f < mpm::field_count; ++f) append(bits, set.field(static_cast<mpm::Field>(f)), set.size());
+  if (world.regions.empty()) return bits;
+  for (Region const& region : world.regions) {
+    for (int b = 0; b < region.particles->grid().block_count(); ++b) {
+      for (int body = 0; body < static_cast<int>(region.bodies.size()); ++body) {
+        mpm::ParticleSet const& set = region.particles->particles(b, body);
+        bits.push_back(set.size());
+        for (int f = 0; f < mpm::field_count; ++f) append(bits, set.field(static_cast<mpm::Field>(f)), set.size());
+      }
     }
   }
-  for (double const p : world.particles->accounts().constraint_impulse) bits.push_back(p);
-  bits.push_back(world.particles->accounts().outer_work);
-  bits.insert(bits.end(),
-              {world.particles->accounts().dissipation.constraints, world.particles->accounts().dissipation.filtered,
-               world.particles->accounts().dissipation.apic, world.particles->accounts().dissipation.friction,
-               world.particles->accounts().dissipation.damping});
+  mpm::Accounts const booked = world.accounts();
+  for (double const p : booked.constraint_impulse) bits.push_back(p);
+  bits.push_back(booked.outer_work);
+  bits.insert(bits.end(), {booked.dissipation.constraints, booked.dissipation.filtered, booked.dissipation.apic,
+                           booked.dissipation.friction, booked.dissipation.damping});
   AuditMemory const& memory = world.audit.memory;
   bits.insert(bits.end(),
               {memory.scale, memory.all, memory.drift, memory.content, memory.surplus, memory.gas, memory.unlit});
@@ -284,7 +286,7 @@ TEST(State, ReinforcedConcreteGoesOnAfterAnyStep) {
   c.particles.pressures = {push};
   observe::Watched world(c);
   for (int n = 0; n < 40; ++n) step(world);
-  EXPECT_GT(mpm::sums(*world.particles, 0).internal_energy, 0.0);
+  EXPECT_GT(mpm::sums(*world.regions.front().particles, 0).internal_energy, 0.0);
   expect_the_same_after_any_stop(c, 40, 8);
 }
 
@@ -333,8 +335,8 @@ TEST(State, ShakenSoilGoesOnAfterAnyStep) {
   observe::Watched world(shaken_soil());
   for (int n = 0; n < 80; ++n) step(world);
   EXPECT_GT(world.clock.time, 3.1e-3);
-  EXPECT_GT(world.particles->accounts().dissipation.damping, 0.0);
-  EXPECT_NE(world.particles->accounts().constraint_impulse[1], 0.0);
+  EXPECT_GT(world.regions.front().particles->accounts().dissipation.damping, 0.0);
+  EXPECT_NE(world.regions.front().particles->accounts().constraint_impulse[1], 0.0);
   expect_the_same_after_any_stop(shaken_soil(), 80, 3);
 }
 
@@ -342,10 +344,10 @@ TEST(State, TheCaseOfTheParticlesHoldsWhatItClaims) {
   observe::Watched world(everything(mpm::Transfer::flip, mpm::ShapeFunction::bspline, mpm::StressOrder::musl));
   world.sample_gauges();
   for (int n = 0; n < 60; ++n) step(world);
-  EXPECT_GT(world.particles->accounts().losses.particles, 0);
-  EXPECT_NE(world.particles->accounts().outer_work, 0.0);
-  EXPECT_NE(norm(world.particles->accounts().constraint_impulse), 0.0);
-  EXPECT_NE(world.particles->accounts().dissipation.constraints, 0.0);
+  EXPECT_GT(world.regions.front().particles->accounts().losses.particles, 0);
+  EXPECT_NE(world.regions.front().particles->accounts().outer_work, 0.0);
+  EXPECT_NE(norm(world.regions.front().particles->accounts().constraint_impulse), 0.0);
+  EXPECT_NE(world.regions.front().particles->accounts().dissipation.constraints, 0.0);
   EXPECT_GT(world.gauges.particles[0].particles.back().plastic_strain, 0.0);
 }
 
@@ -356,10 +358,10 @@ Case coupled(bool with_plate, mpm::Transfer transfer, mpm::StressOrder order) {
   Case c = air_case(grid::Geometry::planar2d, {64, 24, 1}, 0.01, grid::Boundary::wall);
   c.domain.boundary[1] = grid::Boundary::outflow;
   c.numerics.block_cells = 16;
-  c.mpm_region.emplace();
-  c.mpm_region->boxes = {shape::Box{{0.16, 0.0, 0.0}, {0.64, 0.24, 0.0}}};
-  c.mpm_region->transfer = transfer;
-  c.mpm_region->order = order;
+  c.mpm_regions.emplace_back();
+  c.mpm_regions.front().boxes = {shape::Box{{0.16, 0.0, 0.0}, {0.64, 0.24, 0.0}}};
+  c.mpm_regions.front().transfer = transfer;
+  c.mpm_regions.front().order = order;
   c.particles.options.block_cells = 8;
   c.initial_states = {{shape::Box{{0.0, 0.0, 0.0}, {0.1, 0.12, 0.0}}, {12.0, 4e6, {0.0, 0.0, 0.0}}, false, ""}};
   c.gauges = {{"before", {0.14, 0.1, 0.0}}, {"within", {0.5, 0.1, 0.0}}};
@@ -380,10 +382,10 @@ TEST(State, GasAndParticlesGoOnAfterAnyStep) {
     auto const order = with_plate ? mpm::StressOrder::usl : mpm::StressOrder::musl;
     Case const c = coupled(with_plate, transfer, order);
     observe::Watched world(c);
-    EXPECT_FALSE(world.bridge->awake());
+    EXPECT_FALSE(world.regions.front().bridge->awake());
     for (int n = 0; n < 60; ++n) step(world);
-    EXPECT_TRUE(world.bridge->awake());
-    EXPECT_GT(world.bridge->traffic().injected, 0);
+    EXPECT_TRUE(world.regions.front().bridge->awake());
+    EXPECT_GT(world.regions.front().bridge->traffic().injected, 0);
     expect_the_same_after_any_stop(c, 60, 11);
   }
 }
@@ -485,8 +487,8 @@ TEST(State, WhatMakesNoSenseIsRefused) {
   std::string const of_particles = written(moving);
   ASSERT_EQ(refusal(solid, of_particles), "");
   int block = 0;
-  while (moving.particles->particles(block, 0).size() < 3) ++block;
-  mpm::ParticleSet const& set = moving.particles->particles(block, 0);
+  while (moving.regions.front().particles->particles(block, 0).size() < 3) ++block;
+  mpm::ParticleSet const& set = moving.regions.front().particles->particles(block, 0);
   auto const spoilt = [&](Field field, double value) {
     double const* values = set.field(field);
     std::vector<double> before(values, values + set.size());

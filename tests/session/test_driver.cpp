@@ -376,7 +376,7 @@ TEST(Drive, GoesOnToTheEndWithRigidBodiesAlone) {
     EXPECT_EQ(ending.code, ExitCode::done);
     EXPECT_EQ(ending.reason, "reached the end time 50 us");
     EXPECT_EQ(world.clock.time, 50e-6);
-    EXPECT_EQ(mpm::sums(*world.particles, 0).largest_displacement, 0.0);
+    EXPECT_EQ(mpm::sums(*world.regions.front().particles, 0).largest_displacement, 0.0);
   }
 }
 

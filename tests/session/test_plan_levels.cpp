@@ -205,11 +205,11 @@ TEST_F(PlanLevels, HugeCasesAreEstimatedInNoTime) {
 TEST_F(PlanLevels, BodiesCountOnTheCellsOfTheirRegion) {
   std::string const plate = "[[body]]\nmaterial = \"RHA\"\nshape = \"box\"\nlower = [3, 1.8]\nupper = [3.032, 2.2]\n";
   Plan const p = plan(case_of(charge + plate + "[adaptive]\nfinest = \"8 mm\"\n"));
-  ASSERT_TRUE(p.region);
+  ASSERT_EQ(p.regions.size(), 1U);
   // 4 x 50 cells with 2 x 2 particles in each.
   ASSERT_EQ(p.bodies.size(), 1U);
   EXPECT_EQ(p.bodies[0].particles, 800);
-  EXPECT_LT(p.region->upper[0] - p.region->lower[0], 0.5);
+  EXPECT_LT(p.regions.front().upper[0] - p.regions.front().lower[0], 0.5);
 }
 
 }  // namespace

@@ -61,8 +61,8 @@ Case layer(Geometry geometry, material::Material const& solid) {
 
 template <class Visit>
 void for_points(run::World& world, int body, Visit visit) {
-  for (int b = 0; b < world.particles->grid().block_count(); ++b) {
-    mpm::ParticleSet const& set = world.particles->particles(b, body);
+  for (int b = 0; b < world.regions.front().particles->grid().block_count(); ++b) {
+    mpm::ParticleSet const& set = world.regions.front().particles->particles(b, body);
     for (int q = 0; q < set.size(); ++q) visit(set, q);
   }
 }

@@ -38,8 +38,8 @@ Case disc(mpm::Transfer transfer) {
 
 template <class Visit>
 void for_points(run::World& world, Visit visit) {
-  for (int b = 0; b < world.particles->grid().block_count(); ++b) {
-    mpm::ParticleSet const& set = world.particles->particles(b, 0);
+  for (int b = 0; b < world.regions.front().particles->grid().block_count(); ++b) {
+    mpm::ParticleSet const& set = world.regions.front().particles->particles(b, 0);
     for (int q = 0; q < set.size(); ++q) visit(set, q);
   }
 }
@@ -55,7 +55,7 @@ std::vector<double> velocities(run::World& world) {
 /// About the centre of the disc; of APIC with that of the velocity gradients, whose second moment is h^2/4.
 double angular_momentum(run::World& world) {
   double sum = 0.0;
-  double const h = world.particles->grid().smallest_cell();
+  double const h = world.regions.front().particles->grid().smallest_cell();
   for_points(world, [&](mpm::ParticleSet const& set, int q) {
     double l = (set.field(Field::position_x)[q] - 0.2) * set.field(Field::velocity_y)[q] -
                (set.field(Field::position_y)[q] - 0.2) * set.field(Field::velocity_x)[q];
@@ -73,7 +73,7 @@ TEST(InitialVelocity, OfConstantExpressionsIsTheConstantOne) {
   run::World a = build(constant);
   run::World b = build(expressions);
   EXPECT_EQ(velocities(a), velocities(b));
-  EXPECT_EQ(velocities(a).size(), 3U * static_cast<std::size_t>(mpm::particle_count(*a.particles)));
+  EXPECT_EQ(velocities(a).size(), 3U * static_cast<std::size_t>(a.particle_count()));
   EXPECT_EQ(a.totals().momentum, b.totals().momentum);
 }
 

@@ -203,30 +203,40 @@ bool read_levels(Draft& draft, Section const& section) {
   return sound;
 }
 
-/// The cells that material points see.
-bool read_region_level(Draft& draft) {
-  Section const* region = draft.deck.section("mpm_region");
-  draft.region_level = draft.out.adaptive.finest;
-  if (region == nullptr || !region->given("cell")) return true;
+/// The cells that material points see in a region; nothing after an error.
+std::optional<int> read_region_level(Draft const& draft, Section const& region) {
   int const finest = draft.out.adaptive.finest;
-  auto const level = level_of_cell(draft, *region, "cell", finest > 0 ? finest : most_halvings);
-  if (!level) return false;
+  if (!region.given("cell")) return finest;
+  auto const level = level_of_cell(draft, region, "cell", finest > 0 ? finest : most_halvings);
+  if (!level) return std::nullopt;
   if (*level > 0 && !draft.deck.given("adaptive")) {
-    draft.error(*region, "cell",
+    draft.error(region, "cell",
                 fmt::format("{} needs cells of several sizes: add finest = {} in a table [adaptive]",
-                            region->shown("cell"), region->shown("cell")));
-    return false;
+                            region.shown("cell"), region.shown("cell")));
+    return std::nullopt;
   }
-  if (!level_up_to_finest(draft, *region, "cell")) return false;
+  if (!level_up_to_finest(draft, region, "cell")) return std::nullopt;
   if (*level < draft.out.adaptive.shocks) {
-    draft.error(*region, "cell",
+    draft.error(region, "cell",
                 fmt::format("{} is coarser than the cells of shocks, \"{}\", which would ask for finer cells in the "
                             "region: write this or a smaller size, or make adaptive.shocks coarser",
-                            region->shown("cell"), size_text(draft, draft.out.adaptive.shocks)));
-    return false;
+                            region.shown("cell"), size_text(draft, draft.out.adaptive.shocks)));
+    return std::nullopt;
   }
-  draft.region_level = *level;
-  return true;
+  return level;
+}
+
+/// The same of all regions; false after an error.
+bool read_region_levels(Draft& draft) {
+  std::vector<int> levels;
+  bool sound = true;
+  for (Section const& region : draft.region_sections()) {
+    auto const level = read_region_level(draft, region);
+    sound = sound && level;
+    levels.push_back(level.value_or(0));
+  }
+  draft.region_levels = levels.empty() ? std::vector<int>{draft.out.adaptive.finest} : std::move(levels);
+  return sound;
 }
 
 /// Keys that change nothing.
@@ -285,7 +295,7 @@ void build_adaptive(Draft& draft) {
     if (!sound) return;
     warn_of_unused(draft, *section);
   }
-  if (!read_region_level(draft)) return;
+  if (!read_region_levels(draft)) return;
   draft.domain_known = true;
   build_refinements(draft);
 }

@@ -321,9 +321,9 @@ void check_initial_stress(Draft const& draft) {
   for (std::size_t n = 0; n < p.bodies.size(); ++n) {
     if (!p.bodies[n].lateral_stress) continue;
     try {
-      setup::Overburden overburden(draft.out);
+      setup::Overburden overburden(draft.out, draft.out.domain_around(static_cast<int>(n)));
       constexpr double most_verticals = 64.0;  // in a direction
-      int const cells = std::ranges::max(draft.particle_domain().cells);
+      int const cells = std::ranges::max(draft.particle_domain(static_cast<int>(n)).cells);
       double const vertical = overburden.largest(p.bodies[n], static_cast<int>(std::ceil(cells / most_verticals)));
       if (setup::bears(p.bodies[n].solid, overburden.state(p.bodies[n], vertical))) continue;
       draft.error((*sections)[n], (*sections)[n].given("K0") ? "K0" : "initial_stress",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "deck/draft.hpp"
 #include "deck/keys.hpp"
@@ -92,13 +93,14 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double most_nodes = 2e7;  ///< that are looked at to find one
 
-/// The box whose nodes a body gives mass to; -1: all bodies that are not rigid.
-shape::Box reach_of_bodies(Draft const& draft, int body) {
+/// The box whose nodes a body gives mass to in a region; -1: all bodies there that are not rigid.
+shape::Box reach_of_bodies(Draft const& draft, int region, int body) {
   shape::Box reach{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
   for (std::size_t n = 0; n < draft.body_shapes.size(); ++n) {
     if (body >= 0 ? static_cast<int>(n) != body : is_rigid(draft, n)) continue;
+    if (draft.body_regions[n] != region) continue;
     auto const b = shape::bounds(*draft.body_shapes[n]);
-    double const h = draft.particle_domain().h;
+    double const h = draft.particle_domain(static_cast<int>(n)).h;
     for (int d = 0; d < 3; ++d) {
       reach.lower[d] = std::min(reach.lower[d], b.lower[d] - h);
       reach.upper[d] = std::max(reach.upper[d], b.upper[d] + h);
@@ -107,10 +109,10 @@ shape::Box reach_of_bodies(Draft const& draft, int body) {
   return reach;
 }
 
-/// A node of the grid within a box that all the places hold.
-std::optional<Vec3> constrained_node(Draft const& draft, std::vector<shape::Shape const*> const& regions,
+/// A node of the grid of an MPM region within a box that all the places hold.
+std::optional<Vec3> constrained_node(Draft const& draft, int number, std::vector<shape::Shape const*> const& regions,
                                      shape::Box const& within) {
-  grid::Domain const domain = draft.particle_domain();
+  grid::Domain const domain = draft.out.domain_of(draft.region_levels[static_cast<std::size_t>(number)]);
   shape::Box box = within;
   for (shape::Shape const* region : regions) box = overlap(box, shape::bounds(*region));
   constexpr int beyond = 2;  // nodes behind an open face belong to bodies there
@@ -146,10 +148,11 @@ std::string prescribed_text(mpm::Constraint const& c, int d) {
   return c.history ? std::string("a motion over time") : fmt::format("{} m/s", c.velocity[d]);
 }
 
-void check_contradictions(Draft const& draft, std::size_t number) {
+/// The constraint of that number against the others, at the nodes of a region.
+void check_contradictions(Draft const& draft, int region, std::size_t number) {
   mpm::Constraint const& c = draft.out.particles.constraints[number];
   Section const& section = *draft.constraint_sections[number];
-  shape::Box const reach = reach_of_bodies(draft, c.body);
+  shape::Box const reach = reach_of_bodies(draft, region, c.body);
   std::string_view const key = section.given("velocity")  ? "velocity"
                                : section.given("history") ? "history"
                                : section.given("kind")    ? "kind"
@@ -160,8 +163,8 @@ void check_contradictions(Draft const& draft, std::size_t number) {
     for (int d = 0; d < draft.dims(); ++d) {
       if (!c.components[static_cast<std::size_t>(d)] || !other.components[static_cast<std::size_t>(d)]) continue;
       if (!c.history && !other.history && c.velocity[d] == other.velocity[d]) continue;
-      auto const node =
-          constrained_node(draft, {&c.within, &other.within}, overlap(reach, reach_of_bodies(draft, other.body)));
+      auto const node = constrained_node(draft, region, {&c.within, &other.within},
+                                         overlap(reach, reach_of_bodies(draft, region, other.body)));
       if (!node) continue;
       draft.error(
           section, key,
@@ -183,11 +186,11 @@ void check_contradictions(Draft const& draft, std::size_t number) {
     double const plane = f % 2 == 0 ? draft.out.domain.lower[d] : draft.out.domain.upper(d);
     shape::Box at_plane = reach;
     // Not the nodes that a body beside the plane only reaches.
-    double const h = draft.particle_domain().h;
+    double const h = draft.out.domain_of(draft.region_levels[static_cast<std::size_t>(region)]).h;
     if (reach.lower[d] + h > plane + draft.tiny() || reach.upper[d] - h < plane - draft.tiny()) continue;
     at_plane.lower[d] = plane - draft.tiny();
     at_plane.upper[d] = plane + draft.tiny();
-    auto const node = constrained_node(draft, {&c.within}, at_plane);
+    auto const node = constrained_node(draft, region, {&c.within}, at_plane);
     if (!node) continue;
     draft.warn(
         section, c.history ? "history" : "velocity",
@@ -205,6 +208,8 @@ void check_constraints(Draft const& draft) {
   bool const known = std::all_of(draft.body_shapes.begin(), draft.body_shapes.end(), [](auto const& s) { return s; });
   if (!draft.domain_known || !draft.boundaries_known || !known) return;
   shape::Box const everywhere = shape::bounds(shape::Everywhere{});
+  std::vector<int> regions(draft.region_levels.size());
+  std::iota(regions.begin(), regions.end(), 0);
   for (std::size_t n = 0; n < draft.out.particles.constraints.size(); ++n) {
     mpm::Constraint const& c = draft.out.particles.constraints[n];
     Section const& section = *draft.constraint_sections[n];
@@ -217,15 +222,20 @@ void check_constraints(Draft const& draft) {
     }
     if (section.given("within")) {
       auto const b = shape::bounds(c.within);
-      double const h = draft.particle_domain().h;
+      // A finer grid has all nodes of a coarser one.
+      auto const finest = std::ranges::max_element(draft.region_levels);
+      int const finest_region = c.body >= 0 ? draft.body_regions[static_cast<std::size_t>(c.body)]
+                                            : static_cast<int>(finest - draft.region_levels.begin());
+      grid::Domain const domain = draft.out.domain_of(draft.region_levels[static_cast<std::size_t>(finest_region)]);
+      double const h = domain.h;
       double nodes = 1.0;
       bool outside = false;
       for (int d = 0; d < draft.dims(); ++d) {
         outside = outside || !(b.upper[d] > draft.out.domain.lower[d] && b.lower[d] < draft.out.domain.upper(d));
-        nodes *= std::max(1.0, std::min((b.upper[d] - b.lower[d]) / h, 1.0 * draft.particle_domain().cells[d]));
+        nodes *= std::max(1.0, std::min((b.upper[d] - b.lower[d]) / h, 1.0 * domain.cells[d]));
       }
       if (outside) continue;  // reported
-      if (nodes < most_nodes / 4.0 && !constrained_node(draft, {&c.within}, everywhere)) {
+      if (nodes < most_nodes / 4.0 && !constrained_node(draft, finest_region, {&c.within}, everywhere)) {
         Section const& region = *section.section("within");
         draft.report.error(
             region.place_of(place_key(region)), region.path,
@@ -234,13 +244,15 @@ void check_constraints(Draft const& draft) {
                         h));
         continue;
       }
-      shape::Box const reach = reach_of_bodies(draft, c.body);
-      if (nodes < most_nodes / 4.0 && !constrained_node(draft, {&c.within}, reach)) {
+      auto const holds_some = [&](int of) {
+        return constrained_node(draft, of, {&c.within}, reach_of_bodies(draft, of, c.body)).has_value();
+      };
+      if (nodes < most_nodes / 4.0 && std::ranges::none_of(regions, holds_some)) {
         draft.warn(section, "within",
                    "contains no node of a body at the start: it has no effect until a body arrives there");
       }
     }
-    check_contradictions(draft, n);
+    for (int const region : regions) check_contradictions(draft, region, n);
   }
 }
 

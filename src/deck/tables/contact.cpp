@@ -53,6 +53,17 @@ void build_contacts(Draft& draft) {
                               (*names)[0], (*names)[1]));
       return;
     }
+    if (int const of_first = draft.body_regions[static_cast<std::size_t>(*first)],
+        of_second = draft.body_regions[static_cast<std::size_t>(*second)];
+        of_first != of_second) {
+      draft.error(
+          section, "bodies",
+          fmt::format("{} is in {} and {} in {}, and bodies of different MPM regions never touch: put both into "
+                      "one region, or remove the contact",
+                      (*names)[0], draft.region_sections()[static_cast<std::size_t>(of_first)].path, (*names)[1],
+                      draft.region_sections()[static_cast<std::size_t>(of_second)].path));
+      return;
+    }
     for (mpm::Contact const& other : draft.out.particles.contacts) {
       if (std::minmax(other.first, other.second) != std::minmax(*first, *second)) continue;
       draft.error(section, "bodies",

@@ -42,7 +42,7 @@ Table const& deck_schema() {
          nested(Type::tables, "surface_pressure", surface_pressure_table()),
          nested(Type::tables, "reinforcement", reinforcement_table()),
          nested(Type::table, "points", particles_table()),
-         nested(Type::table, "mpm_region", mpm_region_table()),
+         nested(Type::tables, "mpm_region", mpm_region_table()).or_one(),
          nested(Type::table, "numerics", numerics_table()),
          nested(Type::table, "output", output_table()),
          nested(Type::table, "end", end_table()).required().like("time = \"10 ms\""),
@@ -144,6 +144,7 @@ Draft build_case(Section const& deck, Report& report) {
     build_adaptive(draft);
     if (draft.has_bodies()) {
       build_bodies(draft);
+      assign_bodies(draft);
       build_constraints(draft);
       build_contacts(draft);
       build_surface_pressures(draft);
@@ -162,7 +163,7 @@ Draft build_case(Section const& deck, Report& report) {
     build_gauges(draft);
   }
   build_particles(draft);
-  if (draft.geometry_known) build_mpm_region(draft);
+  if (draft.geometry_known) build_mpm_regions(draft);
   check_initial_stress(draft);  // on the cells of the region
   build_ideal_products(draft);
   build_end(draft);

@@ -38,6 +38,11 @@ Settings<run::MpmRegion> const& extent() {
           .note("none")
           .like("[{lower = [0, 0], upper = [1, 2]}, {lower = [1, 0], upper = [2, 1]}]")
           .means("Several boxes, instead of `box`: the region is their union"),
+      typed(Type::names, "bodies")
+          .note("those in its boxes; all where there is one region")
+          .like("[\"plate\", \"frame\"]")
+          .means("With several regions: names of the bodies that this one surrounds. A region without `box` or `boxes` "
+                 "needs it"),
       {&R::margin,
        typed(Type::integer, "margin", "1", 1, 1e6)
            .note("`width` + 10")
@@ -120,7 +125,9 @@ Table const& mpm_region_table() {
       "table, bodies are always surrounded by the gas of `[ambient]`. The bridge lies along the inside of the region, "
       "`width` cells thick; there, gas cells and particles are both computed. Solids must stay `width` + 2 cells away "
       "from the faces of the region; charges and obstacles must stay 4 cells outside it. The region is inactive until "
-      "a wave comes near.",
+      "a wave comes near. Several tables `[[mpm_region]]` give several regions, each with settings and, with "
+      "`[adaptive]`, a cell size of its own: each body belongs to one of them, and between two regions there must be "
+      "some cells of gas. A message says how many.",
       joined(extent().keys(), method().keys()),
       {},
       {}};
@@ -159,13 +166,14 @@ void products_of_bodies(Draft& draft) {
 }
 
 /// Fluids that slip share one field of the grid and have no contact of their own.
-void contacts_of_fluids(Draft const& draft, run::MpmRegion const& region) {
+void contacts_of_fluids(Draft const& draft) {
   auto const* const sections = draft.deck.sections("contact");
   auto const& contacts = draft.out.particles.contacts;
-  if (!region.slip || sections == nullptr || sections->size() != contacts.size()) return;
+  if (sections == nullptr || sections->size() != contacts.size()) return;
   for (std::size_t n = 0; n < contacts.size(); ++n) {
     for (int const body : {contacts[n].first, contacts[n].second}) {
       if (body >= static_cast<int>(draft.out.particles.bodies.size())) return;  // there were errors
+      if (!draft.out.mpm_regions[draft.out.region_with(body)].slip) continue;
       run::Body const& fluid = draft.out.particles.bodies[body];
       if (fluid.rigid || fluid.solid.has_deviator()) continue;
       draft.error((*sections)[n], "bodies",
@@ -227,52 +235,87 @@ bool region_boxes(Draft const& draft, Section const& section, run::MpmRegion& re
   return sound;
 }
 
-}  // namespace
+/// The table of a region; false after an error that leaves open where the region lies.
+bool read_region(Draft& draft, Section const& section, run::MpmRegion& region) {
+  extent().read(section, region);
+  method().read(section, region);
+  bool sound = region_boxes(draft, section, region) && !section.doubtful();
+  for (auto const* key : {"margin", "width"}) sound = sound && !section.broken(key);
+  if (section.given("bodies") && !draft.has_bodies()) {
+    draft.error(section, "bodies", "there are no bodies in this deck: remove the key");
+    return false;
+  }
+  bool const without_bodies = draft.has_several_regions() ? draft.bodies_assigned : !draft.has_bodies();
+  if (sound && draft.domain_known && region.boxes.empty() && region.bodies.empty() && without_bodies) {
+    sound = false;
+    draft.error(section, "box",
+                draft.has_several_regions() && !draft.body_names.empty()
+                    ? "nothing says where the MPM region lies: give its box, or name the bodies that it surrounds, for "
+                      "example bodies = [\"" +
+                          draft.body_names.front() + "\"]"
+                    : "there is no body around which the MPM region could be placed: give its box, for example box = "
+                      "{lower = [0, 0, 0], upper = [1, 1, 1]}");
+  }
+  return sound;
+}
 
-void build_mpm_region(Draft& draft) {
-  if (!draft.has_gas || (!draft.has_bodies() && !draft.deck.given("mpm_region")) || draft.deck.broken("mpm_region"))
-    return;
-  run::MpmRegion region;
-  region.level = draft.region_level;
-  Section const* section = draft.deck.section("mpm_region");
-  bool sound = draft.domain_known && draft.boundaries_known;
-  if (section != nullptr) {
-    extent().read(*section, region);
-    method().read(*section, region);
-    sound = region_boxes(draft, *section, region) && !section->doubtful() && sound;
-    for (auto const* key : {"margin", "width"}) sound = sound && !section->broken(key);
-  }
-  if (section == nullptr) warn_if_only_gauges(draft);
-  bool const automatic = region.boxes.empty();
-  // Bodies with an error of their own leave open where the region would be.
-  bool const bodies_known =
-      std::all_of(draft.body_shapes.begin(), draft.body_shapes.end(), [](auto const& s) { return s; });
-  if (automatic && !draft.has_bodies() && sound) {
-    draft.error(*section, "box",
-                "there is no body around which the MPM region could be placed: give its box, for example box = {lower "
-                "= [0, 0, 0], upper = [1, 1, 1]}");
-    return;
-  }
-  draft.out.mpm_region = region;
-  products_of_bodies(draft);
-  contacts_of_fluids(draft, region);
-  if (!sound || (draft.has_bodies() && (!bodies_known || draft.body_shapes.empty()))) return;
+/// The cells of a region, where it fits the domain and what else there is.
+std::optional<bridge::Region> placed_region(Draft const& draft, std::size_t number) {
+  auto const& sections = draft.region_sections();
+  run::MpmRegion const& region = draft.out.mpm_regions[number];
   try {
-    check_mpm_region(draft, setup::region_of(draft.out));
+    bridge::Region placed = setup::region_of(draft.out, number);
+    check_mpm_region(draft, placed, number);
+    return placed;
   } catch (InputError const& problem) {
-    std::string const hint = automatic ? fmt::format(
-                                             "; this is the box around the bodies with a margin of {} cells: write "
-                                             "[mpm_region] with a box or another margin",
-                                             setup::margin_of(region))
-                                       : "";
-    bool const given = section != nullptr;
-    std::string_view const key = given && section->given("boxes") ? "boxes" : "box";
-    if (given) {
-      draft.error(*section, key, problem.what() + hint);
-    } else {
+    std::string const hint = region.boxes.empty() ? fmt::format(
+                                                        "; this is the box around the bodies with a margin of {} "
+                                                        "cells: write [mpm_region] with a box or another margin",
+                                                        setup::margin_of(region))
+                                                  : "";
+    if (sections.empty()) {
       draft.report.error(draft.deck.place_of("body"), "mpm_region", problem.what() + hint);
+    } else {
+      Section const& section = sections[number];
+      draft.error(section, section.given("boxes") ? "boxes" : "box", problem.what() + hint);
     }
   }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void build_mpm_regions(Draft& draft) {
+  if (!draft.has_gas || (!draft.has_bodies() && !draft.deck.given("mpm_region")) || draft.deck.broken("mpm_region"))
+    return;
+  auto const& sections = draft.region_sections();
+  if (sections.empty() && draft.deck.given("mpm_region")) {
+    draft.error(draft.deck, "mpm_region", "the list of MPM regions is empty: remove the key, or write [[mpm_region]]");
+    return;
+  }
+  if (sections.empty()) warn_if_only_gauges(draft);
+  bool sound = draft.domain_known && draft.boundaries_known;
+  std::vector<run::MpmRegion> regions(draft.region_levels.size());
+  for (std::size_t n = 0; n < draft.body_regions.size(); ++n) {
+    auto const number = static_cast<std::size_t>(draft.body_regions[n]);
+    regions[number].bodies.push_back(static_cast<int>(n));
+  }
+  for (std::size_t n = 0; n < regions.size(); ++n) {
+    regions[n].level = draft.region_levels[n];
+    if (!sections.empty()) sound = read_region(draft, sections[n], regions[n]) && sound;
+  }
+  draft.out.mpm_regions = std::move(regions);
+  products_of_bodies(draft);
+  contacts_of_fluids(draft);
+  // Bodies with an error of their own leave open where a region would be.
+  bool const bodies_known = draft.bodies_assigned && std::all_of(draft.body_shapes.begin(), draft.body_shapes.end(),
+                                                                 [](auto const& s) { return s; });
+  if (!sound || (draft.has_bodies() && (!bodies_known || draft.body_shapes.empty()))) return;
+  std::vector<bridge::Region> placed;
+  for (std::size_t n = 0; n < draft.out.mpm_regions.size(); ++n) {
+    if (auto region = placed_region(draft, n)) placed.push_back(std::move(*region));
+  }
+  if (placed.size() == draft.out.mpm_regions.size()) check_together(draft, placed);
 }
 
 }  // namespace brisance::deck

@@ -17,9 +17,8 @@ constexpr int samples = 4;  ///< per cell and direction, where shapes are looked
 
 /// Where the shape meets cells that are wrong for it, in a box where that is enough; nothing: nowhere.
 template <class Wrong>
-std::optional<Vec3> wrong_place(Draft const& draft, shape::Shape const& shape, bool by_centres, Wrong&& wrong,
-                                std::optional<shape::Box> const& within = {}) {
-  grid::Domain const domain = draft.particle_domain();
+std::optional<Vec3> wrong_place(Draft const& draft, grid::Domain const& domain, shape::Shape const& shape,
+                                Wrong&& wrong, std::optional<shape::Box> const& within = {}) {
   auto bounds = shape::bounds(shape);
   for (int d = 0; within && d < draft.dims(); ++d) {
     bounds.lower[d] = std::max(bounds.lower[d], within->lower[d]);
@@ -35,7 +34,7 @@ std::optional<Vec3> wrong_place(Draft const& draft, shape::Shape const& shape, b
     first[d] = cell(bounds.lower[d] + draft.tiny());
     last[d] = cell(bounds.upper[d] - draft.tiny());
   }
-  int const parts = by_centres ? 1 : samples;
+  int const parts = samples;
   Index3 count{1, 1, 1};
   for (int d = 0; d < draft.dims(); ++d) count[d] = parts;
   for (int k = first[2]; k <= last[2]; ++k) {
@@ -57,11 +56,11 @@ std::optional<Vec3> wrong_place(Draft const& draft, shape::Shape const& shape, b
 
 void check_body_place(Draft const& draft, bridge::Region const& region, std::size_t index) {
   int const keep = region.width() + 2;
-  auto const place = wrong_place(draft, *draft.body_shapes[index], false,
+  grid::Domain const domain = draft.particle_domain(static_cast<int>(index));
+  auto const place = wrong_place(draft, domain, *draft.body_shapes[index],
                                  [&](Index3 const& cell) { return region.layer(cell) <= keep; });
   if (!place) return;
   Section const& section = (*draft.deck.sections("body"))[index];
-  grid::Domain const domain = draft.particle_domain();
   Index3 cell{0, 0, 0};
   for (int d = 0; d < draft.dims(); ++d) cell[d] = static_cast<int>(std::floor(domain.in_cells(d, (*place)[d])));
   int const layer = region.layer(cell);
@@ -77,9 +76,9 @@ void check_body_place(Draft const& draft, bridge::Region const& region, std::siz
 
 }  // namespace
 
-void check_mpm_region(Draft const& draft, bridge::Region const& region) {
-  for (std::size_t i = 0; i < draft.body_shapes.size(); ++i) check_body_place(draft, region, i);
-  grid::Domain const domain = draft.particle_domain();
+void check_mpm_region(Draft const& draft, bridge::Region const& region, std::size_t number) {
+  for (int const body : draft.out.bodies_of(number)) check_body_place(draft, region, static_cast<std::size_t>(body));
+  grid::Domain const domain = draft.out.region_domain(number);
   // The region and the cells beside it that act as particles.
   std::vector<Index3> near;
   for (Index3 const& cell : region.proxy_cells()) near.push_back(region.clamped(cell));
@@ -101,7 +100,7 @@ void check_mpm_region(Draft const& draft, bridge::Region const& region) {
     return region.inside(cell) || std::binary_search(near.begin(), near.end(), cell);
   };
   for (auto const& [section, shape] : draft.charge_shapes) {
-    auto place = wrong_place(draft, shape, false, taken, around);
+    auto place = wrong_place(draft, domain, shape, taken, around);
     // One between the places that are looked at is small, and its middle counts.
     Vec3 const middle = shape::centre(shape);
     Index3 cell{0, 0, 0};

@@ -108,11 +108,12 @@ void reinforcement(Draft& draft, Section const& section) {
     draft.error(section, "to", "is the same point as `from`, so the bar has no length");
     return;
   }
-  if (bar.diameter >= 2.0 * draft.particle_domain().h) {
+  double const h = draft.particle_domain(bar.body).h;
+  if (bar.diameter >= 2.0 * h) {
     draft.error(section, "diameter",
                 fmt::format("{} is two cells of {:g} m or more, so the grid resolves this bar: make it a [[body]] with "
                             "shape = \"cylinder\" and cut it out of the other",
-                            section.shown("diameter"), draft.particle_domain().h));
+                            section.shown("diameter"), h));
     return;
   }
   Vec3 step{0.0, 0.0, 0.0};

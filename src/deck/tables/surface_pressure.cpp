@@ -142,9 +142,8 @@ bool curved_layer(Draft const& draft, Section const& section, double specified, 
 }
 
 /// Has the body particles in the loaded layer of a surface pressure?
-bool has_particles_in(Draft const& draft, shape::Shape const& body, shape::Shape const& layer,
+bool has_particles_in(Draft const& draft, grid::Domain fine, shape::Shape const& body, shape::Shape const& layer,
                       long particles_per_cell) {
-  grid::Domain fine = draft.particle_domain();
   fine.h /= static_cast<double>(particles_per_cell);
   for (int d = 0; d < draft.dims(); ++d) fine.cells[d] *= static_cast<int>(particles_per_cell);
   shape::CellRange range = shape::cells_around(body, fine);
@@ -169,6 +168,7 @@ struct Loaded {
   shape::Shape const& body;
   shape::Shape within;  ///< of space
   shape::Box reach;     ///< of the body in it
+  grid::Domain cells;   ///< that its particles see
   long per_cell;        ///< particles of the body, per direction
   double layer;         ///< thickness of a layer of particles [m]
   double specified;     ///< thickness of what takes the pressure [m]
@@ -217,8 +217,9 @@ std::optional<Loaded> loaded_part(Draft const& draft, Section const& section, st
   auto const b = shape::bounds(*body);
   shape::Box reach{b.lower, b.upper};
   if (section.given("within") && !meets(draft, section, region, reach)) return std::nullopt;
-  double const layer = draft.particle_domain().h / static_cast<double>(*per_cell);
-  return Loaded{*body, std::move(region), reach, *per_cell, layer, section.number("thickness").value_or(layer)};
+  grid::Domain const cells = draft.particle_domain(static_cast<int>(number));
+  double const layer = cells.h / static_cast<double>(*per_cell);
+  return Loaded{*body, std::move(region), reach, cells, *per_cell, layer, section.number("thickness").value_or(layer)};
 }
 
 /// Is there so much of the body below the loaded face?
@@ -244,10 +245,9 @@ bool deep_enough(Draft const& draft, Section const& section, Loaded const& part)
 std::vector<shape::Facet> seen_surface(Draft const& draft, Loaded const& part, Vec3 const& normal, bool& flat) {
   std::vector<shape::Facet> facets;
   flat = true;
-  for (shape::Facet const& f :
-       shape::surface(part.body, part.within, draft.particle_domain(), facets_per_layer * part.layer)) {
+  for (shape::Facet const& f : shape::surface(part.body, part.within, part.cells, facets_per_layer * part.layer)) {
     double const along = dot(f.area, normal) / norm(f.area);
-    if (along < 1e-9 || !shape::is_clear(part.body, draft.particle_domain(), f.x, normal, 0.05 * part.layer)) continue;
+    if (along < 1e-9 || !shape::is_clear(part.body, part.cells, f.x, normal, 0.05 * part.layer)) continue;
     flat = flat && along > 1.0 - 1e-9 && std::abs(f.x[part.direction] - part.face) < draft.tiny();
     facets.push_back(f);
   }
@@ -274,7 +274,7 @@ bool flat_layer(Draft const& draft, Section const& section, Loaded const& part, 
   slab.upper[d] = part.high ? part.face + part.layer : side;
   pressure.within =
       section.given("within") ? shape::combine(shape::Operation::intersection, {part.within, slab}) : slab;
-  if (has_particles_in(draft, part.body, pressure.within, part.per_cell)) return true;
+  if (has_particles_in(draft, part.cells, part.body, pressure.within, part.per_cell)) return true;
   draft.report.error(section.place_of("within"), section.path_of(section.given("within") ? "within" : "normal"),
                      fmt::format("no material point of the body lies in the loaded layer, {:.4g} m below the face at "
                                  "{} = {:.6g} m: move it, or make it larger than the particle spacing, {:.4g} m",
@@ -287,8 +287,7 @@ bool loaded_layer(Draft const& draft, Section const& section, mpm::SurfacePressu
   auto part = loaded_part(draft, section, static_cast<std::size_t>(pressure.body));
   if (!part) return false;
   if (!section.given("normal")) {
-    pressure.surface =
-        shape::surface(part->body, part->within, draft.particle_domain(), facets_per_layer * part->layer);
+    pressure.surface = shape::surface(part->body, part->within, part->cells, facets_per_layer * part->layer);
     if (pressure.surface.empty()) {
       draft.report.error(section.place_of("within"), section.path_of("within"),
                          "it contains no part of the surface of the body: move it, or make it larger");

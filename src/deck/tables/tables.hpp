@@ -88,9 +88,13 @@ void warn_of_fluids_in_empty_space(Draft const& draft);
 [[nodiscard]] Table const& particles_table();
 void build_particles(Draft& draft);
 [[nodiscard]] Table const& mpm_region_table();
-void build_mpm_region(Draft& draft);
-/// Bodies, charges and obstacles that do not go with the region.
-void check_mpm_region(Draft const& draft, bridge::Region const& region);
+/// Which of the regions holds each body.
+void assign_bodies(Draft& draft);
+void build_mpm_regions(Draft& draft);
+/// Bodies, charges and obstacles that do not go with a region.
+void check_mpm_region(Draft const& draft, bridge::Region const& region, std::size_t number);
+/// Regions whose settings or places do not go together; `regions`: all of the case.
+void check_together(Draft const& draft, std::vector<bridge::Region> const& regions);
 [[nodiscard]] Table const& constraint_table();
 void build_constraints(Draft& draft);
 [[nodiscard]] Table const& contact_table();
