@@ -108,14 +108,14 @@ TEST(Plan, TellsTheCellsOfEachLevel) {
   ASSERT_TRUE(result.case_);
   Plan const p = plan(*result.case_);
   std::string const text = plan_text(*result.case_, p);
-  // The charge is in the middle of four blocks of 16 x 16 cells, and of the domain.
-  EXPECT_NE(text.find("cells        level 0: 0 of 64 mm, level 1: 4096 of 32 mm (at the start, in 16 blocks)\n"),
+  // The charge is in the middle of four blocks of 16 x 16 cells, and of the domain: a quarter of each is finer.
+  EXPECT_NE(text.find("cells        level 0: 768 of 64 mm, level 1: 1024 of 32 mm (at the start, in 8 blocks)\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("of the coarsest cells, each finer level twice as many"), std::string::npos) << text;
   nlohmann::json const json = plan_json(*result.case_, p);
   ASSERT_EQ(json["levels"].size(), 2U);
-  EXPECT_EQ(json["levels"][1]["cells_at_start"], 4096.0);
+  EXPECT_EQ(json["levels"][1]["cells_at_start"], 1024.0);
   EXPECT_EQ(json["levels"][1]["cell_size"], 0.032);
   EXPECT_TRUE(
       plan_json(small_case("[end]\ntime = 1e-3\n"), plan(small_case("[end]\ntime = 1e-3\n")))["levels"].empty());

@@ -54,7 +54,7 @@ TEST_P(LevelChanges, LoseNothingAndLeaveNoMemoryBehind) {
   Content const before(problem);
   std::minstd_rand random(13);
   int const changes = changes_in(dims);
-  // Memory is compared with all blocks merged, after a tenth of the changes and at the end.
+  // Memory is compared with all blocks merged, after half of the changes and at the end.
   auto const merged = [&] {
     for (int level = 0; level < 3; ++level) {
       problem.forest->adapt(std::vector<std::int8_t>(problem.forest->leaves().size(), -1), 2);
@@ -68,7 +68,7 @@ TEST_P(LevelChanges, LoseNothingAndLeaveNoMemoryBehind) {
     problem.regrid(random, 2);
     left_coarse += problem.leaves_left_coarse();
     problem.step(0.5);
-    if (n == changes / 10) first = merged();
+    if (n == changes / 2) first = merged();
   }
   EXPECT_GT(left_coarse, 0U);
   EXPECT_LT(merged(), first + (1L << 16));
