@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "cases.hpp"
-#include "core/archive.hpp"
+#include "checkpoint_bytes.hpp"
 #include "core/parallel.hpp"
 
 namespace brisance::run {
@@ -85,24 +84,6 @@ INSTANTIATE_TEST_SUITE_P(Geometries, RunLevels,
                          [](auto const& of) {
                            return std::string(word_of(of.param)).substr(0, 6) + std::to_string(of.index);
                          });
-
-std::string written(World& world) {
-  std::string bytes;
-  Archive a([&](void const* from, std::size_t count) { bytes.append(static_cast<char const*>(from), count); });
-  world.archive(a);
-  return bytes;
-}
-
-void read(World& world, std::string const& bytes) {
-  Archive a(
-      [&, at = std::size_t{0}](void* to, std::size_t count) mutable {
-        std::memcpy(to, bytes.data() + at, count);
-        at += count;
-      },
-      bytes.size());
-  world.archive(a);
-  a.end();
-}
 
 std::vector<double> bits_of(World const& w) {
   std::vector<double> bits{w.clock.time, w.clock.dt, double(w.clock.step), double(w.grid.block_count())};

@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "cases.hpp"
-#include "core/archive.hpp"
+#include "checkpoint_bytes.hpp"
 #include "core/parallel.hpp"
 #include "setup/levels.hpp"
 #include "setup/region_gaps.hpp"
@@ -131,13 +130,6 @@ TEST(Regions, KeepWhatFlowsIntoThemWhileTheySleep) {
   EXPECT_EQ(w.regions[0].steps + w.regions[1].steps, w.clock.particle_steps);
 }
 
-std::string written(observe::Watched& world) {
-  std::string bytes;
-  Archive a([&](void const* from, std::size_t count) { bytes.append(static_cast<char const*>(from), count); });
-  world.archive(a);
-  return bytes;
-}
-
 void append(std::vector<double>& bits, double const* values, int count) {
   if (values != nullptr) bits.insert(bits.end(), values, values + count);
 }
@@ -177,17 +169,6 @@ std::vector<double> bits_of(observe::Watched const& w) {
   }
   for (auto const& records : w.gauges.bodies) bits.push_back(records.back().sums.kinetic_energy);
   return bits;
-}
-
-void read(observe::Watched& world, std::string const& bytes) {
-  Archive a(
-      [&, at = std::size_t{0}](void* to, std::size_t count) mutable {
-        std::memcpy(to, bytes.data() + at, count);
-        at += count;
-      },
-      bytes.size());
-  world.archive(a);
-  a.end();
 }
 
 void step(observe::Watched& world) {

@@ -9,31 +9,13 @@
 
 #include "../observe/watched.hpp"
 #include "cases.hpp"
-#include "core/archive.hpp"
+#include "checkpoint_bytes.hpp"
 #include "core/parallel.hpp"
 #include "observe/gas_fields.hpp"
 #include "particles_case.hpp"
 
 namespace brisance::run {
 namespace {
-
-std::string written(observe::Watched& world) {
-  std::string bytes;
-  Archive a([&](void const* from, std::size_t count) { bytes.append(static_cast<char const*>(from), count); });
-  world.archive(a);
-  return bytes;
-}
-
-void read(observe::Watched& world, std::string const& bytes) {
-  Archive a(
-      [&, at = std::size_t{0}](void* to, std::size_t count) mutable {
-        std::memcpy(to, bytes.data() + at, count);
-        at += count;
-      },
-      bytes.size());
-  world.archive(a);
-  a.end();
-}
 
 void append(std::vector<double>& to, double const* from, int count) {
   if (from != nullptr) to.insert(to.end(), from, from + count);
