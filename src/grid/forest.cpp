@@ -258,7 +258,7 @@ std::vector<Origin> Forest::adapt(std::vector<std::int8_t> const& marks, int mos
     leaves_ = leaves_by_p4est(*this, of_leaves, most_level);
     number();
   }
-  std::vector<Origin> const from = origins(before, leaves_, dimensions_);
+  std::vector<Origin> from = origins(before, leaves_, dimensions_);
   if (!is_wanted) return from;
   std::vector<std::uint8_t> may(leaves_.size(), 0);
   for (std::size_t n = 0; n < leaves_.size(); ++n) {
