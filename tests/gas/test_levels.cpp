@@ -384,6 +384,33 @@ TEST_F(Regrid, GivesBackWhatItHasRefined) {
   for (std::size_t n = 0; n < after.size(); ++n) ASSERT_NEAR(after[n], before[n], 1e-13 * (1.0 + std::abs(before[n])));
 }
 
+TEST_F(Regrid, KeepsThePeaksOfCellsThatFinerOnesHaveCovered) {
+  LevelProblem problem = problem_with(Geometry::planar2d, Boundary::wall, 1, 64);
+  problem.options.peak_fields = true;
+  problem.fill([&](Vec3 const& x) {
+    return norm(x - Vec3{0.5, 0.5, 0.0}) < 0.1 ? state(5.0, 0.0, 2e6) : state(1.2, 0.0, 1e5);
+  });
+  ASSERT_GT(problem.leaves_left_coarse(), 0);
+  for (int n = 0; n < 12; ++n) problem.step(0.5);
+  grid::CellRange const all = problem.domain.all_cells();
+  auto const peaks = [&] {
+    std::vector<double> means(all.count(), 0.0);
+    problem.for_each_leaf_cell([&](grid::Block const& block, grid::Cell const& cell) {
+      Index3 index = block.index(cell);
+      for (int d = 0; d < 2; ++d) index[d] >>= block.level;
+      means[all.offset(index)] +=
+          std::ldexp(problem.gas->peaks().overpressure(block.number)[cell.offset], -2 * block.level);
+    });
+    return means;
+  };
+  std::vector<double> const before = peaks();
+  problem.forest->adapt(std::vector<std::int8_t>(problem.forest->leaves().size(), -1), 1);
+  problem.gas->regrid(*problem.grid, *problem.forest);
+  ASSERT_EQ(problem.grid->levels(), 1);
+  std::vector<double> const after = peaks();
+  for (std::size_t n = 0; n < after.size(); ++n) ASSERT_NEAR(after[n], before[n], 1e-12 * (1.0 + before[n])) << n;
+}
+
 /// A burst in the middle of a square, on cells of 1/n or on those and half of them where shocks are; pressures on a
 /// grid of places, and how many cells there were at the end.
 struct Burst {
