@@ -159,6 +159,15 @@ inline LevelProblem problem_with(Geometry geometry, Boundary boundary, int level
   return problem;
 }
 
+/// The same where everything is periodic; around an axis along it, with the axis and a mirror across.
+inline LevelProblem periodic_problem(Geometry geometry, gas::Scheme scheme, int levels, int cells = 32) {
+  bool const radial = geometry == Geometry::axisymmetric2d;
+  LevelProblem problem = problem_with(geometry, radial ? Boundary::symmetry : Boundary::periodic, levels, cells);
+  if (radial) problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::periodic;
+  problem.options.scheme = scheme;
+  return problem;
+}
+
 /// A build without p4est has no levels.
 class OnLevels : public testing::Test {
  protected:

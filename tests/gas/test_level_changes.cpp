@@ -38,10 +38,7 @@ TEST_P(LevelChanges, LoseNothingAndLeaveNoMemoryBehind) {
   auto const [geometry, scheme] = GetParam();
   bool const radial = geometry == Geometry::axisymmetric2d;
   int const dims = grid::dimensions(geometry);
-  LevelProblem problem =
-      problem_with(geometry, radial ? Boundary::symmetry : Boundary::periodic, 1, dims > 2 ? 16 : 32);
-  if (radial) problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::periodic;
-  problem.options.scheme = scheme;
+  LevelProblem problem = periodic_problem(geometry, scheme, 1, dims > 2 ? 16 : 32);
   problem.options.peak_fields = true;
   problem.fluids.count = 2;
   problem.fluids.eos[1] = material::IdealGas{1.25};

@@ -20,12 +20,10 @@ class Levels : public OnLevels, public testing::WithParamInterface<std::tuple<Ge
 TEST_P(Levels, LeaveAUniformStreamUniform) {
   auto const [geometry, scheme] = GetParam();
   bool const radial = geometry == Geometry::axisymmetric2d;
-  LevelProblem problem = problem_with(geometry, radial ? Boundary::symmetry : Boundary::periodic, 2);
-  problem.options.scheme = scheme;
+  LevelProblem problem = periodic_problem(geometry, scheme, 2);
   Mixed stream = state(1.2, 0.0, 1e5);
   // Around an axis only a stream along it is uniform.
   stream.velocity = radial ? Vec3{0.0, 130.0, 0.0} : Vec3{130.0, 70.0, problem.domain.dimensions() > 2 ? 40.0 : 0.0};
-  if (radial) problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::periodic;
   problem.fill([&](Vec3 const&) { return stream; });
   ASSERT_EQ(problem.grid->levels(), 3);
   ASSERT_GT(problem.leaves_left_coarse(), 0);
@@ -42,9 +40,7 @@ TEST_P(Levels, LeaveAUniformStreamUniform) {
 TEST_P(Levels, KeepPressureAndVelocityUniformAcrossAnInterface) {
   auto const [geometry, scheme] = GetParam();
   bool const radial = geometry == Geometry::axisymmetric2d;
-  LevelProblem problem = problem_with(geometry, radial ? Boundary::symmetry : Boundary::periodic, 2);
-  if (radial) problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::periodic;
-  problem.options.scheme = scheme;
+  LevelProblem problem = periodic_problem(geometry, scheme, 2);
   problem.fluids.count = 2;
   problem.fluids.eos[1] = material::IdealGas{1.25};
   int const dims = problem.domain.dimensions();
@@ -163,10 +159,7 @@ TEST_P(Levels, KeepAnInterfaceUniformWhileBlocksComeAndGo) {
   auto const [geometry, scheme] = GetParam();
   bool const radial = geometry == Geometry::axisymmetric2d;
   int const dims = grid::dimensions(geometry);
-  LevelProblem problem =
-      problem_with(geometry, radial ? Boundary::symmetry : Boundary::periodic, 1, dims > 2 ? 16 : 32);
-  if (radial) problem.domain.boundary[2] = problem.domain.boundary[3] = Boundary::periodic;
-  problem.options.scheme = scheme;
+  LevelProblem problem = periodic_problem(geometry, scheme, 1, dims > 2 ? 16 : 32);
   problem.fluids.count = 2;
   problem.fluids.eos[1] = material::IdealGas{1.25};
   Vec3 const velocity = radial ? Vec3{0.0, 300.0, 0.0} : Vec3{300.0, 200.0, dims > 2 ? 100.0 : 0.0};
